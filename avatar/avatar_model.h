@@ -1,0 +1,47 @@
+// An avatar: Gaussians embedded on the triangles of a subject's FLAME mesh.
+//
+// trained by avatar/trainer.h, stored by avatar/avatar_file.h, played by avatar/player.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "splat/gaussians.h"
+
+namespace cosplat {
+
+// Frame in which a Gaussian's colour sees the viewing direction.
+enum class ColorFrame {
+  kSurface,  // d_local = R(q)^T d, q the blended canonical-to-posed rotation at its place
+  kWorld
+};
+
+// The subject's shape at zero expression and pose.
+struct CanonicalMesh {
+  std::vector<float> vertices;                // [V, 3] metres
+  std::vector<std::array<int32_t, 3>> faces;  // [F]
+};
+
+struct AvatarModel {
+  CanonicalMesh mesh;
+  // kPosition: [N, 3] (delta_u, delta_v, d): barycentric offsets from `barycentric`, d along the
+  // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
+  // rotation q and the area ratio are applied.
+  Gaussians gaussians;
+  std::vector<int32_t> triangle;                 // [N] face index
+  std::vector<std::array<float, 2>> barycentric; // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
+  ColorFrame color_frame = ColorFrame::kSurface;
+
+  // The FLAME model it was trained with: never embedded unless its licence allows.
+  std::string flame_name;
+  std::string flame_sha256;
+  std::vector<float> shape;          // the subject's coefficients
+  std::vector<float> static_offset;  // [V, 3] metres, or empty
+  std::array<float, 3> background{1, 1, 1};  // sRGB that it was evaluated on
+
+  size_t size() const { return gaussians.size(); }
+};
+
+}  // namespace cosplat

@@ -1,0 +1,12 @@
+# Every package comes from the distribution; `./run` installs what is missing.
+find_package(PkgConfig REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d)
+find_package(Eigen3 REQUIRED)
+find_package(OpenMesh REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(TBB REQUIRED)
+find_package(hwy REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(CLI11 REQUIRED)
+pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)

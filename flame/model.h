@@ -1,0 +1,50 @@
+// The FLAME head model's arrays (Li et al. 2017): what a model file holds.
+//
+// Model files (flame/io/model_file.h, flame/procedural_head.h) -> FlameModel -> flame/pose.h.
+// Lengths are metres. Nothing here knows Gaussians.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+constexpr int kFlameJoints = 5;  // root, neck, jaw, left eye, right eye
+constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
+
+struct FlameModel {
+  std::string name;     // file name without folders, or "procedural"
+  std::string sha256;   // of the file's bytes; of nothing for the procedural head
+  bool redistributable = false;  // whether its data may be embedded in an avatar file
+
+  int vertex_count = 0;
+  int shape_count = 0;       // S
+  int expression_count = 0;  // E
+
+  std::vector<float> template_vertices;       // [V, 3] metres
+  std::vector<std::array<int32_t, 3>> faces;  // [F] vertex indices, counter-clockwise outside
+  std::vector<float> shape_directions;        // [S, V, 3] metres per unit coefficient
+  std::vector<float> expression_directions;   // [E, V, 3]
+  std::vector<float> pose_directions;         // [36, V, 3], of vec(R_1..4 - I), row-major
+  std::vector<float> joint_regressor;         // [5, V], rows sum to 1
+  std::vector<float> skinning_weights;        // [V, 5], rows sum to 1
+  std::array<int, kFlameJoints> parents{-1, 0, 1, 1, 1};
+};
+
+// Parameters of one frame (or of a subject: shape). Missing trailing coefficients count as zero.
+struct FlameParams {
+  std::vector<float> shape;       // [<= S]
+  std::vector<float> expression;  // [<= E]
+  // Axis-angle per joint, radians: root, neck, jaw, left eye, right eye.
+  std::array<std::array<float, 3>, kFlameJoints> pose{};
+  std::array<float, 3> translation{};  // metres, after skinning
+  std::vector<float> static_offset;    // [V, 3] metres added to the template, or empty
+};
+
+// Throws Error (naming model.name and the array) unless every array has its size, every index is
+// in range, every number is finite and the weights' rows sum to 1.
+void Validate(const FlameModel& model);
+
+}  // namespace cosplat

@@ -1,0 +1,59 @@
+// A tracked head video: images, masks, cameras and FLAME parameters per frame.
+//
+// flame/io/{imavatar,vhap}.cpp read the layouts that trackers write into this one structure; the
+// avatar trainer and the player's driving mode read it. Everything is in metres of the FLAME model:
+// layouts that enlarge the mesh (IMavatar x4) have their camera translations divided instead.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "flame/model.h"
+#include "splat/base/camera.h"
+#include "splat/base/image.h"
+
+namespace cosplat {
+
+struct TrackedFrame {
+  std::string name;        // stem of the image file, or the frame number in a video
+  std::string image_path;  // empty: frame `video_frame` of TrackedVideo::video_path, or no image
+  std::string mask_path;   // empty: alpha from the image's fourth channel, or none
+  int video_frame = -1;
+  int timestep = 0;      // frames with equal timestep show the same instant
+  int camera_index = 0;  // which of several cameras
+  Camera camera;         // at the image's full size
+  FlameParams params;    // shape and static_offset are left empty here: see TrackedVideo
+  bool has_image = true;
+};
+
+struct SkippedFrame {
+  std::string name;
+  std::string reason;
+};
+
+struct TrackedVideo {
+  std::string source;  // folder or file as given
+  std::string layout;  // "imavatar", "vhap"
+  std::string video_path;
+  std::vector<float> shape;          // the subject's
+  std::vector<float> static_offset;  // [V, 3] metres, or empty
+  std::vector<TrackedFrame> train;
+  std::vector<TrackedFrame> test;
+  std::vector<SkippedFrame> skipped;  // frames that cannot be used, each with why
+};
+
+struct TrackOptions {
+  int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
+  int resolution = 1;    // -r: cameras and images are divided by this
+  bool need_images = true;  // false: a driving sequence
+};
+
+// Finds the layout by the files present. Throws Error when there is none, when the set is empty
+// or when more than a third of the frames cannot be used.
+TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
+
+// RGBA at the frame's camera size; alpha 255 everywhere when there is neither mask nor alpha.
+// Throws Error (naming the file) on a missing image or mask or one whose size disagrees.
+Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
+
+}  // namespace cosplat

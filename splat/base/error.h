@@ -1,0 +1,28 @@
+// The one exception type of the project: bad input, named by file, field and value.
+//
+// Commands print what() on one line and exit with code 2; the C ABI turns it into a status code.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace cosplat {
+
+class Error : public std::runtime_error {
+ public:
+  // `file`: the path (or option) that the input came from; `field`: where in it, may be empty;
+  // `problem`: what was found and what was expected, with the offending value.
+  Error(const std::string& file, const std::string& field, const std::string& problem)
+      : std::runtime_error(Format(file, field, problem)) {}
+
+ private:
+  static std::string Format(const std::string& file,
+                            const std::string& field,
+                            const std::string& problem) {
+    std::string text = file;
+    if (!field.empty()) text += text.empty() ? field : ": " + field;
+    return text.empty() ? problem : text + ": " + problem;
+  }
+};
+
+}  // namespace cosplat

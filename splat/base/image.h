@@ -1,0 +1,34 @@
+// Plain images, interleaved rows from the top: what files hold, what the renderer returns, what a
+// loss compares. Values are display-referred sRGB throughout, as in 3DGS: nothing is linearised.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cosplat {
+
+template <class T>
+struct BasicImage {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+  std::vector<T> data;  // [height, width, channels]
+
+  BasicImage() = default;
+  BasicImage(int width, int height, int channels, T fill = T(0))
+      : width(width),
+        height(height),
+        channels(channels),
+        data(size_t(width) * height * channels, fill) {}
+
+  bool empty() const { return data.empty(); }
+  size_t pixels() const { return size_t(width) * height; }
+  T& at(int x, int y, int c) { return data[(size_t(y) * width + x) * channels + c]; }
+  const T& at(int x, int y, int c) const { return data[(size_t(y) * width + x) * channels + c]; }
+};
+
+using Image = BasicImage<float>;     // [0, 1]
+using Image8 = BasicImage<uint8_t>;  // [0, 255]; four channels mean straight (unmultiplied) alpha
+
+}  // namespace cosplat

@@ -1,0 +1,71 @@
+// Image and video files. The only place of the libraries that includes OpenCV for pixels.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "splat/base/camera.h"
+#include "splat/base/image.h"
+
+namespace cosplat {
+
+// Width and height in pixels and number of channels (1, 3 or 4) of an image file.
+struct ImageInfo {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+};
+
+// Reads PNG, JPEG, ... as RGB (3) or RGBA (4) or grey (1), 8 bits; 16-bit files are scaled down.
+// EXIF orientation is ignored, as COLMAP does. Throws Error when the file is missing or broken.
+Image8 ReadImage(const std::string& path);
+
+// Writes a PNG or JPEG (by extension) through a temporary file; 1, 3 or 4 channels.
+void WriteImage(const std::string& path, const Image8& image);
+void WriteImage(const std::string& path, const Image& image);  // clamped to [0, 1], rounded
+
+Image8 ToBytes(const Image& image);
+Image ToFloat(const Image8& image);
+
+// Mean over the covered source area (cv::INTER_AREA); width and height >= 1. Colour is weighted by
+// alpha where there is a fourth channel, so that a background under alpha 0 does not bleed in.
+Image8 ResizeByArea(const Image8& image, int width, int height);
+
+// Removes lens distortion: resamples `image` as if taken by the pinhole `target` of the same pose.
+// `model`: kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order) or kFisheye {k1,k2,k3,k4}.
+struct Distortion {
+  enum class Model { kNone, kBrown, kFisheye } model = Model::kNone;
+  double k[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+};
+Image8 Undistort(const Image8& image,
+                 const Camera& source,
+                 const Distortion& distortion,
+                 const Camera& target);
+
+// Frames of a video file, decoded in order.
+class VideoReader {
+ public:
+  explicit VideoReader(const std::string& path);  // throws Error
+  ~VideoReader();
+  int frame_count() const;
+  Image8 ReadFrame(int index);  // RGB; cheap for index = last + 1
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// MP4 (mp4v) writer; the file appears under its name when Finish() succeeds.
+class VideoWriter {
+ public:
+  VideoWriter(const std::string& path, int width, int height, double frames_per_second);
+  ~VideoWriter();
+  void Write(const Image8& rgb);
+  void Finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cosplat

@@ -1,0 +1,39 @@
+// JSON with errors that name file, field and value. Thin helpers over nlohmann::json.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+using Json = nlohmann::json;
+
+// Parses a file; Error names the file and the line and column of a syntax error.
+Json ReadJson(const std::string& path);
+
+// A value with where it came from. Every accessor throws Error(file, "a.b[3].c", found/expected).
+class JsonField {
+ public:
+  JsonField(const std::string& file, const Json& value) : file_(file), value_(&value) {}
+  bool Has(const std::string& key) const;
+  JsonField operator[](const std::string& key) const;  // Error when absent
+  JsonField operator[](size_t index) const;
+  size_t size() const;  // of an array; Error otherwise
+  double Number() const;  // finite; Error on a NaN, null, string, ...
+  int Integer() const;
+  std::string String() const;
+  // An array of `count` finite numbers (any length when count is 0); nested arrays are flattened.
+  std::vector<float> Numbers(size_t count = 0) const;
+  double NumberOr(const std::string& key, double fallback) const;
+  const std::string& file() const { return file_; }
+  const std::string& path() const { return path_; }
+  const Json& raw() const { return *value_; }
+
+ private:
+  std::string file_;
+  std::string path_;
+  const Json* value_;
+};
+
+}  // namespace cosplat

@@ -1,0 +1,54 @@
+// The Gaussians as a structure of arrays: what is trained, rendered and saved.
+//
+// The same structure holds their gradients and Adam's moments, so that density control and pruning
+// move all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead of a
+// point (avatar/avatar_model.h); everything else means the same.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "splat/buffer.h"
+
+namespace cosplat {
+
+enum class Basis { kDcsh, kSh };
+std::string ToString(Basis basis);
+Basis BasisFromString(const std::string& text);  // Error on anything but "dcsh" or "sh"
+
+enum Attribute {
+  kPosition,      // [N, 3] world units
+  kRotation,      // [N, 4] wxyz, any norm
+  kScaleLog,      // [N, 3] log(world units), standard deviation along the rotated axes
+  kOpacityLogit,  // [N, 1] inverse logistic
+  kColorDc,       // [N, 3] coefficient of the constant function; colour = 0.5 + K0 * dc + ...
+  kColorRest,     // [N, (degree+1)^2 - 1, 3] coefficients of bands 1.., 3DGS's order
+  kAttributeCount
+};
+
+constexpr int kMaxTrainedDegree = 4;
+constexpr int CoefficientCount(int degree) { return (degree + 1) * (degree + 1); }
+
+struct Gaussians {
+  int degree = 0;  // highest band stored
+  Basis basis = Basis::kDcsh;
+  std::array<Buffer<float>, kAttributeCount> values;
+
+  size_t size() const { return values[kOpacityLogit].size(); }
+  // Floats per Gaussian of an attribute.
+  int width(int attribute) const;
+  float* at(Attribute attribute, size_t i) { return values[attribute].data() + i * width(attribute); }
+  const float* at(Attribute attribute, size_t i) const {
+    return values[attribute].data() + i * width(attribute);
+  }
+  // n Gaussians of this degree; new ones are zero.
+  void Resize(size_t n);
+  // Keeps Gaussian source[0], source[1], ... in this order; a source may appear more than once.
+  void Gather(const std::vector<uint32_t>& source);
+  // The same layout, all zero.
+  Gaussians ZerosLike() const;
+};
+
+}  // namespace cosplat

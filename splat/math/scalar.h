@@ -1,0 +1,52 @@
+// The elementary functions that the formulas need of a scalar type T, for float and double.
+// Dual numbers (tests/support/dual.h) and SIMD packs (splat/cpu/pack.h) bring their own overloads.
+#if defined(COSPLAT_SPLAT_MATH_SCALAR_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_SPLAT_MATH_SCALAR_H_
+#undef COSPLAT_SPLAT_MATH_SCALAR_H_
+#else
+#define COSPLAT_SPLAT_MATH_SCALAR_H_
+#endif
+
+#include <cmath>
+
+#include "splat/math/namespace.h"
+
+COSPLAT_MATH_BEGIN
+
+COSPLAT_HD float Sqrt(float x) { return std::sqrt(x); }
+COSPLAT_HD double Sqrt(double x) { return std::sqrt(x); }
+COSPLAT_HD float Exp(float x) { return std::exp(x); }
+COSPLAT_HD double Exp(double x) { return std::exp(x); }
+COSPLAT_HD float Abs(float x) { return std::fabs(x); }
+COSPLAT_HD double Abs(double x) { return std::fabs(x); }
+
+// condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither may
+// trap or make a NaN that matters.
+template <class T>
+COSPLAT_HD T Select(bool condition, const T& a, const T& b) {
+  return condition ? a : b;
+}
+template <class T>
+COSPLAT_HD T Min(const T& a, const T& b) {
+  return Select(a < b, a, b);
+}
+template <class T>
+COSPLAT_HD T Max(const T& a, const T& b) {
+  return Select(a > b, a, b);
+}
+template <class T>
+COSPLAT_HD T Clamp(const T& x, const T& low, const T& high) {
+  return Min(Max(x, low), high);
+}
+template <class T>
+COSPLAT_HD T Sigmoid(const T& x) {
+  return T(1) / (T(1) + Exp(-x));
+}
+// d_x given y = Sigmoid(x).
+template <class T>
+COSPLAT_HD T SigmoidVjp(const T& y, const T& d_y) {
+  return d_y * y * (T(1) - y);
+}
+
+COSPLAT_MATH_END
+#endif
