@@ -17,8 +17,12 @@ COSPLAT_HD float Sqrt(float x) { return std::sqrt(x); }
 COSPLAT_HD double Sqrt(double x) { return std::sqrt(x); }
 COSPLAT_HD float Exp(float x) { return std::exp(x); }
 COSPLAT_HD double Exp(double x) { return std::exp(x); }
+COSPLAT_HD float Log(float x) { return std::log(x); }
+COSPLAT_HD double Log(double x) { return std::log(x); }
 COSPLAT_HD float Abs(float x) { return std::fabs(x); }
 COSPLAT_HD double Abs(double x) { return std::fabs(x); }
+
+COSPLAT_HD bool And(bool a, bool b) { return a && b; }
 
 // condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither may
 // trap or make a NaN that matters.

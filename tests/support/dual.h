@@ -38,6 +38,7 @@ inline Dual Exp(Dual a) {
   const double e = std::exp(a.value);
   return {e, e * a.slope};
 }
+inline Dual Log(Dual a) { return {std::log(a.value), a.slope / a.value}; }
 inline Dual Abs(Dual a) { return a.value < 0 ? -a : a; }
 
 }  // namespace cosplat::test
