@@ -21,6 +21,9 @@ void WriteFileAtomically(const std::string& path, const std::string& content);
 void WriteViaTemporary(const std::string& path,
                        const std::function<void(const std::string& temporary)>& write);
 
+// The name that WriteViaTemporary uses: in the same folder, with the same extension.
+std::string TemporaryPath(const std::string& path);
+
 // Creates a directory and its parents; throws Error with the system's reason.
 void MakeDirectories(const std::string& path);
 

@@ -1,6 +1,8 @@
-// Image and video files. The only place of the libraries that includes OpenCV for pixels.
+// Image and video files. image_io.cpp and video_io.cpp are the only places of the libraries that
+// include OpenCV for pixels.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -16,14 +18,19 @@ struct ImageInfo {
   int channels = 0;
 };
 
+// From the header alone where the file is PNG or JPEG; throws Error as ReadImage does.
+ImageInfo ReadImageInfo(const std::string& path);
+
 // Reads PNG, JPEG, ... as RGB (3) or RGBA (4) or grey (1), 8 bits; 16-bit files are scaled down.
-// EXIF orientation is ignored, as COLMAP does. Throws Error when the file is missing or broken.
+// EXIF orientation is ignored, as COLMAP does. Throws Error when the file is missing, broken or cut
+// off (decoders would return a partial picture).
 Image8 ReadImage(const std::string& path);
 
 // Writes a PNG or JPEG (by extension) through a temporary file; 1, 3 or 4 channels.
 void WriteImage(const std::string& path, const Image8& image);
 void WriteImage(const std::string& path, const Image& image);  // clamped to [0, 1], rounded
 
+// Clamped to [0, 1] and rounded; throws Error naming the pixel when one is not a number.
 Image8 ToBytes(const Image& image);
 Image ToFloat(const Image8& image);
 
@@ -31,7 +38,8 @@ Image ToFloat(const Image8& image);
 // alpha where there is a fourth channel, so that a background under alpha 0 does not bleed in.
 Image8 ResizeByArea(const Image8& image, int width, int height);
 
-// Removes lens distortion: resamples `image` as if taken by the pinhole `target` of the same pose.
+// Removes lens distortion: resamples `image` (bilinear, alpha-weighted; edge pixels repeat outside)
+// as if taken by the pinhole `target` of the same pose.
 // `model`: kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order) or kFisheye {k1,k2,k3,k4}.
 struct Distortion {
   enum class Model { kNone, kBrown, kFisheye } model = Model::kNone;
@@ -42,13 +50,18 @@ Image8 Undistort(const Image8& image,
                  const Distortion& distortion,
                  const Camera& target);
 
-// Frames of a video file, decoded in order.
+// Where the pinhole ray through pixel (x, y) of `target` meets the distorted image `source`, px.
+std::array<double, 2> DistortedPixel(
+    const Camera& source, const Distortion& distortion, const Camera& target, double x, double y);
+
+// Frames of a video file, decoded in order. May be called from several threads, one at a time.
 class VideoReader {
  public:
   explicit VideoReader(const std::string& path);  // throws Error
   ~VideoReader();
   int frame_count() const;
-  Image8 ReadFrame(int index);  // RGB; cheap for index = last + 1
+  // RGB; cheap for index = last + 1, an earlier one decodes from the start again. Throws Error.
+  Image8 ReadFrame(int index);
 
  private:
   struct Impl;

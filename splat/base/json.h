@@ -19,7 +19,7 @@ class JsonField {
   bool Has(const std::string& key) const;
   JsonField operator[](const std::string& key) const;  // Error when absent
   JsonField operator[](size_t index) const;
-  size_t size() const;  // of an array; Error otherwise
+  size_t size() const;    // of an array; Error otherwise
   double Number() const;  // finite; Error on a NaN, null, string, ...
   int Integer() const;
   std::string String() const;

@@ -22,7 +22,7 @@ class Npz {
   Npz() = default;
   // Reads every array of numbers (text arrays are skipped). Error names file and member.
   static Npz Read(const std::string& path);
-  // Writes deflated, all arrays as float32 except those added as int32. Atomic.
+  // Writes deflated: as float32, or int32 where added or read as such. Atomic.
   void Write(const std::string& path) const;
 
   bool Has(const std::string& name) const { return arrays_.count(name) != 0; }

@@ -1,0 +1,123 @@
+#include "splat/base/files.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "splat/base/error.h"
+#include "splat/base/sha256.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string SystemReason(const std::string& fallback) {
+  return errno != 0 ? std::strerror(errno) : fallback;
+}
+
+// Removes a temporary file unless it was renamed into place.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::string path) : path_(std::move(path)) {}
+  ~TemporaryFile() {
+    if (kept_) return;
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+  void RenameTo(const std::string& target) {
+    std::error_code code;
+    fs::rename(path_, target, code);
+    if (code) throw Error(target, "", "cannot be written: " + code.message());
+    kept_ = true;
+  }
+
+ private:
+  std::string path_;
+  bool kept_ = false;
+};
+
+// A device or pipe (/dev/stdout) cannot be replaced by a rename: it is written to directly.
+bool IsSpecialFile(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+void WriteStream(const std::string& file,
+                 const std::string& name_in_errors,
+                 const std::function<void(std::ostream&)>& write) {
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  if (!stream) throw Error(name_in_errors, "", "cannot be written: " + SystemReason("open failed"));
+  write(stream);
+  stream.flush();
+  if (stream) stream.close();
+  if (!stream) throw Error(name_in_errors, "", "write failed: " + SystemReason("stream error"));
+}
+
+std::string TemporarySuffix() { return ".tmp." + std::to_string(getpid()); }
+
+}  // namespace
+
+std::vector<char> ReadFile(const std::string& path) {
+  std::error_code code;
+  if (fs::is_directory(path, code)) throw Error(path, "", "is a folder, expected a file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Error(path, "", "cannot be read: " + SystemReason("open failed"));
+  std::vector<char> bytes;
+  const auto size = fs::file_size(path, code);
+  if (!code) bytes.reserve(size);
+  std::vector<char> block(1 << 16);
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
+    bytes.insert(bytes.end(), block.data(), block.data() + stream.gcount());
+  if (stream.bad()) throw Error(path, "", "read failed: " + SystemReason("stream error"));
+  return bytes;
+}
+
+void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write) {
+  if (IsSpecialFile(path)) return WriteStream(path, path, write);
+  TemporaryFile temporary(path + TemporarySuffix());
+  WriteStream(temporary.path(), path, write);
+  temporary.RenameTo(path);
+}
+
+void WriteFileAtomically(const std::string& path, const std::string& content) {
+  WriteFileAtomically(path, [&](std::ostream& out) { out.write(content.data(), content.size()); });
+}
+
+std::string TemporaryPath(const std::string& path) {
+  const fs::path target(path);
+  const fs::path name = target.stem().string() + TemporarySuffix() + target.extension().string();
+  return (target.parent_path() / name).string();
+}
+
+void WriteViaTemporary(const std::string& path,
+                       const std::function<void(const std::string& temporary)>& write) {
+  if (IsSpecialFile(path)) return write(path);
+  TemporaryFile temporary(TemporaryPath(path));
+  write(temporary.path());
+  temporary.RenameTo(path);
+}
+
+void MakeDirectories(const std::string& path) {
+  std::error_code code;
+  fs::create_directories(path, code);
+  if (!code && !fs::is_directory(path)) code = std::make_error_code(std::errc::not_a_directory);
+  if (code) throw Error(path, "", "folder cannot be made: " + code.message());
+}
+
+std::string Sha256OfFile(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  return Sha256(bytes.data(), bytes.size());
+}
+
+}  // namespace cosplat

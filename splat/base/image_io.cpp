@@ -1,0 +1,217 @@
+#include "splat/base/image_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_header.h"
+#include "splat/base/opencv_quiet.h"
+
+namespace cosplat {
+namespace {
+
+template <class T>
+cv::Mat Wrap(const BasicImage<T>& image) {
+  const int depth = std::is_same_v<T, float> ? CV_32F : CV_8U;
+  return cv::Mat(image.height,
+                 image.width,
+                 CV_MAKETYPE(depth, image.channels),
+                 const_cast<T*>(image.data.data()));
+}
+
+std::string ExtensionOf(const std::string& path) {
+  const size_t dot = path.rfind('.');
+  std::string extension = dot == std::string::npos ? "" : path.substr(dot);
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// RGB <-> BGR, with alpha kept.
+cv::Mat SwapRedBlue(const cv::Mat& image) {
+  cv::Mat swapped = image;
+  if (image.channels() == 3) cv::cvtColor(image, swapped, cv::COLOR_BGR2RGB);
+  if (image.channels() == 4) cv::cvtColor(image, swapped, cv::COLOR_BGRA2RGBA);
+  return swapped;
+}
+
+Image8 ToImage8(const cv::Mat& mat) {
+  Image8 image(mat.cols, mat.rows, mat.channels());
+  mat.copyTo(Wrap(image));
+  return image;
+}
+
+// Colour times alpha, as floats in [0, 255], so that averages weigh colour by coverage.
+cv::Mat Premultiplied(const Image8& image) {
+  cv::Mat result;
+  Wrap(image).convertTo(result, CV_32F);
+  if (image.channels != 4) return result;
+  for (int y = 0; y < result.rows; ++y) {
+    cv::Vec4f* row = result.ptr<cv::Vec4f>(y);
+    for (int x = 0; x < result.cols; ++x)
+      for (int c = 0; c < 3; ++c) row[x][c] *= row[x][3] / 255;
+  }
+  return result;
+}
+
+Image8 Unpremultiplied(cv::Mat mat) {
+  if (mat.channels() == 4) {
+    for (int y = 0; y < mat.rows; ++y) {
+      cv::Vec4f* row = mat.ptr<cv::Vec4f>(y);
+      for (int x = 0; x < mat.cols; ++x)
+        for (int c = 0; c < 3; ++c)
+          row[x][c] = row[x][3] > 0 ? std::min(row[x][c] * 255 / row[x][3], 255.f) : 0;
+    }
+  }
+  cv::Mat bytes;
+  mat.convertTo(bytes, CV_8U);
+  return ToImage8(bytes);
+}
+
+cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
+  QuietOpenCv();
+  CheckImageIsComplete(path, bytes);
+  cv::Mat mat;
+  try {
+    const cv::Mat raw(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+    mat = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& error) {
+    throw Error(path, "", "cannot be decoded as an image: " + error.err);
+  }
+  if (mat.empty()) throw Error(path, "", "cannot be decoded as an image");
+  if (mat.depth() == CV_16U) mat.convertTo(mat, CV_8U, 1.0 / 257);
+  const int n = mat.channels();
+  if (mat.depth() != CV_8U || (n != 1 && n != 3 && n != 4))
+    throw Error(
+        path, "", "has pixels of an unknown type, expected 8 or 16 bits, 1, 3 or 4 channels");
+  return mat;
+}
+
+// OpenCV puts pixel centres at whole numbers, this project at +0.5.
+cv::Matx33d OpenCvMatrix(const Camera& camera) {
+  return {camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1};
+}
+
+}  // namespace
+
+ImageInfo ReadImageInfo(const std::string& path) {
+  // Metadata (EXIF, colour profiles) may precede the size: read on until the header is complete.
+  constexpr size_t kFirst = 1 << 16, kLast = 1 << 22;
+  for (size_t size = kFirst; size <= kLast; size *= 8) {
+    std::ifstream stream(path, std::ios::binary);
+    std::vector<char> bytes(size);
+    stream.read(bytes.data(), std::streamsize(size));
+    bytes.resize(size_t(std::max<std::streamsize>(stream.gcount(), 0)));
+    ImageInfo info;
+    if (ParseImageHeader(bytes, info)) return info;
+    if (bytes.size() < size) break;
+  }
+  const Image8 image = ReadImage(path);
+  return {image.width, image.height, image.channels};
+}
+
+Image8 ReadImage(const std::string& path) {
+  return ToImage8(SwapRedBlue(Decode(path, ReadFile(path))));
+}
+
+void WriteImage(const std::string& path, const Image8& image) {
+  QuietOpenCv();
+  const std::string extension = ExtensionOf(path);
+  const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!jpeg && extension != ".png")
+    throw Error(path, "", "unknown image extension '" + extension + "', expected .png or .jpg");
+  if (image.empty() || (image.channels != 1 && image.channels != 3 && image.channels != 4) ||
+      (jpeg && image.channels == 4))
+    throw Error(path,
+                "",
+                "cannot store an image of " + std::to_string(image.width) + "x" +
+                    std::to_string(image.height) + " with " + std::to_string(image.channels) +
+                    " channels as " + extension);
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(extension, SwapRedBlue(Wrap(image)), bytes))
+    throw Error(path, "", "image could not be encoded");
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  });
+}
+
+void WriteImage(const std::string& path, const Image& image) { WriteImage(path, ToBytes(image)); }
+
+Image8 ToBytes(const Image& image) {
+  Image8 bytes(image.width, image.height, image.channels);
+  for (size_t i = 0; i < image.data.size(); ++i) {
+    if (std::isnan(image.data[i])) {
+      const size_t pixel = i / image.channels;
+      throw Error("",
+                  "image",
+                  "pixel (" + std::to_string(pixel % image.width) + ", " +
+                      std::to_string(pixel / image.width) + ") is not a number");
+    }
+    bytes.data[i] = uint8_t(std::clamp(image.data[i], 0.f, 1.f) * 255 + 0.5f);
+  }
+  return bytes;
+}
+
+Image ToFloat(const Image8& image) {
+  Image result(image.width, image.height, image.channels);
+  for (size_t i = 0; i < image.data.size(); ++i) result.data[i] = image.data[i] / 255.f;
+  return result;
+}
+
+Image8 ResizeByArea(const Image8& image, int width, int height) {
+  if (width == image.width && height == image.height) return image;
+  if (width < 1 || height < 1 || image.empty())
+    throw Error("",
+                "image",
+                "cannot be resized from " + std::to_string(image.width) + "x" +
+                    std::to_string(image.height) + " to " + std::to_string(width) + "x" +
+                    std::to_string(height));
+  cv::Mat resized;
+  cv::resize(Premultiplied(image), resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  return Unpremultiplied(resized);
+}
+
+Image8 Undistort(const Image8& image,
+                 const Camera& source,
+                 const Distortion& distortion,
+                 const Camera& target) {
+  const cv::Matx33d source_matrix = OpenCvMatrix(source), target_matrix = OpenCvMatrix(target);
+  const cv::Size size(target.width, target.height);
+  cv::Mat map_x, map_y;
+  if (distortion.model == Distortion::Model::kFisheye) {
+    const cv::Vec4d k(distortion.k);
+    cv::fisheye::initUndistortRectifyMap(
+        source_matrix, k, cv::Matx33d::eye(), target_matrix, size, CV_32FC1, map_x, map_y);
+  } else {
+    const cv::Vec<double, 8> k(distortion.k);
+    cv::initUndistortRectifyMap(
+        source_matrix, k, cv::noArray(), target_matrix, size, CV_32FC1, map_x, map_y);
+  }
+  cv::Mat result;
+  cv::remap(Premultiplied(image), result, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return Unpremultiplied(result);
+}
+
+std::array<double, 2> DistortedPixel(
+    const Camera& source, const Distortion& distortion, const Camera& target, double x, double y) {
+  const cv::Point2d ray((x - target.cx) / target.fx, (y - target.cy) / target.fy);
+  std::vector<cv::Point2d> out;
+  if (distortion.model == Distortion::Model::kFisheye) {
+    cv::fisheye::distortPoints(
+        std::vector<cv::Point2d>{ray}, out, OpenCvMatrix(source), cv::Vec4d(distortion.k));
+  } else {
+    cv::projectPoints(std::vector<cv::Point3d>{{ray.x, ray.y, 1}},
+                      cv::Vec3d(),
+                      cv::Vec3d(),
+                      OpenCvMatrix(source),
+                      cv::Vec<double, 8>(distortion.k),
+                      out);
+  }
+  return {out[0].x + 0.5, out[0].y + 0.5};
+}
+
+}  // namespace cosplat

@@ -1,0 +1,142 @@
+#include "splat/base/json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+// Python writes NaN, Infinity and -Infinity, which JSON does not know. They become null, so that
+// one bad number costs its frame (its field is named) and not the whole file.
+void ReplaceNonFiniteTokens(std::string& text) {
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (in_string && text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      in_string = !in_string;
+    } else if (!in_string && (text[i] == 'N' || text[i] == 'I')) {
+      const std::string token = text[i] == 'N' ? "NaN" : "Infinity";
+      if (text.compare(i, token.size(), token) != 0) continue;
+      const size_t begin = i > 0 && text[i - 1] == '-' ? i - 1 : i;
+      text.replace(begin, i + token.size() - begin, "null");
+      i = begin + 3;
+    }
+  }
+}
+
+std::string LineAndColumn(const std::string& text, size_t offset) {
+  const auto end = text.begin() + std::min(offset, text.size());
+  const auto line = 1 + std::count(text.begin(), end, '\n');
+  const auto newline = std::find(std::make_reverse_iterator(end), text.rend(), '\n');
+  const auto column = 1 + (end - newline.base());
+  return "line " + std::to_string(line) + ", column " + std::to_string(column);
+}
+
+// A value as an error message shows it: short, on one line.
+std::string Shown(const Json& value) {
+  if (value.is_array()) return "an array of " + std::to_string(value.size());
+  if (value.is_object()) return "an object";
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+void Flatten(const JsonField& field, std::vector<float>& out) {
+  if (!field.raw().is_array()) {
+    const double number = field.Number();
+    if (std::abs(number) > std::numeric_limits<float>::max())
+      throw Error(field.file(), field.path(), "found " + Shown(field.raw()) + ", too large");
+    out.push_back(float(number));
+    return;
+  }
+  for (size_t i = 0; i < field.raw().size(); ++i) Flatten(field[i], out);
+}
+
+}  // namespace
+
+Json ReadJson(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  std::string text(bytes.begin(), bytes.end());
+  ReplaceNonFiniteTokens(text);
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const size_t offset = error.byte > 0 ? error.byte - 1 : 0;
+    const std::string found = offset < text.size() ? "unexpected text" : "the file ends too early";
+    throw Error(path, LineAndColumn(text, offset), "not valid JSON: " + found);
+  } catch (const Json::exception& error) {  // a number outside double's range
+    throw Error(path, "", std::string("not valid JSON: ") + error.what());
+  }
+}
+
+bool JsonField::Has(const std::string& key) const {
+  return value_->is_object() && value_->contains(key);
+}
+
+JsonField JsonField::operator[](const std::string& key) const {
+  if (!value_->is_object())
+    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an object with " + key);
+  const auto found = value_->find(key);
+  const std::string path = path_.empty() ? key : path_ + "." + key;
+  if (found == value_->end()) throw Error(file_, path, "is missing");
+  JsonField field(file_, *found);
+  field.path_ = path;
+  return field;
+}
+
+JsonField JsonField::operator[](size_t index) const {
+  const std::string path = path_ + "[" + std::to_string(index) + "]";
+  if (index >= size())
+    throw Error(file_, path, "is missing, the array has " + std::to_string(size()));
+  JsonField field(file_, (*value_)[index]);
+  field.path_ = path;
+  return field;
+}
+
+size_t JsonField::size() const {
+  if (!value_->is_array())
+    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an array");
+  return value_->size();
+}
+
+double JsonField::Number() const {
+  if (!value_->is_number() || !std::isfinite(value_->get<double>()))
+    throw Error(file_, path_, "found " + Shown(*value_) + ", expected a finite number");
+  return value_->get<double>();
+}
+
+int JsonField::Integer() const {
+  const double number = Number();
+  if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
+    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an integer");
+  return int(number);
+}
+
+std::string JsonField::String() const {
+  if (!value_->is_string())
+    throw Error(file_, path_, "found " + Shown(*value_) + ", expected a string");
+  return value_->get<std::string>();
+}
+
+std::vector<float> JsonField::Numbers(size_t count) const {
+  size();  // must be an array
+  std::vector<float> numbers;
+  Flatten(*this, numbers);
+  if (count != 0 && numbers.size() != count)
+    throw Error(
+        file_,
+        path_,
+        "found " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+  return numbers;
+}
+
+double JsonField::NumberOr(const std::string& key, double fallback) const {
+  return Has(key) ? (*this)[key].Number() : fallback;
+}
+
+}  // namespace cosplat

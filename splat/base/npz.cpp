@@ -1,0 +1,153 @@
+#include "splat/base/npz.h"
+
+#include <zip.h>
+
+#include <memory>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/npy.h"
+
+namespace cosplat {
+namespace {
+
+std::string Reason(int code) {
+  zip_error_t error;
+  zip_error_init_with_code(&error, code);
+  const std::string text = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  return text;
+}
+
+using Archive = std::unique_ptr<zip_t, decltype(&zip_discard)>;
+using Member = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
+
+std::vector<char> ReadMember(zip_t* archive, const std::string& path, zip_uint64_t index) {
+  zip_stat_t stat;
+  zip_stat_init(&stat);
+  if (zip_stat_index(archive, index, 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE))
+    throw Error(path, "entry " + std::to_string(index), "cannot be read");
+  const Member file(zip_fopen_index(archive, index, 0), zip_fclose);
+  if (!file) throw Error(path, stat.name, std::string("cannot be read: ") + zip_strerror(archive));
+  // Grown while reading: the size that a damaged directory claims is not to be trusted.
+  std::vector<char> bytes;
+  std::vector<char> block(1 << 20);
+  zip_int64_t count;
+  while ((count = zip_fread(file.get(), block.data(), block.size())) > 0)
+    bytes.insert(bytes.end(), block.data(), block.data() + count);
+  if (count < 0)
+    throw Error(path,
+                stat.name,
+                std::string("is damaged: ") + zip_error_strerror(zip_file_get_error(file.get())));
+  if (bytes.size() != stat.size)
+    throw Error(
+        path,
+        stat.name,
+        "holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(stat.size));
+  return bytes;
+}
+
+std::string ShapeText(const std::vector<size_t>& shape) {
+  std::string text = "[";
+  for (size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
+  return text + "]";
+}
+
+std::string ShapeText(const std::vector<long>& shape) {
+  std::string text = "[";
+  for (size_t i = 0; i < shape.size(); ++i)
+    text += (i ? ", " : "") + (shape[i] < 0 ? std::string("*") : std::to_string(shape[i]));
+  return text + "]";
+}
+
+template <class T>
+NpyArray MakeArray(const std::string& name,
+                   std::vector<size_t> shape,
+                   const std::vector<T>& values,
+                   const char* dtype) {
+  size_t count = 1;
+  for (size_t extent : shape) count *= extent;
+  if (count != values.size())
+    throw Error("",
+                name,
+                "has " + std::to_string(values.size()) + " values, its shape " + ShapeText(shape) +
+                    " needs " + std::to_string(count));
+  return {std::move(shape), std::vector<double>(values.begin(), values.end()), dtype};
+}
+
+}  // namespace
+
+Npz Npz::Read(const std::string& path) {
+  int code = 0;
+  const Archive archive(zip_open(path.c_str(), ZIP_RDONLY, &code), zip_discard);
+  if (!archive) throw Error(path, "", "cannot be read as .npz: " + Reason(code));
+  Npz npz;
+  npz.path_ = path;
+  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const char* raw_name = zip_get_name(archive.get(), i, 0);
+    const std::string name = raw_name != nullptr ? raw_name : "";
+    if (!name.ends_with(".npy")) continue;
+    NpyArray array;
+    if (ParseNpy(path, name, ReadMember(archive.get(), path, i), array))
+      npz.arrays_[name.substr(0, name.size() - 4)] = std::move(array);
+  }
+  return npz;
+}
+
+void Npz::Write(const std::string& path) const {
+  // libzip reads the members when it closes the archive: the bytes must live until then.
+  std::vector<std::string> contents;
+  for (const auto& [name, array] : arrays_) contents.push_back(FormatNpy(array));
+  WriteViaTemporary(path, [&](const std::string& temporary) {
+    int code = 0;
+    Archive archive(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code), zip_discard);
+    if (!archive) throw Error(path, "", "cannot be written: " + Reason(code));
+    size_t i = 0;
+    for (const auto& [name, array] : arrays_) {
+      const std::string& bytes = contents[i++];
+      zip_source_t* source = zip_source_buffer(archive.get(), bytes.data(), bytes.size(), 0);
+      const zip_int64_t index =
+          zip_file_add(archive.get(), (name + ".npy").c_str(), source, ZIP_FL_ENC_UTF_8);
+      if (index < 0) {
+        zip_source_free(source);
+        throw Error(path, name, std::string("cannot be written: ") + zip_strerror(archive.get()));
+      }
+      zip_file_set_mtime(archive.get(), index, 315619200, 0);  // 1980: equal arrays, equal bytes
+    }
+    if (zip_close(archive.get()) != 0)
+      throw Error(path, "", std::string("write failed: ") + zip_strerror(archive.get()));
+    archive.release();
+  });
+}
+
+const NpyArray& Npz::Get(const std::string& name) const {
+  const auto found = arrays_.find(name);
+  if (found == arrays_.end()) throw Error(path_, name, "array is missing");
+  return found->second;
+}
+
+const NpyArray& Npz::Get(const std::string& name, const std::vector<long>& shape) const {
+  const NpyArray& array = Get(name);
+  bool same = array.shape.size() == shape.size();
+  for (size_t i = 0; same && i < shape.size(); ++i)
+    same = shape[i] < 0 || size_t(shape[i]) == array.shape[i];
+  if (!same)
+    throw Error(
+        path_, name, "has shape " + ShapeText(array.shape) + ", expected " + ShapeText(shape));
+  return array;
+}
+
+void Npz::Add(const std::string& name,
+              std::vector<size_t> shape,
+              const std::vector<float>& values) {
+  arrays_[name] = MakeArray(name, std::move(shape), values, "<f4");
+}
+
+void Npz::Add(const std::string& name,
+              std::vector<size_t> shape,
+              const std::vector<int32_t>& values) {
+  arrays_[name] = MakeArray(name, std::move(shape), values, "<i4");
+}
+
+}  // namespace cosplat

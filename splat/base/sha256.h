@@ -1,0 +1,12 @@
+// SHA-256 (FIPS 180-4): names a model file without embedding it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace cosplat {
+
+// Lower-case hexadecimal digest, 64 characters.
+std::string Sha256(const void* bytes, size_t size);
+
+}  // namespace cosplat
