@@ -39,6 +39,8 @@ inline Dual Exp(Dual a) {
   return {e, e * a.slope};
 }
 inline Dual Log(Dual a) { return {std::log(a.value), a.slope / a.value}; }
+inline Dual Sin(Dual a) { return {std::sin(a.value), std::cos(a.value) * a.slope}; }
+inline Dual Cos(Dual a) { return {std::cos(a.value), -std::sin(a.value) * a.slope}; }
 inline Dual Abs(Dual a) { return a.value < 0 ? -a : a; }
 
 }  // namespace cosplat::test
