@@ -11,6 +11,7 @@
 #include "flame/model.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/base/skipped.h"
 
 namespace cosplat {
 
@@ -26,11 +27,6 @@ struct TrackedFrame {
   bool has_image = true;
 };
 
-struct SkippedFrame {
-  std::string name;
-  std::string reason;
-};
-
 struct TrackedVideo {
   std::string source;  // folder or file as given
   std::string layout;  // "imavatar", "vhap"
@@ -43,8 +39,8 @@ struct TrackedVideo {
 };
 
 struct TrackOptions {
-  int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
-  int resolution = 1;    // -r: cameras and images are divided by this
+  int test_frames = -1;     // last N frames are the test set; -1: the layout's own split, or 20 %
+  int resolution = 1;       // -r: cameras and images are divided by this
   bool need_images = true;  // false: a driving sequence
 };
 

@@ -196,22 +196,28 @@ Image8 Undistort(const Image8& image,
   return Unpremultiplied(result);
 }
 
-std::array<double, 2> DistortedPixel(
-    const Camera& source, const Distortion& distortion, const Camera& target, double x, double y) {
-  const cv::Point2d ray((x - target.cx) / target.fx, (y - target.cy) / target.fy);
+std::vector<std::array<double, 2>> DistortedPixels(
+    const Camera& source,
+    const Distortion& distortion,
+    const Camera& target,
+    const std::vector<std::array<double, 2>>& points) {
   std::vector<cv::Point2d> out;
+  const auto ray = [&](const std::array<double, 2>& p) {
+    return cv::Point2d((p[0] - target.cx) / target.fx, (p[1] - target.cy) / target.fy);
+  };
   if (distortion.model == Distortion::Model::kFisheye) {
-    cv::fisheye::distortPoints(
-        std::vector<cv::Point2d>{ray}, out, OpenCvMatrix(source), cv::Vec4d(distortion.k));
+    std::vector<cv::Point2d> rays;
+    for (const auto& p : points) rays.push_back(ray(p));
+    cv::fisheye::distortPoints(rays, out, OpenCvMatrix(source), cv::Vec4d(distortion.k));
   } else {
-    cv::projectPoints(std::vector<cv::Point3d>{{ray.x, ray.y, 1}},
-                      cv::Vec3d(),
-                      cv::Vec3d(),
-                      OpenCvMatrix(source),
-                      cv::Vec<double, 8>(distortion.k),
-                      out);
+    std::vector<cv::Point3d> rays;
+    for (const auto& p : points) rays.emplace_back(ray(p).x, ray(p).y, 1);
+    const cv::Vec<double, 8> k(distortion.k);
+    cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), OpenCvMatrix(source), k, out);
   }
-  return {out[0].x + 0.5, out[0].y + 0.5};
+  std::vector<std::array<double, 2>> result;
+  for (const cv::Point2d& p : out) result.push_back({p.x + 0.5, p.y + 0.5});
+  return result;
 }
 
 }  // namespace cosplat

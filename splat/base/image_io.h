@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
@@ -50,9 +51,12 @@ Image8 Undistort(const Image8& image,
                  const Distortion& distortion,
                  const Camera& target);
 
-// Where the pinhole ray through pixel (x, y) of `target` meets the distorted image `source`, px.
-std::array<double, 2> DistortedPixel(
-    const Camera& source, const Distortion& distortion, const Camera& target, double x, double y);
+// Where the pinhole rays through `points` (px in `target`) meet the distorted image `source`, px.
+std::vector<std::array<double, 2>> DistortedPixels(
+    const Camera& source,
+    const Distortion& distortion,
+    const Camera& target,
+    const std::vector<std::array<double, 2>>& points);
 
 // Frames of a video file, decoded in order. May be called from several threads, one at a time.
 class VideoReader {

@@ -1,0 +1,72 @@
+#include "splat/base/camera_pose.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace cosplat {
+namespace {
+
+constexpr double kOrthonormalTolerance = 1e-3;
+
+using Row = std::array<double, 3>;
+
+double Dot(const Row& a, const Row& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Row Cross(const Row& a, const Row& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+std::string Shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g", value);
+  return text;
+}
+
+}  // namespace
+
+PoseProblem SetPose(const std::array<double, 9>& rotation,
+                    const std::array<double, 3>& translation,
+                    Camera& camera) {
+  for (double x : rotation)
+    if (!std::isfinite(x)) return "pose has a rotation that is not finite";
+  for (double x : translation)
+    if (!std::isfinite(x)) return "pose has a translation that is not finite";
+  std::array<Row, 3> r;
+  for (int i = 0; i < 3; ++i) r[i] = {rotation[3 * i], rotation[3 * i + 1], rotation[3 * i + 2]};
+  for (int i = 0; i < 3; ++i)
+    for (int k = i; k < 3; ++k) {
+      const double dot = Dot(r[i], r[k]);
+      if (std::abs(dot - (i == k)) > kOrthonormalTolerance)
+        return "pose has a rotation that is not orthonormal: rows " + std::to_string(i) + " and " +
+               std::to_string(k) + " have product " + Shown(dot);
+    }
+  const double determinant = Dot(Cross(r[0], r[1]), r[2]);
+  if (determinant < 0) return "pose has a rotation that mirrors: determinant " + Shown(determinant);
+  // Gram-Schmidt; the third row follows from the others.
+  const double n0 = std::sqrt(Dot(r[0], r[0]));
+  for (double& x : r[0]) x /= n0;
+  const double along = Dot(r[0], r[1]);
+  for (int k = 0; k < 3; ++k) r[1][k] -= along * r[0][k];
+  const double n1 = std::sqrt(Dot(r[1], r[1]));
+  for (double& x : r[1]) x /= n1;
+  r[2] = Cross(r[0], r[1]);
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) camera.rotation[3 * i + k] = float(r[i][k]);
+    camera.translation[i] = float(translation[i]);
+  }
+  return "";
+}
+
+PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
+  // OpenCV's axes are OpenGL's turned by 180 degrees about x: columns 1 and 2 change sign. The
+  // inverse of [R c] is [R^T, -R^T c].
+  std::array<double, 9> rotation;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) rotation[3 * i + k] = (i == 0 ? 1 : -1) * matrix[4 * k + i];
+  std::array<double, 3> translation{};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) translation[i] -= rotation[3 * i + k] * matrix[4 * k + 3];
+  return SetPose(rotation, translation, camera);
+}
+
+}  // namespace cosplat
