@@ -30,15 +30,16 @@ struct AvatarModel {
   // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
   // rotation q and the area ratio are applied.
   Gaussians gaussians;
-  std::vector<int32_t> triangle;                 // [N] face index
-  std::vector<std::array<float, 2>> barycentric; // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
+  std::vector<int32_t> triangle;  // [N] face index
+  // [N] (u, v): weights of the triangle's vertices 0 and 1; 1 - u - v is that of vertex 2.
+  std::vector<std::array<float, 2>> barycentric;
   ColorFrame color_frame = ColorFrame::kSurface;
 
   // The FLAME model it was trained with: never embedded unless its licence allows.
   std::string flame_name;
   std::string flame_sha256;
-  std::vector<float> shape;          // the subject's coefficients
-  std::vector<float> static_offset;  // [V, 3] metres, or empty
+  std::vector<float> shape;                  // the subject's coefficients
+  std::vector<float> static_offset;          // [V, 3] metres, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB that it was evaluated on
 
   size_t size() const { return gaussians.size(); }

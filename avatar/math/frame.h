@@ -1,0 +1,160 @@
+// A triangle's area, its frame, and the rotation that carries its canonical frame to the posed one.
+//
+// posed vertices -> per-face area vector and quaternion -> averaged to vertices by
+// avatar/binding.h. Face frame as in SplattingAvatar (Shao et al. 2024), section 3.1: e along the
+// first edge, n the normal, n x e.
+#if defined(COSPLAT_AVATAR_MATH_FRAME_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_AVATAR_MATH_FRAME_H_
+#undef COSPLAT_AVATAR_MATH_FRAME_H_
+#else
+#define COSPLAT_AVATAR_MATH_FRAME_H_
+#endif
+
+#include "splat/math/quat.h"
+
+COSPLAT_MATH_BEGIN
+
+// |v|, with zero derivative at zero: the area of a collapsed triangle.
+template <class T>
+COSPLAT_HD T Length(const Vec3<T>& v) {
+  const T n2 = Dot(v, v);
+  const auto ok = n2 > T(1e-30f);
+  return Select(ok, Sqrt(Select(ok, n2, T(1))), T(0));
+}
+template <class T>
+COSPLAT_HD Vec3<T> LengthVjp(const Vec3<T>& v, const T& d) {
+  return Normalize(v) * d;
+}
+
+// Normal times area, counter-clockwise outside.
+template <class T>
+COSPLAT_HD Vec3<T> AreaVector(const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
+  return Cross(v1 - v0, v2 - v0) * T(0.5f);
+}
+// Adds to d_v0, d_v1, d_v2.
+template <class T>
+COSPLAT_HD void AreaVectorVjp(const Vec3<T>& v0,
+                              const Vec3<T>& v1,
+                              const Vec3<T>& v2,
+                              const Vec3<T>& d,
+                              Vec3<T>& d_v0,
+                              Vec3<T>& d_v1,
+                              Vec3<T>& d_v2) {
+  Vec3<T> d_a{T(0), T(0), T(0)}, d_b{T(0), T(0), T(0)};
+  CrossVjp(v1 - v0, v2 - v0, d * T(0.5f), d_a, d_b);
+  d_v1 += d_a;
+  d_v2 += d_b;
+  d_v0 += -(d_a + d_b);
+}
+
+template <class T>
+COSPLAT_HD Mat3<T> MatrixOfColumns(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
+  return {{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}};
+}
+
+// Columns e = norm(v1 - v0), n x e, n = norm(e x (v2 - v0)): a rotation matrix. Columns of a
+// collapsed triangle are zero; its area, the weight it is used with, is zero too.
+template <class T>
+COSPLAT_HD Mat3<T> FaceFrame(const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
+  const Vec3<T> e = Normalize(v1 - v0);
+  const Vec3<T> n = Normalize(Cross(e, v2 - v0));
+  return MatrixOfColumns(e, Cross(n, e), n);
+}
+// Adds to d_v0, d_v1, d_v2.
+template <class T>
+COSPLAT_HD void FaceFrameVjp(const Vec3<T>& v0,
+                             const Vec3<T>& v1,
+                             const Vec3<T>& v2,
+                             const Mat3<T>& d,
+                             Vec3<T>& d_v0,
+                             Vec3<T>& d_v1,
+                             Vec3<T>& d_v2) {
+  const Vec3<T> a = v1 - v0, b = v2 - v0;
+  const Vec3<T> e = Normalize(a);
+  const Vec3<T> c = Cross(e, b);
+  const Vec3<T> n = Normalize(c);
+  Vec3<T> d_e{d(0, 0), d(1, 0), d(2, 0)}, d_n{d(0, 2), d(1, 2), d(2, 2)};
+  Vec3<T> d_b{T(0), T(0), T(0)};
+  CrossVjp(n, e, Vec3<T>{d(0, 1), d(1, 1), d(2, 1)}, d_n, d_e);
+  CrossVjp(e, b, NormalizeVjp(c, d_n), d_e, d_b);
+  const Vec3<T> d_a = NormalizeVjp(a, d_e);
+  d_v1 += d_a;
+  d_v2 += d_b;
+  d_v0 += -(d_a + d_b);
+}
+
+// One row of 4 q q^T, which is linear in R(q). The row of the largest diagonal entry has norm at
+// least 2 for every rotation, so that normalising it is stable for all of them. Branches: faces are
+// posed on the CPU, one at a time.
+template <class T>
+struct QuatRow {
+  Quat<T> row;
+  int index;  // which component of the quaternion is the largest: 0 w, 1 x, 2 y, 3 z
+};
+template <class T>
+COSPLAT_HD QuatRow<T> LargestQuatRow(const Mat3<T>& m) {
+  const T one(1);
+  const T w = one + m(0, 0) + m(1, 1) + m(2, 2);
+  const T x = one + m(0, 0) - m(1, 1) - m(2, 2);
+  const T y = one - m(0, 0) + m(1, 1) - m(2, 2);
+  const T z = one - m(0, 0) - m(1, 1) + m(2, 2);
+  const T wx = m(2, 1) - m(1, 2), wy = m(0, 2) - m(2, 0), wz = m(1, 0) - m(0, 1);
+  const T xy = m(1, 0) + m(0, 1), xz = m(0, 2) + m(2, 0), yz = m(2, 1) + m(1, 2);
+  if (!(w < x) && !(w < y) && !(w < z)) return {{w, wx, wy, wz}, 0};
+  if (!(x < y) && !(x < z)) return {{wx, x, xy, xz}, 1};
+  if (!(y < z)) return {{wy, xy, y, yz}, 2};
+  return {{wz, xz, yz, z}, 3};
+}
+
+// Unit quaternion q with R(q) = m, for a rotation matrix m; either sign.
+template <class T>
+COSPLAT_HD Quat<T> QuatOfRotation(const Mat3<T>& m) {
+  return Normalize(LargestQuatRow(m).row);
+}
+// m taken as nine free numbers.
+template <class T>
+COSPLAT_HD Mat3<T> QuatOfRotationVjp(const Mat3<T>& m, const Quat<T>& d) {
+  const QuatRow<T> largest = LargestQuatRow(m);
+  const Quat<T> r = NormalizeVjp(largest.row, d);
+  switch (largest.index) {
+    case 0:
+      return {{r.w, -r.z, r.y, r.z, r.w, -r.x, -r.y, r.x, r.w}};
+    case 1:
+      return {{r.x, r.y, r.z, r.y, -r.x, -r.w, r.z, r.w, -r.x}};
+    case 2:
+      return {{-r.y, r.x, r.w, r.x, r.y, r.z, -r.w, r.z, -r.y}};
+    default:
+      return {{-r.z, -r.w, r.x, r.w, -r.z, r.y, r.x, r.y, r.z}};
+  }
+}
+
+// Rotation of a face from its canonical frame to the posed triangle.
+template <class T>
+COSPLAT_HD Quat<T> FaceRotation(const Vec3<T>& v0,
+                                const Vec3<T>& v1,
+                                const Vec3<T>& v2,
+                                const Mat3<T>& canonical_frame) {
+  return QuatOfRotation(FaceFrame(v0, v1, v2) * Transpose(canonical_frame));
+}
+// Adds to d_v0, d_v1, d_v2. The canonical frame is fixed.
+template <class T>
+COSPLAT_HD void FaceRotationVjp(const Vec3<T>& v0,
+                                const Vec3<T>& v1,
+                                const Vec3<T>& v2,
+                                const Mat3<T>& canonical_frame,
+                                const Quat<T>& d,
+                                Vec3<T>& d_v0,
+                                Vec3<T>& d_v1,
+                                Vec3<T>& d_v2) {
+  const Mat3<T> rotation = FaceFrame(v0, v1, v2) * Transpose(canonical_frame);
+  FaceFrameVjp(v0, v1, v2, QuatOfRotationVjp(rotation, d) * canonical_frame, d_v0, d_v1, d_v2);
+}
+
+// The sign that brings q into a's hemisphere; q and -q are the same rotation.
+template <class T>
+COSPLAT_HD T HemisphereSign(const Quat<T>& a, const Quat<T>& q) {
+  return Select(Dot(a, q) < T(0), T(-1), T(1));
+}
+
+COSPLAT_MATH_END
+#endif

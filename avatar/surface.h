@@ -1,0 +1,76 @@
+// The posed surface that Gaussians are embedded on: per vertex a position, a normal, the rotation
+// from the canonical mesh and the mean area around it; and the derivative of all of them.
+//
+// FLAME's posed vertices -> Surface::Pose -> avatar/binding.h; back: dL/d(surface vertices) ->
+// Surface::Backward -> d_vertices -> FlamePoser::Backward. Sums run in a fixed order: the bits do
+// not depend on the number of threads.
+#pragma once
+
+#include <vector>
+
+#include "avatar/avatar_model.h"
+#include "avatar/math/embed.h"
+#include "flame/topology.h"
+
+namespace cosplat {
+
+using SurfaceVertex = math::SurfaceVertex<float>;
+
+class Surface {
+ public:
+  // Poses itself canonically. Throws Error when the mesh is no 2-manifold (see BuildTopology), has
+  // no faces, or has a coordinate that is not finite.
+  explicit Surface(const CanonicalMesh& mesh);
+
+  // vertices: [V, 3] metres. Throws Error on a wrong count or a coordinate that is not finite; the
+  // surface then keeps its last pose. A collapsed face has no weight in its vertices' normals and
+  // rotations; a vertex with none left keeps the identity and a zero normal.
+  void Pose(const std::vector<float>& vertices);
+
+  // d_surface [V]: dL/d(vertex()) at the last pose -> d_vertices [V, 3], overwritten. The canonical
+  // mesh is held fixed.
+  void Backward(const Buffer<SurfaceVertex>& d_surface, std::vector<float>& d_vertices) const;
+
+  size_t vertex_count() const { return vertices_.size(); }
+  const std::vector<std::array<int32_t, 3>>& faces() const { return faces_; }
+  const MeshTopology& topology() const { return topology_; }
+  const Buffer<SurfaceVertex>& vertices() const { return vertices_; }    // [V] at the last pose
+  const Buffer<SurfaceVertex>& canonical() const { return canonical_; }  // [V]
+
+ private:
+  struct FaceTape {
+    math::Vec3<float> area_vector;
+    math::Quat<float> rotation;
+    std::array<float, 3> sign;  // hemisphere in which the rotation was added at each corner
+  };
+  struct VertexTape {
+    math::Vec3<float> normal_sum;
+    math::Quat<float> rotation_sum;
+  };
+  struct FaceAdjoint {
+    std::array<math::Vec3<float>, 3> d_corner;
+  };
+
+  math::Three<math::Vec3<float>> Corners(size_t face) const;
+  void PoseFace(size_t face);
+  void PoseVertex(size_t vertex);
+  FaceAdjoint FaceBackward(size_t face, const Buffer<SurfaceVertex>& d_sums) const;
+
+  std::vector<std::array<int32_t, 3>> faces_;
+  MeshTopology topology_;
+  std::vector<math::Mat3<float>> canonical_frames_;  // [F]
+  Buffer<SurfaceVertex> canonical_;
+  Buffer<SurfaceVertex> vertices_;
+  std::vector<FaceTape> face_tape_;
+  std::vector<VertexTape> vertex_tape_;
+};
+
+// Total area of a mesh, square metres.
+double SurfaceArea(const CanonicalMesh& mesh);
+
+// Turns lengths published "in units of a FLAME mesh enlarged four times" (0.008, 0.02, 0.2 and the
+// rate of d) into this mesh's units, by multiplication: the square root of the total area over the
+// enlarged template's. 0.25 for FLAME's template in metres, 1 for the same enlarged four times.
+float MeshUnit(const CanonicalMesh& mesh);
+
+}  // namespace cosplat
