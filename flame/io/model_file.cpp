@@ -1,0 +1,231 @@
+#include "flame/io/model_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "flame/io/pickle_arrays.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/npz.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kShapeDirectionsInFlame = 300;
+
+std::string ShapeText(const std::vector<size_t>& shape) {
+  std::string text;
+  for (size_t extent : shape) text += (text.empty() ? "" : ", ") + std::to_string(extent);
+  return "[" + text + "]";
+}
+
+// The arrays of a model file by their name there, whichever kind of file it is.
+class ModelArrays {
+ public:
+  explicit ModelArrays(const std::string& path) : path_(path) {
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (extension == ".npz") {
+      arrays_ = Npz::Read(path).arrays();
+    } else if (extension == ".pkl") {
+      ReadPickle();
+    } else {
+      throw Error(path, "", "is no FLAME model: expected .pkl or .npz");
+    }
+  }
+
+  bool Has(const std::string& name) const { return arrays_.count(name) != 0; }
+
+  // `expected`: extents, 0 for any.
+  const NpyArray& Get(const std::string& name, const std::vector<size_t>& expected) const {
+    const auto found = arrays_.find(name);
+    if (found == arrays_.end()) throw Error(path_, name, "array is missing");
+    const auto& shape = found->second.shape;
+    bool same = shape.size() == expected.size();
+    for (size_t i = 0; same && i < shape.size(); ++i)
+      same = expected[i] == 0 || shape[i] == expected[i];
+    if (!same)
+      throw Error(
+          path_,
+          name,
+          "has shape " + ShapeText(shape) + ", expected " + ShapeText(expected) + " (0: any)");
+    return found->second;
+  }
+
+  // The array of this name, or the only one whose name begins so ("shapedirs60_open").
+  std::string NameOf(const std::string& prefix) const {
+    if (Has(prefix)) return prefix;
+    std::string name;
+    for (const auto& [candidate, array] : arrays_) {
+      if (!candidate.starts_with(prefix)) continue;
+      if (!name.empty())
+        throw Error(path_, name, "array is ambiguous: there is " + candidate + " too");
+      name = candidate;
+    }
+    return name.empty() ? prefix : name;
+  }
+
+  // Element of an array as an integer in [low, high].
+  int IntegerAt(const std::string& name, const NpyArray& array, size_t i, int low, int high) const {
+    const double x = array.values[i];
+    if (!(x >= low && x <= high) || x != std::floor(x))
+      throw Error(path_,
+                  name + "[" + std::to_string(i) + "]",
+                  "is " + std::to_string(x) + ", expected an integer from " + std::to_string(low) +
+                      " to " + std::to_string(high));
+    return int(x);
+  }
+  int Integer(const std::string& name, int low, int high) const {
+    return IntegerAt(name, Get(name, {}), 0, low, high);
+  }
+
+  const std::string& path() const { return path_; }
+
+ private:
+  void ReadPickle() {
+    const Pickle pickle(path_, ReadFile(path_));
+    if (pickle.root().kind != PickleValue::Kind::kDict)
+      throw Error(path_, "", "is no FLAME model: its pickle holds no dictionary");
+    for (const char* name :
+         {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
+      if (const PickleValue* value = pickle.root().Find(name))
+        arrays_[name] = ArrayOf(path_, name, *value);
+  }
+
+  std::string path_;
+  std::map<std::string, NpyArray> arrays_;
+};
+
+std::vector<float> ToFloats(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+// [V, 3, K] in the file -> [count, V, 3] from direction `first` on.
+std::vector<float> Directions(const NpyArray& array, size_t first, size_t count) {
+  const size_t rows = array.shape[0] * array.shape[1];
+  const size_t columns = array.shape[2];
+  std::vector<float> out(count * rows);
+  for (size_t r = 0; r < rows; ++r)
+    for (size_t k = 0; k < count; ++k)
+      out[k * rows + r] = float(array.values[r * columns + first + k]);
+  return out;
+}
+
+void DropTrailingZeroDirections(std::vector<float>& directions, size_t rows) {
+  const auto last =
+      std::find_if(directions.rbegin(), directions.rend(), [](float x) { return x != 0; });
+  const size_t used = size_t(directions.rend() - last);  // numbers up to the last non-zero one
+  directions.resize((used + rows - 1) / rows * rows);
+  directions.shrink_to_fit();
+}
+
+void ReadShapeDirections(const ModelArrays& arrays, FlameModel& model) {
+  const size_t v = model.vertex_count;
+  const std::string name = arrays.NameOf("shapedirs");
+  const NpyArray& array = arrays.Get(name, {v, 3, 0});
+  const size_t total = array.shape[2];
+  size_t shapes = std::min(total, kShapeDirectionsInFlame);
+  if (arrays.Has("n_shape") || arrays.Has("n_expr")) {
+    shapes = arrays.Integer("n_shape", 0, int(std::min<size_t>(total, 1 << 20)));
+    const size_t expressions = arrays.Integer("n_expr", 0, 1 << 20);
+    if (shapes + expressions != total)
+      throw Error(arrays.path(),
+                  name,
+                  "has shape " + ShapeText(array.shape) + ", but n_shape + n_expr = " +
+                      std::to_string(shapes) + " + " + std::to_string(expressions));
+  }
+  model.shape_directions = Directions(array, 0, shapes);
+  model.expression_directions = Directions(array, shapes, total - shapes);
+  DropTrailingZeroDirections(model.shape_directions, 3 * v);
+  DropTrailingZeroDirections(model.expression_directions, 3 * v);
+  model.shape_count = int(model.shape_directions.size() / (3 * v));
+  model.expression_count = int(model.expression_directions.size() / (3 * v));
+}
+
+void ReadFaces(const ModelArrays& arrays, FlameModel& model) {
+  const std::string name = arrays.Has("f") ? "f" : "faces";
+  const NpyArray& array = arrays.Get(name, {0, 3});
+  model.faces.resize(array.shape[0]);
+  for (size_t i = 0; i < array.size(); ++i)
+    model.faces[i / 3][i % 3] = arrays.IntegerAt(name, array, i, 0, model.vertex_count - 1);
+}
+
+// kintree_table: row 0 the parents (the root's is -1, or that in unsigned form), row 1 the joints.
+void ReadParents(const ModelArrays& arrays, FlameModel& model) {
+  const bool table = arrays.Has("kintree_table") || !arrays.Has("parents");
+  const std::string name = table ? "kintree_table" : "parents";
+  const NpyArray& array =
+      table ? arrays.Get(name, {2, kFlameJoints}) : arrays.Get(name, {kFlameJoints});
+  for (int j = 0; j < kFlameJoints; ++j) {
+    const bool unsigned_root = array.values[j] >= 4294967295.0;
+    model.parents[j] = unsigned_root ? -1 : arrays.IntegerAt(name, array, j, -1, kFlameJoints - 1);
+    if (table) arrays.IntegerAt(name, array, kFlameJoints + j, j, j);
+  }
+}
+
+}  // namespace
+
+FlameModel LoadFlameModel(const std::string& path) {
+  const ModelArrays arrays(path);
+  FlameModel model;
+  model.name = path;  // for Validate's errors
+  const NpyArray& vertices = arrays.Get("v_template", {0, 3});
+  if (vertices.shape[0] == 0 || vertices.shape[0] > (1 << 24))
+    throw Error(path, "v_template", "has shape " + ShapeText(vertices.shape));
+  const size_t v = vertices.shape[0];
+  model.vertex_count = int(v);
+  model.template_vertices = ToFloats(vertices.values);
+  ReadFaces(arrays, model);
+  ReadShapeDirections(arrays, model);
+  model.pose_directions = Directions(
+      arrays.Get(arrays.NameOf("posedirs"), {v, 3, kFlamePoseFeatures}), 0, kFlamePoseFeatures);
+  model.joint_regressor = ToFloats(arrays.Get("J_regressor", {kFlameJoints, v}).values);
+  model.skinning_weights = ToFloats(arrays.Get("weights", {v, kFlameJoints}).values);
+  ReadParents(arrays, model);
+  model.redistributable =
+      arrays.Has("redistributable") && arrays.Integer("redistributable", 0, 1) == 1;
+  Validate(model);
+  model.name = std::filesystem::path(path).filename().string();
+  model.sha256 = Sha256OfFile(path);
+  return model;
+}
+
+void WriteFlameModelNpz(const std::string& path, const FlameModel& model) {
+  Validate(model);
+  const size_t v = model.vertex_count;
+  // [K, V, 3] -> [V, 3, K], shape then expression.
+  const auto interleave = [&](const std::vector<const std::vector<float>*>& groups,
+                              size_t columns) {
+    std::vector<float> out(3 * v * columns);
+    size_t k = 0;
+    for (const std::vector<float>* group : groups)
+      for (size_t begin = 0; begin < group->size(); begin += 3 * v, ++k)
+        for (size_t r = 0; r < 3 * v; ++r) out[r * columns + k] = (*group)[begin + r];
+    return out;
+  };
+  const size_t directions = model.shape_count + model.expression_count;
+  std::vector<int32_t> faces;
+  for (const auto& face : model.faces) faces.insert(faces.end(), face.begin(), face.end());
+  std::vector<int32_t> tree(model.parents.begin(), model.parents.end());
+  for (int j = 0; j < kFlameJoints; ++j) tree.push_back(j);
+
+  Npz npz;
+  npz.Add("v_template", {v, 3}, model.template_vertices);
+  npz.Add("f", {model.faces.size(), 3}, faces);
+  npz.Add("shapedirs",
+          {v, 3, directions},
+          interleave({&model.shape_directions, &model.expression_directions}, directions));
+  npz.Add("n_shape", {}, std::vector<int32_t>{model.shape_count});
+  npz.Add("n_expr", {}, std::vector<int32_t>{model.expression_count});
+  npz.Add("posedirs",
+          {v, 3, kFlamePoseFeatures},
+          interleave({&model.pose_directions}, kFlamePoseFeatures));
+  npz.Add("J_regressor", {kFlameJoints, v}, model.joint_regressor);
+  npz.Add("weights", {v, kFlameJoints}, model.skinning_weights);
+  npz.Add("kintree_table", {2, kFlameJoints}, tree);
+  npz.Add("redistributable", {}, std::vector<int32_t>{model.redistributable ? 1 : 0});
+  npz.Write(path);
+}
+
+}  // namespace cosplat

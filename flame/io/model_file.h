@@ -1,0 +1,26 @@
+// FLAME model files: FLAME's own .pkl, and .npz with the same arrays.
+//
+//   v_template [V, 3], f or faces [F, 3], shapedirs* [V, 3, S + E] (shape first), posedirs*
+//   [V, 3, 36], J_regressor [5, V] (dense or scipy csc), weights [V, 5], kintree_table [2, 5] or
+//   parents [5]; optional numbers n_shape, n_expr, redistributable.
+//
+// Without n_shape and n_expr the first 300 directions are shape, as in FLAME's own files, and the
+// rest expression. All-zero directions at the end of either group are dropped: they have no effect
+// and fill most of a model that was cut down.
+#pragma once
+
+#include <string>
+
+#include "flame/model.h"
+
+namespace cosplat {
+
+// The path's extension decides. The model is valid (Validate) on return; its sha256 is the file's.
+// redistributable is false unless the .npz says otherwise: no FLAME file is taken to be free.
+// Throws Error naming file, array and shape or value.
+FlameModel LoadFlameModel(const std::string& path);
+
+// Writes an .npz that LoadFlameModel reads back equal (name and sha256 apart).
+void WriteFlameModelNpz(const std::string& path, const FlameModel& model);
+
+}  // namespace cosplat

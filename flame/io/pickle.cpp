@@ -1,0 +1,206 @@
+#include "flame/io/pickle.h"
+
+#include <array>
+
+#include "flame/io/pickle_machine.h"
+
+namespace cosplat {
+namespace {
+
+using Kind = PickleValue::Kind;
+
+// numpy's, scipy's and chumpy's constructors take at most three arguments.
+constexpr size_t kMaxArguments = 4;
+
+struct AcceptedClass {
+  const char* module;
+  const char* name;
+  PickleClass type;
+};
+
+// Everything that a pickle may name. Module names changed over the years.
+constexpr std::array kAcceptedClasses = {
+    AcceptedClass{"numpy.core.multiarray", "_reconstruct", PickleClass::kArrayReconstruct},
+    AcceptedClass{"numpy._core.multiarray", "_reconstruct", PickleClass::kArrayReconstruct},
+    AcceptedClass{"numpy.core.multiarray", "scalar", PickleClass::kScalar},
+    AcceptedClass{"numpy._core.multiarray", "scalar", PickleClass::kScalar},
+    AcceptedClass{"numpy", "ndarray", PickleClass::kArray},
+    AcceptedClass{"numpy", "dtype", PickleClass::kDtype},
+    AcceptedClass{"scipy.sparse.csc", "csc_matrix", PickleClass::kCscMatrix},
+    AcceptedClass{"scipy.sparse._csc", "csc_matrix", PickleClass::kCscMatrix},
+    AcceptedClass{"chumpy.ch", "Ch", PickleClass::kChumpy},
+    AcceptedClass{"chumpy.reordering", "Select", PickleClass::kChumpySelect},
+    AcceptedClass{"_codecs", "encode", PickleClass::kEncode},
+    AcceptedClass{"copy_reg", "_reconstructor", PickleClass::kReconstructor},
+    AcceptedClass{"copyreg", "_reconstructor", PickleClass::kReconstructor},
+    AcceptedClass{"__builtin__", "object", PickleClass::kObject},
+    AcceptedClass{"builtins", "object", PickleClass::kObject},
+    AcceptedClass{"collections", "OrderedDict", PickleClass::kOrderedDict},
+};
+
+// Names from a file go into one line of a message.
+std::string Printable(std::string_view text) {
+  std::string out;
+  for (char c : text.substr(0, 60)) out += c >= ' ' && c < 127 ? c : '?';
+  return text.size() > 60 ? out + "..." : out;
+}
+
+std::string NameOfRefusedOpcode(uint8_t opcode) {
+  switch (opcode) {
+    case 'i':
+      return "INST";
+    case 'o':
+      return "OBJ";
+    case 'P':
+      return "PERSID";
+    case 'Q':
+      return "BINPERSID";
+    case 0x82:
+      return "EXT1";
+    case 0x83:
+      return "EXT2";
+    case 0x84:
+      return "EXT4";
+    case 0x8f:
+      return "EMPTY_SET";
+    case 0x90:
+      return "ADDITEMS";
+    case 0x91:
+      return "FROZENSET";
+    case 0x92:
+      return "NEWOBJ_EX";
+    case 0x96:
+      return "BYTEARRAY8";
+    case 0x97:
+      return "NEXT_BUFFER";
+    case 0x98:
+      return "READONLY_BUFFER";
+    default: {
+      constexpr char kHex[] = "0123456789abcdef";
+      return std::string("0x") + kHex[opcode >> 4] + kHex[opcode & 15];
+    }
+  }
+}
+
+}  // namespace
+
+const PickleValue* PickleMachine::Run() {
+  for (;;) {
+    in_.BeginOpcode();
+    const uint8_t opcode = uint8_t(in_.Unsigned(1));
+    if (opcode == '.') return Pop();
+    if (!Constant(opcode) && !Text(opcode) && !Container(opcode) && !Stack(opcode) &&
+        !Object(opcode))
+      in_.Fail("opcode " + NameOfRefusedOpcode(opcode) +
+               " is not accepted (nothing in a pickle is executed here)");
+  }
+}
+
+void PickleMachine::PushClass(std::string_view module, std::string_view name) {
+  for (const AcceptedClass& c : kAcceptedClasses) {
+    if (module != c.module || name != c.name) continue;
+    PickleValue* value = New(Kind::kClass);
+    value->type = c.type;
+    Push(value);
+    return;
+  }
+  in_.Fail("class " + Printable(module) + "." + Printable(name) +
+           " is not accepted (nothing in a pickle is executed here)");
+}
+
+bool PickleMachine::Object(uint8_t opcode) {
+  switch (opcode) {
+    case 'c': {
+      const std::string_view module = in_.Line();
+      PushClass(module, in_.Line());
+      return true;
+    }
+    case 0x93: {
+      const PickleValue* name = Pop();
+      const PickleValue* module = Pop();
+      if (name->kind != Kind::kText || module->kind != Kind::kText)
+        in_.Fail("STACK_GLOBAL without the name of a class");
+      PushClass(module->text, name->text);
+      return true;
+    }
+    case 'R':
+      Call();
+      return true;
+    case 0x81: {
+      const PickleValue* arguments = Pop();
+      Construct(Pop(), arguments);
+      return true;
+    }
+    case 'b': {
+      const PickleValue* state = Pop();
+      PickleValue* object = Top();
+      if (object->kind != Kind::kObject) in_.Fail("BUILD on what is no object");
+      object->state = state;
+      return true;
+    }
+    default:
+      return false;
+  }
+}
+
+// REDUCE: the few callables that stand for data.
+void PickleMachine::Call() {
+  const PickleValue* arguments = Pop();
+  const PickleValue* callable = Pop();
+  if (callable->kind != Kind::kClass || arguments->kind != Kind::kTuple)
+    in_.Fail("REDUCE of what is no class");
+  const auto& items = arguments->items;
+  switch (callable->type) {
+    case PickleClass::kArrayReconstruct:
+    case PickleClass::kReconstructor:
+      if (items.empty()) in_.Fail("a constructor without the name of its class");
+      return Construct(items[0], arguments);
+    case PickleClass::kEncode:
+      if (items.empty() || items.size() > 2 || items[0]->kind != Kind::kText ||
+          (items.size() == 2 && items[1]->text != "latin1"))
+        in_.Fail("_codecs.encode of anything but text to latin1");
+      return PushText(Kind::kBytes, in_.Latin1Bytes(items[0]->text));
+    default:
+      return Construct(callable, arguments);
+  }
+}
+
+void PickleMachine::Construct(const PickleValue* type, const PickleValue* arguments) {
+  if (type->kind != Kind::kClass || arguments->kind != Kind::kTuple)
+    in_.Fail("an object without a class");
+  if (arguments->items.size() > kMaxArguments)
+    in_.Fail("a constructor with " + std::to_string(arguments->items.size()) + " arguments");
+  switch (type->type) {
+    case PickleClass::kArray:
+    case PickleClass::kDtype:
+    case PickleClass::kScalar:
+    case PickleClass::kCscMatrix:
+    case PickleClass::kChumpy:
+    case PickleClass::kChumpySelect: {
+      PickleValue* object = New(Kind::kObject);
+      object->type = type->type;
+      object->items = arguments->items;
+      return Push(object);
+    }
+    case PickleClass::kOrderedDict:
+      if (!arguments->items.empty()) in_.Fail("collections.OrderedDict with arguments");
+      return Push(New(Kind::kDict));
+    default:
+      in_.Fail("an object of a class that is only a function");
+  }
+}
+
+const PickleValue* PickleValue::Find(const std::string& key) const {
+  if (kind != Kind::kDict) return nullptr;
+  for (size_t i = items.size(); i >= 2; i -= 2) {
+    const PickleValue* k = items[i - 2];
+    if ((k->kind == Kind::kText || k->kind == Kind::kBytes) && k->text == key) return items[i - 1];
+  }
+  return nullptr;
+}
+
+Pickle::Pickle(const std::string& file, const std::vector<char>& bytes) {
+  root_ = PickleMachine(file, {bytes.data(), bytes.size()}, values_).Run();
+}
+
+}  // namespace cosplat

@@ -1,0 +1,73 @@
+// Reads Python pickles as data. Nothing in them is ever executed.
+//
+// FLAME's own model files are pickles, which Python runs as programs when it opens them. This
+// reader interprets the opcodes of protocols 0 to 4 that build plain data, and keeps objects of a
+// fixed list of classes (numpy arrays, scipy's csc_matrix, chumpy's wrappers) as their class and
+// state. Any other class, and every opcode that could construct something else, is an Error that
+// names it. Opcodes: CPython's Lib/pickletools.py.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+enum class PickleClass {
+  kArrayReconstruct,  // numpy.core.multiarray._reconstruct: makes a kArray
+  kArray,             // numpy.ndarray; state (version, shape, dtype, is_fortran, bytes)
+  kDtype,             // numpy.dtype; arguments (name, ...), state (version, byte order, ...)
+  kScalar,            // numpy.core.multiarray.scalar; arguments (dtype, bytes)
+  kCscMatrix,         // scipy's csc_matrix; state {_shape, indices, indptr, data}
+  kChumpy,            // chumpy.ch.Ch; state {x}
+  kChumpySelect,      // chumpy.reordering.Select; state {a, idxs, preferred_shape}
+  kEncode,            // _codecs.encode: text to bytes
+  kReconstructor,     // copy_reg._reconstructor: makes an object of its first argument
+  kObject,            // __builtin__.object, the base class named there
+  kOrderedDict,       // collections.OrderedDict, kept as a plain dictionary
+};
+
+struct PickleValue {
+  enum class Kind {
+    kNone,
+    kBool,
+    kInteger,
+    kFloat,
+    kText,
+    kBytes,
+    kList,
+    kTuple,
+    kDict,
+    kClass,
+    kObject
+  };
+  Kind kind = Kind::kNone;
+  int64_t integer = 0;  // kBool, kInteger
+  double real = 0;      // kFloat
+  std::string text;     // kText: UTF-8, or the bytes of a Python-2 string; kBytes
+  // kList, kTuple: the items; kDict: keys and values in turn; kObject: constructor arguments.
+  std::vector<const PickleValue*> items;
+  PickleClass type = PickleClass::kObject;  // kClass, kObject
+  const PickleValue* state = nullptr;       // kObject: what BUILD gave it, or null
+
+  // The value under a text key of a kDict (the last one, as in Python), or null.
+  const PickleValue* Find(const std::string& key) const;
+};
+
+// A parsed pickle: owns its values. They may refer to each other in circles.
+class Pickle {
+ public:
+  // Throws Error(file, "byte N", ...) on anything but a complete, acceptable pickle. The memory
+  // used is bounded by the length of `bytes`.
+  Pickle(const std::string& file, const std::vector<char>& bytes);
+  Pickle(const Pickle&) = delete;
+  Pickle& operator=(const Pickle&) = delete;
+  const PickleValue& root() const { return *root_; }
+
+ private:
+  std::deque<PickleValue> values_;
+  const PickleValue* root_ = nullptr;
+};
+
+}  // namespace cosplat
