@@ -7,16 +7,12 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "splat/basis.h"
 #include "splat/buffer.h"
 
 namespace cosplat {
-
-enum class Basis { kDcsh, kSh };
-std::string ToString(Basis basis);
-Basis BasisFromString(const std::string& text);  // Error on anything but "dcsh" or "sh"
 
 enum Attribute {
   kPosition,      // [N, 3] world units
@@ -29,7 +25,6 @@ enum Attribute {
 };
 
 constexpr int kMaxTrainedDegree = 4;
-constexpr int CoefficientCount(int degree) { return (degree + 1) * (degree + 1); }
 
 struct Gaussians {
   int degree = 0;  // highest band stored

@@ -46,15 +46,25 @@ std::string Shown(const Json& value) {
   return text;
 }
 
-void Flatten(const JsonField& field, std::vector<float>& out) {
+void Flatten(const JsonField& field, bool null_is_nan, std::vector<double>& out) {
   if (!field.raw().is_array()) {
-    const double number = field.Number();
-    if (std::abs(number) > std::numeric_limits<float>::max())
-      throw Error(field.file(), field.path(), "found " + Shown(field.raw()) + ", too large");
-    out.push_back(float(number));
+    const bool nan = null_is_nan && field.raw().is_null();
+    out.push_back(nan ? std::numeric_limits<double>::quiet_NaN() : field.Number());
     return;
   }
-  for (size_t i = 0; i < field.raw().size(); ++i) Flatten(field[i], out);
+  for (size_t i = 0; i < field.raw().size(); ++i) Flatten(field[i], null_is_nan, out);
+}
+
+std::vector<double> NumbersOf(const JsonField& field, size_t count, bool null_is_nan) {
+  field.size();  // must be an array
+  std::vector<double> numbers;
+  Flatten(field, null_is_nan, numbers);
+  if (count != 0 && numbers.size() != count)
+    throw Error(
+        field.file(),
+        field.path(),
+        "found " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+  return numbers;
 }
 
 }  // namespace
@@ -124,15 +134,17 @@ std::string JsonField::String() const {
 }
 
 std::vector<float> JsonField::Numbers(size_t count) const {
-  size();  // must be an array
   std::vector<float> numbers;
-  Flatten(*this, numbers);
-  if (count != 0 && numbers.size() != count)
-    throw Error(
-        file_,
-        path_,
-        "found " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+  for (double number : NumbersOf(*this, count, false)) {
+    if (std::abs(number) > std::numeric_limits<float>::max())
+      throw Error(file_, path_, "holds " + std::to_string(number) + ", too large");
+    numbers.push_back(float(number));
+  }
   return numbers;
+}
+
+std::vector<double> JsonField::NumbersOrNan(size_t count) const {
+  return NumbersOf(*this, count, true);
 }
 
 double JsonField::NumberOr(const std::string& key, double fallback) const {

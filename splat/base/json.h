@@ -25,6 +25,9 @@ class JsonField {
   std::string String() const;
   // An array of `count` finite numbers (any length when count is 0); nested arrays are flattened.
   std::vector<float> Numbers(size_t count = 0) const;
+  // As Numbers, but NaN and infinity (null, as ReadJson leaves them) are let through as NaN, for
+  // values whose badness costs one frame only.
+  std::vector<double> NumbersOrNan(size_t count = 0) const;
   double NumberOr(const std::string& key, double fallback) const;
   const std::string& file() const { return file_; }
   const std::string& path() const { return path_; }

@@ -1,0 +1,158 @@
+// The CPU back end: project -> tile lists -> blend per tile, in parallel over oneTBB.
+// Bits do not depend on the number of threads: tiles and Gaussians are independent, and a Gaussian's
+// gradient is the sum of its tiles' records in a fixed order.
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <string>
+
+#include "splat/base/error.h"
+#include "splat/basis_constants.h"
+#include "splat/config.h"
+#include "splat/cpu/blend_tile.h"
+#include "splat/cpu/launch.h"
+#include "splat/rasterizer.h"
+
+namespace cosplat {
+namespace {
+
+class CpuTape : public RenderTape {
+ public:
+  float radius(size_t i) const override { return splats[i].radius; }
+  size_t visible_count() const override { return lists.order.size(); }
+  size_t instance_count() const override { return lists.entries.size(); }
+
+  ViewParameters view{};
+  RenderSettings settings;
+  Buffer<ProjectedSplat> splats;  // [count]
+  TileLists lists;
+  Buffer<uint32_t> looked_at;      // [tiles] entries before the tile was opaque
+  Buffer<SplatGradient> records;   // [instances]
+  Buffer<SplatGradient> d_splats;  // [count]
+};
+
+ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree) {
+  ViewParameters v{};
+  for (int i = 0; i < 9; ++i) v.rotation[i] = camera.rotation[i];
+  const std::array<float, 3> center = camera.Center();
+  for (int i = 0; i < 3; ++i) {
+    v.translation[i] = camera.translation[i];
+    v.center[i] = center[i];
+  }
+  v.fx = camera.fx;
+  v.fy = camera.fy;
+  v.cx = camera.cx;
+  v.cy = camera.cy;
+  v.width = float(camera.width);
+  v.height = float(camera.height);
+  v.basis_constants = BasisConstants(basis);
+  v.degree = degree;
+  return v;
+}
+
+class CpuRasterizer : public Rasterizer {
+ public:
+  std::unique_ptr<RenderTape> MakeTape() const override { return std::make_unique<CpuTape>(); }
+
+  void Forward(const WorldGaussians& gaussians,
+               Basis basis,
+               const Camera& camera,
+               const RenderSettings& settings,
+               RenderedImage& image,
+               RenderTape& base_tape) override {
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    if (camera.width < 1 || camera.height < 1)
+      throw Error("", "camera", "image of " + std::to_string(camera.width) + "x" +
+                                    std::to_string(camera.height) + " pixels");
+    if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
+        settings.degree > kMaxTrainedDegree)
+      throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");
+    tape.view = ViewOfCamera(camera, basis, settings.degree);
+    tape.settings = settings;
+    {
+      ScopedPhase phase(times, Phase::kProject);
+      tape.splats.resize(gaussians.count);
+      LaunchProject(gaussians, tape.view, tape.splats.data());
+    }
+    {
+      ScopedPhase phase(times, Phase::kSort);
+      tape.lists.Build(tape.splats, camera.width, camera.height);
+    }
+    ScopedPhase phase(times, Phase::kBlend);
+    image.width = camera.width;
+    image.height = camera.height;
+    image.color.resize(3 * size_t(camera.width) * camera.height);
+    image.transmittance.resize(size_t(camera.width) * camera.height);
+    const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
+    tape.looked_at.resize(tiles);
+    tbb::parallel_for(0, tiles, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = image.color.data();
+      job.transmittance = image.transmittance.data();
+      tape.looked_at[tile] = BlendTileForward(job);
+    });
+  }
+
+  void Backward(const WorldGaussians& gaussians,
+                const RenderedImage& image,
+                const Buffer<float>& d_color,
+                RenderTape& base_tape,
+                const WorldGradients& gradients) override {
+    ScopedPhase phase(times, Phase::kBackward);
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    tape.records.resize(tape.lists.entries.size());
+    const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
+    tbb::parallel_for(0, tiles, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = const_cast<float*>(image.color.data());  // read only here
+      for (uint32_t k = tape.looked_at[tile]; k < job.entry_count; ++k)
+        tape.records[job.entries[k].record] = SplatGradient{};
+      job.entry_count = tape.looked_at[tile];
+      BlendTileBackward(job, d_color.data(), tape.records.data());
+    });
+    SumRecords(tape);
+    LaunchProjectVjp(gaussians, tape.view, tape.splats.data(), tape.d_splats.data(), gradients);
+  }
+
+ private:
+  static TileJob JobOf(const CpuTape& tape, int tile, int width, int height) {
+    TileJob job;
+    job.splats = tape.splats.data();
+    job.entries = tape.lists.entries.data() + tape.lists.tile_begin[tile];
+    job.entry_count = tape.lists.tile_begin[tile + 1] - tape.lists.tile_begin[tile];
+    job.x0 = tile % tape.lists.tiles_x * kTileSize;
+    job.y0 = tile / tape.lists.tiles_x * kTileSize;
+    job.width = width;
+    job.height = height;
+    for (int c = 0; c < 3; ++c) job.background[c] = tape.settings.background[c];
+    return job;
+  }
+
+  // Per Gaussian, its instances' records in their fixed order.
+  static void SumRecords(CpuTape& tape) {
+    tape.d_splats.resize(tape.splats.size());
+    const TileLists& lists = tape.lists;
+    tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
+      SplatGradient sum{};
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r) {
+        const SplatGradient& d = tape.records[r];
+        sum.x += d.x;
+        sum.y += d.y;
+        sum.power_xx += d.power_xx;
+        sum.power_xy += d.power_xy;
+        sum.power_yy += d.power_yy;
+        sum.opacity += d.opacity;
+        sum.r += d.r;
+        sum.g += d.g;
+        sum.b += d.b;
+      }
+      tape.d_splats[lists.order[k]] = sum;
+    });
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Rasterizer> MakeCpuRasterizer() { return std::make_unique<CpuRasterizer>(); }
+
+}  // namespace cosplat

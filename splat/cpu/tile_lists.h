@@ -1,0 +1,47 @@
+// Which Gaussians each tile draws, front to back.
+// ProjectedSplat[] -> depth order -> (Gaussian, tile) instances in that order -> stable sort by tile.
+// Sorting by depth once per Gaussian rather than per instance: Faster-GS.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "splat/buffer.h"
+#include "splat/kernels/projected_splat.h"
+
+namespace cosplat {
+
+struct TileEntry {
+  uint32_t gaussian;
+  uint32_t record;  // where this instance's gradient is kept: contiguous per Gaussian
+};
+
+struct TileLists {
+  int tiles_x = 0;
+  int tiles_y = 0;
+  Buffer<uint32_t> order;         // drawn Gaussians by depth; equal depths by index
+  Buffer<uint32_t> record_begin;  // [order.size() + 1] instances of order[k], in `record` numbering
+  Buffer<uint32_t> tile_begin;    // [tiles + 1]
+  Buffer<TileEntry> entries;      // by tile, then by depth
+
+  // Rebuilds for an image of this size. Throws Error at more than 2^31 instances.
+  void Build(View<const ProjectedSplat> splats, int width, int height);
+
+ private:
+  // Scratch, kept between steps.
+  struct Instance {
+    uint32_t tile, gaussian;
+  };
+  struct Chunk {
+    std::vector<Instance> instances;
+    std::vector<uint32_t> per_gaussian;  // instances of each Gaussian of the chunk
+    std::vector<uint32_t> tile_offset;   // counts, then where its first instance of a tile goes
+  };
+  std::vector<Chunk> chunks_;
+  Buffer<uint32_t> keys_, keys_swap_, order_swap_;
+
+  void SortByDepth(View<const ProjectedSplat> splats);
+  void EmitChunk(View<const ProjectedSplat> splats, size_t begin, size_t end, Chunk& chunk) const;
+};
+
+}  // namespace cosplat

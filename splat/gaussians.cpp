@@ -1,0 +1,43 @@
+#include "splat/gaussians.h"
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+
+std::string ToString(Basis basis) { return basis == Basis::kDcsh ? "dcsh" : "sh"; }
+
+Basis BasisFromString(const std::string& text) {
+  if (text == "dcsh") return Basis::kDcsh;
+  if (text == "sh") return Basis::kSh;
+  throw Error("", "basis", "'" + text + "' is not a basis; known: dcsh, sh");
+}
+
+int Gaussians::width(int attribute) const {
+  constexpr std::array<int, kAttributeCount> kWidths{3, 4, 3, 1, 3, 0};
+  if (attribute == kColorRest) return 3 * (CoefficientCount(degree) - 1);
+  return kWidths[attribute];
+}
+
+void Gaussians::Resize(size_t n) {
+  for (int a = 0; a < kAttributeCount; ++a) values[a].resize(n * width(a), 0.0f);
+}
+
+void Gaussians::Gather(const std::vector<uint32_t>& source) {
+  for (int a = 0; a < kAttributeCount; ++a) {
+    const size_t w = width(a);
+    Buffer<float> gathered(source.size() * w);
+    for (size_t i = 0; i < source.size(); ++i)
+      for (size_t k = 0; k < w; ++k) gathered[i * w + k] = values[a][source[i] * w + k];
+    values[a] = std::move(gathered);
+  }
+}
+
+Gaussians Gaussians::ZerosLike() const {
+  Gaussians zeros;
+  zeros.degree = degree;
+  zeros.basis = basis;
+  zeros.Resize(size());
+  return zeros;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,117 @@
+#include "splat/io/colmap_model.h"
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+// Ids and parameter counts of COLMAP's camera models.
+constexpr ColmapModelKind kModels[] = {{0, "SIMPLE_PINHOLE", 3},
+                                       {1, "PINHOLE", 4},
+                                       {2, "SIMPLE_RADIAL", 4},
+                                       {3, "RADIAL", 5},
+                                       {4, "OPENCV", 8},
+                                       {5, "OPENCV_FISHEYE", 8},
+                                       {6, "FULL_OPENCV", 12},
+                                       {7, "FOV", 5},
+                                       {8, "SIMPLE_RADIAL_FISHEYE", 4},
+                                       {9, "RADIAL_FISHEYE", 5},
+                                       {10, "THIN_PRISM_FISHEYE", 12},
+                                       {11, "RAD_TAN_THIN_PRISM_FISHEYE", 16}};
+
+const ColmapModelKind* FindByName(const std::string& name) {
+  for (const ColmapModelKind& kind : kModels)
+    if (name == kind.name) return &kind;
+  return nullptr;
+}
+
+// Parameters are [f | fx fy] cx cy, then distortion in OpenCV's order, radial models without the
+// tangential terms p1, p2 (which are OpenCV's third and fourth).
+void SetParams(const std::string& model, const std::vector<double>& p, ColmapCamera& camera) {
+  const bool two_focals = model == "PINHOLE" || model == "OPENCV" || model == "OPENCV_FISHEYE" ||
+                          model == "FULL_OPENCV";
+  const size_t center = two_focals ? 2 : 1;
+  camera.lens.fx = float(p[0]);
+  camera.lens.fy = float(p[two_focals ? 1 : 0]);
+  camera.lens.cx = float(p[center]);
+  camera.lens.cy = float(p[center + 1]);
+  bool distorts = false;
+  for (size_t i = center + 2; i < p.size(); ++i) {
+    camera.distortion.k[i - center - 2] = p[i];
+    distorts = distorts || p[i] != 0;
+  }
+  const bool fisheye = model.find("FISHEYE") != std::string::npos;
+  if (fisheye) {
+    camera.distortion.model = Distortion::Model::kFisheye;  // distorts with zeros, too
+  } else if (distorts) {
+    camera.distortion.model = Distortion::Model::kBrown;
+  }
+}
+
+}  // namespace
+
+const ColmapModelKind* FindColmapModelKind(int id) {
+  for (const ColmapModelKind& kind : kModels)
+    if (id == kind.id) return &kind;
+  return nullptr;
+}
+
+ColmapCamera MakeColmapCamera(const std::string& file,
+                              const std::string& field,
+                              const std::string& model,
+                              const std::array<int64_t, 2>& size,
+                              const std::vector<double>& params) {
+  const ColmapModelKind* kind = FindByName(model);
+  if (kind == nullptr || model == "FOV" || model.find("THIN_PRISM") != std::string::npos)
+    throw Error(file,
+                field,
+                "camera model " + model + " cannot be undistorted: run COLMAP's image_undistorter");
+  if (int(params.size()) != kind->params)
+    throw Error(file,
+                field,
+                model + " has " + std::to_string(params.size()) + " parameters, expected " +
+                    std::to_string(kind->params));
+  for (double p : params)
+    if (!std::isfinite(p)) throw Error(file, field, model + " has a parameter that is not finite");
+  constexpr int64_t kMaxSide = 1 << 20;
+  if (size[0] < 1 || size[1] < 1 || size[0] > kMaxSide || size[1] > kMaxSide)
+    throw Error(
+        file,
+        field,
+        "image size " + std::to_string(size[0]) + "x" + std::to_string(size[1]) + " is impossible");
+  ColmapCamera camera;
+  camera.lens.width = int(size[0]);
+  camera.lens.height = int(size[1]);
+  SetParams(model, params, camera);
+  if (!(camera.lens.fx > 0) || !(camera.lens.fy > 0))
+    throw Error(file, field, "focal length " + std::to_string(params[0]) + " is not positive");
+  return camera;
+}
+
+ColmapModel ReadColmapModel(const std::string& folder) {
+  ColmapModel model;
+  if (std::filesystem::exists(folder + "/cameras.bin")) {
+    model.images_file = folder + "/images.bin";
+    colmap::ReadBinary(folder, model);
+  } else if (std::filesystem::exists(folder + "/cameras.txt")) {
+    model.images_file = folder + "/images.txt";
+    colmap::ReadText(folder, model);
+  } else {
+    throw Error(folder, "", "holds no COLMAP model: neither cameras.bin nor cameras.txt");
+  }
+  for (const ColmapImage& image : model.images)
+    if (!model.cameras.contains(image.camera_id))
+      throw Error(model.images_file,
+                  image.name,
+                  "names camera " + std::to_string(image.camera_id) + ", which does not exist");
+  for (size_t i = 0; i < model.points.size(); ++i)
+    if (!std::isfinite(model.points[i]))
+      throw Error(folder, "points3D, record " + std::to_string(i / 3), "is not finite");
+  return model;
+}
+
+}  // namespace cosplat

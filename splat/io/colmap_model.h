@@ -1,0 +1,62 @@
+// COLMAP's sparse model as its files hold it, binary or text.
+// Format: colmap.github.io/format.html.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "splat/base/camera.h"
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+
+struct ColmapCamera {
+  Camera lens;  // intrinsics; no pose
+  Distortion distortion;
+};
+
+struct ColmapImage {
+  std::string name;  // path below the images folder
+  uint32_t camera_id = 0;
+  std::array<double, 4> rotation{};  // cam_from_world quaternion, wxyz, as stored
+  std::array<double, 3> translation{};
+};
+
+struct ColmapModel {
+  std::string images_file;  // for messages
+  std::map<uint32_t, ColmapCamera> cameras;
+  std::vector<ColmapImage> images;
+  std::vector<float> points;          // [P, 3]
+  std::vector<uint8_t> point_colors;  // [P, 3]
+};
+
+// Reads cameras, images and points3D (.bin, or .txt where there is no .bin) from a folder. The
+// points may be absent. Throws Error naming the file, the record and what was expected.
+ColmapModel ReadColmapModel(const std::string& folder);
+
+// A camera of COLMAP's `model` ("OPENCV", ...); throws Error(file, field, ...) for models whose
+// distortion OpenCV cannot undo, by name, and for a wrong number or value of parameters.
+ColmapCamera MakeColmapCamera(const std::string& file,
+                              const std::string& field,
+                              const std::string& model,
+                              const std::array<int64_t, 2>& size,
+                              const std::vector<double>& params);
+
+// Name and number of parameters of a model id in a binary file; nullptr when unknown.
+struct ColmapModelKind {
+  int id;
+  const char* name;
+  int params;
+};
+const ColmapModelKind* FindColmapModelKind(int id);
+
+namespace colmap {
+// One format each; called by ReadColmapModel with paths that exist (points: maybe).
+void ReadBinary(const std::string& folder, ColmapModel& model);
+void ReadText(const std::string& folder, ColmapModel& model);
+}  // namespace colmap
+
+}  // namespace cosplat

@@ -1,0 +1,152 @@
+#include "splat/io/ply.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/ply_vertices.h"
+
+namespace cosplat {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "floats are written as stored");
+
+// A property of the file and where it lives in Gaussians.
+struct Column {
+  std::string name;
+  Attribute attribute;
+  int component;
+};
+
+std::vector<Column> RestColumns(int coefficients) {
+  std::vector<Column> columns;
+  for (int c = 0; c < 3; ++c)
+    for (int k = 0; k < coefficients; ++k)
+      columns.push_back({"f_rest_" + std::to_string(columns.size()), kColorRest, 3 * k + c});
+  return columns;
+}
+
+// All columns in the order in which they are written, but for the normals behind the position.
+std::vector<Column> ColumnsOf(int degree) {
+  std::vector<Column> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
+  for (int i = 0; i < 3; ++i) columns.push_back({"f_dc_" + std::to_string(i), kColorDc, i});
+  for (Column& column : RestColumns(CoefficientCount(degree) - 1)) columns.push_back(column);
+  columns.push_back({"opacity", kOpacityLogit, 0});
+  for (int i = 0; i < 3; ++i) columns.push_back({"scale_" + std::to_string(i), kScaleLog, i});
+  for (int i = 0; i < 4; ++i) columns.push_back({"rot_" + std::to_string(i), kRotation, i});
+  return columns;
+}
+
+std::string HeaderOf(size_t count) {
+  return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(count) + "\n";
+}
+
+int DegreeOf(const PlyVertexReader& reader) {
+  int rest = 0;
+  for (const std::string& name : reader.properties()) rest += name.starts_with("f_rest_");
+  for (int degree = 0; degree <= kMaxTrainedDegree; ++degree)
+    if (rest == 3 * (CoefficientCount(degree) - 1)) return degree;
+  throw Error(reader.path(),
+              "vertex",
+              "has " + std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24, 45 or 72");
+}
+
+}  // namespace
+
+void WritePly(const std::string& path, const Gaussians& gaussians) {
+  if (gaussians.basis != Basis::kSh)
+    throw Error(path, "basis", "is " + ToString(gaussians.basis) + ", PLY files hold sh");
+  const std::vector<Column> columns = ColumnsOf(gaussians.degree);
+  const size_t count = gaussians.size();
+  for (const Column& column : columns)
+    for (size_t i = 0; i < count; ++i)
+      if (!std::isfinite(gaussians.at(column.attribute, i)[column.component]))
+        throw Error(path, "vertex " + std::to_string(i) + ", " + column.name, "is not finite");
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << HeaderOf(count);
+    constexpr int kNormals = 3, kNormalsAt = 3;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
+      out << "property float " << columns[i].name << "\n";
+    }
+    out << "end_header\n";
+    std::vector<float> row(columns.size() + kNormals, 0.0f);
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t k = 0; k < columns.size(); ++k)
+        row[k < kNormalsAt ? k : k + kNormals] =
+            gaussians.at(columns[k].attribute, i)[columns[k].component];
+      out.write(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(float));
+    }
+  });
+}
+
+Gaussians ReadPly(const std::string& path) {
+  PlyVertexReader reader(path);
+  Gaussians gaussians;
+  gaussians.degree = DegreeOf(reader);
+  gaussians.basis = Basis::kSh;
+  const std::vector<Column> columns = ColumnsOf(gaussians.degree);
+  std::vector<int> source;
+  for (const Column& column : columns) source.push_back(reader.Require(column.name));
+  gaussians.Resize(reader.count());
+  for (size_t i = 0; i < reader.count(); ++i) {
+    const std::vector<double>& values = reader.Next();
+    for (size_t k = 0; k < columns.size(); ++k) {
+      const float value = float(values[source[k]]);
+      if (!std::isfinite(value)) reader.Fail(columns[k].name, "is not finite");
+      gaussians.at(columns[k].attribute, i)[columns[k].component] = value;
+    }
+  }
+  return gaussians;
+}
+
+void WritePointsPly(const std::string& path,
+                    const std::vector<float>& points,
+                    const std::vector<uint8_t>& colors) {
+  if (points.size() != colors.size() || points.size() % 3 != 0)
+    throw Error(path,
+                "",
+                std::to_string(points.size()) + " coordinates do not fit " +
+                    std::to_string(colors.size()) + " colour values");
+  const size_t count = points.size() / 3;
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << HeaderOf(count);
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
+      out << "property float " << name << "\n";
+    for (const char* name : {"red", "green", "blue"}) out << "property uchar " << name << "\n";
+    out << "end_header\n";
+    for (size_t i = 0; i < count; ++i) {
+      const float row[6] = {points[3 * i], points[3 * i + 1], points[3 * i + 2], 0, 0, 0};
+      out.write(reinterpret_cast<const char*>(row), sizeof(row));
+      out.write(reinterpret_cast<const char*>(&colors[3 * i]), 3);
+    }
+  });
+}
+
+void ReadPointsPly(const std::string& path,
+                   std::vector<float>& points,
+                   std::vector<uint8_t>& colors) {
+  PlyVertexReader reader(path);
+  constexpr std::array<const char*, 3> kAxes{"x", "y", "z"}, kColors{"red", "green", "blue"};
+  std::array<int, 3> position, color;
+  for (int k = 0; k < 3; ++k) position[k] = reader.Require(kAxes[k]);
+  for (int k = 0; k < 3; ++k) color[k] = reader.Find(kColors[k]);
+  constexpr uint8_t kGrey = 128;
+  points.assign(3 * reader.count(), 0);
+  colors.assign(3 * reader.count(), kGrey);
+  for (size_t i = 0; i < reader.count(); ++i) {
+    const std::vector<double>& values = reader.Next();
+    for (int k = 0; k < 3; ++k) {
+      points[3 * i + k] = float(values[position[k]]);
+      if (!std::isfinite(points[3 * i + k])) reader.Fail(kAxes[k], "is not finite");
+      if (color[k] < 0) continue;
+      const double value = values[color[k]];
+      if (!(value >= 0 && value <= 255)) reader.Fail(kColors[k], "is not in 0..255");
+      colors[3 * i + k] = uint8_t(value);
+    }
+  }
+}
+
+}  // namespace cosplat

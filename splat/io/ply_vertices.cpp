@@ -1,0 +1,211 @@
+#include "splat/io/ply_vertices.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <sstream>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+template <class T>
+double Load(const char* p) {
+  T value;
+  std::memcpy(&value, p, sizeof(T));
+  return double(value);
+}
+
+bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+}  // namespace
+
+PlyVertexReader::PlyVertexReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
+  bytes_.push_back('\0');  // ends the last number of an ascii file
+  ReadHeader();
+}
+
+int PlyVertexReader::Find(const std::string& name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  return found == names_.end() ? -1 : int(found - names_.begin());
+}
+
+int PlyVertexReader::Require(const std::string& name) const {
+  const int index = Find(name);
+  if (index < 0) throw Error(path_, "vertex", "has no property " + name);
+  return index;
+}
+
+void PlyVertexReader::ReadHeader() {
+  const std::string end = "end_header";
+  std::vector<Element> elements;
+  for (int number = 0;; ++number) {
+    const auto newline = std::find(bytes_.begin() + at_, bytes_.end(), '\n');
+    if (newline == bytes_.end() || newline - (bytes_.begin() + at_) > 4096)
+      throw Error(path_, "", number == 0 ? "is not a PLY file" : "ends inside the header");
+    std::string line(bytes_.begin() + at_, newline);
+    if (line.ends_with('\r')) line.pop_back();
+    at_ = size_t(newline - bytes_.begin()) + 1;
+    if (number == 0 && line != "ply") throw Error(path_, "", "is not a PLY file");
+    if (line == end) break;
+    if (number > 0) HeaderLine(line, elements);
+  }
+  if (!format_seen_) throw Error(path_, "", "has no format line");
+  for (const Element& element : elements) {
+    element_ = element.name;
+    element_count_ = element.count;
+    // Every property takes a byte at least: refuses impossible counts before memory is taken.
+    if (element.count > (bytes_.size() - at_) / std::max<size_t>(1, element.properties.size()))
+      throw Error(path_,
+                  element.name,
+                  "the file ends before " + std::to_string(element.count) + " of them");
+    if (element.name == "vertex") {
+      vertex_ = element;
+      count_ = element.count;
+      for (const Property& p : vertex_.properties)
+        if (!p.is_list) names_.push_back(p.name);
+      row_ = 0;
+      return;
+    }
+    for (row_ = 0; row_ < element.count; ++row_) ReadRow(element);
+  }
+  throw Error(path_, "", "has no element vertex");
+}
+
+void PlyVertexReader::HeaderLine(const std::string& line, std::vector<Element>& elements) {
+  std::istringstream words(line);
+  std::string word, name, type;
+  words >> word;
+  if (word == "format") {
+    words >> name;
+    if (name != "ascii" && name != "binary_little_endian")
+      throw Error(path_, "format", "'" + name + "' is not read: ascii, binary_little_endian are");
+    ascii_ = name == "ascii";
+    format_seen_ = true;
+  } else if (word == "element") {
+    Element element;
+    long long count = -1;
+    words >> element.name >> count;
+    if (words.fail() || count < 0) throw Error(path_, "header", "cannot read '" + line + "'");
+    element.count = size_t(count);
+    elements.push_back(element);
+  } else if (word == "property") {
+    Property property;
+    words >> type;
+    property.is_list = type == "list";
+    if (property.is_list) {
+      words >> type;
+      property.count_type = TypeOf(line, type);
+      words >> type;
+    }
+    property.type = TypeOf(line, type);
+    words >> property.name;
+    if (words.fail() || elements.empty())
+      throw Error(path_, "header", "cannot read '" + line + "'");
+    elements.back().properties.push_back(property);
+  } else if (word != "comment" && word != "obj_info" && !word.empty()) {
+    throw Error(path_, "header", "cannot read '" + line + "'");
+  }
+}
+
+PlyVertexReader::Type PlyVertexReader::TypeOf(const std::string& line,
+                                              const std::string& name) const {
+  static const std::map<std::string, Type> kTypes{{"char", Type::kInt8},
+                                                  {"int8", Type::kInt8},
+                                                  {"uchar", Type::kUint8},
+                                                  {"uint8", Type::kUint8},
+                                                  {"short", Type::kInt16},
+                                                  {"int16", Type::kInt16},
+                                                  {"ushort", Type::kUint16},
+                                                  {"uint16", Type::kUint16},
+                                                  {"int", Type::kInt32},
+                                                  {"int32", Type::kInt32},
+                                                  {"uint", Type::kUint32},
+                                                  {"uint32", Type::kUint32},
+                                                  {"float", Type::kFloat},
+                                                  {"float32", Type::kFloat},
+                                                  {"double", Type::kDouble},
+                                                  {"float64", Type::kDouble}};
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end())
+    throw Error(path_, "header", "unknown type '" + name + "' in '" + line + "'");
+  return found->second;
+}
+
+const std::vector<double>& PlyVertexReader::Next() {
+  ReadRow(vertex_);
+  ++row_;
+  return values_;
+}
+
+void PlyVertexReader::ReadRow(const Element& element) {
+  values_.clear();
+  for (const Property& p : element.properties) {
+    if (!p.is_list) {
+      values_.push_back(ReadNumber(p.type, p));
+      continue;
+    }
+    const double length = ReadNumber(p.count_type, p);
+    if (!(length >= 0))
+      throw Error(path_, element.name + " " + std::to_string(row_), p.name + " has a bad length");
+    for (double i = 0; i < length; ++i) ReadNumber(p.type, p);
+  }
+}
+
+double PlyVertexReader::ReadNumber(Type type, const Property& property) {
+  return ascii_ ? ReadAscii(property) : ReadBinary(type, property);
+}
+
+double PlyVertexReader::ReadBinary(Type type, const Property& property) {
+  constexpr size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  const size_t size = kSizes[size_t(type)];
+  if (bytes_.size() - 1 - at_ < size)
+    throw Error(path_,
+                element_ + " " + std::to_string(row_),
+                "the file ends at " + property.name + ", expected " +
+                    std::to_string(element_count_) + " of them");
+  const char* p = bytes_.data() + at_;
+  at_ += size;
+  switch (type) {
+    case Type::kInt8:
+      return Load<int8_t>(p);
+    case Type::kUint8:
+      return Load<uint8_t>(p);
+    case Type::kInt16:
+      return Load<int16_t>(p);
+    case Type::kUint16:
+      return Load<uint16_t>(p);
+    case Type::kInt32:
+      return Load<int32_t>(p);
+    case Type::kUint32:
+      return Load<uint32_t>(p);
+    case Type::kFloat:
+      return Load<float>(p);
+    case Type::kDouble:
+      return Load<double>(p);
+  }
+  return 0;  // not reached: all types are listed
+}
+
+double PlyVertexReader::ReadAscii(const Property& property) {
+  while (IsSpace(bytes_[at_])) ++at_;
+  char* end = nullptr;
+  const double value = std::strtod(bytes_.data() + at_, &end);
+  const size_t next = size_t(end - bytes_.data());
+  if (next == at_ || (!IsSpace(*end) && *end != '\0'))
+    throw Error(
+        path_,
+        element_ + " " + std::to_string(row_),
+        property.name + (bytes_[at_] == '\0' ? " is missing, the file ends" : " is not a number"));
+  at_ = next;
+  return value;
+}
+
+void PlyVertexReader::Fail(const std::string& property, const std::string& problem) const {
+  throw Error(path_, "vertex " + std::to_string(row_ - 1) + ", " + property, problem);
+}
+
+}  // namespace cosplat

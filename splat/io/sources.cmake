@@ -1,0 +1,14 @@
+# cosplat::data: scenes' photographs and cameras, splat files.
+cosplat_library(data
+  ${CMAKE_CURRENT_LIST_DIR}/cameras_json.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/colmap_binary.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/colmap_model.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/colmap_scene.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/colmap_text.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ply.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ply_vertices.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/scene_data.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/transforms_scene.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/view_files.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/view_image.cpp)
+target_link_libraries(cosplat_data PUBLIC cosplat::base cosplat::render)

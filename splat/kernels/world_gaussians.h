@@ -1,0 +1,41 @@
+// Borrowed arrays of Gaussians in the world frame, and of their gradients: what kernels get.
+#pragma once
+
+#include <cstddef>
+
+namespace cosplat {
+
+struct WorldGaussians {
+  size_t count = 0;
+  int rest_width = 0;                    // floats per Gaussian in color_rest
+  const float* position = nullptr;       // [count, 3] world units
+  const float* rotation = nullptr;       // [count, 4] wxyz, any norm
+  const float* scale_log = nullptr;      // [count, 3] log(world units)
+  const float* opacity_logit = nullptr;  // [count] inverse logistic
+  const float* color_dc = nullptr;       // [count, 3]
+  const float* color_rest = nullptr;     // [count, rest_width]
+  const float* color_frame = nullptr;    // [count, 4] wxyz: colour sees R(frame)^T d; or null
+};
+
+struct WorldGradients {
+  float* position = nullptr;
+  float* rotation = nullptr;
+  float* scale_log = nullptr;
+  float* opacity_logit = nullptr;
+  float* color_dc = nullptr;
+  float* color_rest = nullptr;
+  float* color_frame = nullptr;  // null when there is no color_frame
+  float* screen = nullptr;       // [count, 2] dL/d(centre in the image), per px
+};
+
+// A camera and what else one view fixes, as plain numbers.
+struct ViewParameters {
+  float rotation[9];  // cam_from_world, row-major
+  float translation[3];
+  float center[3];  // of the camera, in the world
+  float fx, fy, cx, cy, width, height;
+  const float* basis_constants;  // splat/basis_constants.h
+  int degree;                    // bands evaluated, <= stored
+};
+
+}  // namespace cosplat

@@ -1,0 +1,123 @@
+// Alpha of a projected Gaussian at a pixel, and front-to-back blending over a background.
+// Source: Kerbl et al. 2023, eq. 2-4. Both back ends' blend loops call these.
+//
+// The backward pass also runs front to back: beside the transmittance it carries the part of
+// dot(dL/dC, C) that lies behind, so nothing is stored per pixel between the passes.
+#if defined(COSPLAT_SPLAT_MATH_BLEND_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_SPLAT_MATH_BLEND_H_
+#undef COSPLAT_SPLAT_MATH_BLEND_H_
+#else
+#define COSPLAT_SPLAT_MATH_BLEND_H_
+#endif
+
+#include "splat/config.h"
+#include "splat/math/vec.h"
+
+COSPLAT_MATH_BEGIN
+
+// Exponent of a projected Gaussian at an offset (dx, dy) px from its centre, as a quadratic form:
+//   power = xx dx^2 + xy dx dy + yy dy^2 = -1/2 d^T conic d, the -1/2 folded in.
+template <class T>
+struct PowerForm {
+  T xx, xy, yy;
+};
+
+// Splits the form at a row of pixels: power = (xx dx + slope) dx + offset.
+template <class T>
+struct PowerRow {
+  T xx, slope, offset;
+};
+template <class T>
+COSPLAT_HD PowerRow<T> AtRow(const PowerForm<T>& form, T dy) {
+  return {form.xx, form.xy * dy, form.yy * dy * dy};
+}
+template <class T>
+COSPLAT_HD T PowerAt(const PowerRow<T>& row, T dx) {
+  return (row.xx * dx + row.slope) * dx + row.offset;
+}
+
+// First and second moments of dL/d(power) over pixels: all that the geometry's gradient needs.
+template <class T>
+struct PowerMoments {
+  T x, y, xx, xy, yy;
+};
+template <class T>
+COSPLAT_HD void Accumulate(T d_power, T dx, T dy, PowerMoments<T>& moments) {
+  const T px = d_power * dx;
+  const T py = d_power * dy;
+  moments.x += px;
+  moments.y += py;
+  moments.xx += px * dx;
+  moments.xy += px * dy;
+  moments.yy += py * dy;
+}
+// d(centre): dx = pixel - centre, so the sign turns. d(form) is (xx, xy, yy) of the moments.
+template <class T>
+COSPLAT_HD Vec2<T> CenterVjp(const PowerForm<T>& form, const PowerMoments<T>& m) {
+  return {-(T(2) * form.xx * m.x + form.xy * m.y), -(T(2) * form.yy * m.y + form.xy * m.x)};
+}
+
+// The exponent below which a splat of this opacity contributes less than kMinAlpha.
+template <class T>
+COSPLAT_HD T RejectBelow(T opacity) {
+  return Log(T(kMinAlpha) / opacity);
+}
+
+// min(kMaxAlpha, opacity * falloff), falloff = exp(power).
+template <class T>
+COSPLAT_HD T AlphaOf(T opacity, T falloff) {
+  return Min(opacity * falloff, T(kMaxAlpha));
+}
+// Gradient of the uncapped product; none where it was capped.
+template <class T>
+COSPLAT_HD T AlphaOfVjp(T opacity, T falloff, T d_alpha) {
+  return Select(opacity * falloff < T(kMaxAlpha), d_alpha, T(0));
+}
+
+template <class T>
+struct BlendState {
+  T transmittance;
+  Vec3<T> color;
+};
+
+// Whether a pixel takes a splat: it is visible there and the pixel is not yet opaque.
+template <class T>
+COSPLAT_HD auto Accepts(T power, T reject_below, T transmittance) {
+  return And(power >= reject_below, transmittance >= T(kMinTransmittance));
+}
+
+// Adds one splat behind what is there.
+template <class T, class Mask>
+COSPLAT_HD void BlendBehind(Mask accept, T alpha, const Vec3<T>& color, BlendState<T>& state) {
+  const T weight = Select(accept, alpha * state.transmittance, T(0));
+  state.color += color * weight;
+  state.transmittance = state.transmittance - weight;
+}
+
+// State of the backward pass at a pixel. `behind` starts as dot(d_pixel, final pixel), background
+// included.
+template <class T>
+struct BlendVjpState {
+  T transmittance;
+  T behind;
+};
+
+template <class T>
+struct BlendVjpResult {
+  T weight;   // dL/d(color) = weight * d_pixel
+  T d_alpha;
+};
+
+template <class T, class Mask>
+COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(
+    Mask accept, T alpha, const Vec3<T>& color, const Vec3<T>& d_pixel, BlendVjpState<T>& state) {
+  const T weight = Select(accept, alpha * state.transmittance, T(0));
+  const T gain = Dot(color, d_pixel);
+  state.behind = state.behind - weight * gain;
+  const T d_alpha = state.transmittance * gain - state.behind / (T(1) - alpha);
+  state.transmittance = state.transmittance - weight;
+  return {weight, Select(accept, d_alpha, T(0))};
+}
+
+COSPLAT_MATH_END
+#endif

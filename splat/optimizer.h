@@ -1,0 +1,29 @@
+// Adam over the Gaussians' attributes, each with its own rate.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "splat/gaussians.h"
+
+namespace cosplat {
+
+struct AdamSettings {
+  std::array<float, kAttributeCount> rate{};
+  std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
+};
+
+// First and second moments, laid out as the Gaussians they belong to.
+struct AdamState {
+  Gaussians m;
+  Gaussians v;
+  int64_t step = 0;
+};
+
+// One step on every number. Non-finite gradients count as zero; returns how many there were.
+size_t AdamStepAll(const AdamSettings& settings,
+                   const Gaussians& gradients,
+                   Gaussians& values,
+                   AdamState& state);
+
+}  // namespace cosplat
