@@ -1,5 +1,6 @@
 #include "avatar/surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -37,6 +38,13 @@ int CornerOf(const std::array<int32_t, 3>& face, size_t vertex) {
 }
 
 }  // namespace
+
+std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights) {
+  double sum = 0;
+  for (double& w : weights) sum += w = std::max(w, kInsideTriangle);
+  for (double& w : weights) w /= sum;
+  return weights;
+}
 
 Surface::Surface(const CanonicalMesh& mesh)
     : faces_(mesh.faces),
@@ -155,16 +163,24 @@ void Surface::Backward(const Buffer<SurfaceVertex>& d_surface,
   });
 }
 
+double FaceArea(const CanonicalMesh& mesh, size_t face) {
+  Vec3<double> p[3];
+  for (int c = 0; c < 3; ++c) {
+    const size_t vertex = size_t(mesh.faces[face][c]);
+    if (vertex >= mesh.vertices.size() / 3)
+      throw Error("canonical mesh",
+                  "faces[" + std::to_string(face) + "]",
+                  "names vertex " + std::to_string(mesh.faces[face][c]) + " of " +
+                      std::to_string(mesh.vertices.size() / 3));
+    const float* v = &mesh.vertices[3 * vertex];
+    p[c] = {v[0], v[1], v[2]};
+  }
+  return math::Length(math::AreaVector(p[0], p[1], p[2]));
+}
+
 double SurfaceArea(const CanonicalMesh& mesh) {
   double total = 0;
-  for (const auto& face : mesh.faces) {
-    Vec3<double> p[3];
-    for (int c = 0; c < 3; ++c) {
-      const float* v = &mesh.vertices[3 * size_t(face[c])];
-      p[c] = {v[0], v[1], v[2]};
-    }
-    total += math::Length(math::AreaVector(p[0], p[1], p[2]));
-  }
+  for (size_t f = 0; f < mesh.faces.size(); ++f) total += FaceArea(mesh, f);
   return total;
 }
 

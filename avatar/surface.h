@@ -16,6 +16,19 @@ namespace cosplat {
 
 using SurfaceVertex = math::SurfaceVertex<float>;
 
+// A place on a mesh: a face and the weights (u, v) of its vertices 0 and 1; 1 - u - v is that of
+// vertex 2.
+struct SurfacePoint {
+  int32_t triangle = 0;
+  std::array<float, 2> barycentric{};
+};
+
+// Points that a search or a walk has moved keep each weight at least this: float's rounding of
+// 1 - u - v is 1.2e-7.
+constexpr double kInsideTriangle = 1e-6;
+// Raises weights below it to it; the sum back to 1.
+std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights);
+
 class Surface {
  public:
   // Poses itself canonically. Throws Error when the mesh is no 2-manifold (see BuildTopology), has
@@ -65,7 +78,8 @@ class Surface {
   std::vector<VertexTape> vertex_tape_;
 };
 
-// Total area of a mesh, square metres.
+// Square metres: of one face, of the whole mesh. Throws Error on a vertex that does not exist.
+double FaceArea(const CanonicalMesh& mesh, size_t face);
 double SurfaceArea(const CanonicalMesh& mesh);
 
 // Turns lengths published "in units of a FLAME mesh enlarged four times" (0.008, 0.02, 0.2 and the

@@ -252,6 +252,41 @@ TEST(Bind, FoldedSurfaceKeepsTheOffsetBounded) {
   }
 }
 
+// When a Gaussian changes triangle nothing jumps: the same place seen from both sides of each edge.
+TEST(Bind, NothingJumpsAtAnEdge) {
+  const CanonicalMesh mesh = test::SphereMesh(2);
+  Surface surface(mesh);
+  surface.Pose(Posed(mesh, 0.03f));
+  const MeshTopology& topology = surface.topology();
+  for (size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int e = 0; e < 3; ++e) {
+      AvatarModel model = RandomAvatar(mesh, 2, unsigned(f));
+      const int e2 = topology.neighbor_edges[f][e];
+      std::array<float, 3> here{}, there{};
+      here[e] = there[(e2 + 1) % 3] = 0.37f;
+      here[(e + 1) % 3] = there[e2] = 0.63f;
+      model.triangle = {int32_t(f), topology.face_neighbors[f][e]};
+      model.barycentric = {{here[0], here[1]}, {there[0], there[1]}};
+      auto& values = model.gaussians.values;
+      for (int k = 0; k < 3; ++k) {
+        values[kPosition][k] = values[kPosition][3 + k] = k == 2 ? 0.2f : 0;
+        values[kScaleLog][3 + k] = values[kScaleLog][k];
+      }
+      for (int k = 0; k < 4; ++k) values[kRotation][4 + k] = values[kRotation][k];
+      PosedGaussians out;
+      Bind(model, surface, out);
+      float dot = 0;
+      for (int k = 0; k < 4; ++k) dot += out.frame[k] * out.frame[4 + k];
+      ASSERT_NEAR(std::abs(dot), 1, 1e-5);
+      const float sign = dot < 0 ? -1.f : 1.f;
+      for (int k = 0; k < 4; ++k) ASSERT_NEAR(out.rotation[k], sign * out.rotation[4 + k], 2e-5f);
+      for (int k = 0; k < 3; ++k) {
+        ASSERT_NEAR(out.position[k], out.position[3 + k], 2e-6f);
+        ASSERT_NEAR(out.scale_log[k], out.scale_log[3 + k], 2e-5f);
+      }
+    }
+}
+
 TEST(Bind, CollapsedMeshIsFinite) {
   const CanonicalMesh mesh = test::SphereMesh(1, 0.1f);
   const AvatarModel model = RandomAvatar(mesh, 100, 9);

@@ -2,32 +2,37 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "avatar/avatar_model.h"
 #include "avatar/surface.h"
+#include "splat/base/npz.h"
 
 namespace cosplat::test {
 
 // n x n squares over [0, size]^2, each cut along one of its diagonals at random; inner vertices
-// moved by up to a quarter of a square. `lift` maps the flat (x, y) to space.
+// moved by up to `jitter` squares. `lift` maps the flat (x, y) to space.
 inline CanonicalMesh SheetMesh(
     int n,
     float size = 1,
+    float jitter_size = 0.25f,
     unsigned seed = 1,
     const std::function<std::array<float, 3>(float, float)>& lift = nullptr) {
   std::mt19937 rng(seed);
-  std::uniform_real_distribution<float> jitter(-0.25f, 0.25f);
+  std::uniform_real_distribution<float> jitter(-jitter_size, jitter_size);
   CanonicalMesh mesh;
   const float step = size / float(n);
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
       const bool inner = i > 0 && j > 0 && i < n && j < n;
-      const float x = (float(i) + (inner ? jitter(rng) : 0)) * step;
-      const float y = (float(j) + (inner ? jitter(rng) : 0)) * step;
+      const bool moved = inner && jitter_size > 0;
+      const float x = (float(i) + (moved ? jitter(rng) : 0)) * step;
+      const float y = (float(j) + (moved ? jitter(rng) : 0)) * step;
       const auto p = lift ? lift(x, y) : std::array<float, 3>{x, y, 0};
       mesh.vertices.insert(mesh.vertices.end(), p.begin(), p.end());
     }
@@ -107,6 +112,47 @@ inline std::vector<float> Turned(const std::vector<float>& vertices,
     out[v + 2] = float(p.z);
   }
   return out;
+}
+
+inline math::Vec3<double> VertexOf(const CanonicalMesh& mesh, int32_t v) {
+  return {mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
+}
+inline math::Vec3<double> PointOf(const CanonicalMesh& mesh, const SurfacePoint& p) {
+  const auto& f = mesh.faces[p.triangle];
+  const double u = p.barycentric[0], v = p.barycentric[1];
+  return VertexOf(mesh, f[0]) * u + VertexOf(mesh, f[1]) * v + VertexOf(mesh, f[2]) * (1 - u - v);
+}
+inline double Distance(const math::Vec3<double>& a, const math::Vec3<double>& b) {
+  return math::Length(a - b);
+}
+
+// The (du, dv) on triangle `face` of a step in space, projected on the triangle's plane.
+inline std::array<float, 2> StepOf(const CanonicalMesh& mesh,
+                                   int32_t face,
+                                   const math::Vec3<double>& step) {
+  const auto& f = mesh.faces[face];
+  const auto a = VertexOf(mesh, f[0]) - VertexOf(mesh, f[2]);
+  const auto b = VertexOf(mesh, f[1]) - VertexOf(mesh, f[2]);
+  const double aa = math::Dot(a, a), ab = math::Dot(a, b), bb = math::Dot(b, b);
+  const double as = math::Dot(a, step), bs = math::Dot(b, step), det = aa * bb - ab * ab;
+  return {float((bb * as - ab * bs) / det), float((aa * bs - ab * as) / det)};
+}
+
+// FLAME's template, where the data is: its file, or nothing.
+inline std::string FlameFile() {
+  const std::string path =
+      std::string(COSPLAT_SOURCE_DIR) + "/../shared/data/flame/flame2023_open_noexpr.npz";
+  return std::filesystem::exists(path) ? path : std::string();
+}
+inline CanonicalMesh FlameMesh() {
+  const Npz file = Npz::Read(FlameFile());
+  const NpyArray &vertices = file.Get("v_template"), &faces = file.Get("faces");
+  CanonicalMesh mesh;
+  mesh.vertices.assign(vertices.values.begin(), vertices.values.end());
+  for (size_t i = 0; i < faces.size(); i += 3)
+    mesh.faces.push_back(
+        {int32_t(faces.values[i]), int32_t(faces.values[i + 1]), int32_t(faces.values[i + 2])});
+  return mesh;
 }
 
 // n Gaussians on random triangles with random offsets inside or just outside them.
