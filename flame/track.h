@@ -1,16 +1,19 @@
 // A tracked head video: images, masks, cameras and FLAME parameters per frame.
 //
-// flame/io/{imavatar,vhap}.cpp read the layouts that trackers write into this one structure; the
-// avatar trainer and the player's driving mode read it. Everything is in metres of the FLAME model:
-// layouts that enlarge the mesh (IMavatar x4) have their camera translations divided instead.
+// flame/io/{imavatar,vhap,driving_npz}.cpp read the layouts that trackers write into this one
+// structure; the avatar trainer and the player's driving mode read it. Everything is in metres of
+// the FLAME model: layouts that enlarge the mesh (IMavatar x4) have their camera translations
+// divided instead.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "flame/model.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/base/image_io.h"
 #include "splat/base/skipped.h"
 
 namespace cosplat {
@@ -22,17 +25,18 @@ struct TrackedFrame {
   int video_frame = -1;
   int timestep = 0;      // frames with equal timestep show the same instant
   int camera_index = 0;  // which of several cameras
-  Camera camera;         // at the image's full size
+  Camera camera;         // at the size that LoadTrackedImage returns
   FlameParams params;    // shape and static_offset are left empty here: see TrackedVideo
   bool has_image = true;
 };
 
 struct TrackedVideo {
   std::string source;  // folder or file as given
-  std::string layout;  // "imavatar", "vhap"
+  std::string layout;  // "imavatar", "vhap", "npz"
   std::string video_path;
-  std::vector<float> shape;          // the subject's
-  std::vector<float> static_offset;  // [V, 3] metres, or empty
+  std::shared_ptr<VideoReader> video;  // of video_path, where there is one
+  std::vector<float> shape;            // the subject's
+  std::vector<float> static_offset;    // [V, 3] metres, or empty
   std::vector<TrackedFrame> train;
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // frames that cannot be used, each with why
@@ -41,11 +45,13 @@ struct TrackedVideo {
 struct TrackOptions {
   int test_frames = -1;     // last N frames are the test set; -1: the layout's own split, or 20 %
   int resolution = 1;       // -r: cameras and images are divided by this
-  bool need_images = true;  // false: a driving sequence
+  bool need_images = true;  // false: a driving sequence; nothing about images is looked at
 };
 
-// Finds the layout by the files present. Throws Error when there is none, when the set is empty
-// or when more than a third of the frames cannot be used.
+// Finds the layout by what `path` is: a folder with flame_params.json (IMavatar) or
+// transforms_train.json (VHAP, GaussianAvatars), or a driving sequence *.npz, whose frames are all
+// in `test` and have no images. Throws Error when there is none of these, when the set is empty or
+// when more than a third of the frames cannot be used.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
 
 // RGBA at the frame's camera size; alpha 255 everywhere when there is neither mask nor alpha.

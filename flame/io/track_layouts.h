@@ -1,0 +1,41 @@
+// One function per layout of tracked video, and what they share. Each fills everything of a
+// TrackedVideo but the final checks, which LoadTrackedVideo makes for all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "flame/track.h"
+
+namespace cosplat {
+
+// <path>/flame_params.json with image/ or images/ (or video.mp4, .avi, .mkv) and mask/.
+bool IsImavatarTrack(const std::string& path);
+void LoadImavatarTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video);
+
+// <path>/transforms_train.json with transforms_test.json (or _val) and an .npz per time step.
+bool IsVhapTrack(const std::string& path);
+void LoadVhapTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video);
+
+// A driving sequence *.npz: expr [T, E], and of rot, neck_rot, jaw_rot, eye_rot, tra [T, 3], fx,
+// fy, cx, cy, resolutions (height, width), extr (cam_from_world, OpenGL axes) what there is.
+bool IsDrivingNpz(const std::string& path);
+void LoadDrivingNpz(const std::string& path, const TrackOptions& options, TrackedVideo& video);
+
+// The picture of a frame, checked as far as its header tells. Empty when `frame` (whose image_path
+// and mask_path are set) is usable, its camera brought from full size (`lens`) to the picture's
+// divided by `resolution`; otherwise why it is not. Forgets the mask where the image has alpha.
+std::string FinishTrackedFrame(const Camera& lens, int resolution, TrackedFrame& frame);
+
+// The same for the camera alone.
+Camera CameraAt(const Camera& lens, int width, int height, int resolution, const Camera& pose);
+
+// Copies numbers into `out`; returns the problem ("expression[3] is not finite") or nothing.
+std::string CopyFinite(const std::string& name,
+                       const std::vector<double>& values,
+                       std::vector<float>& out);
+
+// Moves the last `count` frames of video.train to video.test. Error when none would remain.
+void SplitLastFrames(int count, TrackedVideo& video);
+
+}  // namespace cosplat

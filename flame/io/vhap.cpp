@@ -1,0 +1,189 @@
+// VHAP's export, which GaussianAvatars (Qian et al. 2024) trains on.
+#include <algorithm>
+#include <filesystem>
+
+#include "flame/io/track_layouts.h"
+#include "splat/base/camera_pose.h"
+#include "splat/base/error.h"
+#include "splat/base/json.h"
+#include "splat/base/npz.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The export may carry 120 vertices of teeth behind FLAME's own: their offsets are left out.
+constexpr size_t kFlameVertices = 5023, kVerticesWithTeeth = 5143;
+
+bool AllZero(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double x) { return x == 0; });
+}
+
+// The subject's shape and offsets, from the canonical file or else the first frame's.
+void ReadSubject(const std::string& path, TrackedVideo& video) {
+  const Npz npz = Npz::Read(path);
+  std::string problem = CopyFinite("shape", npz.Get("shape").values, video.shape);
+  if (problem.empty() && npz.Has("static_offset")) {
+    std::vector<double> offsets = npz.Get("static_offset").values;
+    if (offsets.size() == 3 * kVerticesWithTeeth) offsets.resize(3 * kFlameVertices);
+    if (!AllZero(offsets)) problem = CopyFinite("static_offset", offsets, video.static_offset);
+  }
+  if (!problem.empty()) throw Error(path, "", problem);
+}
+
+// Copies an axis-angle vector, or what is wrong with it.
+std::string CopyVector(const Npz& npz,
+                       const std::string& name,
+                       size_t offset,
+                       size_t expected,
+                       std::array<float, 3>& out) {
+  const std::vector<double>& values = npz.Get(name).values;
+  if (values.size() != expected)
+    return name + " has " + std::to_string(values.size()) + " numbers, expected " +
+           std::to_string(expected);
+  std::vector<float> numbers;
+  const std::string problem = CopyFinite(name, values, numbers);
+  if (problem.empty()) std::copy_n(numbers.begin() + offset, 3, out.begin());
+  return problem;
+}
+
+std::string ReadParams(const std::string& path, FlameParams& params) {
+  if (!fs::is_regular_file(path)) return "parameter file " + path + " is missing";
+  const Npz npz = Npz::Read(path);
+  struct {
+    const char* name;
+    size_t offset, expected;
+    std::array<float, 3>* target;
+  } const fields[] = {{"rotation", 0, 3, &params.pose[0]},
+                      {"neck_pose", 0, 3, &params.pose[1]},
+                      {"jaw_pose", 0, 3, &params.pose[2]},
+                      {"eyes_pose", 0, 6, &params.pose[3]},
+                      {"eyes_pose", 3, 6, &params.pose[4]},
+                      {"translation", 0, 3, &params.translation}};
+  for (const auto& field : fields) {
+    const std::string problem =
+        CopyVector(npz, field.name, field.offset, field.expected, *field.target);
+    if (!problem.empty()) return problem;
+  }
+  if (npz.Has("dynamic_offset") && !AllZero(npz.Get("dynamic_offset").values))
+    return "dynamic_offset is not zero: offsets per frame are not supported";
+  return CopyFinite("expr", npz.Get("expr").values, params.expression);
+}
+
+double NumberOf(const JsonField& file, const JsonField& frame, const char* key) {
+  return frame.Has(key) ? frame[key].Number() : file[key].Number();
+}
+
+Camera LensOf(const JsonField& file, const JsonField& frame) {
+  const auto number = [&](const char* key) { return NumberOf(file, frame, key); };
+  Camera lens;
+  lens.width = int(number("w"));
+  lens.height = int(number("h"));
+  lens.fx = float(number("fl_x"));
+  lens.fy = float(number("fl_y"));
+  lens.cx = float(number("cx"));
+  lens.cy = float(number("cy"));
+  if (lens.width < 1 || lens.height < 1 || !(lens.fx > 0) || !(lens.fy > 0))
+    throw Error(
+        frame.file(), frame.path(), "has an image size or focal length that is not positive");
+  return lens;
+}
+
+std::string SetVhapPose(const JsonField& field, Camera& camera) {
+  const std::vector<double> values = field.NumbersOrNan();
+  if (values.size() != 16 && values.size() != 12)
+    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
+  std::array<double, 12> matrix;
+  std::copy_n(values.begin(), 12, matrix.begin());
+  return SetPoseFromOpenGlWorldFromCam(matrix, camera);
+}
+
+std::string FindFiles(const JsonField& field, const fs::path& folder, TrackedFrame& frame) {
+  const std::string image = (folder / field["file_path"].String()).string();
+  if (!fs::is_regular_file(image)) return "image " + image + " is missing";
+  frame.image_path = image;
+  if (ReadImageInfo(image).channels == 4 || !field.Has("fg_mask_path")) return "";
+  frame.mask_path = (folder / field["fg_mask_path"].String()).string();
+  return fs::is_regular_file(frame.mask_path) ? "" : "mask " + frame.mask_path + " is missing";
+}
+
+// Fills `frame`; returns why it cannot be used.
+std::string LoadFrame(const JsonField& file,
+                      const JsonField& field,
+                      const TrackOptions& options,
+                      TrackedFrame& frame) {
+  const fs::path folder = fs::path(file.file()).parent_path();
+  std::string problem = SetVhapPose(field["transform_matrix"], frame.camera);
+  if (!problem.empty()) return problem;
+  const Camera lens = LensOf(file, field);
+  const std::string params = (folder / field["flame_param_path"].String()).string();
+  try {
+    problem = ReadParams(params, frame.params);
+    if (problem.empty() && options.need_images) problem = FindFiles(field, folder, frame);
+    if (problem.empty()) problem = FinishTrackedFrame(lens, options.resolution, frame);
+  } catch (const Error& error) {  // a broken file of one frame costs that frame
+    problem = error.what();
+  }
+  return problem;
+}
+
+void LoadSplit(const std::string& json_path,
+               const TrackOptions& options,
+               std::vector<TrackedFrame>& frames,
+               TrackedVideo& video) {
+  const Json json = ReadJson(json_path);
+  const JsonField file(json_path, json);
+  const JsonField list = file["frames"];
+  for (size_t i = 0; i < list.size(); ++i) {
+    const JsonField field = list[i];
+    TrackedFrame frame;
+    frame.name = fs::path(field["file_path"].String()).stem().string();
+    frame.timestep = int(field.NumberOr("timestep_index", double(i)));
+    frame.camera_index = int(field.NumberOr("camera_index", 0));
+    frame.has_image = options.need_images;
+    const std::string problem = LoadFrame(file, field, options, frame);
+    if (problem.empty()) {
+      frames.push_back(std::move(frame));
+    } else {
+      video.skipped.push_back({frame.name, problem});
+    }
+  }
+}
+
+// The file that tells the subject: canonical, or that of the first frame in the list.
+std::string SubjectFile(const std::string& path) {
+  const std::string canonical = path + "/canonical_flame_param.npz";
+  if (fs::exists(canonical)) return canonical;
+  const std::string json_path = path + "/transforms_train.json";
+  const Json json = ReadJson(json_path);
+  return path + "/" + JsonField(json_path, json)["frames"][0]["flame_param_path"].String();
+}
+
+}  // namespace
+
+bool IsVhapTrack(const std::string& path) {
+  return fs::is_regular_file(path + "/transforms_train.json");
+}
+
+void LoadVhapTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video) {
+  video.layout = "vhap";
+  LoadSplit(path + "/transforms_train.json", options, video.train, video);
+  for (const char* name : {"/transforms_test.json", "/transforms_val.json"}) {
+    if (!fs::exists(path + name)) continue;
+    LoadSplit(path + name, options, video.test, video);
+    break;
+  }
+  CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
+  ReadSubject(SubjectFile(path), video);
+  if (options.test_frames < 0) return;
+  video.train.insert(video.train.end(), video.test.begin(), video.test.end());
+  video.test.clear();
+  std::stable_sort(
+      video.train.begin(), video.train.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
+        return a.timestep < b.timestep;
+      });
+  SplitLastFrames(options.test_frames, video);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,133 @@
+#include "flame/track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "flame/io/track_layouts.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// More than a pixel between a size and another one scaled to the same height.
+bool ProportionsDiffer(int width, int height, int other_width, int other_height) {
+  return std::abs(double(other_width) * height / other_height - width) > 1;
+}
+
+Image8 ReadPicture(const TrackedVideo& video, const TrackedFrame& frame) {
+  if (!frame.image_path.empty()) return ReadImage(frame.image_path);
+  if (!video.video || frame.video_frame < 0)
+    throw Error(video.source, "frame " + frame.name, "has no image");
+  return video.video->ReadFrame(frame.video_frame);
+}
+
+std::string PictureName(const TrackedVideo& video, const TrackedFrame& frame) {
+  return frame.image_path.empty() ? video.video_path : frame.image_path;
+}
+
+}  // namespace
+
+Camera CameraAt(const Camera& lens, int width, int height, int resolution, const Camera& pose) {
+  const auto divided = [&](int side) {
+    return std::max(1, int(std::lround(double(side) / resolution)));
+  };
+  Camera camera = lens.Resized(width, height).Resized(divided(width), divided(height));
+  camera.rotation = pose.rotation;
+  camera.translation = pose.translation;
+  return camera;
+}
+
+std::string FinishTrackedFrame(const Camera& lens, int resolution, TrackedFrame& frame) {
+  ImageInfo info{lens.width, lens.height, 0};
+  if (!frame.image_path.empty()) info = ReadImageInfo(frame.image_path);
+  if (ProportionsDiffer(info.width, info.height, lens.width, lens.height))
+    return "image " + frame.image_path + " is " + SizeText(info.width, info.height) +
+           ", its camera " + SizeText(lens.width, lens.height);
+  if (!frame.mask_path.empty()) {
+    const ImageInfo mask = ReadImageInfo(frame.mask_path);
+    if (mask.width != info.width || mask.height != info.height)
+      return "mask " + frame.mask_path + " is " + SizeText(mask.width, mask.height) +
+             ", its image " + SizeText(info.width, info.height);
+  }
+  frame.camera = CameraAt(lens, info.width, info.height, resolution, frame.camera);
+  return "";
+}
+
+std::string CopyFinite(const std::string& name,
+                       const std::vector<double>& values,
+                       std::vector<float>& out) {
+  out.clear();
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(float(values[i]))) return name + "[" + std::to_string(i) + "] is not finite";
+    out.push_back(float(values[i]));
+  }
+  return "";
+}
+
+void SplitLastFrames(int count, TrackedVideo& video) {
+  if (count < 0 || size_t(count) >= video.train.size())
+    throw Error(video.source,
+                "test frames",
+                std::to_string(count) + " of " + std::to_string(video.train.size()) +
+                    " frames would leave none to train on");
+  const auto first = video.train.end() - count;
+  video.test.assign(std::make_move_iterator(first), std::make_move_iterator(video.train.end()));
+  video.train.erase(first, video.train.end());
+}
+
+TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options) {
+  if (options.resolution < 1)
+    throw Error("", "resolution", std::to_string(options.resolution) + " is not positive");
+  if (!std::filesystem::exists(path)) throw Error(path, "", "does not exist");
+  TrackedVideo video;
+  video.source = path;
+  if (IsDrivingNpz(path)) {
+    if (options.need_images) throw Error(path, "", "has parameters but no images to train on");
+    LoadDrivingNpz(path, options, video);
+  } else if (IsImavatarTrack(path)) {
+    LoadImavatarTrack(path, options, video);
+  } else if (IsVhapTrack(path)) {
+    LoadVhapTrack(path, options, video);
+  } else {
+    throw Error(path,
+                "",
+                "holds no tracked video: expected flame_params.json (IMavatar) or "
+                "transforms_train.json (VHAP)");
+  }
+  CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
+  if (video.train.empty() && video.layout != "npz")
+    throw Error(path, "", "holds no frames to train on");
+  return video;
+}
+
+Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
+  const Image8 picture = ReadPicture(video, frame);
+  const Camera& camera = frame.camera;
+  if (ProportionsDiffer(camera.width, camera.height, picture.width, picture.height))
+    throw Error(PictureName(video, frame),
+                "",
+                "image is " + SizeText(picture.width, picture.height) + ", its camera " +
+                    SizeText(camera.width, camera.height));
+  Image8 mask;
+  if (!frame.mask_path.empty()) mask = ReadImage(frame.mask_path);
+  if (!mask.empty() && (mask.width != picture.width || mask.height != picture.height))
+    throw Error(frame.mask_path,
+                "",
+                "mask is " + SizeText(mask.width, mask.height) + ", its image " +
+                    SizeText(picture.width, picture.height));
+  Image8 rgba(picture.width, picture.height, 4, 255);
+  const int n = picture.channels;
+  for (size_t i = 0; i < picture.pixels(); ++i) {
+    for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = picture.data[n * i + (n == 1 ? 0 : c)];
+    if (n == 4) rgba.data[4 * i + 3] = picture.data[4 * i + 3];
+    if (!mask.empty()) rgba.data[4 * i + 3] = mask.data[i * mask.channels];
+  }
+  return ResizeByArea(rgba, camera.width, camera.height);
+}
+
+}  // namespace cosplat
