@@ -1,6 +1,7 @@
 #include "splat/gaussians.h"
 
 #include "splat/base/error.h"
+#include "splat/basis_constants.h"
 
 namespace cosplat {
 
@@ -38,6 +39,18 @@ Gaussians Gaussians::ZerosLike() const {
   zeros.basis = basis;
   zeros.Resize(size());
   return zeros;
+}
+
+void ConvertBasis(Gaussians& g, Basis to) {
+  const float* from_constants = BasisConstants(g.basis);
+  const float* to_constants = BasisConstants(to);
+  const int rest = CoefficientCount(g.degree) - 1;
+  for (size_t i = 0; i < g.size(); ++i)
+    for (int k = 1; k <= rest; ++k) {
+      const float factor = from_constants[k] / to_constants[k];
+      for (int c = 0; c < 3; ++c) g.at(kColorRest, i)[3 * (k - 1) + c] *= factor;
+    }
+  g.basis = to;
 }
 
 }  // namespace cosplat

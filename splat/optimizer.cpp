@@ -12,6 +12,7 @@ namespace cosplat {
 
 size_t AdamStepAll(const AdamSettings& settings,
                    const Gaussians& gradients,
+                   View<const float> position_rate_scale,
                    Gaussians& values,
                    AdamState& state) {
   ++state.step;
@@ -24,6 +25,7 @@ size_t AdamStepAll(const AdamSettings& settings,
                                   defaults.beta2,
                                   float(settings.rate[a] * correction2 / correction1),
                                   float(settings.eps[a] * correction2)};
+    const float* rate_scale = a == kPosition ? position_rate_scale.data : nullptr;
     const size_t n = values.values[a].size();
     tbb::parallel_for(tbb::blocked_range<size_t>(0, n, 16384), [&](const auto& r) {
       const size_t i = r.begin();
@@ -32,7 +34,8 @@ size_t AdamStepAll(const AdamSettings& settings,
                        gradients.values[a].data() + i,
                        values.values[a].data() + i,
                        state.m.values[a].data() + i,
-                       state.v.values[a].data() + i);
+                       state.v.values[a].data() + i,
+                       rate_scale ? rate_scale + i : nullptr);
     });
   }
   return bad;

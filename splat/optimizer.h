@@ -20,9 +20,11 @@ struct AdamState {
   int64_t step = 0;
 };
 
-// One step on every number. Non-finite gradients count as zero; returns how many there were.
+// One step on every number. `position_rate_scale` ([N, 3] or empty) multiplies the rate of each
+// component of kPosition. Non-finite gradients count as zero; returns how many there were.
 size_t AdamStepAll(const AdamSettings& settings,
                    const Gaussians& gradients,
+                   View<const float> position_rate_scale,
                    Gaussians& values,
                    AdamState& state);
 

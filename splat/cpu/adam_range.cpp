@@ -14,13 +14,15 @@ size_t UpdateRange(const AdamConstants& c,
                    const float* __restrict gradient,
                    float* __restrict value,
                    float* __restrict m,
-                   float* __restrict v) {
+                   float* __restrict v,
+                   const float* __restrict rate_scale) {
   const AdamStep step{c.beta1, c.beta2, c.step_size, c.scaled_eps};
   unsigned bad = 0;
   for (size_t i = 0; i < n; ++i) {
     const bool finite = Abs(gradient[i]) < 1e18f;  // its square must be finite too
     bad += !finite;
-    AdamUpdate(step, finite ? gradient[i] : 0.0f, value[i], m[i], v[i]);
+    const float g = finite ? gradient[i] : 0.0f;
+    AdamUpdate(step, g, value[i], m[i], v[i], rate_scale ? rate_scale[i] : 1.0f);
   }
   return bad;
 }
@@ -33,10 +35,15 @@ namespace math {
 HWY_EXPORT(UpdateRange);
 }
 
-size_t AdamRange(
-    const AdamConstants& c, size_t n, const float* gradient, float* value, float* m, float* v) {
+size_t AdamRange(const AdamConstants& c,
+                 size_t n,
+                 const float* gradient,
+                 float* value,
+                 float* m,
+                 float* v,
+                 const float* rate_scale) {
   using namespace math;
-  return HWY_DYNAMIC_DISPATCH(UpdateRange)(c, n, gradient, value, m, v);
+  return HWY_DYNAMIC_DISPATCH(UpdateRange)(c, n, gradient, value, m, v, rate_scale);
 }
 
 }  // namespace cosplat

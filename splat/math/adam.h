@@ -19,11 +19,14 @@ struct AdamStep {
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
 
+// `rate_scale` multiplies the rate of this one number: parameters of one array that are measured in
+// different units.
 template <class T>
-COSPLAT_HD void AdamUpdate(const AdamStep& step, T gradient, T& value, T& m, T& v) {
+COSPLAT_HD void AdamUpdate(
+    const AdamStep& step, T gradient, T& value, T& m, T& v, T rate_scale = T(1)) {
   m = T(step.beta1) * m + T(1 - step.beta1) * gradient;
   v = T(step.beta2) * v + T(1 - step.beta2) * gradient * gradient;
-  value = value - T(step.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
+  value = value - rate_scale * T(step.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
 }
 
 COSPLAT_MATH_END

@@ -1,0 +1,57 @@
+// When things happen in a training run: fractions of its length, so that a short run does in
+// proportion what 3DGS does in 30,000 iterations; or 3DGS's absolute steps (`--preset 3dgs`).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosplat {
+
+struct Schedule {
+  int densify_from = 500;
+  int densify_until = 15000;
+  int densify_every = 100;
+  int opacity_reset_every = 3000;
+  int degree_every = 1000;       // one more band each time
+  int size_prune_after = 3000;   // giants are removed from here on
+  int position_rate_steps = 30000;
+
+  // 3DGS's steps scaled by iterations / 30,000. Statistics of a few steps are noise, so the interval
+  // of densification does not fall below `min_densify_every` (docs/design.md has the measurement).
+  static Schedule Fractions(int iterations, int min_densify_every) {
+    const Schedule full;
+    const auto scaled = [iterations](int steps) {
+      return std::max(1, int(std::lround(double(steps) * iterations / 30000)));
+    };
+    Schedule s;
+    s.densify_from = scaled(full.densify_from);
+    s.densify_until = scaled(full.densify_until);
+    s.densify_every = std::max(min_densify_every, scaled(full.densify_every));
+    s.opacity_reset_every = scaled(full.opacity_reset_every);
+    s.degree_every = scaled(full.degree_every);
+    s.size_prune_after = scaled(full.size_prune_after);
+    s.position_rate_steps = iterations;
+    return s;
+  }
+
+  bool DensifiesAt(int iteration) const {
+    return iteration > densify_from && iteration < densify_until && iteration % densify_every == 0;
+  }
+  bool ResetsOpacityAt(int iteration) const {
+    return iteration < densify_until && iteration % opacity_reset_every == 0;
+  }
+  int DegreeAt(int iteration, int highest) const {
+    return std::min(highest, iteration / degree_every);
+  }
+  // Rounds of densification after `iteration`, this one not counted.
+  int DensificationsAfter(int iteration) const {
+    return std::max(0, (densify_until - 1) / densify_every - iteration / densify_every);
+  }
+  // Log-linear from `first` to `last` (Plenoxels, 3DGS).
+  float PositionRate(int iteration, float first, float last) const {
+    const float t = std::clamp(float(iteration) / position_rate_steps, 0.0f, 1.0f);
+    return std::exp((1 - t) * std::log(first) + t * std::log(last));
+  }
+};
+
+}  // namespace cosplat

@@ -1,0 +1,217 @@
+#include "splat/trainer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <numeric>
+#include <string>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+double ProcessorSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+constexpr size_t kStepsInMedian = 200;
+
+}  // namespace
+
+Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians first)
+    : settings_(settings),
+      subject_(subject),
+      rasterizer_(MakeCpuRasterizer()),
+      tape_(rasterizer_->MakeTape()) {
+  if (subject.frame_count() == 0) throw Error("", "training frames", "there is none");
+  state_.gaussians = std::move(first);
+  state_.adam.m = state_.gaussians.ZerosLike();
+  state_.adam.v = state_.gaussians.ZerosLike();
+  state_.statistics.Reset(state_.gaussians.size());
+  state_.rng.state = settings.seed;
+}
+
+int Trainer::active_degree() const {
+  const int raised = settings_.first_degree +
+                     settings_.schedule.DegreeAt(state_.iteration, settings_.degree);
+  return std::min(raised, settings_.degree);
+}
+
+// Every frame once per pass, in random order.
+size_t Trainer::NextFrame() {
+  std::vector<uint32_t>& left = state_.frames_left;
+  if (left.empty()) {
+    left.resize(subject_.frame_count());
+    std::iota(left.begin(), left.end(), 0u);
+    for (size_t i = left.size(); i > 1; --i) std::swap(left[i - 1], left[state_.rng.Below(i)]);
+  }
+  const size_t next = left.back();
+  left.pop_back();
+  return next;
+}
+
+std::array<float, 3> Trainer::NextBackground() {
+  if (settings_.background == Background::kBlack) return {0, 0, 0};
+  if (settings_.background == Background::kWhite) return {1, 1, 1};
+  std::array<float, 3> color{};
+  for (float& c : color) c = state_.rng.Uniform();
+  return color;
+}
+
+AdamSettings Trainer::RatesAt(int iteration) const {
+  const LearningRates& r = settings_.rates;
+  AdamSettings adam;
+  adam.eps = settings_.eps;
+  adam.rate[kPosition] =
+      subject_.extent() *
+      settings_.schedule.PositionRate(iteration, r.position_first, r.position_last);
+  adam.rate[kRotation] = r.rotation;
+  adam.rate[kScaleLog] = r.scale;
+  adam.rate[kOpacityLogit] = r.opacity;
+  adam.rate[kColorDc] = r.color;
+  adam.rate[kColorRest] = r.color / r.rest_divisor;
+  return adam;
+}
+
+// Adds the regulariser's gradient; returns its value.
+double Trainer::RegularizeScale() {
+  const ScaleRegularizer& reg = settings_.scale_regularizer;
+  if (reg.weight == 0) return 0;
+  const Gaussians& g = state_.gaussians;
+  const float limit_log = std::log(reg.limit), ratio_log = std::log(reg.ratio);
+  std::vector<uint32_t> needles;
+  double sum = 0;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const float* s = g.at(kScaleLog, i);
+    const float largest = std::max({s[0], s[1], s[2]});
+    if (largest <= limit_log || largest - std::min({s[0], s[1], s[2]}) <= ratio_log) continue;
+    needles.push_back(uint32_t(i));
+    sum += std::exp(largest);
+  }
+  if (needles.empty()) return 0;
+  const double scale = reg.weight / double(needles.size());
+  for (const uint32_t i : needles) {
+    const float* s = g.at(kScaleLog, i);
+    const int k = int(std::max_element(s, s + 3) - s);
+    gradients_.at(kScaleLog, i)[k] += float(scale) * std::exp(s[k]);
+  }
+  return sum * scale;
+}
+
+void Trainer::ControlDensityAt(int iteration) {
+  const Schedule& schedule = settings_.schedule;
+  if (schedule.DensifiesAt(iteration)) {
+    ControlDensity(settings_.density,
+                   iteration > schedule.size_prune_after,
+                   schedule.DensificationsAfter(iteration),
+                   subject_,
+                   state_.gaussians,
+                   state_.adam,
+                   state_.statistics,
+                   state_.rng);
+    if (state_.gaussians.size() == 0)
+      throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+  }
+  if (schedule.ResetsOpacityAt(iteration)) ResetOpacity(state_.gaussians, state_.adam);
+}
+
+StepReport Trainer::Step() {
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = ProcessorSeconds();
+  const int iteration = state_.iteration + 1;
+  const size_t index = NextFrame();
+  const TrainFrame& frame = subject_.frame(index);
+  const int width = frame.camera.width, height = frame.camera.height;
+  RenderSettings render{NextBackground(), active_degree()};
+  {
+    ScopedPhase phase(times_, Phase::kData);
+    CompositeTarget(frame.target, render.background, target_);
+    if (gradients_.size() != state_.gaussians.size()) gradients_ = state_.gaussians.ZerosLike();
+  }
+  WorldGaussians world;
+  {
+    ScopedPhase phase(times_, Phase::kPose);
+    world = subject_.Place(state_.gaussians, index);
+  }
+  rasterizer_->Forward(world, state_.gaussians.basis, frame.camera, render, image_, *tape_);
+  double loss = 0;
+  {
+    ScopedPhase phase(times_, Phase::kLoss);
+    loss = loss_.Evaluate(settings_.loss, width, height, image_.color, target_, d_color_);
+  }
+  if (!std::isfinite(loss))
+    throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
+  const WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_);
+  rasterizer_->Backward(world, image_, d_color_, *tape_, d_world);
+  {
+    ScopedPhase phase(times_, Phase::kPose);
+    subject_.PlaceBackward(state_.gaussians, gradients_);
+    loss += RegularizeScale();
+  }
+  const Schedule& schedule = settings_.schedule;
+  if (iteration < schedule.densify_until) {
+    ScopedPhase phase(times_, Phase::kDensity);
+    state_.statistics.Accumulate(*tape_,
+                                 screen_,
+                                 gradients_.values[kScaleLog],
+                                 state_.gaussians.values[kScaleLog],
+                                 width,
+                                 height);
+  }
+  {
+    ScopedPhase phase(times_, Phase::kAdam);
+    ignored_gradients_ += AdamStepAll(RatesAt(state_.iteration),
+                                      gradients_,
+                                      subject_.PositionRateScale(),
+                                      state_.gaussians,
+                                      state_.adam);
+  }
+  {
+    ScopedPhase phase(times_, Phase::kDensity);
+    state_.iteration = iteration;
+    ControlDensityAt(iteration);
+    subject_.AfterStep(iteration, state_.gaussians, state_.adam);
+  }
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += seconds;
+  cpu_seconds_ += ProcessorSeconds() - cpu_start;
+  step_seconds_.push_back(seconds);
+  return {iteration, loss, state_.gaussians.size()};
+}
+
+TrainingStatistics Trainer::statistics() const {
+  TrainingStatistics s;
+  s.iterations = state_.iteration;
+  s.seconds = seconds_;
+  s.cpu_seconds = cpu_seconds_;
+  s.gaussians = state_.gaussians.size();
+  s.times = times_;
+  s.times += rasterizer_->times;
+  s.ignored_gradients = ignored_gradients_;
+  std::vector<double> last(step_seconds_.end() - std::min(step_seconds_.size(), kStepsInMedian),
+                           step_seconds_.end());
+  if (!last.empty()) {
+    std::nth_element(last.begin(), last.begin() + last.size() / 2, last.end());
+    s.ms_per_step = 1e3 * last[last.size() / 2];
+  }
+  return s;
+}
+
+SceneSubject::SceneSubject(std::vector<TrainFrame> frames, float extent)
+    : frames_(std::move(frames)), extent_(extent) {}
+
+std::vector<TrainFrame> LoadTrainFrames(const std::vector<SceneView>& views) {
+  std::vector<TrainFrame> frames(views.size());
+  tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
+    frames[i] = {views[i].camera, LoadViewImage(views[i])};
+  });
+  return frames;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,171 @@
+// The training loop: one for static scenes and avatars alike.
+//
+// frame -> Subject::Place -> Rasterizer -> loss -> back -> Subject::PlaceBackward -> Adam, and every
+// so often density control. What a frame is, where the Gaussians are in it and what comes of their
+// gradients is the Subject's business: SceneSubject below, avatar/trainer.h for avatars.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "splat/dataset.h"
+#include "splat/density.h"
+#include "splat/loss.h"
+#include "splat/optimizer.h"
+#include "splat/rasterizer.h"
+#include "splat/schedule.h"
+
+namespace cosplat {
+
+enum class Background { kBlack, kWhite, kRandom };
+
+// Rates of 3DGS (Kerbl et al. 2023, released code) unless said otherwise.
+struct LearningRates {
+  float position_first = 1.6e-4f;  // times the subject's extent
+  float position_last = 1.6e-6f;
+  float color = 2.5e-3f;
+  float rest_divisor = 20;  // rest rate = color / rest_divisor
+  float opacity = 0.05f;
+  float scale = 5e-3f;
+  float rotation = 1e-3f;
+};
+
+// Keeps needles and giants in check: mean of the largest standard deviation over those Gaussians
+// that are both larger than `limit` and more than `ratio` times longer than wide (SplattingAvatar).
+struct ScaleRegularizer {
+  float weight = 0;
+  float limit = 0.008f;  // scene units
+  float ratio = 10;
+};
+
+struct TrainSettings {
+  int iterations = 30000;
+  int degree = 3;           // highest band trained
+  int first_degree = 0;     // bands active from step 0; one more per Schedule::degree_every
+  uint64_t seed = 0;
+  Background background = Background::kBlack;
+  LossWeights loss;
+  ScaleRegularizer scale_regularizer;
+  LearningRates rates;
+  std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};
+  Schedule schedule;
+  DensitySettings density;
+};
+
+// One training frame.
+struct TrainFrame {
+  Camera camera;
+  Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
+};
+
+class Subject : public Placement {
+ public:
+  virtual size_t frame_count() const = 0;
+  virtual const TrainFrame& frame(size_t i) const = 0;
+  // World units per unit of position rate: the scene's extent, or 1.
+  virtual float extent() const = 0;
+  // The Gaussians in the world of frame i. Borrowed until the next call.
+  virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
+  // Where the rasteriser shall write its gradients for Place's result.
+  virtual WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) = 0;
+  // Turns what was written there into gradients of `gaussians`, in place.
+  virtual void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
+    (void)gaussians;
+    (void)gradients;
+  }
+  // [N, 3] factors on the rate of kPosition's components, where they differ in unit; or empty.
+  virtual View<const float> PositionRateScale() { return {}; }
+  // After the step's update; `iteration` counts from 1.
+  virtual void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
+    (void)iteration;
+    (void)gaussians;
+    (void)adam;
+  }
+};
+
+// Everything that a run is at a moment: writing and reading it makes an exact checkpoint.
+struct TrainingState {
+  Gaussians gaussians;
+  AdamState adam;
+  DensityStatistics statistics;
+  Rng rng;
+  int iteration = 0;
+  std::vector<uint32_t> frames_left;  // of the current pass, in the order they will be popped
+};
+
+struct StepReport {
+  int iteration = 0;
+  double loss = 0;
+  size_t gaussians = 0;
+};
+
+// stats.json of a run (ecosystem's layout: issue of record in docs/results.md).
+struct TrainingStatistics {
+  int iterations = 0;
+  double seconds = 0;      // in the training loop: no loading, no evaluation
+  double cpu_seconds = 0;  // processor time of all threads, likewise
+  size_t gaussians = 0;
+  double ms_per_step = 0;  // median of the last 200 steps
+  PhaseTimes times;
+  size_t ignored_gradients = 0;  // non-finite ones
+};
+
+class Trainer {
+ public:
+  Trainer(const TrainSettings& settings, Subject& subject, Gaussians first);
+
+  // One iteration. Throws Error when the loss is not finite.
+  StepReport Step();
+
+  const TrainingState& state() const { return state_; }
+  const TrainSettings& settings() const { return settings_; }
+  int active_degree() const;
+  TrainingStatistics statistics() const;
+
+ private:
+  size_t NextFrame();
+  std::array<float, 3> NextBackground();
+  AdamSettings RatesAt(int iteration) const;
+  double RegularizeScale();
+  void ControlDensityAt(int iteration);
+
+  TrainSettings settings_;
+  Subject& subject_;
+  TrainingState state_;
+  // Scratch, kept between steps.
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<RenderTape> tape_;
+  RenderedImage image_;
+  PhotometricLoss loss_;
+  Buffer<float> target_, d_color_, screen_;
+  Gaussians gradients_;
+  // Measurements.
+  PhaseTimes times_;
+  double seconds_ = 0, cpu_seconds_ = 0;
+  std::vector<double> step_seconds_;
+  size_t ignored_gradients_ = 0;
+};
+
+// A static scene: the Gaussians are where they are.
+class SceneSubject : public Subject {
+ public:
+  SceneSubject(std::vector<TrainFrame> frames, float extent);
+  size_t frame_count() const override { return frames_.size(); }
+  const TrainFrame& frame(size_t i) const override { return frames_[i]; }
+  float extent() const override { return extent_; }
+  WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
+  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
+    return GradientViewOf(gradients, screen);
+  }
+
+ private:
+  std::vector<TrainFrame> frames_;
+  float extent_;
+};
+
+// Loads every training view's picture, in parallel.
+std::vector<TrainFrame> LoadTrainFrames(const std::vector<SceneView>& views);
+
+}  // namespace cosplat
