@@ -129,8 +129,7 @@ SurfaceVertex GatherVertex(const Surface& surface,
   SurfaceVertex sum{};
   for (int32_t k = topology.vertex_face_begin[v]; k < topology.vertex_face_begin[v + 1]; ++k) {
     const int32_t f = topology.vertex_faces[k];
-    const auto& face = surface.faces()[f];
-    const SurfaceVertex& d = d_corners[f][size_t(face[0]) == v ? 0 : size_t(face[1]) == v ? 1 : 2];
+    const SurfaceVertex& d = d_corners[f][CornerOf(surface.faces()[f], v)];
     sum.position += d.position;
     sum.normal += d.normal;
     sum.rotation = sum.rotation + d.rotation;

@@ -32,11 +32,6 @@ void CheckVertices(const std::vector<float>& vertices, size_t count) {
                   "coordinate is " + std::to_string(vertices[i]));
 }
 
-// Which corner of `face` the vertex is.
-int CornerOf(const std::array<int32_t, 3>& face, size_t vertex) {
-  return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
-}
-
 }  // namespace
 
 std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights) {

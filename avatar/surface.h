@@ -23,6 +23,11 @@ struct SurfacePoint {
   std::array<float, 2> barycentric{};
 };
 
+// Which corner of `face` the vertex is; it must be one.
+inline int CornerOf(const std::array<int32_t, 3>& face, size_t vertex) {
+  return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
+}
+
 // Points that a search or a walk has moved keep each weight at least this: float's rounding of
 // 1 - u - v is 1.2e-7.
 constexpr double kInsideTriangle = 1e-6;

@@ -85,18 +85,17 @@ struct Walker {
   }
 
   // Into the face across `edge`, unfolded into this one's plane: the step's parts along the edge
-  // and across it are the same lengths there. The place on the edge is kept off its ends, so that
-  // the path never runs through a vertex and every crossing advances.
+  // and across it are the same lengths there. A path that meets a vertex turns about it, face by
+  // face, until it has gone half way round: straight on.
   void Cross(
       int edge, const EdgeShape& shape, int32_t next, int next_edge, const EdgeShape& shape2) {
     const double along = Along(edge, shape);
     const double across = -step[(edge + 2) % 3] * shape.height;
-    const double a = std::max(at[(edge + 1) % 3], kInsideTriangle);
-    const double b = std::max(at[edge], kInsideTriangle);
+    const double a = at[(edge + 1) % 3], b = at[edge];
     const int end = (next_edge + 1) % 3, apex = (next_edge + 2) % 3;
     face = next;
-    at[next_edge] = a / (a + b);
-    at[end] = b / (a + b);
+    at[next_edge] = a;
+    at[end] = b;
     at[apex] = 0;
     step[apex] = across / shape2.height;
     step[end] = (-along - step[apex] * shape2.foot) / shape2.length;

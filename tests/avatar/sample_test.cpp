@@ -136,8 +136,7 @@ TEST(Reembed, FlameSplitsComeBackClosely) {
     close += e.residual < 1e-5;
   }
   // The others lie beyond the mouth's or the neck's loop, or in a crease where normals meet.
-  EXPECT_GT(close, int(0.9 * n)) << close;
-  RecordProperty("close", close);
+  EXPECT_GT(close, int(0.98 * n));  // measured: 0.9925
 }
 
 TEST(Reembed, BeyondTheBoundaryTheClosestPointIsTaken) {

@@ -93,6 +93,16 @@ TEST(Surface, RigidTurnsAreFollowedWithoutJumps) {
   }
 }
 
+// Half a turn about (1, -1, 0): x and y are the largest components of the quaternion, equal and of
+// opposite signs, so that neighbouring faces come out in opposite hemispheres.
+TEST(Surface, RotationsOfOppositeSignsDoNotCancel) {
+  const CanonicalMesh mesh = test::SphereMesh(2);
+  Surface surface(mesh);
+  const float h = std::sqrt(0.5f);
+  surface.Pose(Jittered(test::Turned(mesh.vertices, {h, -h, 0}, M_PI), 0.02f, 5));
+  for (const auto& v : surface.vertices()) EXPECT_LT(AngleBetween(v.rotation, {0, h, -h, 0}), 0.4);
+}
+
 TEST(Surface, BackwardMatchesFiniteDifferences) {
   // Unit size, so that a step of 2e-3 lies far above float's rounding (1e-7) and its error, of
   // second order, below 1e-2 of the derivative's scale.

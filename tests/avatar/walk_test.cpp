@@ -145,6 +145,22 @@ TEST(Walk, PathsThroughAVertexGoOn) {
   }
 }
 
+// The faces of a spike leave so little angle around its tip that a path through the very tip turns
+// round it several times.
+TEST(Walk, PathsThroughTheTipOfASpikeEnd) {
+  CanonicalMesh mesh;
+  mesh.vertices = {0, 0, 8, 1, 0, 0, -0.5f, 0.75f, 0, -0.5f, -0.75f, 0};
+  mesh.faces = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
+  const Surface surface(mesh);
+  for (int32_t face = 0; face < 3; ++face) {
+    const WalkResult end = Walk(surface, {face, {0.5f, 0.25f}}, 0.75f, -0.375f);
+    EXPECT_NE(end.status, WalkStatus::kInvalid);
+    EXPECT_TRUE(Inside(end.point));
+    // Half a step up to the tip, at most half a step down.
+    EXPECT_GT(PointOf(mesh, end.point).z, 5.9);
+  }
+}
+
 TEST(Walk, ImpossibleStepsLeaveThePointWhereItWas) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
@@ -201,6 +217,19 @@ TEST(Walk, StopsInACorner) {
     ASSERT_EQ(end.status, WalkStatus::kBoundary);
     ASSERT_LT(Distance(PointOf(mesh, end.point), {1, 1, 0}), kTolerance);
   }
+}
+
+// Between two sides that meet at 2 degrees, sliding along the one leads into the other again and
+// again; the second one met ends the step.
+TEST(Walk, StopsInASharpCorner) {
+  CanonicalMesh mesh;
+  mesh.vertices = {0, 0, 0, 1, 0, 0, 1, 0.035f, 0};
+  mesh.faces = {{0, 1, 2}};
+  const Surface surface(mesh);
+  const WalkResult end = WalkInSpace(surface, mesh, {0, {.2f, .4f}}, {-3, 0.5, 0});
+  EXPECT_EQ(end.status, WalkStatus::kBoundary);
+  EXPECT_TRUE(Inside(end.point));
+  EXPECT_LT(PointOf(mesh, end.point).x, 1e-4);
 }
 
 TEST(Walk, FacesWithoutAreaAreWalls) {
