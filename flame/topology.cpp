@@ -1,6 +1,6 @@
 #include "flame/topology.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <algorithm>
 #include <unordered_map>
 
@@ -9,7 +9,7 @@
 namespace cosplat {
 namespace {
 
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
+using Mesh = OpenMesh::TriConnectivity;  // no positions: adjacency alone
 using Faces = std::vector<std::array<int32_t, 3>>;
 
 std::string FaceField(size_t f) { return "faces[" + std::to_string(f) + "]"; }
@@ -42,7 +42,7 @@ Mesh BuildMesh(const std::string& name, const Faces& faces, int vertex_count) {
   CheckFaces(name, faces, vertex_count);
   Mesh mesh;
   mesh.reserve(vertex_count, 3 * faces.size() / 2 + vertex_count, faces.size());
-  for (int v = 0; v < vertex_count; ++v) mesh.add_vertex(Mesh::Point(0, 0, 0));
+  for (int v = 0; v < vertex_count; ++v) mesh.add_vertex();
   for (size_t f = 0; f < faces.size(); ++f) {
     const auto handle = mesh.add_face(Mesh::VertexHandle(faces[f][0]),
                                       Mesh::VertexHandle(faces[f][1]),
