@@ -15,8 +15,8 @@ constexpr int kFlameJoints = 5;  // root, neck, jaw, left eye, right eye
 constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
 
 struct FlameModel {
-  std::string name;     // file name without folders, or "procedural"
-  std::string sha256;   // of the file's bytes; of nothing for the procedural head
+  std::string name;              // file name without folders, or "procedural"
+  std::string sha256;            // of the file's bytes; of nothing for the procedural head
   bool redistributable = false;  // whether its data may be embedded in an avatar file
 
   int vertex_count = 0;

@@ -15,7 +15,6 @@
 
 namespace cosplat {
 
-
 // Poses a model of one subject: the shape-dependent part is computed once.
 // T: float for use, double for derivative tests.
 template <class T>
