@@ -31,9 +31,10 @@ std::string ExtensionOf(const std::string& path) {
   return extension;
 }
 
-// RGB <-> BGR, with alpha kept.
+// RGB <-> BGR, with alpha kept. Never in place: `image` may wrap a caller's pixels.
 cv::Mat SwapRedBlue(const cv::Mat& image) {
-  cv::Mat swapped = image;
+  if (image.channels() == 1) return image;
+  cv::Mat swapped;
   if (image.channels() == 3) cv::cvtColor(image, swapped, cv::COLOR_BGR2RGB);
   if (image.channels() == 4) cv::cvtColor(image, swapped, cv::COLOR_BGRA2RGBA);
   return swapped;
