@@ -1,0 +1,11 @@
+// The sub-commands of `cosplat`. Each Add* declares its options on `app` and what runs when it is
+// chosen; errors are thrown as Error and printed by main.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace cosplat {
+
+void AddTrainScene(CLI::App& app);
+
+}  // namespace cosplat

@@ -1,0 +1,54 @@
+// cosplat: head avatars from tracked video, static scenes from photographs.
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "splat/base/error.h"
+
+namespace {
+
+constexpr int kBadInput = 2;
+
+int Run(int argc, char** argv) {
+  CLI::App app("Direction-cosine splats: head avatars from tracked video, scenes from photographs.",
+               "cosplat");
+  app.option_defaults()->always_capture_default();  // so that config.ini is complete
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");
+  app.set_version_flag("--version", COSPLAT_VERSION);
+  int threads = 0;
+  app.add_option("--threads", threads, "threads to use; 0: one per core")->check(CLI::Range(0, 1024));
+  std::unique_ptr<tbb::global_control> limit;
+  app.parse_complete_callback([&] {
+    if (threads > 0)
+      limit = std::make_unique<tbb::global_control>(
+          tbb::global_control::max_allowed_parallelism, threads);
+  });
+  cosplat::AddTrainScene(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = app.exit(e);
+    return code == 0 ? 0 : kBadInput;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
+  } catch (const cosplat::Error& e) {
+    std::fprintf(stderr, "cosplat: %s\n", e.what());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "cosplat: %s\n", e.what());
+  }
+  return kBadInput;
+}

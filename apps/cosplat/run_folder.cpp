@@ -1,0 +1,88 @@
+#include "apps/cosplat/run_folder.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/ply.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+// As Python prints it: 3DGS's tools evaluate this line.
+std::string CfgArgs(const TrainOptions& o) {
+  const auto flag = [](bool b) { return std::string(b ? "True" : "False"); };
+  const bool white = o.white_background || o.background == "white";
+  return "Namespace(data_device='cpu', eval=" + flag(o.eval) + ", images='images', model_path='" +
+         fs::absolute(o.model).string() + "', resolution=" + std::to_string(o.resolution) +
+         ", sh_degree=" + std::to_string(o.sh_degree) + ", source_path='" +
+         fs::absolute(o.source).string() + "', white_background=" + flag(white) + ")";
+}
+
+}  // namespace
+
+void WriteRunConfiguration(const std::string& folder,
+                           const TrainOptions& options,
+                           const std::string& config_ini,
+                           const Json& run) {
+  MakeDirectories(folder);
+  WriteFileAtomically(folder + "/cfg_args", CfgArgs(options));
+  WriteFileAtomically(folder + "/config.ini", config_ini);
+  WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
+}
+
+Json ReadRun(const std::string& folder) { return ReadJson(folder + "/run.json"); }
+
+std::string SplatPath(const std::string& folder, int iteration) {
+  return folder + "/point_cloud/iteration_" + std::to_string(iteration) + "/point_cloud.ply";
+}
+
+void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
+  const std::string path = SplatPath(folder, iteration);
+  MakeDirectories(fs::path(path).parent_path().string());
+  ConvertBasis(gaussians, Basis::kSh);
+  WritePly(path, gaussians);
+}
+
+int LatestIteration(const std::string& folder) {
+  int latest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
+    const std::string name = entry.path().filename().string();
+    const std::string prefix = "iteration_";
+    if (name.rfind(prefix, 0) != 0) continue;
+    latest = std::max(latest, std::atoi(name.c_str() + prefix.size()));
+  }
+  if (latest < 0) throw Error(folder, "point_cloud", "holds no iteration_N: not a trained model");
+  return latest;
+}
+
+void WriteStatistics(const std::string& folder,
+                     const TrainingStatistics& s,
+                     size_t skipped_frames) {
+  Json phases = Json::object();
+  for (size_t i = 0; i < kPhaseNames.size(); ++i)
+    phases[kPhaseNames[i]] = s.iterations ? 1e3 * s.times.seconds[i] / s.iterations : 0.0;
+  const Json json{{"iterations", s.iterations},
+                  {"seconds", s.seconds},
+                  {"cpu_seconds", s.cpu_seconds},
+                  {"gaussians", s.gaussians},
+                  {"ms_per_step", s.ms_per_step},
+                  {"phases_ms", phases},
+                  {"peak_mb", PeakMegabytes()},
+                  {"skipped_frames", skipped_frames},
+                  {"ignored_gradients", s.ignored_gradients}};
+  WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
+}
+
+double PeakMegabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,166 @@
+#include "apps/cosplat/test_images.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+#include "splat/base/json.h"
+#include "splat/loss.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kMouth = "mouth";
+
+Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
+  Image8 out(width, height, 3);
+  const size_t plane = out.pixels();
+  for (size_t i = 0; i < plane; ++i)
+    for (int c = 0; c < 3; ++c)
+      out.data[3 * i + c] = uint8_t(std::clamp(planar[c * plane + i], 0.0f, 1.0f) * 255 + 0.5f);
+  return out;
+}
+
+std::string NumberedName(int i) {
+  char name[16];
+  std::snprintf(name, sizeof name, "%05d.png", i);
+  return name;
+}
+
+std::vector<std::string> SortedFiles(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".png") names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Figures of one test/ours_N folder, by name of figure, then of picture.
+using Figures = std::map<std::string, std::map<std::string, double>>;
+
+Figures EvaluateFolder(const std::string& folder) {
+  Figures figures;
+  Json regions = Json::object();
+  if (fs::exists(folder + "/regions.json")) regions = ReadJson(folder + "/regions.json");
+  for (const std::string& name : SortedFiles(folder + "/renders")) {
+    const Image8 rendered = ReadImage(folder + "/renders/" + name);
+    const Image8 truth = ReadImage(folder + "/gt/" + name);
+    std::optional<Image8> mask;
+    if (fs::exists(folder + "/masks/" + name)) mask = ReadImage(folder + "/masks/" + name);
+    std::optional<Rectangle> mouth;
+    if (regions.contains(kMouth) && regions[kMouth].contains(name)) {
+      const std::vector<float> r =
+          JsonField(folder + "/regions.json", regions)[kMouth][name].Numbers(4);
+      mouth = Rectangle{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
+    }
+    const ImageMetrics m =
+        CompareImages(rendered, truth, mask ? &*mask : nullptr, mouth ? &*mouth : nullptr);
+    figures["PSNR"][name] = m.psnr;
+    figures["SSIM"][name] = m.ssim;
+    if (mask) figures["PSNR_mask"][name] = m.psnr_mask;
+    if (mouth) figures["PSNR_mouth"][name] = m.psnr_region;
+  }
+  return figures;
+}
+
+double Mean(const std::map<std::string, double>& values) {
+  double sum = 0;
+  for (const auto& [name, value] : values) sum += value;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
+}  // namespace
+
+TestImageWriter::TestImageWriter(std::string folder, int iteration, std::array<float, 3> background)
+    : path_(folder + "/test/ours_" + std::to_string(iteration)), background_(background) {
+  for (const char* sub : {"/renders", "/gt", "/masks"}) {
+    std::error_code ignored;
+    fs::remove_all(path_ + sub, ignored);  // pictures of an earlier run would be counted
+  }
+  MakeDirectories(path_ + "/renders");
+  MakeDirectories(path_ + "/gt");
+}
+
+void TestImageWriter::Write(const RenderedImage& rendered,
+                            const Image8& truth,
+                            const Rectangle* mouth) {
+  const std::string name = NumberedName(next_++);
+  WriteImage(path_ + "/renders/" + name,
+             PlanarToBytes(rendered.color, rendered.width, rendered.height));
+  Buffer<float> planar;
+  CompositeTarget(truth, background_, planar);
+  WriteImage(path_ + "/gt/" + name, PlanarToBytes(planar, truth.width, truth.height));
+  if (truth.channels == 4) {
+    MakeDirectories(path_ + "/masks");
+    Image8 mask(truth.width, truth.height, 1);
+    for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = truth.data[4 * i + 3];
+    WriteImage(path_ + "/masks/" + name, mask);
+  }
+  if (mouth)
+    regions_ += (regions_.empty() ? "" : ",\n ") + ("\"" + name + "\": [") +
+                std::to_string(mouth->x) + ", " + std::to_string(mouth->y) + ", " +
+                std::to_string(mouth->width) + ", " + std::to_string(mouth->height) + "]";
+}
+
+void TestImageWriter::Finish() {
+  if (!regions_.empty())
+    WriteFileAtomically(path_ + "/regions.json",
+                        std::string("{\"") + kMouth + "\": {\n " + regions_ + "}}\n");
+}
+
+TestSummary EvaluateTestImages(const std::string& folder) {
+  Json results = Json::object(), per_view = Json::object();
+  TestSummary summary;
+  int latest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder + "/test", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("ours_", 0) != 0) continue;
+    const Figures figures = EvaluateFolder(entry.path().string());
+    if (figures.empty()) continue;
+    for (const auto& [figure, values] : figures) {
+      results[name][figure] = Mean(values);
+      per_view[name][figure] = values;
+    }
+    const int iteration = std::atoi(name.c_str() + 5);
+    if (iteration < latest) continue;
+    latest = iteration;
+    summary.views = figures.at("PSNR").size();
+    summary.psnr = Mean(figures.at("PSNR"));
+    summary.ssim = Mean(figures.at("SSIM"));
+    summary.psnr_mask.reset();
+    summary.psnr_mouth.reset();
+    if (figures.count("PSNR_mask")) summary.psnr_mask = Mean(figures.at("PSNR_mask"));
+    if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
+  }
+  if (latest < 0)
+    throw Error(folder, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+  WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
+  WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
+  return summary;
+}
+
+std::string ToString(const TestSummary& s) {
+  char text[160];
+  std::snprintf(text, sizeof text, "PSNR %.2f dB  SSIM %.4f", s.psnr, s.ssim);
+  std::string out = text;
+  if (s.psnr_mask) {
+    std::snprintf(text, sizeof text, "  inside the mask %.2f dB", *s.psnr_mask);
+    out += text;
+  }
+  if (s.psnr_mouth) {
+    std::snprintf(text, sizeof text, "  mouth %.2f dB", *s.psnr_mouth);
+    out += text;
+  }
+  return out + "  (" + std::to_string(s.views) + " views)";
+}
+
+}  // namespace cosplat

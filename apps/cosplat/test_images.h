@@ -1,0 +1,42 @@
+// Held-out views: pictures written beside their photographs, and the figures over them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "splat/base/image.h"
+#include "splat/metrics.h"
+#include "splat/rasterizer.h"
+
+namespace cosplat {
+
+struct TestSummary {
+  size_t views = 0;
+  double psnr = 0, ssim = 0;
+  std::optional<double> psnr_mask, psnr_mouth;
+};
+
+// Writes test/ours_N/{renders,gt}/000ii.png and, when `truth` has alpha, masks/000ii.png; both
+// pictures over the background.
+class TestImageWriter {
+ public:
+  TestImageWriter(std::string folder, int iteration, std::array<float, 3> background);
+  void Write(const RenderedImage& rendered, const Image8& truth, const Rectangle* mouth = nullptr);
+  // Writes regions.json when there were mouth rectangles.
+  void Finish();
+
+ private:
+  std::string path_;
+  std::array<float, 3> background_;
+  int next_ = 0;
+  std::string regions_;
+};
+
+// Reads test/ours_*/ of a run, writes results.json and per_view.json, returns the latest's means.
+// Throws Error when there is nothing to read.
+TestSummary EvaluateTestImages(const std::string& folder);
+
+// "PSNR 29.31 dB  SSIM 0.9012  (7 views)".
+std::string ToString(const TestSummary& summary);
+
+}  // namespace cosplat

@@ -1,0 +1,73 @@
+#include "apps/cosplat/train_options.h"
+
+#include <algorithm>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+
+void TrainOptions::Declare(CLI::App& command) {
+  command.add_option("-s,--source_path", source, "the data set's folder")->required();
+  command.add_option("-m,--model_path", model, "where results go")->required();
+  command.add_option("-r,--resolution", resolution, "divide the pictures' size by this")
+      ->check(CLI::Range(1, 64));
+  command.add_flag("--eval", eval, "hold test views out and evaluate on them at the end");
+  command.add_flag("--fold", fold,
+                   "hold every 8th training view out instead of the test views: for choosing settings");
+  command.add_option("--iterations", iterations, "training steps")->check(CLI::Range(1, 10000000));
+  command.add_option("--sh_degree", sh_degree, "highest band of the view-dependent colour")
+      ->check(CLI::Range(0, kMaxTrainedDegree));
+  command.add_option("--basis", basis, "dcsh or sh")->check(CLI::IsMember({"dcsh", "sh"}));
+  command.add_option("--background", background, "black, white or random")
+      ->check(CLI::IsMember({"black", "white", "random"}));
+  command.add_flag("-w,--white_background", white_background, "the same as --background white");
+  command.add_option("--test_iterations", test_iterations, "evaluate at these steps");
+  command.add_option("--save_iterations", save_iterations, "save at these steps");
+  command.add_option("--seed", seed, "of everything random");
+  command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--prune", prune, "none, or plasticity: drop the least plastic at each round")
+      ->check(CLI::IsMember({"none", "plasticity"}));
+  command.add_option("--prune-to", prune_to, "prune by plasticity towards this many Gaussians");
+  command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
+      ->check(CLI::Range(0.0, 1.0));
+  command.add_option("--densify_grad_threshold", densify_grad_threshold,
+                     "mean screen gradient from which Gaussians are added");
+  command.add_option("--min_densify_interval", min_densify_interval,
+                     "least steps between densifications");
+  command.add_option("--position_lr_init", rates.position_first, "first rate of positions");
+  command.add_option("--position_lr_final", rates.position_last, "last rate of positions");
+  command.add_option("--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it");
+  command.add_option("--opacity_lr", rates.opacity, "rate of opacities");
+  command.add_option("--scaling_lr", rates.scale, "rate of log scales");
+  command.add_option("--rotation_lr", rates.rotation, "rate of rotations");
+  command.add_flag("--quiet", quiet, "print nothing but errors");
+}
+
+TrainSettings TrainOptions::ToSettings(float extent) const {
+  TrainSettings s;
+  s.iterations = iterations;
+  s.degree = sh_degree;
+  s.seed = seed;
+  s.loss = {1 - lambda_dssim, lambda_dssim, 0};
+  s.rates = rates;
+  s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations, min_densify_interval);
+  s.schedule.position_rate_steps = iterations;
+  s.density.gradient_threshold = densify_grad_threshold;
+  s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
+  s.density.max_scale = 0.1f * extent;     // 3DGS
+  s.density.max_count = max_gaussians;
+  s.density.prune_by_plasticity = prune == "plasticity" || prune_to > 0;
+  s.density.prune_to = prune_to;
+  const std::string color = white_background ? "white" : background;
+  if (color == "white") s.background = Background::kWhite;
+  if (color == "random") s.background = Background::kRandom;
+  return s;
+}
+
+bool TrainOptions::ReachesMilestone(const std::vector<int>& milestones, int iteration) const {
+  return iteration == iterations ||
+         std::find(milestones.begin(), milestones.end(), iteration) != milestones.end();
+}
+
+}  // namespace cosplat

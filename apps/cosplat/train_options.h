@@ -1,0 +1,41 @@
+// Options that both trainers share: the names and meanings of 3DGS's where it has them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "splat/trainer.h"
+
+namespace cosplat {
+
+struct TrainOptions {
+  std::string source, model;
+  int resolution = 1;
+  bool eval = false;
+  bool fold = false;
+  int iterations = 30000;
+  int sh_degree = 3;
+  std::string basis = "dcsh";
+  std::string preset = "default";
+  std::string background;  // empty: the subject's default
+  bool white_background = false;
+  std::vector<int> test_iterations, save_iterations;
+  uint64_t seed = 0;
+  size_t max_gaussians = 2000000;
+  std::string prune = "none";
+  size_t prune_to = 0;
+  float lambda_dssim = 0.2f;
+  float densify_grad_threshold = 2e-4f;
+  int min_densify_interval = 0;
+  LearningRates rates;
+  bool quiet = false;
+
+  // Declares them on a sub-command; defaults are the values at the time of the call.
+  void Declare(CLI::App& command);
+  // `extent`: world units that size limits scale with.
+  TrainSettings ToSettings(float extent) const;
+  bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
+};
+
+}  // namespace cosplat

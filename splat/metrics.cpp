@@ -1,0 +1,69 @@
+#include "splat/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/base/error.h"
+#include "splat/loss.h"
+
+namespace cosplat {
+namespace {
+
+std::string SizeOf(const Image8& image) {
+  return std::to_string(image.width) + "x" + std::to_string(image.height) + "x" +
+         std::to_string(image.channels);
+}
+
+double SquaredDifference(const Image8& a, const Image8& b, size_t pixel) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double d = (double(a.data[3 * pixel + c]) - b.data[3 * pixel + c]) / 255;
+    sum += d * d;
+  }
+  return sum / 3;
+}
+
+double ToDecibel(double squared, double weight) {
+  if (weight <= 0) return 0;
+  return squared > 1e-10 * weight ? -10 * std::log10(squared / weight) : 100;
+}
+
+}  // namespace
+
+ImageMetrics CompareImages(const Image8& rendered,
+                           const Image8& truth,
+                           const Image8* mask,
+                           const Rectangle* region) {
+  if (rendered.width != truth.width || rendered.height != truth.height || rendered.channels != 3 ||
+      truth.channels != 3)
+    throw Error("", "images", SizeOf(rendered) + " against " + SizeOf(truth));
+  if (mask && (mask->width != truth.width || mask->height != truth.height || mask->channels != 1))
+    throw Error("", "mask", SizeOf(*mask) + " for an image of " + SizeOf(truth));
+  ImageMetrics m;
+  Buffer<float> a, b;
+  CompositeTarget(rendered, {0, 0, 0}, a);
+  CompositeTarget(truth, {0, 0, 0}, b);
+  m.psnr = Psnr(a, b);
+  m.ssim = MeanSsim(truth.width, truth.height, a, b);
+  if (mask) {
+    double sum = 0, weight = 0;
+    for (size_t i = 0; i < truth.pixels(); ++i) {
+      const double w = mask->data[i] / 255.0;
+      sum += w * SquaredDifference(rendered, truth, i);
+      weight += w;
+    }
+    m.psnr_mask = ToDecibel(sum, weight);
+  }
+  if (region) {
+    double sum = 0, weight = 0;
+    for (int y = std::max(0, region->y); y < std::min(truth.height, region->y + region->height); ++y)
+      for (int x = std::max(0, region->x); x < std::min(truth.width, region->x + region->width); ++x) {
+        sum += SquaredDifference(rendered, truth, size_t(y) * truth.width + x);
+        weight += 1;
+      }
+    m.psnr_region = ToDecibel(sum, weight);
+  }
+  return m;
+}
+
+}  // namespace cosplat
