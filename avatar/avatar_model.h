@@ -24,15 +24,19 @@ struct CanonicalMesh {
   std::vector<std::array<int32_t, 3>> faces;  // [F]
 };
 
-struct AvatarModel {
+// Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`.
+struct Embedding {
+  std::vector<int32_t> triangle;  // [N] face index
+  // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
+  std::vector<std::array<float, 2>> barycentric;
+};
+
+struct AvatarModel : Embedding {
   CanonicalMesh mesh;
   // kPosition: [N, 3] (delta_u, delta_v, d): barycentric offsets from `barycentric`, d along the
   // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
   // rotation q and the area ratio are applied.
   Gaussians gaussians;
-  std::vector<int32_t> triangle;  // [N] face index
-  // [N] (u, v): weights of the triangle's vertices 0 and 1; 1 - u - v is that of vertex 2.
-  std::vector<std::array<float, 2>> barycentric;
   ColorFrame color_frame = ColorFrame::kSurface;
 
   // The FLAME model it was trained with: never embedded unless its licence allows.

@@ -37,26 +37,26 @@ void CheckSize(const char* field, size_t found, size_t expected) {
         std::to_string(found) + " numbers where " + std::to_string(expected) + " are expected");
 }
 
-void CheckModel(const AvatarModel& model, const Surface& surface) {
-  const size_t n = model.size();
-  const auto& values = model.gaussians.values;
+void CheckModel(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
+  const size_t n = gaussians.size();
+  const auto& values = gaussians.values;
   CheckSize("position", values[kPosition].size(), 3 * n);
   CheckSize("rotation", values[kRotation].size(), 4 * n);
   CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
-  CheckSize("triangle", model.triangle.size(), n);
-  CheckSize("barycentric", model.barycentric.size(), n);
+  CheckSize("triangle", embedding.triangle.size(), n);
+  CheckSize("barycentric", embedding.barycentric.size(), n);
   for (size_t i = 0; i < n; ++i)
-    if (size_t(model.triangle[i]) >= surface.faces().size())
+    if (size_t(embedding.triangle[i]) >= surface.faces().size())
       throw Error(
           "avatar",
           "triangle[" + std::to_string(i) + "]",
-          std::to_string(model.triangle[i]) + " of " + std::to_string(surface.faces().size()));
+          std::to_string(embedding.triangle[i]) + " of " + std::to_string(surface.faces().size()));
 }
 
-Local LoadLocal(const AvatarModel& model, size_t i) {
-  const auto& values = model.gaussians.values;
-  return {model.barycentric[i][0],
-          model.barycentric[i][1],
+Local LoadLocal(const Gaussians& gaussians, const Embedding& embedding, size_t i) {
+  const auto& values = gaussians.values;
+  return {embedding.barycentric[i][0],
+          embedding.barycentric[i][1],
           Load3(&values[kPosition][3 * i]),
           Load4(&values[kRotation][4 * i]),
           Load3(&values[kScaleLog][3 * i])};
@@ -86,7 +86,8 @@ Posed LoadAdjoint(const PosedGaussians& d, size_t i) {
   return p;
 }
 
-void BackwardOne(const AvatarModel& model,
+void BackwardOne(const Gaussians& gaussians,
+                 const Embedding& embedding,
                  const Triangle& triangle,
                  const PosedGaussians& d_posed,
                  size_t i,
@@ -95,7 +96,7 @@ void BackwardOne(const AvatarModel& model,
   Local d;
   math::EmbedVjp(triangle.posed,
                  triangle.canonical_area,
-                 LoadLocal(model, i),
+                 LoadLocal(gaussians, embedding, i),
                  LoadAdjoint(d_posed, i),
                  d,
                  d_corners);
@@ -147,12 +148,15 @@ void PosedGaussians::Resize(size_t n) {
   frame.resize(4 * n);
 }
 
-void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out) {
-  CheckModel(model, surface);
-  out.Resize(model.size());
-  ParallelFor(model.size(), [&](size_t i) {
-    const Triangle t = LoadTriangle(surface, model.triangle[i]);
-    const Posed p = math::Embed(t.posed, t.canonical_area, LoadLocal(model, i));
+void Bind(const Gaussians& gaussians,
+          const Embedding& embedding,
+          const Surface& surface,
+          PosedGaussians& out) {
+  CheckModel(gaussians, embedding, surface);
+  out.Resize(gaussians.size());
+  ParallelFor(gaussians.size(), [&](size_t i) {
+    const Triangle t = LoadTriangle(surface, embedding.triangle[i]);
+    const Posed p = math::Embed(t.posed, t.canonical_area, LoadLocal(gaussians, embedding, i));
     Store3(p.position, &out.position[3 * i]);
     Store4(p.rotation, &out.rotation[4 * i]);
     Store3(p.scale_log, &out.scale_log[3 * i]);
@@ -160,13 +164,14 @@ void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out)
   });
 }
 
-void BindBackward(const AvatarModel& model,
+void BindBackward(const Gaussians& gaussians,
+                  const Embedding& embedding,
                   const Surface& surface,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
                   std::vector<float>* d_vertices) {
-  CheckModel(model, surface);
-  const size_t n = model.size();
+  CheckModel(gaussians, embedding, surface);
+  const size_t n = gaussians.size();
   CheckSize("d_position", d_posed.position.size(), 3 * n);
   CheckSize("d_rotation", d_posed.rotation.size(), 4 * n);
   CheckSize("d_scale_log", d_posed.scale_log.size(), 3 * n);
@@ -176,19 +181,19 @@ void BindBackward(const AvatarModel& model,
   d_gaussians.values[kScaleLog].resize(3 * n);
   if (!d_vertices) {
     ParallelFor(n, [&](size_t i) {
-      const Triangle t = LoadTriangle(surface, model.triangle[i]);
-      BackwardOne(model, t, d_posed, i, d_gaussians, nullptr);
+      const Triangle t = LoadTriangle(surface, embedding.triangle[i]);
+      BackwardOne(gaussians, embedding, t, d_posed, i, d_gaussians, nullptr);
     });
     return;
   }
   // Per face in the order of its Gaussians, then per vertex in the order of its faces.
-  const FaceLists lists = GroupByFace(model.triangle, surface.faces().size());
+  const FaceLists lists = GroupByFace(embedding.triangle, surface.faces().size());
   std::vector<Corners> d_corners(surface.faces().size());
   ParallelFor(d_corners.size(), [&](size_t f) {
     if (lists.begin[f] == lists.begin[f + 1]) return;
     const Triangle t = LoadTriangle(surface, f);
     for (uint32_t k = lists.begin[f]; k < lists.begin[f + 1]; ++k)
-      BackwardOne(model, t, d_posed, lists.index[k], d_gaussians, &d_corners[f]);
+      BackwardOne(gaussians, embedding, t, d_posed, lists.index[k], d_gaussians, &d_corners[f]);
   });
   Buffer<SurfaceVertex> d_surface(surface.vertex_count());
   ParallelFor(d_surface.size(),

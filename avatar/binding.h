@@ -23,18 +23,32 @@ struct PosedGaussians {
   void Resize(size_t n);
 };
 
-// Writes all of `out`, resizing it. Throws Error when an array of `model` has a wrong size or a
-// triangle does not exist.
-void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out);
+// Writes all of `out`, resizing it. Throws Error when an array has a wrong size or a triangle does
+// not exist.
+void Bind(const Gaussians& gaussians,
+          const Embedding& embedding,
+          const Surface& surface,
+          PosedGaussians& out);
+inline void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out) {
+  Bind(model.gaussians, model, surface, out);
+}
 
 // d_posed: dL/d(out of Bind), same layout; an empty `frame` counts as zero (colours in the world
 // frame). Overwrites (and sizes) kPosition = d(du, dv, d), kRotation and kScaleLog of d_gaussians;
 // leaves its other attributes alone. d_vertices: [V, 3] overwritten, or null: then its cost is
 // saved.
-void BindBackward(const AvatarModel& model,
+void BindBackward(const Gaussians& gaussians,
+                  const Embedding& embedding,
                   const Surface& surface,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
                   std::vector<float>* d_vertices = nullptr);
+inline void BindBackward(const AvatarModel& model,
+                         const Surface& surface,
+                         const PosedGaussians& d_posed,
+                         Gaussians& d_gaussians,
+                         std::vector<float>* d_vertices = nullptr) {
+  BindBackward(model.gaussians, model, surface, d_posed, d_gaussians, d_vertices);
+}
 
 }  // namespace cosplat

@@ -206,7 +206,7 @@ std::vector<SurfacePoint> SampleSurface(const CanonicalMesh& mesh, size_t n, Rng
   return points;
 }
 
-Embedding Reembed(const Surface& surface, const std::array<float, 3>& point, int32_t start) {
+EmbeddedPoint Reembed(const Surface& surface, const std::array<float, 3>& point, int32_t start) {
   if (size_t(start) >= surface.faces().size())
     throw Error("embedding",
                 "triangle",

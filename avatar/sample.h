@@ -21,7 +21,7 @@ namespace cosplat {
 // has no area or a face names a vertex that does not exist.
 std::vector<SurfacePoint> SampleSurface(const CanonicalMesh& mesh, size_t n, Rng& rng);
 
-struct Embedding {
+struct EmbeddedPoint {
   SurfacePoint base;
   float d = 0;         // along the interpolated normal, metres
   float residual = 0;  // distance of the embedded point from the one asked for, metres
@@ -33,6 +33,6 @@ struct Embedding {
 // with d the offset along its normal, and the residual says how much is lost. Never leaves the
 // connected component of `start`; bounded work. Throws Error when `start` does not exist or `point`
 // is not finite.
-Embedding Reembed(const Surface& surface, const std::array<float, 3>& point, int32_t start);
+EmbeddedPoint Reembed(const Surface& surface, const std::array<float, 3>& point, int32_t start);
 
 }  // namespace cosplat

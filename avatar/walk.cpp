@@ -136,11 +136,13 @@ bool HasBoundaryEdge(const Surface& surface, int32_t face) {
   return n[0] < 0 || n[1] < 0 || n[2] < 0;
 }
 
-std::vector<WalkResult> WalkEach(const AvatarModel& model, const Surface& surface) {
-  std::vector<WalkResult> results(model.size());
-  const auto& offsets = model.gaussians.values[kPosition];
+std::vector<WalkResult> WalkEach(const Gaussians& gaussians,
+                                 const Embedding& embedding,
+                                 const Surface& surface) {
+  std::vector<WalkResult> results(gaussians.size());
+  const auto& offsets = gaussians.values[kPosition];
   ParallelFor(results.size(), [&](size_t i) {
-    const SurfacePoint start{model.triangle[i], model.barycentric[i]};
+    const SurfacePoint start{embedding.triangle[i], embedding.barycentric[i]};
     if (offsets[3 * i] == 0 && offsets[3 * i + 1] == 0)
       results[i] = {start, WalkStatus::kWithin};
     else
@@ -166,22 +168,25 @@ WalkResult Walk(const Surface& surface, const SurfacePoint& start, float du, flo
   return {{walker.face, {float(at[0]), float(at[1])}}, status};
 }
 
-WalkReport WalkAll(AvatarModel& model, const Surface& surface, int boundary_face_cap) {
+WalkReport WalkAll(Gaussians& gaussians,
+                   Embedding& embedding,
+                   const Surface& surface,
+                   int boundary_face_cap) {
   std::vector<int> count(surface.faces().size());
-  for (size_t i = 0; i < model.size(); ++i) {
-    if (size_t(model.triangle[i]) >= count.size())
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    if (size_t(embedding.triangle[i]) >= count.size())
       throw Error("avatar",
                   "triangle[" + std::to_string(i) + "]",
-                  std::to_string(model.triangle[i]) + " of " + std::to_string(count.size()));
-    ++count[model.triangle[i]];
+                  std::to_string(embedding.triangle[i]) + " of " + std::to_string(count.size()));
+    ++count[embedding.triangle[i]];
   }
-  const std::vector<WalkResult> results = WalkEach(model, surface);
+  const std::vector<WalkResult> results = WalkEach(gaussians, embedding, surface);
   WalkReport report;
-  for (size_t i = 0; i < model.size(); ++i) {
-    auto& offsets = model.gaussians.values[kPosition];
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    auto& offsets = gaussians.values[kPosition];
     offsets[3 * i] = offsets[3 * i + 1] = 0;
     const auto& [point, status] = results[i];
-    const bool crossed = point.triangle != model.triangle[i];
+    const bool crossed = point.triangle != embedding.triangle[i];
     const bool refused = crossed && count[point.triangle] >= boundary_face_cap &&
                          HasBoundaryEdge(surface, point.triangle);
     if (status == WalkStatus::kInvalid) report.invalid.push_back(uint32_t(i));
@@ -189,10 +194,10 @@ WalkReport WalkAll(AvatarModel& model, const Surface& surface, int boundary_face
       report.stopped_at_boundary.push_back(uint32_t(i));
     if (status == WalkStatus::kInvalid || refused) continue;
     if (crossed) report.crossed.push_back(uint32_t(i));
-    --count[model.triangle[i]];
+    --count[embedding.triangle[i]];
     ++count[point.triangle];
-    model.triangle[i] = point.triangle;
-    model.barycentric[i] = point.barycentric;
+    embedding.triangle[i] = point.triangle;
+    embedding.barycentric[i] = point.barycentric;
   }
   return report;
 }

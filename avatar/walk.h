@@ -51,6 +51,12 @@ struct WalkReport {
 // would end in another face that has a boundary edge and already holds `boundary_face_cap` of them
 // stays where it was (and counts as stopped): a steady push does not pile them up at the mouth or
 // the neck. Throws Error when a triangle does not exist.
-WalkReport WalkAll(AvatarModel& model, const Surface& surface, int boundary_face_cap = 64);
+WalkReport WalkAll(Gaussians& gaussians,
+                   Embedding& embedding,
+                   const Surface& surface,
+                   int boundary_face_cap = 64);
+inline WalkReport WalkAll(AvatarModel& model, const Surface& surface, int boundary_face_cap = 64) {
+  return WalkAll(model.gaussians, model, surface, boundary_face_cap);
+}
 
 }  // namespace cosplat

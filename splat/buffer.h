@@ -33,7 +33,7 @@ struct View {
   View() = default;
   View(T* data, size_t count) : data(data), count(count) {}
   template <class Container>
-    requires requires(Container& c) { c.data(); }
+  requires requires(Container& c) { c.data(); }
   View(Container& c) : data(c.data()), count(c.size()) {}  // NOLINT: borrowing is implicit
   T& operator[](size_t i) const { return data[i]; }
   T* begin() const { return data; }

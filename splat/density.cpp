@@ -13,8 +13,8 @@
 namespace cosplat {
 namespace {
 
-constexpr float kSplitShrink = 1.6f;       // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
-constexpr float kResetOpacity = 0.01f;     // 3DGS
+constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
+constexpr float kResetOpacity = 0.01f;        // 3DGS
 constexpr uint32_t kNew = uint32_t(1) << 31;  // marks a source entry whose moments start at zero
 
 float LargestScale(const Gaussians& g, size_t i) {
@@ -67,7 +67,8 @@ void GatherAll(std::vector<uint32_t> source,
     moments->Gather(source);
     for (int a = 0; a < kAttributeCount; ++a)
       for (const uint32_t i : fresh)
-        std::fill_n(moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
+        std::fill_n(
+            moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
   }
 }
 
@@ -117,7 +118,8 @@ size_t CountToRemove(const DensitySettings& settings, size_t count, int rounds_l
 }  // namespace
 
 void DensityStatistics::Reset(size_t n) {
-  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius}) b->assign(n, 0.0f);
+  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius})
+    b->assign(n, 0.0f);
 }
 
 void DensityStatistics::Accumulate(const RenderTape& tape,

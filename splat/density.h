@@ -2,13 +2,13 @@
 // Source: Kerbl et al. 2023, section 5; pruning by plasticity: splat/prune.h.
 #pragma once
 
-#include <cstdint>
 #include <array>
+#include <cstdint>
 #include <vector>
 
+#include "splat/base/rng.h"
 #include "splat/gaussians.h"
 #include "splat/optimizer.h"
-#include "splat/base/rng.h"
 
 namespace cosplat {
 
@@ -35,8 +35,8 @@ struct DensitySettings {
   float gradient_threshold = 2e-4f;  // mean screen gradient above which one is cloned or split
   float split_scale = 0.01f;         // above this standard deviation it is split; scene units
   float min_opacity = 0.005f;
-  float max_scale = 0;        // larger ones are removed once size pruning is on; scene units
-  float max_radius_px = 20;   // likewise
+  float max_scale = 0;         // larger ones are removed once size pruning is on; scene units
+  float max_radius_px = 20;    // likewise
   size_t max_count = 2000000;  // never exceeded: the strongest gradients go first
 
   bool prune_by_plasticity = false;

@@ -1,8 +1,8 @@
 // The Gaussians as a structure of arrays: what is trained, rendered and saved.
 //
 // The same structure holds their gradients and Adam's moments, so that density control and pruning
-// move all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead of a
-// point (avatar/avatar_model.h); everything else means the same.
+// move all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead of
+// a point (avatar/avatar_model.h); everything else means the same.
 #pragma once
 
 #include <array>
@@ -34,7 +34,9 @@ struct Gaussians {
   size_t size() const { return values[kOpacityLogit].size(); }
   // Floats per Gaussian of an attribute.
   int width(int attribute) const;
-  float* at(Attribute attribute, size_t i) { return values[attribute].data() + i * width(attribute); }
+  float* at(Attribute attribute, size_t i) {
+    return values[attribute].data() + i * width(attribute);
+  }
   const float* at(Attribute attribute, size_t i) const {
     return values[attribute].data() + i * width(attribute);
   }

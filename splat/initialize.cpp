@@ -14,9 +14,9 @@
 namespace cosplat {
 namespace {
 
-constexpr float kInitialOpacity = 0.1f;      // 3DGS
-constexpr float kMinDistance2 = 1e-7f;       // 3DGS: coincident points
-constexpr float kSyntheticHalfSize = 1.3f;   // 3DGS: half the cube of Synthetic-NeRF scenes
+constexpr float kInitialOpacity = 0.1f;     // 3DGS
+constexpr float kMinDistance2 = 1e-7f;      // 3DGS: coincident points
+constexpr float kSyntheticHalfSize = 1.3f;  // 3DGS: half the cube of Synthetic-NeRF scenes
 
 // nanoflann's view of [P, 3] floats.
 struct PointCloud {
@@ -28,9 +28,8 @@ struct PointCloud {
     return false;
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>,
-                                                 PointCloud,
-                                                 3>;
+using Tree = nanoflann::
+    KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud, 3>;
 
 }  // namespace
 

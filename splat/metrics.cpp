@@ -56,8 +56,10 @@ ImageMetrics CompareImages(const Image8& rendered,
   }
   if (region) {
     double sum = 0, weight = 0;
-    for (int y = std::max(0, region->y); y < std::min(truth.height, region->y + region->height); ++y)
-      for (int x = std::max(0, region->x); x < std::min(truth.width, region->x + region->width); ++x) {
+    for (int y = std::max(0, region->y); y < std::min(truth.height, region->y + region->height);
+         ++y)
+      for (int x = std::max(0, region->x); x < std::min(truth.width, region->x + region->width);
+           ++x) {
         sum += SquaredDifference(rendered, truth, size_t(y) * truth.width + x);
         weight += 1;
       }

@@ -13,10 +13,10 @@ struct Rectangle {
 };
 
 struct ImageMetrics {
-  double psnr = 0;        // dB over all pixels and channels, values in [0, 1]
-  double ssim = 0;        // 11 x 11 Gaussian window, zero beyond the border (3DGS)
-  double psnr_mask = 0;   // dB, squared differences weighted by the mask; 0 without one
-  double psnr_region = 0; // dB inside a rectangle; 0 without one
+  double psnr = 0;         // dB over all pixels and channels, values in [0, 1]
+  double ssim = 0;         // 11 x 11 Gaussian window, zero beyond the border (3DGS)
+  double psnr_mask = 0;    // dB, squared differences weighted by the mask; 0 without one
+  double psnr_region = 0;  // dB inside a rectangle; 0 without one
 };
 
 // Both RGB and of the same size. `mask`: one channel of that size, or null. Throws Error when sizes

@@ -6,7 +6,18 @@
 
 namespace cosplat {
 
-enum class Phase { kPose, kProject, kSort, kBlend, kLoss, kBackward, kAdam, kDensity, kData, kCount };
+enum class Phase {
+  kPose,
+  kProject,
+  kSort,
+  kBlend,
+  kLoss,
+  kBackward,
+  kAdam,
+  kDensity,
+  kData,
+  kCount
+};
 constexpr std::array<const char*, size_t(Phase::kCount)> kPhaseNames{
     "pose", "project", "sort", "blend", "loss", "backward", "adam", "density", "data"};
 

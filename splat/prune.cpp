@@ -36,7 +36,8 @@ std::vector<uint32_t> SelectForPruning(const PruneRequest& request) {
   size_t budget = request.remove_lowest;
   for (const uint32_t i : by_score) {
     if (budget == 0) break;
-    if (gone[i] || request.exempt[i] || left[group_of(i)] <= uint32_t(request.group_floor)) continue;
+    if (gone[i] || request.exempt[i] || left[group_of(i)] <= uint32_t(request.group_floor))
+      continue;
     remove(i);
     --budget;
   }

@@ -1,8 +1,8 @@
 // The differentiable renderer: Gaussians + camera -> image, and back.
 //
-// Forward fills an image and a tape; Backward takes the tape and dL/d(image) and writes the gradients
-// of every Gaussian. Results are the same bits for any number of threads.
-// Source: Kerbl et al. 2023; the CPU back end is splat/cpu/.
+// Forward fills an image and a tape; Backward takes the tape and dL/d(image) and writes the
+// gradients of every Gaussian. Results are the same bits for any number of threads. Source: Kerbl
+// et al. 2023; the CPU back end is splat/cpu/.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ struct RenderedImage {
 
 struct RenderSettings {
   std::array<float, 3> background{0, 0, 0};  // sRGB
-  int degree = 0;  // bands evaluated; at most those stored
+  int degree = 0;                            // bands evaluated; at most those stored
 };
 
 // What Backward needs of a Forward. Reuse one tape for many steps: it keeps its memory.

@@ -12,12 +12,13 @@ struct Schedule {
   int densify_until = 15000;
   int densify_every = 100;
   int opacity_reset_every = 3000;
-  int degree_every = 1000;       // one more band each time
-  int size_prune_after = 3000;   // giants are removed from here on
+  int degree_every = 1000;      // one more band each time
+  int size_prune_after = 3000;  // giants are removed from here on
   int position_rate_steps = 30000;
 
-  // 3DGS's steps scaled by iterations / 30,000. Statistics of a few steps are noise, so the interval
-  // of densification does not fall below `min_densify_every` (docs/design.md has the measurement).
+  // 3DGS's steps scaled by iterations / 30,000. Statistics of a few steps are noise, so the
+  // interval of densification does not fall below `min_densify_every` (docs/design.md has the
+  // measurement).
   static Schedule Fractions(int iterations, int min_densify_every) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {

@@ -37,8 +37,8 @@ Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians firs
 }
 
 int Trainer::active_degree() const {
-  const int raised = settings_.first_degree +
-                     settings_.schedule.DegreeAt(state_.iteration, settings_.degree);
+  const int raised =
+      settings_.first_degree + settings_.schedule.DegreeAt(state_.iteration, settings_.degree);
   return std::min(raised, settings_.degree);
 }
 
@@ -67,9 +67,8 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   const LearningRates& r = settings_.rates;
   AdamSettings adam;
   adam.eps = settings_.eps;
-  adam.rate[kPosition] =
-      subject_.extent() *
-      settings_.schedule.PositionRate(iteration, r.position_first, r.position_last);
+  adam.rate[kPosition] = subject_.extent() * settings_.schedule.PositionRate(
+                                                 iteration, r.position_first, r.position_last);
   adam.rate[kRotation] = r.rotation;
   adam.rate[kScaleLog] = r.scale;
   adam.rate[kOpacityLogit] = r.opacity;

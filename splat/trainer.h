@@ -1,8 +1,8 @@
 // The training loop: one for static scenes and avatars alike.
 //
-// frame -> Subject::Place -> Rasterizer -> loss -> back -> Subject::PlaceBackward -> Adam, and every
-// so often density control. What a frame is, where the Gaussians are in it and what comes of their
-// gradients is the Subject's business: SceneSubject below, avatar/trainer.h for avatars.
+// frame -> Subject::Place -> Rasterizer -> loss -> back -> Subject::PlaceBackward -> Adam, and
+// every so often density control. What a frame is, where the Gaussians are in it and what comes of
+// their gradients is the Subject's business: SceneSubject below, avatar/trainer.h for avatars.
 #pragma once
 
 #include <functional>
@@ -42,8 +42,8 @@ struct ScaleRegularizer {
 
 struct TrainSettings {
   int iterations = 30000;
-  int degree = 3;           // highest band trained
-  int first_degree = 0;     // bands active from step 0; one more per Schedule::degree_every
+  int degree = 3;        // highest band trained
+  int first_degree = 0;  // bands active from step 0; one more per Schedule::degree_every
   uint64_t seed = 0;
   Background background = Background::kBlack;
   LossWeights loss;

@@ -23,12 +23,13 @@ int Run(int argc, char** argv) {
   app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");
   app.set_version_flag("--version", COSPLAT_VERSION);
   int threads = 0;
-  app.add_option("--threads", threads, "threads to use; 0: one per core")->check(CLI::Range(0, 1024));
+  app.add_option("--threads", threads, "threads to use; 0: one per core")
+      ->check(CLI::Range(0, 1024));
   std::unique_ptr<tbb::global_control> limit;
   app.parse_complete_callback([&] {
     if (threads > 0)
-      limit = std::make_unique<tbb::global_control>(
-          tbb::global_control::max_allowed_parallelism, threads);
+      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    threads);
   });
   cosplat::AddTrainScene(app);
   try {

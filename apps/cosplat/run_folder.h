@@ -13,7 +13,8 @@
 
 namespace cosplat {
 
-// cfg_args (3DGS's one line), config.ini (everything, for --config) and run.json (for render, report).
+// cfg_args (3DGS's one line), config.ini (everything, for --config) and run.json (for render,
+// report).
 void WriteRunConfiguration(const std::string& folder,
                            const TrainOptions& options,
                            const std::string& config_ini,

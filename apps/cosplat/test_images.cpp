@@ -142,7 +142,8 @@ TestSummary EvaluateTestImages(const std::string& folder) {
     if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
   }
   if (latest < 0)
-    throw Error(folder, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+    throw Error(
+        folder, "test", "holds no pictures: train with --eval or run `cosplat render` first");
   WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
   WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
   return summary;

@@ -12,8 +12,10 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("-r,--resolution", resolution, "divide the pictures' size by this")
       ->check(CLI::Range(1, 64));
   command.add_flag("--eval", eval, "hold test views out and evaluate on them at the end");
-  command.add_flag("--fold", fold,
-                   "hold every 8th training view out instead of the test views: for choosing settings");
+  command.add_flag(
+      "--fold",
+      fold,
+      "hold every 8th training view out instead of the test views: for choosing settings");
   command.add_option("--iterations", iterations, "training steps")->check(CLI::Range(1, 10000000));
   command.add_option("--sh_degree", sh_degree, "highest band of the view-dependent colour")
       ->check(CLI::Range(0, kMaxTrainedDegree));
@@ -31,13 +33,15 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--prune-to", prune_to, "prune by plasticity towards this many Gaussians");
   command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
       ->check(CLI::Range(0.0, 1.0));
-  command.add_option("--densify_grad_threshold", densify_grad_threshold,
+  command.add_option("--densify_grad_threshold",
+                     densify_grad_threshold,
                      "mean screen gradient from which Gaussians are added");
-  command.add_option("--min_densify_interval", min_densify_interval,
-                     "least steps between densifications");
+  command.add_option(
+      "--min_densify_interval", min_densify_interval, "least steps between densifications");
   command.add_option("--position_lr_init", rates.position_first, "first rate of positions");
   command.add_option("--position_lr_final", rates.position_last, "last rate of positions");
-  command.add_option("--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it");
+  command.add_option(
+      "--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it");
   command.add_option("--opacity_lr", rates.opacity, "rate of opacities");
   command.add_option("--scaling_lr", rates.scale, "rate of log scales");
   command.add_option("--rotation_lr", rates.rotation, "rate of rotations");
@@ -51,7 +55,8 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.seed = seed;
   s.loss = {1 - lambda_dssim, lambda_dssim, 0};
   s.rates = rates;
-  s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations, min_densify_interval);
+  s.schedule =
+      preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations, min_densify_interval);
   s.schedule.position_rate_steps = iterations;
   s.density.gradient_threshold = densify_grad_threshold;
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense

@@ -101,7 +101,10 @@ void Train(SceneOptionsAll o, const std::string& config) {
       const StepReport step = trainer.Step();
       loss = i == 1 ? step.loss : 0.95 * loss + 0.05 * step.loss;
       char detail[96];
-      std::snprintf(detail, sizeof detail, "loss %.4f  %s Gaussians", loss,
+      std::snprintf(detail,
+                    sizeof detail,
+                    "loss %.4f  %s Gaussians",
+                    loss,
                     WithThousands(step.gaussians).c_str());
       bar.Update(i, detail);
       if (o.ReachesMilestone(o.save_iterations, i))
@@ -131,10 +134,12 @@ void AddTrainScene(CLI::App& app) {
   const auto options = std::make_shared<SceneOptionsAll>();
   options->Declare(*command);
   command
-      ->add_option("--preset", options->preset,
+      ->add_option("--preset",
+                   options->preset,
                    "default: schedules in proportion to --iterations; 3dgs: its absolute steps")
       ->check(CLI::IsMember({"default", "3dgs"}));
-  command->add_option("--random_points", options->random_points,
+  command->add_option("--random_points",
+                      options->random_points,
                       "Gaussians to start with where the data has no points");
   command->callback([options, &app] { Train(*options, app.config_to_str(true, true)); });
 }

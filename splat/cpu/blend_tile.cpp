@@ -38,13 +38,16 @@ HWY_INLINE TileSpan SpanOf(const ProjectedSplat& s, const TileJob& job) {
 HWY_INLINE PowerForm<Pack> FormOf(const ProjectedSplat& s) {
   return {Pack(s.power_xx), Pack(s.power_xy), Pack(s.power_yy)};
 }
-HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) { return {Pack(s.r), Pack(s.g), Pack(s.b)}; }
+HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) {
+  return {Pack(s.r), Pack(s.g), Pack(s.b)};
+}
 
 struct alignas(64) TilePixels {
   float t[kPixels], r[kPixels], g[kPixels], b[kPixels];
 };
 
-// Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop going.
+// Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop
+// going.
 HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
   for (int y = 0; y < kTileSize; ++y)
     for (int x = 0; x < kTileSize; ++x)
@@ -157,20 +160,26 @@ SplatGradient BlendSplatVjp(const ProjectedSplat& s, const TileJob& job, TileVjp
       Accumulate(d_product * opacity, dx, dy, moments);
     }
   }
-  const PowerMoments<float> sums{Sum(moments.x), Sum(moments.y), Sum(moments.xx), Sum(moments.xy),
-                                 Sum(moments.yy)};
+  const PowerMoments<float> sums{
+      Sum(moments.x), Sum(moments.y), Sum(moments.xx), Sum(moments.xy), Sum(moments.yy)};
   const Vec2<float> d_center =
       CenterVjp(PowerForm<float>{s.power_xx, s.power_xy, s.power_yy}, sums);
-  return {d_center.x, d_center.y, sums.xx, sums.xy, sums.yy, Sum(d_opacity),
-          Sum(d_color.x), Sum(d_color.y), Sum(d_color.z)};
+  return {d_center.x,
+          d_center.y,
+          sums.xx,
+          sums.xy,
+          sums.yy,
+          Sum(d_opacity),
+          Sum(d_color.x),
+          Sum(d_color.y),
+          Sum(d_color.z)};
 }
 
 void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* records) {
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);
   for (uint32_t k = 0; k < job.entry_count; ++k)
-    records[job.entries[k].record] =
-        BlendSplatVjp(job.splats[job.entries[k].gaussian], job, px);
+    records[job.entries[k].record] = BlendSplatVjp(job.splats[job.entries[k].gaussian], job, px);
 }
 
 COSPLAT_MATH_END

@@ -11,8 +11,8 @@ struct TileJob {
   const ProjectedSplat* splats = nullptr;
   const TileEntry* entries = nullptr;  // this tile's, front to back
   uint32_t entry_count = 0;
-  int x0 = 0, y0 = 0;             // the tile's first pixel
-  int width = 0, height = 0;      // of the image
+  int x0 = 0, y0 = 0;         // the tile's first pixel
+  int width = 0, height = 0;  // of the image
   float background[3] = {0, 0, 0};
   float* color = nullptr;          // [3, height, width]
   float* transmittance = nullptr;  // [height, width]

@@ -1,6 +1,6 @@
 // The CPU back end: project -> tile lists -> blend per tile, in parallel over oneTBB.
-// Bits do not depend on the number of threads: tiles and Gaussians are independent, and a Gaussian's
-// gradient is the sum of its tiles' records in a fixed order.
+// Bits do not depend on the number of threads: tiles and Gaussians are independent, and a
+// Gaussian's gradient is the sum of its tiles' records in a fixed order.
 #include <tbb/parallel_for.h>
 
 #include <cmath>
@@ -62,8 +62,10 @@ class CpuRasterizer : public Rasterizer {
                RenderTape& base_tape) override {
     auto& tape = static_cast<CpuTape&>(base_tape);
     if (camera.width < 1 || camera.height < 1)
-      throw Error("", "camera", "image of " + std::to_string(camera.width) + "x" +
-                                    std::to_string(camera.height) + " pixels");
+      throw Error("",
+                  "camera",
+                  "image of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                      " pixels");
     if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
         settings.degree > kMaxTrainedDegree)
       throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");

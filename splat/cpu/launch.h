@@ -6,7 +6,9 @@
 
 namespace cosplat {
 
-void LaunchProject(const WorldGaussians& gaussians, const ViewParameters& view, ProjectedSplat* splats);
+void LaunchProject(const WorldGaussians& gaussians,
+                   const ViewParameters& view,
+                   ProjectedSplat* splats);
 
 // Sums each drawn Gaussian's records in their order, then applies the projection's derivative.
 // Records of entries beyond a tile's stop must be zero.

@@ -20,14 +20,17 @@ struct Window {
   Window() {
     float sum = 0;
     for (int k = 0; k < kTaps; ++k)
-      sum += w[k] = std::exp(-float((k - kSsimRadius) * (k - kSsimRadius)) /
-                             (2 * kSsimSigma * kSsimSigma));
+      sum += w[k] =
+          std::exp(-float((k - kSsimRadius) * (k - kSsimRadius)) / (2 * kSsimSigma * kSsimSigma));
     for (float& v : w) v /= sum;
   }
 };
 
 // out[i] = sum_k w[k] padded[i + k]: plain loops, vectorised by the compiler for this target.
-void ConvolveRow(const Window& window, const float* __restrict padded, int n, float* __restrict out) {
+void ConvolveRow(const Window& window,
+                 const float* __restrict padded,
+                 int n,
+                 float* __restrict out) {
   for (int i = 0; i < n; ++i) {
     float sum = 0;
     for (int k = 0; k < kTaps; ++k) sum += window.w[k] * padded[i + k];
@@ -36,8 +39,11 @@ void ConvolveRow(const Window& window, const float* __restrict padded, int n, fl
 }
 
 // The same down a column of rows that are `stride` apart.
-void ConvolveColumn(
-    const Window& window, const float* __restrict rows, size_t stride, int n, float* __restrict out) {
+void ConvolveColumn(const Window& window,
+                    const float* __restrict rows,
+                    size_t stride,
+                    int n,
+                    float* __restrict out) {
   for (int i = 0; i < n; ++i) {
     float sum = 0;
     for (int k = 0; k < kTaps; ++k) sum += window.w[k] * rows[i + k * stride];
@@ -45,11 +51,14 @@ void ConvolveColumn(
   }
 }
 
-// Horizontally convolved rows [row_begin - R, row_end + R) of `planes` quantities; make_row fills the
-// padded rows of one image row. Rows beyond the image are zero.
+// Horizontally convolved rows [row_begin - R, row_end + R) of `planes` quantities; make_row fills
+// the padded rows of one image row. Rows beyond the image are zero.
 template <int kPlanes, class MakeRow>
-void ConvolveRows(
-    const SsimBand& band, const Window& window, const MakeRow& make_row, float* padded, float* out) {
+void ConvolveRows(const SsimBand& band,
+                  const Window& window,
+                  const MakeRow& make_row,
+                  float* padded,
+                  float* out) {
   const int w = band.width;
   const size_t padded_width = w + 2 * kSsimRadius;
   std::fill(padded, padded + kPlanes * padded_width, 0.0f);
@@ -107,16 +116,16 @@ double ForwardBand(const SsimBand& band, float* scratch) {
       ConvolveColumn(window, first + size_t(p) * w, 5 * size_t(w), w, columns + size_t(p) * w);
     float* __restrict ssim = padded;
     for (int i = 0; i < w; ++i) {
-      const SsimMoments<float> m{columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i],
-                                 columns[4 * w + i]};
+      const SsimMoments<float> m{
+          columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i], columns[4 * w + i]};
       ssim[i] = Ssim(m);
     }
     for (int i = 0; i < w; ++i) sum += ssim[i];
     if (!band.partial_x) continue;
     const size_t to = size_t(y) * w;
     for (int i = 0; i < w; ++i) {
-      const SsimMoments<float> m{columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i],
-                                 columns[4 * w + i]};
+      const SsimMoments<float> m{
+          columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i], columns[4 * w + i]};
       const SsimPartials<float> d = SsimVjp(m);
       band.partial_x[to + i] = d.x;
       band.partial_xx[to + i] = d.xx;
@@ -158,9 +167,7 @@ HWY_EXPORT(ForwardBand);
 HWY_EXPORT(BackwardBand);
 }  // namespace math
 
-size_t SsimScratch(int width, int rows) {
-  return math::HWY_NAMESPACE::ScratchSize(width, rows);
-}
+size_t SsimScratch(int width, int rows) { return math::HWY_NAMESPACE::ScratchSize(width, rows); }
 double SsimForward(const SsimBand& band, float* scratch) {
   using namespace math;
   return HWY_DYNAMIC_DISPATCH(ForwardBand)(band, scratch);

@@ -52,8 +52,7 @@ bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
     best = LargestPowerOnEdge(s.power_yy, s.power_xy, s.power_xx, y0, y1, x0 > 0 ? x0 : x1);
   if (y0 > 0 || y1 < 0)
     best = std::max(
-        best,
-        LargestPowerOnEdge(s.power_xx, s.power_xy, s.power_yy, x0, x1, y0 > 0 ? y0 : y1));
+        best, LargestPowerOnEdge(s.power_xx, s.power_xy, s.power_yy, x0, x1, y0 > 0 ? y0 : y1));
   return best >= s.reject_below;
 }
 

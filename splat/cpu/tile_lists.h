@@ -1,6 +1,6 @@
 // Which Gaussians each tile draws, front to back.
-// ProjectedSplat[] -> depth order -> (Gaussian, tile) instances in that order -> stable sort by tile.
-// Sorting by depth once per Gaussian rather than per instance: Faster-GS.
+// ProjectedSplat[] -> depth order -> (Gaussian, tile) instances in that order -> stable sort by
+// tile. Sorting by depth once per Gaussian rather than per instance: Faster-GS.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // Element-wise stage: one Gaussian in the world -> one ProjectedSplat, and its derivative.
-// world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel -> gradients.
+// world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel ->
+// gradients.
 #if defined(COSPLAT_SPLAT_KERNELS_PROJECT_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_PROJECT_H_
 #undef COSPLAT_SPLAT_KERNELS_PROJECT_H_
@@ -116,10 +117,11 @@ struct ProjectKernel {
     out.half_x = Sqrt(-2 * out.reject_below * cov.xx);
     out.half_y = Sqrt(-2 * out.reject_below * cov.yy);
     out.depth = p.z;
-    const Vec3<float> color =
-        WithDegree(view.degree,
-                   ColorOf{ColorDirection(gaussians, view, i), view.basis_constants,
-                           gaussians.color_dc + 3 * i, gaussians.color_rest + gaussians.rest_width * i});
+    const Vec3<float> color = WithDegree(view.degree,
+                                         ColorOf{ColorDirection(gaussians, view, i),
+                                                 view.basis_constants,
+                                                 gaussians.color_dc + 3 * i,
+                                                 gaussians.color_rest + gaussians.rest_width * i});
     out.r = color.x;
     out.g = color.y;
     out.b = color.z;
@@ -140,8 +142,8 @@ struct ProjectKernel {
 struct ProjectVjpKernel {
   WorldGaussians gaussians;
   ViewParameters view;
-  const ProjectedSplat* splats;      // [count]
-  const SplatGradient* d_splats;     // [count]; read only where drawn
+  const ProjectedSplat* splats;   // [count]
+  const SplatGradient* d_splats;  // [count]; read only where drawn
   WorldGradients out;
 
   COSPLAT_HD void operator()(size_t i) const {
@@ -181,12 +183,14 @@ struct ProjectVjpKernel {
   COSPLAT_HD Vec3<float> ColorVjp(size_t i, const Vec3<float>& position) const {
     const SplatGradient& d = d_splats[i];
     const Vec3<float> u = ColorDirection(gaussians, view, i);
-    Vec3<float> d_u =
-        WithDegree(view.degree,
-                   ColorVjpOf{u, view.basis_constants, gaussians.color_rest + gaussians.rest_width * i,
-                              Vec3<float>{splats[i].r, splats[i].g, splats[i].b},
-                              Vec3<float>{d.r, d.g, d.b}, out.color_dc + 3 * i,
-                              out.color_rest + gaussians.rest_width * i});
+    Vec3<float> d_u = WithDegree(view.degree,
+                                 ColorVjpOf{u,
+                                            view.basis_constants,
+                                            gaussians.color_rest + gaussians.rest_width * i,
+                                            Vec3<float>{splats[i].r, splats[i].g, splats[i].b},
+                                            Vec3<float>{d.r, d.g, d.b},
+                                            out.color_dc + 3 * i,
+                                            out.color_rest + gaussians.rest_width * i});
     const Vec3<float> offset = position - Load3(view.center);
     if (gaussians.color_frame) {
       // u = R^T w: d_w = R d_u, d_R = w d_u^T.

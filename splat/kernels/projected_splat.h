@@ -5,14 +5,14 @@ namespace cosplat {
 
 // 64 bytes: one cache line. Lengths in px, pixel centres at +0.5.
 struct alignas(64) ProjectedSplat {
-  float x, y;                        // centre
+  float x, y;                          // centre
   float power_xx, power_xy, power_yy;  // exponent's quadratic form (math/blend.h)
-  float opacity;                     // [0, 1]
-  float reject_below;                // exponent below which alpha < kMinAlpha
-  float r, g, b;                     // colour along the view direction, >= 0
-  float half_x, half_y;              // half-extents of the ellipse where alpha >= kMinAlpha
-  float depth;                       // along the camera's axis, world units
-  float radius;                      // 3 standard deviations along the longer axis; 0: not drawn
+  float opacity;                       // [0, 1]
+  float reject_below;                  // exponent below which alpha < kMinAlpha
+  float r, g, b;                       // colour along the view direction, >= 0
+  float half_x, half_y;                // half-extents of the ellipse where alpha >= kMinAlpha
+  float depth;                         // along the camera's axis, world units
+  float radius;                        // 3 standard deviations along the longer axis; 0: not drawn
   float padding[2];
 };
 

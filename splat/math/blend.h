@@ -104,7 +104,7 @@ struct BlendVjpState {
 
 template <class T>
 struct BlendVjpResult {
-  T weight;   // dL/d(color) = weight * d_pixel
+  T weight;  // dL/d(color) = weight * d_pixel
   T d_alpha;
 };
 

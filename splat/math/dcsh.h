@@ -1,8 +1,8 @@
 // Colour that depends on the viewing direction: real spherical harmonics as polynomials in the
 // direction cosines u = (x, y, z), by two recurrences and no trigonometry.
 //
-// With (x + iy)^m = rho^m e^{i m phi} and P_l^m(z) = rho^m Q_l^m(z) (Q_l^m the m-th derivative of the
-// Legendre polynomial P_l), every real basis function is
+// With (x + iy)^m = rho^m e^{i m phi} and P_l^m(z) = rho^m Q_l^m(z) (Q_l^m the m-th derivative of
+// the Legendre polynomial P_l), every real basis function is
 //   Y_l^m = K * Q_l^|m|(z) * { sqrt2 Re (x+iy)^m | 1 | sqrt2 Im (x+iy)^|m| }  for m > 0, = 0, < 0,
 // with no singular direction. The order is 3DGS's: l^2 + l + m.
 // `dcsh`: N3D constants (sqrt(4 pi) x the orthonormal ones) for l >= 1, no Condon-Shortley signs;
@@ -44,8 +44,8 @@ COSPLAT_HD BasisParts<kDegree, T> EvaluateParts(const Vec3<T>& u) {
     p.q[m][m] = T(diagonal);
     if (m < kDegree) p.q[m + 1][m] = T(diagonal * float(2 * m + 1)) * u.z;
     for (int l = m + 2; l <= kDegree; ++l)
-      p.q[l][m] = T(2 * l - 1) / T(l - m) * u.z * p.q[l - 1][m] -
-                  T(l + m - 1) / T(l - m) * p.q[l - 2][m];
+      p.q[l][m] =
+          T(2 * l - 1) / T(l - m) * u.z * p.q[l - 1][m] - T(l + m - 1) / T(l - m) * p.q[l - 2][m];
     diagonal *= float(2 * m + 1);
   }
   return p;
@@ -90,7 +90,10 @@ COSPLAT_HD Vec3<T> EvaluateBasisVjp(const Vec3<T>& u, const float* constants, co
 // Colour seen along the unit vector u: max(0, 1/2 + sum_k c_k Y_k(u)) per channel (3DGS).
 // dc[3]; rest[K-1][3] of which the first (kDegree+1)^2 - 1 are used.
 template <int kDegree, class T>
-COSPLAT_HD Vec3<T> EvaluateColor(const Vec3<T>& u, const float* constants, const T* dc, const T* rest) {
+COSPLAT_HD Vec3<T> EvaluateColor(const Vec3<T>& u,
+                                 const float* constants,
+                                 const T* dc,
+                                 const T* rest) {
   T basis[(kDegree + 1) * (kDegree + 1)];
   EvaluateBasis<kDegree>(u, constants, basis);
   T c[3];
@@ -102,7 +105,8 @@ COSPLAT_HD Vec3<T> EvaluateColor(const Vec3<T>& u, const float* constants, const
   return {c[0], c[1], c[2]};
 }
 
-// Writes d_dc[3] and the used part of d_rest; returns d_u. A channel at its floor of 0 has no gradient.
+// Writes d_dc[3] and the used part of d_rest; returns d_u. A channel at its floor of 0 has no
+// gradient.
 template <int kDegree, class T>
 COSPLAT_HD Vec3<T> EvaluateColorVjp(const Vec3<T>& u,
                                     const float* constants,

@@ -29,8 +29,15 @@ COSPLAT_HD Vec3<T> operator*(const Sym3<T>& a, const Vec3<T>& v) {
 // R S: the columns of R times the standard deviations.
 template <class T>
 COSPLAT_HD Mat3<T> ScaleColumns(const Mat3<T>& r, const Vec3<T>& s) {
-  return {{r.m[0] * s.x, r.m[1] * s.y, r.m[2] * s.z, r.m[3] * s.x, r.m[4] * s.y, r.m[5] * s.z,
-           r.m[6] * s.x, r.m[7] * s.y, r.m[8] * s.z}};
+  return {{r.m[0] * s.x,
+           r.m[1] * s.y,
+           r.m[2] * s.z,
+           r.m[3] * s.x,
+           r.m[4] * s.y,
+           r.m[5] * s.z,
+           r.m[6] * s.x,
+           r.m[7] * s.y,
+           r.m[8] * s.z}};
 }
 
 // rotation: wxyz of any norm; scale: standard deviations (> 0), world units.

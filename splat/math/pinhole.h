@@ -77,7 +77,9 @@ COSPLAT_HD ProjectionJacobian<T> JacobianAt(const Pinhole<T>& camera, const Vec3
   const T inv_z = T(1) / p.z;
   const ClampedSlope<T> sx = ClampSlope(p.x * inv_z, camera.fx, camera.cx, camera.width);
   const ClampedSlope<T> sy = ClampSlope(p.y * inv_z, camera.fy, camera.cy, camera.height);
-  return {camera.fx * inv_z, -camera.fx * sx.value * inv_z, camera.fy * inv_z,
+  return {camera.fx * inv_z,
+          -camera.fx * sx.value * inv_z,
+          camera.fy * inv_z,
           -camera.fy * sy.value * inv_z};
 }
 // The clamped coordinate has no gradient: moving further out does not change the Jacobian.
@@ -94,8 +96,8 @@ COSPLAT_HD Vec3<T> JacobianAtVjp(const Pinhole<T>& camera,
   const T d_sx = -camera.fx * inv_z * d.xz * sx.inside;
   const T d_sy = -camera.fy * inv_z * d.yz * sy.inside;
   const T d_inv_z = camera.fx * (d.x - sx.value * d.xz) + camera.fy * (d.y - sy.value * d.yz);
-  return {d_sx * inv_z, d_sy * inv_z,
-          -(d_inv_z * inv_z2) - (d_sx * slope_x + d_sy * slope_y) * inv_z};
+  return {
+      d_sx * inv_z, d_sy * inv_z, -(d_inv_z * inv_z2) - (d_sx * slope_x + d_sy * slope_y) * inv_z};
 }
 
 // Rows of J W: image axes expressed in the world.
@@ -106,8 +108,9 @@ struct ImageAxes {
 template <class T>
 COSPLAT_HD ImageAxes<T> ImageAxesAt(const Pinhole<T>& camera, const ProjectionJacobian<T>& j) {
   const Mat3<T>& w = camera.rotation;
-  return {{j.x * w.m[0] + j.xz * w.m[6], j.x * w.m[1] + j.xz * w.m[7], j.x * w.m[2] + j.xz * w.m[8]},
-          {j.y * w.m[3] + j.yz * w.m[6], j.y * w.m[4] + j.yz * w.m[7], j.y * w.m[5] + j.yz * w.m[8]}};
+  return {
+      {j.x * w.m[0] + j.xz * w.m[6], j.x * w.m[1] + j.xz * w.m[7], j.x * w.m[2] + j.xz * w.m[8]},
+      {j.y * w.m[3] + j.yz * w.m[6], j.y * w.m[4] + j.yz * w.m[7], j.y * w.m[5] + j.yz * w.m[8]}};
 }
 
 // Covariance in the image, px^2: J W Sigma W^T J^T plus a low-pass filter of kBlurVariance.

@@ -48,7 +48,8 @@ COSPLAT_HD Quat<T> NormalizeVjp(const Quat<T>& q, const Quat<T>& d) {
   const T inv = Select(ok, T(1) / Sqrt(Select(ok, n2, T(1))), T(0));
   const Quat<T> u = q * inv;
   const T s = Dot(u, d);
-  return {(d.w - u.w * s) * inv, (d.x - u.x * s) * inv, (d.y - u.y * s) * inv, (d.z - u.z * s) * inv};
+  return {
+      (d.w - u.w * s) * inv, (d.x - u.x * s) * inv, (d.y - u.y * s) * inv, (d.z - u.z * s) * inv};
 }
 
 // Hamilton product: R(a b) = R(a) R(b).
@@ -65,11 +66,8 @@ COSPLAT_HD Quat<T> Conjugate(const Quat<T>& q) {
 }
 // d_a = d conj(b), d_b = conj(a) d, for any norms (the product is bilinear).
 template <class T>
-COSPLAT_HD void MultiplyVjp(const Quat<T>& a,
-                            const Quat<T>& b,
-                            const Quat<T>& d,
-                            Quat<T>& d_a,
-                            Quat<T>& d_b) {
+COSPLAT_HD void MultiplyVjp(
+    const Quat<T>& a, const Quat<T>& b, const Quat<T>& d, Quat<T>& d_a, Quat<T>& d_b) {
   d_a = d_a + Multiply(d, Conjugate(b));
   d_b = d_b + Multiply(Conjugate(a), d);
 }
@@ -78,23 +76,28 @@ COSPLAT_HD void MultiplyVjp(const Quat<T>& a,
 template <class T>
 COSPLAT_HD Mat3<T> RotationOf(const Quat<T>& q) {
   const T two(2);
-  return {{T(1) - two * (q.y * q.y + q.z * q.z), two * (q.x * q.y - q.w * q.z),
-           two * (q.x * q.z + q.w * q.y), two * (q.x * q.y + q.w * q.z),
-           T(1) - two * (q.x * q.x + q.z * q.z), two * (q.y * q.z - q.w * q.x),
-           two * (q.x * q.z - q.w * q.y), two * (q.y * q.z + q.w * q.x),
+  return {{T(1) - two * (q.y * q.y + q.z * q.z),
+           two * (q.x * q.y - q.w * q.z),
+           two * (q.x * q.z + q.w * q.y),
+           two * (q.x * q.y + q.w * q.z),
+           T(1) - two * (q.x * q.x + q.z * q.z),
+           two * (q.y * q.z - q.w * q.x),
+           two * (q.x * q.z - q.w * q.y),
+           two * (q.y * q.z + q.w * q.x),
            T(1) - two * (q.x * q.x + q.y * q.y)}};
 }
 // d_q of RotationOf, q taken as four free numbers (chain with NormalizeVjp).
 template <class T>
 COSPLAT_HD Quat<T> RotationOfVjp(const Quat<T>& q, const Mat3<T>& d) {
   const T two(2), four(4);
-  return {two * (q.x * (d(2, 1) - d(1, 2)) + q.y * (d(0, 2) - d(2, 0)) + q.z * (d(1, 0) - d(0, 1))),
-          two * (q.y * (d(0, 1) + d(1, 0)) + q.z * (d(0, 2) + d(2, 0)) + q.w * (d(2, 1) - d(1, 2))) -
-              four * q.x * (d(1, 1) + d(2, 2)),
-          two * (q.x * (d(0, 1) + d(1, 0)) + q.z * (d(1, 2) + d(2, 1)) + q.w * (d(0, 2) - d(2, 0))) -
-              four * q.y * (d(0, 0) + d(2, 2)),
-          two * (q.x * (d(0, 2) + d(2, 0)) + q.y * (d(1, 2) + d(2, 1)) + q.w * (d(1, 0) - d(0, 1))) -
-              four * q.z * (d(0, 0) + d(1, 1))};
+  return {
+      two * (q.x * (d(2, 1) - d(1, 2)) + q.y * (d(0, 2) - d(2, 0)) + q.z * (d(1, 0) - d(0, 1))),
+      two * (q.y * (d(0, 1) + d(1, 0)) + q.z * (d(0, 2) + d(2, 0)) + q.w * (d(2, 1) - d(1, 2))) -
+          four * q.x * (d(1, 1) + d(2, 2)),
+      two * (q.x * (d(0, 1) + d(1, 0)) + q.z * (d(1, 2) + d(2, 1)) + q.w * (d(0, 2) - d(2, 0))) -
+          four * q.y * (d(0, 0) + d(2, 2)),
+      two * (q.x * (d(0, 2) + d(2, 0)) + q.y * (d(1, 2) + d(2, 1)) + q.w * (d(1, 0) - d(0, 1))) -
+          four * q.z * (d(0, 0) + d(1, 1))};
 }
 
 COSPLAT_MATH_END

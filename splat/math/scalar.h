@@ -24,8 +24,8 @@ COSPLAT_HD double Abs(double x) { return std::fabs(x); }
 
 COSPLAT_HD bool And(bool a, bool b) { return a && b; }
 
-// condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither may
-// trap or make a NaN that matters.
+// condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither
+// may trap or make a NaN that matters.
 template <class T>
 COSPLAT_HD T Select(bool condition, const T& a, const T& b) {
   return condition ? a : b;

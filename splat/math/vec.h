@@ -61,11 +61,8 @@ COSPLAT_HD Vec3<T> Cross(const Vec3<T>& a, const Vec3<T>& b) {
 }
 // d(a x b): d_a = b x d, d_b = d x a.
 template <class T>
-COSPLAT_HD void CrossVjp(const Vec3<T>& a,
-                         const Vec3<T>& b,
-                         const Vec3<T>& d,
-                         Vec3<T>& d_a,
-                         Vec3<T>& d_b) {
+COSPLAT_HD void CrossVjp(
+    const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& d, Vec3<T>& d_a, Vec3<T>& d_b) {
   d_a += Cross(b, d);
   d_b += Cross(d, a);
 }
@@ -113,8 +110,7 @@ template <class T>
 COSPLAT_HD Mat3<T> operator*(const Mat3<T>& a, const Mat3<T>& b) {
   Mat3<T> c;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      c(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
+    for (int j = 0; j < 3; ++j) c(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
   return c;
 }
 template <class T>
@@ -124,7 +120,14 @@ COSPLAT_HD Mat3<T> Transpose(const Mat3<T>& a) {
 // a b^T
 template <class T>
 COSPLAT_HD Mat3<T> Outer(const Vec3<T>& a, const Vec3<T>& b) {
-  return {{a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y,
+  return {{a.x * b.x,
+           a.x * b.y,
+           a.x * b.z,
+           a.y * b.x,
+           a.y * b.y,
+           a.y * b.z,
+           a.z * b.x,
+           a.z * b.y,
            a.z * b.z}};
 }
 

@@ -109,7 +109,7 @@ TEST(Reembed, InvertsTheEmbedding) {
     int32_t start = p.triangle;
     for (int hop = 0; hop < 6; ++hop)
       start = surface.topology().face_neighbors[start][rng.Below(3)];
-    const Embedding e = Reembed(surface, {float(x.x), float(x.y), float(x.z)}, start);
+    const EmbeddedPoint e = Reembed(surface, {float(x.x), float(x.y), float(x.z)}, start);
     EXPECT_NEAR(e.d, d, 2e-6f);
     EXPECT_LT(e.residual, 1e-6f);
     EXPECT_LT(test::Distance(Embedded(surface, e.base, e.d), x), 1e-6);
@@ -127,7 +127,7 @@ TEST(Reembed, FlameSplitsComeBackClosely) {
     Vec3<double> x = test::PointOf(mesh, p);
     const double sigma = 0.002;  // the published split size, 0.02 in fourfold units, is 5 mm
     x += Vec3<double>{sigma * rng.Normal(), sigma * rng.Normal(), sigma * rng.Normal()};
-    const Embedding e = Reembed(surface, {float(x.x), float(x.y), float(x.z)}, p.triangle);
+    const EmbeddedPoint e = Reembed(surface, {float(x.x), float(x.y), float(x.z)}, p.triangle);
     const Vec3<double> y = Embedded(surface, e.base, e.d);
     EXPECT_NEAR(test::Distance(x, y), e.residual, 2e-6);
     EXPECT_LT(e.residual, 6 * sigma);
@@ -141,7 +141,7 @@ TEST(Reembed, FlameSplitsComeBackClosely) {
 
 TEST(Reembed, BeyondTheBoundaryTheClosestPointIsTaken) {
   const Surface surface(test::SheetMesh(6));
-  const Embedding e = Reembed(surface, {1.2f, 0.5f, 0.1f}, 0);
+  const EmbeddedPoint e = Reembed(surface, {1.2f, 0.5f, 0.1f}, 0);
   EXPECT_NEAR(e.d, 0.1f, 1e-6);
   EXPECT_NEAR(e.residual, 0.2f, 1e-5);
   const Vec3<double> p = Embedded(surface, e.base, 0);
@@ -151,7 +151,7 @@ TEST(Reembed, BeyondTheBoundaryTheClosestPointIsTaken) {
 TEST(Reembed, FarAwayIsBoundedAndFinite) {
   const Surface surface(test::SphereMesh(4, 0.1f));
   for (const std::array<float, 3> x : {std::array<float, 3>{0, 0, 0}, {1e6f, 0, 0}, {0, -5, 3}}) {
-    const Embedding e = Reembed(surface, x, 3);
+    const EmbeddedPoint e = Reembed(surface, x, 3);
     EXPECT_TRUE(std::isfinite(e.d) && std::isfinite(e.residual));
     EXPECT_GT(e.base.barycentric[0], 0);
   }

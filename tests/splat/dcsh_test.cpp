@@ -1,10 +1,11 @@
 // The colour bases: against Boost-free references, against each other, and their derivatives.
+#include "splat/math/dcsh.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "splat/math/dcsh.h"
 #include "tests/support/gradient_check.h"
 
 namespace cosplat::math {
@@ -36,8 +37,8 @@ TEST(Dcsh, EqualsTheAngularFormToDegreeSix) {
     EvaluateBasis<6>(u, BasisConstants(Basis::kDcsh), basis);
     for (int l = 0; l <= 6; ++l)
       for (int m = -l; m <= l; ++m)
-        EXPECT_NEAR(basis[l * l + l + m],
-                    FromAngles(l, m, u) * (l ? std::sqrt(4 * M_PI) : 1.0), 2e-6)
+        EXPECT_NEAR(
+            basis[l * l + l + m], FromAngles(l, m, u) * (l ? std::sqrt(4 * M_PI) : 1.0), 2e-6)
             << l << ' ' << m;  // float constants: 6e-8 relative of values up to 13
   }
 }
@@ -47,15 +48,22 @@ TEST(Sh, Equals3dgsPolynomials) {
   const double x = u.x, y = u.y, z = u.z;
   double b[16];
   EvaluateBasis<3>(u, BasisConstants(Basis::kSh), b);
-  const double expected[16] = {
-      0.28209479177387814, -0.4886025119029199 * y, 0.4886025119029199 * z, -0.4886025119029199 * x,
-      1.0925484305920792 * x * y, -1.0925484305920792 * y * z,
-      0.31539156525252005 * (2 * z * z - x * x - y * y), -1.0925484305920792 * x * z,
-      0.5462742152960396 * (x * x - y * y), -0.5900435899266435 * y * (3 * x * x - y * y),
-      2.890611442640554 * x * y * z, -0.4570457994644658 * y * (4 * z * z - x * x - y * y),
-      0.3731763325901154 * z * (2 * z * z - 3 * x * x - 3 * y * y),
-      -0.4570457994644658 * x * (4 * z * z - x * x - y * y), 1.445305721320277 * z * (x * x - y * y),
-      -0.5900435899266435 * x * (x * x - 3 * y * y)};
+  const double expected[16] = {0.28209479177387814,
+                               -0.4886025119029199 * y,
+                               0.4886025119029199 * z,
+                               -0.4886025119029199 * x,
+                               1.0925484305920792 * x * y,
+                               -1.0925484305920792 * y * z,
+                               0.31539156525252005 * (2 * z * z - x * x - y * y),
+                               -1.0925484305920792 * x * z,
+                               0.5462742152960396 * (x * x - y * y),
+                               -0.5900435899266435 * y * (3 * x * x - y * y),
+                               2.890611442640554 * x * y * z,
+                               -0.4570457994644658 * y * (4 * z * z - x * x - y * y),
+                               0.3731763325901154 * z * (2 * z * z - 3 * x * x - 3 * y * y),
+                               -0.4570457994644658 * x * (4 * z * z - x * x - y * y),
+                               1.445305721320277 * z * (x * x - y * y),
+                               -0.5900435899266435 * x * (x * x - 3 * y * y)};
   for (int i = 0; i < 16; ++i) EXPECT_NEAR(b[i], expected[i], 2e-7) << i;
 }
 
@@ -76,8 +84,8 @@ TEST(Dcsh, IsN3dWithoutSigns) {
 
 TEST(Dcsh, AdditionTheoremHolds) {
   // Sum over m of N3D Y^2 is 2l+1 in every direction: no singular one.
-  for (const Vec3<double>& u : {Vec3<double>{0, 0, 1}, Vec3<double>{0, 0, -1}, Vec3<double>{0, 1, 0},
-                                RandomDirection(3)}) {
+  for (const Vec3<double>& u :
+       {Vec3<double>{0, 0, 1}, Vec3<double>{0, 0, -1}, Vec3<double>{0, 1, 0}, RandomDirection(3)}) {
     double b[49];
     EvaluateBasis<6>(u, BasisConstants(Basis::kDcsh), b);
     for (int l = 1; l <= 6; ++l) {
@@ -104,8 +112,12 @@ void CheckColorVjp(Basis basis) {
     const auto u = Normalize(v);
     const auto color = EvaluateColor<kDegree>(u, constants, x.data() + 3, x.data() + 6);
     std::vector<double> d_x(x.size());
-    const auto d_u = EvaluateColorVjp<kDegree>(u, constants, x.data() + 6, color,
-                                               Vec3<double>{d[0], d[1], d[2]}, d_x.data() + 3,
+    const auto d_u = EvaluateColorVjp<kDegree>(u,
+                                               constants,
+                                               x.data() + 6,
+                                               color,
+                                               Vec3<double>{d[0], d[1], d[2]},
+                                               d_x.data() + 3,
                                                d_x.data() + 6);
     const auto d_v = NormalizeVjp(v, d_u);
     d_x[0] = d_v.x;

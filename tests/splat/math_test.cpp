@@ -112,8 +112,11 @@ TEST(Gaussian, DegenerateInputsStayFinite) {
   for (const double scale : {0.0, 1e-20, 1e20}) {
     Quat<double> q;
     Vec3<double> s;
-    CovarianceVjp(Quat<double>{0, 0, 0, 0}, Vec3<double>{scale, scale, scale},
-                  Sym3<double>{1, 1, 1, 1, 1, 1}, q, s);
+    CovarianceVjp(Quat<double>{0, 0, 0, 0},
+                  Vec3<double>{scale, scale, scale},
+                  Sym3<double>{1, 1, 1, 1, 1, 1},
+                  q,
+                  s);
     EXPECT_TRUE(std::isfinite(q.w + q.x + q.y + q.z + s.x + s.y + s.z));
   }
 }
@@ -156,8 +159,8 @@ TEST(Pinhole, ProjectionVjp) {
     return std::vector<double>{d_x.x, d_x.y, d_x.z, d3.xx, d3.xy, d3.xz, d3.yy, d3.yz, d3.zz};
   };
   // On the image, and beyond the clamp on each side.
-  for (const std::array<double, 3>& p : {std::array<double, 3>{0.1, 0.2, 0.3}, {9, 1, 0}, {-9, 0, 1},
-                                         {0, 9, 0.5}, {1, -9, 0}})
+  for (const std::array<double, 3>& p :
+       {std::array<double, 3>{0.1, 0.2, 0.3}, {9, 1, 0}, {-9, 0, 1}, {0, 9, 0.5}, {1, -9, 0}})
     ExpectVjpMatchesDual(f, vjp, {p[0], p[1], p[2], 0.5, 0.1, -0.05, 0.4, 0.07, 0.3});
 }
 
@@ -169,7 +172,8 @@ TEST(Pinhole, ClampBoundsTheFootprintNearTheCameraPlane) {
   EXPECT_LT(std::sqrt(cov.xx), 1e3 * 120 * 1e-2 / 0.011);
   Sym3<double> d3;
   Vec3<double> d_p{0, 0, 0};
-  ProjectCovarianceVjp(c, grazing, Sym3<double>{1e-4, 0, 0, 1e-4, 0, 1e-4}, Sym2<double>{1, 1, 1}, d3, d_p);
+  ProjectCovarianceVjp(
+      c, grazing, Sym3<double>{1e-4, 0, 0, 1e-4, 0, 1e-4}, Sym2<double>{1, 1, 1}, d3, d_p);
   EXPECT_TRUE(std::isfinite(d_p.x + d_p.y + d_p.z));
   EXPECT_EQ(d_p.x, 0);  // clamped: sideways motion does not change the Jacobian
 }
@@ -185,7 +189,8 @@ std::vector<T> BlendPixel(const std::vector<T>& x) {
     BlendBehind(accept, AlphaOf(x[i + 5], Exp(power)), V(x, i + 6), state);
   }
   const T bg[3] = {T(0.2), T(0.7), T(0.4)};
-  return {state.color.x + state.transmittance * bg[0], state.color.y + state.transmittance * bg[1],
+  return {state.color.x + state.transmittance * bg[0],
+          state.color.y + state.transmittance * bg[1],
           state.color.z + state.transmittance * bg[2]};
 }
 
@@ -203,8 +208,15 @@ std::vector<double> BlendPixelVjp(const std::vector<double>& x, const std::vecto
     PowerMoments<double> m{0, 0, 0, 0, 0};
     Accumulate(d_product * x[i + 5], dx, dy, m);
     const auto center = CenterVjp(form, m);
-    const std::vector<double> g{center.x, center.y, m.xx, m.xy, m.yy, d_product,
-                                r.weight * d[0], r.weight * d[1], r.weight * d[2]};
+    const std::vector<double> g{center.x,
+                                center.y,
+                                m.xx,
+                                m.xy,
+                                m.yy,
+                                d_product,
+                                r.weight * d[0],
+                                r.weight * d[1],
+                                r.weight * d[2]};
     std::copy(g.begin(), g.end(), d_x.begin() + i);
   }
   return d_x;

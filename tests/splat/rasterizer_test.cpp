@@ -1,4 +1,6 @@
 // The CPU rasteriser: finite differences, thread counts, instruction sets, failure modes.
+#include "splat/rasterizer.h"
+
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 #include <tbb/global_control.h>
@@ -11,7 +13,6 @@
 #include "splat/math/blend.h"
 #include "splat/math/dcsh.h"
 #include "splat/math/pinhole.h"
-#include "splat/rasterizer.h"
 
 namespace cosplat {
 namespace {
@@ -62,14 +63,13 @@ Rendering Render(const Gaussians& g, const Camera& camera, bool backward = true)
   Buffer<float> d(r.image.color.size());
   for (size_t i = 0; i < d.size(); ++i) d[i] = 0.5f + 0.5f * std::sin(0.37f * float(i));
   r.gradients = g.ZerosLike();
-  rasterizer->Backward(
-      ViewOf(g), r.image, d, *tape, GradientViewOf(r.gradients, r.screen));
+  rasterizer->Backward(ViewOf(g), r.image, d, *tape, GradientViewOf(r.gradients, r.screen));
   return r;
 }
 
 // A plain double-precision renderer from the same formulas: no tiles, no lists, no SIMD.
-// `accepted`: which (pixel, splat) pairs count, recorded when empty and replayed when not. Replaying
-// makes the image smooth in everything: no splat's rim crosses a pixel.
+// `accepted`: which (pixel, splat) pairs count, recorded when empty and replayed when not.
+// Replaying makes the image smooth in everything: no splat's rim crosses a pixel.
 std::vector<double> ReferencePixels(const Gaussians& g,
                                     const Camera& camera,
                                     std::vector<bool>* accepted = nullptr) {
@@ -94,20 +94,26 @@ std::vector<double> ReferencePixels(const Gaussians& g,
     const Vec3<double> p = ToCamera(c, position);
     if (p.z <= kNearPlane) continue;
     const auto cov = ProjectCovariance(
-        c, p,
-        Covariance(Quat<double>{q[0], q[1], q[2], q[3]},
-                   Vec3<double>{std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}));
+        c,
+        p,
+        Covariance(
+            Quat<double>{q[0], q[1], q[2], q[3]},
+            Vec3<double>{std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}));
     const auto conic = Conic(cov);
     const auto xy = ProjectPoint(c, p);
     std::vector<double> dc(g.at(kColorDc, i), g.at(kColorDc, i) + 3);
     std::vector<double> rest(g.at(kColorRest, i), g.at(kColorRest, i) + g.width(kColorRest));
     const auto u = Normalize(position - Vec3<double>{center[0], center[1], center[2]});
-    splats.push_back({p.z, xy.x, xy.y, Sigmoid(double(g.at(kOpacityLogit, i)[0])),
+    splats.push_back({p.z,
+                      xy.x,
+                      xy.y,
+                      Sigmoid(double(g.at(kOpacityLogit, i)[0])),
                       {-0.5 * conic.xx, -conic.xy, -0.5 * conic.yy},
                       EvaluateColor<3>(u, BasisConstants(g.basis), dc.data(), rest.data())});
   }
-  std::stable_sort(splats.begin(), splats.end(),
-                   [](const Splat& a, const Splat& b) { return a.depth < b.depth; });
+  std::stable_sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) {
+    return a.depth < b.depth;
+  });
   const size_t plane = size_t(camera.width) * camera.height;
   std::vector<double> out(3 * plane);
   const auto bg = Settings(3).background;
@@ -119,8 +125,7 @@ std::vector<double> ReferencePixels(const Gaussians& g,
         bool accept = Accepts(power, RejectBelow(s.opacity), state.transmittance);
         if (replay) accept = (*accepted)[pair++];
         if (accepted && !replay) accepted->push_back(accept);
-        BlendBehind(accept,
-                    AlphaOf(s.opacity, Exp(power)), s.color, state);
+        BlendBehind(accept, AlphaOf(s.opacity, Exp(power)), s.color, state);
       }
       const size_t i = size_t(y) * camera.width + x;
       out[i] = state.color.x + state.transmittance * bg[0];
@@ -138,7 +143,8 @@ TEST(Rasterizer, EqualsThePlainReference) {
   int flips = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
     const double error = std::abs(r.image.color[i] - expected[i]);
-    // Inside: float against double. A splat at the edge of visibility may flip: at most one grey level.
+    // Inside: float against double. A splat at the edge of visibility may flip: at most one grey
+    // level.
     if (error > 2e-5) ++flips;
     EXPECT_LT(error, 1.5 / 255);
   }
@@ -169,7 +175,8 @@ TEST(Rasterizer, GradientsMatchFiniteDifferences) {
       g.values[a][k] = value;
       const double numeric = (up - down) / (2 * double(h)), analytic = r.gradients.values[a][k];
       // Second order in h, and float sums over 1,920 pixels.
-      EXPECT_NEAR(analytic, numeric, 1e-3 * (std::abs(numeric) + 1)) << "attribute " << a << " at " << k;
+      EXPECT_NEAR(analytic, numeric, 1e-3 * (std::abs(numeric) + 1))
+          << "attribute " << a << " at " << k;
       dot += numeric * analytic;
       norm_a += analytic * analytic;
       norm_n += numeric * numeric;
@@ -195,7 +202,8 @@ TEST(Rasterizer, BitsDoNotDependOnThreads) {
     }
     EXPECT_TRUE(SameBits(r.image.color, first.image.color)) << threads;
     for (int a = 0; a < kAttributeCount; ++a)
-      EXPECT_TRUE(SameBits(r.gradients.values[a], first.gradients.values[a])) << threads << ' ' << a;
+      EXPECT_TRUE(SameBits(r.gradients.values[a], first.gradients.values[a]))
+          << threads << ' ' << a;
   }
 }
 
@@ -225,8 +233,12 @@ TEST(Rasterizer, GrazingAndHugeSplatsStayFinite) {
   const Camera camera = TestCamera(40, 40);
   const float depth_offset = camera.translation[2];
   const float edge = std::nextafter(kNearPlane, 1.0f) - depth_offset;
-  const float positions[6][3] = {{0, 0, edge},     {50, 0, edge}, {0, 0, 1e20f},
-                                 {1e30f, 0, 1e-3f}, {0, 0, 0},     {-0.05f, 0.02f, -3.0f}};
+  const float positions[6][3] = {{0, 0, edge},
+                                 {50, 0, edge},
+                                 {0, 0, 1e20f},
+                                 {1e30f, 0, 1e-3f},
+                                 {0, 0, 0},
+                                 {-0.05f, 0.02f, -3.0f}};
   for (int i = 0; i < 6; ++i) std::memcpy(g.at(kPosition, i), positions[i], sizeof positions[i]);
   for (int k = 0; k < 3; ++k) g.at(kScaleLog, 4)[k] = 46;  // e^46 = 1e20
   const Rendering r = Render(g, camera);
@@ -289,8 +301,8 @@ TEST(Rasterizer, SurfaceFrameTurnsTheColour) {
   const Mat3<float> r = RotationOf(Normalize(Quat<float>{frame[0], frame[1], frame[2], frame[3]}));
   const auto center = camera.Center();
   const Vec3<float> turned = TransposeTimes(r, Vec3<float>{center[0], center[1], center[2]});
-  Vec3<float> color = EvaluateColor<3>(Normalize(-turned), BasisConstants(g.basis), g.at(kColorDc, 0),
-                                       g.at(kColorRest, 0));
+  Vec3<float> color = EvaluateColor<3>(
+      Normalize(-turned), BasisConstants(g.basis), g.at(kColorDc, 0), g.at(kColorRest, 0));
   rasterizer->Forward(ViewOf(g), g.basis, camera, Settings(3), plain, *tape);
   const size_t mid = 8 * 16 + 8;
   const float alpha = 1 - framed.transmittance[mid];
@@ -304,8 +316,8 @@ TEST(Rasterizer, RefusesAnEmptyImageAndAMissingBand) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   RenderedImage image;
-  EXPECT_THROW(
-      rasterizer->Forward(ViewOf(g), g.basis, TestCamera(8, 8), Settings(2), image, *tape), Error);
+  EXPECT_THROW(rasterizer->Forward(ViewOf(g), g.basis, TestCamera(8, 8), Settings(2), image, *tape),
+               Error);
 }
 
 }  // namespace
