@@ -1,1 +1,43 @@
-# placeholder until the libraries exist
+# Installs the libraries with their headers and an exported config, so that another project can
+# find_package(cosplat) and link cosplat::render or what else it needs. apps/ installs its commands.
+include(CMakePackageConfigHelpers)
+
+# Headers that are not for others, by the beginning of their path: they are not installed, and apps/
+# may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
+set(COSPLAT_PRIVATE_HEADERS
+  avatar/parallel_for.h
+  flame/io/pickle
+  flame/io/track_layouts.h
+  splat/base/image_header.h
+  splat/base/npy.h
+  splat/base/opencv_quiet.h
+  splat/cpu/
+  splat/io/colmap_model.h
+  splat/io/ply_vertices.h
+  splat/io/scene_layouts.h
+  splat/io/view_files.h
+  splat/kernels/project)
+
+# Call it when every target exists.
+function(cosplat_install)
+  get_property(libraries GLOBAL PROPERTY COSPLAT_LIBRARIES)
+  install(TARGETS ${libraries} EXPORT cosplatTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  list(JOIN COSPLAT_PRIVATE_HEADERS "|" private)
+  string(REPLACE "." "\\." private "${private}")
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame ${PROJECT_SOURCE_DIR}/avatar
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cosplat
+          FILES_MATCHING PATTERN "*.h" REGEX "/(${private})" EXCLUDE)
+
+  set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cosplat)
+  install(EXPORT cosplatTargets NAMESPACE cosplat:: DESTINATION ${config_folder})
+  configure_package_config_file(
+    ${PROJECT_SOURCE_DIR}/cmake/cosplatConfig.cmake.in ${PROJECT_BINARY_DIR}/cosplatConfig.cmake
+    INSTALL_DESTINATION ${config_folder})
+  write_basic_package_version_file(
+    ${PROJECT_BINARY_DIR}/cosplatConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES
+    ${PROJECT_BINARY_DIR}/cosplatConfig.cmake
+    ${PROJECT_BINARY_DIR}/cosplatConfigVersion.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
+    DESTINATION ${config_folder})
+endfunction()

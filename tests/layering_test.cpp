@@ -1,0 +1,205 @@
+// The table of folders in docs/design.md, enforced: who may include whom.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool StartsWith(const std::string& text, const std::string& prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
+bool StartsWithAny(const std::string& text, const std::vector<std::string>& prefixes) {
+  return std::any_of(
+      prefixes.begin(), prefixes.end(), [&](const auto& p) { return StartsWith(text, p); });
+}
+bool IsHeader(const std::string& path) { return fs::path(path).extension() == ".h"; }
+
+// By the beginning of the path, ends in '/' for folders; from cmake/CosplatInstall.cmake.
+std::vector<std::string> PrivateHeaders() {
+  std::istringstream list(COSPLAT_PRIVATE_HEADERS);
+  std::vector<std::string> prefixes;
+  for (std::string prefix; std::getline(list, prefix, ',');) prefixes.push_back(prefix);
+  return prefixes;
+}
+
+// What a folder may include of the project. The first that matches a file counts.
+struct FolderRule {
+  std::string folder;
+  std::vector<std::string> may_include;
+};
+const std::vector<FolderRule>& FolderRules() {
+  static const std::vector<FolderRule> rules = {
+      {"splat/base/", {"splat/base/"}},
+      {"splat/math/",
+       {"splat/math/", "splat/config.h", "splat/basis.h", "splat/basis_constants.h"}},
+      {"splat/", {"splat/"}},
+      {"flame/", {"flame/", "splat/base/"}},
+      {"avatar/", {"avatar/", "flame/", "splat/"}},
+      {"apps/", {"apps/", "avatar/", "flame/", "splat/"}},
+      {"tests/", {"tests/", "apps/", "avatar/", "flame/", "splat/"}},
+  };
+  return rules;
+}
+
+// Libraries that stay where they are. Tests may include any.
+struct LibraryRule {
+  std::string name;
+  std::regex include;
+  std::string folder;     // only there; empty: anywhere
+  bool in_headers;        // whether headers of that folder may include it
+  bool in_other_sources;  // whether .cpp files elsewhere may
+  bool one_file;          // in one file only
+};
+const std::vector<LibraryRule>& LibraryRules() {
+  static const std::vector<LibraryRule> rules = {
+      {"Eigen", std::regex("(unsupported/)?Eigen/.*"), "flame/", true, true, false},
+      {"OpenCV", std::regex("opencv2/.*"), "splat/base/", false, false, false},
+      {"OpenMesh", std::regex("OpenMesh/.*"), "", false, false, true},
+      {"tinygltf", std::regex("(.*/)?tiny_gltf\\.h"), "", false, false, true},
+      {"oneTBB", std::regex("(tbb|oneapi)/.*"), "", false, true, false},
+      {"Highway", std::regex("hwy/.*"), "", false, true, false},
+  };
+  return rules;
+}
+
+struct Include {
+  std::string target;
+  bool quoted;
+};
+
+std::vector<Include> IncludesOf(const std::string& text) {
+  static const std::regex directive("^[ \\t]*#[ \\t]*include[ \\t]*([<\"])([^>\"]+)[>\"]");
+  std::vector<Include> includes;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_search(line, match, directive)) includes.push_back({match[2], match[1] == "\""});
+  }
+  return includes;
+}
+
+std::string CheckFolder(const std::string& path, const Include& include) {
+  const bool project = StartsWithAny(
+      include.target, {"splat/", "flame/", "avatar/", "apps/", "tests/", "cosplat/", "../", "./"});
+  if (StartsWith(path, "splat/math/") && !project &&
+      include.target.find_first_of("/.") != std::string::npos)
+    return "formulas include nothing but the standard library";
+  if (!project) return include.quoted ? "quotes are for the project's own files" : "";
+  if (StartsWith(path, "apps/") && StartsWithAny(include.target, PrivateHeaders()))
+    return "a private header";
+  for (const FolderRule& rule : FolderRules())
+    if (StartsWith(path, rule.folder))
+      return StartsWithAny(include.target, rule.may_include) ? "" : "not below it in the table";
+  return "a folder that is not in the table";
+}
+
+std::string CheckLibrary(const std::string& path, const Include& include) {
+  if (StartsWith(path, "tests/")) return "";
+  for (const LibraryRule& rule : LibraryRules()) {
+    if (!std::regex_match(include.target, rule.include)) continue;
+    if (IsHeader(path)) {
+      const bool allowed = rule.in_headers && StartsWith(path, rule.folder);
+      if (!allowed && !StartsWithAny(path, PrivateHeaders()))
+        return rule.name + " in a header that others see";
+    }
+    if (!StartsWith(path, rule.folder) && !rule.in_other_sources)
+      return rule.name + " outside " + rule.folder;
+  }
+  return "";
+}
+
+// One line per include that breaks a rule.
+std::vector<std::string> Violations(const std::string& path, const std::string& text) {
+  std::vector<std::string> found;
+  for (const Include& include : IncludesOf(text))
+    for (const std::string& problem : {CheckFolder(path, include), CheckLibrary(path, include)})
+      if (!problem.empty()) found.push_back(path + " includes " + include.target + ": " + problem);
+  return found;
+}
+
+struct Source {
+  std::string path;  // from the project's root
+  std::string text;
+};
+
+std::vector<Source> AllSources() {
+  const fs::path root = COSPLAT_SOURCE_DIR;
+  std::vector<Source> sources;
+  for (const char* folder : {"splat", "flame", "avatar", "apps", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const fs::path extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cpp") continue;
+      std::ifstream file(entry.path());
+      std::ostringstream text;
+      text << file.rdbuf();
+      sources.push_back({fs::relative(entry.path(), root).generic_string(), text.str()});
+    }
+  return sources;
+}
+
+TEST(Layering, HoldsInEveryFile) {
+  const std::vector<Source> sources = AllSources();
+  ASSERT_GT(sources.size(), 100u);
+  for (const Source& source : sources)
+    for (const std::string& violation : Violations(source.path, source.text))
+      ADD_FAILURE() << violation;
+}
+
+TEST(Layering, MeshAndGltfLibrariesAreEachInOneFile) {
+  for (const LibraryRule& rule : LibraryRules()) {
+    if (!rule.one_file) continue;
+    std::set<std::string> files;
+    for (const Source& source : AllSources()) {
+      if (StartsWith(source.path, "tests/")) continue;
+      for (const Include& include : IncludesOf(source.text))
+        if (std::regex_match(include.target, rule.include)) files.insert(source.path);
+    }
+    EXPECT_LE(files.size(), 1u) << rule.name << " in " << testing::PrintToString(files);
+  }
+}
+
+TEST(Layering, PrivateHeadersExist) {
+  const std::vector<Source> sources = AllSources();
+  for (const std::string& prefix : PrivateHeaders())
+    EXPECT_TRUE(std::any_of(sources.begin(), sources.end(), [&](const Source& s) {
+      return IsHeader(s.path) && StartsWith(s.path, prefix);
+    })) << prefix;
+}
+
+TEST(Layering, CheckSeesWhatIsForbidden) {
+  const auto breaks = [](const std::string& path, const std::string& include) {
+    return !Violations(path, "// a file\n#include " + include + "\n").empty();
+  };
+  EXPECT_TRUE(breaks("splat/loss.cpp", "\"flame/model.h\""));
+  EXPECT_TRUE(breaks("splat/loss.cpp", "\"avatar/walk.h\""));
+  EXPECT_TRUE(breaks("splat/loss.cpp", "\"../flame/model.h\""));
+  EXPECT_TRUE(breaks("splat/loss.cpp", "\"loss.h\""));
+  EXPECT_TRUE(breaks("splat/base/files.cpp", "\"splat/gaussians.h\""));
+  EXPECT_TRUE(breaks("splat/math/vec.h", "\"splat/gaussians.h\""));
+  EXPECT_TRUE(breaks("splat/math/vec.h", "<hwy/highway.h>"));
+  EXPECT_TRUE(breaks("splat/math/vec.h", "<Eigen/Core>"));
+  EXPECT_TRUE(breaks("flame/pose.cpp", "\"splat/math/vec.h\""));
+  EXPECT_TRUE(breaks("avatar/player.cpp", "\"apps/cosplat/main.h\""));
+  EXPECT_TRUE(breaks("avatar/player.cpp", "\"tests/support/dual.h\""));
+  EXPECT_TRUE(breaks("apps/cosplat/main.cpp", "\"splat/cpu/launch.h\""));
+  EXPECT_TRUE(breaks("splat/loss.h", "<Eigen/Core>"));
+  EXPECT_TRUE(breaks("splat/loss.cpp", "<opencv2/core.hpp>"));
+  EXPECT_TRUE(breaks("splat/base/image_io.h", "<opencv2/core.hpp>"));
+  EXPECT_TRUE(breaks("avatar/surface.h", "<OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>"));
+  EXPECT_TRUE(breaks("avatar/avatar_file.h", "<tiny_gltf.h>"));
+  EXPECT_TRUE(breaks("splat/rasterizer.h", "<tbb/parallel_for.h>"));
+  EXPECT_FALSE(breaks("flame/pose.cpp", "<Eigen/Core>"));
+  EXPECT_FALSE(breaks("splat/math/vec.h", "<cmath>"));
+  EXPECT_FALSE(breaks("tests/avatar/walk_test.cpp", "\"splat/cpu/pack.h\""));
+}
+
+}  // namespace
