@@ -41,12 +41,12 @@ void WriteScene(const TemporaryFolder& folder, const ColmapFixture& fixture, int
 void WriteTextModel(const TemporaryFolder& folder, const ColmapFixture& fixture) {
   MakeDirectories(folder / "sparse");
   std::string cameras = "# comment\n7 " + fixture.model + " 160 120";
-  for (double p : fixture.params) cameras += " " + std::to_string(p);
+  for (double p : fixture.params) cameras.append(" ").append(std::to_string(p));
   std::string images = "# comment\n# another\n";
   for (int i = fixture.images - 1; i >= 0; --i) {
     images += std::to_string(i + 1);
-    for (double q : PoseOf(i % 3).quaternion) images += " " + std::to_string(q);
-    for (double t : PoseOf(i % 3).translation) images += " " + std::to_string(t);
+    for (double q : PoseOf(i % 3).quaternion) images.append(" ").append(std::to_string(q));
+    for (double t : PoseOf(i % 3).translation) images.append(" ").append(std::to_string(t));
     images += " 7 " + FixtureName(i) + "\r\n" + (i % 2 ? "" : "1.0 2.0 -1") + "\n";
   }
   WriteFileAtomically(folder / "sparse/cameras.txt", cameras + "\n");

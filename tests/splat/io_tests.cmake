@@ -1,4 +1,7 @@
 cosplat_test(data
   SOURCES
-    io_colmap_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/io_colmap_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/io_ply_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/io_real_data_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/io_transforms_test.cpp
   LIBRARIES cosplat::data cosplat::render)
