@@ -1,0 +1,93 @@
+#include "splat/io/glb.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "numbers are stored as glTF has them");
+
+int AddValues(GlbDocument& document,
+              const void* values,
+              size_t numbers,
+              const GlbAccessor& accessor) {
+  if (numbers == 0 || numbers % accessor.width != 0)
+    throw Error(document.path,
+                "accessors[" + std::to_string(document.accessors.size()) + "]",
+                "has " + std::to_string(numbers) + " numbers, expected a positive multiple of " +
+                    std::to_string(accessor.width));
+  constexpr size_t kBytes = 4;  // of both component types
+  GlbAccessor added = accessor;
+  added.count = numbers / accessor.width;
+  added.offset = document.binary.size();
+  added.stride = kBytes * accessor.width;
+  const auto* bytes = static_cast<const unsigned char*>(values);
+  document.binary.insert(document.binary.end(), bytes, bytes + kBytes * numbers);
+  document.accessors.push_back(added);
+  return int(document.accessors.size()) - 1;
+}
+
+// The accessor, if it is one of `component` and `width`.
+const GlbAccessor& Find(
+    const GlbDocument& document, int accessor, int component, int width, const std::string& field) {
+  if (accessor < 0 || size_t(accessor) >= document.accessors.size())
+    throw Error(document.path,
+                field,
+                "names accessor " + std::to_string(accessor) + " of " +
+                    std::to_string(document.accessors.size()));
+  const GlbAccessor& found = document.accessors[accessor];
+  if (found.component != component || found.width != width)
+    throw Error(document.path,
+                field,
+                "accessor " + std::to_string(accessor) + " has component type " +
+                    std::to_string(found.component) + " and " + std::to_string(found.width) +
+                    " numbers per element, expected " + std::to_string(component) + " and " +
+                    std::to_string(width));
+  return found;
+}
+
+template <class T>
+std::vector<T> Copy(const GlbDocument& document, const GlbAccessor& accessor) {
+  std::vector<T> values(accessor.count * accessor.width);
+  for (size_t i = 0; i < accessor.count; ++i)
+    std::memcpy(&values[i * accessor.width],
+                &document.binary[accessor.offset + i * accessor.stride],
+                accessor.width * sizeof(T));
+  return values;
+}
+
+}  // namespace
+
+int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use) {
+  return AddValues(document, values.data, values.size(), {kGlbFloat, width, 0, 0, 0, use});
+}
+
+int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use) {
+  return AddValues(document, values.data, values.size(), {kGlbUint32, 1, 0, 0, 0, use});
+}
+
+std::vector<float> ReadFloats(const GlbDocument& document,
+                              int accessor,
+                              int width,
+                              const std::string& field) {
+  auto values = Copy<float>(document, Find(document, accessor, kGlbFloat, width, field));
+  for (size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]))
+      throw Error(document.path,
+                  field,
+                  "element " + std::to_string(i / width) + " is not finite (" +
+                      std::to_string(values[i]) + ")");
+  return values;
+}
+
+std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
+                                   int accessor,
+                                   const std::string& field) {
+  return Copy<uint32_t>(document, Find(document, accessor, kGlbUint32, 1, field));
+}
+
+}  // namespace cosplat

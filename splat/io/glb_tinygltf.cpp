@@ -1,0 +1,202 @@
+// The one file that sees tinygltf.
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/glb.h"
+#include "splat/io/glb_check.h"
+
+namespace cosplat {
+namespace {
+
+tinygltf::Value ToValue(const Json& json) {
+  if (json.is_boolean()) return tinygltf::Value(json.get<bool>());
+  if (json.is_number_integer()) return tinygltf::Value(json.get<int>());
+  if (json.is_number()) return tinygltf::Value(json.get<double>());
+  if (json.is_string()) return tinygltf::Value(json.get<std::string>());
+  if (json.is_array()) {
+    tinygltf::Value::Array array;
+    for (const Json& element : json) array.push_back(ToValue(element));
+    return tinygltf::Value(std::move(array));
+  }
+  tinygltf::Value::Object object;
+  for (const auto& [key, value] : json.items()) object[key] = ToValue(value);
+  return tinygltf::Value(std::move(object));
+}
+
+// Smallest and largest of each component, as glTF demands of positions.
+void AddBounds(const GlbDocument& document,
+               const GlbAccessor& accessor,
+               tinygltf::Accessor& out,
+               int index) {
+  const auto values =
+      ReadFloats(document, index, accessor.width, "accessors[" + std::to_string(index) + "]");
+  out.minValues.assign(values.begin(), values.begin() + accessor.width);
+  out.maxValues = out.minValues;
+  for (size_t i = 0; i < values.size(); ++i) {
+    double &least = out.minValues[i % accessor.width], &most = out.maxValues[i % accessor.width];
+    least = std::min(least, double(values[i]));
+    most = std::max(most, double(values[i]));
+  }
+}
+
+// Each accessor has a buffer view of its own.
+void AddAccessors(const GlbDocument& document, tinygltf::Model& model) {
+  constexpr std::array<int, 5> kTypes{
+      0, TINYGLTF_TYPE_SCALAR, TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
+  for (const GlbAccessor& accessor : document.accessors) {
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = accessor.offset;
+    view.byteLength = accessor.count * accessor.stride;
+    view.target = accessor.use == GlbUse::kData      ? 0
+                  : accessor.use == GlbUse::kIndices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER
+                                                     : TINYGLTF_TARGET_ARRAY_BUFFER;
+    tinygltf::Accessor out;
+    out.bufferView = int(model.bufferViews.size());
+    out.componentType = accessor.component;
+    out.type = kTypes[accessor.width];
+    out.count = accessor.count;
+    if (accessor.use == GlbUse::kPosition)
+      AddBounds(document, accessor, out, int(model.accessors.size()));
+    model.bufferViews.push_back(std::move(view));
+    model.accessors.push_back(std::move(out));
+  }
+}
+
+tinygltf::Primitive ToTinygltf(const GlbPrimitive& primitive) {
+  tinygltf::Primitive out;
+  out.mode = primitive.mode;
+  out.attributes = primitive.attributes;
+  out.indices = primitive.indices;
+  out.targets = primitive.targets;
+  for (const auto& [name, extension] : primitive.extensions.items())
+    out.extensions[name] = ToValue(extension);
+  return out;
+}
+
+tinygltf::Model ToTinygltf(const GlbDocument& document) {
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = "CoSplat";
+  model.extensionsUsed = document.extensions_used;
+  model.buffers.resize(1);
+  model.buffers[0].data = document.binary;
+  AddAccessors(document, model);
+  for (const GlbMesh& mesh : document.meshes) {
+    tinygltf::Mesh out;
+    out.name = mesh.name;
+    for (const GlbPrimitive& primitive : mesh.primitives)
+      out.primitives.push_back(ToTinygltf(primitive));
+    if (!mesh.extras.is_null()) out.extras = ToValue(mesh.extras);
+    model.meshes.push_back(std::move(out));
+  }
+  for (const GlbScene& scene : document.scenes) {
+    tinygltf::Scene out;
+    out.name = scene.name;
+    for (int mesh : scene.meshes) {
+      out.nodes.push_back(int(model.nodes.size()));
+      model.nodes.emplace_back();
+      model.nodes.back().mesh = mesh;
+      model.nodes.back().name = document.meshes[mesh].name;
+    }
+    model.scenes.push_back(std::move(out));
+  }
+  model.defaultScene = 0;
+  return model;
+}
+
+GlbMesh FromTinygltf(const tinygltf::Mesh& mesh) {
+  GlbMesh out;
+  out.name = mesh.name;
+  for (const tinygltf::Primitive& primitive : mesh.primitives) {
+    GlbPrimitive p;
+    p.mode = primitive.mode;
+    p.attributes = primitive.attributes;
+    p.indices = primitive.indices;
+    p.targets = primitive.targets;
+    // The text, not tinygltf's values: those keep 32 bits of an integer and drop what is empty.
+    if (!primitive.extensions_json_string.empty())
+      p.extensions = Json::parse(primitive.extensions_json_string);
+    out.primitives.push_back(std::move(p));
+  }
+  return out;
+}
+
+// `model` has passed CheckGlb.
+GlbAccessor FromTinygltf(const tinygltf::Model& model, const tinygltf::Accessor& accessor) {
+  const tinygltf::BufferView& view = model.bufferViews[accessor.bufferView];
+  GlbAccessor out;
+  out.component = accessor.componentType;
+  out.width = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
+  out.count = accessor.count;
+  out.offset = view.byteOffset + accessor.byteOffset;
+  out.stride = size_t(accessor.ByteStride(view));
+  return out;
+}
+
+// Images are of no use here, and decoding them is where a glTF library is most easily hurt.
+bool IgnoreImage(
+    tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+  return true;
+}
+
+tinygltf::Model Load(const std::string& path, const std::vector<char>& bytes) {
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(IgnoreImage, nullptr);
+  loader.SetStoreOriginalJSONForExtrasAndExtensions(true);
+  tinygltf::Model model;
+  std::string error, warning;
+  if (loader.LoadBinaryFromMemory(&model,
+                                  &error,
+                                  &warning,
+                                  reinterpret_cast<const unsigned char*>(bytes.data()),
+                                  unsigned(bytes.size())))
+    return model;
+  std::replace(error.begin(), error.end(), '\n', ' ');
+  throw Error(path, "", "is not a usable glTF file: " + error);
+}
+
+}  // namespace
+
+void WriteGlb(const GlbDocument& document) {
+  // Room for the JSON, which takes some 300 bytes per accessor, is left below the limit.
+  constexpr size_t kMaxBinary = 0xFF000000;
+  if (document.binary.size() > kMaxBinary)
+    throw Error(
+        document.path,
+        "",
+        "would hold " + std::to_string(document.binary.size()) + " bytes, a .glb holds 4 GiB");
+  const tinygltf::Model model = ToTinygltf(document);
+  WriteFileAtomically(document.path, [&](std::ostream& out) {
+    constexpr bool kPretty = false, kBinary = true;
+    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, kPretty, kBinary))
+      throw Error(document.path, "", "could not be written as glTF");
+  });
+}
+
+GlbDocument ReadGlb(const std::string& path, const std::vector<std::string>& known_extensions) {
+  const std::vector<char> bytes = ReadFile(path);
+  CheckGlb(path, bytes, known_extensions);
+  try {
+    tinygltf::Model model = Load(path, bytes);
+    GlbDocument document;
+    document.path = path;
+    document.extensions_used = model.extensionsUsed;
+    for (const auto& accessor : model.accessors)
+      document.accessors.push_back(FromTinygltf(model, accessor));
+    for (const auto& mesh : model.meshes) document.meshes.push_back(FromTinygltf(mesh));
+    if (!model.buffers.empty()) document.binary = std::move(model.buffers[0].data);
+    return document;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(path, "", std::string("is not a usable glTF file: ") + error.what());
+  }
+}
+
+}  // namespace cosplat
