@@ -5,10 +5,15 @@ cosplat_library(procedural
   ${CMAKE_CURRENT_LIST_DIR}/procedural/eye_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/mesh_builder.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/procedural/motion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/mouth_mesh.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/procedural/paint_face.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/procedural/paint_hair.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/raster.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/rig.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/sculpt.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/procedural/shading.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/shapes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/procedural/video.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural_head.cpp)
 target_link_libraries(cosplat_procedural PUBLIC cosplat::flame PRIVATE TBB::tbb)
