@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <limits>
+
+#include "avatar/io/binding_extension.h"
+#include "splat/base/error.h"
+#include "splat/io/splat_primitive.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
+
+[[noreturn]] void Fail(const JsonField& field, const std::string& problem) {
+  throw Error(field.file(), field.path(), problem);
+}
+
+int IntegerWithin(const JsonField& field, int least, int most) {
+  const int value = field.Integer();
+  if (value < least || value > most)
+    Fail(field,
+         "is " + std::to_string(value) + ", expected " + std::to_string(least) + " to " +
+             std::to_string(most));
+  return value;
+}
+
+void CheckCount(const JsonField& field, size_t found, size_t expected) {
+  if (found != expected)
+    Fail(field,
+         "accessor has " + std::to_string(found) + " elements, expected " +
+             std::to_string(expected));
+}
+
+// The accessor that `field` names. expected: its number of elements, 0 for any.
+std::vector<float> Floats(const GlbDocument& document,
+                          const JsonField& field,
+                          int width,
+                          size_t expected) {
+  auto values = ReadFloats(document, field.Integer(), width, field.path());
+  if (expected > 0) CheckCount(field, values.size() / width, expected);
+  return values;
+}
+
+void FillFloats(const GlbDocument& document,
+                const JsonField& field,
+                AvatarModel& model,
+                Attribute attribute) {
+  const int width = model.gaussians.width(attribute);
+  const auto values = Floats(document, field, width, model.triangle.size());
+  model.gaussians.values[attribute].assign(values.begin(), values.end());
+}
+
+// Everything of the binding that is no array.
+void ReadHeader(const JsonField& binding, AvatarModel& model) {
+  const int version = binding["version"].Integer();
+  if (version != kBindingVersion)
+    Fail(binding["version"],
+         "is " + std::to_string(version) + ", this program reads " +
+             std::to_string(kBindingVersion));
+  model.gaussians.degree = IntegerWithin(binding["degree"], 0, kMaxTrainedDegree);
+  const std::string basis = binding["basis"].String(), frame = binding["colorFrame"].String();
+  if (basis != ToString(Basis::kDcsh) && basis != ToString(Basis::kSh))
+    Fail(binding["basis"], "is '" + basis + "', expected dcsh or sh");
+  model.gaussians.basis = BasisFromString(basis);
+  if (frame != ToString(ColorFrame::kSurface) && frame != ToString(ColorFrame::kWorld))
+    Fail(binding["colorFrame"], "is '" + frame + "', expected surface or world");
+  model.color_frame =
+      frame == ToString(ColorFrame::kWorld) ? ColorFrame::kWorld : ColorFrame::kSurface;
+  model.flame_name = binding["flame"]["name"].String();
+  model.flame_sha256 = binding["flame"]["sha256"].String();
+  const auto background = binding["background"].Numbers(3);
+  std::copy(background.begin(), background.end(), model.background.begin());
+}
+
+std::vector<int32_t> ReadTriangles(const GlbDocument& document,
+                                   const JsonField& field,
+                                   size_t face_count) {
+  const auto indices = ReadUnsigned(document, field.Integer(), field.path());
+  for (size_t i = 0; i < indices.size(); ++i)
+    if (indices[i] >= face_count)
+      Fail(field,
+           "Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) + " of " +
+               std::to_string(face_count));
+  return {indices.begin(), indices.end()};
+}
+
+void ReadColorRest(const GlbDocument& document, const JsonField& binding, AvatarModel& model) {
+  const int rest = CoefficientCount(model.gaussians.degree) - 1;
+  if (rest == 0) return;
+  const JsonField accessors = binding["colorRest"];
+  if (accessors.size() != size_t(rest))
+    Fail(
+        accessors,
+        "has " + std::to_string(accessors.size()) + " accessors, expected " + std::to_string(rest));
+  model.gaussians.values[kColorRest].resize(3 * rest * model.size());
+  for (int k = 0; k < rest; ++k) {
+    const auto values = Floats(document, accessors[k], 3, model.size());
+    for (size_t i = 0; i < model.size(); ++i)
+      std::copy_n(&values[3 * i], 3, model.gaussians.at(kColorRest, i) + 3 * k);
+  }
+}
+
+const GlbPrimitive& MeshPrimitive(const GlbDocument& document, const JsonField& field) {
+  const int index = IntegerWithin(field, 0, kMaxCount);
+  if (size_t(index) >= document.meshes.size())
+    Fail(field,
+         "names mesh " + std::to_string(index) + " of " + std::to_string(document.meshes.size()));
+  const auto& primitives = document.meshes[index].primitives;
+  if (primitives.size() != 1 || primitives[0].mode != kGlbTriangles ||
+      !primitives[0].attributes.contains("POSITION"))
+    Fail(field, "names a mesh that is not one primitive of triangles with positions");
+  return primitives[0];
+}
+
+void ReadMesh(const GlbDocument& document,
+              const JsonField& field,
+              size_t vertex_count,
+              size_t face_count,
+              CanonicalMesh& mesh) {
+  if (!field.Has("mesh")) return;
+  const JsonField index = field["mesh"];
+  const GlbPrimitive& primitive = MeshPrimitive(document, index);
+  mesh.vertices =
+      ReadFloats(document, primitive.attributes.at("POSITION"), 3, index.path() + ".POSITION");
+  const auto indices = ReadUnsigned(document, primitive.indices, index.path() + ".indices");
+  CheckCount(index, mesh.vertices.size() / 3, vertex_count);
+  CheckCount(index, indices.size(), 3 * face_count);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] >= vertex_count)
+      Fail(index,
+           "face " + std::to_string(i / 3) + " names vertex " + std::to_string(indices[i]) +
+               " of " + std::to_string(vertex_count));
+    if (i % 3 == 0) mesh.faces.emplace_back();
+    mesh.faces.back()[i % 3] = int32_t(indices[i]);
+  }
+}
+
+// Gives the binding's fields their name in errors.
+Json Named(const Json& binding) { return Json{{kBindingExtension, binding}}; }
+
+bool HasSplats(const GlbPrimitive& primitive) {
+  return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
+}
+
+}  // namespace
+
+const GlbPrimitive& FindSplats(const GlbDocument& document) {
+  const GlbPrimitive* found = nullptr;
+  for (const GlbMesh& mesh : document.meshes)
+    for (const GlbPrimitive& primitive : mesh.primitives) {
+      if (!HasSplats(primitive)) continue;
+      if (found) throw Error(document.path, kSplatExtension, "is on more than one primitive");
+      found = &primitive;
+    }
+  if (!found) throw Error(document.path, kSplatExtension, "is on no primitive: no splats here");
+  return *found;
+}
+
+Json FindBinding(const GlbPrimitive& splats) {
+  const Json& extension = splats.extensions[kSplatExtension];
+  if (!extension.is_object() || !extension.contains("extensions")) return {};
+  const Json& children = extension["extensions"];
+  return children.is_object() ? children.value(kBindingExtension, Json()) : Json();
+}
+
+AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
+  const Json named = Named(json);
+  const JsonField binding = JsonField(document.path, named)[kBindingExtension];
+  AvatarModel model;
+  ReadHeader(binding, model);
+  const JsonField mesh = binding["canonicalMesh"];
+  const size_t vertex_count = IntegerWithin(mesh["vertexCount"], 1, kMaxCount);
+  const size_t face_count = IntegerWithin(mesh["faceCount"], 1, kMaxCount);
+  ReadMesh(document, mesh, vertex_count, face_count, model.mesh);
+  model.triangle = ReadTriangles(document, binding["triangle"], face_count);
+  const size_t n = model.triangle.size();
+  const auto barycentric = Floats(document, binding["barycentric"], 2, n);
+  for (size_t i = 0; i < n; ++i)
+    model.barycentric.push_back({barycentric[2 * i], barycentric[2 * i + 1]});
+  FillFloats(document, binding["offset"], model, kPosition);
+  FillFloats(document, binding["rotation"], model, kRotation);
+  FillFloats(document, binding["scaleLog"], model, kScaleLog);
+  FillFloats(document, binding["opacityLogit"], model, kOpacityLogit);
+  FillFloats(document, binding["colorDc"], model, kColorDc);
+  ReadColorRest(document, binding, model);
+  if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
+  if (binding.Has("staticOffset"))
+    model.static_offset = Floats(document, binding["staticOffset"], 3, vertex_count);
+  return model;
+}
+
+GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& json) {
+  const AvatarModel model = ReadBinding(document, json);
+  GlbSummary::Avatar summary;
+  summary.version = kBindingVersion;
+  summary.degree = model.gaussians.degree;
+  summary.basis = model.gaussians.basis;
+  summary.color_frame = model.color_frame;
+  summary.flame_name = model.flame_name;
+  summary.flame_sha256 = model.flame_sha256;
+  summary.shape_count = model.shape.size();
+  summary.has_static_offset = !model.static_offset.empty();
+  const Json& mesh = json["canonicalMesh"];  // checked by ReadBinding
+  summary.vertex_count = mesh["vertexCount"].get<size_t>();
+  summary.face_count = mesh["faceCount"].get<size_t>();
+  summary.has_mesh = mesh.contains("mesh");
+  if (summary.has_mesh)
+    summary.expression_count =
+        document.meshes[mesh["mesh"].get<size_t>()].primitives[0].targets.size();
+  return summary;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,84 @@
+#include <algorithm>
+
+#include "avatar/io/binding_extension.h"
+#include "splat/io/splat_primitive.h"
+
+namespace cosplat {
+namespace {
+
+int AddArray(GlbDocument& document, View<const float> values, int width) {
+  return AddFloats(document, values, width, GlbUse::kData);
+}
+
+int AddTriangles(GlbDocument& document, const AvatarModel& model) {
+  const std::vector<uint32_t> indices(model.triangle.begin(), model.triangle.end());
+  return AddUnsigned(document, indices, GlbUse::kData);
+}
+
+int AddBarycentric(GlbDocument& document, const AvatarModel& model) {
+  std::vector<float> flat;
+  flat.reserve(2 * model.size());
+  for (const auto& [u, v] : model.barycentric) flat.insert(flat.end(), {u, v});
+  return AddArray(document, flat, 2);
+}
+
+// Coefficient k >= 1 of every Gaussian. glTF has no accessor wide enough for all of them.
+int AddCoefficient(GlbDocument& document, const AvatarModel& model, int k) {
+  std::vector<float> values(3 * model.size());
+  for (size_t i = 0; i < model.size(); ++i)
+    std::copy_n(model.gaussians.at(kColorRest, i) + 3 * (k - 1), 3, &values[3 * i]);
+  return AddArray(document, values, 3);
+}
+
+Json AddColor(GlbDocument& document, const AvatarModel& model, const GlbPrimitive& splats) {
+  Json accessors = Json::array();
+  for (int k = 1; k < CoefficientCount(model.gaussians.degree); ++k) {
+    const auto standard = splats.attributes.find(SplatCoefficientName(k));
+    const bool same = model.gaussians.basis == Basis::kSh && standard != splats.attributes.end();
+    accessors.push_back(same ? standard->second : AddCoefficient(document, model, k));
+  }
+  return accessors;
+}
+
+// A file's name may be any bytes; JSON takes UTF-8 only.
+std::string Utf8(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+std::string ToString(ColorFrame frame) {
+  return frame == ColorFrame::kSurface ? "surface" : "world";
+}
+
+Json AddBinding(GlbDocument& document,
+                const AvatarModel& model,
+                const GlbPrimitive& splats,
+                int mesh) {
+  const auto& values = model.gaussians.values;
+  Json binding;
+  binding["version"] = kBindingVersion;
+  binding["degree"] = model.gaussians.degree;
+  binding["basis"] = ToString(model.gaussians.basis);
+  binding["colorFrame"] = ToString(model.color_frame);
+  binding["triangle"] = AddTriangles(document, model);
+  binding["barycentric"] = AddBarycentric(document, model);
+  binding["offset"] = AddArray(document, values[kPosition], 3);
+  binding["rotation"] = AddArray(document, values[kRotation], 4);
+  binding["scaleLog"] = AddArray(document, values[kScaleLog], 3);
+  binding["opacityLogit"] = AddArray(document, values[kOpacityLogit], 1);
+  binding["colorDc"] = splats.attributes.at(SplatCoefficientName(0));
+  if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
+  binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
+  if (!model.shape.empty()) binding["shape"] = AddArray(document, model.shape, 1);
+  if (!model.static_offset.empty())
+    binding["staticOffset"] = AddArray(document, model.static_offset, 3);
+  binding["background"] = Json::array();
+  for (float channel : model.background) binding["background"].push_back(double(channel));
+  binding["canonicalMesh"] = {{"vertexCount", model.mesh.vertices.size() / 3},
+                              {"faceCount", model.mesh.faces.size()}};
+  if (mesh >= 0) binding["canonicalMesh"]["mesh"] = mesh;
+  return binding;
+}
+
+}  // namespace cosplat
