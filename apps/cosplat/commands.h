@@ -6,6 +6,7 @@
 
 namespace cosplat {
 
+void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
 
 }  // namespace cosplat

@@ -31,6 +31,7 @@ int Run(int argc, char** argv) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                     threads);
   });
+  cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,229 @@
+#include "avatar/trainer.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/player.h"
+#include "avatar/sample.h"
+#include "splat/base/error.h"
+#include "splat/math/adam.h"
+
+namespace cosplat {
+namespace {
+
+// SplattingAvatar, in units of a FLAME mesh enlarged four times.
+constexpr float kSplitScale = 0.02f;
+constexpr float kMaxScale = 0.2f;
+constexpr float kNeedleScale = 0.008f;
+constexpr float kInitialOpacity = 0.1f;
+
+template <class F>
+void ForEachNumber(FlamePoser<float>::Frame& a, const F& f) {
+  for (size_t k = 0; k < a.expression.size(); ++k) f(0, k, a.expression[k]);
+  for (size_t j = 0; j < a.pose.size(); ++j)
+    for (size_t k = 0; k < 3; ++k) f(1, 3 * j + k, a.pose[j][k]);
+  for (size_t k = 0; k < 3; ++k) f(2, k, a.translation[k]);
+}
+
+float* NumberOf(FlamePoser<float>::Frame& a, int group, size_t k) {
+  if (group == 0) return &a.expression[k];
+  return group == 1 ? &a.pose[k / 3][k % 3] : &a.translation[k];
+}
+
+}  // namespace
+
+void ScaleToMesh(const CanonicalMesh& mesh, TrainSettings& settings) {
+  const float unit = MeshUnit(mesh);
+  settings.density.split_scale = kSplitScale * unit;
+  settings.density.max_scale = kMaxScale * unit;
+  settings.scale_regularizer.limit = kNeedleScale * unit;
+}
+
+AvatarSubject::AvatarSubject(const FlameModel& flame,
+                             TrackedVideo video,
+                             const AvatarSettings& settings)
+    : flame_(flame),
+      video_(std::move(video)),
+      settings_(settings),
+      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset)),
+      poser_(flame, video_.shape, video_.static_offset),
+      surface_(mesh_),
+      unit_(MeshUnit(mesh_)) {
+  for (size_t f = 0; f < mesh_.faces.size(); ++f)
+    inverse_edge_.push_back(float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12))));
+  LoadFrames();
+}
+
+AvatarSubject::~AvatarSubject() = default;
+
+void AvatarSubject::LoadFrames() {
+  std::vector<Image8> images(video_.train.size());
+  std::vector<std::string> problems(video_.train.size());
+  const auto load = [&](size_t i) {
+    try {
+      images[i] = LoadTrackedImage(video_, video_.train[i]);
+    } catch (const Error& e) {
+      problems[i] = e.what();
+    }
+  };
+  if (video_.video) {  // a video file is decoded in order
+    for (size_t i = 0; i < images.size(); ++i) load(i);
+  } else {
+    tbb::parallel_for(size_t(0), images.size(), load);
+  }
+  std::vector<TrackedFrame> usable;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const TrackedFrame& frame = video_.train[i];
+    if (!problems[i].empty()) {
+      video_.skipped.push_back({frame.name, problems[i]});
+      continue;
+    }
+    frames_.push_back({frame.camera, std::move(images[i])});
+    RefinedFrame refined;
+    refined.params = FrameFor(flame_, frame.params);
+    refined.params.expression.resize(flame_.expression_count, 0.0f);
+    refined.m.expression.resize(flame_.expression_count, 0.0f);
+    refined.v.expression.resize(flame_.expression_count, 0.0f);
+    params_.push_back(std::move(refined));
+    usable.push_back(frame);
+  }
+  CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
+  video_.train = std::move(usable);
+}
+
+Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed) {
+  Rng rng{seed};
+  Gaussians g;
+  g.degree = degree;
+  g.basis = basis;
+  g.Resize(settings_.initial_gaussians);
+  embedding_ = {};
+  for (const SurfacePoint& p : SampleSurface(mesh_, g.size(), rng)) {
+    embedding_.triangle.push_back(p.triangle);
+    embedding_.barycentric.push_back(p.barycentric);
+  }
+  first_triangle_ = embedding_.triangle;
+  // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
+  const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
+  for (size_t i = 0; i < g.size(); ++i) {
+    g.at(kRotation, i)[0] = 1;
+    g.at(kOpacityLogit, i)[0] = std::log(kInitialOpacity / (1 - kInitialOpacity));
+    for (int k = 0; k < 3; ++k) g.at(kScaleLog, i)[k] = std::log(spacing);
+  }
+  return g;
+}
+
+AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
+  AvatarModel model;
+  static_cast<Embedding&>(model) = embedding_;
+  model.mesh = mesh_;
+  model.gaussians = gaussians;
+  model.color_frame = settings_.color_frame;
+  model.flame_name = flame_.name;
+  model.flame_sha256 = flame_.sha256;
+  model.shape = video_.shape;
+  model.static_offset = video_.static_offset;
+  return model;
+}
+
+double AvatarSubject::WalkedShare() const {
+  size_t walked = 0;
+  for (size_t i = 0; i < first_triangle_.size(); ++i)
+    walked += embedding_.triangle[i] != first_triangle_[i];
+  return first_triangle_.empty() ? 0 : double(walked) / double(first_triangle_.size());
+}
+
+std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
+  std::vector<FlameParams> track;
+  for (const RefinedFrame& frame : params_) {
+    FlameParams p;
+    p.expression = frame.params.expression;
+    p.pose = frame.params.pose;
+    p.translation = frame.params.translation;
+    track.push_back(p);
+  }
+  return track;
+}
+
+void AvatarSubject::PoseFrame(size_t i) {
+  poser_.Forward(params_[i].params, vertices_);
+  surface_.Pose(vertices_);
+}
+
+WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
+  current_ = i;
+  PoseFrame(i);
+  Bind(gaussians, embedding_, surface_, posed_);
+  return PosedView(gaussians, posed_, settings_.color_frame);
+}
+
+WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) {
+  d_posed_.Resize(gradients.size());
+  WorldGradients view = GradientViewOf(gradients, screen);
+  view.position = d_posed_.position.data();
+  view.rotation = d_posed_.rotation.data();
+  view.scale_log = d_posed_.scale_log.data();
+  if (settings_.color_frame == ColorFrame::kSurface) {
+    view.color_frame = d_posed_.frame.data();
+  } else {
+    d_posed_.frame.clear();
+  }
+  return view;
+}
+
+void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
+  BindBackward(gaussians,
+               embedding_,
+               surface_,
+               d_posed_,
+               gradients,
+               settings_.refine_track ? &d_vertices_ : nullptr);
+  if (settings_.refine_track) RefineFrame(d_vertices_);
+}
+
+// One Adam step on the current frame's own parameters.
+void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
+  RefinedFrame& frame = params_[current_];
+  Frame gradient = poser_.Backward(frame.params, d_vertices);
+  gradient.expression.resize(frame.params.expression.size(), 0.0f);
+  const float rates[3] = {
+      settings_.expression_rate, settings_.pose_rate, settings_.translation_rate};
+  ++frame.step;
+  math::AdamStep step;
+  const double c1 = 1 - std::pow(double(step.beta1), double(frame.step));
+  const double c2 = std::sqrt(1 - std::pow(double(step.beta2), double(frame.step)));
+  constexpr double kEps = 1e-15;
+  step.scaled_eps = float(kEps * c2);
+  ForEachNumber(gradient, [&](int group, size_t k, float g) {
+    step.step_size = float(rates[group] * c2 / c1);
+    math::AdamUpdate(step,
+                     std::isfinite(g) ? g : 0.0f,
+                     *NumberOf(frame.params, group, k),
+                     *NumberOf(frame.m, group, k),
+                     *NumberOf(frame.v, group, k));
+  });
+}
+
+// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long.
+View<const float> AvatarSubject::PositionRateScale() {
+  rate_scale_.resize(3 * embedding_.triangle.size());
+  for (size_t i = 0; i < embedding_.triangle.size(); ++i) {
+    const float scale = inverse_edge_[embedding_.triangle[i]];
+    rate_scale_[3 * i] = rate_scale_[3 * i + 1] = scale;
+    rate_scale_[3 * i + 2] = 1;
+  }
+  return rate_scale_;
+}
+
+void AvatarSubject::AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
+  if (iteration % settings_.walk_every != 0) return;
+  const WalkReport report = WalkAll(gaussians, embedding_, surface_);
+  for (const auto* list : {&report.crossed, &report.stopped_at_boundary, &report.invalid})
+    for (const uint32_t i : *list)
+      for (Gaussians* moments : {&adam.m, &adam.v})
+        moments->at(kPosition, i)[0] = moments->at(kPosition, i)[1] = 0;
+}
+
+}  // namespace cosplat

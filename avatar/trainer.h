@@ -1,0 +1,104 @@
+// Head avatars in the training loop of splat/trainer.h.
+//
+// TrackedVideo frame -> FlamePoser -> Surface -> Bind -> rasteriser -> loss -> BindBackward -> Adam;
+// with --refine-track on to the frame's pose, translation and expression. Every so often Gaussians
+// walk on the triangles, and density control re-embeds what it splits.
+// Source: Shao et al. 2024 (SplattingAvatar).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "avatar/avatar_model.h"
+#include "avatar/binding.h"
+#include "avatar/surface.h"
+#include "avatar/walk.h"
+#include "flame/model.h"
+#include "flame/pose.h"
+#include "flame/track.h"
+#include "splat/trainer.h"
+
+namespace cosplat {
+
+struct AvatarSettings {
+  size_t initial_gaussians = 10000;  // SplattingAvatar
+  ColorFrame color_frame = ColorFrame::kSurface;
+  int walk_every = 100;  // steps (SplattingAvatar)
+  bool refine_track = false;
+  // GaussianAvatars' rates for the track.
+  float pose_rate = 1e-5f;         // radians per step
+  float translation_rate = 1e-6f;  // metres per step
+  float expression_rate = 1e-3f;
+};
+
+// SplattingAvatar's and 3DGS's settings with every length scaled to this subject's mesh:
+// clone/split boundary 0.02, largest scale 0.2, needles from 0.008, in units of a 4x FLAME mesh.
+void ScaleToMesh(const CanonicalMesh& mesh, TrainSettings& settings);
+
+class AvatarSubject : public Subject {
+ public:
+  // Loads every training picture. Frames whose picture cannot be used are added to `video.skipped`;
+  // more than a third of all frames is an Error. Keeps a reference to `flame`.
+  AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);
+  ~AvatarSubject() override;
+
+  // Area-weighted, isotropic, grey, opacity 0.1.
+  Gaussians InitialGaussians(int degree, Basis basis, uint64_t seed);
+
+  // The avatar as it stands, with the trainer's Gaussians.
+  AvatarModel Model(const Gaussians& gaussians) const;
+  const TrackedVideo& video() const { return video_; }
+  const Surface& surface() const { return surface_; }
+  // Share of the Gaussians that are now on another triangle than they (or their parents) began on.
+  double WalkedShare() const;
+  // Training frames' parameters as refined so far (equal to the track's without --refine-track).
+  std::vector<FlameParams> RefinedTrack() const;
+
+  size_t frame_count() const override { return frames_.size(); }
+  const TrainFrame& frame(size_t i) const override { return frames_[i]; }
+  float extent() const override { return unit_; }
+  WorldGaussians Place(const Gaussians& gaussians, size_t i) override;
+  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override;
+  void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) override;
+  View<const float> PositionRateScale() override;
+  void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) override;
+
+  void Gather(const std::vector<uint32_t>& source) override;
+  void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) override;
+  std::vector<int32_t> Groups() const override { return embedding_.triangle; }
+  void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) override;
+
+ private:
+  using Frame = FlamePoser<float>::Frame;
+  struct RefinedFrame {
+    Frame params, m, v;
+    int64_t step = 0;
+  };
+
+  void LoadFrames();
+  void PoseFrame(size_t i);
+  void RefineFrame(const std::vector<float>& d_vertices);
+  std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
+
+  const FlameModel& flame_;
+  TrackedVideo video_;
+  AvatarSettings settings_;
+  CanonicalMesh mesh_;
+  FlamePoser<float> poser_;
+  Surface surface_;
+  float unit_ = 1;  // metres per unit of a 4x FLAME mesh, for this subject
+  std::vector<float> inverse_edge_;  // [F] 1 / sqrt(2 A): barycentric units per metre
+  std::vector<TrainFrame> frames_;
+  std::vector<RefinedFrame> params_;  // [frames]
+  size_t current_ = 0;
+
+  Embedding embedding_;
+  std::vector<int32_t> first_triangle_;  // [N] where it, or its first ancestor, began
+  // Scratch, kept between steps.
+  std::vector<float> vertices_, d_vertices_;
+  PosedGaussians posed_, d_posed_;
+  Buffer<float> rate_scale_;
+};
+
+}  // namespace cosplat
