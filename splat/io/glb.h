@@ -83,5 +83,9 @@ void WriteGlb(const GlbDocument& document);
 // Reads nothing but this file: a URI, within or beside it, is an Error. So is everything that
 // CheckGlb finds, and an extension that the file requires and `known_extensions` lacks.
 GlbDocument ReadGlb(const std::string& path, const std::vector<std::string>& known_extensions);
+// The same of a file's bytes; `path` is for errors.
+GlbDocument ParseGlb(const std::string& path,
+                     const std::vector<char>& bytes,
+                     const std::vector<std::string>& known_extensions);
 
 }  // namespace cosplat

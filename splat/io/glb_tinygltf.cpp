@@ -180,7 +180,12 @@ void WriteGlb(const GlbDocument& document) {
 }
 
 GlbDocument ReadGlb(const std::string& path, const std::vector<std::string>& known_extensions) {
-  const std::vector<char> bytes = ReadFile(path);
+  return ParseGlb(path, ReadFile(path), known_extensions);
+}
+
+GlbDocument ParseGlb(const std::string& path,
+                     const std::vector<char>& bytes,
+                     const std::vector<std::string>& known_extensions) {
   CheckGlb(path, bytes, known_extensions);
   try {
     tinygltf::Model model = Load(path, bytes);
