@@ -9,33 +9,48 @@ namespace {
 
 // The plane of the left ear: `back` runs towards the back of the head and away from it.
 struct EarFrame {
-  Vec center{0.0775f, 0.0135f, -0.0270f};
-  Vec up = Normalized(Vec{0.05f, 0.97f, -0.24f});
-  Vec back = Normalized(Vec{0.42f, -0.22f, -0.88f});
+  Vec up = Normalized(Vec{0.06f, 0.97f, -0.24f});
+  Vec back = Normalized(Vec{0.40f, -0.20f, -0.90f});
   Vec out = Normalized(Cross(up, -back));
+  Vec center = ProjectToHead({0.085f, 0.0120f, -0.0260f}) + 0.0045f * out;
 };
 
-// Outline of the ear in its plane, metres, by the angle from `back` towards `up`.
+// Outline of the ear in its plane, metres, by the angle from `back` towards `up`: broad above, with
+// a narrow lobe below.
 Vec Outline(const EarFrame& f, float angle, float share) {
   const float c = std::cos(angle), s = std::sin(angle);
-  const float width = (0.0172f + 0.0022f * s) * (c < 0 ? 0.85f : 1.0f);
-  const float height = s > 0 ? 0.0300f : 0.0330f - 0.0030f * std::abs(c);
-  return share * (width * c * f.back + height * s * f.up);
+  const float width = (c < 0 ? 0.0140f : 0.0178f) * (1 + 0.14f * s - 0.10f * s * s);
+  const float height = s > 0 ? 0.0305f : 0.0320f;
+  const float lean = s < 0 ? -0.0045f * s * s : 0.0f;  // the lobe hangs forward
+  return share * ((width * c + lean) * f.back + height * s * f.up);
 }
 
+// A ring's share of the outline and height above the ear's plane, metres, at three places.
 struct RingShape {
-  float share_back, share_front;    // of the outline, on the free and on the attached side
-  float height_back, height_front;  // above the ear's plane
+  float share_back, height_back;    // free edge: helix, scapha, antihelix, concha
+  float share_front, height_front;  // attached edge and tragus
+  float share_lobe, height_lobe;
 };
 constexpr RingShape kRings[] = {
-    {0.86f, 0.98f, -0.0060f, -0.0010f},  // behind the rim
-    {1.00f, 1.00f, -0.0012f, 0.0004f},   // rim
-    {0.95f, 0.93f, 0.0018f, 0.0010f},    // top of the helix
-    {0.82f, 0.80f, 0.0010f, 0.0004f},
-    {0.72f, 0.68f, -0.0024f, -0.0004f},  // scapha
-    {0.56f, 0.52f, 0.0006f, 0.0010f},    // antihelix, tragus
-    {0.38f, 0.36f, -0.0040f, -0.0030f},  // concha
+    {0.84f, -0.0060f, 1.00f, 0.0002f, 0.90f, -0.0030f},
+    {1.00f, -0.0012f, 0.98f, 0.0006f, 1.00f, -0.0004f},
+    {0.97f, 0.0018f, 0.94f, 0.0010f, 0.96f, 0.0014f},
+    {0.87f, 0.0014f, 0.86f, 0.0014f, 0.88f, 0.0020f},
+    {0.77f, -0.0018f, 0.74f, 0.0012f, 0.76f, 0.0016f},
+    {0.58f, 0.0012f, 0.58f, -0.0018f, 0.60f, 0.0008f},
+    {0.38f, -0.0045f, 0.36f, -0.0050f, 0.38f, -0.0030f},
 };
+
+struct Placed {
+  float share, height;
+};
+Placed Place(const RingShape& r, float angle) {
+  const float free_side = SmoothStep(-0.75f, 0.25f, std::cos(angle));
+  const float lobe = SmoothStep(0.45f, 0.95f, -std::sin(angle));
+  const float share = Mix(r.share_front, r.share_back, free_side);
+  const float height = Mix(r.height_front, r.height_back, free_side);
+  return {Mix(share, r.share_lobe, lobe), Mix(height, r.height_lobe, lobe)};
+}
 
 }  // namespace
 
@@ -60,20 +75,20 @@ void AddEar(MeshBuilder& builder, const std::vector<int>& loop, bool left) {
   };
   std::vector<int> ring(n), previous = loop;
   for (size_t k = 0; k < n; ++k) {
-    const float a = angle_of(k), free_side = SmoothStep(-0.5f, 0.7f, std::cos(a));
-    const float share = 1.02f + free_side * (0.58f - 1.02f);
+    const float a = angle_of(k), free_side = SmoothStep(-0.75f, 0.6f, std::cos(a));
+    const float lobe = SmoothStep(0.45f, 0.95f, -std::sin(a));
+    const float share = Mix(Mix(1.02f, 0.62f, free_side), 0.74f, lobe);
     const Vec root = ProjectToHead(at(a, share, -0.006f * free_side));
     ring[k] = builder.AddVertex(mirrored(root), label(0), false);
   }
   builder.JoinLoops(previous, ring);
   previous = ring;
   for (int r = 0; r < 7; ++r) {
-    const RingShape& s = kRings[r];
     for (size_t k = 0; k < n; ++k) {
-      const float a = angle_of(k), free_side = SmoothStep(-0.6f, 0.5f, std::cos(a));
-      const float share = s.share_front + free_side * (s.share_back - s.share_front);
-      const float height = s.height_front + free_side * (s.height_back - s.height_front);
-      ring[k] = builder.AddVertex(mirrored(at(a, share, height)), label(r + 1), false);
+      const float a = angle_of(k);
+      const Placed placed = Place(kRings[r], a);
+      ring[k] =
+          builder.AddVertex(mirrored(at(a, placed.share, placed.height)), label(r + 1), false);
     }
     builder.JoinLoops(previous, ring);
     previous = ring;

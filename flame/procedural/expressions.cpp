@@ -25,8 +25,6 @@ Site SiteOf(const HeadMesh& mesh, int v) {
   return s;
 }
 
-float Ball(const Vec& p, const Vec& center, float width) { return Bell(Length(p - center), width); }
-
 // 1 within the lips' length, falling off above and below: for fields that move the mouth.
 float AtMouth(const Site& s, float half_width, float height) {
   return s.lip * Bell(s.p.x, half_width) * Bell(s.p.y - kMouthY, height) *
@@ -95,7 +93,7 @@ Vec BrowKnit(const Site& s) {
 Vec TurnLid(const Site& s, bool left, float degrees) {
   static constexpr float kFollow[] = {0, 0.22f, 0.62f, 0.84f, 0.5f, 0.2f, 0, 0};
   const int ring = s.l.lid_ring;
-  const float follow = ring > 0     ? std::array<float, 4>{0, 0.70f, 0.30f, 0.06f}[ring]
+  const float follow = ring > 0     ? std::array<float, 4>{0, 0.62f, 0.16f, 0.0f}[ring]
                        : ring >= -1 ? 1.0f
                                     : kFollow[std::min(1 - ring, 7)];
   const EyeAngles a = AnglesAroundEye(left, s.p);

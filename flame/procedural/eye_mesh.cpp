@@ -42,7 +42,9 @@ float LidElevation(const LidParameter& p) {
 }  // namespace
 
 float LidAzimuth(float along) { return -3 + 65 * along; }
-float UpperLidElevation(float along) { return CornerElevation(along) + 22 * Almond(along, 0.10f); }
+float UpperLidElevation(float along) {
+  return CornerElevation(along) + 20.5f * Almond(along, 0.10f);
+}
 float LowerLidElevation(float along) { return CornerElevation(along) - 17 * Almond(along, -0.08f); }
 float ClosedLidElevation(float along) { return CornerElevation(along) - 12.5f * Almond(along, 0); }
 

@@ -70,15 +70,26 @@ RowRay FrontRay(float row) {
   static constexpr Key kY[] = {{0, .055f},
                                {6, .0600f},
                                {14, .008f},
-                               {21, -.0205f},
+                               {16, .010f},
+                               {21, .010f},
                                {29, -.062f},
                                {32, -.060f},
                                {37, -.055f},
                                {38, -.098f},
                                {44, -.135f},
                                {47, kBustBottom}};
-  static constexpr Key kElevation[] = {
-      {0, 50}, {6, 0}, {29, 0}, {32, -20}, {37, -88}, {38, 0}, {47, 0}};
+  // Rows 16 to 21 come from below, to see the underside of the nose.
+  static constexpr Key kElevation[] = {{0, 50},
+                                       {6, 0},
+                                       {14, 0},
+                                       {16, -4.5f},
+                                       {18, -9.7f},
+                                       {21, -17.4f},
+                                       {29, 0},
+                                       {32, -20},
+                                       {37, -88},
+                                       {38, 0},
+                                       {47, 0}};
   static constexpr Key kZ[] = {
       {0, kAxisZ}, {29, kAxisZ}, {32, -.002f}, {37, -.002f}, {38, -.045f}, {47, -.050f}};
   return {Lookup(kY, row), Lookup(kElevation, row) * kDegree, Lookup(kZ, row)};

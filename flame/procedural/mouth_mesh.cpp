@@ -25,7 +25,7 @@ LipParameter ParameterOf(size_t k, size_t n) {
 // The line in which the closed lips meet.
 float LineHeight(float t) {
   const float a = std::abs(t);
-  return kMouthY - 0.0011f * Bell(t, 0.20f) + 0.0006f * Bell(a - 0.5f, 0.25f) - 0.0006f * a * a * a;
+  return kMouthY - 0.0011f * Bell(t, 0.20f) + 0.0006f * Bell(a - 0.5f, 0.25f) + 0.0007f * a * a * a;
 }
 // Heights of the red of the lips.
 float UpperHeight(float t) {
@@ -69,7 +69,7 @@ Vec LipPosition(int ring, float t, float upper) {
 
 Vec InsidePosition(int ring, float t, float upper) {
   const float line = LineHeight(t);
-  const float open = std::abs(upper) * std::pow(std::max(1 - t * t, 0.0f), 0.5f);
+  const float open = std::abs(upper) * std::pow(std::max(1 - t * t, 0.0f), 0.3f);
   const bool up = upper >= 0;
   const Vec lip = LipPosition(kLipBack, t, upper);
   const float back = up ? 0 : 0.0028f;  // the lower teeth stand behind the upper

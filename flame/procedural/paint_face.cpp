@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/procedural/eye_mesh.h"
 #include "flame/procedural/noise.h"
 #include "flame/procedural/paint.h"
 
@@ -9,11 +10,6 @@ namespace {
 
 constexpr Vec kSkin{0.600f, 0.345f, 0.240f};
 constexpr Vec kLip{0.430f, 0.150f, 0.125f};
-
-float Ball(const Vec& p, const Vec& center, float width) {
-  const Vec d = p - center;
-  return std::exp(-Dot(d, d) / (width * width));
-}
 
 // Blood under the skin: cheeks, nose, ears, chin, and around the nostrils.
 float Redness(const Vec& m, float ear) {
@@ -60,8 +56,20 @@ void PaintLips(const PaintSite& s, Material& m) {
   m.shininess = Mix(m.shininess, 42, lip);
 }
 
+// The fold above the upper lid, at a smooth height over its edge.
+float Crease(const Vec& p) {
+  const EyeAngles a = AnglesAroundEye(p.x > 0, p);
+  const float along = (a.azimuth + 3) / 72;
+  if (std::abs(along) >= 1 || a.radius > 0.03f) return 0;
+  const float over = 1 - along * along;
+  const float fold = UpperLidElevation(along) + 5 + 15 * std::sqrt(over);
+  return Bell(a.elevation - fold, 3.4f) * SmoothStep(0.15f, 0.7f, over) *
+         SmoothStep(-0.75f, -0.2f, along);
+}
+
 void PaintLids(const PaintSite& s, Material& m) {
-  if (s.lid >= 3.5f) return;
+  if (s.lid >= 3.9f) return;
+  m.albedo = m.albedo * (1 - 0.36f * Crease(s.rest));
   const float near = SmoothStep(3.2f, 0.6f, s.lid);
   m.albedo = Mix(m.albedo, m.albedo * Vec{0.86f, 0.74f, 0.74f}, near);
   const float streak = Noise2(s.along * 30, 0, 0, s.upper > 0 ? 8 : 9);
@@ -70,8 +78,6 @@ void PaintLids(const PaintSite& s, Material& m) {
     const float reach = 0.16f + 0.30f * streak * corner;
     const float lash = SmoothStep(reach, reach - 0.22f, s.lid) * SmoothStep(-0.95f, -0.5f, s.lid);
     m.albedo = Mix(m.albedo, Vec{0.018f, 0.012f, 0.010f}, 0.92f * lash);
-    const float crease = Bell(s.lid - 1.18f, 0.22f) * (1 - s.along * s.along);
-    m.albedo = m.albedo * (1 - 0.45f * crease);
   } else if (s.upper < 0) {
     const float reach = 0.02f + 0.26f * streak;
     const float lash = SmoothStep(reach, reach - 0.2f, s.lid) * SmoothStep(-0.55f, -0.2f, s.lid);
@@ -97,19 +103,20 @@ void PaintFace(const PaintSite& s, Material& m) {
   m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.99f, 0.72f, 0.70f}, red);
   const float under_eye = Ball(mirror, {0.0300f, 0.0140f, 0.0530f}, 0.0100f);
   m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.84f, 0.76f, 0.80f}, under_eye);
-  m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.66f, 0.54f, 0.44f}, Freckles(p, mirror));
+  m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.74f, 0.63f, 0.54f}, Freckles(p, mirror));
   const float beard = Beard(p, mirror, s.mouth);
   if (beard > 0) {
-    const float dots = SmoothStep(0.45f, 0.85f, Noise(p * 1250 + Vec{31, 0, 9}));
+    const Vec turned{p.x + 0.6f * p.y, p.y - 0.6f * p.z, p.z + 0.6f * p.x};
+    const float dots = SmoothStep(0.30f, 0.95f, Noise(turned * 640));
     m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.78f, 0.80f, 0.86f}, beard);
-    m.albedo = m.albedo * (1 - 0.38f * beard * dots);
+    m.albedo = m.albedo * (1 - 0.24f * beard * dots);
   }
   const float nostril = Ball(mirror, {0.0068f, -0.0195f, 0.0700f}, 0.0046f);
   m.albedo = m.albedo * (1 - 0.93f * SmoothStep(0.30f, 0.75f, nostril));
   const float oily = Ball(p, {0, 0.078f, 0.060f}, 0.035f) + Ball(p, {0, 0.006f, 0.078f}, 0.022f) +
                      0.7f * Ball(mirror, {0.040f, 0.008f, 0.045f}, 0.018f);
-  m.specular = (0.10f + 0.13f * std::min(oily, 1.0f)) * (0.7f + 0.6f * pores);
-  m.shininess = 16 + 14 * std::min(oily, 1.0f);
+  m.specular = (0.15f + 0.24f * std::min(oily, 1.0f)) * (0.7f + 0.6f * pores);
+  m.shininess = 18 + 16 * std::min(oily, 1.0f);
   PaintLips(s, m);
   PaintLids(s, m);
 }
@@ -119,7 +126,7 @@ void PaintBrow(const PaintSite& s, Material& m) {
   const float a = std::abs(p.x);
   if (a < 0.006f || a > 0.060f || p.y < 0.040f || p.y > 0.066f || p.z < 0.01f) return;
   const float t = (a - 0.0105f) / 0.0435f;  // 0 at the medial end, 1 at the tail
-  const float arch = 0.0485f + 0.0088f * std::sin(1.9f * std::clamp(t, 0.0f, 1.0f)) -
+  const float arch = 0.0515f + 0.0062f * std::sin(2.15f * std::clamp(t, 0.0f, 1.0f)) -
                      0.0030f * std::max(t - 0.55f, 0.0f);
   const float half = Mix(0.0038f, 0.0010f, std::clamp(t * t, 0.0f, 1.0f));
   const float across = p.y - arch;
@@ -140,15 +147,16 @@ Material PaintMouthInside(const PaintSite& s) {
   const float phase = s.along * tooth_count;
   const float between = std::abs(phase - std::round(phase));  // 0 at a gap, 1/2 mid-tooth
   const float gum_line = 5.35f - 0.35f * std::cos(between * 6.2831853f) * 0.5f;
-  const float tooth =
-      SmoothStep(gum_line - 0.06f, gum_line + 0.06f, s.mouth) * SmoothStep(7.2f, 6.9f, s.mouth);
+  const float row = SmoothStep(0.90f, 0.74f, std::abs(s.along));  // ends before the corners
+  const float tooth = row * SmoothStep(gum_line - 0.06f, gum_line + 0.06f, s.mouth) *
+                      SmoothStep(7.2f, 6.9f, s.mouth);
   const float gap = SmoothStep(0.02f, 0.10f, between);
   const Vec enamel = Vec{0.74f, 0.69f, 0.56f} * (0.30f + 0.70f * gap);
   Vec flesh{0.36f, 0.110f, 0.100f};
   if (s.mouth > 6.8f && !upper)
     flesh = Vec{0.43f, 0.150f, 0.140f} * (0.8f + 0.4f * Noise(s.rest * 500));
-  m.albedo = Mix(flesh, enamel, tooth);
-  m.specular = 0.20f;
+  m.albedo = Mix(flesh * (1 - 0.7f * s.along * s.along), enamel, tooth);
+  m.specular = 0.20f * tooth + 0.05f * (1 - s.along * s.along);
   m.shininess = 60;
   return m;
 }

@@ -39,7 +39,7 @@ float Skull(const Vec& p, const Vec& m) {
   d = Join(d, Ellipsoid(p, {0, -0.010f, 0.002f}, {0.0590f, 0.068f, 0.0560f}), 0.028f);
   // Jaw: from its angle below the ear to the chin.
   d = Join(d,
-           Cone(m, {0.0490f, -0.040f, -0.012f}, {0.0160f, -0.0690f, 0.0400f}, 0.0100f, 0.0115f),
+           Cone(m, {0.0460f, -0.040f, -0.012f}, {0.0160f, -0.0690f, 0.0400f}, 0.0100f, 0.0115f),
            0.034f);
   d = Join(d, Ellipsoid(m, {0.0060f, -0.0695f, 0.0440f}, {0.0150f, 0.0145f, 0.0155f}), 0.016f);
   // Cheek bones and the flesh below them.
@@ -63,12 +63,13 @@ float Lids(float d, const Vec& m) {
 }
 
 float Nose(float d, const Vec& p, const Vec& m) {
-  d = Join(d, Cone(p, {0, 0.0320f, 0.0500f}, {0, -0.0060f, 0.0730f}, 0.0075f, 0.0085f), 0.013f);
-  d = Join(d, Ellipsoid(p, {0, -0.0105f, 0.0765f}, {0.0092f, 0.0085f, 0.0090f}), 0.008f);
-  d = Join(d, Ellipsoid(m, {0.0108f, -0.0135f, 0.0672f}, {0.0066f, 0.0068f, 0.0085f}), 0.0065f);
-  d = Join(d, Cone(p, {0, -0.0155f, 0.0760f}, {0, -0.0190f, 0.0640f}, 0.0036f, 0.0040f), 0.006f);
-  // Nostrils, open downwards.
-  d = Carve(d, Ellipsoid(m, {0.0068f, -0.0205f, 0.0705f}, {0.0030f, 0.0048f, 0.0048f}), 0.003f);
+  d = Join(d, Cone(p, {0, 0.0320f, 0.0500f}, {0, -0.0050f, 0.0735f}, 0.0075f, 0.0078f), 0.013f);
+  d = Join(d, Ellipsoid(p, {0, -0.0092f, 0.0765f}, {0.0090f, 0.0084f, 0.0090f}), 0.008f);
+  d = Join(d, Ellipsoid(m, {0.0122f, -0.0128f, 0.0665f}, {0.0062f, 0.0066f, 0.0085f}), 0.0060f);
+  d = Join(d, Cone(p, {0, -0.0150f, 0.0760f}, {0, -0.0195f, 0.0640f}, 0.0034f, 0.0040f), 0.006f);
+  // Nostrils, open downwards; the crease behind the wings.
+  d = Carve(d, Ellipsoid(m, {0.0072f, -0.0200f, 0.0705f}, {0.0032f, 0.0046f, 0.0050f}), 0.003f);
+  d = Carve(d, Ellipsoid(m, {0.0200f, -0.0120f, 0.0640f}, {0.0022f, 0.0065f, 0.0045f}), 0.006f);
   return d;
 }
 
@@ -88,38 +89,35 @@ float NeckAndShoulders(float d, const Vec& p, const Vec& m) {
   float body = Cone(flat, {0, -0.030f, -0.048f}, {0, -0.160f, -0.058f}, 0.0500f, 0.0545f);
   body = Join(
       body, Cone(m, {0.050f, -0.028f, -0.045f}, {0.012f, -0.150f, -0.012f}, .010f, .010f), 0.020f);
-  body = Join(body, Ellipsoid(p, {0, -0.106f, -0.0030f}, {0.010f, 0.014f, 0.010f}), 0.018f);
+  body = Join(body, Ellipsoid(p, {0, -0.108f, -0.0070f}, {0.014f, 0.016f, 0.011f}), 0.024f);
   // Trapezius and shoulders, and the top of the chest.
   body = Join(
-      body, Cone(m, {0.020f, -0.108f, -0.075f}, {0.118f, -0.182f, -0.062f}, .026f, .036f), 0.045f);
-  body = Join(body, Ellipsoid(p, {0, -0.196f, -0.050f}, {0.128f, 0.048f, 0.070f}), 0.040f);
+      body, Cone(m, {0.020f, -0.108f, -0.075f}, {0.096f, -0.182f, -0.062f}, .026f, .036f), 0.045f);
+  body = Join(body, Ellipsoid(p, {0, -0.196f, -0.050f}, {0.104f, 0.050f, 0.068f}), 0.040f);
   return Join(d, body, 0.022f);
 }
 
-constexpr int kHairlinePoints = 12;
+// Height of the hair's edge by the angle about the vertical axis, from the forehead by the temple,
+// the sideburn, over the ear and down to the nape.
+constexpr int kHairlinePoints = 14;
 constexpr float kHairlineAngle[kHairlinePoints] = {
-    0, 22, 36, 50, 60, 68, 76, 84, 104, 114, 135, 180};
-constexpr float kHairlineHeight[kHairlinePoints] = {0.107f,
+    0, 20, 34, 48, 58, 64, 68, 74, 80, 102, 109, 117, 138, 180};
+constexpr float kHairlineHeight[kHairlinePoints] = {0.106f,
                                                     0.109f,
                                                     0.107f,
                                                     0.088f,
                                                     0.066f,
                                                     0.044f,
-                                                    0.018f,
-                                                    0.006f,
-                                                    0.006f,
-                                                    -0.020f,
+                                                    0.012f,
+                                                    0.010f,
+                                                    0.044f,
+                                                    0.044f,
+                                                    0.014f,
+                                                    -0.022f,
                                                     -0.052f,
                                                     -0.060f};
 
 }  // namespace
-
-float SmoothStep(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
-float Bell(float x, float width) { return std::exp(-(x / width) * (x / width)); }
 
 float SkinDistance(const Vec& p) {
   const Vec m = Mirrored(p, 0.0015f);
@@ -144,10 +142,12 @@ float HeadDistance(const Vec& p) {
   const float skin = SkinDistance(p);
   if (p.y < -0.07f) return skin;
   const float top = SmoothStep(0.05f, 0.125f, p.y);
-  const float side = 0.0055f + 0.0115f * top + 0.003f * SmoothStep(-0.05f, 0.05f, p.z) * top;
+  const float side = 0.0050f + 0.0120f * top + 0.003f * SmoothStep(-0.05f, 0.05f, p.z) * top;
   const float inside = HairInside(p);
   const float wave = 1 + 0.10f * std::sin(70 * p.x + 55 * p.z) * std::sin(62 * p.z - 40 * p.x);
-  return skin - side * wave * SmoothStep(-0.003f, 0.020f, inside);
+  // Swept back from the forehead: it rises slowly there, quickly at the nape.
+  const float rise = 0.018f + 0.018f * SmoothStep(0, 0.05f, p.z);
+  return skin - side * wave * SmoothStep(-0.004f, rise, inside);
 }
 
 Vec HeadGradient(const Vec& p) {

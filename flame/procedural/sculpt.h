@@ -6,6 +6,9 @@
 // that, 64 mm between the pupils, equal thirds hairline / brow / nose base / chin).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "flame/procedural/vec.h"
 
 namespace cosplat::procedural {
@@ -21,8 +24,20 @@ constexpr float kMouthY = -0.0412f;
 constexpr float kMouthHalfWidth = 0.0262f;
 constexpr float kBustBottom = -0.168f;
 
-float SmoothStep(float low, float high, float x);
-float Bell(float x, float width);  // exp(-(x / width)^2)
+inline float SmoothStep(float low, float high, float x) {
+  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+
+// exp(-(x / width)^2), 0 beyond three widths (there it is below 2e-4).
+inline float BellOfSquare(float x_squared, float width) {
+  const float t = x_squared / (width * width);
+  return t < 9 ? std::exp(-t) : 0;
+}
+inline float Bell(float x, float width) { return BellOfSquare(x * x, width); }
+inline float Ball(const Vec& p, const Vec& center, float width) {
+  return BellOfSquare(Dot(p - center, p - center), width);
+}
 
 // Distance to skin and clothing, hair left out; roughly metric near the surface.
 float SkinDistance(const Vec& p);

@@ -57,7 +57,7 @@ float Wrapped(float cosine, float wrap) { return std::max(0.0f, (cosine + wrap) 
 float SurfaceHighlight(const Vec& n, const Vec& l, const Vec& v, float shininess) {
   const Vec h = Normalized(l + v);
   const float facing = Dot(n, h);
-  if (facing <= 0 || Dot(n, l) <= 0) return 0;
+  if (facing <= 0.5f || Dot(n, l) <= 0) return 0;  // 0.5 to the power of any skin's is nothing
   const float m = 1 - std::max(Dot(v, h), 0.0f);
   const float fresnel = 0.35f + 0.65f * m * m * m;
   return fresnel * (shininess + 8) * 0.06f * std::pow(facing, shininess) *
@@ -91,7 +91,7 @@ Vec Illuminate(const Material& m, const Vec& n, const Vec& flow, const Vec& v, f
 
 // How much light reaches a ring of the mouth's inside.
 float MouthOpenness(float ring) {
-  static constexpr float kAt[] = {0.45f, 0.40f, 0.55f, 0.80f, 0.30f, 0.12f, 0.02f};  // rings 3..9
+  static constexpr float kAt[] = {0.40f, 0.26f, 0.50f, 0.80f, 0.30f, 0.12f, 0.02f};  // rings 3..9
   const float at = std::clamp(ring - 3, 0.0f, 5.999f);
   const int i = int(at);
   return Mix(kAt[i], kAt[i + 1], at - float(i));

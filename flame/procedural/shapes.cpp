@@ -9,7 +9,6 @@
 namespace cosplat::procedural {
 namespace {
 
-float Ball(const Vec& p, const Vec& center, float width) { return Bell(Length(p - center), width); }
 Vec Folded(const Vec& p) { return {std::abs(p.x), p.y, p.z}; }
 Vec Outward(const Vec& p, float amount) {  // away from the middle plane, without a jump at it
   return {amount * std::tanh(p.x / 0.01f), 0, 0};
