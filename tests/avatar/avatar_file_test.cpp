@@ -1,0 +1,433 @@
+// Avatars as .glb: round trip, what other programs see, licences, golden bytes, bad input.
+#include "avatar/avatar_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "avatar/binding.h"
+#include "avatar/io/binding_extension.h"
+#include "avatar/surface.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/splat_primitive.h"
+#include "tests/avatar/meshes.h"
+#include "tests/flame/random_model.h"
+#include "tests/support/glb_bytes.h"
+#include "tests/support/random_gaussians.h"
+#include "tests/support/splat_attributes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat {
+namespace {
+
+using nlohmann::json;
+
+const std::string kHash(64, 'a');
+
+// A model whose template is a ball; not redistributable.
+FlameModel BallFlame() {
+  const CanonicalMesh ball = test::SphereMesh(2, 0.1f);
+  FlameModel flame = test::RandomModel(int(ball.vertices.size() / 3), 3, 4, 1);
+  flame.name = "ball.npz";
+  flame.sha256 = kHash;
+  flame.template_vertices = ball.vertices;
+  flame.faces = ball.faces;
+  for (auto* directions : {&flame.shape_directions, &flame.expression_directions})
+    for (float& x : *directions) x *= 0.02f;
+  return flame;
+}
+
+// An avatar of that model with every field filled.
+AvatarModel BallAvatar(const FlameModel& flame, size_t n, int degree, Basis basis) {
+  AvatarModel model;
+  model.flame_name = flame.name;
+  model.flame_sha256 = flame.sha256;
+  model.shape = {0.5f, -0.25f};
+  model.static_offset.assign(3 * flame.vertex_count, 0);
+  for (size_t i = 0; i < model.static_offset.size(); ++i)
+    model.static_offset[i] = 1e-4f * float(int(i % 7) - 3);
+  AttachMesh(model, flame);
+  const AvatarModel embedded = test::RandomAvatar(model.mesh, n, 3);
+  model.triangle = embedded.triangle;
+  model.barycentric = embedded.barycentric;
+  model.gaussians = test::RandomGaussians(n, degree, basis, 4);
+  for (int a : {kPosition, kRotation}) model.gaussians.values[a] = embedded.gaussians.values[a];
+  for (size_t i = 0; i < n; ++i) model.gaussians.at(kPosition, i)[2] *= 0.1f;
+  for (float& x : model.gaussians.values[kScaleLog]) x -= 2;
+  model.background = {0.1f, 0.2f, 0.3f};
+  return model;
+}
+
+template <class A, class B>
+void ExpectSameBits(const A& a, const B& b, const std::string& what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  if (!a.empty()) {
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(*a.data())), 0) << what;
+  }
+}
+
+void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
+  EXPECT_EQ(a.gaussians.degree, b.gaussians.degree);
+  EXPECT_EQ(a.gaussians.basis, b.gaussians.basis);
+  for (int i = 0; i < kAttributeCount; ++i)
+    ExpectSameBits(a.gaussians.values[i], b.gaussians.values[i], "attribute " + std::to_string(i));
+  ExpectSameBits(a.triangle, b.triangle, "triangle");
+  ExpectSameBits(a.barycentric, b.barycentric, "barycentric");
+  ExpectSameBits(a.shape, b.shape, "shape");
+  ExpectSameBits(a.static_offset, b.static_offset, "static_offset");
+  ExpectSameBits(a.background, b.background, "background");
+  ExpectSameBits(a.mesh.vertices, b.mesh.vertices, "mesh vertices");
+  ExpectSameBits(a.mesh.faces, b.mesh.faces, "mesh faces");
+  EXPECT_EQ(a.color_frame, b.color_frame);
+  EXPECT_EQ(a.flame_name, b.flame_name);
+  EXPECT_EQ(a.flame_sha256, b.flame_sha256);
+}
+
+std::string Slurp(const std::string& path) {
+  const auto bytes = ReadFile(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+void Spill(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+std::string ErrorOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class AvatarFile : public testing::Test {
+ protected:
+  const test::TemporaryFolder folder_;
+  const std::string path_ = folder_ / "avatar.glb";
+  FlameModel flame_ = BallFlame();
+
+  GlbDocument Document() { return ReadGlb(path_, {}); }
+  // Reads changed bytes without a file.
+  AvatarModel Parse(const std::string& bytes) {
+    const GlbDocument document = ParseGlb(path_, {bytes.begin(), bytes.end()}, {});
+    return ReadBinding(document, FindBinding(FindSplats(document)));
+  }
+  std::string SmallAvatarBytes() {
+    flame_.redistributable = true;
+    WriteAvatarGlb(path_, BallAvatar(flame_, 3, 1, Basis::kDcsh), &flame_);
+    return Slurp(path_);
+  }
+};
+
+TEST_F(AvatarFile, EveryArrayComesBackBitForBit) {
+  for (bool redistributable : {true, false})
+    for (Basis basis : {Basis::kDcsh, Basis::kSh})
+      for (int degree = 0; degree <= kMaxTrainedDegree; ++degree) {
+        flame_.redistributable = redistributable;
+        AvatarModel model = BallAvatar(flame_, 40, degree, basis);
+        model.color_frame = degree % 2 ? ColorFrame::kWorld : ColorFrame::kSurface;
+        if (degree == 2) model.static_offset.clear();
+        if (degree == 3) model.shape.clear();
+        if (degree > 1) {
+          model.mesh = {};
+          AttachMesh(model, flame_);
+        }
+        WriteAvatarGlb(path_, model, &flame_, {.truncate_degree = true});
+        AvatarModel read = ReadAvatarGlb(path_);
+        EXPECT_EQ(read.mesh.faces.empty(), !redistributable);
+        AttachMesh(read, flame_);
+        ExpectSameAvatar(model, read);
+      }
+}
+
+TEST_F(AvatarFile, OtherProgramsShowTheRestPose) {
+  Camera camera;
+  camera.width = camera.height = 96;
+  camera.fx = camera.fy = 300;
+  camera.cx = camera.cy = 48;
+  camera.translation = {0.01f, -0.02f, 0.6f};
+  for (Basis basis : {Basis::kDcsh, Basis::kSh}) {
+    const AvatarModel model = BallAvatar(flame_, 300, 3, basis);
+    WriteAvatarGlb(path_, model, &flame_);
+    const GlbDocument document = Document();
+    const Gaussians standard = test::DecodeSplats(document, FindSplats(document));
+    // The avatar as it is played: bound to its mesh, colours seen through the surface frame.
+    PosedGaussians posed;
+    Bind(model, Surface(model.mesh), posed);
+    WorldGaussians view = ViewOf(model.gaussians);
+    view.position = posed.position.data();
+    view.rotation = posed.rotation.data();
+    view.scale_log = posed.scale_log.data();
+    view.color_frame = posed.frame.data();
+    const auto played = test::Picture(view, basis, 3, camera);
+    const auto shown = test::Picture(standard, camera);
+    EXPECT_LT(test::LargestDifference(played, shown), 1e-4);
+    EXPECT_LT(*std::min_element(played.transmittance.begin(), played.transmittance.end()), 0.5);
+    // And its coefficients are the trained ones in 3DGS's SH.
+    Gaussians sh = model.gaussians;
+    ConvertBasis(sh, Basis::kSh);
+    for (size_t i = 0; i < sh.values[kColorRest].size(); ++i)
+      EXPECT_NEAR(standard.values[kColorRest][i], sh.values[kColorRest][i], 1e-4);
+  }
+}
+
+TEST_F(AvatarFile, LicensedFlameDataStaysOut) {
+  const AvatarModel model = BallAvatar(flame_, 20, 1, Basis::kDcsh);
+  const auto holds = [&](const std::vector<float>& values, size_t count) {
+    const std::string part(reinterpret_cast<const char*>(values.data()), 4 * count);
+    return Contains(Slurp(path_), part);
+  };
+  for (const FlameModel* flame : {&flame_, static_cast<FlameModel*>(nullptr)}) {
+    WriteAvatarGlb(path_, model, flame);
+    EXPECT_EQ(Document().meshes.size(), 1u);
+    EXPECT_FALSE(holds(model.mesh.vertices, 3));
+    EXPECT_FALSE(holds(flame_.expression_directions, 3));
+    EXPECT_TRUE(ReadAvatarGlb(path_).mesh.faces.empty());
+    EXPECT_TRUE(ReadAvatarGlb(path_).mesh.vertices.empty());
+    EXPECT_TRUE(holds(model.static_offset, model.static_offset.size()));
+  }
+  WriteAvatarGlb(path_, model, &flame_, {.embed_flame = true});
+  EXPECT_TRUE(holds(model.mesh.vertices, model.mesh.vertices.size()));
+  EXPECT_TRUE(holds(flame_.expression_directions, flame_.expression_directions.size()));
+  WriteAvatarGlb(path_, model, nullptr, {.embed_flame = true});
+  EXPECT_TRUE(Document().meshes.at(1).primitives.at(0).targets.empty());
+  ExpectSameAvatar(model, ReadAvatarGlb(path_));
+}
+
+TEST_F(AvatarFile, TheMeshIsAnOrdinaryOneWithMorphTargets) {
+  const json j = test::SplitGlb(SmallAvatarBytes()).json;
+  EXPECT_EQ(j["extensionsUsed"], json({"KHR_gaussian_splatting", "COSPLAT_mesh_binding"}));
+  EXPECT_EQ(j["scene"], 0);
+  EXPECT_EQ(j["nodes"][j["scenes"][0]["nodes"][0].get<int>()]["mesh"], 0);
+  EXPECT_EQ(j["nodes"][j["scenes"][1]["nodes"][0].get<int>()]["mesh"], 1);
+  const json& mesh = j["meshes"][1];
+  EXPECT_EQ(mesh["extras"]["targetNames"].size(), 4u);
+  EXPECT_EQ(mesh["primitives"][0]["targets"].size(), 4u);
+  EXPECT_EQ(mesh["primitives"][0]["mode"], 4);
+  EXPECT_EQ(j["accessors"][mesh["primitives"][0]["indices"].get<int>()]["count"],
+            3 * flame_.faces.size());
+}
+
+TEST_F(AvatarFile, AttachMeshChecksTheModel) {
+  const AvatarModel model = BallAvatar(flame_, 20, 0, Basis::kDcsh);
+  WriteAvatarGlb(path_, model, &flame_);
+  FlameModel other = flame_;
+  other.sha256 = std::string(64, 'b');
+  AvatarModel read = ReadAvatarGlb(path_);
+  const std::string error = ErrorOf([&] { AttachMesh(read, other); });
+  EXPECT_TRUE(Contains(error, kHash) && Contains(error, other.sha256)) << error;
+  EXPECT_TRUE(read.mesh.faces.empty());
+  AttachMesh(read, other, true);
+  ExpectSameBits(read.mesh.vertices, model.mesh.vertices, "mesh");
+  EXPECT_NE(ErrorOf([&] { WriteAvatarGlb(path_, model, &other); }), "");
+
+  AvatarModel unfit = ReadAvatarGlb(path_);
+  unfit.static_offset.clear();
+  FlameModel smaller = test::RandomModel(6);
+  EXPECT_TRUE(Contains(ErrorOf([&] { AttachMesh(unfit, smaller, true); }), "faces"));
+  EXPECT_TRUE(unfit.mesh.faces.empty());
+}
+
+TEST_F(AvatarFile, DegreeFourOnlyWhenToldToTruncate) {
+  const AvatarModel model = BallAvatar(flame_, 20, 4, Basis::kDcsh);
+  EXPECT_TRUE(Contains(ErrorOf([&] { WriteAvatarGlb(path_, model, &flame_); }), "degree"));
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  WriteAvatarGlb(path_, model, &flame_, {.truncate_degree = true});
+  const GlbSummary summary = SummarizeGlb(path_);
+  EXPECT_EQ(summary.degree, 3);
+  EXPECT_EQ(summary.avatar.value().degree, 4);
+}
+
+TEST_F(AvatarFile, Summary) {
+  AvatarModel model = BallAvatar(flame_, 20, 2, Basis::kDcsh);
+  WriteAvatarGlb(path_, model, &flame_, {.embed_flame = true});
+  const GlbSummary summary = SummarizeGlb(path_);
+  EXPECT_EQ(summary.gaussians, 20u);
+  EXPECT_EQ(summary.degree, 2);
+  ASSERT_TRUE(summary.avatar);
+  EXPECT_EQ(summary.avatar->vertex_count, size_t(flame_.vertex_count));
+  EXPECT_EQ(summary.avatar->face_count, flame_.faces.size());
+  EXPECT_EQ(summary.avatar->expression_count, 4u);
+  EXPECT_EQ(summary.avatar->shape_count, 2u);
+  EXPECT_TRUE(summary.avatar->has_mesh && summary.avatar->has_static_offset);
+  const std::string text = ToString(summary);
+  for (const char* part :
+       {"20 Gaussians", "dcsh", "surface", "ball.npz", "4 morph targets", "COSPLAT_mesh_binding"})
+    EXPECT_TRUE(Contains(text, part)) << text;
+}
+
+TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
+  const AvatarModel good = BallAvatar(flame_, 20, 1, Basis::kDcsh);
+  WriteAvatarGlb(path_, good, &flame_);
+  const std::string before = Slurp(path_);
+  const auto refused = [&](const std::function<void(AvatarModel&)>& spoil) {
+    AvatarModel bad = good;
+    spoil(bad);
+    return ErrorOf([&] { WriteAvatarGlb(path_, bad, nullptr); });
+  };
+  for (int a = 0; a < kAttributeCount; ++a) {
+    EXPECT_NE(refused([&](AvatarModel& m) { m.gaussians.values[a][1] = NAN; }), "") << a;
+    EXPECT_NE(refused([&](AvatarModel& m) { m.gaussians.values[a].pop_back(); }), "") << a;
+  }
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.mesh = {}; }), "mesh"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle[7] = 100000; }), "triangle[7]"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle[7] = -1; }), "triangle[7]"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle.pop_back(); }), "triangle"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.barycentric[2][1] = INFINITY; }), "bary"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.static_offset.pop_back(); }), "static_"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.shape[0] = NAN; }), "shape"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.background[0] = NAN; }), "background"));
+  EXPECT_EQ(Slurp(path_), before);  // nothing was half written
+}
+
+TEST_F(AvatarFile, ANameOfAnyBytesIsWritten) {
+  AvatarModel model = BallAvatar(flame_, 3, 0, Basis::kDcsh);
+  model.flame_name = "fl\xffme \"2023\"\n.pkl";
+  WriteAvatarGlb(path_, model, nullptr);
+  EXPECT_TRUE(Contains(ReadAvatarGlb(path_).flame_name, " \"2023\"\n.pkl"));
+}
+
+TEST_F(AvatarFile, SplatsWithoutABindingAreNoAvatar) {
+  test::GlbBytes glb = test::SplitGlb(SmallAvatarBytes());
+  json& extension = glb.json["meshes"][0]["primitives"][0]["extensions"];
+  extension["KHR_gaussian_splatting"].erase("extensions");
+  Spill(path_, test::JoinGlb(glb));
+  EXPECT_TRUE(Contains(ErrorOf([&] { ReadAvatarGlb(path_); }), "COSPLAT_mesh_binding"));
+  EXPECT_FALSE(SummarizeGlb(path_).avatar);
+  extension = json::object();
+  Spill(path_, test::JoinGlb(glb));
+  EXPECT_TRUE(Contains(ErrorOf([&] { SummarizeGlb(path_); }), "KHR_gaussian_splatting"));
+}
+
+const std::string kBindingPointer =
+    "/meshes/0/primitives/0/extensions/KHR_gaussian_splatting/extensions/COSPLAT_mesh_binding";
+
+TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
+  const test::GlbBytes valid = test::SplitGlb(SmallAvatarBytes());
+  const json& binding = valid.json[json::json_pointer(kBindingPointer)];
+  struct Case {
+    const char* field;
+    json value;
+    const char* named;
+  };
+  const std::vector<Case> cases{
+      {"/version", 2, "version: is 2"},
+      {"/version", 4294967297ll, "version"},
+      {"/version", "1", "version"},
+      {"/degree", 5, "degree: is 5"},
+      {"/degree", -1, "degree: is -1"},
+      {"/degree", 2, "colorRest: has 3 accessors, expected 8"},
+      {"/basis", "fourier", "basis"},
+      {"/colorFrame", "moon", "colorFrame"},
+      {"/triangle", 999, "triangle: names accessor 999"},
+      {"/triangle", -1, "triangle: names accessor -1"},
+      {"/triangle", binding["offset"], "triangle: accessor"},
+      {"/barycentric", binding["offset"], "barycentric: accessor"},
+      {"/rotation", nullptr, "rotation"},
+      {"/opacityLogit", binding["shape"], "opacityLogit: accessor has 2 elements, expected 3"},
+      {"/colorRest/1", "x", "colorRest[1]"},
+      {"/staticOffset", binding["offset"], "staticOffset: accessor has 3 elements"},
+      {"/background", {1, 1}, "background"},
+      {"/flame", "flame.pkl", "flame"},
+      {"/flame/sha256", 5, "flame.sha256"},
+      {"/canonicalMesh/faceCount", 0, "faceCount"},
+      {"/canonicalMesh/faceCount", 1, "canonicalMesh.mesh"},
+      {"/canonicalMesh/vertexCount", 7, "canonicalMesh.mesh"},
+      {"/canonicalMesh/mesh", 0, "canonicalMesh.mesh"},
+      {"/canonicalMesh/mesh", 2, "canonicalMesh.mesh: names mesh 2 of 2"},
+      {"", 5, "COSPLAT_mesh_binding"},
+  };
+  for (const Case& c : cases) {
+    test::GlbBytes glb = valid;
+    glb.json[json::json_pointer(kBindingPointer + c.field)] = c.value;
+    const std::string error = ErrorOf([&] { Parse(test::JoinGlb(glb)); });
+    EXPECT_TRUE(Contains(error, c.named)) << c.field << " said: " << error;
+  }
+}
+
+TEST_F(AvatarFile, IndicesOutOfRangeAreErrors) {
+  const test::GlbBytes valid = test::SplitGlb(SmallAvatarBytes());
+  const auto overwritten = [&](int accessor) {
+    test::GlbBytes glb = valid;
+    const int view = glb.json["accessors"][accessor]["bufferView"];
+    const size_t offset = glb.json["bufferViews"][view].value("byteOffset", 0);
+    glb.binary.replace(offset + 4, 4, test::Bytes32(0x80000001));
+    return ErrorOf([&] { Parse(test::JoinGlb(glb)); });
+  };
+  const json& binding = valid.json[json::json_pointer(kBindingPointer)];
+  EXPECT_TRUE(Contains(overwritten(binding["triangle"]), "triangle: Gaussian 1 is on face"));
+  const int indices = valid.json["meshes"][1]["primitives"][0]["indices"];
+  EXPECT_TRUE(Contains(overwritten(indices), "face 0 names vertex 2147483649"));
+}
+
+TEST_F(AvatarFile, DamageNeverCrashes) {
+  const std::string bytes = SmallAvatarBytes();
+  for (size_t size = 0; size < bytes.size(); size += 1 + size / 500)
+    ASSERT_NE(ErrorOf([&] { Parse(bytes.substr(0, size)); }), "") << "cut at " << size;
+  Rng rng{9};
+  const size_t json_end = 20 + test::Number32(bytes, 12);
+  for (int round = 0; round < 1500; ++round) {
+    std::string damaged = bytes;
+    for (uint64_t i = 0; i < 1 + rng.Below(4); ++i)
+      damaged[rng.Below(json_end)] = char(rng.Below(256));
+    ErrorOf([&] { Parse(damaged); });  // an Error or an avatar: anything else ends the test
+  }
+}
+
+// Every number is a short binary fraction, so that all arithmetic is exact on any machine.
+AvatarModel GoldenAvatar(FlameModel& flame) {
+  flame.name = "golden";
+  flame.redistributable = true;
+  flame.vertex_count = 4;
+  flame.expression_count = 1;
+  flame.faces = {{0, 1, 2}, {2, 1, 3}};
+  flame.expression_directions.assign(12, 0);
+  flame.expression_directions[5] = 0.25f;
+  AvatarModel model;
+  model.flame_name = flame.name;
+  model.mesh.vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  model.mesh.faces = flame.faces;
+  model.triangle = {0, 1};
+  model.barycentric = {{{0.25f, 0.5f}, {0.125f, 0.125f}}};
+  model.shape = {0.5f, -2};
+  model.static_offset.assign(12, 0.0078125f);
+  model.background = {1, 0.5f, 0};
+  Gaussians& g = model.gaussians;
+  g.degree = 1;
+  g.basis = Basis::kDcsh;
+  g.Resize(2);
+  for (int a = 0; a < kAttributeCount; ++a)
+    for (size_t k = 0; k < g.values[a].size(); ++k) g.values[a][k] = 0.0625f * float(k + 1);
+  for (size_t i = 0; i < 2; ++i) {
+    const float rotation[2][4] = {{1, 0, 0, 0}, {0, 0, 2, 0}};
+    std::copy_n(rotation[i], 4, g.at(kRotation, i));
+  }
+  return model;
+}
+
+// tests/golden/avatar_v1.glb pins version 1 of the format. When the format changes on purpose, keep
+// it (old files must still be read), add avatar_v2.glb beside it, and write that one by running
+//   COSPLAT_WRITE_GOLDEN=1 cosplat_test_avatar_file --gtest_filter=*Golden*
+TEST_F(AvatarFile, GoldenBytes) {
+  const std::string golden = std::string(COSPLAT_SOURCE_DIR) + "/tests/golden/avatar_v1.glb";
+  FlameModel flame;
+  const AvatarModel model = GoldenAvatar(flame);
+  if (std::getenv("COSPLAT_WRITE_GOLDEN")) WriteAvatarGlb(golden, model, &flame);
+  WriteAvatarGlb(path_, model, &flame);
+  EXPECT_EQ(Slurp(path_), Slurp(golden));
+  ExpectSameAvatar(model, ReadAvatarGlb(golden));
+}
+
+}  // namespace
+}  // namespace cosplat

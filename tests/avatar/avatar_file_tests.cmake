@@ -1,0 +1,3 @@
+cosplat_test(avatar_file
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/avatar_file_test.cpp
+  LIBRARIES cosplat::avatar_file)
