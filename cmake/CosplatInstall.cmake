@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 # Headers that are not for others, by the beginning of their path: they are not installed, and apps/
 # may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
 set(COSPLAT_PRIVATE_HEADERS
+  avatar/io/
   avatar/parallel_for.h
   flame/io/pickle
   flame/io/track_layouts.h
@@ -13,8 +14,10 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/base/opencv_quiet.h
   splat/cpu/
   splat/io/colmap_model.h
+  splat/io/glb
   splat/io/ply_vertices.h
   splat/io/scene_layouts.h
+  splat/io/splat_primitive.h
   splat/io/view_files.h
   splat/kernels/project)
 

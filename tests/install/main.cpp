@@ -1,33 +1,38 @@
-// Renders one opaque red Gaussian in front of the camera and looks at the middle of the picture.
+// What a program that only plays does: makes an avatar of one Gaussian on the made head, and looks
+// at the pixel where it must be.
 #include <cmath>
 #include <cstdio>
 
+#include "avatar/player.h"
+#include "flame/procedural_head.h"
 #include "splat/basis_constants.h"
-#include "splat/rasterizer.h"
 
 int main() {
   using namespace cosplat;
-  Gaussians g;
+  const FlameModel head = MakeProceduralHead();
+  AvatarModel avatar;
+  avatar.mesh = {head.template_vertices, head.faces};
+  avatar.triangle = {0};
+  avatar.barycentric = {{1.0f, 0.0f}};  // the triangle's first vertex
+  Gaussians& g = avatar.gaussians;
   g.Resize(1);
-  g.at(kPosition, 0)[2] = 2;
   g.at(kRotation, 0)[0] = 1;
-  for (int k = 0; k < 3; ++k) g.at(kScaleLog, 0)[k] = std::log(0.2f);
+  for (int k = 0; k < 3; ++k) g.at(kScaleLog, 0)[k] = std::log(0.02f);
   g.at(kOpacityLogit, 0)[0] = 20;
-  g.at(kColorDc, 0)[0] = 0.5f / BasisConstants(g.basis)[0];
-  for (int k = 1; k < 3; ++k) g.at(kColorDc, 0)[k] = -0.5f / BasisConstants(g.basis)[0];
+  const float half = 0.5f / BasisConstants(g.basis)[0];
+  for (int k = 0; k < 3; ++k) g.at(kColorDc, 0)[k] = k == 0 ? half : -half;  // red
 
   Camera camera;
   camera.width = camera.height = 33;
   camera.fx = camera.fy = 40;
   camera.cx = camera.cy = 16.5f;
-  const auto rasterizer = MakeCpuRasterizer();
-  const auto tape = rasterizer->MakeTape();
-  RenderedImage image;
-  rasterizer->Forward(ViewOf(g), g.basis, camera, RenderSettings{}, image, *tape);
+  const float* p = &avatar.mesh.vertices[3 * avatar.mesh.faces[0][0]];
+  camera.translation = {-p[0], -p[1], 0.5f - p[2]};
 
-  const size_t plane = 33 * 33, middle = 16 * 33 + 16;
-  const float red = image.color[middle], green = image.color[plane + middle];
-  std::printf("red %.3f green %.3f alpha %.3f\n", red, green, 1 - image.transmittance[middle]);
-  // The cap on alpha is 0.99.
-  return std::fabs(red - 0.99f) < 1e-3f && std::fabs(green) < 1e-3f ? 0 : 1;
+  Player player(avatar, head);
+  const Image8 image = player.Render(FlameParams(), camera);
+  const uint8_t* middle = &image.data[4 * (16 * 33 + 16)];
+  std::printf("red %d green %d alpha %d\n", middle[0], middle[1], middle[3]);
+  // Straight alpha, capped at 0.99.
+  return middle[0] >= 254 && middle[1] <= 1 && middle[3] == 252 ? 0 : 1;
 }
