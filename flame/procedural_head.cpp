@@ -41,7 +41,7 @@ ProceduralHead MakeProceduralHeadParts() {
   m.shape_directions = procedural::ShapeDirections(head.mesh);
   m.expression_directions = procedural::ExpressionDirections(head.mesh);
   m.pose_directions = procedural::PoseDirections(head.mesh, m.skinning_weights);
-  const auto normals = procedural::VertexNormals(head.mesh);
+  const auto normals = procedural::VertexNormals(head.mesh.positions, head.mesh.faces);
   for (size_t v = 0; v < normals.size(); ++v)
     head.ambient_occlusion.push_back(
         Occlusion(head.mesh.positions[v], normals[v], head.mesh.labels[v]));

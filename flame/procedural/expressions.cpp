@@ -91,11 +91,10 @@ Vec BrowKnit(const Site& s) {
 
 // Turns a vertex of a lid by `degrees` of elevation; rings away from the edge follow partly.
 Vec TurnLid(const Site& s, bool left, float degrees) {
-  static constexpr float kFollow[] = {0, 0.22f, 0.62f, 0.84f, 0.5f, 0.2f, 0, 0};
+  static constexpr float kBehind[] = {0.84f, 0.5f, 0.2f, 0, 0};  // rings -2 to -6
+  static constexpr float kSkin[] = {0.62f, 0.16f, 0};            // rings 1 to 3
   const int ring = s.l.lid_ring;
-  const float follow = ring > 0     ? std::array<float, 4>{0, 0.62f, 0.16f, 0.0f}[ring]
-                       : ring >= -1 ? 1.0f
-                                    : kFollow[std::min(1 - ring, 7)];
+  const float follow = ring > 0 ? kSkin[ring - 1] : ring >= -1 ? 1.0f : kBehind[-2 - ring];
   const EyeAngles a = AnglesAroundEye(left, s.p);
   // Around the horizontal axis through the eyeball, so that the path keeps to a sphere.
   const Vec center = EyeCenter(left);

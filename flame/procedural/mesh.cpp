@@ -74,11 +74,11 @@ RowRay FrontRay(float row) {
                                {21, .010f},
                                {29, -.062f},
                                {32, -.060f},
-                               {37, -.055f},
-                               {38, -.098f},
+                               {37, -.050f},
+                               {39, -.098f},
                                {44, -.135f},
                                {47, kBustBottom}};
-  // Rows 16 to 21 come from below, to see the underside of the nose.
+  // Rows 16 to 21 come from below, to see the underside of the nose; 32 to 38 that of the chin.
   static constexpr Key kElevation[] = {{0, 50},
                                        {6, 0},
                                        {14, 0},
@@ -87,11 +87,12 @@ RowRay FrontRay(float row) {
                                        {21, -17.4f},
                                        {29, 0},
                                        {32, -20},
-                                       {37, -88},
-                                       {38, 0},
+                                       {37, -44},
+                                       {39, -12},
+                                       {44, 0},
                                        {47, 0}};
   static constexpr Key kZ[] = {
-      {0, kAxisZ}, {29, kAxisZ}, {32, -.002f}, {37, -.002f}, {38, -.045f}, {47, -.050f}};
+      {0, kAxisZ}, {29, kAxisZ}, {32, -.002f}, {37, -.042f}, {39, -.045f}, {47, -.050f}};
   return {Lookup(kY, row), Lookup(kElevation, row) * kDegree, Lookup(kZ, row)};
 }
 RowRay SideRay(float row) {
@@ -197,6 +198,18 @@ HeadMesh MakeHeadMesh() {
   AddEyeball(builder, true);
   AddEyeball(builder, false);
   return std::move(builder.mesh);
+}
+
+std::vector<Vec> VertexNormals(const std::vector<Vec>& positions,
+                               const std::vector<std::array<int32_t, 3>>& faces) {
+  std::vector<Vec> normals(positions.size());
+  for (const auto& f : faces) {
+    const Vec& a = positions[f[0]];
+    const Vec area = Cross(positions[f[1]] - a, positions[f[2]] - a);
+    for (int v : f) normals[v] += area;
+  }
+  for (Vec& n : normals) n = Normalized(n);
+  return normals;
 }
 
 }  // namespace cosplat::procedural

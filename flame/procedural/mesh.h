@@ -53,6 +53,10 @@ struct HeadMesh {
 
 HeadMesh MakeHeadMesh();
 
+// Means of the normals around each vertex, weighted by area, unit.
+std::vector<Vec> VertexNormals(const std::vector<Vec>& positions,
+                               const std::vector<std::array<int32_t, 3>>& faces);
+
 // Parts of MakeHeadMesh, each in its own file.
 class MeshBuilder;
 // A closed loop of the grid counter-clockwise seen from outside, starting at the middle of its

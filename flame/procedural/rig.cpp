@@ -153,17 +153,6 @@ std::vector<float> JointRegressor(const HeadMesh& mesh) {
   return regressor;
 }
 
-std::vector<Vec> VertexNormals(const HeadMesh& mesh) {
-  std::vector<Vec> normals(mesh.positions.size());
-  for (const auto& f : mesh.faces) {
-    const Vec& a = mesh.positions[f[0]];
-    const Vec area = Cross(mesh.positions[f[1]] - a, mesh.positions[f[2]] - a);
-    for (int v : f) normals[v] += area;
-  }
-  for (Vec& n : normals) n = Normalized(n);
-  return normals;
-}
-
 float NearEye(const Vec& p) {
   const float left = Length(p - EyeCenter(true)), right = Length(p - EyeCenter(false));
   return 1 - SmoothStep(0.0185f, 0.030f, std::min(left, right));

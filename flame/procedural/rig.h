@@ -19,8 +19,6 @@ std::vector<float> SkinningWeights(const HeadMesh& mesh);
 // joint.
 std::vector<float> JointRegressor(const HeadMesh& mesh);
 
-std::vector<Vec> VertexNormals(const HeadMesh& mesh);
-
 // [count, V, 3]
 constexpr int kShapeCount = 12;
 std::vector<float> ShapeDirections(const HeadMesh& mesh);

@@ -42,6 +42,8 @@ float Skull(const Vec& p, const Vec& m) {
            Cone(m, {0.0460f, -0.040f, -0.012f}, {0.0160f, -0.0690f, 0.0400f}, 0.0100f, 0.0115f),
            0.034f);
   d = Join(d, Ellipsoid(m, {0.0060f, -0.0695f, 0.0440f}, {0.0150f, 0.0145f, 0.0155f}), 0.016f);
+  // The floor of the mouth, between the two sides of the jaw.
+  d = Join(d, Ellipsoid(p, {0, -0.0560f, 0.0120f}, {0.0380f, 0.0290f, 0.0400f}), 0.020f);
   // Cheek bones and the flesh below them.
   d = Join(d, Ellipsoid(m, {0.0475f, 0.006f, 0.0230f}, {0.0175f, 0.0130f, 0.0190f}), 0.026f);
   d = Join(d, Ellipsoid(m, {0.0300f, -0.016f, 0.0370f}, {0.0200f, 0.0240f, 0.0180f}), 0.024f);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/math/linear.h"
 #include "flame/procedural/eye_mesh.h"
 #include "flame/procedural/paint.h"
 
@@ -49,6 +50,15 @@ std::array<float, 3> Encode(const Vec& linear) {
   static const Encoder encoder;
   auto tone = [](float x) { return x < 0.6f ? x : 0.6f + 0.4f * std::tanh((x - 0.6f) / 0.4f); };
   return {encoder(tone(linear.x)), encoder(tone(linear.y)), encoder(tone(linear.z))};
+}
+
+Vec Rotated(const std::array<float, 9>& r, const Vec& v) {
+  const auto out = flame_math::Times(r, flame_math::Vector3<float>{v.x, v.y, v.z});
+  return {out[0], out[1], out[2]};
+}
+Vec RotatedBack(const std::array<float, 9>& r, const Vec& v) {
+  const auto out = flame_math::TransposeTimes(r, flame_math::Vector3<float>{v.x, v.y, v.z});
+  return {out[0], out[1], out[2]};
 }
 
 float Wrapped(float cosine, float wrap) { return std::max(0.0f, (cosine + wrap) / (1 + wrap)); }
@@ -99,53 +109,21 @@ float MouthOpenness(float ring) {
 
 }  // namespace
 
-HeadShader::HeadShader(const ProceduralHead& head,
-                       const ShadedPose& pose,
-                       const std::array<float, 3>& eye)
-    : head_(head), pose_(pose), eye_{eye[0], eye[1], eye[2]} {
-  const size_t n = head.mesh.positions.size();
-  HeadMesh unused;
-  normals_.assign(n, Vec{});
-  rest_normals_.assign(n, Vec{});
-  auto posed = [&](int v) {
-    return Vec{pose.vertices[3 * v], pose.vertices[3 * v + 1], pose.vertices[3 * v + 2]};
-  };
-  for (const auto& f : head.mesh.faces) {
-    const Vec a = posed(f[0]), ra = head.mesh.positions[f[0]];
-    const Vec area = Cross(posed(f[1]) - a, posed(f[2]) - a);
-    const Vec rest = Cross(head.mesh.positions[f[1]] - ra, head.mesh.positions[f[2]] - ra);
-    for (int v : f) {
-      normals_[v] += area;
-      rest_normals_[v] += rest;
-    }
-  }
-  for (size_t v = 0; v < n; ++v) {
-    normals_[v] = Normalized(normals_[v]);
-    rest_normals_[v] = Normalized(rest_normals_[v]);
-  }
+HeadShader::HeadShader(const ProceduralHead& head, const ShadedPose& pose, const Vec& eye)
+    : head_(head),
+      pose_(pose),
+      eye_(eye),
+      normals_(VertexNormals(pose.vertices, head.mesh.faces)),
+      rest_normals_(VertexNormals(head.mesh.positions, head.mesh.faces)) {
   std::array<float, 2> count{};
-  for (size_t v = 0; v < n; ++v) {
+  for (size_t v = 0; v < pose.vertices.size(); ++v) {
     const Part part = head.mesh.labels[v].part;
     if (part != Part::kLeftEye && part != Part::kRightEye) continue;
     const int side = part == Part::kLeftEye ? 0 : 1;
-    eye_centers_[side] += posed(int(v));
+    eye_centers_[side] += pose.vertices[v];
     count[side] += 1;
   }
   for (int side = 0; side < 2; ++side) eye_centers_[side] = eye_centers_[side] * (1 / count[side]);
-}
-
-Vec HeadShader::ToHead(const Vec& v) const {
-  const auto& r = pose_.head_from_rest;
-  return {r[0] * v.x + r[3] * v.y + r[6] * v.z,
-          r[1] * v.x + r[4] * v.y + r[7] * v.z,
-          r[2] * v.x + r[5] * v.y + r[8] * v.z};
-}
-
-Vec HeadShader::FromHead(const Vec& v) const {
-  const auto& r = pose_.head_from_rest;
-  return {r[0] * v.x + r[1] * v.y + r[2] * v.z,
-          r[3] * v.x + r[4] * v.y + r[5] * v.z,
-          r[6] * v.x + r[7] * v.y + r[8] * v.z};
 }
 
 HeadShader::Corner HeadShader::Interpolate(const SurfacePoint& point) const {
@@ -158,8 +136,7 @@ HeadShader::Corner HeadShader::Interpolate(const SurfacePoint& point) const {
     c.rest += b * head_.mesh.positions[v];
     c.rest_normal += b * rest_normals_[v];
     c.normal += b * normals_[v];
-    c.position +=
-        b * Vec{pose_.vertices[3 * v], pose_.vertices[3 * v + 1], pose_.vertices[3 * v + 2]};
+    c.position += b * pose_.vertices[v];
     c.occlusion += b * head_.ambient_occlusion[v];
     c.mouth += b * (l.mouth_ring == kNoRing ? -4.0f : float(l.mouth_ring));
     c.lid += b * (l.lid_ring == kNoRing ? 4.0f : float(l.lid_ring));
@@ -174,7 +151,7 @@ HeadShader::Corner HeadShader::Interpolate(const SurfacePoint& point) const {
 
 // Shade of the upper lid and its lashes on the eyeball, from the lids' present opening.
 float HeadShader::LidShadow(const Vec& position, bool left) const {
-  Vec d = ToHead(position - eye_centers_[left ? 0 : 1]);
+  const Vec d = RotatedBack(pose_.posed_from_rest, position - eye_centers_[left ? 0 : 1]);
   const EyeAngles a = AnglesAroundEye(left, EyeCenter(left) + d);
   const float along = std::clamp((a.azimuth + 3) / 65, -1.0f, 1.0f);
   const float blink = std::clamp(left ? pose_.blink_left : pose_.blink_right, 0.0f, 1.0f);
@@ -204,7 +181,8 @@ std::array<float, 3> HeadShader::Shade(const SurfacePoint& point) const {
   const Vec v = Normalized(eye_ - c.position);
   float occlusion = c.occlusion;
   if (c.lid < -1) occlusion *= std::max(0.2f, 1 + 0.5f * (c.lid + 1));
-  const Vec color = Illuminate(m, c.normal, m.hair > 0 ? FromHead(m.flow) : Vec{}, v, occlusion);
+  const Vec color = Illuminate(
+      m, c.normal, m.hair > 0 ? Rotated(pose_.posed_from_rest, m.flow) : Vec{}, v, occlusion);
   return Encode(c.mouth > 3 ? color * MouthOpenness(c.mouth) : color);
 }
 

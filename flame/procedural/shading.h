@@ -12,14 +12,15 @@ namespace cosplat::procedural {
 
 // What a frame's shading needs to know of its pose.
 struct ShadedPose {
-  std::vector<float> vertices;          // [V, 3] posed
-  std::array<float, 9> head_from_rest;  // rotation of the skull, row-major
+  std::vector<Vec> vertices;             // posed
+  std::array<float, 9> posed_from_rest;  // rotation of the skull, row-major
   float blink_left = 0, blink_right = 0;
 };
 
 class HeadShader : public Shader {
  public:
-  HeadShader(const ProceduralHead& head, const ShadedPose& pose, const std::array<float, 3>& eye);
+  // Keeps references to `head` and `pose`. `eye`: the camera's centre.
+  HeadShader(const ProceduralHead& head, const ShadedPose& pose, const Vec& eye);
   std::array<float, 3> Shade(const SurfacePoint& point) const override;
 
  private:
@@ -30,8 +31,6 @@ class HeadShader : public Shader {
   Corner Interpolate(const SurfacePoint& point) const;
   std::array<float, 3> ShadeEye(const Corner& c, bool left) const;
   float LidShadow(const Vec& position, bool left) const;
-  Vec ToHead(const Vec& v) const;  // world direction -> rest frame of the skull
-  Vec FromHead(const Vec& v) const;
 
   const ProceduralHead& head_;
   const ShadedPose& pose_;

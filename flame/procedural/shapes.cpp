@@ -86,7 +86,7 @@ std::vector<float> ShapeDirections(const HeadMesh& mesh) {
 }
 
 std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>& weights) {
-  const auto normals = VertexNormals(mesh);
+  const auto normals = VertexNormals(mesh.positions, mesh.faces);
   std::vector<float> directions;
   for (int feature = 0; feature < kFlamePoseFeatures; ++feature) {
     const int joint = 1 + feature / 9, row = feature % 9 / 3, column = feature % 3;

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "flame/io/model_file.h"
+#include "flame/math/rodrigues.h"
 #include "flame/pose.h"
 #include "flame/procedural/raster.h"
 #include "flame/procedural/shading.h"
@@ -29,31 +30,6 @@ void Check(const MakeHeadOptions& o) {
   if (o.test_frames < 0 || o.test_frames >= o.frames)
     refuse("test frames", o.test_frames, "0 or more and fewer than " + std::to_string(o.frames));
   if (o.size < 16 || o.size > 8192) refuse("size", o.size, "16 to 8192");
-}
-
-// Rotation that takes the model's rest frame to the skull: root, then neck (Rodrigues' formula).
-std::array<float, 9> RotationOf(const std::array<float, 3>& axis_angle) {
-  const procedural::Vec r{axis_angle[0], axis_angle[1], axis_angle[2]};
-  const float angle = procedural::Length(r);
-  const procedural::Vec a = angle > 0 ? r * (1 / angle) : procedural::Vec{1, 0, 0};
-  const float c = std::cos(angle), s = std::sin(angle), t = 1 - c;
-  return {t * a.x * a.x + c,
-          t * a.x * a.y - s * a.z,
-          t * a.x * a.z + s * a.y,
-          t * a.x * a.y + s * a.z,
-          t * a.y * a.y + c,
-          t * a.y * a.z - s * a.x,
-          t * a.x * a.z - s * a.y,
-          t * a.y * a.z + s * a.x,
-          t * a.z * a.z + c};
-}
-
-std::array<float, 9> Product(const std::array<float, 9>& a, const std::array<float, 9>& b) {
-  std::array<float, 9> c{};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k) c[3 * i + j] += a[3 * i + k] * b[3 * k + j];
-  return c;
 }
 
 Image8 AlphaOf(const Image8& rgba) {
@@ -106,14 +82,17 @@ Image8 RenderProceduralHead(const ProceduralHead& head,
                             const FlameParams& params,
                             const Camera& camera) {
   procedural::ShadedPose pose;
-  pose.vertices = vertices;
-  pose.head_from_rest = Product(RotationOf(params.pose[0]), RotationOf(params.pose[1]));
+  for (size_t i = 0; i < vertices.size(); i += 3)
+    pose.vertices.push_back({vertices[i], vertices[i + 1], vertices[i + 2]});
+  pose.posed_from_rest = flame_math::Times(flame_math::Rodrigues(params.pose[0]),
+                                           flame_math::Rodrigues(params.pose[1]));
   auto coefficient = [&](Expression e) {
     return size_t(e) < params.expression.size() ? params.expression[size_t(e)] : 0.0f;
   };
   pose.blink_left = coefficient(Expression::kBlinkLeft);
   pose.blink_right = coefficient(Expression::kBlinkRight);
-  const procedural::HeadShader shader(head, pose, camera.Center());
+  const auto eye = camera.Center();
+  const procedural::HeadShader shader(head, pose, {eye[0], eye[1], eye[2]});
   return procedural::Rasterize(vertices, head.model.faces, camera, shader);
 }
 
