@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,14 @@ struct CanonicalMesh {
   std::vector<std::array<int32_t, 3>> faces;  // [F]
 };
 
+// What FLAME does not cover: shoulders and clothes. A sheet below the neck (avatar/avatar_mesh.h)
+// that stays where the subject sat on average instead of turning with the head.
+struct Bust {
+  // world_from_canonical: p = rotation * p_canonical + translation; metres.
+  std::array<float, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
+  std::array<float, 3> translation{};
+};
+
 // Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`.
 struct Embedding {
   std::vector<int32_t> triangle;  // [N] face index
@@ -38,6 +47,7 @@ struct AvatarModel : Embedding {
   // rotation q and the area ratio are applied.
   Gaussians gaussians;
   ColorFrame color_frame = ColorFrame::kSurface;
+  std::optional<Bust> bust;  // `mesh` ends with its sheet where there is one
 
   // The FLAME model it was trained with: never embedded unless its licence allows.
   std::string flame_name;

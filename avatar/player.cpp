@@ -8,14 +8,14 @@ namespace cosplat {
 
 Player::Player(AvatarModel avatar, const FlameModel& flame)
     : avatar_(std::move(avatar)),
-      poser_(flame, avatar_.shape, avatar_.static_offset),
+      poser_(flame, avatar_.shape, avatar_.static_offset, avatar_.bust),
       surface_(avatar_.mesh),
       rasterizer_(MakeCpuRasterizer()),
       tape_(rasterizer_->MakeTape()) {
-  if (surface_.vertex_count() != size_t(flame.vertex_count))
+  if (surface_.vertex_count() != poser_.vertex_count())
     throw Error(flame.name,
                 "vertices",
-                std::to_string(flame.vertex_count) + " where the avatar's mesh has " +
+                std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
                     std::to_string(surface_.vertex_count()));
 }
 
@@ -23,7 +23,7 @@ void Player::RenderOver(const FlameParams& params,
                         const Camera& camera,
                         const std::array<float, 3>& background,
                         RenderedImage& out) {
-  poser_.Forward(FrameFor(poser_.model(), params), vertices_);
+  poser_.Forward(poser_.FrameFor(params), vertices_);
   surface_.Pose(vertices_);
   Bind(avatar_, surface_, posed_);
   rasterizer_->Forward(PosedView(avatar_.gaussians, posed_, avatar_.color_frame),
@@ -44,13 +44,6 @@ Image8 Player::Render(const FlameParams& params, const Camera& camera) {
   return bytes;
 }
 
-FlamePoser<float>::Frame FrameFor(const FlameModel& flame, const FlameParams& params) {
-  FlamePoser<float>::Frame frame = FlamePoser<float>::FrameOf(params);
-  if (frame.expression.size() > size_t(flame.expression_count))
-    frame.expression.resize(flame.expression_count);
-  return frame;
-}
-
 WorldGaussians PosedView(const Gaussians& gaussians,
                          const PosedGaussians& posed,
                          ColorFrame color_frame) {
@@ -60,15 +53,6 @@ WorldGaussians PosedView(const Gaussians& gaussians,
   view.scale_log = posed.scale_log.data();
   if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
   return view;
-}
-
-CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
-                                const std::vector<float>& shape,
-                                const std::vector<float>& static_offset) {
-  CanonicalMesh mesh;
-  mesh.faces = flame.faces;
-  FlamePoser<float>(flame, shape, static_offset).Forward({}, mesh.vertices);
-  return mesh;
 }
 
 }  // namespace cosplat

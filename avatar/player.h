@@ -5,11 +5,11 @@
 
 #include <memory>
 
+#include "avatar/avatar_mesh.h"
 #include "avatar/avatar_model.h"
 #include "avatar/binding.h"
 #include "avatar/surface.h"
 #include "flame/model.h"
-#include "flame/pose.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
@@ -36,7 +36,7 @@ class Player {
 
  private:
   AvatarModel avatar_;
-  FlamePoser<float> poser_;
+  AvatarPoser poser_;
   Surface surface_;
   PosedGaussians posed_;
   std::vector<float> vertices_;
@@ -44,17 +44,9 @@ class Player {
   std::unique_ptr<RenderTape> tape_;
 };
 
-// The frame's parameters with at most the model's number of expression coefficients.
-FlamePoser<float>::Frame FrameFor(const FlameModel& flame, const FlameParams& params);
-
 // The Gaussians of one posed surface as the rasteriser takes them.
 WorldGaussians PosedView(const Gaussians& gaussians,
                          const PosedGaussians& posed,
                          ColorFrame color_frame);
-
-// The subject's shape at zero expression and pose.
-CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
-                                const std::vector<float>& shape,
-                                const std::vector<float>& static_offset);
 
 }  // namespace cosplat

@@ -61,15 +61,17 @@ std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,
                             const Camera& camera) {
-  if (topology.boundary_loops.size() != 2) return {0, 0, 0, 0};
   const auto mean_height = [&](const std::vector<int32_t>& loop) {
     double sum = 0;
     for (const int32_t v : loop) sum += canonical_vertices[3 * size_t(v) + 1];
     return sum / double(loop.size());
   };
-  const auto& a = topology.boundary_loops[0];
-  const auto& b = topology.boundary_loops[1];
-  const std::vector<int32_t>& mouth = mean_height(a) > mean_height(b) ? a : b;
+  const auto& loops = topology.boundary_loops;
+  if (loops.size() < 2) return {0, 0, 0, 0};
+  const std::vector<int32_t>& mouth =
+      *std::max_element(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {
+        return mean_height(a) < mean_height(b);
+      });
   float x0 = 1e9f, x1 = -1e9f, y0 = 1e9f, y1 = -1e9f;
   for (const int32_t v : mouth) {
     const ScreenPoint p = Project(vertices, v, camera);

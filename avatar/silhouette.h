@@ -18,8 +18,8 @@ std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
                                     const Camera& camera);
 
 // x, y, width, height in px, within the image: the box of the mesh's uppermost boundary loop (the
-// lips, in FLAME's make-up; the other loop is the neck's) enlarged by half of its size on each side.
-// All zero where there are not two loops or the box is outside.
+// lips, in FLAME's make-up; below are the neck's and a bust's) enlarged by half of its size on each
+// side. All zero where there are not at least two loops or the box is outside.
 std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,

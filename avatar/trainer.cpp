@@ -7,6 +7,7 @@
 
 #include "avatar/player.h"
 #include "avatar/sample.h"
+#include "avatar/silhouette.h"
 #include "splat/base/error.h"
 #include "splat/math/adam.h"
 
@@ -19,23 +20,26 @@ constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
 constexpr float kInitialOpacity = 0.1f;
 
+// A bust is added where more than this share of what the masks show lies beyond the head's mesh.
+constexpr double kBustShare = 0.1;
+constexpr size_t kBustFrames = 5;
+
 template <class F>
-void ForEachNumber(FlamePoser<float>::Frame& a, const F& f) {
+void ForEachNumber(AvatarPoser::Frame& a, const F& f) {
   for (size_t k = 0; k < a.expression.size(); ++k) f(0, k, a.expression[k]);
   for (size_t j = 0; j < a.pose.size(); ++j)
     for (size_t k = 0; k < 3; ++k) f(1, 3 * j + k, a.pose[j][k]);
   for (size_t k = 0; k < 3; ++k) f(2, k, a.translation[k]);
 }
 
-float* NumberOf(FlamePoser<float>::Frame& a, int group, size_t k) {
+float* NumberOf(AvatarPoser::Frame& a, int group, size_t k) {
   if (group == 0) return &a.expression[k];
   return group == 1 ? &a.pose[k / 3][k % 3] : &a.translation[k];
 }
 
 }  // namespace
 
-void ScaleToMesh(const CanonicalMesh& mesh, TrainSettings& settings) {
-  const float unit = MeshUnit(mesh);
+void ScaleToUnit(float unit, TrainSettings& settings) {
   settings.density.split_scale = kSplitScale * unit;
   settings.density.max_scale = kMaxScale * unit;
   settings.scale_regularizer.limit = kNeedleScale * unit;
@@ -47,13 +51,16 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
     : flame_(flame),
       video_(std::move(video)),
       settings_(settings),
-      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset)),
-      poser_(flame, video_.shape, video_.static_offset),
+      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
       surface_(mesh_),
       unit_(MeshUnit(mesh_)) {
+  LoadFrames();
+  if (settings_.bust == AvatarSettings::BustChoice::kYes ||
+      (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))
+    AddBust();
+  poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
   for (size_t f = 0; f < mesh_.faces.size(); ++f)
     inverse_edge_.push_back(float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12))));
-  LoadFrames();
 }
 
 AvatarSubject::~AvatarSubject() = default;
@@ -82,7 +89,7 @@ void AvatarSubject::LoadFrames() {
     }
     frames_.push_back({frame.camera, std::move(images[i])});
     RefinedFrame refined;
-    refined.params = FrameFor(flame_, frame.params);
+    refined.params = FlamePoser<float>::FrameOf(frame.params);
     refined.params.expression.resize(flame_.expression_count, 0.0f);
     refined.m.expression.resize(flame_.expression_count, 0.0f);
     refined.v.expression.resize(flame_.expression_count, 0.0f);
@@ -91,6 +98,34 @@ void AvatarSubject::LoadFrames() {
   }
   CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
   video_.train = std::move(usable);
+}
+
+// Whether a good part of what the masks show is beyond the mesh: hair is, but far less than a bust.
+bool AvatarSubject::NeedsBust() const {
+  const AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
+  std::vector<float> vertices;
+  size_t shown = 0, beyond = 0;
+  for (size_t k = 0; k < std::min(kBustFrames, frames_.size()); ++k) {
+    const size_t f = k * frames_.size() / kBustFrames;
+    const Image8& target = frames_[f].target;
+    if (target.channels != 4) return false;  // no masks: nothing says what is the subject
+    head.Forward(params_[f].params, vertices);
+    const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
+    for (size_t p = 0; p < covered.size(); ++p) {
+      if (target.data[4 * p + 3] < 128) continue;
+      ++shown;
+      beyond += !covered[p];
+    }
+  }
+  return shown > 0 && double(beyond) > kBustShare * double(shown);
+}
+
+void AvatarSubject::AddBust() {
+  std::vector<FlameParams> track;
+  for (const TrackedFrame& frame : video_.train) track.push_back(frame.params);
+  bust_ = MeanBust(flame_, video_.shape, video_.static_offset, track);
+  mesh_ = MakeCanonicalMesh(flame_, video_.shape, video_.static_offset, bust_);
+  surface_ = Surface(mesh_);
 }
 
 Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed) {
@@ -120,6 +155,7 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   static_cast<Embedding&>(model) = embedding_;
   model.mesh = mesh_;
   model.gaussians = gaussians;
+  model.bust = bust_;
   model.color_frame = settings_.color_frame;
   model.flame_name = flame_.name;
   model.flame_sha256 = flame_.sha256;
@@ -148,7 +184,7 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
 }
 
 void AvatarSubject::PoseFrame(size_t i) {
-  poser_.Forward(params_[i].params, vertices_);
+  poser_->Forward(params_[i].params, vertices_);
   surface_.Pose(vertices_);
 }
 
@@ -186,7 +222,7 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradien
 // One Adam step on the current frame's own parameters.
 void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
   RefinedFrame& frame = params_[current_];
-  Frame gradient = poser_.Backward(frame.params, d_vertices);
+  Frame gradient = poser_->Backward(frame.params, d_vertices);
   gradient.expression.resize(frame.params.expression.size(), 0.0f);
   const float rates[3] = {
       settings_.expression_rate, settings_.pose_rate, settings_.translation_rate};

@@ -1,21 +1,22 @@
 // Head avatars in the training loop of splat/trainer.h.
 //
-// TrackedVideo frame -> FlamePoser -> Surface -> Bind -> rasteriser -> loss -> BindBackward -> Adam;
-// with --refine-track on to the frame's pose, translation and expression. Every so often Gaussians
-// walk on the triangles, and density control re-embeds what it splits.
-// Source: Shao et al. 2024 (SplattingAvatar).
+// TrackedVideo frame -> FlamePoser -> Surface -> Bind -> rasteriser -> loss -> BindBackward ->
+// Adam; with --refine-track on to the frame's pose, translation and expression. Every so often
+// Gaussians walk on the triangles, and density control re-embeds what it splits. Source: Shao et
+// al. 2024 (SplattingAvatar).
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "avatar/avatar_mesh.h"
 #include "avatar/avatar_model.h"
 #include "avatar/binding.h"
 #include "avatar/surface.h"
 #include "avatar/walk.h"
 #include "flame/model.h"
-#include "flame/pose.h"
 #include "flame/track.h"
 #include "splat/trainer.h"
 
@@ -25,6 +26,8 @@ struct AvatarSettings {
   size_t initial_gaussians = 10000;  // SplattingAvatar
   ColorFrame color_frame = ColorFrame::kSurface;
   int walk_every = 100;  // steps (SplattingAvatar)
+  // A bust for what lies below the neck: kAuto where the masks show more than the mesh covers.
+  enum class BustChoice { kAuto, kYes, kNo } bust = BustChoice::kAuto;
   bool refine_track = false;
   // GaussianAvatars' rates for the track.
   float pose_rate = 1e-5f;         // radians per step
@@ -32,9 +35,9 @@ struct AvatarSettings {
   float expression_rate = 1e-3f;
 };
 
-// SplattingAvatar's and 3DGS's settings with every length scaled to this subject's mesh:
-// clone/split boundary 0.02, largest scale 0.2, needles from 0.008, in units of a 4x FLAME mesh.
-void ScaleToMesh(const CanonicalMesh& mesh, TrainSettings& settings);
+// Lengths of SplattingAvatar in metres of this subject: clone/split boundary 0.02, largest scale
+// 0.2, needles from 0.008, times `unit` (metres per unit of a 4x FLAME mesh).
+void ScaleToUnit(float unit, TrainSettings& settings);
 
 class AvatarSubject : public Subject {
  public:
@@ -70,13 +73,15 @@ class AvatarSubject : public Subject {
   void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) override;
 
  private:
-  using Frame = FlamePoser<float>::Frame;
+  using Frame = AvatarPoser::Frame;
   struct RefinedFrame {
     Frame params, m, v;
     int64_t step = 0;
   };
 
   void LoadFrames();
+  bool NeedsBust() const;
+  void AddBust();
   void PoseFrame(size_t i);
   void RefineFrame(const std::vector<float>& d_vertices);
   std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
@@ -85,9 +90,10 @@ class AvatarSubject : public Subject {
   TrackedVideo video_;
   AvatarSettings settings_;
   CanonicalMesh mesh_;
-  FlamePoser<float> poser_;
+  std::optional<Bust> bust_;
+  std::unique_ptr<AvatarPoser> poser_;
   Surface surface_;
-  float unit_ = 1;  // metres per unit of a 4x FLAME mesh, for this subject
+  float unit_ = 1;                   // metres per unit of a 4x FLAME mesh, for this subject
   std::vector<float> inverse_edge_;  // [F] 1 / sqrt(2 A): barycentric units per metre
   std::vector<TrainFrame> frames_;
   std::vector<RefinedFrame> params_;  // [frames]

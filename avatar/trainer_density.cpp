@@ -87,10 +87,18 @@ void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& remo
     const Camera& camera = frames_[f].camera;
     PoseFrame(f);
     Bind(gaussians, embedding_, surface_, posed_);
-    rasterizer->Forward(PosedView(gaussians, posed_, ColorFrame::kWorld), gaussians.basis, camera,
-                        {{0, 0, 0}, 0}, before, *tape);
-    rasterizer->Forward(PosedView(thinned, posed_, ColorFrame::kWorld), gaussians.basis, camera,
-                        {{0, 0, 0}, 0}, after, *thin_tape);
+    rasterizer->Forward(PosedView(gaussians, posed_, ColorFrame::kWorld),
+                        gaussians.basis,
+                        camera,
+                        {{0, 0, 0}, 0},
+                        before,
+                        *tape);
+    rasterizer->Forward(PosedView(thinned, posed_, ColorFrame::kWorld),
+                        gaussians.basis,
+                        camera,
+                        {{0, 0, 0}, 0},
+                        after,
+                        *thin_tape);
     const std::vector<uint8_t> inside = MeshSilhouette(vertices_, mesh_.faces, camera);
     std::vector<std::array<float, 2>> holes;
     for (size_t p = 0; p < inside.size(); ++p)

@@ -80,6 +80,28 @@ void SplitLastFrames(int count, TrackedVideo& video) {
   video.train.erase(first, video.train.end());
 }
 
+// Trackers that hold the head in place write a camera of its own for every frame. Where those
+// cameras differ only in their translation, it is the head that moved before a camera standing
+// still: p_cam = R x + t_i = R (x + R^T (t_i - t_0)) + t_0. The pictures are the same; what does
+// not move with the head (a bust, the light) then keeps its place in the world.
+void HoldCameraStill(TrackedVideo& video) {
+  std::vector<TrackedFrame*> frames;
+  for (auto* list : {&video.train, &video.test})
+    for (TrackedFrame& frame : *list) frames.push_back(&frame);
+  if (frames.empty()) return;
+  const Camera first = frames[0]->camera;
+  for (const TrackedFrame* frame : frames)
+    if (frame->camera.rotation != first.rotation || frame->camera_index != frames[0]->camera_index)
+      return;
+  for (TrackedFrame* frame : frames) {
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        frame->params.translation[i] +=
+            first.rotation[3 * k + i] * (frame->camera.translation[k] - first.translation[k]);
+    frame->camera.translation = first.translation;
+  }
+}
+
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options) {
   if (options.resolution < 1)
     throw Error("", "resolution", std::to_string(options.resolution) + " is not positive");
@@ -102,6 +124,7 @@ TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& optio
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && video.layout != "npz")
     throw Error(path, "", "holds no frames to train on");
+  HoldCameraStill(video);
   return video;
 }
 

@@ -51,7 +51,8 @@ struct TrackOptions {
 // Finds the layout by what `path` is: a folder with flame_params.json (IMavatar) or
 // transforms_train.json (VHAP, GaussianAvatars), or a driving sequence *.npz, whose frames are all
 // in `test` and have no images. Throws Error when there is none of these, when the set is empty or
-// when more than a third of the frames cannot be used.
+// when more than a third of the frames cannot be used. Where one camera only ever moves without
+// turning, it is taken to stand still and the head to move instead.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
 
 // RGBA at the frame's camera size; alpha 255 everywhere when there is neither mask nor alpha.

@@ -116,7 +116,7 @@ void TestImageWriter::Finish() {
                         std::string("{\"") + kMouth + "\": {\n " + regions_ + "}}\n");
 }
 
-TestSummary EvaluateTestImages(const std::string& folder) {
+TestSummary EvaluateTestImages(const std::string& folder, int iteration) {
   Json results = Json::object(), per_view = Json::object();
   TestSummary summary;
   int latest = -1;
@@ -130,9 +130,9 @@ TestSummary EvaluateTestImages(const std::string& folder) {
       results[name][figure] = Mean(values);
       per_view[name][figure] = values;
     }
-    const int iteration = std::atoi(name.c_str() + 5);
-    if (iteration < latest) continue;
-    latest = iteration;
+    const int number = std::atoi(name.c_str() + 5);
+    if (iteration >= 0 ? number != iteration : number < latest) continue;
+    latest = number;
     summary.views = figures.at("PSNR").size();
     summary.psnr = Mean(figures.at("PSNR"));
     summary.ssim = Mean(figures.at("SSIM"));

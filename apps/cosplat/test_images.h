@@ -32,9 +32,10 @@ class TestImageWriter {
   std::string regions_;
 };
 
-// Reads test/ours_*/ of a run, writes results.json and per_view.json, returns the latest's means.
-// Throws Error when there is nothing to read.
-TestSummary EvaluateTestImages(const std::string& folder);
+// Reads test/ours_*/ of a run, writes results.json and per_view.json with all of them, returns the
+// means of ours_<iteration>, or of the highest when that is negative. Throws Error when it is
+// absent.
+TestSummary EvaluateTestImages(const std::string& folder, int iteration = -1);
 
 // "PSNR 29.31 dB  SSIM 0.9012  (7 views)".
 std::string ToString(const TestSummary& summary);

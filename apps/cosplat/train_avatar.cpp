@@ -7,7 +7,7 @@
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_options.h"
-
+#include "avatar/avatar_file.h"
 #include "avatar/player.h"
 #include "avatar/silhouette.h"
 #include "avatar/trainer.h"
@@ -28,6 +28,7 @@ struct AvatarOptions : TrainOptions {
   std::string flame;
   int test_frames = -1;
   std::string color_frame = "surface";
+  std::string bust = "auto";
   bool embed_flame = false;
   AvatarSettings avatar;
 };
@@ -101,6 +102,10 @@ void Save(const AvatarOptions& o,
   splats.values[kRotation] = rest.rotation;
   splats.values[kScaleLog] = rest.scale_log;
   SaveSplats(o.model, trainer.state().iteration, std::move(splats));
+  AvatarFileOptions file;
+  file.embed_flame = o.embed_flame;
+  file.truncate_degree = true;  // the exact coefficients are in our own extension
+  WriteAvatarGlb(o.model + "/avatar.glb", model, &flame, file);
 }
 
 void ReportSkipped(const TrackedVideo& video) {
@@ -155,14 +160,13 @@ void Train(AvatarOptions o, const std::string& config) {
   AvatarSubject subject(flame, LoadVideo(o), o.avatar);
   const TrackedVideo& video = subject.video();
   TrainSettings settings = o.ToSettings(1);
-  ScaleToMesh(MakeCanonicalMesh(flame, video.shape, video.static_offset), settings);
+  ScaleToUnit(subject.extent(), settings);
   settings.density.group_cap = kGaussiansPerTriangle;
   ApplyPreset(o, settings);
   if (!o.quiet) ReportSkipped(video);
   SaveInputs(o, video, config);
-  Trainer trainer(settings,
-                  subject,
-                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
+  Trainer trainer(
+      settings, subject, subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test frames of %dx%d\n",
                 video.layout.c_str(),
@@ -183,7 +187,7 @@ void Train(AvatarOptions o, const std::string& config) {
         WithThousands(statistics.gaussians).c_str(),
         100 * subject.WalkedShare());
   if (o.eval && !video.test.empty()) {
-    const TestSummary summary = EvaluateTestImages(o.model);
+    const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
     if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
   }
 }
@@ -204,6 +208,11 @@ void AddTrainAvatar(CLI::App& app) {
                    o->color_frame,
                    "surface: colours see the direction in the skin's frame; world: in the world's")
       ->check(CLI::IsMember({"surface", "world"}));
+  command
+      ->add_option("--bust",
+                   o->bust,
+                   "a sheet for shoulders, which FLAME lacks: yes, no, or auto by the masks")
+      ->check(CLI::IsMember({"auto", "yes", "no"}));
   command->add_flag("--refine-track",
                     o->avatar.refine_track,
                     "improve pose, translation and expression of the training frames along");
@@ -217,6 +226,9 @@ void AddTrainAvatar(CLI::App& app) {
       ->check(CLI::IsMember({"default", "splattingavatar", "3dgs"}));
   command->callback([o, &app] {
     o->avatar.color_frame = o->color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
+    using BustChoice = AvatarSettings::BustChoice;
+    o->avatar.bust = o->bust == "yes" ? BustChoice::kYes
+                                      : (o->bust == "no" ? BustChoice::kNo : BustChoice::kAuto);
     Train(*o, app.config_to_str(true, true));
   });
 }

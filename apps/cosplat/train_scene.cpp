@@ -122,7 +122,7 @@ void Train(SceneOptionsAll o, const std::string& config) {
                 statistics.ms_per_step,
                 WithThousands(statistics.gaussians).c_str());
   if (!scene.test.empty()) {
-    const TestSummary summary = EvaluateTestImages(o.model);
+    const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
     if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
   }
 }

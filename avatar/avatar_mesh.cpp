@@ -1,0 +1,149 @@
+#include "avatar/avatar_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "flame/topology.h"
+#include "splat/math/quat.h"
+
+namespace cosplat {
+namespace {
+
+using math::Quat;
+using math::Vec3;
+
+// The sheet, relative to the neck's opening and in units of the neck's mean radius: about 60 cm
+// across and 40 cm down on a grown head. Its exact shape matters little: Gaussians walk on it and
+// leave it along its normal.
+constexpr int kColumns = 40, kRows = 20;
+constexpr float kHalfWidth = 5.5f;  // of the shoulders
+constexpr float kHeight = 6.5f;     // from the collar down
+constexpr float kSlope = 1.6f;      // how far the shoulders' ends lie below the collar
+constexpr float kBulge = 1.8f;      // how far the chest stands out in front of its sides
+constexpr float kOverlap = 0.4f;    // how far the collar reaches up over the neck's rim
+
+struct NeckRim {
+  Vec3<float> center{0, 0, 0};
+  float radius = 0;
+};
+
+// The lowest boundary loop (FLAME's axes: y up).
+NeckRim FindNeckRim(const FlameModel& flame, const std::vector<float>& vertices) {
+  const MeshTopology topology = BuildTopology(flame.name, flame.faces, flame.vertex_count);
+  NeckRim lowest;
+  lowest.center.y = 1e30f;
+  for (const std::vector<int32_t>& loop : topology.boundary_loops) {
+    NeckRim rim;
+    for (const int32_t v : loop)
+      rim.center += Vec3<float>{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]} *
+                    (1.0f / float(loop.size()));
+    for (const int32_t v : loop)
+      rim.radius += std::hypot(vertices[3 * v] - rim.center.x, vertices[3 * v + 2] - rim.center.z) /
+                    float(loop.size());
+    if (rim.center.y < lowest.center.y) lowest = rim;
+  }
+  return lowest;
+}
+
+// Appends the sheet to the head's canonical mesh.
+void AppendBust(const FlameModel& flame, CanonicalMesh& mesh) {
+  const NeckRim rim = FindNeckRim(flame, mesh.vertices);
+  const int first = int(mesh.vertices.size() / 3);
+  for (int r = 0; r <= kRows; ++r)
+    for (int c = 0; c <= kColumns; ++c) {
+      const float across = 2.0f * c / kColumns - 1, down = float(r) / kRows;
+      const float top = kOverlap - kSlope * across * across;
+      mesh.vertices.push_back(rim.center.x + rim.radius * kHalfWidth * across);
+      mesh.vertices.push_back(rim.center.y + rim.radius * (top - kHeight * down));
+      mesh.vertices.push_back(rim.center.z + rim.radius * kBulge * (0.5f - across * across));
+    }
+  for (int r = 0; r < kRows; ++r)
+    for (int c = 0; c < kColumns; ++c) {
+      const int32_t a = first + r * (kColumns + 1) + c, b = a + 1, d = a + kColumns + 1, e = d + 1;
+      mesh.faces.push_back({a, d, e});  // counter-clockwise seen from the front
+      mesh.faces.push_back({a, e, b});
+    }
+}
+
+CanonicalMesh HeadMesh(const FlameModel& flame,
+                       const std::vector<float>& shape,
+                       const std::vector<float>& static_offset) {
+  CanonicalMesh mesh;
+  mesh.faces = flame.faces;
+  FlamePoser<float>(flame, shape, static_offset).Forward({}, mesh.vertices);
+  return mesh;
+}
+
+}  // namespace
+
+CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
+                                const std::vector<float>& shape,
+                                const std::vector<float>& static_offset,
+                                const std::optional<Bust>& bust) {
+  CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
+  if (bust) AppendBust(flame, mesh);
+  return mesh;
+}
+
+AvatarPoser::AvatarPoser(const FlameModel& flame,
+                         const std::vector<float>& shape,
+                         const std::vector<float>& static_offset,
+                         const std::optional<Bust>& bust)
+    : poser_(flame, shape, static_offset), flame_vertices_(flame.vertex_count) {
+  if (!bust) return;
+  const CanonicalMesh mesh = MakeCanonicalMesh(flame, shape, static_offset, bust);
+  for (size_t i = 3 * flame_vertices_; i < mesh.vertices.size(); i += 3)
+    for (int r = 0; r < 3; ++r)
+      posed_bust_.push_back(bust->rotation[3 * r] * mesh.vertices[i] +
+                            bust->rotation[3 * r + 1] * mesh.vertices[i + 1] +
+                            bust->rotation[3 * r + 2] * mesh.vertices[i + 2] +
+                            bust->translation[r]);
+}
+
+AvatarPoser::Frame AvatarPoser::FrameFor(const FlameParams& params) const {
+  Frame frame = FlamePoser<float>::FrameOf(params);
+  const size_t most = poser_.model().expression_count;
+  if (frame.expression.size() > most) frame.expression.resize(most);
+  return frame;
+}
+
+void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) const {
+  poser_.Forward(frame, vertices);
+  vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
+}
+
+AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame,
+                                         const std::vector<float>& d_vertices) const {
+  return poser_.Backward(frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_});
+}
+
+Bust MeanBust(const FlameModel& flame,
+              const std::vector<float>& shape,
+              const std::vector<float>& static_offset,
+              const std::vector<FlameParams>& frames) {
+  const CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
+  Vec3<float> root{0, 0, 0};  // the joint that FLAME turns about
+  for (int v = 0; v < flame.vertex_count; ++v)
+    root += Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]} *
+            flame.joint_regressor[v];
+  Quat<float> sum{0, 0, 0, 0}, first{1, 0, 0, 0};
+  Vec3<float> translation{0, 0, 0};
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const auto& r = frames[i].pose[0];
+    const float angle = std::hypot(r[0], r[1], r[2]);
+    const float s = angle > 1e-6f ? std::sin(angle / 2) / angle : 0.5f;
+    Quat<float> q{std::cos(angle / 2), r[0] * s, r[1] * s, r[2] * s};
+    if (i == 0) first = q;
+    sum = sum + q * (Dot(q, first) < 0 ? -1.0f : 1.0f);
+    const auto& t = frames[i].translation;
+    translation += Vec3<float>{t[0], t[1], t[2]} * (1.0f / float(frames.size()));
+  }
+  const math::Mat3<float> rotation = math::RotationOf(math::Normalize(sum));
+  const Vec3<float> offset = root - rotation * root + translation;
+  Bust bust;
+  std::copy(rotation.m, rotation.m + 9, bust.rotation.begin());
+  bust.translation = {offset.x, offset.y, offset.z};
+  return bust;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,54 @@
+// The mesh that an avatar's Gaussians live on: FLAME's head and, where the subject needs it, a
+// bust.
+//
+// FlameModel + shape -> MakeCanonicalMesh -> Surface; FlameParams -> AvatarPoser -> posed vertices
+// -> Surface::Pose. FLAME ends at the neck and turns as a whole with the head's root joint;
+// shoulders bound to it would swing with every nod (GaussianAvatars issue 97). The bust is a sheet
+// of its own that keeps still in the world.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "avatar/avatar_model.h"
+#include "flame/model.h"
+#include "flame/pose.h"
+
+namespace cosplat {
+
+// The subject's shape at zero expression and pose; the bust's vertices and faces come last.
+CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
+                                const std::vector<float>& shape,
+                                const std::vector<float>& static_offset,
+                                const std::optional<Bust>& bust);
+
+class AvatarPoser {
+ public:
+  using Frame = FlamePoser<float>::Frame;
+
+  // Keeps a reference to `flame`.
+  AvatarPoser(const FlameModel& flame,
+              const std::vector<float>& shape,
+              const std::vector<float>& static_offset,
+              const std::optional<Bust>& bust);
+
+  // The frame's parameters; expression coefficients beyond the model's are left out.
+  Frame FrameFor(const FlameParams& params) const;
+  // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite.
+  void Forward(const Frame& frame, std::vector<float>& vertices) const;
+  Frame Backward(const Frame& frame, const std::vector<float>& d_vertices) const;
+  size_t vertex_count() const { return flame_vertices_ + posed_bust_.size() / 3; }
+
+ private:
+  FlamePoser<float> poser_;
+  size_t flame_vertices_;
+  std::vector<float> posed_bust_;  // [K, 3] metres, the same in every frame
+};
+
+// Where the bust stands: the mean of the frames' root transforms.
+Bust MeanBust(const FlameModel& flame,
+              const std::vector<float>& shape,
+              const std::vector<float>& static_offset,
+              const std::vector<FlameParams>& frames);
+
+}  // namespace cosplat
