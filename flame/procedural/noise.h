@@ -1,7 +1,6 @@
 // Lattice noise without tables: the same values everywhere, from integer hashes only.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "flame/procedural/vec.h"
@@ -19,12 +18,17 @@ inline uint32_t Hash(int x, int y, int z) {
 }
 inline float HashUnit(int x, int y, int z) { return float(Hash(x, y, z) >> 8) * 0x1p-24f; }
 
+// Without a call: the baseline instruction set has no rounding instruction.
+inline int FloorOf(float x) {
+  const int i = int(x);
+  return i - (float(i) > x);
+}
+
 // Smooth value noise in [0, 1], mean 1/2; one lattice cell per unit.
 inline float Noise(const Vec& p) {
-  const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
-  const int x = int(fx), y = int(fy), z = int(fz);
+  const int x = FloorOf(p.x), y = FloorOf(p.y), z = FloorOf(p.z);
   auto fade = [](float t) { return t * t * (3 - 2 * t); };
-  const float u = fade(p.x - fx), v = fade(p.y - fy), w = fade(p.z - fz);
+  const float u = fade(p.x - float(x)), v = fade(p.y - float(y)), w = fade(p.z - float(z));
   auto row = [&](int dy, int dz) {
     return Mix(HashUnit(x, y + dy, z + dz), HashUnit(x + 1, y + dy, z + dz), u);
   };
@@ -33,12 +37,11 @@ inline float Noise(const Vec& p) {
 
 // The same in the plane, repeating every `period` cells of x (0: never); `seed` picks another one.
 inline float Noise2(float x, float y, int period, int seed) {
-  const float fx = std::floor(x), fy = std::floor(y);
+  const int ix = FloorOf(x), iy = FloorOf(y);
   auto fade = [](float t) { return t * t * (3 - 2 * t); };
-  const float u = fade(x - fx), v = fade(y - fy);
-  const int iy = int(fy);
+  const float u = fade(x - float(ix)), v = fade(y - float(iy));
   auto wrap = [&](int i) { return period > 0 ? ((i % period) + period) % period : i; };
-  const int x0 = wrap(int(fx)), x1 = wrap(int(fx) + 1);
+  const int x0 = wrap(ix), x1 = wrap(ix + 1);
   return Mix(Mix(HashUnit(x0, iy, seed), HashUnit(x1, iy, seed), u),
              Mix(HashUnit(x0, iy + 1, seed), HashUnit(x1, iy + 1, seed), u),
              v);

@@ -190,7 +190,7 @@ void Resolve(const Band& band,
       if (covered == 0) continue;
       uint8_t* pixel = &image.at(x, band.first_row / kSamples + y, 0);
       for (int c = 0; c < 3; ++c)
-        pixel[c] = uint8_t(std::lround(255 * std::clamp(color[c] / covered, 0.0f, 1.0f)));
+        pixel[c] = uint8_t(255 * std::clamp(color[c] / covered, 0.0f, 1.0f) + 0.5f);
       pixel[3] = uint8_t((255 * covered + 8) / (kSamples * kSamples));
     }
 }
