@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "avatar/avatar_mesh.h"
 #include "avatar/binding.h"
 #include "avatar/io/binding_extension.h"
 #include "avatar/surface.h"
-#include "flame/pose.h"
 #include "splat/base/error.h"
 #include "splat/io/glb.h"
 #include "splat/io/splat_primitive.h"
@@ -51,8 +51,14 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
     throw Error(path, "mesh", "is empty: attach it from the FLAME model first");
   CheckArray(path, "shape", model.shape, model.shape.size());
   CheckArray(path, "background", model.background, 3);
-  if (!model.static_offset.empty())
-    CheckArray(path, "static_offset", model.static_offset, model.mesh.vertices.size());
+  if (model.bust) {
+    CheckArray(path, "bust rotation", model.bust->rotation, 9);
+    CheckArray(path, "bust translation", model.bust->translation, 3);
+  }
+  // With a bust the mesh goes on behind FLAME's vertices, which alone have an offset.
+  const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
+  const bool shorter = model.bust && offsets < most && offsets % 3 == 0;
+  if (offsets > 0) CheckArray(path, "static_offset", model.static_offset, shorter ? offsets : most);
 }
 
 std::string Shown(const std::string& name, const std::string& sha256) {
@@ -67,16 +73,19 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
                     Shown(model.flame_name, model.flame_sha256));
 }
 
+// FLAME's vertices and faces come first; behind them there may be a bust's.
 void CheckTopology(const std::string& where, const AvatarModel& model, const FlameModel& flame) {
-  if (model.mesh.vertices.size() != 3 * size_t(flame.vertex_count) ||
-      model.mesh.faces != flame.faces)
+  const size_t vertices = model.mesh.vertices.size() / 3, faces = model.mesh.faces.size();
+  const bool same_size = vertices == size_t(flame.vertex_count) && faces == flame.faces.size();
+  const bool larger = vertices > size_t(flame.vertex_count) && faces > flame.faces.size();
+  if (!(model.bust ? larger : same_size) ||
+      !std::equal(flame.faces.begin(), flame.faces.end(), model.mesh.faces.begin()))
     throw Error(where,
                 "flame",
                 "'" + flame.name + "' has " + std::to_string(flame.vertex_count) +
                     " vertices and " + std::to_string(flame.faces.size()) +
-                    " faces, the avatar's mesh has " +
-                    std::to_string(model.mesh.vertices.size() / 3) + " and " +
-                    std::to_string(model.mesh.faces.size()) + " or other corners");
+                    " faces, the avatar's mesh has " + std::to_string(vertices) + " and " +
+                    std::to_string(faces) + " or other corners");
 }
 
 // The canonical mesh as triangles, with a morph target per expression direction: at zero pose
@@ -90,8 +99,9 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
   GlbMesh mesh{"canonical mesh", {}, {}};
   const int expressions = flame ? flame->expression_count : 0;
   for (int e = 0; e < expressions; ++e) {
-    const size_t size = model.mesh.vertices.size();
-    const View<const float> direction(flame->expression_directions.data() + e * size, size);
+    const size_t size = 3 * size_t(flame->vertex_count);
+    std::vector<float> direction(model.mesh.vertices.size());  // a bust does not move
+    std::copy_n(&flame->expression_directions[e * size], size, direction.begin());
     primitive.targets.push_back(
         {{"POSITION", AddFloats(document, direction, 3, GlbUse::kPosition)}});
     mesh.extras["targetNames"].push_back("expression_" + std::to_string(e));
@@ -150,9 +160,7 @@ AvatarModel ReadAvatarGlb(const std::string& path) {
 void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
   if (!ignore_hash) CheckFlame("avatar", model, flame);
   if (model.mesh.faces.empty()) {
-    CanonicalMesh mesh;
-    mesh.faces = flame.faces;
-    FlamePoser<float>(flame, model.shape, model.static_offset).Forward({}, mesh.vertices);
+    CanonicalMesh mesh = MakeCanonicalMesh(flame, model.shape, model.static_offset, model.bust);
     for (int32_t triangle : model.triangle)
       if (size_t(triangle) >= mesh.faces.size())
         throw Error("avatar",
@@ -194,7 +202,7 @@ std::string ToString(const GlbSummary& summary) {
             (a.has_static_offset ? "a" : "no") + " static offset\n";
     text +=
         "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
-        std::to_string(a.face_count) + " faces, " +
+        std::to_string(a.face_count) + " faces" + (a.has_bust ? " with a bust, " : ", ") +
         (a.has_mesh ? "in the file with " + std::to_string(a.expression_count) + " morph targets\n"
                     : "not in the file: made from the FLAME model\n");
   }

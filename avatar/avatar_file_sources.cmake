@@ -4,4 +4,4 @@ cosplat_library(avatar_file
   ${CMAKE_CURRENT_LIST_DIR}/io/binding_reader.cpp
   ${CMAKE_CURRENT_LIST_DIR}/io/binding_writer.cpp)
 target_link_libraries(cosplat_avatar_file
-  PUBLIC cosplat::binding cosplat::data cosplat::flame)
+  PUBLIC cosplat::binding cosplat::data cosplat::flame PRIVATE cosplat::player)

@@ -49,7 +49,13 @@ void FillFloats(const GlbDocument& document,
   model.gaussians.values[attribute].assign(values.begin(), values.end());
 }
 
-// Everything of the binding that is no array.
+template <size_t kCount>
+void FillNumbers(const JsonField& field, std::array<float, kCount>& out) {
+  const std::vector<float> numbers = field.Numbers(kCount);
+  std::copy(numbers.begin(), numbers.end(), out.begin());
+}
+
+// Everything of the binding that is no accessor.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
   const int version = binding["version"].Integer();
   if (version != kBindingVersion)
@@ -67,8 +73,11 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
       frame == ToString(ColorFrame::kWorld) ? ColorFrame::kWorld : ColorFrame::kSurface;
   model.flame_name = binding["flame"]["name"].String();
   model.flame_sha256 = binding["flame"]["sha256"].String();
-  const auto background = binding["background"].Numbers(3);
-  std::copy(background.begin(), background.end(), model.background.begin());
+  FillNumbers(binding["background"], model.background);
+  if (!binding.Has("bust")) return;
+  model.bust.emplace();
+  FillNumbers(binding["bust"]["rotation"], model.bust->rotation);
+  FillNumbers(binding["bust"]["translation"], model.bust->translation);
 }
 
 std::vector<int32_t> ReadTriangles(const GlbDocument& document,
@@ -183,8 +192,14 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   FillFloats(document, binding["colorDc"], model, kColorDc);
   ReadColorRest(document, binding, model);
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
-  if (binding.Has("staticOffset"))
-    model.static_offset = Floats(document, binding["staticOffset"], 3, vertex_count);
+  if (binding.Has("staticOffset")) {
+    const JsonField field = binding["staticOffset"];
+    model.static_offset = Floats(document, field, 3, model.bust ? 0 : vertex_count);
+    if (model.static_offset.size() / 3 > vertex_count)  // with a bust FLAME's are fewer
+      Fail(field,
+           "accessor has " + std::to_string(model.static_offset.size() / 3) + " elements for " +
+               std::to_string(vertex_count) + " vertices");
+  }
   return model;
 }
 
@@ -199,6 +214,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.flame_sha256 = model.flame_sha256;
   summary.shape_count = model.shape.size();
   summary.has_static_offset = !model.static_offset.empty();
+  summary.has_bust = model.bust.has_value();
   const Json& mesh = json["canonicalMesh"];  // checked by ReadBinding
   summary.vertex_count = mesh["vertexCount"].get<size_t>();
   summary.face_count = mesh["faceCount"].get<size_t>();

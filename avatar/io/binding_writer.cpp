@@ -40,6 +40,13 @@ Json AddColor(GlbDocument& document, const AvatarModel& model, const GlbPrimitiv
   return accessors;
 }
 
+// As doubles, whose text gives the same float back.
+Json Numbers(View<const float> values) {
+  Json numbers = Json::array();
+  for (float value : values) numbers.push_back(double(value));
+  return numbers;
+}
+
 // A file's name may be any bytes; JSON takes UTF-8 only.
 std::string Utf8(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -73,8 +80,10 @@ Json AddBinding(GlbDocument& document,
   if (!model.shape.empty()) binding["shape"] = AddArray(document, model.shape, 1);
   if (!model.static_offset.empty())
     binding["staticOffset"] = AddArray(document, model.static_offset, 3);
-  binding["background"] = Json::array();
-  for (float channel : model.background) binding["background"].push_back(double(channel));
+  binding["background"] = Numbers(model.background);
+  if (model.bust)
+    binding["bust"] = {{"rotation", Numbers(model.bust->rotation)},
+                       {"translation", Numbers(model.bust->translation)}};
   binding["canonicalMesh"] = {{"vertexCount", model.mesh.vertices.size() / 3},
                               {"faceCount", model.mesh.faces.size()}};
   if (mesh >= 0) binding["canonicalMesh"]["mesh"] = mesh;

@@ -85,6 +85,11 @@ void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
   ExpectSameBits(a.mesh.vertices, b.mesh.vertices, "mesh vertices");
   ExpectSameBits(a.mesh.faces, b.mesh.faces, "mesh faces");
   EXPECT_EQ(a.color_frame, b.color_frame);
+  ASSERT_EQ(a.bust.has_value(), b.bust.has_value());
+  if (a.bust) {
+    EXPECT_EQ(a.bust->rotation, b.bust->rotation);
+    EXPECT_EQ(a.bust->translation, b.bust->translation);
+  }
   EXPECT_EQ(a.flame_name, b.flame_name);
   EXPECT_EQ(a.flame_sha256, b.flame_sha256);
 }
@@ -149,6 +154,30 @@ TEST_F(AvatarFile, EveryArrayComesBackBitForBit) {
         AttachMesh(read, flame_);
         ExpectSameAvatar(model, read);
       }
+}
+
+// A bust hangs on the rim of an open mesh, and its vertices follow FLAME's.
+TEST_F(AvatarFile, ABustComesBackToo) {
+  const CanonicalMesh sheet = test::SheetMesh(4, 0.2f);
+  flame_ = test::RandomModel(int(sheet.vertices.size() / 3), 3, 4, 1);
+  flame_.sha256 = kHash;
+  flame_.template_vertices = sheet.vertices;
+  flame_.faces = sheet.faces;
+  for (bool redistributable : {true, false}) {
+    flame_.redistributable = redistributable;
+    AvatarModel model = BallAvatar(flame_, 40, 1, Basis::kDcsh);
+    model.bust = Bust{{0.6f, 0, 0.8f, 0, 1, 0, -0.8f, 0, 0.6f}, {0.1f, -0.2f, 0.3f}};
+    model.mesh = {};
+    AttachMesh(model, flame_);
+    ASSERT_GT(model.mesh.faces.size(), flame_.faces.size());
+    model.triangle[5] = int32_t(model.mesh.faces.size()) - 1;
+    WriteAvatarGlb(path_, model, &flame_);
+    EXPECT_TRUE(SummarizeGlb(path_).avatar->has_bust);
+    AvatarModel read = ReadAvatarGlb(path_);
+    EXPECT_EQ(read.mesh.faces.empty(), !redistributable);
+    AttachMesh(read, flame_);
+    ExpectSameAvatar(model, read);
+  }
 }
 
 TEST_F(AvatarFile, OtherProgramsShowTheRestPose) {
