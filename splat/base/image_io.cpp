@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -98,6 +100,15 @@ cv::Matx33d OpenCvMatrix(const Camera& camera) {
 }
 
 }  // namespace
+
+void QuietOpenCv() {
+  static const bool once = [] {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // AV_LOG_QUIET; read when a video is opened
+    return true;
+  }();
+  (void)once;
+}
 
 ImageInfo ReadImageInfo(const std::string& path) {
   // Metadata (EXIF, colour profiles) may precede the size: read on until the header is complete.

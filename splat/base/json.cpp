@@ -46,19 +46,21 @@ std::string Shown(const Json& value) {
   return text;
 }
 
-void Flatten(const JsonField& field, bool null_is_nan, std::vector<double>& out) {
-  if (!field.raw().is_array()) {
+// `levels`: how deep arrays may lie in arrays, so that a hostile file cannot exhaust the stack.
+void Flatten(const JsonField& field, bool null_is_nan, int levels, std::vector<double>& out) {
+  if (!field.raw().is_array() || levels == 0) {
     const bool nan = null_is_nan && field.raw().is_null();
     out.push_back(nan ? std::numeric_limits<double>::quiet_NaN() : field.Number());
     return;
   }
-  for (size_t i = 0; i < field.raw().size(); ++i) Flatten(field[i], null_is_nan, out);
+  for (size_t i = 0; i < field.raw().size(); ++i) Flatten(field[i], null_is_nan, levels - 1, out);
 }
 
 std::vector<double> NumbersOf(const JsonField& field, size_t count, bool null_is_nan) {
   field.size();  // must be an array
+  constexpr int kMaxLevels = 4;
   std::vector<double> numbers;
-  Flatten(field, null_is_nan, numbers);
+  Flatten(field, null_is_nan, kMaxLevels, numbers);
   if (count != 0 && numbers.size() != count)
     throw Error(
         field.file(),

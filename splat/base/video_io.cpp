@@ -13,7 +13,7 @@ namespace {
 
 // Containers may claim any number of frames, or none: what can be decoded counts.
 int CountFrames(const std::string& path) {
-  cv::VideoCapture capture(path);
+  cv::VideoCapture capture(path, cv::CAP_FFMPEG);
   int count = 0;
   while (capture.grab()) ++count;
   return count;
@@ -30,7 +30,7 @@ struct VideoReader::Impl {
 
   void Open() {
     next = 0;
-    if (!capture.open(path)) throw Error(path, "", "cannot be opened as a video");
+    if (!capture.open(path, cv::CAP_FFMPEG)) throw Error(path, "", "cannot be opened as a video");
   }
 };
 
@@ -90,7 +90,7 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
   const int fourcc = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
   // MPEG-4 stores even sizes: an odd last row or column is left out.
   const cv::Size size(width & ~1, height & ~1);
-  if (!impl_->writer.open(impl_->temporary, fourcc, frames_per_second, size)) {
+  if (!impl_->writer.open(impl_->temporary, cv::CAP_FFMPEG, fourcc, frames_per_second, size)) {
     std::error_code ignored;
     std::filesystem::remove(impl_->temporary, ignored);
     throw Error(path, "", "video cannot be written");

@@ -76,6 +76,10 @@ TEST(Json, WrongTypesNameFieldAndValue) {
   ExpectError([&] { file["n"].Numbers(); }, {"n", "1.5", "an array"});
   const Json numbers = {1, 2, 3};
   ExpectError([&] { Field(numbers).Numbers(4); }, {"3 numbers, expected 4"});
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "deep.json", std::string(200000, '[') + std::string(200000, ']'));
+  const Json deep = ReadJson(folder / "deep.json");
+  ExpectError([&] { Field(deep).Numbers(); }, {"[0][0][0][0]", "an array of 1", "finite number"});
   const Json large = {1e300};
   ExpectError([&] { Field(large).Numbers(); }, {"too large"});
   ExpectError([&] { file["big"].Integer(); }, {"big", "an integer"});
