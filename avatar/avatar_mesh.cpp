@@ -22,6 +22,18 @@ constexpr float kSlope = 1.6f;      // how far the shoulders' ends lie below the
 constexpr float kBulge = 1.8f;      // how far the chest stands out in front of its sides
 constexpr float kOverlap = 0.4f;    // how far the collar reaches up over the neck's rim
 
+Quat<float> QuatOfAxisAngle(const std::array<float, 3>& r) {
+  const float angle = std::hypot(r[0], r[1], r[2]);
+  const float s = angle > 1e-6f ? std::sin(angle / 2) / angle : 0.5f;
+  return {std::cos(angle / 2), r[0] * s, r[1] * s, r[2] * s};
+}
+
+std::array<float, 3> AxisAngleOf(const Quat<float>& q) {
+  const float sine = std::hypot(q.x, q.y, q.z);
+  const float s = sine > 1e-6f ? 2 * std::atan2(sine, q.w) / sine : 2.0f;
+  return {q.x * s, q.y * s, q.z * s};
+}
+
 struct NeckRim {
   Vec3<float> center{0, 0, 0};
   float radius = 0;
@@ -117,6 +129,32 @@ AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame,
   return poser_.Backward(frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_});
 }
 
+FlameParams MeanRoot(const std::vector<FlameParams>& frames) {
+  Quat<float> sum{0, 0, 0, 0}, first{1, 0, 0, 0};
+  FlameParams mean;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Quat<float> q = QuatOfAxisAngle(frames[i].pose[0]);
+    if (i == 0) first = q;
+    sum = sum + q * (Dot(q, first) < 0 ? -1.0f : 1.0f);
+    for (int k = 0; k < 3; ++k)
+      mean.translation[k] += frames[i].translation[k] / float(frames.size());
+  }
+  mean.pose[0] = AxisAngleOf(math::Normalize(sum));
+  return mean;
+}
+
+std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest) {
+  const FlameParams mean = MeanRoot(frames);
+  const Quat<float> from = math::Conjugate(QuatOfAxisAngle(mean.pose[0]));
+  const Quat<float> to = QuatOfAxisAngle(rest.pose[0]);
+  for (FlameParams& frame : frames) {
+    const Quat<float> turn = math::Multiply(QuatOfAxisAngle(frame.pose[0]), from);
+    frame.pose[0] = AxisAngleOf(math::Multiply(turn, to));
+    for (int k = 0; k < 3; ++k) frame.translation[k] += rest.translation[k] - mean.translation[k];
+  }
+  return frames;
+}
+
 Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,
@@ -126,23 +164,14 @@ Bust MeanBust(const FlameModel& flame,
   for (int v = 0; v < flame.vertex_count; ++v)
     root += Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]} *
             flame.joint_regressor[v];
-  Quat<float> sum{0, 0, 0, 0}, first{1, 0, 0, 0};
-  Vec3<float> translation{0, 0, 0};
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const auto& r = frames[i].pose[0];
-    const float angle = std::hypot(r[0], r[1], r[2]);
-    const float s = angle > 1e-6f ? std::sin(angle / 2) / angle : 0.5f;
-    Quat<float> q{std::cos(angle / 2), r[0] * s, r[1] * s, r[2] * s};
-    if (i == 0) first = q;
-    sum = sum + q * (Dot(q, first) < 0 ? -1.0f : 1.0f);
-    const auto& t = frames[i].translation;
-    translation += Vec3<float>{t[0], t[1], t[2]} * (1.0f / float(frames.size()));
-  }
-  const math::Mat3<float> rotation = math::RotationOf(math::Normalize(sum));
-  const Vec3<float> offset = root - rotation * root + translation;
+  const FlameParams mean = MeanRoot(frames);
+  const math::Mat3<float> rotation = math::RotationOf(QuatOfAxisAngle(mean.pose[0]));
+  const Vec3<float> offset = root - rotation * root;
   Bust bust;
   std::copy(rotation.m, rotation.m + 9, bust.rotation.begin());
-  bust.translation = {offset.x, offset.y, offset.z};
+  bust.translation = {offset.x + mean.translation[0],
+                      offset.y + mean.translation[1],
+                      offset.z + mean.translation[2]};
   return bust;
 }
 

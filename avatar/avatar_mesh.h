@@ -45,7 +45,14 @@ class AvatarPoser {
   std::vector<float> posed_bust_;  // [K, 3] metres, the same in every frame
 };
 
-// Where the bust stands: the mean of the frames' root transforms.
+// The frames' mean root rotation and translation, everything else zero.
+FlameParams MeanRoot(const std::vector<FlameParams>& frames);
+
+// Somebody else's motion for this avatar: the frames' root turns and moves about `rest` as it did
+// about its own mean; expression, neck, jaw and eyes stay. rest: the avatar's mean root.
+std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest);
+
+// Where the bust stands: the frames' mean root transform.
 Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,

@@ -67,12 +67,7 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
   return g;
 }
 
-void RandomPoints(const std::vector<Camera>& cameras,
-                  size_t count,
-                  Rng& rng,
-                  std::vector<float>& points,
-                  std::vector<uint8_t>& colors) {
-  // The point closest to all optical axes, and how far the cameras are from it.
+std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras) {
   double a[3][4] = {};
   for (const Camera& c : cameras) {
     const auto center = c.Center();
@@ -84,6 +79,7 @@ void RandomPoints(const std::vector<Camera>& cameras,
         a[i][3] += p * center[k];
       }
   }
+  // Parallel axes have no such point: a weak pull towards the origin picks one.
   for (int i = 0; i < 3; ++i) a[i][i] += 1e-6 * (1 + double(cameras.size()));
   for (int i = 0; i < 3; ++i)  // Gauss-Jordan: symmetric positive definite, no pivoting needed
     for (int r = 0; r < 3; ++r) {
@@ -91,8 +87,15 @@ void RandomPoints(const std::vector<Camera>& cameras,
       const double f = a[r][i] / a[i][i];
       for (int k = i; k < 4; ++k) a[r][k] -= f * a[i][k];
     }
-  std::array<float, 3> focus{};
-  for (int i = 0; i < 3; ++i) focus[i] = float(a[i][3] / a[i][i]);
+  return {float(a[0][3] / a[0][0]), float(a[1][3] / a[1][1]), float(a[2][3] / a[2][2])};
+}
+
+void RandomPoints(const std::vector<Camera>& cameras,
+                  size_t count,
+                  Rng& rng,
+                  std::vector<float>& points,
+                  std::vector<uint8_t>& colors) {
+  std::array<float, 3> focus = FocusPoint(cameras);
   float nearest = 1e30f, from_origin = 0;
   for (const Camera& c : cameras) {
     const auto p = c.Center();

@@ -1,6 +1,7 @@
 // First Gaussians of a run.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,9 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
                                const std::vector<uint8_t>& colors,
                                int degree,
                                Basis basis);
+
+// The point closest to all optical axes, in the least-squares sense.
+std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);
 
 // `count` points of random colour, uniform in the cube [-1.3, 1.3]^3 around the origin (3DGS, for
 // synthetic scenes) or, when the cameras lie elsewhere, in the cube that they look into.

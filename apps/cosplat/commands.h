@@ -6,6 +6,11 @@
 
 namespace cosplat {
 
+void AddInfo(CLI::App& app);
+void AddMakeHead(CLI::App& app);
+void AddMetrics(CLI::App& app);
+void AddRender(CLI::App& app);
+void AddReport(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
 

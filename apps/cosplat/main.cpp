@@ -31,8 +31,13 @@ int Run(int argc, char** argv) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                     threads);
   });
+  cosplat::AddMakeHead(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
+  cosplat::AddRender(app);
+  cosplat::AddMetrics(app);
+  cosplat::AddReport(app);
+  cosplat::AddInfo(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -37,6 +37,26 @@ void WriteRunConfiguration(const std::string& folder,
 
 Json ReadRun(const std::string& folder) { return ReadJson(folder + "/run.json"); }
 
+Json CameraToJson(const Camera& c) {
+  return {{"width", c.width},
+          {"height", c.height},
+          {"intrinsics", {c.fx, c.fy, c.cx, c.cy}},
+          {"rotation", c.rotation},
+          {"translation", c.translation}};
+}
+
+Camera CameraFromJson(const JsonField& json) {
+  Camera c;
+  c.width = json["width"].Integer();
+  c.height = json["height"].Integer();
+  const std::vector<float> k = json["intrinsics"].Numbers(4);
+  c.fx = k[0], c.fy = k[1], c.cx = k[2], c.cy = k[3];
+  const std::vector<float> r = json["rotation"].Numbers(9), t = json["translation"].Numbers(3);
+  std::copy(r.begin(), r.end(), c.rotation.begin());
+  std::copy(t.begin(), t.end(), c.translation.begin());
+  return c;
+}
+
 std::string SplatPath(const std::string& folder, int iteration) {
   return folder + "/point_cloud/iteration_" + std::to_string(iteration) + "/point_cloud.ply";
 }

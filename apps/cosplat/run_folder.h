@@ -23,6 +23,9 @@ void WriteRunConfiguration(const std::string& folder,
 // Throws Error when `folder` holds no run.
 Json ReadRun(const std::string& folder);
 
+Json CameraToJson(const Camera& camera);
+Camera CameraFromJson(const JsonField& json);
+
 // Writes point_cloud/iteration_N/point_cloud.ply in 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 

@@ -68,6 +68,16 @@ void Evaluate(const AvatarOptions& o,
   writer.Finish();
 }
 
+// Where the head is on average and how the camera sees it: orbits and driven playback start here.
+Json ReferenceView(const TrackedVideo& video) {
+  std::vector<FlameParams> frames;
+  for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
+  const FlameParams mean = MeanRoot(frames);
+  return {{"rotation", mean.pose[0]},
+          {"translation", mean.translation},
+          {"camera", CameraToJson(video.train[0].camera)}};
+}
+
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
@@ -81,6 +91,7 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
                  {"seed", o.seed},
                  {"white_background", EvaluationBackground(o) == kWhite},
                  {"refine_track", o.avatar.refine_track},
+                 {"reference", ReferenceView(video)},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
   std::vector<NamedCamera> cameras;

@@ -1,0 +1,22 @@
+// Cameras that circle a subject, for pictures that people look at.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "splat/base/camera.h"
+
+namespace cosplat {
+
+// Around what the training cameras look at, at their mean height and distance: a full turn where
+// they stand all around, otherwise there and back over the angle that they cover.
+std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames);
+
+// There and back around `target`, `degrees` to each side of `reference`, about the axis `up`.
+std::vector<Camera> SwingAround(const Camera& reference,
+                                const std::array<float, 3>& target,
+                                const std::array<float, 3>& up,
+                                float degrees,
+                                int frames);
+
+}  // namespace cosplat

@@ -1,0 +1,157 @@
+// cosplat info: what a model, avatar, splat file or data set is, in a few lines.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/run_folder.h"
+#include "avatar/avatar_file.h"
+#include "flame/io/model_file.h"
+#include "flame/track.h"
+#include "splat/base/error.h"
+#include "splat/base/npz.h"
+#include "splat/dataset.h"
+#include "splat/io/ply.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+void SplatInfo(const std::string& path) {
+  const Gaussians g = ReadPly(path);
+  std::printf(
+      "3DGS splats: %s Gaussians, SH degree %d\n", WithThousands(g.size()).c_str(), g.degree);
+  if (g.size() == 0) return;
+  std::vector<float> opacity, scale;
+  std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (size_t i = 0; i < g.size(); ++i) {
+    opacity.push_back(1 / (1 + std::exp(-g.at(kOpacityLogit, i)[0])));
+    scale.push_back(std::exp(*std::max_element(g.at(kScaleLog, i), g.at(kScaleLog, i) + 3)));
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], g.at(kPosition, i)[k]);
+      high[k] = std::max(high[k], g.at(kPosition, i)[k]);
+    }
+  }
+  const auto median = [](std::vector<float>& v) {
+    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
+    return v[v.size() / 2];
+  };
+  std::printf("box: (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g)\n",
+              low[0],
+              low[1],
+              low[2],
+              high[0],
+              high[1],
+              high[2]);
+  std::printf("median opacity %.3f, median largest standard deviation %.3g\n",
+              median(opacity),
+              median(scale));
+}
+
+void FlameInfo(const std::string& path) {
+  const FlameModel m = LoadFlameModel(path);
+  std::printf("FLAME model: %d vertices, %zu faces, %d shape and %d expression directions\n",
+              m.vertex_count,
+              m.faces.size(),
+              m.shape_count,
+              m.expression_count);
+  std::printf(
+      "sha256 %s, %s\n",
+      m.sha256.c_str(),
+      m.redistributable ? "may be embedded in avatar files" : "not embedded in avatar files");
+}
+
+void TrackInfo(const std::string& path, bool need_images) {
+  const TrackedVideo v = LoadTrackedVideo(path, {-1, 1, need_images});
+  const TrackedFrame& f = v.train.empty() ? v.test.at(0) : v.train[0];
+  std::printf("tracked video (%s): %zu training and %zu test frames of %dx%d, %zu skipped\n",
+              v.layout.c_str(),
+              v.train.size(),
+              v.test.size(),
+              f.camera.width,
+              f.camera.height,
+              v.skipped.size());
+  std::printf("%zu shape and %zu expression coefficients, focal length %.1f px\n",
+              v.shape.size(),
+              f.params.expression.size(),
+              f.camera.fx);
+}
+
+void RunInfo(const std::string& path) {
+  const Json json = ReadRun(path);
+  const JsonField run(path + "/run.json", json);
+  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %d, of %s\n",
+              run["kind"].String().c_str(),
+              run["iterations"].Integer(),
+              run["degree"].Integer(),
+              run["basis"].String().c_str(),
+              run["seed"].Integer(),
+              run["source"].String().c_str());
+  if (!fs::exists(path + "/results.json")) return;
+  const Json results = ReadJson(path + "/results.json");
+  for (const auto& [name, figures] : results.items()) {
+    std::printf("%s:", name.c_str());
+    for (const auto& [figure, value] : figures.items())
+      std::printf(" %s %.4f", figure.c_str(), value.get<double>());
+    std::printf("\n");
+  }
+}
+
+void SceneInfo(const std::string& path) {
+  const SceneData s = LoadScene(path, {1, true, false});
+  std::printf("scene (%s): %zu training and %zu test views of %dx%d, %zu skipped\n",
+              s.layout.c_str(),
+              s.train.size(),
+              s.test.size(),
+              s.train.at(0).camera.width,
+              s.train[0].camera.height,
+              s.skipped.size());
+  std::printf("%s points, extent %.3g\n", WithThousands(s.points.size() / 3).c_str(), s.extent);
+}
+
+void FolderInfo(const std::string& path) {
+  if (fs::exists(path + "/run.json")) return RunInfo(path);
+  const bool tracked = fs::exists(path + "/flame_params.json") ||
+                       fs::exists(path + "/flame_param") ||
+                       fs::exists(path + "/canonical_flame_param.npz");
+  if (tracked) return TrackInfo(path, true);
+  SceneInfo(path);
+}
+
+void Info(const std::string& path) {
+  if (!fs::exists(path)) throw Error(path, "", "does not exist");
+  const std::string extension = fs::path(path).extension().string();
+  if (fs::is_directory(path)) {
+    FolderInfo(path);
+  } else if (extension == ".ply") {
+    SplatInfo(path);
+  } else if (extension == ".glb") {
+    std::printf("%s", ToString(SummarizeGlb(path)).c_str());
+  } else if (extension == ".pkl") {
+    FlameInfo(path);
+  } else if (extension == ".npz") {
+    if (Npz::Read(path).Has("v_template")) {
+      FlameInfo(path);
+    } else {
+      TrackInfo(path, false);
+    }
+  } else {
+    throw Error(path, "", "is none of .ply, .glb, .pkl, .npz or a folder");
+  }
+}
+
+}  // namespace
+
+void AddInfo(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("info", "say what a model, avatar, splat file or data set is");
+  const auto path = std::make_shared<std::string>();
+  command->add_option("file", *path, "file or folder")->required();
+  command->callback([path] { Info(*path); });
+}
+
+}  // namespace cosplat

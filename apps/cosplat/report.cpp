@@ -1,0 +1,219 @@
+// cosplat report: one self-contained HTML page about a run: pictures, a moving preview, figures.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/run_folder.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t kPairs = 4;           // pictures beside their photographs
+constexpr size_t kPreviewFrames = 48;  // of the moving preview
+constexpr int kPreviewWidth = 320;     // px
+
+std::string Base64(const std::vector<char>& bytes) {
+  constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k)
+      out += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
+std::string Escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+// A data URI of the picture as JPEG, at most `width` wide.
+std::string Embed(const std::string& path, int width, const std::string& scratch) {
+  Image8 image = ReadImage(path);
+  if (image.width > width)
+    image = ResizeByArea(image, width, std::max(1, image.height * width / image.width));
+  WriteImage(scratch, image);
+  const std::string uri = "data:image/jpeg;base64," + Base64(ReadFile(scratch));
+  fs::remove(scratch);
+  return uri;
+}
+
+std::vector<std::string> Spread(const std::vector<std::string>& all, size_t count) {
+  std::vector<std::string> picked;
+  const size_t n = std::min(count, all.size());
+  for (size_t i = 0; i < n; ++i) picked.push_back(all[n == 1 ? 0 : i * (all.size() - 1) / (n - 1)]);
+  return picked;
+}
+
+std::string LatestTestFolder(const std::string& model) {
+  std::string latest;
+  int highest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(model + "/test", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("ours_", 0) != 0 || std::atoi(name.c_str() + 5) <= highest) continue;
+    highest = std::atoi(name.c_str() + 5);
+    latest = entry.path().string();
+  }
+  if (highest < 0)
+    throw Error(
+        model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+  return latest;
+}
+
+std::string Number(double value, const char* format) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string FiguresTable(const Json& results, const Json& stats) {
+  std::string html = "<table>";
+  const auto row = [&](const std::string& name, const std::string& value) {
+    html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
+  };
+  const std::vector<std::array<const char*, 3>> figures{
+      {"PSNR", "PSNR, whole picture", "%.2f dB"},
+      {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
+      {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
+      {"SSIM", "SSIM", "%.4f"}};
+  for (const auto& [key, name, format] : figures)
+    if (results.contains(key)) row(name, Number(results[key].get<double>(), format));
+  row("Gaussians", WithThousands(stats.value("gaussians", size_t(0))));
+  row("Iterations", WithThousands(stats.value("iterations", size_t(0))));
+  row("Training", Number(stats.value("seconds", 0.0), "%.0f s"));
+  row("One step", Number(stats.value("ms_per_step", 0.0), "%.1f ms"));
+  row("Memory at most", Number(stats.value("peak_mb", 0.0), "%.0f MB"));
+  return html + "</table>";
+}
+
+// A bar per phase of the step, labelled: what the time goes to.
+std::string PhaseChart(const Json& stats) {
+  const Json phases = stats.value("phases_ms", Json::object());
+  double most = 1e-9;
+  for (const auto& [name, ms] : phases.items()) most = std::max(most, ms.get<double>());
+  std::string bars;
+  int y = 0;
+  for (const auto& [name, ms] : phases.items()) {
+    const double width = 260 * ms.get<double>() / most;
+    bars += "<text x='0' y='" + std::to_string(y + 13) + "'>" + name + "</text><rect x='80' y='" +
+            std::to_string(y + 2) + "' height='14' width='" + Number(width, "%.1f") +
+            "'/><text x='" + Number(86 + width, "%.1f") + "' y='" + std::to_string(y + 13) + "'>" +
+            Number(ms.get<double>(), "%.2f ms") + "</text>";
+    y += 20;
+  }
+  return "<svg viewBox='0 0 420 " + std::to_string(y) + "' width='420'>" + bars + "</svg>";
+}
+
+std::string ViewChart(const Json& per_view) {
+  std::vector<double> psnr;
+  for (const auto& [name, value] : per_view.items()) psnr.push_back(value.get<double>());
+  if (psnr.size() < 2) return "";
+  const auto [low, high] = std::minmax_element(psnr.begin(), psnr.end());
+  const double floor = std::floor(*low - 0.5), range = std::ceil(*high + 0.5) - floor;
+  std::string points;
+  for (size_t i = 0; i < psnr.size(); ++i)
+    points += Number(40 + 360.0 * double(i) / double(psnr.size() - 1), "%.1f") + "," +
+              Number(110 - 100 * (psnr[i] - floor) / range, "%.1f") + " ";
+  return "<svg viewBox='0 0 420 130' width='420'><polyline fill='none' stroke='#36c' "
+         "stroke-width='1.5' points='" +
+         points + "'/><text x='0' y='16'>" + Number(floor + range, "%.0f dB") +
+         "</text><text x='0' y='114'>" + Number(floor, "%.0f dB") +
+         "</text><text x='40' y='128'>test views in order</text></svg>";
+}
+
+std::string PairsHtml(const std::string& test,
+                      const std::vector<std::string>& names,
+                      const std::string& scratch) {
+  std::string html = "<div class='pairs'>";
+  for (const std::string& name : Spread(names, kPairs))
+    html += "<figure><img src='" + Embed(test + "/renders/" + name, 512, scratch) +
+            "'><figcaption>rendered, " + name + "</figcaption></figure><figure><img src='" +
+            Embed(test + "/gt/" + name, 512, scratch) +
+            "'><figcaption>held-out picture</figcaption></figure>";
+  return html + "</div>";
+}
+
+std::string PreviewHtml(const std::string& test,
+                        const std::vector<std::string>& names,
+                        const std::string& scratch) {
+  std::string frames;
+  for (const std::string& name : Spread(names, kPreviewFrames))
+    frames += (frames.empty() ? "\"" : ",\n\"") +
+              Embed(test + "/renders/" + name, kPreviewWidth, scratch) + "\"";
+  return "<img id='preview' width='" + std::to_string(kPreviewWidth) + "'><script>const frames=[" +
+         frames +
+         "];let i=0;const img=document.getElementById('preview');"
+         "setInterval(()=>{img.src=frames[i++%frames.length]},80);img.src=frames[0];</script>";
+}
+
+constexpr const char* kStyle =
+    "<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;"
+    "color:#222}h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em}th{text-align:left;"
+    "font-weight:normal;padding-right:2em;color:#555}td{font-variant-numeric:tabular-nums}"
+    ".pairs{display:grid;grid-template-columns:1fr 1fr;gap:12px}figure{margin:0}img{max-width:100%}"
+    "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
+    "svg text{font:12px sans-serif;fill:#444}svg rect{fill:#69c}</style>";
+
+void Report(const std::string& model, bool quiet) {
+  const Json run = ReadRun(model);
+  const std::string test = LatestTestFolder(model);
+  const std::string key = fs::path(test).filename().string();
+  const Json results = ReadJson(model + "/results.json").value(key, Json::object());
+  const Json per_view = ReadJson(model + "/per_view.json").value(key, Json::object());
+  const Json stats = ReadJson(model + "/stats.json");
+  std::vector<std::string> names;
+  for (const auto& [name, value] : per_view.value("PSNR", Json::object()).items())
+    names.push_back(name);
+  const std::string scratch = model + "/report.tmp.jpg";
+  const bool avatar = run.value("kind", "") == "avatar";
+  const std::string title = avatar ? "Head avatar" : "Scene";
+  const std::string html =
+      "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
+      "<h1>" + title + " trained on " + Escape(run.value("source", "")) +
+      "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
+      "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
+      "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
+      "<div class='row'><div><h2>PSNR per view</h2>" +
+      ViewChart(per_view.value("PSNR", Json::object())) +
+      "</div><div><h2>Where a step's time goes</h2>" + PhaseChart(stats) +
+      "</div></div><h2>Settings</h2><pre>" + Escape(run.dump(2)) + "</pre></html>\n";
+  WriteFileAtomically(model + "/report.html", html);
+  if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
+}
+
+}  // namespace
+
+void AddReport(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("report", "one HTML page about a trained model: pictures and figures");
+  const auto model = std::make_shared<std::string>();
+  const auto quiet = std::make_shared<bool>(false);
+  command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
+  command->add_flag("--quiet", *quiet, "print nothing but errors");
+  command->callback([=] { Report(*model, *quiet); });
+}
+
+}  // namespace cosplat
