@@ -1,0 +1,87 @@
+#include "splat/schedule.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace cosplat {
+namespace {
+
+TEST(Schedule, Is3dgsAtThirtyThousand) {
+  const Schedule absolute, fractions = Schedule::Fractions(30000);
+  for (const Schedule& s : {absolute, fractions}) {
+    EXPECT_EQ(s.densify_from, 500);
+    EXPECT_EQ(s.densify_until, 15000);
+    EXPECT_EQ(s.densify_every, 100);
+    EXPECT_EQ(s.opacity_reset_every, 3000);
+    EXPECT_EQ(s.degree_every, 1000);
+    EXPECT_EQ(s.size_prune_after, 3000);
+    EXPECT_EQ(s.position_rate_steps, 30000);
+  }
+}
+
+TEST(Schedule, IsATenthOfItAtThreeThousand) {
+  const Schedule s = Schedule::Fractions(3000);
+  EXPECT_EQ(s.densify_from, 50);
+  EXPECT_EQ(s.densify_until, 1500);
+  EXPECT_EQ(s.densify_every, 10);
+  EXPECT_EQ(s.opacity_reset_every, 300);
+  EXPECT_EQ(s.degree_every, 100);
+  EXPECT_EQ(s.size_prune_after, 300);
+  EXPECT_EQ(s.position_rate_steps, 3000);
+}
+
+TEST(Schedule, RunsOfAnyLengthHaveAPositiveStep) {
+  for (const int iterations : {1, 7, 100}) {
+    const Schedule s = Schedule::Fractions(iterations);
+    for (int i = 1; i <= iterations; ++i) {  // divides by each interval
+      s.DensifiesAt(i);
+      s.ResetsOpacityAt(i);
+      EXPECT_GE(s.DegreeAt(i, 3), 0);
+    }
+    EXPECT_GE(s.densify_every, 1);
+  }
+}
+
+TEST(Schedule, WhenThingsHappen) {
+  const Schedule s;
+  std::set<int> densifies, resets;
+  for (int i = 1; i <= 30000; ++i) {
+    if (s.DensifiesAt(i)) densifies.insert(i);
+    if (s.ResetsOpacityAt(i)) resets.insert(i);
+  }
+  EXPECT_EQ(*densifies.begin(), 600);  // 3DGS: iteration > 500, a multiple of 100
+  EXPECT_EQ(*densifies.rbegin(), 14900);
+  EXPECT_EQ(densifies.size(), 144u);
+  EXPECT_EQ(resets, std::set<int>({3000, 6000, 9000, 12000}));
+}
+
+TEST(Schedule, DensificationsAfterCountsThem) {
+  for (const Schedule& s : {Schedule(), Schedule::Fractions(2000), Schedule::Fractions(777)})
+    for (int i = s.densify_from + 1; i < s.densify_until + 50; i += 13) {
+      int later = 0;
+      for (int k = i + 1; k <= s.densify_until; ++k) later += s.DensifiesAt(k);
+      EXPECT_EQ(s.DensificationsAfter(i), later) << i;
+    }
+}
+
+TEST(Schedule, TheDegreeRisesToTheHighest) {
+  const Schedule s;
+  EXPECT_EQ(s.DegreeAt(0, 3), 0);
+  EXPECT_EQ(s.DegreeAt(999, 3), 0);
+  EXPECT_EQ(s.DegreeAt(1000, 3), 1);
+  EXPECT_EQ(s.DegreeAt(3000, 3), 3);
+  EXPECT_EQ(s.DegreeAt(29000, 3), 3);
+  EXPECT_EQ(s.DegreeAt(29000, 4), 4);
+}
+
+TEST(Schedule, ThePositionsRateFallsLogLinearly) {
+  const Schedule s;
+  EXPECT_NEAR(s.PositionRate(0, 1.6e-4f, 1.6e-6f), 1.6e-4, 1e-9);
+  EXPECT_NEAR(s.PositionRate(15000, 1.6e-4f, 1.6e-6f), 1.6e-5, 1e-10);
+  EXPECT_NEAR(s.PositionRate(30000, 1.6e-4f, 1.6e-6f), 1.6e-6, 1e-11);
+  EXPECT_NEAR(s.PositionRate(90000, 1.6e-4f, 1.6e-6f), 1.6e-6, 1e-11);
+}
+
+}  // namespace
+}  // namespace cosplat

@@ -1,0 +1,10 @@
+# Training: losses, optimiser, density control, schedules, the loop itself.
+cosplat_test(train
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/loss_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/metrics_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/optimizer_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/prune_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/schedule_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/initialize_test.cpp
+  LIBRARIES cosplat::splat hwy::hwy TBB::tbb)
