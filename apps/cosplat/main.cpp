@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <string>
 
 #include "apps/cosplat/commands.h"
 #include "splat/base/error.h"
@@ -19,6 +20,13 @@ int Run(int argc, char** argv) {
                "cosplat");
   app.option_defaults()->always_capture_default();  // so that config.ini is complete
   app.require_subcommand(1);
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  app.failure_message([](const CLI::App* failed, const CLI::Error& e) {
+    std::string text = "cosplat: ";
+    if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr)
+      text += failed->get_config_ptr()->as<std::string>() + ": ";
+    return text + e.what() + " (--help lists the options)\n";
+  });
   app.fallthrough();
   app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");
   app.set_version_flag("--version", COSPLAT_VERSION);

@@ -172,12 +172,15 @@ void RenderTestFrames(const Options& o, const JsonField& run, Player& player) {
     }
     return output.Finish();
   }
-  const MeshTopology topology =
-      BuildTopology("avatar", player.avatar().mesh.faces, int(player.vertices().size() / 3));
+  const CanonicalMesh& mesh = player.avatar().mesh;
+  const MeshTopology topology = BuildTopology("avatar", mesh.faces, int(mesh.vertices.size() / 3));
   TestImageWriter writer(o.model, LatestIteration(o.model), background);
   for (const TrackedFrame& frame : frames) {
     player.RenderOver(frame.params, frame.camera, background, image);
-    writer.Write(image, LoadTrackedImage(video, frame));
+    const std::array<int, 4> box =
+        MouthBox(player.vertices(), mesh.vertices, topology, frame.camera);
+    const Rectangle mouth{box[0], box[1], box[2], box[3]};
+    writer.Write(image, LoadTrackedImage(video, frame), mouth.width > 0 ? &mouth : nullptr);
   }
   writer.Finish();
   if (!o.quiet) std::printf("%zu frames: %s/test\n", frames.size(), o.model.c_str());

@@ -235,12 +235,12 @@ void AddTrainAvatar(CLI::App& app) {
                    o->preset,
                    "default; splattingavatar: its loss; 3dgs: absolute schedule steps")
       ->check(CLI::IsMember({"default", "splattingavatar", "3dgs"}));
-  command->callback([o, &app] {
+  command->callback([o, command, &app] {
     o->avatar.color_frame = o->color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
     using BustChoice = AvatarSettings::BustChoice;
     o->avatar.bust = o->bust == "yes" ? BustChoice::kYes
                                       : (o->bust == "no" ? BustChoice::kNo : BustChoice::kAuto);
-    Train(*o, app.config_to_str(true, true));
+    Train(*o, ConfigOf(app, *command));
   });
 }
 

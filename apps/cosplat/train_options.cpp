@@ -21,10 +21,13 @@ void TrainOptions::Declare(CLI::App& command) {
       ->check(CLI::Range(0, kMaxTrainedDegree));
   command.add_option("--basis", basis, "dcsh or sh")->check(CLI::IsMember({"dcsh", "sh"}));
   command.add_option("--background", background, "black, white or random")
-      ->check(CLI::IsMember({"black", "white", "random"}));
+      ->check(CLI::IsMember({"black", "white", "random"}))
+      ->default_str(background);
   command.add_flag("-w,--white_background", white_background, "the same as --background white");
-  command.add_option("--test_iterations", test_iterations, "evaluate at these steps");
-  command.add_option("--save_iterations", save_iterations, "save at these steps");
+  // Nothing in config.ini where they are empty: that could not be read back.
+  command.add_option("--test_iterations", test_iterations, "evaluate at these steps")
+      ->default_str("");
+  command.add_option("--save_iterations", save_iterations, "save at these steps")->default_str("");
   command.add_option("--seed", seed, "of everything random");
   command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
       ->check(CLI::PositiveNumber);
@@ -46,6 +49,10 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--scaling_lr", rates.scale, "rate of log scales");
   command.add_option("--rotation_lr", rates.rotation, "rate of rotations");
   command.add_flag("--quiet", quiet, "print nothing but errors");
+}
+
+std::string ConfigOf(const CLI::App& app, const CLI::App& command) {
+  return app.get_config_formatter()->to_config(&command, true, true, command.get_name() + ".");
 }
 
 TrainSettings TrainOptions::ToSettings(float extent) const {

@@ -38,4 +38,7 @@ struct TrainOptions {
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
 };
 
+// All options of a sub-command with their values, as `--config` reads them.
+std::string ConfigOf(const CLI::App& app, const CLI::App& command);
+
 }  // namespace cosplat

@@ -141,7 +141,7 @@ void AddTrainScene(CLI::App& app) {
   command->add_option("--random_points",
                       options->random_points,
                       "Gaussians to start with where the data has no points");
-  command->callback([options, &app] { Train(*options, app.config_to_str(true, true)); });
+  command->callback([options, command, &app] { Train(*options, ConfigOf(app, *command)); });
 }
 
 }  // namespace cosplat
