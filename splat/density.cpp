@@ -106,6 +106,7 @@ std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
   return unwanted;
 }
 
+// How many go for their score, of `count`.
 size_t CountToRemove(const DensitySettings& settings, size_t count, int rounds_left) {
   if (!settings.prune_by_plasticity) return 0;
   if (settings.prune_to == 0) return size_t(settings.prune_fraction * float(count));
@@ -113,6 +114,36 @@ size_t CountToRemove(const DensitySettings& settings, size_t count, int rounds_l
   // The same ratio each round reaches the target in the last one.
   const double ratio = std::pow(double(settings.prune_to) / double(count), 1.0 / (rounds_left + 1));
   return count - std::max(settings.prune_to, size_t(std::llround(count * ratio)));
+}
+
+// Marks what pruning takes of those that would stay; returns how many. The others do not fill a
+// group or the budget.
+size_t MarkUnplastic(const DensitySettings& settings,
+                     int rounds_left,
+                     const std::vector<int32_t>& groups,
+                     const std::vector<float>& score,
+                     const std::vector<uint8_t>& exempt,
+                     std::vector<uint8_t>& unwanted) {
+  std::vector<uint32_t> index;
+  std::vector<float> score_of;
+  std::vector<uint8_t> exempt_of;
+  std::vector<int32_t> group_of;
+  for (size_t i = 0; i < unwanted.size(); ++i) {
+    if (unwanted[i]) continue;
+    index.push_back(uint32_t(i));
+    score_of.push_back(score[i]);
+    exempt_of.push_back(exempt[i]);
+    if (!groups.empty()) group_of.push_back(groups[i]);
+  }
+  const PruneRequest request{score_of,
+                             exempt_of,
+                             group_of,
+                             CountToRemove(settings, index.size(), rounds_left),
+                             settings.group_cap,
+                             settings.group_floor};
+  const std::vector<uint32_t> selected = SelectForPruning(request);
+  for (const uint32_t k : selected) unwanted[index[k]] = 1;
+  return selected.size();
 }
 
 }  // namespace
@@ -133,12 +164,16 @@ void DensityStatistics::Accumulate(const RenderTape& tape,
       const float radius = tape.radius(i);
       if (!(radius > 0)) continue;
       const float gx = screen[2 * i] * 0.5f * width, gy = screen[2 * i + 1] * 0.5f * height;
-      screen_gradient[i] += std::sqrt(gx * gx + gy * gy);
+      const float screen_norm = std::sqrt(gx * gx + gy * gy);
       float square = 0;
       for (int k = 0; k < 3; ++k) {
-        const float d = d_scale_log[3 * i + k] / std::exp(scale_log[3 * i + k]);  // dL/ds
+        const float s = std::exp(scale_log[3 * i + k]);
+        const float d = s > 0 ? d_scale_log[3 * i + k] / s : 0.0f;  // dL/ds, 0 with s
         square += d * d;
       }
+      // A step with a broken gradient says nothing of this one (Adam ignores it, too).
+      if (!std::isfinite(screen_norm) || !std::isfinite(square)) continue;
+      screen_gradient[i] += screen_norm;
       plasticity[i] += std::sqrt(square);
       visible[i] += 1;
       max_radius[i] = std::max(max_radius[i], radius);
@@ -197,16 +232,9 @@ DensityReport ControlDensity(const DensitySettings& settings,
 
   std::vector<uint8_t> unwanted =
       MarkUnwanted(settings, remove_oversized, gaussians, max_radius, report);
-  if (settings.prune_by_plasticity || settings.group_cap > 0) {
-    const std::vector<int32_t> groups = placement.Groups();
-    PruneRequest request{score, exempt, groups, 0, settings.group_cap, settings.group_floor};
-    const size_t gone = std::count(unwanted.begin(), unwanted.end(), 1);
-    request.remove_lowest = CountToRemove(settings, gaussians.size() - gone, rounds_left);
-    for (const uint32_t i : SelectForPruning(request)) {
-      report.unplastic += !unwanted[i];
-      unwanted[i] = 1;
-    }
-  }
+  if (settings.prune_by_plasticity || settings.group_cap > 0)
+    report.unplastic =
+        MarkUnplastic(settings, rounds_left, placement.Groups(), score, exempt, unwanted);
   std::vector<uint32_t> removed;
   for (size_t i = 0; i < unwanted.size(); ++i)
     if (unwanted[i]) removed.push_back(uint32_t(i));
