@@ -16,10 +16,8 @@ struct Schedule {
   int size_prune_after = 3000;  // giants are removed from here on
   int position_rate_steps = 30000;
 
-  // 3DGS's steps scaled by iterations / 30,000. Statistics of a few steps are noise, so the
-  // interval of densification does not fall below `min_densify_every` (docs/design.md has the
-  // measurement).
-  static Schedule Fractions(int iterations, int min_densify_every) {
+  // 3DGS's steps scaled by iterations / 30,000.
+  static Schedule Fractions(int iterations) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {
       return std::max(1, int(std::lround(double(steps) * iterations / 30000)));
@@ -27,7 +25,7 @@ struct Schedule {
     Schedule s;
     s.densify_from = scaled(full.densify_from);
     s.densify_until = scaled(full.densify_until);
-    s.densify_every = std::max(min_densify_every, scaled(full.densify_every));
+    s.densify_every = scaled(full.densify_every);
     s.opacity_reset_every = scaled(full.opacity_reset_every);
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);

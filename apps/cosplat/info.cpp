@@ -101,8 +101,17 @@ void RunInfo(const std::string& path) {
   }
 }
 
+// At full size where there is one; some data sets come with reduced pictures only.
+SceneData LoadLargest(const std::string& path) {
+  int resolution = 1;
+  if (!fs::exists(path + "/images"))
+    for (const int reduced : {8, 4, 2})
+      if (fs::exists(path + "/images_" + std::to_string(reduced))) resolution = reduced;
+  return LoadScene(path, {resolution, true, false});
+}
+
 void SceneInfo(const std::string& path) {
-  const SceneData s = LoadScene(path, {1, true, false});
+  const SceneData s = LoadLargest(path);
   std::printf("scene (%s): %zu training and %zu test views of %dx%d, %zu skipped\n",
               s.layout.c_str(),
               s.train.size(),

@@ -184,9 +184,9 @@ void Report(const std::string& model, bool quiet) {
   const Json results = ReadJson(model + "/results.json").value(key, Json::object());
   const Json per_view = ReadJson(model + "/per_view.json").value(key, Json::object());
   const Json stats = ReadJson(model + "/stats.json");
+  const Json psnr = per_view.value("PSNR", Json::object());
   std::vector<std::string> names;
-  for (const auto& [name, value] : per_view.value("PSNR", Json::object()).items())
-    names.push_back(name);
+  for (const auto& [name, value] : psnr.items()) names.push_back(name);
   const std::string scratch = model + "/report.tmp.jpg";
   const bool avatar = run.value("kind", "") == "avatar";
   const std::string title = avatar ? "Head avatar" : "Scene";
@@ -196,8 +196,7 @@ void Report(const std::string& model, bool quiet) {
       "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
       "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
       "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
-      "<div class='row'><div><h2>PSNR per view</h2>" +
-      ViewChart(per_view.value("PSNR", Json::object())) +
+      "<div class='row'><div><h2>PSNR per view</h2>" + ViewChart(psnr) +
       "</div><div><h2>Where a step's time goes</h2>" + PhaseChart(stats) +
       "</div></div><h2>Settings</h2><pre>" + Escape(run.dump(2)) + "</pre></html>\n";
   WriteFileAtomically(model + "/report.html", html);

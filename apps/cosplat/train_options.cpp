@@ -20,9 +20,11 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--sh_degree", sh_degree, "highest band of the view-dependent colour")
       ->check(CLI::Range(0, kMaxTrainedDegree));
   command.add_option("--basis", basis, "dcsh or sh")->check(CLI::IsMember({"dcsh", "sh"}));
-  command.add_option("--background", background, "black, white or random")
-      ->check(CLI::IsMember({"black", "white", "random"}))
-      ->default_str(background);
+  command
+      .add_option("--background",
+                  background,
+                  "black, white, random, or auto: white for renderings with alpha")
+      ->check(CLI::IsMember({"auto", "black", "white", "random"}));
   command.add_flag("-w,--white_background", white_background, "the same as --background white");
   // Nothing in config.ini where they are empty: that could not be read back.
   command.add_option("--test_iterations", test_iterations, "evaluate at these steps")
@@ -39,8 +41,12 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--densify_grad_threshold",
                      densify_grad_threshold,
                      "mean screen gradient from which Gaussians are added");
+  command.add_option("--densify_from_iter", densify_from, "first step that adds Gaussians");
+  command.add_option("--densify_until_iter", densify_until, "last step that adds Gaussians");
   command.add_option(
-      "--min_densify_interval", min_densify_interval, "least steps between densifications");
+      "--densification_interval", densify_every, "steps between adding and removing Gaussians");
+  command.add_option(
+      "--opacity_reset_interval", opacity_reset_every, "steps between resets of the opacities");
   command.add_option("--position_lr_init", rates.position_first, "first rate of positions");
   command.add_option("--position_lr_final", rates.position_last, "last rate of positions");
   command.add_option(
@@ -62,9 +68,14 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.seed = seed;
   s.loss = {1 - lambda_dssim, lambda_dssim, 0};
   s.rates = rates;
-  s.schedule =
-      preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations, min_densify_interval);
-  s.schedule.position_rate_steps = iterations;
+  s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
+  const auto override_with = [](int value, int& steps) {
+    if (value > 0) steps = value;
+  };
+  override_with(densify_from, s.schedule.densify_from);
+  override_with(densify_until, s.schedule.densify_until);
+  override_with(densify_every, s.schedule.densify_every);
+  override_with(opacity_reset_every, s.schedule.opacity_reset_every);
   s.density.gradient_threshold = densify_grad_threshold;
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS

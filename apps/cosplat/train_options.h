@@ -18,7 +18,7 @@ struct TrainOptions {
   int sh_degree = 3;
   std::string basis = "dcsh";
   std::string preset = "default";
-  std::string background;  // empty: the subject's default
+  std::string background = "auto";
   bool white_background = false;
   std::vector<int> test_iterations, save_iterations;
   uint64_t seed = 0;
@@ -27,7 +27,8 @@ struct TrainOptions {
   size_t prune_to = 0;
   float lambda_dssim = 0.2f;
   float densify_grad_threshold = 2e-4f;
-  int min_densify_interval = 0;
+  // Steps; 0: by the schedule.
+  int densify_from = 0, densify_until = 0, densify_every = 0, opacity_reset_every = 0;
   LearningRates rates;
   bool quiet = false;
 

@@ -67,7 +67,7 @@ void SaveInputs(const SceneOptionsAll& o, const SceneData& scene, const std::str
 
 void Train(SceneOptionsAll o, const std::string& config) {
   SceneData scene = LoadScene(o.source, {o.resolution, o.eval, o.fold});
-  if (o.background.empty() && scene.white_background_hint) o.white_background = true;
+  if (o.background == "auto" && scene.white_background_hint) o.white_background = true;
   const TrainSettings settings = o.ToSettings(scene.extent);
   if (!o.quiet && !scene.skipped.empty())
     std::printf("%zu frames skipped, the first: %s: %s\n",
