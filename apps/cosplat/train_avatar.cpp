@@ -14,6 +14,7 @@
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
+#include "splat/io/ply.h"
 
 namespace cosplat {
 namespace {
@@ -100,19 +101,20 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
   WriteCamerasJson(o.model + "/cameras.json", cameras);
 }
 
+// The first Gaussians at rest.
+void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
+  const Gaussians rest = RestPose(first);
+  const std::vector<float> points(rest.values[kPosition].begin(), rest.values[kPosition].end());
+  WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
+}
+
 void Save(const AvatarOptions& o,
           const FlameModel& flame,
           const AvatarSubject& subject,
           const Trainer& trainer) {
   const AvatarModel model = subject.Model(trainer.state().gaussians);
   // The rest pose, for tools that know only 3DGS's layout.
-  PosedGaussians rest;
-  Bind(model, Surface(model.mesh), rest);
-  Gaussians splats = model.gaussians;
-  splats.values[kPosition] = rest.position;
-  splats.values[kRotation] = rest.rotation;
-  splats.values[kScaleLog] = rest.scale_log;
-  SaveSplats(o.model, trainer.state().iteration, std::move(splats));
+  SaveSplats(o.model, trainer.state().iteration, RestPose(model));
   AvatarFileOptions file;
   file.embed_flame = o.embed_flame;
   file.truncate_degree = true;  // the exact coefficients are in our own extension
