@@ -21,6 +21,17 @@ double ProcessorSeconds() {
 
 constexpr size_t kStepsInMedian = 200;
 
+void CheckSize(const TrainFrame& frame, size_t index) {
+  const Image8& image = frame.target;
+  const Camera& camera = frame.camera;
+  if (image.width == camera.width && image.height == camera.height) return;
+  const auto text = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+  throw Error("",
+              "training frame " + std::to_string(index),
+              "an image of " + text(image.width, image.height) + " pixels for a camera of " +
+                  text(camera.width, camera.height));
+}
+
 }  // namespace
 
 Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians first)
@@ -125,6 +136,7 @@ StepReport Trainer::Step() {
   const int iteration = state_.iteration + 1;
   const size_t index = NextFrame();
   const TrainFrame& frame = subject_.frame(index);
+  CheckSize(frame, index);
   const int width = frame.camera.width, height = frame.camera.height;
   RenderSettings render{NextBackground(), active_degree()};
   {

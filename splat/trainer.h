@@ -116,7 +116,8 @@ class Trainer {
  public:
   Trainer(const TrainSettings& settings, Subject& subject, Gaussians first);
 
-  // One iteration. Throws Error when the loss is not finite.
+  // One iteration. Throws Error when the loss is not finite, the frame's image is not of its
+  // camera's size or every Gaussian was pruned.
   StepReport Step();
 
   const TrainingState& state() const { return state_; }

@@ -8,31 +8,12 @@
 
 #include "splat/basis_constants.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/looking_at.h"
 
 namespace cosplat {
 namespace {
 
-// A camera at `eye` that looks at `target`.
-Camera LookingAt(const std::array<float, 3>& eye, const std::array<float, 3>& target) {
-  const auto normalize = [](std::array<float, 3> v) {
-    const float n = std::hypot(v[0], v[1], v[2]);
-    return std::array<float, 3>{v[0] / n, v[1] / n, v[2] / n};
-  };
-  const auto cross = [](const std::array<float, 3>& a, const std::array<float, 3>& b) {
-    return std::array<float, 3>{
-        a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  };
-  const auto z = normalize({target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]});
-  const auto x = normalize(cross({0.1f, 1, 0.2f}, z));
-  const auto y = cross(z, x);
-  Camera c;
-  c.rotation = {x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]};
-  for (int i = 0; i < 3; ++i) {
-    c.translation[i] = 0;
-    for (int k = 0; k < 3; ++k) c.translation[i] -= c.rotation[3 * i + k] * eye[k];
-  }
-  return c;
-}
+using test::LookingAt;
 
 TEST(InitializeFromPoints, TheScaleIsThatOfTheNeighbours) {
   std::vector<float> points;

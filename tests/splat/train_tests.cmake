@@ -8,4 +8,5 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/schedule_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/initialize_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/density_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/trainer_test.cpp
   LIBRARIES cosplat::splat hwy::hwy TBB::tbb)

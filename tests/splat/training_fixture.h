@@ -1,0 +1,120 @@
+// A small synthetic scene with known Gaussians, and runs of training on its pictures.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "splat/base/image_io.h"
+#include "splat/initialize.h"
+#include "splat/metrics.h"
+#include "splat/trainer.h"
+#include "tests/support/looking_at.h"
+
+namespace cosplat::test {
+
+// Opaque blobs of different colours in a ball of radius ~0.6; colours change with the direction
+// when `degree` is 1 or more.
+inline Gaussians TrueScene(int degree, size_t count = 40) {
+  Rng rng{17};
+  Gaussians g;
+  g.degree = degree;
+  g.Resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      g.at(kPosition, i)[k] = std::clamp(0.3f * rng.Normal(), -0.6f, 0.6f);
+      g.at(kScaleLog, i)[k] = std::log(0.12f) + 0.3f * rng.Normal();
+      g.at(kColorDc, i)[k] = 3.4f * (rng.Uniform() - 0.5f);
+    }
+    for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = rng.Normal();
+    g.at(kOpacityLogit, i)[0] = 2;
+    for (int k = 0; k < g.width(kColorRest); ++k) g.at(kColorRest, i)[k] = 0.08f * rng.Normal();
+  }
+  return g;
+}
+
+inline RenderedImage Render(const Gaussians& g,
+                            const Camera& camera,
+                            const std::array<float, 3>& background = {0, 0, 0}) {
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  rasterizer->Forward(ViewOf(g), g.basis, camera, {background, g.degree}, image, *tape);
+  return image;
+}
+
+// The true scene's pictures: RGB on black, or RGBA with straight alpha.
+inline std::vector<TrainFrame> Photographs(const Gaussians& truth,
+                                           const std::vector<Camera>& cameras,
+                                           bool with_alpha = false) {
+  std::vector<TrainFrame> frames;
+  for (const Camera& camera : cameras) {
+    const RenderedImage image = Render(truth, camera);
+    frames.push_back({camera, ToBytes(with_alpha ? image.ToStraightAlpha() : image.ToImage())});
+  }
+  return frames;
+}
+
+// First Gaussians: `count` grey points in the cube that holds the scene.
+inline Gaussians FirstGaussians(size_t count, int degree, Basis basis = Basis::kDcsh) {
+  Rng rng{5};
+  std::vector<float> points(3 * count);
+  for (float& p : points) p = 1.4f * (rng.Uniform() - 0.5f);
+  return InitializeFromPoints(points, std::vector<uint8_t>(3 * count, 128), degree, basis);
+}
+
+// Fractions of 30,000 iterations as in a real run, but with rates and an interval of densification
+// for a run of hundreds of steps.
+inline TrainSettings ShortRun(int iterations, int degree) {
+  TrainSettings s;
+  s.iterations = iterations;
+  s.degree = degree;
+  s.seed = 3;
+  s.schedule = Schedule::Fractions(iterations);
+  s.schedule.densify_every = 20;
+  s.rates.position_first = 3e-3f;
+  s.rates.position_last = 1e-4f;
+  s.rates.color = 2e-2f;
+  s.rates.scale = 2e-2f;
+  s.rates.rotation = 1e-2f;
+  s.density.split_scale = 0.05f;
+  s.density.max_scale = 1;
+  s.density.max_count = 600;
+  return s;
+}
+
+inline TrainingState Train(const TrainSettings& settings,
+                           Subject& subject,
+                           const Gaussians& first,
+                           int steps) {
+  Trainer trainer(settings, subject, first);
+  for (int i = 0; i < steps; ++i) trainer.Step();
+  return trainer.state();
+}
+
+// Mean over the frames; targets on black.
+inline double MeanPsnr(const Gaussians& g, const std::vector<TrainFrame>& frames) {
+  double sum = 0;
+  for (const TrainFrame& frame : frames)
+    sum += CompareImages(ToBytes(Render(g, frame.camera).ToImage()), frame.target).psnr;
+  return sum / double(frames.size());
+}
+
+inline bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+inline bool SameBits(const Gaussians& a, const Gaussians& b) {
+  for (int i = 0; i < kAttributeCount; ++i)
+    if (!SameBits(a.values[i], b.values[i])) return false;
+  return true;
+}
+inline bool SameBits(const TrainingState& a, const TrainingState& b) {
+  return SameBits(a.gaussians, b.gaussians) && SameBits(a.adam.m, b.adam.m) &&
+         SameBits(a.adam.v, b.adam.v) && a.adam.step == b.adam.step &&
+         SameBits(a.statistics.plasticity, b.statistics.plasticity) &&
+         SameBits(a.statistics.screen_gradient, b.statistics.screen_gradient) &&
+         a.rng.state == b.rng.state && a.iteration == b.iteration && a.frames_left == b.frames_left;
+}
+
+}  // namespace cosplat::test
