@@ -8,6 +8,9 @@
 namespace cosplat {
 
 struct Schedule {
+  static constexpr int kLeastDensifyEvery = 100;
+  static constexpr int kLeastResetEvery = 500;
+
   int densify_from = 500;
   int densify_until = 15000;
   int densify_every = 100;
@@ -16,7 +19,9 @@ struct Schedule {
   int size_prune_after = 3000;  // giants are removed from here on
   int position_rate_steps = 30000;
 
-  // 3DGS's steps scaled by iterations / 30,000.
+  // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
+  // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
+  // from (measured in docs/design.md).
   static Schedule Fractions(int iterations) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {
@@ -25,8 +30,8 @@ struct Schedule {
     Schedule s;
     s.densify_from = scaled(full.densify_from);
     s.densify_until = scaled(full.densify_until);
-    s.densify_every = scaled(full.densify_every);
-    s.opacity_reset_every = scaled(full.opacity_reset_every);
+    s.densify_every = std::max(kLeastDensifyEvery, scaled(full.densify_every));
+    s.opacity_reset_every = std::max(kLeastResetEvery, scaled(full.opacity_reset_every));
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
     s.position_rate_steps = iterations;
