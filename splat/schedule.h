@@ -8,7 +8,7 @@
 namespace cosplat {
 
 struct Schedule {
-  static constexpr int kLeastDensifyEvery = 100;
+  static constexpr int kLeastDensifyEvery = 200;  // in runs shorter than 3DGS's
   static constexpr int kLeastResetEvery = 500;
 
   int densify_from = 500;
@@ -30,7 +30,8 @@ struct Schedule {
     Schedule s;
     s.densify_from = scaled(full.densify_from);
     s.densify_until = scaled(full.densify_until);
-    s.densify_every = std::max(kLeastDensifyEvery, scaled(full.densify_every));
+    s.densify_every = scaled(full.densify_every);
+    if (iterations < 30000) s.densify_every = std::max(kLeastDensifyEvery, s.densify_every);
     s.opacity_reset_every = std::max(kLeastResetEvery, scaled(full.opacity_reset_every));
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
