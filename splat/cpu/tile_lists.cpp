@@ -1,11 +1,13 @@
 #include "splat/cpu/tile_lists.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <string>
 
@@ -17,6 +19,7 @@ namespace {
 
 // Fixed, so that the lists do not depend on the number of threads.
 constexpr size_t kGaussiansPerChunk = 4096;
+constexpr uint64_t kInstanceLimit = uint64_t(1) << 31;  // indices are 32 bits
 
 struct TileRange {
   int x0, x1, y0, y1;  // half open
@@ -54,6 +57,27 @@ bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
     best = std::max(
         best, LargestPowerOnEdge(s.power_xx, s.power_xy, s.power_yy, x0, x1, y0 > 0 ? y0 : y1));
   return best >= s.reject_below;
+}
+
+// Counts whole rectangles, which is cheap and at least as many as will be stored: what does not fit
+// is refused before it fills the memory.
+void CheckInstanceCount(View<const uint32_t> order,
+                        View<const ProjectedSplat> splats,
+                        int tiles_x,
+                        int tiles_y) {
+  const uint64_t count = tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, order.size(), kGaussiansPerChunk),
+      uint64_t(0),
+      [&](const auto& range, uint64_t sum) {
+        for (size_t k = range.begin(); k < range.end(); ++k) {
+          const TileRange r = RangeOf(splats[order[k]], tiles_x, tiles_y);
+          sum += uint64_t(r.x1 - r.x0) * uint64_t(r.y1 - r.y0);
+        }
+        return sum;
+      },
+      std::plus<uint64_t>());
+  if (count >= kInstanceLimit)
+    throw Error("", "rasterizer", std::to_string(count) + " splat-tile pairs; the limit is 2^31");
 }
 
 }  // namespace
@@ -111,6 +135,7 @@ void TileLists::Build(View<const ProjectedSplat> splats, int width, int height) 
   tiles_y = (height + kTileSize - 1) / kTileSize;
   const size_t tiles = size_t(tiles_x) * tiles_y;
   SortByDepth(splats);
+  CheckInstanceCount(order, splats, tiles_x, tiles_y);
 
   const size_t chunk_count = (order.size() + kGaussiansPerChunk - 1) / kGaussiansPerChunk;
   if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
@@ -119,10 +144,8 @@ void TileLists::Build(View<const ProjectedSplat> splats, int width, int height) 
     EmitChunk(splats, begin, std::min(begin + kGaussiansPerChunk, order.size()), chunks_[c]);
   });
 
-  uint64_t total = 0;
+  size_t total = 0;
   for (size_t c = 0; c < chunk_count; ++c) total += chunks_[c].instances.size();
-  if (total >= (uint64_t(1) << 31))
-    throw Error("", "rasterizer", std::to_string(total) + " splat-tile pairs; the limit is 2^31");
 
   // Where each chunk's instances of each tile go: tile by tile, chunks in depth order.
   tile_begin.resize(tiles + 1);

@@ -24,7 +24,8 @@ struct TileLists {
   Buffer<uint32_t> tile_begin;    // [tiles + 1]
   Buffer<TileEntry> entries;      // by tile, then by depth
 
-  // Rebuilds for an image of this size. Throws Error at more than 2^31 instances.
+  // Rebuilds for an image of this size. Throws Error when the splats' boxes cover 2^31 tiles or
+  // more, before storing any.
   void Build(View<const ProjectedSplat> splats, int width, int height);
 
  private:

@@ -11,4 +11,5 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/trainer_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/dcsh_is_sh_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/pack_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/failure_modes_test.cpp
   LIBRARIES cosplat::splat hwy::hwy TBB::tbb)
