@@ -14,7 +14,8 @@
 namespace cosplat {
 namespace {
 
-// SplattingAvatar, in units of a FLAME mesh enlarged four times.
+// SplattingAvatar, in units of a FLAME mesh enlarged so many times.
+constexpr float kEnlarged = 4;
 constexpr float kSplitScale = 0.02f;
 constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
@@ -43,6 +44,7 @@ void ScaleToUnit(float unit, TrainSettings& settings) {
   settings.density.split_scale = kSplitScale * unit;
   settings.density.max_scale = kMaxScale * unit;
   settings.scale_regularizer.limit = kNeedleScale * unit;
+  settings.scale_regularizer.weight /= unit;
 }
 
 AvatarSubject::AvatarSubject(const FlameModel& flame,
@@ -224,8 +226,9 @@ void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
   RefinedFrame& frame = params_[current_];
   Frame gradient = poser_->Backward(frame.params, d_vertices);
   gradient.expression.resize(frame.params.expression.size(), 0.0f);
-  const float rates[3] = {
-      settings_.expression_rate, settings_.pose_rate, settings_.translation_rate};
+  const float rates[3] = {settings_.expression_rate,
+                          settings_.pose_rate,
+                          settings_.translation_rate * kEnlarged * unit_};
   ++frame.step;
   math::AdamStep step;
   const double c1 = 1 - std::pow(double(step.beta1), double(frame.step));

@@ -31,12 +31,13 @@ struct AvatarSettings {
   bool refine_track = false;
   // GaussianAvatars' rates for the track.
   float pose_rate = 1e-5f;         // radians per step
-  float translation_rate = 1e-6f;  // metres per step
+  float translation_rate = 1e-6f;  // metres per step, on a head of the template's size
   float expression_rate = 1e-3f;
 };
 
 // Lengths of SplattingAvatar in metres of this subject: clone/split boundary 0.02, largest scale
-// 0.2, needles from 0.008, times `unit` (metres per unit of a 4x FLAME mesh).
+// 0.2, needles from 0.008, times `unit` (metres per unit of a 4x FLAME mesh); the weight of
+// needles, given for lengths in those units, is divided by it.
 void ScaleToUnit(float unit, TrainSettings& settings);
 
 class AvatarSubject : public Subject {

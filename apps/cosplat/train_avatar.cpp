@@ -24,7 +24,9 @@ struct AvatarOptions : TrainOptions {
     iterations = 6000;
     sh_degree = 3;
     background = "random";
-    rates.position_first = 1.6e-4f;
+    // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
+    // steps.
+    rates.position_first = 6.4e-4f;
   }
   std::string flame;
   int test_frames = -1;
@@ -173,9 +175,9 @@ void Train(AvatarOptions o, const std::string& config) {
   AvatarSubject subject(flame, LoadVideo(o), o.avatar);
   const TrackedVideo& video = subject.video();
   TrainSettings settings = o.ToSettings(1);
+  ApplyPreset(o, settings);
   ScaleToUnit(subject.extent(), settings);
   settings.density.group_cap = kGaussiansPerTriangle;
-  ApplyPreset(o, settings);
   if (!o.quiet) ReportSkipped(video);
   SaveInputs(o, video, config);
   Trainer trainer(
