@@ -1,0 +1,104 @@
+// avatar/silhouette.h: which pixels a mesh covers, and where the mouth is.
+#include "avatar/silhouette.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "flame/procedural/motion.h"
+#include "flame/procedural/video.h"
+#include "flame/procedural_head.h"
+#include "tests/avatar/meshes.h"
+
+namespace cosplat::test {
+namespace {
+
+// One pixel per unit at depth 1.
+Camera Plain(int width, int height) {
+  Camera c;
+  c.width = width;
+  c.height = height;
+  c.fx = c.fy = 1;
+  return c;
+}
+
+size_t Count(const std::vector<uint8_t>& mask) {
+  return size_t(std::count(mask.begin(), mask.end(), 1));
+}
+
+TEST(Silhouette, CoversPixelsWhoseCentreIsInside) {
+  const std::vector<float> vertices{1, 1, 1, 5, 1, 1, 1, 5, 1};
+  for (const std::array<int32_t, 3> face : {std::array{0, 1, 2}, std::array{0, 2, 1}}) {
+    const std::vector<uint8_t> mask = MeshSilhouette(vertices, {face}, Plain(8, 6));
+    ASSERT_EQ(mask.size(), 48u);
+    for (int y = 0; y < 6; ++y)
+      for (int x = 0; x < 8; ++x)
+        EXPECT_EQ(mask[8 * y + x], x >= 1 && y >= 1 && (x - 0.5f) + (y - 0.5f) <= 4) << x << y;
+  }
+}
+
+TEST(Silhouette, ClipsToTheImageAndLeavesOutWhatIsBehind) {
+  const std::vector<std::array<int32_t, 3>> face{{0, 1, 2}};
+  EXPECT_EQ(Count(MeshSilhouette({-99, -99, 1, 99, -99, 1, 0, 99, 1}, face, Plain(8, 6))), 48u);
+  EXPECT_EQ(Count(MeshSilhouette({1, 1, -1, 5, 1, -1, 1, 5, -1}, face, Plain(8, 6))), 0u);
+  EXPECT_EQ(Count(MeshSilhouette({1, 1, 1, 5, 1, 1, 1, 5, -1}, face, Plain(8, 6))), 0u);
+  EXPECT_EQ(Count(MeshSilhouette({1e9f, 0, 1, 2e9f, 0, 1, 0, 2e9f, 1}, face, Plain(8, 6))), 0u);
+  EXPECT_EQ(Count(MeshSilhouette({}, {}, Plain(8, 6))), 0u);
+}
+
+TEST(Silhouette, IsTheRenderersMaskOfTheHead) {
+  const ProceduralHead head = MakeProceduralHeadParts();
+  const Camera camera = procedural::OrbitCamera(0.3f, 0.1f, 0.9f, 96);
+  const std::vector<float>& vertices = head.model.template_vertices;
+  const Image8 image = RenderProceduralHead(head, vertices, {}, camera);
+  const std::vector<uint8_t> mask = MeshSilhouette(vertices, head.model.faces, camera);
+  size_t shown = 0, differ = 0;
+  for (size_t p = 0; p < mask.size(); ++p) {
+    const int alpha = image.data[4 * p + 3];
+    shown += alpha == 255;
+    // Strictly inside or outside; the rim is antialiased there.
+    differ += (alpha == 255 && !mask[p]) || (alpha == 0 && mask[p]);
+  }
+  EXPECT_GT(shown, 1000u);
+  EXPECT_LE(differ, 2u);
+}
+
+TEST(MouthBox, SurroundsTheLips) {
+  const FlameModel head = MakeProceduralHead();
+  const MeshTopology topology = BuildTopology(head.name, head.faces, head.vertex_count);
+  const Camera camera = procedural::OrbitCamera(0, 0, 0.9f, 96);
+  const std::vector<float>& v = head.template_vertices;
+  const std::array<int, 4> box = MouthBox(v, v, topology, camera);
+  EXPECT_GT(box[2], 5);
+  EXPECT_LT(box[2], 60);
+  EXPECT_GT(box[3], 5);
+  // Below the middle of the face, in the middle of the picture.
+  EXPECT_NEAR(box[0] + box[2] / 2.0, 48, 4);
+  EXPECT_GT(box[1] + box[3] / 2.0, 48);
+  EXPECT_LE(box[0] + box[2], 96);
+  EXPECT_LE(box[1] + box[3], 96);
+
+  // It moves with the head, and is nothing once that is out of sight or behind.
+  std::vector<float> moved = v;
+  for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 0.03f;
+  EXPECT_GT(MouthBox(moved, v, topology, camera)[0], box[0]);
+  for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 10;
+  EXPECT_EQ(MouthBox(moved, v, topology, camera), (std::array<int, 4>{0, 0, 0, 0}));
+  for (size_t i = 0; i < moved.size(); i += 3) moved[i + 2] += 10;
+  EXPECT_EQ(MouthBox(moved, v, topology, camera), (std::array<int, 4>{0, 0, 0, 0}));
+}
+
+TEST(MouthBox, IsNothingWithoutAMouth) {
+  const CanonicalMesh ball = SphereMesh(2);
+  const MeshTopology topology = BuildTopology("ball", ball.faces, int(ball.vertices.size() / 3));
+  EXPECT_EQ(MouthBox(ball.vertices, ball.vertices, topology, Plain(8, 6)),
+            (std::array<int, 4>{0, 0, 0, 0}));
+  const CanonicalMesh sheet = SheetMesh(3);  // one boundary: a neck's
+  const MeshTopology one = BuildTopology("sheet", sheet.faces, int(sheet.vertices.size() / 3));
+  EXPECT_EQ(MouthBox(sheet.vertices, sheet.vertices, one, Plain(8, 6)),
+            (std::array<int, 4>{0, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace cosplat::test
