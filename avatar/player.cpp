@@ -1,8 +1,7 @@
 #include "avatar/player.h"
 
-#include <algorithm>
-
 #include "splat/base/error.h"
+#include "splat/base/image_io.h"
 
 namespace cosplat {
 
@@ -37,11 +36,7 @@ void Player::RenderOver(const FlameParams& params,
 Image8 Player::Render(const FlameParams& params, const Camera& camera) {
   RenderedImage image;
   RenderOver(params, camera, {0, 0, 0}, image);
-  const Image straight = image.ToStraightAlpha();
-  Image8 bytes(straight.width, straight.height, 4);
-  for (size_t i = 0; i < straight.data.size(); ++i)
-    bytes.data[i] = uint8_t(std::clamp(straight.data[i], 0.0f, 1.0f) * 255 + 0.5f);
-  return bytes;
+  return ToBytes(image.ToStraightAlpha());
 }
 
 WorldGaussians PosedView(const Gaussians& gaussians,

@@ -99,6 +99,8 @@ void AvatarSubject::LoadFrames() {
     usable.push_back(frame);
   }
   CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
+  if (usable.empty())
+    throw Error(video_.source, "training frames", "none is usable: " + video_.skipped[0].reason);
   video_.train = std::move(usable);
 }
 

@@ -54,6 +54,7 @@ class AvatarSubject : public Subject {
   AvatarModel Model(const Gaussians& gaussians) const;
   const TrackedVideo& video() const { return video_; }
   const Surface& surface() const { return surface_; }
+  bool has_bust() const { return bust_.has_value(); }
   // Share of the Gaussians that are now on another triangle than they (or their parents) began on.
   double WalkedShare() const;
   // Training frames' parameters as refined so far (equal to the track's without --refine-track).

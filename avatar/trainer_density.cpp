@@ -12,6 +12,8 @@ namespace {
 
 // A triangle's last Gaussian goes only while the alpha inside the silhouette stays above this.
 constexpr float kHoleAlpha = 0.9f;
+// A loss of alpha that counts: one grey level.
+constexpr float kAlphaLoss = 1.0f / 255;
 // Training frames, evenly spread, in which holes are looked for.
 constexpr size_t kHoleFrames = 3;
 
@@ -102,8 +104,9 @@ void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& remo
     const std::vector<uint8_t> inside = MeshSilhouette(vertices_, mesh_.faces, camera);
     std::vector<std::array<float, 2>> holes;
     for (size_t p = 0; p < inside.size(); ++p)
-      if (inside[p] && 1 - before.transmittance[p] >= kHoleAlpha &&
-          1 - after.transmittance[p] < kHoleAlpha)
+      // Also where it was below already (after an opacity reset): it shall not fall further.
+      if (inside[p] && 1 - after.transmittance[p] < kHoleAlpha &&
+          after.transmittance[p] - before.transmittance[p] > kAlphaLoss)
         holes.push_back({p % camera.width + 0.5f, p / camera.width + 0.5f});
     for (const uint32_t i : last) {
       const float radius = tape->radius(i);

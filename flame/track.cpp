@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <set>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/error.h"
@@ -69,15 +71,23 @@ std::string CopyFinite(const std::string& name,
   return "";
 }
 
+// The last `count` instants, with every camera's view of them.
 void SplitLastFrames(int count, TrackedVideo& video) {
-  if (count < 0 || size_t(count) >= video.train.size())
+  std::set<int> instants;
+  for (const TrackedFrame& frame : video.train) instants.insert(frame.timestep);
+  if (count < 0 || size_t(count) >= instants.size())
     throw Error(video.source,
                 "test frames",
-                std::to_string(count) + " of " + std::to_string(video.train.size()) +
+                std::to_string(count) + " of " + std::to_string(instants.size()) +
                     " frames would leave none to train on");
-  const auto first = video.train.end() - count;
-  video.test.assign(std::make_move_iterator(first), std::make_move_iterator(video.train.end()));
-  video.train.erase(first, video.train.end());
+  if (count == 0) return;
+  const int first = *std::prev(instants.end(), count);
+  const auto boundary =
+      std::stable_partition(video.train.begin(), video.train.end(), [&](const TrackedFrame& f) {
+        return f.timestep < first;
+      });
+  video.test.assign(std::make_move_iterator(boundary), std::make_move_iterator(video.train.end()));
+  video.train.erase(boundary, video.train.end());
 }
 
 // Trackers that hold the head in place write a camera of its own for every frame. Where those
@@ -143,6 +153,8 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
                 "",
                 "mask is " + SizeText(mask.width, mask.height) + ", its image " +
                     SizeText(picture.width, picture.height));
+  if (mask.empty() && picture.channels == 3)
+    return ResizeByArea(picture, camera.width, camera.height);
   Image8 rgba(picture.width, picture.height, 4, 255);
   const int n = picture.channels;
   for (size_t i = 0; i < picture.pixels(); ++i) {

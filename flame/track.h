@@ -55,7 +55,7 @@ struct TrackOptions {
 // turning, it is taken to stand still and the head to move instead.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
 
-// RGBA at the frame's camera size; alpha 255 everywhere when there is neither mask nor alpha.
+// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha.
 // Throws Error (naming the file) on a missing image or mask or one whose size disagrees.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 

@@ -37,7 +37,7 @@ struct DensitySettings {
   float min_opacity = 0.005f;
   float max_scale = 0;         // larger ones are removed once size pruning is on; scene units
   float max_radius_px = 20;    // likewise
-  size_t max_count = 2000000;  // never exceeded: the strongest gradients go first
+  size_t max_count = 2000000;  // never exceeded by adding: the strongest gradients go first
 
   bool prune_by_plasticity = false;
   float prune_fraction = 0.02f;  // share removed at each densification

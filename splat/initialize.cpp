@@ -67,6 +67,20 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
   return g;
 }
 
+void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors) {
+  const size_t n = points.size() / 3;
+  if (n <= most) return;
+  for (size_t i = 0; i < most; ++i) {
+    const size_t from = size_t(uint64_t(i) * n / most);
+    for (size_t k = 0; k < 3; ++k) {
+      points[3 * i + k] = points[3 * from + k];
+      colors[3 * i + k] = colors[3 * from + k];
+    }
+  }
+  points.resize(3 * most);
+  colors.resize(3 * most);
+}
+
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras) {
   double a[3][4] = {};
   for (const Camera& c : cameras) {

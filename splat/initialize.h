@@ -19,6 +19,9 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
                                int degree,
                                Basis basis);
 
+// Keeps at most `most` points, evenly taken in their order.
+void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors);
+
 // The point closest to all optical axes, in the least-squares sense.
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);
 

@@ -71,6 +71,7 @@ double PhotometricLoss::Evaluate(const LossWeights& weights,
     for (Buffer<float>* b : {&partial_x_, &partial_xx_, &partial_xy_}) b->resize(3 * plane);
   const auto band_of = [&](int channel, int band) {
     SsimBand b = BandOf(width, height, channel, band, rendered.data, target.data);
+    if (!with_ssim) return b;
     b.partial_x = partial_x_.data() + channel * plane;
     b.partial_xx = partial_xx_.data() + channel * plane;
     b.partial_xy = partial_xy_.data() + channel * plane;

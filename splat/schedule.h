@@ -18,6 +18,7 @@ struct Schedule {
   int degree_every = 1000;      // one more band each time
   int size_prune_after = 3000;  // giants are removed from here on
   int position_rate_steps = 30000;
+  bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
 
   // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
   // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
@@ -43,7 +44,8 @@ struct Schedule {
     return iteration > densify_from && iteration < densify_until && iteration % densify_every == 0;
   }
   bool ResetsOpacityAt(int iteration) const {
-    return iteration < densify_until && iteration % opacity_reset_every == 0;
+    return iteration < densify_until && (iteration % opacity_reset_every == 0 ||
+                                         (reset_opacity_at_start && iteration == densify_from));
   }
   int DegreeAt(int iteration, int highest) const {
     return std::min(highest, iteration / degree_every);
@@ -54,6 +56,7 @@ struct Schedule {
   }
   // Log-linear from `first` to `last` (Plenoxels, 3DGS).
   float PositionRate(int iteration, float first, float last) const {
+    if (first <= 0 || last <= 0) return std::max(first, 0.0f);  // no logarithm: the first one stays
     const float t = std::clamp(float(iteration) / position_rate_steps, 0.0f, 1.0f);
     return std::exp((1 - t) * std::log(first) + t * std::log(last));
   }

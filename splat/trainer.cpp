@@ -162,10 +162,9 @@ StepReport Trainer::Step() {
   {
     ScopedPhase phase(times_, Phase::kPose);
     subject_.PlaceBackward(state_.gaussians, gradients_);
-    loss += RegularizeScale();
   }
-  const Schedule& schedule = settings_.schedule;
-  if (iteration < schedule.densify_until) {
+  // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
+  if (iteration < settings_.schedule.densify_until) {
     ScopedPhase phase(times_, Phase::kDensity);
     state_.statistics.Accumulate(*tape_,
                                  screen_,
@@ -174,6 +173,7 @@ StepReport Trainer::Step() {
                                  width,
                                  height);
   }
+  loss += RegularizeScale();
   {
     ScopedPhase phase(times_, Phase::kAdam);
     ignored_gradients_ += AdamStepAll(RatesAt(state_.iteration),
@@ -217,11 +217,28 @@ TrainingStatistics Trainer::statistics() const {
 SceneSubject::SceneSubject(std::vector<TrainFrame> frames, float extent)
     : frames_(std::move(frames)), extent_(extent) {}
 
-std::vector<TrainFrame> LoadTrainFrames(const std::vector<SceneView>& views) {
-  std::vector<TrainFrame> frames(views.size());
+std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
+                                        std::vector<SkippedFrame>& skipped) {
+  std::vector<TrainFrame> loaded(views.size());
+  std::vector<std::string> problems(views.size());
   tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
-    frames[i] = {views[i].camera, LoadViewImage(views[i])};
+    try {
+      loaded[i] = {views[i].camera, LoadViewImage(views[i])};
+    } catch (const Error& e) {
+      problems[i] = e.what();
+    }
   });
+  std::vector<SceneView> usable;
+  std::vector<TrainFrame> frames;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (!problems[i].empty()) {
+      skipped.push_back({views[i].name, problems[i]});
+      continue;
+    }
+    usable.push_back(std::move(views[i]));
+    frames.push_back(std::move(loaded[i]));
+  }
+  views = std::move(usable);
   return frames;
 }
 

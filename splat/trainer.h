@@ -101,7 +101,7 @@ struct StepReport {
   size_t gaussians = 0;
 };
 
-// stats.json of a run (ecosystem's layout: issue of record in docs/results.md).
+// What a run cost: stats.json.
 struct TrainingStatistics {
   int iterations = 0;
   double seconds = 0;      // in the training loop: no loading, no evaluation
@@ -166,7 +166,9 @@ class SceneSubject : public Subject {
   float extent_;
 };
 
-// Loads every training view's picture, in parallel.
-std::vector<TrainFrame> LoadTrainFrames(const std::vector<SceneView>& views);
+// Loads every view's picture, in parallel. Views whose picture cannot be used go from `views` to
+// `skipped`.
+std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
+                                        std::vector<SkippedFrame>& skipped);
 
 }  // namespace cosplat

@@ -1,5 +1,6 @@
 #include "apps/cosplat/frame_sink.h"
 
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 
@@ -7,9 +8,17 @@
 #include "splat/base/files.h"
 
 namespace cosplat {
+namespace {
 
-FrameSink::FrameSink(std::string path)
-    : path_(std::move(path)), is_video_(std::filesystem::path(path_).extension() == ".mp4") {
+bool EndsInMp4(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = char(std::tolower(c));
+  return extension == ".mp4";
+}
+
+}  // namespace
+
+FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(EndsInMp4(path_)) {
   if (!is_video_) MakeDirectories(path_);
 }
 

@@ -84,12 +84,12 @@ void TrackInfo(const std::string& path, bool need_images) {
 void RunInfo(const std::string& path) {
   const Json json = ReadRun(path);
   const JsonField run(path + "/run.json", json);
-  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %d, of %s\n",
+  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n",
               run["kind"].String().c_str(),
               run["iterations"].Integer(),
               run["degree"].Integer(),
               run["basis"].String().c_str(),
-              run["seed"].Integer(),
+              run["seed"].raw().dump().c_str(),
               run["source"].String().c_str());
   if (!fs::exists(path + "/results.json")) return;
   const Json results = ReadJson(path + "/results.json");

@@ -16,7 +16,7 @@ struct Options : MakeHeadOptions {
 
 void MakeHead(const Options& o) {
   {
-    ProgressBar bar("make-head", o.frames);
+    ProgressBar bar("make-head", o.frames, o.quiet);
     WriteProceduralVideo(o.out, o, [&](int done, int) { bar.Update(done, "frames"); });
   }
   if (!o.quiet)

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 
 namespace cosplat {
@@ -13,7 +14,9 @@ void AddMetrics(CLI::App& app) {
   const auto model = std::make_shared<std::string>();
   command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
   command->callback([model] {
-    const TestSummary summary = EvaluateTestImages(*model);
+    const Json json = ReadRun(*model);
+    const JsonField run(*model + "/run.json", json);
+    const TestSummary summary = EvaluateTestImages(*model, SavedIteration(*model, run));
     std::printf("%s\n", ToString(summary).c_str());
   });
 }

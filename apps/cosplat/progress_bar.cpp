@@ -7,10 +7,10 @@
 
 namespace cosplat {
 
-ProgressBar::ProgressBar(std::string title, int total)
+ProgressBar::ProgressBar(std::string title, int total, bool quiet)
     : title_(std::move(title)),
       total_(std::max(1, total)),
-      visible_(isatty(STDERR_FILENO)),
+      visible_(!quiet && isatty(STDERR_FILENO)),
       start_(std::chrono::steady_clock::now()) {}
 
 ProgressBar::~ProgressBar() {

@@ -8,7 +8,7 @@ namespace cosplat {
 
 class ProgressBar {
  public:
-  ProgressBar(std::string title, int total);
+  ProgressBar(std::string title, int total, bool quiet = false);
   ~ProgressBar();
   // Redraws at most ten times a second; `detail` stands after the bar.
   void Update(int done, const std::string& detail);

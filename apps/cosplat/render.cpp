@@ -1,17 +1,18 @@
 // cosplat render: a trained model's test views, an orbit, or an avatar driven by a sequence.
-#include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
 
+#include "apps/cosplat/avatar_renderer.h"
 #include "apps/cosplat/camera_path.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/frame_sink.h"
 #include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/run_data.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 #include "avatar/avatar_file.h"
 #include "avatar/player.h"
-#include "avatar/silhouette.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -31,13 +32,10 @@ struct Options {
   bool quiet = false;
 };
 
-std::array<float, 3> BackgroundOf(const JsonField& run) {
-  const float c = run.raw().value("white_background", false) ? 1.0f : 0.0f;
-  return {c, c, c};
-}
-
-int ResolutionOf(const Options& o, const JsonField& run) {
-  return o.resolution > 0 ? o.resolution : run["resolution"].Integer();
+DataSplit SplitOf(const Options& o, const JsonField& run) {
+  DataSplit split = SplitFromJson(run);
+  if (o.resolution > 0) split.resolution = o.resolution;
+  return split;
 }
 
 std::string SourceOf(const Options& o, const JsonField& run) {
@@ -48,7 +46,7 @@ std::string SourceOf(const Options& o, const JsonField& run) {
 class Output {
  public:
   Output(const Options& o, size_t total)
-      : sink_(o.out), bar_("render", int(total)), quiet_(o.quiet), path_(o.out) {}
+      : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
   void Write(const RenderedImage& image) {
     sink_.Write(ToBytes(image.ToImage()));
     bar_.Update(sink_.count(), "frames");
@@ -67,41 +65,31 @@ class Output {
 
 void RenderScene(const Options& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
-  const int iteration = LatestIteration(o.model);
+  const int iteration = SavedIteration(o.model, run);
   const Gaussians g = ReadPly(SplatPath(o.model, iteration));
-  SceneOptions scene_options{
-      ResolutionOf(o, run), run.raw().value("eval", false), run.raw().value("fold", false)};
-  const SceneData scene = LoadScene(SourceOf(o, run), scene_options);
-  std::vector<Camera> cameras;
-  for (const SceneView& view : scene.train) cameras.push_back(view.camera);
+  const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
+  const bool held_out = !scene.test.empty();
+  const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   const RenderSettings settings{BackgroundOf(run), g.degree};
   RenderedImage image;
-  if (o.orbit) {
-    Output output(o, kOrbitFrames);
-    for (const Camera& camera : OrbitScene(cameras, kOrbitFrames)) {
-      rasterizer->Forward(ViewOf(g), g.basis, camera, settings, image, *tape);
-      output.Write(image);
-    }
-    return output.Finish();
-  }
-  const std::vector<SceneView>& views = scene.test.empty() ? scene.train : scene.test;
+  const auto draw = [&](const Camera& camera) -> const RenderedImage& {
+    rasterizer->Forward(ViewOf(g), g.basis, camera, settings, image, *tape);
+    return image;
+  };
   if (!o.out.empty()) {
-    Output output(o, views.size());
-    for (const SceneView& view : views) {
-      rasterizer->Forward(ViewOf(g), g.basis, view.camera, settings, image, *tape);
-      output.Write(image);
-    }
+    std::vector<Camera> cameras;
+    for (const SceneView& view : o.orbit ? scene.train : views) cameras.push_back(view.camera);
+    if (o.orbit) cameras = OrbitScene(cameras, kOrbitFrames);
+    Output output(o, cameras.size());
+    for (const Camera& camera : cameras) output.Write(draw(camera));
     return output.Finish();
   }
-  TestImageWriter writer(o.model, iteration, settings.background);
-  for (const SceneView& view : views) {
-    rasterizer->Forward(ViewOf(g), g.basis, view.camera, settings, image, *tape);
-    writer.Write(image, LoadViewImage(view));
-  }
+  TestImageWriter writer(o.model, held_out ? "test" : "train", iteration, settings.background);
+  for (const SceneView& view : views) writer.Write(draw(view.camera), LoadViewImage(view));
   writer.Finish();
-  if (!o.quiet) std::printf("%zu views: %s/test\n", views.size(), o.model.c_str());
+  if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }
 
 FlameParams ReferenceRoot(const JsonField& run) {
@@ -143,60 +131,64 @@ void RenderAvatarOrbit(const Options& o,
   output.Finish();
 }
 
-void RenderDriven(const Options& o, const JsonField& run, Player& player) {
-  TrackedVideo sequence = LoadTrackedVideo(o.drive, {-1, 1, false});
-  std::vector<FlameParams> frames;
+// A sequence's instants in order, as its first camera saw them.
+std::vector<FlameParams> InstantsOf(const TrackedVideo& sequence) {
+  std::map<int, const TrackedFrame*> instants;
   for (const auto* list : {&sequence.train, &sequence.test})
-    for (const TrackedFrame& frame : *list) frames.push_back(frame.params);
+    for (const TrackedFrame& frame : *list) {
+      const TrackedFrame*& kept = instants[frame.timestep];
+      if (!kept || frame.camera_index < kept->camera_index) kept = &frame;
+    }
+  std::vector<FlameParams> params;
+  for (const auto& [timestep, frame] : instants) params.push_back(frame->params);
+  return params;
+}
+
+void RenderDriven(const Options& o, const JsonField& run, Player& player) {
+  const std::vector<FlameParams> frames =
+      Retarget(InstantsOf(LoadTrackedVideo(o.drive, {-1, 1, false})), ReferenceRoot(run));
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   RenderedImage image;
   Output output(o, frames.size());
-  for (const FlameParams& frame : Retarget(frames, ReferenceRoot(run))) {
+  for (const FlameParams& frame : frames) {
     player.RenderOver(frame, camera, BackgroundOf(run), image);
     output.Write(image);
   }
   output.Finish();
 }
 
-void RenderTestFrames(const Options& o, const JsonField& run, Player& player) {
-  const TrackedVideo video = LoadTrackedVideo(
-      SourceOf(o, run), {run["test_frames"].Integer(), ResolutionOf(o, run), true});
-  const std::vector<TrackedFrame>& frames = video.test.empty() ? video.train : video.test;
-  const std::array<float, 3> background = BackgroundOf(run);
-  RenderedImage image;
+void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& renderer) {
+  const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run));
+  const bool held_out = !video.test.empty();
+  const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
   if (!o.out.empty()) {
+    RenderedImage image;
     Output output(o, frames.size());
     for (const TrackedFrame& frame : frames) {
-      player.RenderOver(frame.params, frame.camera, background, image);
+      renderer.player().RenderOver(frame.params, frame.camera, BackgroundOf(run), image);
       output.Write(image);
     }
     return output.Finish();
   }
-  const CanonicalMesh& mesh = player.avatar().mesh;
-  const MeshTopology topology = BuildTopology("avatar", mesh.faces, int(mesh.vertices.size() / 3));
-  TestImageWriter writer(o.model, LatestIteration(o.model), background);
-  for (const TrackedFrame& frame : frames) {
-    player.RenderOver(frame.params, frame.camera, background, image);
-    const std::array<int, 4> box =
-        MouthBox(player.vertices(), mesh.vertices, topology, frame.camera);
-    const Rectangle mouth{box[0], box[1], box[2], box[3]};
-    writer.Write(image, LoadTrackedImage(video, frame), mouth.width > 0 ? &mouth : nullptr);
-  }
+  TestImageWriter writer(
+      o.model, held_out ? "test" : "train", SavedIteration(o.model, run), BackgroundOf(run));
+  for (const TrackedFrame& frame : frames)
+    renderer.WriteTestImage(frame, LoadTrackedImage(video, frame), writer);
   writer.Finish();
-  if (!o.quiet) std::printf("%zu frames: %s/test\n", frames.size(), o.model.c_str());
+  if (!o.quiet) std::printf("%zu frames: %s\n", frames.size(), writer.path().c_str());
 }
 
 void RenderAvatar(const Options& o, const JsonField& run) {
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
-  Player player(std::move(model), flame);
+  AvatarRenderer renderer(std::move(model), flame);
   if (o.orbit) {
-    RenderAvatarOrbit(o, run, flame, player);
+    RenderAvatarOrbit(o, run, flame, renderer.player());
   } else if (!o.drive.empty()) {
-    RenderDriven(o, run, player);
+    RenderDriven(o, run, renderer.player());
   } else {
-    RenderTestFrames(o, run, player);
+    RenderFrames(o, run, renderer);
   }
 }
 

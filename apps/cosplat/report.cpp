@@ -67,22 +67,6 @@ std::vector<std::string> Spread(const std::vector<std::string>& all, size_t coun
   return picked;
 }
 
-std::string LatestTestFolder(const std::string& model) {
-  std::string latest;
-  int highest = -1;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(model + "/test", ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind("ours_", 0) != 0 || std::atoi(name.c_str() + 5) <= highest) continue;
-    highest = std::atoi(name.c_str() + 5);
-    latest = entry.path().string();
-  }
-  if (highest < 0)
-    throw Error(
-        model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
-  return latest;
-}
-
 std::string Number(double value, const char* format) {
   char text[32];
   std::snprintf(text, sizeof text, format, value);
@@ -179,7 +163,11 @@ constexpr const char* kStyle =
 
 void Report(const std::string& model, bool quiet) {
   const Json run = ReadRun(model);
-  const std::string test = LatestTestFolder(model);
+  const int iteration = SavedIteration(model, JsonField(model + "/run.json", run));
+  const std::string test = model + "/test/ours_" + std::to_string(iteration);
+  if (!fs::exists(test))
+    throw Error(
+        model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
   const std::string key = fs::path(test).filename().string();
   const Json results = ReadJson(model + "/results.json").value(key, Json::object());
   const Json per_view = ReadJson(model + "/per_view.json").value(key, Json::object());

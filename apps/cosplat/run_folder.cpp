@@ -13,14 +13,26 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// A Python string literal.
+std::string Quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "'";
+}
+
 // As Python prints it: 3DGS's tools evaluate this line.
 std::string CfgArgs(const TrainOptions& o) {
   const auto flag = [](bool b) { return std::string(b ? "True" : "False"); };
-  const bool white = o.white_background || o.background == "white";
-  return "Namespace(data_device='cpu', eval=" + flag(o.eval) + ", images='images', model_path='" +
-         fs::absolute(o.model).string() + "', resolution=" + std::to_string(o.resolution) +
-         ", sh_degree=" + std::to_string(o.sh_degree) + ", source_path='" +
-         fs::absolute(o.source).string() + "', white_background=" + flag(white) + ")";
+  const bool white = o.background == "white";
+  return "Namespace(data_device='cpu', eval=" + flag(o.eval) +
+         ", images='images', model_path=" + Quoted(fs::absolute(o.model).string()) +
+         ", resolution=" + std::to_string(o.resolution) +
+         ", sh_degree=" + std::to_string(o.sh_degree) +
+         ", source_path=" + Quoted(fs::absolute(o.source).string()) +
+         ", white_background=" + flag(white) + ")";
 }
 
 }  // namespace
@@ -68,7 +80,9 @@ void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
   WritePly(path, gaussians);
 }
 
-int LatestIteration(const std::string& folder) {
+int SavedIteration(const std::string& folder, const JsonField& run) {
+  const int last = run["iterations"].Integer();
+  if (fs::exists(SplatPath(folder, last))) return last;
   int latest = -1;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
@@ -79,6 +93,13 @@ int LatestIteration(const std::string& folder) {
   }
   if (latest < 0) throw Error(folder, "point_cloud", "holds no iteration_N: not a trained model");
   return latest;
+}
+
+void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& skipped) {
+  Json list = Json::array();
+  for (const SkippedFrame& frame : skipped)
+    list.push_back({{"name", frame.name}, {"reason", frame.reason}});
+  if (!skipped.empty()) WriteFileAtomically(folder + "/skipped_frames.json", list.dump(2) + "\n");
 }
 
 void WriteStatistics(const std::string& folder,

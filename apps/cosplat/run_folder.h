@@ -29,9 +29,13 @@ Camera CameraFromJson(const JsonField& json);
 // Writes point_cloud/iteration_N/point_cloud.ply in 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 
-// The highest N of point_cloud/iteration_N; Error when there is none.
-int LatestIteration(const std::string& folder);
+// The run's last saved iteration: run.json's, or the highest there is of an unfinished run. Error
+// when nothing was saved.
+int SavedIteration(const std::string& folder, const JsonField& run);
 std::string SplatPath(const std::string& folder, int iteration);
+
+// skipped_frames.json: names and reasons; nothing when none was skipped.
+void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& skipped);
 
 void WriteStatistics(const std::string& folder,
                      const TrainingStatistics& statistics,

@@ -20,12 +20,11 @@ namespace {
 constexpr const char* kMouth = "mouth";
 
 Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
-  Image8 out(width, height, 3);
-  const size_t plane = out.pixels();
-  for (size_t i = 0; i < plane; ++i)
-    for (int c = 0; c < 3; ++c)
-      out.data[3 * i + c] = uint8_t(std::clamp(planar[c * plane + i], 0.0f, 1.0f) * 255 + 0.5f);
-  return out;
+  RenderedImage image;
+  image.width = width;
+  image.height = height;
+  image.color = planar;
+  return ToBytes(image.ToImage());
 }
 
 std::string NumberedName(int i) {
@@ -79,8 +78,11 @@ double Mean(const std::map<std::string, double>& values) {
 
 }  // namespace
 
-TestImageWriter::TestImageWriter(std::string folder, int iteration, std::array<float, 3> background)
-    : path_(folder + "/test/ours_" + std::to_string(iteration)), background_(background) {
+TestImageWriter::TestImageWriter(const std::string& folder,
+                                 const std::string& set,
+                                 int iteration,
+                                 std::array<float, 3> background)
+    : path_(folder + "/" + set + "/ours_" + std::to_string(iteration)), background_(background) {
   for (const char* sub : {"/renders", "/gt", "/masks"}) {
     std::error_code ignored;
     fs::remove_all(path_ + sub, ignored);  // pictures of an earlier run would be counted

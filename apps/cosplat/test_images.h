@@ -16,11 +16,17 @@ struct TestSummary {
   std::optional<double> psnr_mask, psnr_mouth;
 };
 
-// Writes test/ours_N/{renders,gt}/000ii.png and, when `truth` has alpha, masks/000ii.png; both
+// Writes <set>/ours_N/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were trained
+// on) and, when `truth` has alpha, masks/000ii.png; both
 // pictures over the background.
 class TestImageWriter {
  public:
-  TestImageWriter(std::string folder, int iteration, std::array<float, 3> background);
+  TestImageWriter(const std::string& folder,
+                  const std::string& set,
+                  int iteration,
+                  std::array<float, 3> background);
+  const std::string& path() const { return path_; }
+  const std::array<float, 3>& background() const { return background_; }
   void Write(const RenderedImage& rendered, const Image8& truth, const Rectangle* mouth = nullptr);
   // Writes regions.json when there were mouth rectangles.
   void Finish();

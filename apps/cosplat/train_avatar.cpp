@@ -1,29 +1,31 @@
 // cosplat train-avatar: a head avatar from tracked video.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
+#include "apps/cosplat/avatar_renderer.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/run_data.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_options.h"
+#include "apps/cosplat/train_run.h"
 #include "avatar/avatar_file.h"
-#include "avatar/player.h"
-#include "avatar/silhouette.h"
 #include "avatar/trainer.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 
 namespace cosplat {
 namespace {
 
-struct AvatarOptions : TrainOptions {
-  AvatarOptions() {
+struct AvatarCommand : TrainOptions {
+  AvatarCommand() {
     iterations = 6000;
     sh_degree = 3;
-    background = "random";
     // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
     // steps.
     rates.position_first = 6.4e-4f;
@@ -33,43 +35,33 @@ struct AvatarOptions : TrainOptions {
   std::string color_frame = "surface";
   std::string bust = "auto";
   bool embed_flame = false;
+  bool truncate_degree = false;
+  int triangle_cap = 64;  // GaussianAvatars users report 8,000 on one face
   AvatarSettings avatar;
 };
 
-constexpr std::array<float, 3> kWhite{1, 1, 1};
-constexpr int kGaussiansPerTriangle = 64;  // cap: GaussianAvatars' report of 8,000 on one face
+constexpr int kStandardDegree = 3;  // of KHR_gaussian_splatting
 
 // SplattingAvatar's loss in place of ours.
-void ApplyPreset(const AvatarOptions& o, TrainSettings& settings) {
+void ApplyPreset(const AvatarCommand& o, TrainSettings& settings) {
   settings.scale_regularizer.weight = 1;
   if (o.preset == "splattingavatar") settings.loss = {1, 0, 10};
 }
 
-std::array<float, 3> EvaluationBackground(const AvatarOptions& o) {
-  if (o.background == "black" && !o.white_background) return {0, 0, 0};
-  return kWhite;
-}
-
-void Evaluate(const AvatarOptions& o,
+void Evaluate(const AvatarCommand& o,
               const FlameModel& flame,
               const AvatarSubject& subject,
+              const std::vector<Image8>& truth,
               const Trainer& trainer) {
-  Player player(subject.Model(trainer.state().gaussians), flame);
-  const std::array<float, 3> background = EvaluationBackground(o);
-  TestImageWriter writer(o.model, trainer.state().iteration, background);
-  RenderedImage image;
-  for (const TrackedFrame& frame : subject.video().test) {
-    player.RenderOver(frame.params, frame.camera, background, image);
-    const std::array<int, 4> box = MouthBox(player.vertices(),
-                                            player.avatar().mesh.vertices,
-                                            subject.surface().topology(),
-                                            frame.camera);
-    const Rectangle mouth{box[0], box[1], box[2], box[3]};
-    writer.Write(
-        image, LoadTrackedImage(subject.video(), frame), mouth.width > 0 ? &mouth : nullptr);
-  }
+  AvatarModel model = subject.Model(trainer.state().gaussians);
+  AvatarRenderer renderer(std::move(model), flame);
+  TestImageWriter writer(o.model, "test", trainer.state().iteration, o.EvaluationBackground());
+  for (size_t i = 0; i < truth.size(); ++i)
+    renderer.WriteTestImage(subject.video().test[i], truth[i], writer);
   writer.Finish();
 }
+
+DataSplit SplitOf(const AvatarCommand& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
 
 // Where the head is on average and how the camera sees it: orbits and driven playback start here.
 Json ReferenceView(const TrackedVideo& video) {
@@ -81,18 +73,16 @@ Json ReferenceView(const TrackedVideo& video) {
           {"camera", CameraToJson(video.train[0].camera)}};
 }
 
-void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
+void SaveInputs(const AvatarCommand& o, const TrackedVideo& video, const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
                  {"flame", o.flame},
-                 {"resolution", o.resolution},
-                 {"eval", o.eval},
-                 {"test_frames", o.test_frames},
+                 {"split", ToJson(SplitOf(o))},
                  {"iterations", o.iterations},
                  {"degree", o.sh_degree},
                  {"basis", o.basis},
                  {"seed", o.seed},
-                 {"white_background", EvaluationBackground(o) == kWhite},
+                 {"background", o.EvaluationBackground()},
                  {"refine_track", o.avatar.refine_track},
                  {"reference", ReferenceView(video)},
                  {"version", COSPLAT_VERSION}};
@@ -104,120 +94,116 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
 }
 
 // The first Gaussians at rest.
-void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
+void SaveFirstPoints(const AvatarCommand& o, const AvatarModel& first) {
   const Gaussians rest = RestPose(first);
   const std::vector<float> points(rest.values[kPosition].begin(), rest.values[kPosition].end());
   WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
 }
 
-void Save(const AvatarOptions& o,
+// Held-out pictures, loaded before training so that a broken one is found then. Frames whose
+// picture cannot be used go from the test frames to the skipped ones.
+std::vector<Image8> LoadTestImages(TrackedVideo& video) {
+  std::vector<Image8> images;
+  std::vector<TrackedFrame> usable;
+  for (TrackedFrame& frame : video.test) {
+    try {
+      images.push_back(LoadTrackedImage(video, frame));
+      usable.push_back(std::move(frame));
+    } catch (const Error& e) {
+      video.skipped.push_back({frame.name, e.what()});
+    }
+  }
+  video.test = std::move(usable);
+  return images;
+}
+
+// The training frames' parameters as --refine-track left them.
+void SaveRefinedTrack(const AvatarCommand& o, const AvatarSubject& subject) {
+  const std::vector<FlameParams> track = subject.RefinedTrack();
+  Json frames = Json::array();
+  for (size_t i = 0; i < track.size(); ++i)
+    frames.push_back({{"name", subject.video().train[i].name},
+                      {"expression", track[i].expression},
+                      {"pose", track[i].pose},
+                      {"translation", track[i].translation}});
+  WriteFileAtomically(o.model + "/refined_track.json", Json{{"frames", frames}}.dump() + "\n");
+}
+
+void Save(const AvatarCommand& o,
           const FlameModel& flame,
           const AvatarSubject& subject,
           const Trainer& trainer) {
-  const AvatarModel model = subject.Model(trainer.state().gaussians);
+  AvatarModel model = subject.Model(trainer.state().gaussians);
+  model.background = o.EvaluationBackground();
   // The rest pose, for tools that know only 3DGS's layout.
   SaveSplats(o.model, trainer.state().iteration, RestPose(model));
   AvatarFileOptions file;
   file.embed_flame = o.embed_flame;
-  file.truncate_degree = true;  // the exact coefficients are in our own extension
+  file.truncate_degree = o.truncate_degree;
   WriteAvatarGlb(o.model + "/avatar.glb", model, &flame, file);
+  if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
 }
 
-void ReportSkipped(const TrackedVideo& video) {
-  if (video.skipped.empty()) return;
-  std::printf("%zu frames skipped:\n", video.skipped.size());
-  constexpr size_t kListed = 5;
-  for (size_t i = 0; i < std::min(kListed, video.skipped.size()); ++i)
-    std::printf("  %s: %s\n", video.skipped[i].name.c_str(), video.skipped[i].reason.c_str());
-  if (video.skipped.size() > kListed) std::printf("  ...\n");
-}
-
-void RunTraining(const AvatarOptions& o,
-                 const FlameModel& flame,
-                 const AvatarSubject& subject,
-                 Trainer& trainer) {
-  ProgressBar bar("train", o.iterations);
-  double loss = 0;
-  for (int i = 1; i <= o.iterations; ++i) {
-    const StepReport step = trainer.Step();
-    loss = i == 1 ? step.loss : 0.95 * loss + 0.05 * step.loss;
-    char detail[96];
-    std::snprintf(detail,
-                  sizeof detail,
-                  "loss %.4f  %s Gaussians",
-                  loss,
-                  WithThousands(step.gaussians).c_str());
-    bar.Update(i, detail);
-    if (o.ReachesMilestone(o.save_iterations, i)) Save(o, flame, subject, trainer);
-    if (o.eval && !subject.video().test.empty() && o.ReachesMilestone(o.test_iterations, i))
-      Evaluate(o, flame, subject, trainer);
-  }
-}
-
-// Without --eval every frame trains.
-TrackedVideo LoadVideo(const AvatarOptions& o) {
-  TrackedVideo video = LoadTrackedVideo(o.source, {o.test_frames, o.resolution, true});
-  if (o.fold) {
-    // The last fifth of the training frames in place of the test frames.
-    const size_t held = video.train.size() / 5;
-    video.test.assign(video.train.end() - held, video.train.end());
-    video.train.resize(video.train.size() - held);
-  } else if (!o.eval) {
-    video.train.insert(video.train.end(), video.test.begin(), video.test.end());
-    video.test.clear();
-  }
-  return video;
-}
-
-void Train(AvatarOptions o, const std::string& config) {
-  o.eval = o.eval || o.fold;
-  const FlameModel flame = LoadFlameModel(o.flame);
-  AvatarSubject subject(flame, LoadVideo(o), o.avatar);
-  const TrackedVideo& video = subject.video();
+TrainSettings SettingsFor(const AvatarCommand& o, const AvatarSubject& subject) {
   TrainSettings settings = o.ToSettings(1);
   ApplyPreset(o, settings);
   ScaleToUnit(subject.extent(), settings);
-  settings.density.group_cap = kGaussiansPerTriangle;
-  if (!o.quiet) ReportSkipped(video);
+  settings.density.group_cap = o.triangle_cap;
+  return settings;
+}
+
+void Train(AvatarCommand o, const std::string& config) {
+  if (o.sh_degree > kStandardDegree && !o.truncate_degree)
+    throw Error("",
+                "--sh_degree " + std::to_string(o.sh_degree),
+                "does not fit standard glTF files: give --truncate-degree to leave band 4 out of "
+                "what other programs read");
+  o.ResolveBackground("random");
+  const FlameModel flame = LoadFlameModel(o.flame);
+  TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o));
+  const std::vector<Image8> truth = LoadTestImages(loaded);
+  o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
+  AvatarSubject subject(flame, std::move(loaded), o.avatar);
+  const TrackedVideo& video = subject.video();
   SaveInputs(o, video, config);
-  Trainer trainer(
-      settings, subject, subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
+  if (!o.quiet) PrintSkipped(video.skipped);
+  Trainer trainer(SettingsFor(o, subject),
+                  subject,
+                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
+  SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
-    std::printf("%s: %zu training and %zu test frames of %dx%d\n",
+    std::printf("%s: %zu training and %zu test frames of %dx%d%s\n",
                 video.layout.c_str(),
                 video.train.size(),
                 video.test.size(),
                 video.train[0].camera.width,
-                video.train[0].camera.height);
-  RunTraining(o, flame, subject, trainer);
-  const TrainingStatistics statistics = trainer.statistics();
-  WriteStatistics(o.model, statistics, video.skipped.size());
+                video.train[0].camera.height,
+                subject.has_bust() ? ", with a bust" : "");
+  RunHooks hooks;
+  hooks.save = [&] { Save(o, flame, subject, trainer); };
+  if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
+  RunTraining(o, trainer, video.skipped, hooks);
   if (!o.quiet)
-    std::printf(
-        "%d iterations in %.1f s (%.2f ms per step at the end), %s Gaussians, "
-        "%.1f %% of them on another triangle than they began on\n",
-        o.iterations,
-        statistics.seconds,
-        statistics.ms_per_step,
-        WithThousands(statistics.gaussians).c_str(),
-        100 * subject.WalkedShare());
-  if (o.eval && !video.test.empty()) {
-    const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
-    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-  }
+    std::printf("%.1f %% of the Gaussians are on another triangle than they began on\n",
+                100 * subject.WalkedShare());
 }
 
 }  // namespace
 
 void AddTrainAvatar(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train-avatar", "train a head avatar from tracked video");
-  const auto o = std::make_shared<AvatarOptions>();
+  const auto o = std::make_shared<AvatarCommand>();
   o->Declare(*command);
   command->add_option("--flame", o->flame, "FLAME model file (.pkl or .npz)")->required();
-  command->add_option(
-      "--test-frames", o->test_frames, "hold the last N frames out; -1: the video's own split");
+  command
+      ->add_option(
+          "--test-frames", o->test_frames, "hold the last N frames out; -1: the video's own split")
+      ->check(CLI::Range(-1, 1000000000));
   command->add_option("--gaussians", o->avatar.initial_gaussians, "Gaussians to start with")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(size_t(1), kMostGaussians));
+  command
+      ->add_option("--triangle_cap", o->triangle_cap, "most Gaussians on one triangle; 0: no limit")
+      ->check(CLI::Range(0, 1000000000));
   command
       ->add_option("--color_frame",
                    o->color_frame,
@@ -234,6 +220,10 @@ void AddTrainAvatar(CLI::App& app) {
   command->add_flag("--embed-flame",
                     o->embed_flame,
                     "put the FLAME mesh into avatar.glb; mind the model's licence");
+  command->add_flag(
+      "--truncate-degree",
+      o->truncate_degree,
+      "with --sh_degree 4: leave band 4 out of what other programs read of avatar.glb");
   command
       ->add_option("--preset",
                    o->preset,

@@ -1,10 +1,34 @@
 #include "apps/cosplat/train_options.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 #include "splat/base/error.h"
 
 namespace cosplat {
+
+namespace {
+
+const CLI::Validator kRate(
+    [](std::string& text) {
+      char* end = nullptr;
+      const double value = std::strtod(text.c_str(), &end);
+      const bool ok = end != text.c_str() && std::isfinite(value) && value >= 0;
+      return ok ? std::string() : "'" + text + "' is not a number >= 0";
+    },
+    "FLOAT >= 0");
+
+const CLI::Validator kInterval(
+    [](std::string& text) {
+      char* end = nullptr;
+      const long value = std::strtol(text.c_str(), &end, 10);
+      const bool ok = end != text.c_str() && (value == -1 || (value > 0 && value <= 1000000000));
+      return ok ? std::string() : "'" + text + "' is neither -1 nor a number of steps > 0";
+    },
+    "-1 or INT > 0");
+
+}  // namespace
 
 void TrainOptions::Declare(CLI::App& command) {
   command.add_option("-s,--source_path", source, "the data set's folder")->required();
@@ -15,15 +39,18 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_flag(
       "--fold",
       fold,
-      "hold every 8th training view out instead of the test views: for choosing settings");
+      "hold some training views out (every 8th; of a video the last fifth) instead of the test "
+      "views: for choosing settings");
   command.add_option("--iterations", iterations, "training steps")->check(CLI::Range(1, 10000000));
   command.add_option("--sh_degree", sh_degree, "highest band of the view-dependent colour")
       ->check(CLI::Range(0, kMaxTrainedDegree));
   command.add_option("--basis", basis, "dcsh or sh")->check(CLI::IsMember({"dcsh", "sh"}));
   command
-      .add_option("--background",
-                  background,
-                  "black, white, random, or auto: white for renderings with alpha")
+      .add_option(
+          "--background",
+          background,
+          "in training: black, white, random, or auto (avatars random, renderings with alpha "
+          "white, photographs black)")
       ->check(CLI::IsMember({"auto", "black", "white", "random"}));
   command.add_flag("-w,--white_background", white_background, "the same as --background white");
   // Nothing in config.ini where they are empty: that could not be read back.
@@ -32,28 +59,40 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--save_iterations", save_iterations, "save at these steps")->default_str("");
   command.add_option("--seed", seed, "of everything random");
   command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(size_t(1), kMostGaussians));
   command.add_option("--prune", prune, "none, or plasticity: drop the least plastic at each round")
       ->check(CLI::IsMember({"none", "plasticity"}));
   command.add_option("--prune-to", prune_to, "prune by plasticity towards this many Gaussians");
   command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
+      ->check(kRate)
       ->check(CLI::Range(0.0, 1.0));
-  command.add_option("--densify_grad_threshold",
-                     densify_grad_threshold,
-                     "mean screen gradient from which Gaussians are added");
-  command.add_option("--densify_from_iter", densify_from, "first step that adds Gaussians");
-  command.add_option("--densify_until_iter", densify_until, "last step that adds Gaussians");
-  command.add_option(
-      "--densification_interval", densify_every, "steps between adding and removing Gaussians");
-  command.add_option(
-      "--opacity_reset_interval", opacity_reset_every, "steps between resets of the opacities");
-  command.add_option("--position_lr_init", rates.position_first, "first rate of positions");
-  command.add_option("--position_lr_final", rates.position_last, "last rate of positions");
-  command.add_option(
-      "--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it");
-  command.add_option("--opacity_lr", rates.opacity, "rate of opacities");
-  command.add_option("--scaling_lr", rates.scale, "rate of log scales");
-  command.add_option("--rotation_lr", rates.rotation, "rate of rotations");
+  command
+      .add_option("--densify_grad_threshold",
+                  densify_grad_threshold,
+                  "mean screen gradient from which Gaussians are added")
+      ->check(kRate);
+  command.add_option("--densify_from_iter", densify_from, "first step that adds Gaussians")
+      ->check(CLI::Range(-1, 1000000000));
+  command.add_option("--densify_until_iter", densify_until, "last step that adds Gaussians")
+      ->check(CLI::Range(-1, 1000000000));
+  command
+      .add_option(
+          "--densification_interval", densify_every, "steps between adding and removing Gaussians")
+      ->check(kInterval);
+  command
+      .add_option(
+          "--opacity_reset_interval", opacity_reset_every, "steps between resets of the opacities")
+      ->check(kInterval);
+  command.add_option("--position_lr_init", rates.position_first, "first rate of positions")
+      ->check(kRate);
+  command.add_option("--position_lr_final", rates.position_last, "last rate of positions")
+      ->check(kRate);
+  command
+      .add_option("--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it")
+      ->check(kRate);
+  command.add_option("--opacity_lr", rates.opacity, "rate of opacities")->check(kRate);
+  command.add_option("--scaling_lr", rates.scale, "rate of log scales")->check(kRate);
+  command.add_option("--rotation_lr", rates.rotation, "rate of rotations")->check(kRate);
   command.add_flag("--quiet", quiet, "print nothing but errors");
 }
 
@@ -70,7 +109,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.rates = rates;
   s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
   const auto override_with = [](int value, int& steps) {
-    if (value > 0) steps = value;
+    if (value >= 0) steps = value;
   };
   override_with(densify_from, s.schedule.densify_from);
   override_with(densify_until, s.schedule.densify_until);
@@ -82,10 +121,20 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.density.max_count = max_gaussians;
   s.density.prune_by_plasticity = prune == "plasticity" || prune_to > 0;
   s.density.prune_to = prune_to;
-  const std::string color = white_background ? "white" : background;
-  if (color == "white") s.background = Background::kWhite;
-  if (color == "random") s.background = Background::kRandom;
+  if (background == "white") s.background = Background::kWhite;
+  if (background == "random") s.background = Background::kRandom;
+  s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";
   return s;
+}
+
+void TrainOptions::ResolveBackground(const std::string& automatic) {
+  if (white_background) background = "white";
+  if (background == "auto") background = automatic;
+}
+
+std::array<float, 3> TrainOptions::EvaluationBackground() const {
+  const float c = background == "black" ? 0.0f : 1.0f;
+  return {c, c, c};
 }
 
 bool TrainOptions::ReachesMilestone(const std::vector<int>& milestones, int iteration) const {

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <string>
 #include <vector>
 
 #include "splat/trainer.h"
 
 namespace cosplat {
+
+// Far more than any machine holds; more is a slip of the finger.
+constexpr size_t kMostGaussians = 1000000000;
 
 struct TrainOptions {
   std::string source, model;
@@ -27,8 +31,8 @@ struct TrainOptions {
   size_t prune_to = 0;
   float lambda_dssim = 0.2f;
   float densify_grad_threshold = 2e-4f;
-  // Steps; 0: by the schedule.
-  int densify_from = 0, densify_until = 0, densify_every = 0, opacity_reset_every = 0;
+  // Steps; -1: by the schedule.
+  int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
   LearningRates rates;
   bool quiet = false;
 
@@ -36,6 +40,10 @@ struct TrainOptions {
   void Declare(CLI::App& command);
   // `extent`: world units that size limits scale with.
   TrainSettings ToSettings(float extent) const;
+  // Settles --background auto and -w.
+  void ResolveBackground(const std::string& automatic);
+  // Behind held-out pictures: black where training has black, otherwise white.
+  std::array<float, 3> EvaluationBackground() const;
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
 };
 

@@ -4,10 +4,11 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/run_data.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_options.h"
-#include "splat/base/error.h"
+#include "apps/cosplat/train_run.h"
 #include "splat/dataset.h"
 #include "splat/initialize.h"
 #include "splat/io/cameras_json.h"
@@ -19,43 +20,36 @@ namespace {
 
 constexpr size_t kRandomPoints = 100000;  // 3DGS, for scenes without points
 
-struct SceneOptionsAll : TrainOptions {
+struct SceneCommand : TrainOptions {
   size_t random_points = kRandomPoints;
 };
 
-std::array<float, 3> FixedBackground(const TrainSettings& s) {
-  const float c = s.background == Background::kBlack ? 0.0f : 1.0f;
-  return {c, c, c};
-}
-
-void Evaluate(const std::string& folder,
-              const SceneData& scene,
-              const Trainer& trainer,
-              const std::array<float, 3>& background) {
+void Evaluate(const SceneCommand& o, const std::vector<TrainFrame>& test, const Trainer& trainer) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   const Gaussians& g = trainer.state().gaussians;
-  TestImageWriter writer(folder, trainer.state().iteration, background);
+  const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
+  TestImageWriter writer(o.model, "test", trainer.state().iteration, render.background);
   RenderedImage image;
-  for (const SceneView& view : scene.test) {
-    const RenderSettings render{background, trainer.active_degree()};
-    rasterizer->Forward(ViewOf(g), g.basis, view.camera, render, image, *tape);
-    writer.Write(image, LoadViewImage(view));
+  for (const TrainFrame& frame : test) {
+    rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
+    writer.Write(image, frame.target);
   }
   writer.Finish();
 }
 
-void SaveInputs(const SceneOptionsAll& o, const SceneData& scene, const std::string& config) {
+void SaveInputs(const SceneCommand& o,
+                const DataSplit& split,
+                const SceneData& scene,
+                const std::string& config) {
   const Json run{{"kind", "scene"},
                  {"source", o.source},
-                 {"resolution", o.resolution},
-                 {"eval", o.eval},
-                 {"fold", o.fold},
+                 {"split", ToJson(split)},
                  {"iterations", o.iterations},
                  {"degree", o.sh_degree},
                  {"basis", o.basis},
                  {"seed", o.seed},
-                 {"white_background", o.white_background},
+                 {"background", o.EvaluationBackground()},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
   std::vector<NamedCamera> cameras;
@@ -65,24 +59,26 @@ void SaveInputs(const SceneOptionsAll& o, const SceneData& scene, const std::str
   WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors);
 }
 
-void Train(SceneOptionsAll o, const std::string& config) {
-  SceneData scene = LoadScene(o.source, {o.resolution, o.eval, o.fold});
-  if (o.background == "auto" && scene.white_background_hint) o.white_background = true;
-  const TrainSettings settings = o.ToSettings(scene.extent);
-  if (!o.quiet && !scene.skipped.empty())
-    std::printf("%zu frames skipped, the first: %s: %s\n",
-                scene.skipped.size(),
-                scene.skipped[0].name.c_str(),
-                scene.skipped[0].reason.c_str());
-  if (scene.points.empty()) {
-    Rng rng{o.seed};
-    std::vector<Camera> cameras;
-    for (const SceneView& view : scene.train) cameras.push_back(view.camera);
-    RandomPoints(cameras, o.random_points, rng, scene.points, scene.point_colors);
-  }
-  SaveInputs(o, scene, config);
-  SceneSubject subject(LoadTrainFrames(scene.train), scene.extent);
-  Trainer trainer(settings,
+void AddRandomPoints(const SceneCommand& o, SceneData& scene) {
+  Rng rng{o.seed};
+  std::vector<Camera> cameras;
+  for (const SceneView& view : scene.train) cameras.push_back(view.camera);
+  RandomPoints(cameras, o.random_points, rng, scene.points, scene.point_colors);
+}
+
+void Train(SceneCommand o, const std::string& config) {
+  const DataSplit split{o.resolution, o.eval, o.fold, -1};
+  SceneData scene = LoadSplitScene(o.source, split);
+  o.ResolveBackground(scene.white_background_hint ? "white" : "black");
+  if (scene.points.empty()) AddRandomPoints(o, scene);
+  LimitPoints(o.max_gaussians, scene.points, scene.point_colors);
+  std::vector<TrainFrame> train = LoadTrainFrames(scene.train, scene.skipped);
+  const std::vector<TrainFrame> test = LoadTrainFrames(scene.test, scene.skipped);
+  CheckSkipped(o.source, train.size() + test.size(), scene.skipped);
+  SaveInputs(o, split, scene, config);
+  if (!o.quiet) PrintSkipped(scene.skipped);
+  SceneSubject subject(std::move(train), scene.extent);
+  Trainer trainer(o.ToSettings(scene.extent),
                   subject,
                   InitializeFromPoints(
                       scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis)));
@@ -91,56 +87,31 @@ void Train(SceneOptionsAll o, const std::string& config) {
                 scene.layout.c_str(),
                 scene.train.size(),
                 scene.test.size(),
-                scene.train[0].camera.width,
-                scene.train[0].camera.height,
+                subject.frame(0).camera.width,
+                subject.frame(0).camera.height,
                 WithThousands(scene.points.size() / 3).c_str());
-  {
-    ProgressBar bar("train", o.iterations);
-    double loss = 0;
-    for (int i = 1; i <= o.iterations; ++i) {
-      const StepReport step = trainer.Step();
-      loss = i == 1 ? step.loss : 0.95 * loss + 0.05 * step.loss;
-      char detail[96];
-      std::snprintf(detail,
-                    sizeof detail,
-                    "loss %.4f  %s Gaussians",
-                    loss,
-                    WithThousands(step.gaussians).c_str());
-      bar.Update(i, detail);
-      if (o.ReachesMilestone(o.save_iterations, i))
-        SaveSplats(o.model, i, trainer.state().gaussians);
-      if (!scene.test.empty() && o.ReachesMilestone(o.test_iterations, i))
-        Evaluate(o.model, scene, trainer, FixedBackground(settings));
-    }
-  }
-  const TrainingStatistics statistics = trainer.statistics();
-  WriteStatistics(o.model, statistics, scene.skipped.size());
-  if (!o.quiet)
-    std::printf("%d iterations in %.1f s (%.2f ms per step at the end), %s Gaussians\n",
-                o.iterations,
-                statistics.seconds,
-                statistics.ms_per_step,
-                WithThousands(statistics.gaussians).c_str());
-  if (!scene.test.empty()) {
-    const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
-    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-  }
+  RunHooks hooks;
+  hooks.save = [&] { SaveSplats(o.model, trainer.state().iteration, trainer.state().gaussians); };
+  if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, test, trainer); };
+  RunTraining(o, trainer, scene.skipped, hooks);
 }
 
 }  // namespace
 
 void AddTrainScene(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train-scene", "train a static scene from photographs");
-  const auto options = std::make_shared<SceneOptionsAll>();
+  const auto options = std::make_shared<SceneCommand>();
   options->Declare(*command);
   command
       ->add_option("--preset",
                    options->preset,
                    "default: schedules in proportion to --iterations; 3dgs: its absolute steps")
       ->check(CLI::IsMember({"default", "3dgs"}));
-  command->add_option("--random_points",
-                      options->random_points,
-                      "Gaussians to start with where the data has no points");
+  command
+      ->add_option("--random_points",
+                   options->random_points,
+                   "Gaussians to start with where the data has no points")
+      ->check(CLI::Range(size_t(1), kMostGaussians));
   command->callback([options, command, &app] { Train(*options, ConfigOf(app, *command)); });
 }
 

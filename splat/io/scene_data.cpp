@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "splat/base/error.h"
 #include "splat/dataset.h"
@@ -50,6 +51,10 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   const bool own_split = scene.layout == "blender";  // whose order is kept, too
   if (!own_split) SortByName(scene.train);
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);
+  if (own_split && !options.eval && !options.fold) {  // 3DGS: then every view trains
+    std::move(scene.test.begin(), scene.test.end(), std::back_inserter(scene.train));
+    scene.test.clear();
+  }
   if (options.fold) HoldOutEvery8th(scene);
   if (scene.train.empty())
     throw Error(path,
