@@ -71,11 +71,7 @@ void AvatarSubject::LoadFrames() {
   std::vector<Image8> images(video_.train.size());
   std::vector<std::string> problems(video_.train.size());
   const auto load = [&](size_t i) {
-    try {
-      images[i] = LoadTrackedImage(video_, video_.train[i]);
-    } catch (const Error& e) {
-      problems[i] = e.what();
-    }
+    problems[i] = Problem([&] { images[i] = LoadTrackedImage(video_, video_.train[i]); });
   };
   if (video_.video) {  // a video file is decoded in order
     for (size_t i = 0; i < images.size(); ++i) load(i);

@@ -222,11 +222,7 @@ std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
   std::vector<TrainFrame> loaded(views.size());
   std::vector<std::string> problems(views.size());
   tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
-    try {
-      loaded[i] = {views[i].camera, LoadViewImage(views[i])};
-    } catch (const Error& e) {
-      problems[i] = e.what();
-    }
+    problems[i] = Problem([&] { loaded[i] = {views[i].camera, LoadViewImage(views[i])}; });
   });
   std::vector<SceneView> usable;
   std::vector<TrainFrame> frames;

@@ -92,12 +92,16 @@ void RunInfo(const std::string& path) {
               run["seed"].raw().dump().c_str(),
               run["source"].String().c_str());
   if (!fs::exists(path + "/results.json")) return;
-  const Json results = ReadJson(path + "/results.json");
-  for (const auto& [name, figures] : results.items()) {
-    std::printf("%s:", name.c_str());
-    for (const auto& [figure, value] : figures.items())
-      std::printf(" %s %.4f", figure.c_str(), value.get<double>());
-    std::printf("\n");
+  const Json results_json = ReadJson(path + "/results.json");
+  const JsonField results(path + "/results.json", results_json);
+  for (const auto& [name, figures] : results_json.items()) {
+    std::string line = name + ":";
+    for (const auto& [figure, value] : figures.items()) {
+      char number[32];
+      std::snprintf(number, sizeof number, " %.4f", results[name][figure].Number());
+      line += " " + figure + number;
+    }
+    std::printf("%s\n", line.c_str());
   }
 }
 

@@ -73,7 +73,7 @@ std::string Number(double value, const char* format) {
   return text;
 }
 
-std::string FiguresTable(const Json& results, const Json& stats) {
+std::string FiguresTable(const JsonField& results, const JsonField& stats) {
   std::string html = "<table>";
   const auto row = [&](const std::string& name, const std::string& value) {
     html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
@@ -84,18 +84,17 @@ std::string FiguresTable(const Json& results, const Json& stats) {
       {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
       {"SSIM", "SSIM", "%.4f"}};
   for (const auto& [key, name, format] : figures)
-    if (results.contains(key)) row(name, Number(results[key].get<double>(), format));
-  row("Gaussians", WithThousands(stats.value("gaussians", size_t(0))));
-  row("Iterations", WithThousands(stats.value("iterations", size_t(0))));
-  row("Training", Number(stats.value("seconds", 0.0), "%.0f s"));
-  row("One step", Number(stats.value("ms_per_step", 0.0), "%.1f ms"));
-  row("Memory at most", Number(stats.value("peak_mb", 0.0), "%.0f MB"));
+    if (results.Has(key)) row(name, Number(results[key].Number(), format));
+  row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
+  row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
+  row("Training", Number(stats["seconds"].Number(), "%.0f s"));
+  row("One step", Number(stats["ms_per_step"].Number(), "%.1f ms"));
+  row("Memory at most", Number(stats["peak_mb"].Number(), "%.0f MB"));
   return html + "</table>";
 }
 
 // A bar per phase of the step, labelled: what the time goes to.
-std::string PhaseChart(const Json& stats) {
-  const Json phases = stats.value("phases_ms", Json::object());
+std::string PhaseChart(const JsonField& phases) {
   double most = 1e-9;
   for (const auto& [name, ms] : phases.items()) most = std::max(most, ms.get<double>());
   std::string bars;

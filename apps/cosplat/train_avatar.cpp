@@ -106,11 +106,11 @@ std::vector<Image8> LoadTestImages(TrackedVideo& video) {
   std::vector<Image8> images;
   std::vector<TrackedFrame> usable;
   for (TrackedFrame& frame : video.test) {
-    try {
-      images.push_back(LoadTrackedImage(video, frame));
+    const std::string problem = Problem([&] { images.push_back(LoadTrackedImage(video, frame)); });
+    if (problem.empty()) {
       usable.push_back(std::move(frame));
-    } catch (const Error& e) {
-      video.skipped.push_back({frame.name, e.what()});
+    } else {
+      video.skipped.push_back({frame.name, problem});
     }
   }
   video.test = std::move(usable);

@@ -136,7 +136,8 @@ ImageInfo PictureSize(const Sources& sources, const TrackedVideo& video, const J
   for (size_t i = 0; !sources.image_folder.empty() && i < frames.size(); ++i) {
     const std::string name = fs::path(frames[i]["file_path"].String()).stem().string();
     const std::string path = FirstThatExists(sources.image_folder, {name + ".png", name + ".jpg"});
-    if (!path.empty()) return ReadImageInfo(path);
+    ImageInfo info;
+    if (!path.empty() && Problem([&] { info = ReadImageInfo(path); }).empty()) return info;
   }
   return {kDefaultSide, kDefaultSide, 0};
 }
@@ -172,8 +173,13 @@ void LoadImavatarTrack(const std::string& path, const TrackOptions& options, Tra
     frame.has_image = options.need_images;
     std::string problem = SetImavatarPose(field["world_mat"], frame.camera);
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
-    if (problem.empty() && options.need_images) problem = FindFiles(sources, video, frame);
-    if (problem.empty()) problem = FinishTrackedFrame(lens, options.resolution, frame);
+    if (problem.empty()) {
+      const std::string broken = Problem([&] {
+        if (options.need_images) problem = FindFiles(sources, video, frame);
+        if (problem.empty()) problem = FinishTrackedFrame(lens, options.resolution, frame);
+      });
+      if (problem.empty()) problem = broken;
+    }
     if (problem.empty()) {
       video.train.push_back(std::move(frame));
     } else {

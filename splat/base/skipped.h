@@ -5,12 +5,25 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/error.h"
+
 namespace cosplat {
 
 struct SkippedFrame {
   std::string name;
   std::string reason;
 };
+
+// What `load` throws as an Error, as text; empty when it does not. For frames that may be skipped.
+template <class F>
+std::string Problem(const F& load) {
+  try {
+    load();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
 
 // Throws Error(source, ...) when no frame is usable or when more than a third of all frames were
 // skipped; the message gives the counts and the first reasons.

@@ -67,8 +67,12 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     } else if (found.path.empty()) {
       scene.skipped.push_back({image.name, "image " + found.tried + " is missing"});
     } else {
-      FinishView(camera.lens, found.divide_by, view);
-      scene.train.push_back(std::move(view));
+      const std::string unusable = Problem([&] { FinishView(camera.lens, found.divide_by, view); });
+      if (unusable.empty()) {
+        scene.train.push_back(std::move(view));
+      } else {
+        scene.skipped.push_back({image.name, unusable});
+      }
     }
   }
 }

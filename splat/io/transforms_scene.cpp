@@ -156,11 +156,18 @@ void LoadFrames(const JsonField& file,
       // Without w and h the intrinsics belong to the full-size picture.
       const fs::path full = folder / name;
       view.distortion = DistortionOf(fields);
-      const bool full_exists = fs::is_regular_file(full);
-      FinishView(LensOf(fields, ReadImageInfo(full_exists ? full.string() : found.path)),
-                 found.divide_by,
-                 view);
-      views.push_back(std::move(view));
+      const std::string sized = fs::is_regular_file(full) ? full.string() : found.path;
+      ImageInfo info;
+      std::string unusable = Problem([&] { info = ReadImageInfo(sized); });
+      if (unusable.empty()) {
+        const Camera lens = LensOf(fields, info);  // what the JSON lacks is no frame's own fault
+        unusable = Problem([&] { FinishView(lens, found.divide_by, view); });
+      }
+      if (unusable.empty()) {
+        views.push_back(std::move(view));
+      } else {
+        skipped.push_back({view.name, unusable});
+      }
     }
   }
 }

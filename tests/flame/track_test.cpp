@@ -243,7 +243,7 @@ TEST(TrackedVideo, AlphaComesFromTheImageOrElseTheMask) {
   Imavatar rgb;
   rgb.WriteImages(3);
   video = rgb.Load();  // neither
-  EXPECT_EQ(LoadTrackedImage(video, video.train[0]).at(0, 0, 3), 255);
+  EXPECT_EQ(LoadTrackedImage(video, video.train[0]).channels, 3);
   rgb.WriteMasks();
   video = rgb.Load();
   image = LoadTrackedImage(video, video.train[1]);

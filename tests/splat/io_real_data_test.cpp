@@ -83,7 +83,7 @@ TEST(RealScenes, FoxRaw) {
 
 TEST(RealScenes, Chair) {
   if (!std::filesystem::exists(DataFolder("chair"))) GTEST_SKIP() << "chair is not here";
-  const SceneData scene = LoadScene(DataFolder("chair"), {.resolution = 4});
+  const SceneData scene = LoadScene(DataFolder("chair"), {.resolution = 4, .eval = true});
   EXPECT_EQ(scene.train.size(), 100u);
   EXPECT_EQ(scene.test.size(), 50u);
   EXPECT_TRUE(scene.white_background_hint);

@@ -254,17 +254,18 @@ struct Blender {
 
 TEST(BlenderScene, KeepsItsOwnSplit) {
   const Blender blender;
-  for (bool eval : {false, true}) {
-    const SceneData data = LoadScene(blender.folder.path(), {.eval = eval});
-    EXPECT_EQ(data.layout, "blender");
-    EXPECT_EQ(data.train.size(), 3u);
-    EXPECT_EQ(data.test.size(), 2u);
-    EXPECT_TRUE(data.white_background_hint);
-    EXPECT_TRUE(data.points.empty());
-    EXPECT_EQ(LoadViewImage(data.test[0]).channels, 4);
-    ExpectSpots(data.train, 0.05);
-    ExpectSpots(data.test, 0.05);
-  }
+  const SceneData data = LoadScene(blender.folder.path(), {.eval = true});
+  EXPECT_EQ(data.layout, "blender");
+  EXPECT_EQ(data.train.size(), 3u);
+  EXPECT_EQ(data.test.size(), 2u);
+  EXPECT_TRUE(data.white_background_hint);
+  EXPECT_TRUE(data.points.empty());
+  EXPECT_EQ(LoadViewImage(data.test[0]).channels, 4);
+  ExpectSpots(data.train, 0.05);
+  ExpectSpots(data.test, 0.05);
+  const SceneData all = LoadScene(blender.folder.path(), {});
+  EXPECT_EQ(all.train.size(), 5u);  // without --eval every view trains
+  EXPECT_TRUE(all.test.empty());
   const SceneData fold = LoadScene(blender.folder.path(), {.fold = true});
   ASSERT_EQ(fold.test.size(), 1u);
   EXPECT_EQ(fold.test[0].name, "train/r_0.png");
