@@ -91,7 +91,7 @@ void AvatarSubject::LoadFrames() {
     refined.params.expression.resize(flame_.expression_count, 0.0f);
     refined.m.expression.resize(flame_.expression_count, 0.0f);
     refined.v.expression.resize(flame_.expression_count, 0.0f);
-    params_.push_back(std::move(refined));
+    state_.track.push_back(std::move(refined));
     usable.push_back(frame);
   }
   CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
@@ -109,7 +109,7 @@ bool AvatarSubject::NeedsBust() const {
     const size_t f = k * frames_.size() / kBustFrames;
     const Image8& target = frames_[f].target;
     if (target.channels != 4) return false;  // no masks: nothing says what is the subject
-    head.Forward(params_[f].params, vertices);
+    head.Forward(state_.track[f].params, vertices);
     const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
     for (size_t p = 0; p < covered.size(); ++p) {
       if (target.data[4 * p + 3] < 128) continue;
@@ -134,12 +134,12 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   g.degree = degree;
   g.basis = basis;
   g.Resize(settings_.initial_gaussians);
-  embedding_ = {};
+  state_.embedding = {};
   for (const SurfacePoint& p : SampleSurface(mesh_, g.size(), rng)) {
-    embedding_.triangle.push_back(p.triangle);
-    embedding_.barycentric.push_back(p.barycentric);
+    state_.embedding.triangle.push_back(p.triangle);
+    state_.embedding.barycentric.push_back(p.barycentric);
   }
-  first_triangle_ = embedding_.triangle;
+  state_.first_triangle = state_.embedding.triangle;
   // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
   const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
   for (size_t i = 0; i < g.size(); ++i) {
@@ -152,7 +152,7 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
 
 AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   AvatarModel model;
-  static_cast<Embedding&>(model) = embedding_;
+  static_cast<Embedding&>(model) = state_.embedding;
   model.mesh = mesh_;
   model.gaussians = gaussians;
   model.bust = bust_;
@@ -166,14 +166,14 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
 
 double AvatarSubject::WalkedShare() const {
   size_t walked = 0;
-  for (size_t i = 0; i < first_triangle_.size(); ++i)
-    walked += embedding_.triangle[i] != first_triangle_[i];
-  return first_triangle_.empty() ? 0 : double(walked) / double(first_triangle_.size());
+  for (size_t i = 0; i < state_.first_triangle.size(); ++i)
+    walked += state_.embedding.triangle[i] != state_.first_triangle[i];
+  return state_.first_triangle.empty() ? 0 : double(walked) / double(state_.first_triangle.size());
 }
 
 std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
   std::vector<FlameParams> track;
-  for (const RefinedFrame& frame : params_) {
+  for (const RefinedFrame& frame : state_.track) {
     FlameParams p;
     p.expression = frame.params.expression;
     p.pose = frame.params.pose;
@@ -184,14 +184,14 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
 }
 
 void AvatarSubject::PoseFrame(size_t i) {
-  poser_->Forward(params_[i].params, vertices_);
+  poser_->Forward(state_.track[i].params, vertices_);
   surface_.Pose(vertices_);
 }
 
 WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
   current_ = i;
   PoseFrame(i);
-  Bind(gaussians, embedding_, surface_, posed_);
+  Bind(gaussians, state_.embedding, surface_, posed_);
   return PosedView(gaussians, posed_, settings_.color_frame);
 }
 
@@ -211,7 +211,7 @@ WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients, Buffer<flo
 
 void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
   BindBackward(gaussians,
-               embedding_,
+               state_.embedding,
                surface_,
                d_posed_,
                gradients,
@@ -221,7 +221,7 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradien
 
 // One Adam step on the current frame's own parameters.
 void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
-  RefinedFrame& frame = params_[current_];
+  RefinedFrame& frame = state_.track[current_];
   Frame gradient = poser_->Backward(frame.params, d_vertices);
   gradient.expression.resize(frame.params.expression.size(), 0.0f);
   const float rates[3] = {settings_.expression_rate,
@@ -245,9 +245,9 @@ void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
 
 // du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long.
 View<const float> AvatarSubject::PositionRateScale() {
-  rate_scale_.resize(3 * embedding_.triangle.size());
-  for (size_t i = 0; i < embedding_.triangle.size(); ++i) {
-    const float scale = inverse_edge_[embedding_.triangle[i]];
+  rate_scale_.resize(3 * state_.embedding.triangle.size());
+  for (size_t i = 0; i < state_.embedding.triangle.size(); ++i) {
+    const float scale = inverse_edge_[state_.embedding.triangle[i]];
     rate_scale_[3 * i] = rate_scale_[3 * i + 1] = scale;
     rate_scale_[3 * i + 2] = 1;
   }
@@ -256,7 +256,7 @@ View<const float> AvatarSubject::PositionRateScale() {
 
 void AvatarSubject::AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
   if (iteration % settings_.walk_every != 0) return;
-  const WalkReport report = WalkAll(gaussians, embedding_, surface_);
+  const WalkReport report = WalkAll(gaussians, state_.embedding, surface_);
   for (const auto* list : {&report.crossed, &report.stopped_at_boundary, &report.invalid})
     for (const uint32_t i : *list)
       for (Gaussians* moments : {&adam.m, &adam.v})

@@ -40,6 +40,19 @@ struct AvatarSettings {
 // needles, given for lengths in those units, is divided by it.
 void ScaleToUnit(float unit, TrainSettings& settings);
 
+// One training frame's parameters with Adam's moments; they change only with --refine-track.
+struct RefinedFrame {
+  AvatarPoser::Frame params, m, v;
+  int64_t step = 0;
+};
+
+// What an avatar's run is beside TrainingState: both together make an exact checkpoint.
+struct AvatarTrainingState {
+  Embedding embedding;
+  std::vector<int32_t> first_triangle;  // [N] where it, or its first ancestor, began
+  std::vector<RefinedFrame> track;      // [training frames]
+};
+
 class AvatarSubject : public Subject {
  public:
   // Loads every training picture. Frames whose picture cannot be used are added to `video.skipped`;
@@ -52,6 +65,7 @@ class AvatarSubject : public Subject {
 
   // The avatar as it stands, with the trainer's Gaussians.
   AvatarModel Model(const Gaussians& gaussians) const;
+  const AvatarTrainingState& state() const { return state_; }
   const TrackedVideo& video() const { return video_; }
   const Surface& surface() const { return surface_; }
   bool has_bust() const { return bust_.has_value(); }
@@ -71,15 +85,11 @@ class AvatarSubject : public Subject {
 
   void Gather(const std::vector<uint32_t>& source) override;
   void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) override;
-  std::vector<int32_t> Groups() const override { return embedding_.triangle; }
+  std::vector<int32_t> Groups() const override { return state_.embedding.triangle; }
   void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) override;
 
  private:
   using Frame = AvatarPoser::Frame;
-  struct RefinedFrame {
-    Frame params, m, v;
-    int64_t step = 0;
-  };
 
   void LoadFrames();
   bool NeedsBust() const;
@@ -98,11 +108,9 @@ class AvatarSubject : public Subject {
   float unit_ = 1;                   // metres per unit of a 4x FLAME mesh, for this subject
   std::vector<float> inverse_edge_;  // [F] 1 / sqrt(2 A): barycentric units per metre
   std::vector<TrainFrame> frames_;
-  std::vector<RefinedFrame> params_;  // [frames]
   size_t current_ = 0;
 
-  Embedding embedding_;
-  std::vector<int32_t> first_triangle_;  // [N] where it, or its first ancestor, began
+  AvatarTrainingState state_;
   // Scratch, kept between steps.
   std::vector<float> vertices_, d_vertices_;
   PosedGaussians posed_, d_posed_;

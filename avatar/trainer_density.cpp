@@ -43,20 +43,20 @@ void AvatarSubject::Gather(const std::vector<uint32_t>& source) {
   Embedding gathered;
   std::vector<int32_t> first;
   for (const uint32_t i : source) {
-    gathered.triangle.push_back(embedding_.triangle[i]);
-    gathered.barycentric.push_back(embedding_.barycentric[i]);
-    first.push_back(first_triangle_[i]);
+    gathered.triangle.push_back(state_.embedding.triangle[i]);
+    gathered.barycentric.push_back(state_.embedding.barycentric[i]);
+    first.push_back(state_.first_triangle[i]);
   }
-  embedding_ = std::move(gathered);
-  first_triangle_ = std::move(first);
+  state_.embedding = std::move(gathered);
+  state_.first_triangle = std::move(first);
 }
 
 void AvatarSubject::Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) {
-  const math::Vec3<float> p = CanonicalPosition(surface_, embedding_, gaussians, i);
+  const math::Vec3<float> p = CanonicalPosition(surface_, state_.embedding, gaussians, i);
   const EmbeddedPoint e = Reembed(
-      surface_, {p.x + offset[0], p.y + offset[1], p.z + offset[2]}, embedding_.triangle[i]);
-  embedding_.triangle[i] = e.base.triangle;
-  embedding_.barycentric[i] = e.base.barycentric;
+      surface_, {p.x + offset[0], p.y + offset[1], p.z + offset[2]}, state_.embedding.triangle[i]);
+  state_.embedding.triangle[i] = e.base.triangle;
+  state_.embedding.barycentric[i] = e.base.barycentric;
   gaussians.at(kPosition, i)[0] = gaussians.at(kPosition, i)[1] = 0;
   gaussians.at(kPosition, i)[2] = e.d;
 }
@@ -65,11 +65,11 @@ void AvatarSubject::Move(Gaussians& gaussians, uint32_t i, const std::array<floa
 std::vector<uint32_t> AvatarSubject::LastOfTheirTriangle(
     const std::vector<uint32_t>& removed) const {
   std::vector<int> left(mesh_.faces.size(), 0);
-  for (const int32_t t : embedding_.triangle) ++left[t];
-  for (const uint32_t i : removed) --left[embedding_.triangle[i]];
+  for (const int32_t t : state_.embedding.triangle) ++left[t];
+  for (const uint32_t i : removed) --left[state_.embedding.triangle[i]];
   std::vector<uint32_t> last;
   for (const uint32_t i : removed)
-    if (left[embedding_.triangle[i]] == 0) last.push_back(i);
+    if (left[state_.embedding.triangle[i]] == 0) last.push_back(i);
   return last;
 }
 
@@ -88,7 +88,7 @@ void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& remo
     const size_t f = k * frames_.size() / kHoleFrames;
     const Camera& camera = frames_[f].camera;
     PoseFrame(f);
-    Bind(gaussians, embedding_, surface_, posed_);
+    Bind(gaussians, state_.embedding, surface_, posed_);
     rasterizer->Forward(PosedView(gaussians, posed_, ColorFrame::kWorld),
                         gaussians.basis,
                         camera,

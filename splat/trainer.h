@@ -85,7 +85,8 @@ class Subject : public Placement {
   }
 };
 
-// Everything that a run is at a moment: writing and reading it makes an exact checkpoint.
+// Everything that a run is at a moment, beside its subject's own state (AvatarTrainingState):
+// writing and reading it makes an exact checkpoint.
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;
