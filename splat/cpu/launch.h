@@ -10,8 +10,7 @@ void LaunchProject(const WorldGaussians& gaussians,
                    const ViewParameters& view,
                    ProjectedSplat* splats);
 
-// Sums each drawn Gaussian's records in their order, then applies the projection's derivative.
-// Records of entries beyond a tile's stop must be zero.
+// d_splats: [count], read only where a Gaussian was drawn. Writes every gradient.
 void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const ViewParameters& view,
                       const ProjectedSplat* splats,
