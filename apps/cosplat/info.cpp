@@ -81,28 +81,36 @@ void TrackInfo(const std::string& path, bool need_images) {
               f.camera.fx);
 }
 
+// A line per evaluation.
+std::string ResultLines(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField results(path, json);
+  std::string lines;
+  for (const auto& [name, figures] : json.items()) {
+    lines += name + ":";
+    for (const auto& [figure, value] : figures.items()) {
+      char number[32];
+      std::snprintf(number, sizeof number, " %.4f", results[name][figure].Number());
+      lines += " " + figure + number;
+    }
+    lines += "\n";
+  }
+  return lines;
+}
+
 void RunInfo(const std::string& path) {
   const Json json = ReadRun(path);
   const JsonField run(path + "/run.json", json);
-  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n",
+  const std::string results = ResultLines(path + "/results.json");
+  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n%s",
               run["kind"].String().c_str(),
               run["iterations"].Integer(),
               run["degree"].Integer(),
               run["basis"].String().c_str(),
               run["seed"].raw().dump().c_str(),
-              run["source"].String().c_str());
-  if (!fs::exists(path + "/results.json")) return;
-  const Json results_json = ReadJson(path + "/results.json");
-  const JsonField results(path + "/results.json", results_json);
-  for (const auto& [name, figures] : results_json.items()) {
-    std::string line = name + ":";
-    for (const auto& [figure, value] : figures.items()) {
-      char number[32];
-      std::snprintf(number, sizeof number, " %.4f", results[name][figure].Number());
-      line += " " + figure + number;
-    }
-    std::printf("%s\n", line.c_str());
-  }
+              run["source"].String().c_str(),
+              results.c_str());
 }
 
 // At full size where there is one; some data sets come with reduced pictures only.

@@ -73,7 +73,17 @@ std::string Number(double value, const char* format) {
   return text;
 }
 
-std::string FiguresTable(const JsonField& results, const JsonField& stats) {
+using NamedNumbers = std::vector<std::pair<std::string, double>>;
+
+// An object of finite numbers.
+NamedNumbers NumbersIn(const JsonField& object) {
+  NamedNumbers numbers;
+  for (const auto& [name, value] : object.raw().items())
+    numbers.push_back({name, object[name].Number()});
+  return numbers;
+}
+
+std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   std::string html = "<table>";
   const auto row = [&](const std::string& name, const std::string& value) {
     html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
@@ -84,7 +94,8 @@ std::string FiguresTable(const JsonField& results, const JsonField& stats) {
       {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
       {"SSIM", "SSIM", "%.4f"}};
   for (const auto& [key, name, format] : figures)
-    if (results.Has(key)) row(name, Number(results[key].Number(), format));
+    for (const auto& [result, value] : results)
+      if (result == key) row(name, Number(value, format));
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
   row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
   row("Training", Number(stats["seconds"].Number(), "%.0f s"));
@@ -94,25 +105,25 @@ std::string FiguresTable(const JsonField& results, const JsonField& stats) {
 }
 
 // A bar per phase of the step, labelled: what the time goes to.
-std::string PhaseChart(const JsonField& phases) {
+std::string PhaseChart(const NamedNumbers& phases) {
   double most = 1e-9;
-  for (const auto& [name, ms] : phases.items()) most = std::max(most, ms.get<double>());
+  for (const auto& [name, ms] : phases) most = std::max(most, ms);
   std::string bars;
   int y = 0;
-  for (const auto& [name, ms] : phases.items()) {
-    const double width = 260 * ms.get<double>() / most;
+  for (const auto& [name, ms] : phases) {
+    const double width = 260 * ms / most;
     bars += "<text x='0' y='" + std::to_string(y + 13) + "'>" + name + "</text><rect x='80' y='" +
             std::to_string(y + 2) + "' height='14' width='" + Number(width, "%.1f") +
             "'/><text x='" + Number(86 + width, "%.1f") + "' y='" + std::to_string(y + 13) + "'>" +
-            Number(ms.get<double>(), "%.2f ms") + "</text>";
+            Number(ms, "%.2f ms") + "</text>";
     y += 20;
   }
   return "<svg viewBox='0 0 420 " + std::to_string(y) + "' width='420'>" + bars + "</svg>";
 }
 
-std::string ViewChart(const Json& per_view) {
+std::string ViewChart(const NamedNumbers& per_view) {
   std::vector<double> psnr;
-  for (const auto& [name, value] : per_view.items()) psnr.push_back(value.get<double>());
+  for (const auto& [name, value] : per_view) psnr.push_back(value);
   if (psnr.size() < 2) return "";
   const auto [low, high] = std::minmax_element(psnr.begin(), psnr.end());
   const double floor = std::floor(*low - 0.5), range = std::ceil(*high + 0.5) - floor;
@@ -161,31 +172,34 @@ constexpr const char* kStyle =
     "svg text{font:12px sans-serif;fill:#444}svg rect{fill:#69c}</style>";
 
 void Report(const std::string& model, bool quiet) {
-  const Json run = ReadRun(model);
-  const int iteration = SavedIteration(model, JsonField(model + "/run.json", run));
+  const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
+             per_view_json = ReadJson(model + "/per_view.json"),
+             stats_json = ReadJson(model + "/stats.json");
+  const JsonField run(model + "/run.json", run_json);
+  const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);
   if (!fs::exists(test))
     throw Error(
         model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
   const std::string key = fs::path(test).filename().string();
-  const Json results = ReadJson(model + "/results.json").value(key, Json::object());
-  const Json per_view = ReadJson(model + "/per_view.json").value(key, Json::object());
-  const Json stats = ReadJson(model + "/stats.json");
-  const Json psnr = per_view.value("PSNR", Json::object());
+  const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
+  const JsonField stats(model + "/stats.json", stats_json);
+  const NamedNumbers psnr =
+      NumbersIn(JsonField(model + "/per_view.json", per_view_json)[key]["PSNR"]);
   std::vector<std::string> names;
-  for (const auto& [name, value] : psnr.items()) names.push_back(name);
+  for (const auto& [name, value] : psnr) names.push_back(name);
   const std::string scratch = model + "/report.tmp.jpg";
-  const bool avatar = run.value("kind", "") == "avatar";
+  const bool avatar = run["kind"].String() == "avatar";
   const std::string title = avatar ? "Head avatar" : "Scene";
   const std::string html =
       "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
-      "<h1>" + title + " trained on " + Escape(run.value("source", "")) +
+      "<h1>" + title + " trained on " + Escape(run["source"].String()) +
       "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
       "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
       "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
       "<div class='row'><div><h2>PSNR per view</h2>" + ViewChart(psnr) +
-      "</div><div><h2>Where a step's time goes</h2>" + PhaseChart(stats) +
-      "</div></div><h2>Settings</h2><pre>" + Escape(run.dump(2)) + "</pre></html>\n";
+      "</div><div><h2>Where a step's time goes</h2>" + PhaseChart(NumbersIn(stats["phases_ms"])) +
+      "</div></div><h2>Settings</h2><pre>" + Escape(run_json.dump(2)) + "</pre></html>\n";
   WriteFileAtomically(model + "/report.html", html);
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

@@ -1,0 +1,277 @@
+// The `cosplat` command from end to end: what it writes, and that the parts fit together.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+
+#include "splat/io/ply.h"
+#include "tests/integration/command.h"
+
+namespace cosplat::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Workshop& Made() { return Workshop::Get(); }
+
+void ExpectQuietSuccess(const CommandResult& result) {
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err, "");
+}
+
+size_t CountFiles(const std::string& folder, const std::string& extension) {
+  size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(folder))
+    count += entry.path().extension() == extension;
+  return count;
+}
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Cli, MakesTrainsAndSaysNothingWhenQuiet) {
+  for (const CommandResult& result : Made().made) ExpectQuietSuccess(result);
+}
+
+TEST(Cli, LeavesNoTemporaryFiles) {
+  for (const auto& entry : fs::recursive_directory_iterator(Made().folder.path()))
+    EXPECT_FALSE(Contains(entry.path().filename().string(), ".tmp")) << entry.path();
+}
+
+// One line that 3DGS's viewers evaluate.
+TEST(Cli, WritesCfgArgs) {
+  const std::string text = Slurp(Made().avatar + "/cfg_args");
+  EXPECT_TRUE(std::regex_match(text, std::regex("Namespace\\(.*\\)"))) << text;
+  for (const std::string part :
+       {"sh_degree=3", "eval=True", "white_background=False", "resolution=1"})
+    EXPECT_TRUE(Contains(text, part)) << text;
+  EXPECT_TRUE(Contains(text, "source_path='" + fs::absolute(Made().head).string() + "'")) << text;
+  EXPECT_TRUE(Contains(text, "model_path='" + fs::absolute(Made().avatar).string() + "'")) << text;
+}
+
+TEST(Cli, WritesTheConfigurationAndTheSeed) {
+  const Json run = ReadJson(Made().avatar + "/run.json");
+  EXPECT_EQ(run["kind"], "avatar");
+  EXPECT_EQ(run["seed"], 0);
+  EXPECT_EQ(run["iterations"], 60);
+  EXPECT_EQ(run["flame"], Made().model);
+  EXPECT_TRUE(run.contains("version"));
+  const std::string config = Slurp(Made().avatar + "/config.ini");
+  for (const std::string key : {"seed=0", "iterations=60", "gaussians=1500", "lambda_dssim=0.2"})
+    EXPECT_TRUE(Contains(config, "train-avatar." + key + "\n")) << key;
+  EXPECT_FALSE(Contains(config, "train-scene")) << "options of another command";
+}
+
+TEST(Cli, WritesResultsPerViewAndOverAll) {
+  for (const auto& [folder, name, views] :
+       {std::tuple{Made().avatar, "ours_60", 3u}, std::tuple{Made().scene, "ours_120", 6u}}) {
+    const Json results = ReadJson(folder + "/results.json");
+    const Json per_view = ReadJson(folder + "/per_view.json");
+    for (const std::string figure : {"PSNR", "SSIM", "PSNR_mask"}) {
+      ASSERT_TRUE(results[name].contains(figure)) << folder << figure;
+      const Json& values = per_view[name][figure];
+      ASSERT_EQ(values.size(), views) << folder << figure;
+      double mean = 0;
+      for (const auto& [view, value] : values.items()) mean += value.get<double>() / views;
+      EXPECT_NEAR(results[name][figure].get<double>(), mean, 1e-9);
+      EXPECT_TRUE(values.contains("00000.png"));
+    }
+    EXPECT_GT(results[name]["PSNR"].get<double>(), 10);
+    EXPECT_LE(results[name]["SSIM"].get<double>(), 1);
+  }
+}
+
+TEST(Cli, WritesStatistics) {
+  for (const std::string& folder : {Made().avatar, Made().scene}) {
+    const Json stats = ReadJson(folder + "/stats.json");
+    for (const std::string key : {"iterations",
+                                  "seconds",
+                                  "cpu_seconds",
+                                  "gaussians",
+                                  "ms_per_step",
+                                  "peak_mb",
+                                  "skipped_frames"})
+      EXPECT_TRUE(stats.contains(key) && stats[key].is_number()) << key;
+    for (const std::string phase :
+         {"project", "sort", "blend", "backward", "loss", "adam", "density"})
+      EXPECT_GT(stats["phases_ms"].value(phase, 0.0), 0) << phase;
+    EXPECT_GT(stats["seconds"].get<double>(), 0);
+    EXPECT_GT(stats["peak_mb"].get<double>(), 1);
+    EXPECT_EQ(stats["skipped_frames"], 0);
+  }
+  EXPECT_EQ(ReadJson(Made().avatar + "/stats.json")["iterations"], 60);
+}
+
+TEST(Cli, WritesSplatsCamerasAndTestPictures) {
+  const Json stats = ReadJson(Made().avatar + "/stats.json");
+  const Gaussians last = ReadPly(Made().avatar + "/point_cloud/iteration_60/point_cloud.ply");
+  EXPECT_EQ(last.size(), stats["gaussians"].get<size_t>());
+  EXPECT_EQ(last.degree, 3);
+  EXPECT_GT(ReadPly(Made().avatar + "/point_cloud/iteration_30/point_cloud.ply").size(), 0u);
+  EXPECT_EQ(ReadJson(Made().avatar + "/cameras.json").size(), 12u);
+  EXPECT_EQ(ReadJson(Made().scene + "/cameras.json").size(), 12u);
+  EXPECT_TRUE(fs::exists(Made().scene + "/input.ply"));
+  for (const std::string sub : {"renders", "gt", "masks"}) {
+    EXPECT_EQ(CountFiles(Made().avatar + "/test/ours_60/" + sub, ".png"), 3u);
+    EXPECT_EQ(CountFiles(Made().scene + "/test/ours_120/" + sub, ".png"), 6u);
+  }
+}
+
+TEST(Cli, ConfigGivesTheSameBits) {
+  const TemporaryFolder again;
+  const std::string splats = "/point_cloud/iteration_60/point_cloud.ply";
+  ExpectQuietSuccess(Cosplat({"train-avatar",
+                              "--config",
+                              Made().avatar + "/config.ini",
+                              "-m",
+                              again / "a",
+                              "--threads",
+                              "1"}));
+  EXPECT_EQ(Slurp(again / ("a" + splats)), Slurp(Made().avatar + splats));
+  EXPECT_EQ(Slurp(again / "a/avatar.glb"), Slurp(Made().avatar + "/avatar.glb"));
+  EXPECT_EQ(Slurp(again / "a/results.json"), Slurp(Made().avatar + "/results.json"));
+  // What is said on the command line comes first.
+  ExpectQuietSuccess(Cosplat({"train-avatar",
+                              "--config",
+                              Made().avatar + "/config.ini",
+                              "-m",
+                              again / "b",
+                              "--seed",
+                              "1"}));
+  EXPECT_NE(Slurp(again / ("b" + splats)), Slurp(Made().avatar + splats));
+
+  const std::string scene_splats = "/point_cloud/iteration_120/point_cloud.ply";
+  ExpectQuietSuccess(
+      Cosplat({"train-scene", "--config", Made().scene + "/config.ini", "-m", again / "c"}));
+  EXPECT_EQ(Slurp(again / ("c" + scene_splats)), Slurp(Made().scene + scene_splats));
+}
+
+TEST(Cli, RendersAnOrbitToAFolderAndToAVideo) {
+  const TemporaryFolder out;
+  for (const std::string& model : {Made().avatar, Made().scene}) {
+    const std::string name = fs::path(model).filename().string();
+    ExpectQuietSuccess(Cosplat({"render", "-m", model, "--orbit", "-o", out / name, "--quiet"}));
+    EXPECT_EQ(CountFiles(out / name, ".png"), 120u);
+    const Image8 first = ReadImage(out / (name + "/00000.png"));
+    EXPECT_EQ(first.width,
+              ReadImage(model + "/test/" + (name == "avatar" ? "ours_60" : "ours_120") +
+                        "/renders/00000.png")
+                  .width);
+    ExpectQuietSuccess(
+        Cosplat({"render", "-m", model, "--orbit", "-o", out / (name + ".mp4"), "--quiet"}));
+    VideoReader video(out / (name + ".mp4"));
+    EXPECT_EQ(video.frame_count(), 120);
+  }
+}
+
+TEST(Cli, DrivesAnAvatarWithAnotherSequence) {
+  const TemporaryFolder out;
+  ASSERT_EQ(Cosplat({"make-head",
+                     "-o",
+                     out / "other",
+                     "--frames",
+                     "5",
+                     "--test-frames",
+                     "1",
+                     "--size",
+                     "32",
+                     "--seed",
+                     "9"})
+                .code,
+            0);
+  fs::remove_all(out / "other/image");  // motion is all that is wanted
+  fs::remove_all(out / "other/mask");
+  ExpectQuietSuccess(Cosplat(
+      {"render", "-m", Made().avatar, "--drive", out / "other", "-o", out / "played", "--quiet"}));
+  EXPECT_EQ(CountFiles(out / "played", ".png"), 5u);
+  const Image8 frame = ReadImage(out / "played/00002.png");
+  EXPECT_EQ(frame.width, 64);  // as trained
+  EXPECT_GT(*std::max_element(frame.data.begin(), frame.data.end()) -
+                *std::min_element(frame.data.begin(), frame.data.end()),
+            50);
+}
+
+int LargestDifference(const Image8& a, const Image8& b) {
+  if (a.data.size() != b.data.size()) return 255;
+  int largest = 0;
+  for (size_t i = 0; i < a.data.size(); ++i)
+    largest = std::max(largest, std::abs(int(a.data[i]) - int(b.data[i])));
+  return largest;
+}
+
+// From the files alone: the pictures that training left at its end, and its figures.
+TEST(Cli, RendersTheTestViewsAgainAndMeasuresThem) {
+  for (const auto& [model, name] :
+       {std::pair{Made().avatar, "ours_60"}, std::pair{Made().scene, "ours_120"}}) {
+    const TemporaryFolder copy;
+    fs::copy(model, copy / "run", fs::copy_options::recursive);
+    fs::remove_all(copy / "run/test");
+    fs::remove(copy / "run/results.json");
+    ExpectQuietSuccess(Cosplat({"render", "-m", copy / "run", "--quiet"}));
+    for (const auto& entry : fs::directory_iterator(model + "/test/" + name + "/renders")) {
+      const std::string file =
+          "/test/" + std::string(name) + "/renders/" + entry.path().filename().string();
+      // A scene's splats went through 3DGS's SH and back.
+      EXPECT_LE(LargestDifference(ReadImage(copy / ("run" + file)), ReadImage(model + file)), 1);
+    }
+    const CommandResult metrics = Cosplat({"metrics", "-m", copy / "run"});
+    EXPECT_EQ(metrics.code, 0) << metrics.err;
+    EXPECT_TRUE(Contains(metrics.out, "PSNR")) << metrics.out;
+    const Json again = ReadJson(copy / "run/results.json"),
+               first = ReadJson(model + "/results.json");
+    ASSERT_EQ(again[name].size(), first[name].size());
+    for (const auto& [figure, value] : first[name].items())
+      EXPECT_NEAR(again[name][figure].get<double>(), value.get<double>(), 0.02) << figure;
+  }
+}
+
+TEST(Cli, ReportsOnOnePage) {
+  for (const std::string& model : {Made().avatar, Made().scene}) {
+    const TemporaryFolder copy;
+    fs::copy(model, copy / "run", fs::copy_options::recursive);
+    ExpectQuietSuccess(Cosplat({"report", "-m", copy / "run", "--quiet"}));
+    const std::string page = Slurp(copy / "run/report.html");
+    EXPECT_TRUE(Contains(page, "data:image/jpeg;base64,"));
+    EXPECT_TRUE(Contains(page, "PSNR"));
+    EXPECT_TRUE(Contains(page, "</html>"));
+    EXPECT_FALSE(Contains(page, "src='http")) << "loads from elsewhere";
+    EXPECT_FALSE(fs::exists(copy / "run/report.tmp.jpg"));
+  }
+}
+
+TEST(Cli, InfoKnowsWhatItIs) {
+  const std::vector<std::pair<std::string, std::string>> kinds{
+      {Made().head, "tracked video (imavatar): 9 training and 3 test frames of 64x64"},
+      {Made().model, "FLAME model: 5"},
+      {Made().avatar, "trained avatar: 60 iterations"},
+      {Made().avatar + "/avatar.glb", "avatar (binding version 1)"},
+      {Made().avatar + "/point_cloud/iteration_60/point_cloud.ply", "3DGS splats"},
+      {Made().photos, "scene (blender): 6 training and 6 test views of 32x32"},
+      {Made().scene, "trained scene: 120 iterations"}};
+  for (const auto& [path, part] : kinds) {
+    const CommandResult result = Cosplat({"info", path});
+    EXPECT_EQ(result.code, 0) << path << result.err;
+    EXPECT_TRUE(Contains(result.out, part)) << path << "\n" << result.out;
+    EXPECT_EQ(result.err, "");
+  }
+}
+
+// The initial guess is random points: what is learnt is the balls.
+TEST(Cli, ASceneIsLearnt) {
+  EXPECT_GT(ReadJson(Made().scene + "/results.json")["ours_120"]["PSNR"].get<double>(), 15);
+}
+
+TEST(Cli, HelpAndVersionSucceed) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--help"}, {"--version"}, {"train-avatar", "--help"}, {"render", "--help"}}) {
+    const CommandResult result = Cosplat(arguments);
+    EXPECT_EQ(result.code, 0);
+    EXPECT_NE(result.out, "");
+    EXPECT_EQ(result.err, "");
+  }
+}
+
+}  // namespace
+}  // namespace cosplat::test
