@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "splat/base/error.h"
 #include "splat/loss.h"
@@ -26,6 +29,25 @@ double SquaredDifference(const Image8& a, const Image8& b, size_t pixel) {
 double ToDecibel(double squared, double weight) {
   if (weight <= 0) return 0;
   return squared > 1e-10 * weight ? -10 * std::log10(squared / weight) : 100;
+}
+
+// Highlights are where a colour must depend on the direction.
+double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
+  constexpr size_t kShare = 50;
+  std::vector<std::pair<int, size_t>> by_brightness;
+  for (size_t i = 0; i < truth.pixels(); ++i)
+    if (mask.data[i] == 255)
+      by_brightness.push_back(
+          {truth.data[3 * i] + truth.data[3 * i + 1] + truth.data[3 * i + 2], i});
+  const size_t count = by_brightness.size() / kShare;
+  std::partial_sort(by_brightness.begin(),
+                    by_brightness.begin() + std::ptrdiff_t(count),
+                    by_brightness.end(),
+                    std::greater<>());
+  double sum = 0;
+  for (size_t k = 0; k < count; ++k)
+    sum += SquaredDifference(rendered, truth, by_brightness[k].second);
+  return ToDecibel(sum, double(count));
 }
 
 }  // namespace
@@ -53,6 +75,7 @@ ImageMetrics CompareImages(const Image8& rendered,
       weight += w;
     }
     m.psnr_mask = ToDecibel(sum, weight);
+    m.psnr_highlight = HighlightPsnr(rendered, truth, *mask);
   }
   if (region) {
     double sum = 0, weight = 0;

@@ -17,6 +17,8 @@ struct ImageMetrics {
   double ssim = 0;         // 11 x 11 Gaussian window, zero beyond the border (3DGS)
   double psnr_mask = 0;    // dB, squared differences weighted by the mask; 0 without one
   double psnr_region = 0;  // dB inside a rectangle; 0 without one
+  // dB over the brightest fiftieth (of the truth) of what the mask shows wholly; 0 without a mask.
+  double psnr_highlight = 0;
 };
 
 // Both RGB and of the same size. `mask`: one channel of that size, or null. Throws Error when sizes

@@ -92,6 +92,7 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
       {"PSNR", "PSNR, whole picture", "%.2f dB"},
       {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
       {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
+      {"PSNR_highlight", "PSNR of the brightest 2 %", "%.2f dB"},
       {"SSIM", "SSIM", "%.4f"}};
   for (const auto& [key, name, format] : figures)
     for (const auto& [result, value] : results)

@@ -65,6 +65,7 @@ Figures EvaluateFolder(const std::string& folder) {
     figures["PSNR"][name] = m.psnr;
     figures["SSIM"][name] = m.ssim;
     if (mask) figures["PSNR_mask"][name] = m.psnr_mask;
+    if (mask) figures["PSNR_highlight"][name] = m.psnr_highlight;
     if (mouth) figures["PSNR_mouth"][name] = m.psnr_region;
   }
   return figures;

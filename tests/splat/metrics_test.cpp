@@ -40,6 +40,20 @@ TEST(CompareImages, TheMaskWeighs) {
   EXPECT_EQ(CompareImages(rendered, truth, &mask).psnr_mask, 0);  // nothing to compare
 }
 
+TEST(CompareImages, TheHighlightIsTheBrightestFiftiethOfTheMask) {
+  // 10 x 10: two pixels are the brightest fiftieth; a brighter one is outside the mask.
+  Image8 truth(10, 10, 3, 40), rendered = truth, mask(10, 10, 1, 255);
+  for (int c = 0; c < 3; ++c) {
+    truth.at(0, 0, c) = 255, mask.at(0, 0, 0) = 254;
+    truth.at(3, 4, c) = 200, rendered.at(3, 4, c) = 149;  // 0.2 apart
+    truth.at(7, 7, c) = 190, rendered.at(7, 7, c) = 190;
+    rendered.at(5, 5, c) = 0;  // dark: does not count
+  }
+  const ImageMetrics m = CompareImages(rendered, truth, &mask);
+  EXPECT_NEAR(m.psnr_highlight, -10 * std::log10(0.04), 1e-4);  // of 99 pixels a fiftieth is one
+  EXPECT_EQ(CompareImages(rendered, truth).psnr_highlight, 0);
+}
+
 TEST(CompareImages, TheRegionIsCutToTheImage) {
   Image8 truth(6, 6, 3), rendered(6, 6, 3);
   for (int c = 0; c < 3; ++c) rendered.at(5, 5, c) = 255;
