@@ -25,7 +25,7 @@ namespace {
 struct AvatarCommand : TrainOptions {
   AvatarCommand() {
     iterations = 6000;
-    sh_degree = 3;
+    sh_degree = 2;  // as good as 3 on held-out training frames (docs/results.md)
     // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
     // steps.
     rates.position_first = 6.4e-4f;

@@ -45,7 +45,7 @@ TEST(Cli, WritesCfgArgs) {
   const std::string text = Slurp(Made().avatar + "/cfg_args");
   EXPECT_TRUE(std::regex_match(text, std::regex("Namespace\\(.*\\)"))) << text;
   for (const std::string part :
-       {"sh_degree=3", "eval=True", "white_background=False", "resolution=1"})
+       {"sh_degree=2", "eval=True", "white_background=False", "resolution=1"})
     EXPECT_TRUE(Contains(text, part)) << text;
   EXPECT_TRUE(Contains(text, "source_path='" + fs::absolute(Made().head).string() + "'")) << text;
   EXPECT_TRUE(Contains(text, "model_path='" + fs::absolute(Made().avatar).string() + "'")) << text;
@@ -108,7 +108,7 @@ TEST(Cli, WritesSplatsCamerasAndTestPictures) {
   const Json stats = ReadJson(Made().avatar + "/stats.json");
   const Gaussians last = ReadPly(Made().avatar + "/point_cloud/iteration_60/point_cloud.ply");
   EXPECT_EQ(last.size(), stats["gaussians"].get<size_t>());
-  EXPECT_EQ(last.degree, 3);
+  EXPECT_EQ(last.degree, 2);
   EXPECT_GT(ReadPly(Made().avatar + "/point_cloud/iteration_30/point_cloud.ply").size(), 0u);
   EXPECT_EQ(ReadJson(Made().avatar + "/cameras.json").size(), 12u);
   EXPECT_EQ(ReadJson(Made().scene + "/cameras.json").size(), 12u);
