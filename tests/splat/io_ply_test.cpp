@@ -11,6 +11,7 @@
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat {
@@ -34,6 +35,30 @@ Gaussians RandomGaussians(size_t count, int degree) {
 std::string Text(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
   return {bytes.begin(), bytes.end()};
+}
+
+// What a trained scene goes through: own basis -> 3DGS's SH -> file -> picture.
+TEST(Ply, AFileReadBackGivesTheSamePicture) {
+  const TemporaryFolder folder;
+  Camera camera;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fx = camera.fy = 60;
+  camera.cx = 32;
+  camera.cy = 24;
+  camera.translation = {0.1f, -0.05f, 3};
+  for (const Basis basis : {Basis::kDcsh, Basis::kSh})
+    for (int degree = 0; degree <= kMaxTrainedDegree; ++degree) {
+      const Gaussians trained = test::RandomGaussians(200, degree, basis, 3);
+      Gaussians written = trained;
+      ConvertBasis(written, Basis::kSh);
+      WritePly(folder / "scene.ply", written);
+      const Gaussians read = ReadPly(folder / "scene.ply");
+      EXPECT_LT(
+          test::LargestDifference(test::Picture(read, camera), test::Picture(trained, camera)),
+          1e-5)
+          << ToString(basis) << " of degree " << degree;
+    }
 }
 
 TEST(Ply, ReadsBackExactlyAtEveryDegree) {
