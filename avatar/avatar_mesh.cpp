@@ -119,14 +119,14 @@ AvatarPoser::Frame AvatarPoser::FrameFor(const FlameParams& params) const {
   return frame;
 }
 
-void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) const {
-  poser_.Forward(frame, vertices);
+void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) {
+  poser_.Forward(frame, vertices, cache_);
   vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
 }
 
-AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame,
-                                         const std::vector<float>& d_vertices) const {
-  return poser_.Backward(frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_});
+AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame, const std::vector<float>& d_vertices) {
+  return poser_.Backward(
+      frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
 }
 
 FlameParams MeanRoot(const std::vector<FlameParams>& frames) {

@@ -34,13 +34,16 @@ class AvatarPoser {
 
   // The frame's parameters; expression coefficients beyond the model's are left out.
   Frame FrameFor(const FlameParams& params) const;
-  // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite.
-  void Forward(const Frame& frame, std::vector<float>& vertices) const;
-  Frame Backward(const Frame& frame, const std::vector<float>& d_vertices) const;
+  // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite; nothing is
+  // written then. What did not change since the last call is not computed again.
+  void Forward(const Frame& frame, std::vector<float>& vertices);
+  // Cheaper right after the Forward of the same frame.
+  Frame Backward(const Frame& frame, const std::vector<float>& d_vertices);
   size_t vertex_count() const { return flame_vertices_ + posed_bust_.size() / 3; }
 
  private:
   FlamePoser<float> poser_;
+  FlamePoser<float>::Cache cache_;
   size_t flame_vertices_;
   std::vector<float> posed_bust_;  // [K, 3] metres, the same in every frame
 };

@@ -102,7 +102,7 @@ void AvatarSubject::LoadFrames() {
 
 // Whether a good part of what the masks show is beyond the mesh: hair is, but far less than a bust.
 bool AvatarSubject::NeedsBust() const {
-  const AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
+  AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
   std::vector<float> vertices;
   size_t shown = 0, beyond = 0;
   for (size_t k = 0; k < std::min(kBustFrames, frames_.size()); ++k) {

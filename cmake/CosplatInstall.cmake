@@ -7,6 +7,7 @@ include(CMakePackageConfigHelpers)
 set(COSPLAT_PRIVATE_HEADERS
   avatar/io/
   avatar/parallel_for.h
+  flame/directions.h
   flame/io/pickle
   flame/io/track_layouts.h
   splat/base/image_header.h

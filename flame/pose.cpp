@@ -1,13 +1,14 @@
 #include "flame/pose.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
-#include <type_traits>
 
+#include "flame/directions.h"
 #include "flame/math/kinematics.h"
 #include "flame/math/rodrigues.h"
+#include "flame/math/skinning.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -16,51 +17,27 @@ namespace {
 using flame_math::JointTransforms;
 using flame_math::Matrix3;
 using flame_math::Vector3;
+using internal::Directions;
+using internal::ForStrips;
+using internal::kStrip;
+using internal::MatrixX;
+using internal::VectorX;
 
 // Beyond this a parameter is no pose or coefficient but a fault of the tracker: squared angles and
 // scaled directions would leave float's range and come back as NaN.
 constexpr double kLargestParameter = 1e6;
 
+// Writes what the sum of `x` is of; whether that is another one than before. Bits are compared: the
+// sums must be what a poser without a memory gets.
 template <class T>
-using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-template <class T>
-using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;  // column-major
-
-// The model's direction arrays [K, V, 3] are column-major [3V, K] matrices. In float they are used
-// in place; in double they are converted once.
-template <class T>
-class Directions {
- public:
-  Directions(const std::vector<float>& values, Eigen::Index rows, Eigen::Index columns) {
-    const Eigen::Map<const MatrixX<float>> source(values.data(), rows, columns);
-    if constexpr (std::is_same_v<T, float>) {
-      data_ = values.data();
-    } else {
-      copy_ = source.cast<T>();
-      data_ = copy_.data();
-    }
-    rows_ = rows;
-    columns_ = columns;
-  }
-  Eigen::Map<const MatrixX<T>> matrix() const { return {data_, rows_, columns_}; }
-
-  // y += matrix * x, skipping zero coefficients (most of them, in a neutral or partly posed frame).
-  void AddProduct(const VectorX<T>& x, Eigen::Map<VectorX<T>> y) const {
-    constexpr Eigen::Index kRows = 2048;  // a strip of y that stays in the first-level cache
-    const auto m = matrix();
-    for (Eigen::Index row = 0; row < rows_; row += kRows) {
-      const Eigen::Index n = std::min(kRows, rows_ - row);
-      for (Eigen::Index k = 0; k < x.size(); ++k)
-        if (x[k] != T(0)) y.segment(row, n) += x[k] * m.col(k).segment(row, n);
-    }
-  }
-
- private:
-  MatrixX<T> copy_;
-  const T* data_ = nullptr;
-  Eigen::Index rows_ = 0;
-  Eigen::Index columns_ = 0;
-};
+bool Remember(const T* x, size_t count, std::vector<T>& last) {
+  if (last.size() == count && std::equal(x, x + count, last.begin(), [](const T& a, const T& b) {
+        return std::memcmp(&a, &b, sizeof(T)) == 0;
+      }))
+    return false;
+  last.assign(x, x + count);
+  return true;
+}
 
 template <class Range>
 void CheckParameters(const FlameModel& model, const char* name, const Range& values) {
@@ -97,8 +74,8 @@ struct FlamePoser<T>::Impl {
 
   // Everything between the parameters and skinning.
   struct Rig {
-    VectorX<T> expression;     // as many as the model has or the frame gives
-    VectorX<T> pose_features;  // vec(R_1..4 - I)
+    size_t expression_count;                          // as many as the model has or the frame gives
+    std::array<T, kFlamePoseFeatures> pose_features;  // vec(R_1..4 - I)
     Rotations local;
     Joints joints;
     Transforms transforms;
@@ -106,9 +83,17 @@ struct FlamePoser<T>::Impl {
 
   Impl(const FlameModel& m, const std::vector<float>& shape, const std::vector<float>& offset);
   Rig RigOf(const Frame& frame) const;
-  void UnskinnedVertices(const Rig& rig, T* vertices) const;
-  void Skin(const Rig& rig, const std::array<T, 3>& translation, T* vertices) const;
-  Transforms SkinVjp(const Rig& rig, const T* unskinned, T* d_vertices) const;
+  // Brings the cache up to date, and calls use(first vertex, number) for strips that are.
+  template <class Use>
+  void Blend(const Frame& frame, const Rig& rig, Cache& cache, const Use& use) const;
+  Transforms SkinVjp(const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const;
+
+  // The vertex before skinning.
+  static Vector3<T> Unskinned(const Cache& cache, Eigen::Index v) {
+    Vector3<T> p;
+    for (int i = 0; i < 3; ++i) p[i] = cache.expressed[3 * v + i] + cache.corrections[3 * v + i];
+    return p;
+  }
 
   const FlameModel& model;
   Directions<T> expression_directions;  // [3V, E]
@@ -163,10 +148,10 @@ typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Frame& frame)
       CheckCoefficients(model, "expression", frame.expression, model.expression_count);
   CheckParameters(model, "translation", frame.translation);
   Rig rig;
-  rig.expression = Eigen::Map<const VectorX<T>>(frame.expression.data(), count);
-  VectorX<T> joints = rest_joints;
-  joints.noalias() += joint_directions.leftCols(count) * rig.expression;
-  rig.pose_features.resize(kFlamePoseFeatures);
+  rig.expression_count = count;
+  Eigen::Matrix<T, 3 * kFlameJoints, 1> joints = rest_joints;
+  joints.noalias() += joint_directions.leftCols(count) *
+                      Eigen::Map<const VectorX<T>>(frame.expression.data(), count);
   for (int j = 0; j < kFlameJoints; ++j) {
     CheckParameters(model, "pose", frame.pose[j]);
     rig.joints[j] = {joints[3 * j], joints[3 * j + 1], joints[3 * j + 2]};
@@ -179,57 +164,58 @@ typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Frame& frame)
 }
 
 template <class T>
-void FlamePoser<T>::Impl::UnskinnedVertices(const Rig& rig, T* vertices) const {
-  Eigen::Map<VectorX<T>> v(vertices, shaped.size());
-  v = shaped;
-  expression_directions.AddProduct(rig.expression, v);
-  pose_directions.AddProduct(rig.pose_features, v);
-}
-
-template <class T>
-void FlamePoser<T>::Impl::Skin(const Rig& rig,
-                               const std::array<T, 3>& translation,
-                               T* vertices) const {
-  T joint[kFlameJoints][12];  // rotation, then translation
-  for (int j = 0; j < kFlameJoints; ++j) {
-    std::copy_n(rig.transforms.rotation[j].data(), 9, joint[j]);
-    std::copy_n(rig.transforms.translation[j].data(), 3, joint[j] + 9);
-  }
-  for (int v = 0; v < model.vertex_count; ++v) {
-    T m[12] = {};
-    for (int j = 0; j < kFlameJoints; ++j)
-      for (int i = 0; i < 12; ++i) m[i] += weights[kFlameJoints * v + j] * joint[j][i];
-    T* p = vertices + 3 * v;
-    const T x = p[0], y = p[1], z = p[2];
-    for (int i = 0; i < 3; ++i)
-      p[i] = m[3 * i] * x + m[3 * i + 1] * y + m[3 * i + 2] * z + m[9 + i] + translation[i];
-  }
-}
-
-// Turns d_vertices from after skinning to before it, in place; returns dL/d(transforms).
-template <class T>
-typename FlamePoser<T>::Impl::Transforms FlamePoser<T>::Impl::SkinVjp(const Rig& rig,
-                                                                      const T* unskinned,
-                                                                      T* d_vertices) const {
-  Transforms d{};
-  for (int v = 0; v < model.vertex_count; ++v) {
-    const T* w = &weights[kFlameJoints * v];
-    const Vector3<T> p = {unskinned[3 * v], unskinned[3 * v + 1], unskinned[3 * v + 2]};
-    const Vector3<T> d_out = {d_vertices[3 * v], d_vertices[3 * v + 1], d_vertices[3 * v + 2]};
-    Matrix3<T> outer{};
-    flame_math::AddOuter(outer, d_out, p);
-    Matrix3<T> blended{};
-    for (int j = 0; j < kFlameJoints; ++j) {
-      for (int i = 0; i < 9; ++i) {
-        blended[i] += w[j] * rig.transforms.rotation[j][i];
-        d.rotation[j][i] += w[j] * outer[i];
-      }
-      for (int i = 0; i < 3; ++i) d.translation[j][i] += w[j] * d_out[i];
+template <class Use>
+void FlamePoser<T>::Impl::Blend(const Frame& frame,
+                                const Rig& rig,
+                                Cache& cache,
+                                const Use& use) const {
+  const bool first = cache.expressed.empty();
+  cache.expressed.resize(shaped.size());
+  cache.corrections.resize(shaped.size());
+  const T* const expression = frame.expression.data();
+  const bool express = Remember(expression, rig.expression_count, cache.expression) || first;
+  const bool correct =
+      Remember(rig.pose_features.data(), rig.pose_features.size(), cache.features) || first;
+  ForStrips(model.vertex_count, [&](Eigen::Index v, Eigen::Index count) {
+    const Eigen::Index begin = 3 * v, n = 3 * count;
+    if (express) {
+      T* const sum = cache.expressed.data() + begin;
+      std::copy_n(shaped.data() + begin, n, sum);
+      expression_directions.AddProduct(expression, rig.expression_count, begin, n, sum);
     }
-    const Vector3<T> d_in = flame_math::TransposeTimes(blended, d_out);
-    std::copy_n(d_in.data(), 3, d_vertices + 3 * v);
-  }
-  return d;
+    if (correct) {
+      T* const sum = cache.corrections.data() + begin;
+      std::fill_n(sum, n, T(0));
+      pose_directions.AddProduct(rig.pose_features.data(), kFlamePoseFeatures, begin, n, sum);
+    }
+    use(v, count);
+  });
+}
+
+// Turns d_vertices from after skinning to before it, in place; returns dL/d(transforms), summed per
+// strip and then over the strips in their order.
+template <class T>
+typename FlamePoser<T>::Impl::Transforms FlamePoser<T>::Impl::SkinVjp(
+    const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const {
+  std::vector<Transforms> partial((model.vertex_count + kStrip - 1) / kStrip, Transforms{});
+  ForStrips(model.vertex_count, [&](Eigen::Index begin, Eigen::Index count) {
+    for (Eigen::Index v = begin; v < begin + count; ++v) {
+      T* const d = d_vertices.data() + 3 * v;
+      const Vector3<T> d_in = flame_math::SkinPointVjp(rig.transforms,
+                                                       &weights[kFlameJoints * v],
+                                                       Unskinned(cache, v),
+                                                       Vector3<T>{d[0], d[1], d[2]},
+                                                       partial[begin / kStrip]);
+      std::copy_n(d_in.data(), 3, d);
+    }
+  });
+  Transforms sum{};
+  for (const Transforms& p : partial)
+    for (int j = 0; j < kFlameJoints; ++j) {
+      for (int i = 0; i < 9; ++i) sum.rotation[j][i] += p.rotation[j][i];
+      flame_math::AddTo(sum.translation[j], p.translation[j]);
+    }
+  return sum;
 }
 
 template <class T>
@@ -258,16 +244,24 @@ typename FlamePoser<T>::Frame FlamePoser<T>::FrameOf(const FlameParams& params) 
 }
 
 template <class T>
-void FlamePoser<T>::Forward(const Frame& frame, std::vector<T>& vertices) const {
-  const auto rig = impl_->RigOf(frame);
-  vertices.resize(impl_->shaped.size());
-  impl_->UnskinnedVertices(rig, vertices.data());
-  impl_->Skin(rig, frame.translation, vertices.data());
+void FlamePoser<T>::Forward(const Frame& frame, std::vector<T>& vertices, Cache& cache) const {
+  const Impl& m = *impl_;
+  const auto rig = m.RigOf(frame);
+  vertices.resize(m.shaped.size());
+  m.Blend(frame, rig, cache, [&](Eigen::Index begin, Eigen::Index count) {
+    for (Eigen::Index v = begin; v < begin + count; ++v) {
+      Vector3<T> p = flame_math::SkinPoint(
+          rig.transforms, &m.weights[kFlameJoints * v], Impl::Unskinned(cache, v));
+      flame_math::AddTo(p, frame.translation);
+      std::copy_n(p.data(), 3, &vertices[3 * v]);
+    }
+  });
 }
 
 template <class T>
 typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
-                                                      const std::vector<T>& d_vertices) const {
+                                                      const std::vector<T>& d_vertices,
+                                                      Cache& cache) const {
   const Impl& m = *impl_;
   const size_t size = m.shaped.size();
   if (d_vertices.size() != size)
@@ -276,19 +270,17 @@ typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
         "d_vertices",
         "has " + std::to_string(d_vertices.size()) + " numbers, expected " + std::to_string(size));
   const auto rig = m.RigOf(frame);
-  std::vector<T> unskinned(size);
-  m.UnskinnedVertices(rig, unskinned.data());
-  std::vector<T> d_unskinned = d_vertices;
-  const auto d_transforms = m.SkinVjp(rig, unskinned.data(), d_unskinned.data());
+  m.Blend(frame, rig, cache, [](Eigen::Index, Eigen::Index) {});
+  VectorX<T> d_v = Eigen::Map<const VectorX<T>>(d_vertices.data(), size);
+  const auto d_transforms = m.SkinVjp(rig, cache, d_v);
 
   typename Impl::Rotations d_local{};
   typename Impl::Joints d_joints{};
   flame_math::PoseJointsVjp(
       rig.local, rig.joints, m.model.parents, rig.transforms, d_transforms, d_local, d_joints);
-  const Eigen::Map<const VectorX<T>> d_v(d_unskinned.data(), size);
-  const VectorX<T> d_features = m.pose_directions.matrix().transpose() * d_v;
+  const VectorX<T> d_features = m.pose_directions.TransposeTimes(d_v);
   const VectorX<T> d_expression =
-      m.expression_directions.matrix().transpose() * d_v +
+      m.expression_directions.TransposeTimes(d_v) +
       m.joint_directions.transpose() *
           Eigen::Map<const VectorX<T>>(d_joints[0].data(), 3 * kFlameJoints);
 
@@ -299,7 +291,8 @@ typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
   }
   // Coefficients beyond the model's have no effect, hence a zero gradient; as many as were given.
   d.expression.assign(frame.expression.size(), T(0));
-  for (Eigen::Index k = 0; k < rig.expression.size(); ++k) d.expression[k] = d_expression[k];
+  for (Eigen::Index k = 0; k < Eigen::Index(rig.expression_count); ++k)
+    d.expression[k] = d_expression[k];
   for (size_t i = 0; i < size; ++i) d.translation[i % 3] += d_vertices[i];
   return d;
 }

@@ -35,12 +35,32 @@ class FlamePoser {
   };
   static Frame FrameOf(const FlameParams& params);
 
-  // vertices: [V, 3], metres. Throws Error when a parameter is not finite or there are more
-  // expression coefficients than the model has and one of the excess ones is not zero.
-  void Forward(const Frame& frame, std::vector<T>& vertices) const;
+  // What one caller keeps between frames: memory, and the two blend-shape sums of the last frame,
+  // which are not computed again where its expression or its joints' rotations are the same. Does
+  // not change the results. Not to be shared between posers or threads.
+  class Cache {
+   private:
+    friend class FlamePoser;
+    std::vector<T> expression, features;    // that the sums are of; both empty: of none yet
+    std::vector<T> expressed, corrections;  // [V, 3] with expression; added by pose directions
+  };
 
-  // d_vertices [V, 3] = dL/d(vertices) at `frame` -> gradients with respect to the frame.
-  Frame Backward(const Frame& frame, const std::vector<T>& d_vertices) const;
+  // vertices: [V, 3], metres. Throws Error when a parameter is not finite or there are more
+  // expression coefficients than the model has and one of the excess ones is not zero; nothing is
+  // written then. Same bits for any number of threads.
+  void Forward(const Frame& frame, std::vector<T>& vertices, Cache& cache) const;
+  void Forward(const Frame& frame, std::vector<T>& vertices) const {
+    Cache cache;
+    Forward(frame, vertices, cache);
+  }
+
+  // d_vertices [V, 3] = dL/d(vertices) at `frame` -> gradients with respect to the frame. Cheaper
+  // with the cache of the Forward before.
+  Frame Backward(const Frame& frame, const std::vector<T>& d_vertices, Cache& cache) const;
+  Frame Backward(const Frame& frame, const std::vector<T>& d_vertices) const {
+    Cache cache;
+    return Backward(frame, d_vertices, cache);
+  }
 
   const FlameModel& model() const;
 

@@ -81,7 +81,7 @@ TEST(AvatarMesh, TheBustHangsBelowTheNeckAndLooksForward) {
 TEST(AvatarPoser, PosesTheHeadAsFlameDoesAndHoldsTheBust) {
   const Bust bust{{0, 0, 1, 0, 1, 0, -1, 0, 0}, {0.1f, 0.2f, 0.3f}};  // a quarter turn about y
   const CanonicalMesh mesh = MakeCanonicalMesh(Flame(), {}, {}, bust);
-  const AvatarPoser poser(Flame(), {}, {}, bust);
+  AvatarPoser poser(Flame(), {}, {}, bust);
   ASSERT_EQ(3 * poser.vertex_count(), mesh.vertices.size());
   FlameParams params = Root({0.1f, 0.4f, -0.2f}, {0.01f, 0.02f, 0.03f});
   params.expression = {0.5f, 1};
@@ -164,7 +164,7 @@ TEST(MeanBust, StandsWhereTheHeadIsOnAverage) {
   const Bust bust = MeanBust(Flame(), {}, {}, frames);
   const CanonicalMesh mesh = MakeCanonicalMesh(Flame(), {}, {}, bust);
   std::vector<float> posed;
-  const AvatarPoser poser(Flame(), {}, {}, bust);
+  AvatarPoser poser(Flame(), {}, {}, bust);
   poser.Forward(poser.FrameFor(MeanRoot(frames)), posed);
   // Rigid as a whole: distances between vertices of head and bust are those of the rest pose.
   const size_t bust_begin = size_t(Flame().vertex_count), n = mesh.vertices.size() / 3;

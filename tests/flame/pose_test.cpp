@@ -2,6 +2,7 @@
 #include "flame/pose.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <limits>
 #include <numbers>
@@ -131,6 +132,68 @@ TEST(FlamePose, FloatAgreesWithDouble) {
   std::vector<float> v;
   FlamePoser<float>(model, {1.0f}).Forward(FlamePoser<float>::FrameOf(params), v);
   for (size_t i = 0; i < v.size(); ++i) EXPECT_NEAR(v[i], exact[i], 2e-6);
+}
+
+template <class T>
+void ExpectCacheIsInvisible(const FlameModel& model) {
+  const FlamePoser<T> poser(model, {0.3f});
+  typename FlamePoser<T>::Cache cache;
+  std::vector<T> kept, fresh;
+  const std::vector<T> d(3 * model.vertex_count, T(0.5));
+  typename FlamePoser<T>::Frame frame;  // first without expression
+  for (int step = 0; step < 24; ++step) {
+    const auto x = RandomVector(22, 70 + step, 0.5);
+    if (step % 3 == 1) frame.expression.assign(x.begin(), x.begin() + step % 5);
+    if (step % 4 == 1) frame.pose[step % kFlameJoints] = {T(x[4]), T(x[5]), T(x[6])};
+    if (step % 4 == 2) frame.pose = {};
+    if (step % 5 == 1) frame.translation = {T(x[7]), T(x[8]), T(x[9])};
+    poser.Forward(frame, kept, cache);
+    poser.Forward(frame, fresh);
+    ASSERT_EQ(kept, fresh) << step;
+    const auto a = poser.Backward(frame, d, cache), b = poser.Backward(frame, d);
+    ASSERT_EQ(a.expression, b.expression) << step;
+    ASSERT_EQ(a.pose, b.pose) << step;
+    ASSERT_EQ(a.translation, b.translation) << step;
+  }
+}
+
+TEST(FlamePose, TheCacheChangesNothing) {
+  ExpectCacheIsInvisible<float>(RandomModel(700));
+  ExpectCacheIsInvisible<double>(RandomModel());
+}
+
+TEST(FlamePose, SameBitsForAnyNumberOfThreads) {
+  const FlameModel model = RandomModel(3000);
+  const FlamePoser<float> poser(model, {0.3f});
+  FlamePoser<float>::Frame frame;
+  frame.expression = {0.1f, -0.4f, 0, 0.9f};
+  frame.pose = {{{0.1f, 0.4f, 0}, {0, 0, 0.2f}, {0.3f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}}};
+  std::vector<float> one, many;
+  poser.Forward(frame, many);
+  const auto d_many = poser.Backward(frame, many);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  poser.Forward(frame, one);
+  const auto d_one = poser.Backward(frame, one);
+  EXPECT_EQ(one, many);
+  EXPECT_EQ(d_one.expression, d_many.expression);
+  EXPECT_EQ(d_one.pose, d_many.pose);
+  EXPECT_EQ(d_one.translation, d_many.translation);
+}
+
+TEST(FlamePose, ARefusedFrameLeavesVerticesAndCache) {
+  const FlameModel model = RandomModel();
+  const Poser poser(model, {});
+  Poser::Cache cache;
+  std::vector<double> v;
+  const Poser::Frame good = RandomFrame(3);
+  poser.Forward(good, v, cache);
+  const std::vector<double> before = v;
+  Poser::Frame bad = RandomFrame(4);
+  bad.translation[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(poser.Forward(bad, v, cache), Error);
+  EXPECT_EQ(v, before);
+  poser.Forward(good, v, cache);
+  EXPECT_EQ(v, before);
 }
 
 void ExpectGradientMatchesDifferences(const Poser& poser, Poser::Frame frame) {

@@ -1,0 +1,85 @@
+// FLAME's direction arrays as matrices, and loops over strips of vertices: what flame/pose.cpp sums
+// blend shapes with.
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <type_traits>
+#include <vector>
+
+namespace cosplat::internal {
+
+template <class T>
+using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+template <class T>
+using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;  // column-major
+
+// Vertices per task: some tens of microseconds with FLAME's 136 directions; their sums stay in the
+// first-level cache.
+constexpr Eigen::Index kStrip = 256;
+
+// body(first vertex, number of vertices), the same strips for any number of threads.
+template <class Body>
+void ForStrips(Eigen::Index vertices, const Body& body) {
+  tbb::parallel_for(Eigen::Index(0), (vertices + kStrip - 1) / kStrip, [&](Eigen::Index strip) {
+    body(strip * kStrip, std::min(kStrip, vertices - strip * kStrip));
+  });
+}
+
+// The model's direction arrays [K, V, 3] are column-major [3V, K] matrices. In float they are used
+// in place; in double they are converted once.
+template <class T>
+class Directions {
+ public:
+  Directions(const std::vector<float>& values, Eigen::Index rows, Eigen::Index columns) {
+    const Eigen::Map<const MatrixX<float>> source(values.data(), rows, columns);
+    if constexpr (std::is_same_v<T, float>) {
+      data_ = values.data();
+    } else {
+      copy_ = source.cast<T>();
+      data_ = copy_.data();
+    }
+    rows_ = rows;
+    columns_ = columns;
+  }
+  Eigen::Map<const MatrixX<T>> matrix() const { return {data_, rows_, columns_}; }
+
+  // y += rows [begin, begin + n) of matrix * x, skipping zero coefficients (most of them, in a
+  // neutral or partly posed frame). Four directions at once: y is loaded and stored less often.
+  void AddProduct(const T* x, Eigen::Index count, Eigen::Index begin, Eigen::Index n, T* y) const {
+    Eigen::Map<VectorX<T>> sum(y, n);
+    std::array<Eigen::Index, 4> k;
+    size_t held = 0;
+    const auto term = [&](size_t i) { return x[k[i]] * matrix().col(k[i]).segment(begin, n); };
+    for (Eigen::Index next = 0; next < count; ++next) {
+      if (x[next] == T(0)) continue;
+      k[held++] = next;
+      if (held < 4) continue;
+      sum += (term(0) + term(1)) + (term(2) + term(3));
+      held = 0;
+    }
+    for (size_t i = 0; i < held; ++i) sum += term(i);
+  }
+
+  // matrix^T * d.
+  VectorX<T> TransposeTimes(const VectorX<T>& d) const {
+    constexpr Eigen::Index kColumns = 8;
+    VectorX<T> out(columns_);
+    tbb::parallel_for(Eigen::Index(0), (columns_ + kColumns - 1) / kColumns, [&](Eigen::Index i) {
+      const Eigen::Index n = std::min(kColumns, columns_ - i * kColumns);
+      out.segment(i * kColumns, n).noalias() = matrix().middleCols(i * kColumns, n).transpose() * d;
+    });
+    return out;
+  }
+
+ private:
+  MatrixX<T> copy_;
+  const T* data_ = nullptr;
+  Eigen::Index rows_ = 0;
+  Eigen::Index columns_ = 0;
+};
+
+}  // namespace cosplat::internal
