@@ -1,12 +1,37 @@
 #include "avatar/player.h"
 
+#include <cstring>
+#include <string>
+
+#include "avatar/preview.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
 
 namespace cosplat {
+namespace {
 
-Player::Player(AvatarModel avatar, const FlameModel& flame)
+// Bits, so that no rule of comparison (of zeros, of what is not a number) stands between a picture
+// and the one that a new player would draw.
+bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+template <class T>
+bool SameBits(const T& a, const T& b) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(float) == 0);
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+}  // namespace
+
+bool PlacedAvatar::IsFor(const FlameParams& params) const {
+  return id_ != 0 && SameBits(params.expression, params_.expression) &&
+         SameBits(params.pose, params_.pose) && SameBits(params.translation, params_.translation);
+}
+
+Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings settings)
     : avatar_(std::move(avatar)),
+      settings_(settings),
       poser_(flame, avatar_.shape, avatar_.static_offset, avatar_.bust),
       surface_(avatar_.mesh),
       rasterizer_(MakeCpuRasterizer()),
@@ -18,25 +43,51 @@ Player::Player(AvatarModel avatar, const FlameModel& flame)
                     std::to_string(surface_.vertex_count()));
 }
 
+void Player::Place(const FlameParams& params, PlacedAvatar& out) {
+  if (out.IsFor(params)) return;
+  poser_.Forward(poser_.FrameFor(params), out.vertices_);  // refuses before it writes
+  out.id_ = 0;
+  surface_.Pose(out.vertices_);
+  Bind(avatar_, surface_, out.gaussians_);
+  out.params_.expression = params.expression;
+  out.params_.pose = params.pose;
+  out.params_.translation = params.translation;
+  out.id_ = ++last_id_;
+}
+
+const RenderedImage& Player::Draw(const PlacedAvatar& placed,
+                                  const Camera& camera,
+                                  const std::array<float, 3>& background) {
+  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (last_.id == placed.id_ && SameBits(last_.camera, camera) &&
+      SameBits(last_.background, background))
+    return last_.image;
+  last_.id = 0;
+  const bool half = settings_.half_resolution;
+  rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
+                       avatar_.gaussians.basis,
+                       half ? HalfResolution(camera) : camera,
+                       {background, avatar_.gaussians.degree},
+                       half ? half_ : last_.image,
+                       *tape_);
+  if (half) EnlargeTwice(half_, camera.width, camera.height, last_.image);
+  last_.camera = camera;
+  last_.background = background;
+  last_.id = placed.id_;
+  return last_.image;
+}
+
 void Player::RenderOver(const FlameParams& params,
                         const Camera& camera,
                         const std::array<float, 3>& background,
                         RenderedImage& out) {
-  poser_.Forward(poser_.FrameFor(params), vertices_);
-  surface_.Pose(vertices_);
-  Bind(avatar_, surface_, posed_);
-  rasterizer_->Forward(PosedView(avatar_.gaussians, posed_, avatar_.color_frame),
-                       avatar_.gaussians.basis,
-                       camera,
-                       {background, avatar_.gaussians.degree},
-                       out,
-                       *tape_);
+  Place(params, placed_);
+  out = Draw(placed_, camera, background);
 }
 
 Image8 Player::Render(const FlameParams& params, const Camera& camera) {
-  RenderedImage image;
-  RenderOver(params, camera, {0, 0, 0}, image);
-  return ToBytes(image.ToStraightAlpha());
+  Place(params, placed_);
+  return ToBytes(Draw(placed_, camera, {0, 0, 0}).ToStraightAlpha());
 }
 
 WorldGaussians PosedView(const Gaussians& gaussians,

@@ -1,9 +1,14 @@
 // Plays an avatar: FLAME parameters + camera -> picture. Links no training code.
 //
-// AvatarModel -> Player::Render(parameters, camera): pose -> surface -> bind -> rasterise.
+// AvatarModel -> Player: Place (pose -> surface -> bind) -> PlacedAvatar -> Draw (rasterise) ->
+// picture. What did not change since the last frame is not done again; every picture has the bits
+// that a new player would give it. avatar/playback.h runs both halves beside each other.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "avatar/avatar_mesh.h"
 #include "avatar/avatar_model.h"
@@ -14,14 +19,47 @@
 
 namespace cosplat {
 
+struct PlayerSettings {
+  // Draws a quarter of the pixels and enlarges them (avatar/preview.h).
+  bool half_resolution = false;
+};
+
+// An avatar's Gaussians in the world, for one frame's parameters. Player::Place fills it.
+class PlacedAvatar {
+ public:
+  // Whether it was placed for parameters with the same bits. Shape and static offset do not count:
+  // they are the avatar's own.
+  bool IsFor(const FlameParams& params) const;
+  const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
+  const PosedGaussians& gaussians() const { return gaussians_; }
+
+ private:
+  friend class Player;
+  uint64_t id_ = 0;  // which Place filled it; 0: none
+  FlameParams params_;
+  std::vector<float> vertices_;
+  PosedGaussians gaussians_;
+};
+
 class Player {
  public:
   // `avatar.mesh` must hold the canonical mesh (AttachMesh where its file does not). Keeps a
   // reference to `flame`. Throws Error when the two do not fit each other.
-  Player(AvatarModel avatar, const FlameModel& flame);
+  Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings settings = {});
 
-  // Over a background. Expression coefficients beyond the model's are left out. Throws Error when a
-  // parameter is not finite; the picture then keeps its last content.
+  // The two halves of a frame. They may run at the same time, each one call at a time, as long as
+  // the avatar that is drawn is not the one being placed.
+  //
+  // Expression coefficients beyond the model's are left out. Throws Error when a parameter is not
+  // finite; `out` then keeps its last content. Nothing is done where `out.IsFor(params)`.
+  void Place(const FlameParams& params, PlacedAvatar& out);
+  // Over a background; `placed` by this player. The picture is the player's own: it stays until the
+  // next call and is not drawn again for the same avatar, camera and background.
+  const RenderedImage& Draw(const PlacedAvatar& placed,
+                            const Camera& camera,
+                            const std::array<float, 3>& background);
+
+  // Place and Draw; throws as they do, and `out` then keeps its last content.
   void RenderOver(const FlameParams& params,
                   const Camera& camera,
                   const std::array<float, 3>& background,
@@ -31,17 +69,29 @@ class Player {
   Image8 Render(const FlameParams& params, const Camera& camera);
 
   const AvatarModel& avatar() const { return avatar_; }
-  // Posed vertices of the last frame, [V, 3] metres.
-  const std::vector<float>& vertices() const { return vertices_; }
+  // Posed vertices of the last frame of RenderOver or Render, [V, 3] metres.
+  const std::vector<float>& vertices() const { return placed_.vertices(); }
+  // Seconds per phase of drawing; the caller resets it.
+  PhaseTimes& times() { return rasterizer_->times; }
 
  private:
+  struct Picture {
+    uint64_t id = 0;  // of the PlacedAvatar; 0: none yet
+    Camera camera;
+    std::array<float, 3> background{};
+    RenderedImage image;
+  };
+
   AvatarModel avatar_;
+  PlayerSettings settings_;
   AvatarPoser poser_;
   Surface surface_;
-  PosedGaussians posed_;
-  std::vector<float> vertices_;
+  uint64_t last_id_ = 0;
+  PlacedAvatar placed_;
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
+  Picture last_;
+  RenderedImage half_;
 };
 
 // The Gaussians of one posed surface as the rasteriser takes them.

@@ -1,0 +1,73 @@
+// An avatar without training: Gaussians spread over the made head, flat on it, in the colours that
+// it is painted with as seen from the front. And a motion in which every parameter always changes.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "avatar/avatar_mesh.h"
+#include "avatar/avatar_model.h"
+#include "avatar/sample.h"
+#include "flame/procedural/shading.h"
+#include "flame/procedural_head.h"
+#include "splat/base/rng.h"
+#include "splat/basis_constants.h"
+
+namespace cosplat::test {
+
+// Unit quaternion that turns z to the unit vector n.
+inline std::array<float, 4> QuatFromZ(const math::Vec3<float>& n) {
+  const float w = std::sqrt(std::max(0.0f, 0.5f * (1 + n.z)));
+  if (w < 1e-3f) return {0, 1, 0, 0};
+  return {w, -n.y / (2 * w), n.x / (2 * w), 0};
+}
+
+inline AvatarModel PaintedAvatar(const ProceduralHead& head, size_t count, int degree = 2) {
+  constexpr float kWidth = 0.6f, kThickness = 0.15f;  // standard deviations in spacings
+  constexpr float kOpacityLogitMean = 2.0f;
+  AvatarModel avatar;
+  avatar.mesh = MakeCanonicalMesh(head.model, {}, {}, {});
+  procedural::ShadedPose pose{head.mesh.positions, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const procedural::HeadShader shader(head, pose, {0, 0, 1});
+  const Surface surface(avatar.mesh);
+  Rng rng{4};
+  Gaussians& g = avatar.gaussians;
+  g.degree = degree;
+  g.Resize(count);
+  const float dc = BasisConstants(g.basis)[0];
+  const float spacing = float(std::sqrt(SurfaceArea(avatar.mesh) / double(count)));
+  for (const SurfacePoint& p : SampleSurface(avatar.mesh, count, rng)) {
+    const size_t i = avatar.triangle.size();
+    avatar.triangle.push_back(p.triangle);
+    avatar.barycentric.push_back(p.barycentric);
+    const float b[3] = {
+        p.barycentric[0], p.barycentric[1], 1 - p.barycentric[0] - p.barycentric[1]};
+    math::Vec3<float> normal{0, 0, 0};
+    for (int c = 0; c < 3; ++c)
+      normal += surface.vertices()[avatar.mesh.faces[p.triangle][c]].normal * b[c];
+    const std::array<float, 4> q = QuatFromZ(math::Normalize(normal));
+    const std::array<float, 3> color = shader.Shade({int(p.triangle), {b[0], b[1], b[2]}, false});
+    for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = q[k];
+    for (int k = 0; k < 3; ++k) {
+      g.at(kScaleLog, i)[k] = std::log(spacing * (k < 2 ? kWidth : kThickness));
+      g.at(kColorDc, i)[k] = (color[k] - 0.5f) / dc;
+    }
+    *g.at(kOpacityLogit, i) = kOpacityLogitMean + 0.5f * rng.Normal();
+    for (int k = 0; k < g.width(kColorRest); ++k) g.at(kColorRest, i)[k] = 0.02f * rng.Normal();
+  }
+  return avatar;
+}
+
+// Every expression coefficient, every joint and the translation, another one in every frame.
+inline FlameParams RestlessParams(const FlameModel& flame, int frame) {
+  const float t = 0.4f * float(frame);
+  FlameParams p;
+  p.expression.resize(flame.expression_count);
+  for (size_t k = 0; k < p.expression.size(); ++k) p.expression[k] = 0.15f * std::sin(t + float(k));
+  for (int j = 0; j < kFlameJoints; ++j)
+    for (int i = 0; i < 3; ++i) p.pose[j][i] = 0.06f * std::sin(1.3f * t + float(3 * j + i));
+  for (int i = 0; i < 3; ++i) p.translation[i] = 0.002f * std::sin(0.9f * t + float(i));
+  return p;
+}
+
+}  // namespace cosplat::test
