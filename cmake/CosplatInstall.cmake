@@ -20,7 +20,8 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/scene_layouts.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
-  splat/kernels/project)
+  splat/kernels/project
+  splat/kernels/rows.h)
 
 # Call it when every target exists.
 function(cosplat_install)

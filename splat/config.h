@@ -3,7 +3,7 @@
 
 namespace cosplat {
 
-// Side of a tile, px. Kerbl et al. 2023 use 16; one AVX-512 register holds one of its rows.
+// Side of a tile, px (Kerbl et al. 2023).
 constexpr int kTileSize = 16;
 
 // Contributions below one grey level of 255 are dropped (3DGS).

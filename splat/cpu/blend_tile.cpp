@@ -1,6 +1,7 @@
 #include "splat/cpu/blend_tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -13,26 +14,25 @@
 
 COSPLAT_MATH_BEGIN
 
+// A tile's pixels are kept block after block: 4x4 px each, in as many packs as they need. A splat
+// works on the blocks that it reaches, which for the small splats of a trained scene wastes fewer
+// lanes than rows of the tile do.
+constexpr int kBlockSize = 4;
+constexpr int kBlockPixels = kBlockSize * kBlockSize;
+constexpr int kBlocksPerRow = kTileSize / kBlockSize;
+constexpr int kBlocks = kBlocksPerRow * kBlocksPerRow;
 constexpr int kPixels = kTileSize * kTileSize;
-constexpr int kPacksPerRow = kTileSize / int(kLanes);
-// Whether every pixel is opaque is looked at after this many splats.
+constexpr int kPacksPerBlock = kBlockPixels / int(kLanes);
+static_assert(kBlocks % kLanes == 0 && kBlockPixels % kLanes == 0);
+using BlockMask = uint32_t;  // a bit per block
+// Which blocks are opaque is looked at after this many splats.
 constexpr uint32_t kStopInterval = 16;
 
-// Rows [begin, end) and packs [pack_begin, pack_end) of the tile that the splat's box covers.
-struct TileSpan {
-  int row_begin, row_end, pack_begin, pack_end;
-};
-HWY_INLINE TileSpan SpanOf(const ProjectedSplat& s, const TileJob& job) {
-  // Clamped before conversion: a huge splat's extent does not fit an int.
-  const float left = s.x - job.x0 - 0.5f, top = s.y - job.y0 - 0.5f;
-  const auto clamp = [](float v) HWY_ATTR { return v < 0 ? 0.0f : (v > 16.0f ? 16.0f : v); };
-  static_assert(kTileSize == 16);
-  const int col_begin = int(clamp(left - s.half_x));
-  const int col_end = int(clamp(left + s.half_x + 1.0f) + 0.999f);
-  const int row_begin = int(clamp(top - s.half_y));
-  const int row_end = int(clamp(top + s.half_y + 1.0f) + 0.999f);
-  const int lanes = int(kLanes);
-  return {row_begin, row_end, col_begin / lanes, (col_end + lanes - 1) / lanes};
+HWY_INLINE int ColumnOf(int pixel) {
+  return pixel / kBlockPixels % kBlocksPerRow * kBlockSize + pixel % kBlockSize;
+}
+HWY_INLINE int RowOf(int pixel) {
+  return pixel / kBlockPixels / kBlocksPerRow * kBlockSize + pixel % kBlockPixels / kBlockSize;
 }
 
 HWY_INLINE PowerForm<Pack> FormOf(const ProjectedSplat& s) {
@@ -42,6 +42,70 @@ HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) {
   return {Pack(s.r), Pack(s.g), Pack(s.b)};
 }
 
+// Of a tile: where its blocks' first pixels are, and where a block's pixels are from its first.
+struct TileGrid {
+  alignas(64) float block_x[kBlocks], block_y[kBlocks];  // px, in the image, at pixel centres
+  alignas(64) float in_block_x[kBlockPixels], in_block_y[kBlockPixels];  // px
+
+  explicit TileGrid(const TileJob& job) {
+    for (int b = 0; b < kBlocks; ++b) {
+      block_x[b] = float(job.x0 + ColumnOf(b * kBlockPixels)) + 0.5f;
+      block_y[b] = float(job.y0 + RowOf(b * kBlockPixels)) + 0.5f;
+    }
+    for (int i = 0; i < kBlockPixels; ++i) {
+      in_block_x[i] = float(i % kBlockSize);
+      in_block_y[i] = float(i / kBlockSize);
+    }
+  }
+};
+
+// One splat over all of a tile's blocks: a lane per block.
+struct SplatOnTile {
+  alignas(64) float dx[kBlocks], dy[kBlocks];  // from the centre to block_x, _y
+  alignas(64) float power[kBlocks], d_power_x[kBlocks], d_power_y[kBlocks];  // PowerExpansion there
+  Pack power_in_block[kPacksPerBlock];
+  BlockMask reached;
+
+  HWY_INLINE SplatOnTile(const ProjectedSplat& s, const TileGrid& grid) {
+    const PowerForm<Pack> form = FormOf(s);
+    const Pack x(s.x), y(s.y), reject(s.reject_below), extent(float(kBlockSize - 1));
+    reached = 0;
+    for (int b = 0; b < kBlocks; b += int(kLanes)) {
+      const Pack left = LoadPack(grid.block_x + b) - x, top = LoadPack(grid.block_y + b) - y;
+      const PowerExpansion<Pack> at = ExpandAt(form, left, top);
+      StorePack(left, dx + b);
+      StorePack(top, dy + b);
+      StorePack(at.value, power + b);
+      StorePack(at.d_x, d_power_x + b);
+      StorePack(at.d_y, d_power_y + b);
+      const Pack largest = LargestPowerIn(form, left, left + extent, top, top + extent);
+      reached |= BlockMask(MaskBits(largest >= reject)) << b;
+    }
+    for (int p = 0; p < kPacksPerBlock; ++p)
+      power_in_block[p] = PowerAt(
+          form, LoadPack(grid.in_block_x + p * kLanes), LoadPack(grid.in_block_y + p * kLanes));
+  }
+
+  HWY_INLINE Pack PowerOf(int block, int pack, const TileGrid& grid) const {
+    const PowerExpansion<Pack> at{
+        Pack(power[block]), Pack(d_power_x[block]), Pack(d_power_y[block])};
+    return PowerNear(at,
+                     LoadPack(grid.in_block_x + pack * kLanes),
+                     LoadPack(grid.in_block_y + pack * kLanes),
+                     power_in_block[pack]);
+  }
+};
+
+// Calls f(block, pack, first pixel of the pack) for the blocks in the mask.
+template <class F>
+HWY_INLINE void ForPacks(BlockMask blocks, const F& f) {
+  for (; blocks != 0; blocks &= blocks - 1) {
+    const int block = std::countr_zero(blocks);
+    for (int pack = 0; pack < kPacksPerBlock; ++pack)
+      f(block, pack, block * kBlockPixels + pack * int(kLanes));
+  }
+}
+
 struct alignas(64) TilePixels {
   float t[kPixels], r[kPixels], g[kPixels], b[kPixels];
 };
@@ -49,63 +113,65 @@ struct alignas(64) TilePixels {
 // Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop
 // going.
 HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
-  for (int y = 0; y < kTileSize; ++y)
-    for (int x = 0; x < kTileSize; ++x)
-      t[y * kTileSize + x] = job.y0 + y < job.height && job.x0 + x < job.width ? 1.0f : 0.0f;
+  for (int i = 0; i < kPixels; ++i)
+    t[i] = job.y0 + RowOf(i) < job.height && job.x0 + ColumnOf(i) < job.width ? 1.0f : 0.0f;
 }
 
-HWY_INLINE bool AllOpaque(const float* t) {
-  Pack most(0.0f);
-  for (int i = 0; i < kPixels; i += int(kLanes)) most = Max(most, LoadPack(t + i));
-  return !AnyTrue(most >= Pack(kMinTransmittance));
+// Blocks with a pixel that still takes splats.
+HWY_INLINE BlockMask OpenBlocks(const float* t) {
+  BlockMask open = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    Pack most(0.0f);
+    for (int i = 0; i < kBlockPixels; i += int(kLanes))
+      most = Max(most, LoadPack(t + block * kBlockPixels + i));
+    open |= BlockMask(AnyTrue(most >= Pack(kMinTransmittance))) << block;
+  }
+  return open;
 }
 
-void BlendSplat(const ProjectedSplat& s, const TileJob& job, TilePixels& px) {
-  const TileSpan span = SpanOf(s, job);
-  const PowerForm<Pack> form = FormOf(s);
+HWY_INLINE void BlendSplat(const ProjectedSplat& s,
+                           const TileGrid& grid,
+                           BlockMask open,
+                           TilePixels& px) {
+  const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below);
-  for (int j = span.pack_begin; j < span.pack_end; ++j) {
-    const Pack dx = Ramp(float(job.x0 + j * int(kLanes)) + 0.5f - s.x);
-    for (int y = span.row_begin; y < span.row_end; ++y) {
-      const PowerRow<Pack> row = AtRow(form, Pack(float(job.y0 + y) + 0.5f - s.y));
-      const Pack power = PowerAt(row, dx);
-      const int at = y * kTileSize + j * int(kLanes);
-      BlendState<Pack> state{LoadPack(px.t + at), {}};
-      const PackMask accept = Accepts(power, reject, state.transmittance);
-      if (!AnyTrue(accept)) continue;
-      state.color = {LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
-      BlendBehind(accept, AlphaOf(opacity, Exp(power)), color, state);
-      StorePack(state.transmittance, px.t + at);
-      StorePack(state.color.x, px.r + at);
-      StorePack(state.color.y, px.g + at);
-      StorePack(state.color.z, px.b + at);
-    }
-  }
+  ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
+    const Pack power = on.PowerOf(block, pack, grid);
+    BlendState<Pack> state{LoadPack(px.t + at), {}};
+    const PackMask accept = Accepts(power, reject, state.transmittance);
+    if (!AnyTrue(accept)) return;
+    state.color = {LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
+    BlendBehind(accept, AlphaOf(opacity, FastExp(power)), color, state);
+    StorePack(state.transmittance, px.t + at);
+    StorePack(state.color.x, px.r + at);
+    StorePack(state.color.y, px.g + at);
+    StorePack(state.color.z, px.b + at);
+  });
 }
 
 uint32_t ForwardTile(const TileJob& job) {
+  const TileGrid grid(job);
   TilePixels px;
   StartTransmittance(job, px.t);
   for (int i = 0; i < kPixels; ++i) px.r[i] = px.g[i] = px.b[i] = 0;
   uint32_t k = 0;
   while (k < job.entry_count) {
+    const BlockMask open = OpenBlocks(px.t);
+    if (open == 0) break;
     const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
-    for (; k < stop; ++k) BlendSplat(job.splats[job.entries[k].gaussian], job, px);
-    if (AllOpaque(px.t)) break;
+    for (; k < stop; ++k) BlendSplat(job.splats[job.entries[k].gaussian], grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
-  const int rows = std::min(kTileSize, job.height - job.y0);
-  const int cols = std::min(kTileSize, job.width - job.x0);
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < cols; ++x) {
-      const int i = y * kTileSize + x;
-      const size_t to = size_t(job.y0 + y) * job.width + job.x0 + x;
-      job.color[to] = px.r[i] + px.t[i] * job.background[0];
-      job.color[plane + to] = px.g[i] + px.t[i] * job.background[1];
-      job.color[2 * plane + to] = px.b[i] + px.t[i] * job.background[2];
-      job.transmittance[to] = px.t[i];
-    }
+  for (int i = 0; i < kPixels; ++i) {
+    const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
+    if (x >= job.width || y >= job.height) continue;
+    const size_t to = size_t(y) * job.width + x;
+    job.color[to] = px.r[i] + px.t[i] * job.background[0];
+    job.color[plane + to] = px.g[i] + px.t[i] * job.background[1];
+    job.color[2 * plane + to] = px.b[i] + px.t[i] * job.background[2];
+    job.transmittance[to] = px.t[i];
+  }
   return k;
 }
 
@@ -116,50 +182,49 @@ struct alignas(64) TileVjpPixels {
 void LoadVjpPixels(const TileJob& job, const float* d_color, TileVjpPixels& px) {
   StartTransmittance(job, px.t);
   const size_t plane = size_t(job.width) * job.height;
-  for (int y = 0; y < kTileSize; ++y)
-    for (int x = 0; x < kTileSize; ++x) {
-      const int i = y * kTileSize + x;
-      px.r[i] = px.g[i] = px.b[i] = px.behind[i] = 0;
-      if (job.y0 + y >= job.height || job.x0 + x >= job.width) continue;
-      const size_t from = size_t(job.y0 + y) * job.width + job.x0 + x;
-      px.r[i] = d_color[from];
-      px.g[i] = d_color[plane + from];
-      px.b[i] = d_color[2 * plane + from];
-      px.behind[i] = px.r[i] * job.color[from] + px.g[i] * job.color[plane + from] +
-                     px.b[i] * job.color[2 * plane + from];
-    }
+  for (int i = 0; i < kPixels; ++i) {
+    px.r[i] = px.g[i] = px.b[i] = px.behind[i] = 0;
+    const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
+    if (x >= job.width || y >= job.height) continue;
+    const size_t from = size_t(y) * job.width + x;
+    px.r[i] = d_color[from];
+    px.g[i] = d_color[plane + from];
+    px.b[i] = d_color[2 * plane + from];
+    px.behind[i] = px.r[i] * job.color[from] + px.g[i] * job.color[plane + from] +
+                   px.b[i] * job.color[2 * plane + from];
+  }
 }
 
-SplatGradient BlendSplatVjp(const ProjectedSplat& s, const TileJob& job, TileVjpPixels& px) {
-  const TileSpan span = SpanOf(s, job);
-  const PowerForm<Pack> form = FormOf(s);
+HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
+                                       const TileGrid& grid,
+                                       BlockMask open,
+                                       TileVjpPixels& px) {
+  const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
   PowerMoments<Pack> moments{zero, zero, zero, zero, zero};
   Vec3<Pack> d_color{zero, zero, zero};
   Pack d_opacity = zero;
-  for (int j = span.pack_begin; j < span.pack_end; ++j) {
-    const Pack dx = Ramp(float(job.x0 + j * int(kLanes)) + 0.5f - s.x);
-    for (int y = span.row_begin; y < span.row_end; ++y) {
-      const Pack dy(float(job.y0 + y) + 0.5f - s.y);
-      const Pack power = PowerAt(AtRow(form, dy), dx);
-      const int at = y * kTileSize + j * int(kLanes);
-      BlendVjpState<Pack> state{LoadPack(px.t + at), {}};
-      const PackMask accept = Accepts(power, reject, state.transmittance);
-      if (!AnyTrue(accept)) continue;
-      state.behind = LoadPack(px.behind + at);
-      const Vec3<Pack> d_pixel{LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
-      const Pack falloff = Exp(power);
-      const BlendVjpResult<Pack> d =
-          BlendBehindVjp(accept, AlphaOf(opacity, falloff), color, d_pixel, state);
-      StorePack(state.transmittance, px.t + at);
-      StorePack(state.behind, px.behind + at);
-      d_color += d_pixel * d.weight;
-      const Pack d_product = AlphaOfVjp(opacity, falloff, d.d_alpha) * falloff;
-      d_opacity += d_product;
-      Accumulate(d_product * opacity, dx, dy, moments);
-    }
-  }
+  ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
+    const Pack power = on.PowerOf(block, pack, grid);
+    BlendVjpState<Pack> state{LoadPack(px.t + at), {}};
+    const PackMask accept = Accepts(power, reject, state.transmittance);
+    if (!AnyTrue(accept)) return;
+    state.behind = LoadPack(px.behind + at);
+    const Vec3<Pack> d_pixel{LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
+    const Pack falloff = Select(accept, FastExp(power), zero);
+    const BlendVjpResult<Pack> d =
+        BlendBehindVjp(accept, AlphaOf(opacity, falloff), color, d_pixel, state);
+    StorePack(state.transmittance, px.t + at);
+    StorePack(state.behind, px.behind + at);
+    d_color += d_pixel * d.weight;
+    const Pack d_product = AlphaOfVjp(opacity, falloff, d.d_alpha) * falloff;
+    d_opacity += d_product;
+    Accumulate(d_product * opacity,
+               LoadPack(grid.in_block_x + pack * kLanes) + Pack(on.dx[block]),
+               LoadPack(grid.in_block_y + pack * kLanes) + Pack(on.dy[block]),
+               moments);
+  });
   const PowerMoments<float> sums{
       Sum(moments.x), Sum(moments.y), Sum(moments.xx), Sum(moments.xy), Sum(moments.yy)};
   const Vec2<float> d_center =
@@ -176,10 +241,16 @@ SplatGradient BlendSplatVjp(const ProjectedSplat& s, const TileJob& job, TileVjp
 }
 
 void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* records) {
+  const TileGrid grid(job);
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);
-  for (uint32_t k = 0; k < job.entry_count; ++k)
-    records[job.entries[k].record] = BlendSplatVjp(job.splats[job.entries[k].gaussian], job, px);
+  for (uint32_t k = 0; k < job.entry_count;) {
+    const BlockMask open = OpenBlocks(px.t);
+    const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
+    for (; k < stop; ++k)
+      records[job.entries[k].record] =
+          BlendSplatVjp(job.splats[job.entries[k].gaussian], grid, open, px);
+  }
 }
 
 COSPLAT_MATH_END

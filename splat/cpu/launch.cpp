@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -9,17 +10,24 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
+#include "splat/cpu/pack_rows.h"
 #include "splat/kernels/project.h"
 
 COSPLAT_MATH_BEGIN
+
+// Runs a kernel on packs of consecutive rows.
+template <class Kernel>
+void RunRange(const Kernel& kernel, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; i += kLanes)
+    kernel.template Run<Pack>(Rows{i, std::min(kLanes, end - i)});
+}
 
 void ProjectRange(const WorldGaussians& gaussians,
                   const ViewParameters& view,
                   ProjectedSplat* splats,
                   size_t begin,
                   size_t end) {
-  const ProjectKernel kernel{gaussians, view, splats};
-  for (size_t i = begin; i < end; ++i) kernel(i);
+  RunRange(ProjectKernel{gaussians, view, splats}, begin, end);
 }
 
 void ProjectVjpRange(const WorldGaussians& gaussians,
@@ -29,8 +37,7 @@ void ProjectVjpRange(const WorldGaussians& gaussians,
                      const WorldGradients& gradients,
                      size_t begin,
                      size_t end) {
-  const ProjectVjpKernel kernel{gaussians, view, splats, d_splats, gradients};
-  for (size_t i = begin; i < end; ++i) kernel(i);
+  RunRange(ProjectVjpKernel{gaussians, view, splats, d_splats, gradients}, begin, end);
 }
 
 COSPLAT_MATH_END
@@ -43,11 +50,13 @@ HWY_EXPORT(ProjectVjpRange);
 }  // namespace math
 
 namespace {
+// A multiple of every pack's lanes.
 constexpr size_t kGrain = 512;
 template <class F>
 void ForRanges(size_t count, const F& f) {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, kGrain),
-                    [&](const tbb::blocked_range<size_t>& r) { f(r.begin(), r.end()); });
+  tbb::parallel_for(size_t(0), (count + kGrain - 1) / kGrain, [&](size_t chunk) {
+    f(chunk * kGrain, std::min((chunk + 1) * kGrain, count));
+  });
 }
 }  // namespace
 

@@ -1,111 +1,125 @@
 #include "splat/cpu/tile_lists.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
-#include <functional>
-#include <numeric>
 #include <string>
+#include <utility>
 
 #include "splat/base/error.h"
 #include "splat/config.h"
+#include "splat/math/blend.h"
 
 namespace cosplat {
 namespace {
 
-// Fixed, so that the lists do not depend on the number of threads.
-constexpr size_t kGaussiansPerChunk = 4096;
 constexpr uint64_t kInstanceLimit = uint64_t(1) << 31;  // indices are 32 bits
+constexpr int kDigitBits = 11;                          // of the radix sort: three passes
+constexpr size_t kDigits = size_t(1) << kDigitBits;
+
+// Few enough chunks that adding up their counts costs nothing beside the rest.
+constexpr size_t kGaussiansPerChunk = 4096, kMaxChunks = 32;
+size_t ChunkCount(size_t n) {
+  return std::min((n + kGaussiansPerChunk - 1) / kGaussiansPerChunk, kMaxChunks);
+}
+
+// Calls f(chunk, begin, end) in parallel.
+template <class F>
+void ForChunks(size_t n, const F& f) {
+  const size_t chunks = ChunkCount(n);
+  tbb::parallel_for(
+      size_t(0), chunks, [&](size_t c) { f(c, n * c / chunks, n * (c + 1) / chunks); });
+}
 
 struct TileRange {
   int x0, x1, y0, y1;  // half open
 };
 
+// Tiles with a pixel centre in the splat's box; may be empty.
 TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) {
-  // Clamped as floats: a huge splat's extent does not fit an int.
+  // Clamped as floats: a huge splat's extent does not fit an int. Not negative, so that converting
+  // rounds down.
   const auto tile = [](float px, int limit) {
-    return int(std::floor(std::clamp(px / kTileSize, 0.0f, float(limit))));
+    return int(std::min(std::max(px * (1.0f / kTileSize), 0.0f), float(limit)));
   };
-  return {tile(s.x - s.half_x, tiles_x),
-          std::min(tile(s.x + s.half_x, tiles_x) + 1, tiles_x),
-          tile(s.y - s.half_y, tiles_y),
-          std::min(tile(s.y + s.half_y, tiles_y) + 1, tiles_y)};
+  constexpr float kToLast = kTileSize - 0.5f;  // from a tile's edge to its last pixel centre
+  return {tile(s.x - s.half_x + kTileSize - kToLast, tiles_x),
+          tile(s.x + s.half_x + kToLast, tiles_x),
+          tile(s.y - s.half_y + kTileSize - kToLast, tiles_y),
+          tile(s.y + s.half_y + kToLast, tiles_y)};
 }
 
-// Largest exponent of the splat along the segment from (dx0, dy) to (dx1, dy), relative to its
-// centre; `flat` and `across` are the form's coefficients along and across the segment.
-float LargestPowerOnEdge(float flat, float mixed, float across, float d0, float d1, float fixed) {
-  // power = flat t^2 + mixed t fixed + across fixed^2, flat < 0.
-  const float t = std::clamp(-mixed * fixed / (2 * flat), d0, d1);
-  return (flat * t + mixed * fixed) * t + across * fixed * fixed;
-}
-
-// Whether any point of the tile reaches the splat's rejection level (Speedy-Splat's exact test).
+// Whether a pixel centre of the tile can reach the splat's rejection level.
 bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
-  const float x0 = tile_x * kTileSize - s.x, x1 = x0 + kTileSize;
-  const float y0 = tile_y * kTileSize - s.y, y1 = y0 + kTileSize;
-  if (x0 <= 0 && x1 >= 0 && y0 <= 0 && y1 >= 0) return true;
-  float best = -INFINITY;
-  // Only the edges that face the centre can hold the largest value.
-  if (x0 > 0 || x1 < 0)
-    best = LargestPowerOnEdge(s.power_yy, s.power_xy, s.power_xx, y0, y1, x0 > 0 ? x0 : x1);
-  if (y0 > 0 || y1 < 0)
-    best = std::max(
-        best, LargestPowerOnEdge(s.power_xx, s.power_xy, s.power_yy, x0, x1, y0 > 0 ? y0 : y1));
-  return best >= s.reject_below;
-}
-
-// Counts whole rectangles, which is cheap and at least as many as will be stored: what does not fit
-// is refused before it fills the memory.
-void CheckInstanceCount(View<const uint32_t> order,
-                        View<const ProjectedSplat> splats,
-                        int tiles_x,
-                        int tiles_y) {
-  const uint64_t count = tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, order.size(), kGaussiansPerChunk),
-      uint64_t(0),
-      [&](const auto& range, uint64_t sum) {
-        for (size_t k = range.begin(); k < range.end(); ++k) {
-          const TileRange r = RangeOf(splats[order[k]], tiles_x, tiles_y);
-          sum += uint64_t(r.x1 - r.x0) * uint64_t(r.y1 - r.y0);
-        }
-        return sum;
-      },
-      std::plus<uint64_t>());
-  if (count >= kInstanceLimit)
-    throw Error("", "rasterizer", std::to_string(count) + " splat-tile pairs; the limit is 2^31");
+  const float x = tile_x * kTileSize + 0.5f - s.x, y = tile_y * kTileSize + 0.5f - s.y;
+  const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
+  return LargestPowerIn(form, x, x + (kTileSize - 1), y, y + (kTileSize - 1)) >= s.reject_below;
 }
 
 }  // namespace
 
-void TileLists::SortByDepth(View<const ProjectedSplat> splats) {
-  order.clear();
-  keys_.clear();
-  for (size_t i = 0; i < splats.size(); ++i) {
-    if (!(splats[i].radius > 0)) continue;
-    order.push_back(uint32_t(i));
-    keys_.push_back(std::bit_cast<uint32_t>(splats[i].depth));  // positive: bits order as values
+// Indices and depths of the splats that are drawn, by index. Counts whole boxes on the way, which
+// is at least as many tiles as will be stored: what does not fit is refused before it fills memory.
+void TileLists::CollectDrawn(View<const ProjectedSplat> splats) {
+  const size_t n = splats.size();
+  ForChunks(n, [&](size_t c, size_t begin, size_t end) {
+    chunks_[c].drawn = 0;
+    chunks_[c].covered = 0;
+    for (size_t i = begin; i < end; ++i) {
+      if (!(splats[i].radius > 0)) continue;
+      const TileRange r = RangeOf(splats[i], tiles_x, tiles_y);
+      ++chunks_[c].drawn;
+      chunks_[c].covered += uint64_t(std::max(r.x1 - r.x0, 0)) * std::max(r.y1 - r.y0, 0);
+    }
+  });
+  uint64_t covered = 0;
+  uint32_t drawn = 0;
+  for (size_t c = 0; c < ChunkCount(n); ++c) {
+    covered += chunks_[c].covered;
+    drawn += std::exchange(chunks_[c].drawn, drawn);
   }
-  keys_swap_.resize(keys_.size());
-  order_swap_.resize(order.size());
-  constexpr int kBits = 11;
-  for (int shift = 0; shift < 32; shift += kBits) {
-    std::array<uint32_t, 1 << kBits> start{};
-    const auto digit = [shift](uint32_t key) { return (key >> shift) & ((1u << kBits) - 1); };
-    for (const uint32_t key : keys_) ++start[digit(key)];
-    std::exclusive_scan(start.begin(), start.end(), start.begin(), 0u);
-    for (size_t i = 0; i < keys_.size(); ++i) {
-      const uint32_t to = start[digit(keys_[i])]++;
+  if (covered >= kInstanceLimit)
+    throw Error("", "rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
+  order.resize(drawn);
+  keys_.resize(drawn);
+  ForChunks(n, [&](size_t c, size_t begin, size_t end) {
+    uint32_t to = chunks_[c].drawn;
+    for (size_t i = begin; i < end; ++i) {
+      if (!(splats[i].radius > 0)) continue;
+      order[to] = uint32_t(i);
+      keys_[to++] = std::bit_cast<uint32_t>(splats[i].depth);  // positive: bits order as values
+    }
+  });
+}
+
+// One stable pass of a radix sort.
+void TileLists::SortByDigit(int shift) {
+  const size_t n = order.size();
+  const auto digit = [shift](uint32_t key) { return (key >> shift) & (kDigits - 1); };
+  ForChunks(n, [&](size_t c, size_t begin, size_t end) {
+    std::vector<uint32_t>& count = chunks_[c].offset;
+    count.assign(kDigits, 0);
+    for (size_t i = begin; i < end; ++i) ++count[digit(keys_[i])];
+  });
+  uint32_t next = 0;
+  for (size_t d = 0; d < kDigits; ++d)
+    for (size_t c = 0; c < ChunkCount(n); ++c) next += std::exchange(chunks_[c].offset[d], next);
+  ForChunks(n, [&](size_t c, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t to = chunks_[c].offset[digit(keys_[i])]++;
       keys_swap_[to] = keys_[i];
       order_swap_[to] = order[i];
     }
-    keys_.swap(keys_swap_);
-    order.swap(order_swap_);
-  }
+  });
+  keys_.swap(keys_swap_);
+  order.swap(order_swap_);
+}
+
+void TileLists::SortByDepth() {
+  keys_swap_.resize(keys_.size());
+  order_swap_.resize(order.size());
+  for (int shift = 0; shift < 32; shift += kDigitBits) SortByDigit(shift);
 }
 
 void TileLists::EmitChunk(View<const ProjectedSplat> splats,
@@ -114,17 +128,19 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
                           Chunk& chunk) const {
   chunk.instances.clear();
   chunk.per_gaussian.clear();
-  chunk.tile_offset.assign(size_t(tiles_x) * tiles_y, 0);
+  chunk.offset.assign(size_t(tiles_x) * tiles_y, 0);
   for (size_t k = begin; k < end; ++k) {
     const ProjectedSplat& s = splats[order[k]];
     const TileRange range = RangeOf(s, tiles_x, tiles_y);
     const size_t before = chunk.instances.size();
+    // A box within one tile is worth no test.
+    const bool test = range.x1 - range.x0 > 1 || range.y1 - range.y0 > 1;
     for (int ty = range.y0; ty < range.y1; ++ty)
       for (int tx = range.x0; tx < range.x1; ++tx) {
-        if (!Touches(s, tx, ty)) continue;
+        if (test && !Touches(s, tx, ty)) continue;
         const uint32_t tile = uint32_t(ty) * tiles_x + tx;
         chunk.instances.push_back({tile, order[k]});
-        ++chunk.tile_offset[tile];
+        ++chunk.offset[tile];
       }
     chunk.per_gaussian.push_back(uint32_t(chunk.instances.size() - before));
   }
@@ -134,46 +150,36 @@ void TileLists::Build(View<const ProjectedSplat> splats, int width, int height) 
   tiles_x = (width + kTileSize - 1) / kTileSize;
   tiles_y = (height + kTileSize - 1) / kTileSize;
   const size_t tiles = size_t(tiles_x) * tiles_y;
-  SortByDepth(splats);
-  CheckInstanceCount(order, splats, tiles_x, tiles_y);
-
-  const size_t chunk_count = (order.size() + kGaussiansPerChunk - 1) / kGaussiansPerChunk;
-  if (chunks_.size() < chunk_count) chunks_.resize(chunk_count);
-  tbb::parallel_for(size_t(0), chunk_count, [&](size_t c) {
-    const size_t begin = c * kGaussiansPerChunk;
-    EmitChunk(splats, begin, std::min(begin + kGaussiansPerChunk, order.size()), chunks_[c]);
-  });
-
-  size_t total = 0;
-  for (size_t c = 0; c < chunk_count; ++c) total += chunks_[c].instances.size();
+  chunks_.resize(std::max(chunks_.size(), ChunkCount(splats.size())));
+  CollectDrawn(splats);
+  SortByDepth();
+  const size_t n = order.size();
+  ForChunks(n,
+            [&](size_t c, size_t begin, size_t end) { EmitChunk(splats, begin, end, chunks_[c]); });
 
   // Where each chunk's instances of each tile go: tile by tile, chunks in depth order.
   tile_begin.resize(tiles + 1);
   uint32_t next = 0;
   for (size_t t = 0; t < tiles; ++t) {
     tile_begin[t] = next;
-    for (size_t c = 0; c < chunk_count; ++c) {
-      const uint32_t count = chunks_[c].tile_offset[t];
-      chunks_[c].tile_offset[t] = next;
-      next += count;
-    }
+    for (size_t c = 0; c < ChunkCount(n); ++c) next += std::exchange(chunks_[c].offset[t], next);
   }
   tile_begin[tiles] = next;
 
-  record_begin.resize(order.size() + 1);
+  record_begin.resize(n + 1);
   uint32_t record = 0;
-  for (size_t c = 0, k = 0; c < chunk_count; ++c)
+  for (size_t c = 0, k = 0; c < ChunkCount(n); ++c)
     for (const uint32_t count : chunks_[c].per_gaussian) {
       record_begin[k++] = record;
       record += count;
     }
-  record_begin[order.size()] = record;
+  record_begin[n] = record;
 
-  entries.resize(total);
-  tbb::parallel_for(size_t(0), chunk_count, [&](size_t c) {
-    uint32_t r = record_begin[c * kGaussiansPerChunk];
+  entries.resize(next);
+  ForChunks(n, [&](size_t c, size_t begin, size_t) {
+    uint32_t r = record_begin[begin];
     for (const Instance& instance : chunks_[c].instances)
-      entries[chunks_[c].tile_offset[instance.tile]++] = {instance.gaussian, r++};
+      entries[chunks_[c].offset[instance.tile]++] = {instance.gaussian, r++};
   });
 }
 

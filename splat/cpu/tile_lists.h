@@ -29,19 +29,24 @@ struct TileLists {
   void Build(View<const ProjectedSplat> splats, int width, int height);
 
  private:
-  // Scratch, kept between steps.
+  // Scratch, kept between steps. A chunk is a range of Gaussians that one task works on; results do
+  // not depend on where chunks begin.
   struct Instance {
     uint32_t tile, gaussian;
   };
   struct Chunk {
     std::vector<Instance> instances;
     std::vector<uint32_t> per_gaussian;  // instances of each Gaussian of the chunk
-    std::vector<uint32_t> tile_offset;   // counts, then where its first instance of a tile goes
+    std::vector<uint32_t> offset;        // per tile or digit: counts, then where the first goes
+    uint32_t drawn = 0;
+    uint64_t covered = 0;  // tiles of its splats' boxes
   };
   std::vector<Chunk> chunks_;
   Buffer<uint32_t> keys_, keys_swap_, order_swap_;
 
-  void SortByDepth(View<const ProjectedSplat> splats);
+  void CollectDrawn(View<const ProjectedSplat> splats);
+  void SortByDepth();
+  void SortByDigit(int shift);
   void EmitChunk(View<const ProjectedSplat> splats, size_t begin, size_t end, Chunk& chunk) const;
 };
 

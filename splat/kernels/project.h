@@ -1,6 +1,6 @@
 // Element-wise stage: one Gaussian in the world -> one ProjectedSplat, and its derivative.
 // world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel ->
-// gradients.
+// gradients. Run<T>(rows) does as many Gaussians as T has lanes.
 #if defined(COSPLAT_SPLAT_KERNELS_PROJECT_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_PROJECT_H_
 #undef COSPLAT_SPLAT_KERNELS_PROJECT_H_
@@ -9,6 +9,7 @@
 #endif
 
 #include "splat/kernels/projected_splat.h"
+#include "splat/kernels/rows.h"
 #include "splat/kernels/world_gaussians.h"
 #include "splat/math/blend.h"
 #include "splat/math/dcsh.h"
@@ -16,36 +17,59 @@
 
 COSPLAT_MATH_BEGIN
 
-COSPLAT_HD Vec3<float> Load3(const float* p) { return {p[0], p[1], p[2]}; }
-COSPLAT_HD Quat<float> LoadQuat(const float* p) { return {p[0], p[1], p[2], p[3]}; }
-COSPLAT_HD void Store3(float* p, const Vec3<float>& v) {
-  p[0] = v.x;
-  p[1] = v.y;
-  p[2] = v.z;
+template <class T>
+COSPLAT_HD Vec3<T> Broadcast3(const float* p) {
+  return {T(p[0]), T(p[1]), T(p[2])};
 }
-COSPLAT_HD bool IsFinite(float x) { return Abs(x) < 3e38f; }
 
-COSPLAT_HD Pinhole<float> ToPinhole(const ViewParameters& v) {
-  Pinhole<float> p;
-  for (int i = 0; i < 9; ++i) p.rotation.m[i] = v.rotation[i];
-  p.translation = Load3(v.translation);
-  p.fx = v.fx;
-  p.fy = v.fy;
-  p.cx = v.cx;
-  p.cy = v.cy;
-  p.width = v.width;
-  p.height = v.height;
+template <class T>
+COSPLAT_HD Pinhole<T> ToPinhole(const ViewParameters& v) {
+  Pinhole<T> p;
+  for (int i = 0; i < 9; ++i) p.rotation.m[i] = T(v.rotation[i]);
+  p.translation = Broadcast3<T>(v.translation);
+  p.fx = T(v.fx);
+  p.fy = T(v.fy);
+  p.cx = T(v.cx);
+  p.cy = T(v.cy);
+  p.width = T(v.width);
+  p.height = T(v.height);
   return p;
 }
 
 // Viewing direction in the frame that the colour is stored in: from the camera to the Gaussian,
 // turned by R(frame)^T where there is a surface frame.
-COSPLAT_HD Vec3<float> ColorDirection(const WorldGaussians& g,
-                                      const ViewParameters& view,
-                                      size_t i) {
-  const Vec3<float> d = Normalize(Load3(g.position + 3 * i) - Load3(view.center));
-  if (!g.color_frame) return d;
-  return TransposeTimes(RotationOf(Normalize(LoadQuat(g.color_frame + 4 * i))), d);
+template <class T>
+struct ColorView {
+  Vec3<T> offset;     // Gaussian - camera, world
+  Quat<T> frame;      // as stored; only where there are frames
+  Vec3<T> direction;  // unit
+};
+template <class T>
+COSPLAT_HD ColorView<T> ColorViewOf(const WorldGaussians& g,
+                                    const ViewParameters& view,
+                                    const Vec3<T>& position,
+                                    const Rows& rows) {
+  ColorView<T> c{position - Broadcast3<T>(view.center), {}, {}};
+  c.direction = Normalize(c.offset);
+  if (!g.color_frame) return c;
+  c.frame = LoadQuat<T>(g.color_frame, rows);
+  c.direction = TransposeTimes(RotationOf(Normalize(c.frame)), c.direction);
+  return c;
+}
+// d_direction -> d_offset and d_frame. direction = R(unit frame)^T w, w = Normalize(offset):
+// d_w = R d_direction, d_R = w d_direction^T.
+template <class T>
+COSPLAT_HD Vec3<T> ColorViewVjp(const ColorView<T>& c,
+                                bool has_frame,
+                                Vec3<T> d_direction,
+                                Quat<T>& d_frame) {
+  if (has_frame) {
+    const Quat<T> unit = Normalize(c.frame);
+    const Vec3<T> w = Normalize(c.offset);
+    d_frame = NormalizeVjp(c.frame, RotationOfVjp(unit, Outer(w, d_direction)));
+    d_direction = RotationOf(unit) * d_direction;
+  }
+  return NormalizeVjp(c.offset, d_direction);
 }
 
 // Calls f with the degree as a compile-time constant.
@@ -65,23 +89,48 @@ COSPLAT_HD auto WithDegree(int degree, const F& f) {
   }
 }
 
+// Coefficients of bands 1 ... kDegree, all channels; at least one, so that arrays have a size.
+template <int kDegree>
+constexpr int kRestUsed = kDegree == 0 ? 1 : 3 * ((kDegree + 1) * (kDegree + 1) - 1);
+
+template <class T>
 struct ColorOf {
-  Vec3<float> direction;
-  const float *constants, *dc, *rest;
+  const WorldGaussians& gaussians;
+  const ViewParameters& view;
+  Rows rows;
+  Vec3<T> direction;
+
   template <int kDegree>
-  COSPLAT_HD Vec3<float> Run() const {
-    return EvaluateColor<kDegree>(direction, constants, dc, rest);
+  COSPLAT_HD Vec3<T> Run() const {
+    T dc[3], rest[kRestUsed<kDegree>];
+    LoadRows<3>(gaussians.color_dc, 3, rows, dc);
+    if constexpr (kDegree > 0)
+      LoadRows<kRestUsed<kDegree>>(gaussians.color_rest, gaussians.rest_width, rows, rest);
+    return EvaluateColor<kDegree>(direction, view.basis_constants, dc, rest);
   }
 };
 
+// Writes the coefficients' gradients (those of bands that were not evaluated are left alone);
+// returns d_direction. d_color must be zero where nothing was drawn.
+template <class T>
 struct ColorVjpOf {
-  Vec3<float> direction;
-  const float *constants, *rest;
-  Vec3<float> color, d_color;
-  float *d_dc, *d_rest;
+  const WorldGaussians& gaussians;
+  const ViewParameters& view;
+  const WorldGradients& out;
+  Rows rows;
+  Vec3<T> direction, color, d_color;
+
   template <int kDegree>
-  COSPLAT_HD Vec3<float> Run() const {
-    return EvaluateColorVjp<kDegree>(direction, constants, rest, color, d_color, d_dc, d_rest);
+  COSPLAT_HD Vec3<T> Run() const {
+    T rest[kRestUsed<kDegree>], d_dc[3], d_rest[kRestUsed<kDegree>];
+    if constexpr (kDegree > 0)
+      LoadRows<kRestUsed<kDegree>>(gaussians.color_rest, gaussians.rest_width, rows, rest);
+    const Vec3<T> d_direction = EvaluateColorVjp<kDegree>(
+        direction, view.basis_constants, rest, color, d_color, d_dc, d_rest);
+    StoreRows<3>(d_dc, out.color_dc, 3, rows);
+    if constexpr (kDegree > 0)
+      StoreRows<kRestUsed<kDegree>>(d_rest, out.color_rest, gaussians.rest_width, rows);
+    return d_direction;
   }
 };
 
@@ -90,133 +139,141 @@ struct ProjectKernel {
   ViewParameters view;
   ProjectedSplat* splats;  // [count]
 
-  COSPLAT_HD void operator()(size_t i) const {
-    ProjectedSplat& out = splats[i];
-    out.radius = 0;
-    const Pinhole<float> camera = ToPinhole(view);
-    const Vec3<float> p = ToCamera(camera, Load3(gaussians.position + 3 * i));
-    if (!(p.z > kNearPlane)) return;
-    const Quat<float> q = LoadQuat(gaussians.rotation + 4 * i);
-    if (!(Dot(q, q) > kMinQuaternionNorm2)) return;
-    const Vec3<float> s = Load3(gaussians.scale_log + 3 * i);
-    const float opacity = Sigmoid(gaussians.opacity_logit[i]);
-    if (!(opacity > kMinAlpha)) return;
-    const Sym2<float> cov =
-        ProjectCovariance(camera, p, Covariance(q, Vec3<float>{Exp(s.x), Exp(s.y), Exp(s.z)}));
-    if (!(cov.xx * cov.yy - cov.xy * cov.xy > kMinDeterminant)) return;
-    const Sym2<float> conic = Conic(cov);
-    const Vec2<float> center = ProjectPoint(camera, p);
-    out.x = center.x;
-    out.y = center.y;
-    out.power_xx = -0.5f * conic.xx;
-    out.power_xy = -conic.xy;
-    out.power_yy = -0.5f * conic.yy;
-    out.opacity = opacity;
-    out.reject_below = RejectBelow(opacity);
+  template <class T>
+  COSPLAT_HD void Run(const Rows& rows) const {
+    const Pinhole<T> camera = ToPinhole<T>(view);
+    const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
+    const Vec3<T> p = ToCamera(camera, position);
+    auto drawn = p.z > T(kNearPlane);
+    if (!AnyTrue(drawn)) return DrawNone(rows);
+    const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
+    const Vec3<T> s = LoadVec3<T>(gaussians.scale_log, rows);
+    const T opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
+    drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
+    const Sym2<T> cov =
+        ProjectCovariance(camera, p, Covariance(q, Vec3<T>{Exp(s.x), Exp(s.y), Exp(s.z)}));
+    const T det = cov.xx * cov.yy - cov.xy * cov.xy;
+    drawn = And(drawn, det > T(kMinDeterminant));
+    const Sym2<T> conic = Conic(cov);
+    const Vec2<T> center = ProjectPoint(camera, p);
+    const T reject_below = RejectBelow(opacity);
     // Exact box of the ellipse power >= reject_below: sqrt(t * variance), t = -2 reject_below.
-    out.half_x = Sqrt(-2 * out.reject_below * cov.xx);
-    out.half_y = Sqrt(-2 * out.reject_below * cov.yy);
-    out.depth = p.z;
-    const Vec3<float> color = WithDegree(view.degree,
-                                         ColorOf{ColorDirection(gaussians, view, i),
-                                                 view.basis_constants,
-                                                 gaussians.color_dc + 3 * i,
-                                                 gaussians.color_rest + gaussians.rest_width * i});
-    out.r = color.x;
-    out.g = color.y;
-    out.b = color.z;
-    const bool on_image = out.x + out.half_x > 0 && out.x - out.half_x < view.width &&
-                          out.y + out.half_y > 0 && out.y - out.half_y < view.height;
-    const bool finite = IsFinite(out.x) && IsFinite(out.y) && IsFinite(conic.xx) &&
-                        IsFinite(conic.xy) && IsFinite(conic.yy) && IsFinite(out.half_x) &&
-                        IsFinite(out.half_y) && IsFinite(color.x) && IsFinite(color.y) &&
-                        IsFinite(color.z);
-    if (!on_image || !finite) return;
-    const float mid = 0.5f * (cov.xx + cov.yy);
-    const float spread = Sqrt(Max(mid * mid - (cov.xx * cov.yy - cov.xy * cov.xy), 0.0f));
-    out.radius = 3 * Sqrt(mid + spread);
+    const T half_x = Sqrt(T(-2) * reject_below * cov.xx);
+    const T half_y = Sqrt(T(-2) * reject_below * cov.yy);
+    drawn = And(And(drawn, And(center.x + half_x > T(0), center.x - half_x < camera.width)),
+                And(center.y + half_y > T(0), center.y - half_y < camera.height));
+    drawn = And(And(drawn, And(IsFinite(conic.xx), IsFinite(conic.xy))),
+                And(IsFinite(conic.yy), And(IsFinite(half_x), IsFinite(half_y))));
+    if (!AnyTrue(drawn)) return DrawNone(rows);
+    const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
+    const Vec3<T> color =
+        WithDegree(view.degree, ColorOf<T>{gaussians, view, rows, color_view.direction});
+    drawn = And(And(drawn, IsFinite(color.x)), And(IsFinite(color.y), IsFinite(color.z)));
+    const T mid = T(0.5f) * (cov.xx + cov.yy);
+    const T radius = T(3) * Sqrt(mid + Sqrt(Max(mid * mid - det, T(0))));
+    // In the order of ProjectedSplat's members.
+    const T out[kProjectedFloats] = {center.x,
+                                     center.y,
+                                     T(-0.5f) * conic.xx,
+                                     -conic.xy,
+                                     T(-0.5f) * conic.yy,
+                                     opacity,
+                                     reject_below,
+                                     color.x,
+                                     color.y,
+                                     color.z,
+                                     half_x,
+                                     half_y,
+                                     p.z,
+                                     Select(drawn, radius, T(0))};
+    StoreRows<kProjectedFloats>(out, &splats->x, sizeof(ProjectedSplat) / sizeof(float), rows);
+  }
+
+  COSPLAT_HD void DrawNone(const Rows& rows) const {
+    for (size_t i = rows.first; i < rows.first + rows.count; ++i) splats[i].radius = 0;
   }
 };
 
-// Writes the gradient of Gaussian i (all zero when it was not drawn).
+// Writes the gradients of the Gaussians in `rows` (all zero for those that were not drawn).
 struct ProjectVjpKernel {
   WorldGaussians gaussians;
   ViewParameters view;
   const ProjectedSplat* splats;   // [count]
-  const SplatGradient* d_splats;  // [count]; read only where drawn
+  const SplatGradient* d_splats;  // [count]; counts only where drawn
   WorldGradients out;
 
-  COSPLAT_HD void operator()(size_t i) const {
-    ZeroColor(i);
-    if (!(splats[i].radius > 0)) return ZeroGeometry(i);
-    const SplatGradient& d = d_splats[i];
-    const Pinhole<float> camera = ToPinhole(view);
-    const Vec3<float> position = Load3(gaussians.position + 3 * i);
-    const Vec3<float> p = ToCamera(camera, position);
-    const Quat<float> q = LoadQuat(gaussians.rotation + 4 * i);
-    const Vec3<float> s_log = Load3(gaussians.scale_log + 3 * i);
-    const Vec3<float> s{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
-    const Sym3<float> covariance = Covariance(q, s);
-    const Sym2<float> conic{-2 * splats[i].power_xx, -splats[i].power_xy, -2 * splats[i].power_yy};
-    const Sym2<float> d_cov =
-        ConicVjp(conic, Sym2<float>{-0.5f * d.power_xx, -d.power_xy, -0.5f * d.power_yy});
-    Vec3<float> d_p = ProjectPointVjp(camera, p, Vec2<float>{d.x, d.y});
-    Sym3<float> d_covariance;
-    ProjectCovarianceVjp(camera, p, covariance, d_cov, d_covariance, d_p);
-    Quat<float> d_q;
-    Vec3<float> d_s;
+  template <class T>
+  COSPLAT_HD void Run(const Rows& rows) const {
+    T splat[kProjectedFloats];
+    LoadRows<kProjectedFloats>(&splats->x, sizeof(ProjectedSplat) / sizeof(float), rows, splat);
+    const auto drawn = splat[13] > T(0);
+    ZeroUnusedBands(rows);
+    if (!AnyTrue(drawn)) return ZeroAll(rows);
+    const Sym2<T> conic{T(-2) * splat[2], -splat[3], T(-2) * splat[4]};
+    T d[9];  // in the order of SplatGradient's members
+    LoadRows<9>(&d_splats->x, 9, rows, d);
+    const Pinhole<T> camera = ToPinhole<T>(view);
+    const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
+    const Vec3<T> p = ToCamera(camera, position);
+    const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
+    const Vec3<T> s_log = LoadVec3<T>(gaussians.scale_log, rows);
+    const Vec3<T> s{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
+    const Sym2<T> d_cov = ConicVjp(conic, Sym2<T>{T(-0.5f) * d[2], -d[3], T(-0.5f) * d[4]});
+    Vec3<T> d_p = ProjectPointVjp(camera, p, Vec2<T>{d[0], d[1]});
+    Sym3<T> d_covariance;
+    ProjectCovarianceVjp(camera, p, Covariance(q, s), d_cov, d_covariance, d_p);
+    Quat<T> d_q;
+    Vec3<T> d_s;
     CovarianceVjp(q, s, d_covariance, d_q, d_s);
-    Vec3<float> d_position = TransposeTimes(camera.rotation, d_p);
-    d_position += ColorVjp(i, position);
-    Store3(out.position + 3 * i, d_position);
-    out.rotation[4 * i] = d_q.w;
-    out.rotation[4 * i + 1] = d_q.x;
-    out.rotation[4 * i + 2] = d_q.y;
-    out.rotation[4 * i + 3] = d_q.z;
-    Store3(out.scale_log + 3 * i, Vec3<float>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z});
-    out.opacity_logit[i] = SigmoidVjp(splats[i].opacity, d.opacity);
-    out.screen[2 * i] = d.x;
-    out.screen[2 * i + 1] = d.y;
+    Vec3<T> d_position = TransposeTimes(camera.rotation, d_p);
+
+    d_position += ColorVjp(drawn, position, splat, d, rows);
+
+    StoreWhere(drawn, d_position, out.position, rows);
+    StoreWhere(drawn, d_q, out.rotation, rows);
+    StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
+    StoreWhere(drawn, SigmoidVjp(splat[5], d[5]), out.opacity_logit, rows);
+    const T d_screen[2] = {Select(drawn, d[0], T(0)), Select(drawn, d[1], T(0))};
+    StoreRows<2>(d_screen, out.screen, 2, rows);
   }
 
-  // Colour's gradient; returns its part of d_position.
-  COSPLAT_HD Vec3<float> ColorVjp(size_t i, const Vec3<float>& position) const {
-    const SplatGradient& d = d_splats[i];
-    const Vec3<float> u = ColorDirection(gaussians, view, i);
-    Vec3<float> d_u = WithDegree(view.degree,
-                                 ColorVjpOf{u,
-                                            view.basis_constants,
-                                            gaussians.color_rest + gaussians.rest_width * i,
-                                            Vec3<float>{splats[i].r, splats[i].g, splats[i].b},
-                                            Vec3<float>{d.r, d.g, d.b},
-                                            out.color_dc + 3 * i,
-                                            out.color_rest + gaussians.rest_width * i});
-    const Vec3<float> offset = position - Load3(view.center);
-    if (gaussians.color_frame) {
-      // u = R^T w: d_w = R d_u, d_R = w d_u^T.
-      const Quat<float> frame = LoadQuat(gaussians.color_frame + 4 * i);
-      const Quat<float> unit = Normalize(frame);
-      const Vec3<float> w = Normalize(offset);
-      const Quat<float> d_frame = NormalizeVjp(frame, RotationOfVjp(unit, Outer(w, d_u)));
-      out.color_frame[4 * i] = d_frame.w;
-      out.color_frame[4 * i + 1] = d_frame.x;
-      out.color_frame[4 * i + 2] = d_frame.y;
-      out.color_frame[4 * i + 3] = d_frame.z;
-      d_u = RotationOf(unit) * d_u;
-    }
-    return NormalizeVjp(offset, d_u);
+  // Writes the gradients of the colour's parameters; returns its part of d_position.
+  template <class T, class Mask>
+  COSPLAT_HD Vec3<T> ColorVjp(
+      Mask drawn, const Vec3<T>& position, const T* splat, const T* d, const Rows& rows) const {
+    const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
+    // What was not drawn may have no direction; its colour's gradient is 0 times a basis function.
+    const Vec3<T>& seen = color_view.direction;
+    const Vec3<T> direction{
+        Select(drawn, seen.x, T(0)), Select(drawn, seen.y, T(0)), Select(drawn, seen.z, T(0))};
+    const Vec3<T> d_color{
+        Select(drawn, d[6], T(0)), Select(drawn, d[7], T(0)), Select(drawn, d[8], T(0))};
+    const Vec3<T> d_direction = WithDegree(
+        view.degree,
+        ColorVjpOf<T>{
+            gaussians, view, out, rows, direction, {splat[7], splat[8], splat[9]}, d_color});
+    const bool has_frame = gaussians.color_frame != nullptr;
+    Quat<T> d_frame;
+    const Vec3<T> d_offset = ColorViewVjp(color_view, has_frame, d_direction, d_frame);
+    if (has_frame) StoreWhere(drawn, d_frame, out.color_frame, rows);
+    return d_offset;
   }
 
-  COSPLAT_HD void ZeroColor(size_t i) const {
-    for (int k = 0; k < 3; ++k) out.color_dc[3 * i + k] = 0;
-    for (int k = 0; k < gaussians.rest_width; ++k) out.color_rest[gaussians.rest_width * i + k] = 0;
+  // Of bands that are stored but not evaluated yet.
+  COSPLAT_HD void ZeroUnusedBands(const Rows& rows) const {
+    const int used = 3 * ((view.degree + 1) * (view.degree + 1) - 1), width = gaussians.rest_width;
+    for (size_t i = rows.first; i < rows.first + rows.count; ++i)
+      for (int k = used; k < width; ++k) out.color_rest[width * i + k] = 0;
   }
-  COSPLAT_HD void ZeroGeometry(size_t i) const {
-    for (int k = 0; k < 3; ++k) out.position[3 * i + k] = out.scale_log[3 * i + k] = 0;
-    for (int k = 0; k < 4; ++k) out.rotation[4 * i + k] = 0;
-    if (gaussians.color_frame)
-      for (int k = 0; k < 4; ++k) out.color_frame[4 * i + k] = 0;
-    out.opacity_logit[i] = out.screen[2 * i] = out.screen[2 * i + 1] = 0;
+  COSPLAT_HD void ZeroAll(const Rows& rows) const {
+    ZeroRows(out.position, 3, rows);
+    ZeroRows(out.rotation, 4, rows);
+    ZeroRows(out.scale_log, 3, rows);
+    ZeroRows(out.opacity_logit, 1, rows);
+    ZeroRows(out.color_dc, 3, rows);
+    ZeroRows(out.color_rest, gaussians.rest_width, rows);
+    ZeroRows(out.screen, 2, rows);
+    if (gaussians.color_frame) ZeroRows(out.color_frame, 4, rows);
   }
 };
 

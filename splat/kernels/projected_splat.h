@@ -15,6 +15,7 @@ struct alignas(64) ProjectedSplat {
   float radius;                        // 3 standard deviations along the longer axis; 0: not drawn
   float padding[2];
 };
+constexpr int kProjectedFloats = 14;  // without the padding
 
 // dL/d of the above, summed over the pixels of one tile or of all tiles.
 struct SplatGradient {

@@ -22,18 +22,37 @@ struct PowerForm {
   T xx, xy, yy;
 };
 
-// Splits the form at a row of pixels: power = (xx dx + slope) dx + offset.
 template <class T>
-struct PowerRow {
-  T xx, slope, offset;
+COSPLAT_HD T PowerAt(const PowerForm<T>& form, T dx, T dy) {
+  return (form.xx * dx + form.xy * dy) * dx + form.yy * dy * dy;
+}
+
+// The form about another point o: power(o + l) = value + d_x l_x + d_y l_y + PowerAt(form, l).
+// Where many pixels lie at the same few l from different o, the last term is common to all o.
+template <class T>
+struct PowerExpansion {
+  T value, d_x, d_y;
 };
 template <class T>
-COSPLAT_HD PowerRow<T> AtRow(const PowerForm<T>& form, T dy) {
-  return {form.xx, form.xy * dy, form.yy * dy * dy};
+COSPLAT_HD PowerExpansion<T> ExpandAt(const PowerForm<T>& form, T dx, T dy) {
+  return {PowerAt(form, dx, dy),
+          T(2) * form.xx * dx + form.xy * dy,
+          T(2) * form.yy * dy + form.xy * dx};
 }
 template <class T>
-COSPLAT_HD T PowerAt(const PowerRow<T>& row, T dx) {
-  return (row.xx * dx + row.slope) * dx + row.offset;
+COSPLAT_HD T PowerNear(const PowerExpansion<T>& e, T l_x, T l_y, T power_at_l) {
+  return e.d_x * l_x + (e.d_y * l_y + (e.value + power_at_l));
+}
+
+// The largest exponent in a rectangle, given by offsets from the centre. The form is negative
+// definite, so the largest value lies on an edge that faces the centre: at the edge's own highest
+// point or at the corner nearest to it. (The exact test of Speedy-Splat, Hanson et al. 2025.)
+template <class T>
+COSPLAT_HD T LargestPowerIn(const PowerForm<T>& form, T dx0, T dx1, T dy0, T dy1) {
+  const T near_x = Clamp(T(0), dx0, dx1), near_y = Clamp(T(0), dy0, dy1);
+  const T along_y = Clamp(form.xy / (T(-2) * form.yy) * near_x, dy0, dy1);
+  const T along_x = Clamp(form.xy / (T(-2) * form.xx) * near_y, dx0, dx1);
+  return Max(PowerAt(form, near_x, along_y), PowerAt(form, along_x, near_y));
 }
 
 // First and second moments of dL/d(power) over pixels: all that the geometry's gradient needs.

@@ -23,6 +23,8 @@ COSPLAT_HD float Abs(float x) { return std::fabs(x); }
 COSPLAT_HD double Abs(double x) { return std::fabs(x); }
 
 COSPLAT_HD bool And(bool a, bool b) { return a && b; }
+// Of a mask: whether any lane is set.
+COSPLAT_HD bool AnyTrue(bool a) { return a; }
 
 // condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither
 // may trap or make a NaN that matters.
@@ -41,6 +43,10 @@ COSPLAT_HD T Max(const T& a, const T& b) {
 template <class T>
 COSPLAT_HD T Clamp(const T& x, const T& low, const T& high) {
   return Min(Max(x, low), high);
+}
+template <class T>
+COSPLAT_HD auto IsFinite(const T& x) {
+  return Abs(x) < T(3e38f);
 }
 template <class T>
 COSPLAT_HD T Sigmoid(const T& x) {

@@ -184,7 +184,7 @@ std::vector<T> BlendPixel(const std::vector<T>& x) {
   BlendState<T> state{T(1), {T(0), T(0), T(0)}};
   for (size_t i = 0; i < x.size(); i += 9) {
     const PowerForm<T> form{x[i + 2], x[i + 3], x[i + 4]};
-    const T power = PowerAt(AtRow(form, T(0.3) - x[i + 1]), T(0.5) - x[i]);
+    const T power = PowerAt(form, T(0.5) - x[i], T(0.3) - x[i + 1]);
     const bool accept = Accepts(power, RejectBelow(x[i + 5]), state.transmittance);
     BlendBehind(accept, AlphaOf(x[i + 5], Exp(power)), V(x, i + 6), state);
   }
@@ -201,7 +201,7 @@ std::vector<double> BlendPixelVjp(const std::vector<double>& x, const std::vecto
   for (size_t i = 0; i < x.size(); i += 9) {
     const PowerForm<double> form{x[i + 2], x[i + 3], x[i + 4]};
     const double dx = 0.5 - x[i], dy = 0.3 - x[i + 1];
-    const double power = PowerAt(AtRow(form, dy), dx), falloff = Exp(power);
+    const double power = PowerAt(form, dx, dy), falloff = Exp(power);
     const bool accept = Accepts(power, RejectBelow(x[i + 5]), state.transmittance);
     const auto r = BlendBehindVjp(accept, AlphaOf(x[i + 5], falloff), V(x, i + 6), V(d, 0), state);
     const double d_product = AlphaOfVjp(x[i + 5], falloff, r.d_alpha) * falloff;
@@ -227,6 +227,31 @@ TEST(Blend, PixelVjp) {
                               0.9, 0.4, -0.2, 0.0, -0.4, 0.8, 0.1, 0.8, 0.2,   //
                               0.4, 0.2, -0.1, 0.1, -0.1, 0.5, 0.3, 0.3, 0.9};  // behind
   ExpectVjpMatchesDual([](const auto& v) { return BlendPixel(v); }, BlendPixelVjp, x);
+}
+
+TEST(Blend, ExponentAboutAnotherPoint) {
+  const PowerForm<double> form{-0.3, 0.2, -0.7};
+  const PowerExpansion<double> at = ExpandAt(form, 2.5, -1.5);
+  for (const double x : {0.0, 1.0, 3.0})
+    for (const double y : {0.0, 2.0, 3.0})
+      EXPECT_NEAR(
+          PowerNear(at, x, y, PowerAt(form, x, y)), PowerAt(form, 2.5 + x, -1.5 + y), 1e-12);
+}
+
+TEST(Blend, LargestExponentInARectangle) {
+  // Against the largest of a fine grid, which is at most its spacing's square lower.
+  for (const PowerForm<double>& form :
+       {PowerForm<double>{-0.3, 0.2, -0.7}, {-0.05, -0.18, -0.2}, {-1, 0, -1e-3}})
+    for (const double x : {-9.0, -2.0, 0.5, 4.0})
+      for (const double y : {-7.0, -1.0, 0.0, 3.0}) {
+        double largest = -1e9;
+        for (int i = 0; i <= 300; ++i)
+          for (int j = 0; j <= 300; ++j)
+            largest = std::max(largest, PowerAt(form, x + 0.01 * i, y + 0.01 * j));
+        const double found = LargestPowerIn(form, x, x + 3, y, y + 3);
+        EXPECT_GE(found, largest - 1e-12);
+        EXPECT_LE(found, largest + 2e-4);
+      }
 }
 
 TEST(Blend, CappedAlphaHasNoGeometryGradient) {

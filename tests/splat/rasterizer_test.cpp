@@ -121,7 +121,7 @@ std::vector<double> ReferencePixels(const Gaussians& g,
     for (int x = 0; x < camera.width; ++x) {
       BlendState<double> state{1, {0, 0, 0}};
       for (const Splat& s : splats) {
-        const double power = PowerAt(AtRow(s.form, y + 0.5 - s.y), x + 0.5 - s.x);
+        const double power = PowerAt(s.form, x + 0.5 - s.x, y + 0.5 - s.y);
         bool accept = Accepts(power, RejectBelow(s.opacity), state.transmittance);
         if (replay) accept = (*accepted)[pair++];
         if (accepted && !replay) accepted->push_back(accept);
