@@ -46,6 +46,7 @@ int Run(int argc, char** argv) {
   cosplat::AddMetrics(app);
   cosplat::AddReport(app);
   cosplat::AddInfo(app);
+  cosplat::AddBench(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -7,6 +7,8 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
 #include "apps/cosplat/run_folder.h"
+#include "apps/cosplat/svg_chart.h"
+#include "apps/cosplat/svg_drawing.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
@@ -30,21 +32,6 @@ std::string Base64(const std::vector<char>& bytes) {
       group = group << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0u);
     for (size_t k = 0; k < 4; ++k)
       out += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return out;
-}
-
-std::string Escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
   }
   return out;
 }
@@ -105,38 +92,22 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   return html + "</table>";
 }
 
-// A bar per phase of the step, labelled: what the time goes to.
+// What the step's time goes to.
 std::string PhaseChart(const NamedNumbers& phases) {
-  double most = 1e-9;
-  for (const auto& [name, ms] : phases) most = std::max(most, ms);
-  std::string bars;
-  int y = 0;
-  for (const auto& [name, ms] : phases) {
-    const double width = 260 * ms / most;
-    bars += "<text x='0' y='" + std::to_string(y + 13) + "'>" + name + "</text><rect x='80' y='" +
-            std::to_string(y + 2) + "' height='14' width='" + Number(width, "%.1f") +
-            "'/><text x='" + Number(86 + width, "%.1f") + "' y='" + std::to_string(y + 13) + "'>" +
-            Number(ms, "%.2f ms") + "</text>";
-    y += 20;
-  }
-  return "<svg viewBox='0 0 420 " + std::to_string(y) + "' width='420'>" + bars + "</svg>";
+  Chart chart{Chart::Kind::kBars, "Where a step's time goes", {"time", "ms"}, {}, {}, {}};
+  ChartSeries step{"step", {}};
+  for (const auto& [name, ms] : phases) step.marks.push_back({ms, 0, name});
+  chart.series = {step};
+  return ToSvg(chart);
 }
 
 std::string ViewChart(const NamedNumbers& per_view) {
-  std::vector<double> psnr;
-  for (const auto& [name, value] : per_view) psnr.push_back(value);
-  if (psnr.size() < 2) return "";
-  const auto [low, high] = std::minmax_element(psnr.begin(), psnr.end());
-  const double floor = std::floor(*low - 0.5), range = std::ceil(*high + 0.5) - floor;
-  std::string points;
-  for (size_t i = 0; i < psnr.size(); ++i)
-    points += Number(40 + 360.0 * double(i) / double(psnr.size() - 1), "%.1f") + "," +
-              Number(110 - 100 * (psnr[i] - floor) / range, "%.1f") + " ";
-  return "<svg viewBox='0 0 420 130' width='420'><polyline fill='none' stroke='#36c' "
-         "stroke-width='1.5' points='" +
-         points + "'/><text x='0' y='16'>" + Number(floor + range, "%.0f dB") +
-         "</text><text x='0' y='114'>" + Number(floor, "%.0f dB") +
-         "</text><text x='40' y='128'>test views in order</text></svg>";
+  Chart chart{Chart::Kind::kLines, "PSNR per view", {"test view", ""}, {"PSNR", "dB"}, {}, {}};
+  ChartSeries views{"views", {}};
+  for (const auto& [name, psnr] : per_view)
+    views.marks.push_back({double(views.marks.size()), psnr, ""});
+  chart.series = {views};
+  return ToSvg(chart);
 }
 
 std::string PairsHtml(const std::string& test,
@@ -170,7 +141,7 @@ constexpr const char* kStyle =
     "font-weight:normal;padding-right:2em;color:#555}td{font-variant-numeric:tabular-nums}"
     ".pairs{display:grid;grid-template-columns:1fr 1fr;gap:12px}figure{margin:0}img{max-width:100%}"
     "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
-    "svg text{font:12px sans-serif;fill:#444}svg rect{fill:#69c}</style>";
+    ".row svg{max-width:520px;height:auto}</style>";
 
 void Report(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
@@ -194,13 +165,12 @@ void Report(const std::string& model, bool quiet) {
   const std::string title = avatar ? "Head avatar" : "Scene";
   const std::string html =
       "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
-      "<h1>" + title + " trained on " + Escape(run["source"].String()) +
+      "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
       "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
       "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
       "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
-      "<div class='row'><div><h2>PSNR per view</h2>" + ViewChart(psnr) +
-      "</div><div><h2>Where a step's time goes</h2>" + PhaseChart(NumbersIn(stats["phases_ms"])) +
-      "</div></div><h2>Settings</h2><pre>" + Escape(run_json.dump(2)) + "</pre></html>\n";
+      "<div class='row'>" + ViewChart(psnr) + PhaseChart(NumbersIn(stats["phases_ms"])) +
+      "</div><h2>Settings</h2><pre>" + EscapeXml(run_json.dump(2)) + "</pre></html>\n";
   WriteFileAtomically(model + "/report.html", html);
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

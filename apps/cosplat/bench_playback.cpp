@@ -1,0 +1,143 @@
+#include "apps/cosplat/bench_playback.h"
+
+#include <cmath>
+
+#include "apps/cosplat/progress_bar.h"
+#include "avatar/avatar_mesh.h"
+#include "avatar/playback.h"
+#include "avatar/player.h"
+#include "avatar/sample.h"
+#include "flame/procedural/motion.h"
+#include "flame/procedural_head.h"
+#include "splat/base/rng.h"
+#include "splat/bench/measure.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kUsualSplats = 20000;
+constexpr int kSide = 512;          // px
+constexpr float kDistance = 0.84f;  // metres: the head covers 40 to 50 % of the picture
+constexpr int kFrames = 24;
+
+// Splats spread over the head as training begins, opaque as training leaves them.
+AvatarModel MakeAvatar(const FlameModel& flame, size_t count) {
+  AvatarModel avatar;
+  avatar.mesh = MakeCanonicalMesh(flame, {}, {}, {});
+  Rng rng{1};
+  for (const SurfacePoint& p : SampleSurface(avatar.mesh, count, rng)) {
+    avatar.triangle.push_back(p.triangle);
+    avatar.barycentric.push_back(p.barycentric);
+  }
+  Gaussians& g = avatar.gaussians;
+  g.degree = 2;
+  g.Resize(count);
+  constexpr double kHeadArea = 0.25;  // square metres, about; each splat has an equal share
+  const float spacing = float(std::sqrt(kHeadArea / double(count)));
+  for (size_t i = 0; i < count; ++i) {
+    g.at(kRotation, i)[0] = 1;
+    *g.at(kOpacityLogit, i) = 2;
+    for (int k = 0; k < 3; ++k) {
+      g.at(kScaleLog, i)[k] = std::log(spacing) + 0.2f * rng.Normal();
+      g.at(kColorDc, i)[k] = rng.Normal();
+    }
+    for (int k = 0; k < g.width(kColorRest); ++k) g.at(kColorRest, i)[k] = 0.1f * rng.Normal();
+  }
+  return avatar;
+}
+
+// Every parameter is different in every frame: the script's motion, and a wave on each.
+std::vector<PlaybackFrame> MakeMotion() {
+  std::vector<PlaybackFrame> motion;
+  for (const procedural::ScriptFrame& scripted : procedural::MakeScript({kFrames, 0, kSide, 0})) {
+    const float time = 0.7f * float(motion.size());
+    const auto wave = [time](size_t k) { return std::sin(time + float(k)); };
+    FlameParams p = scripted.params;
+    for (size_t k = 0; k < p.expression.size(); ++k) p.expression[k] += 0.1f * wave(k);
+    for (size_t joint = 0; joint < p.pose.size(); ++joint)
+      for (size_t k = 0; k < 3; ++k) p.pose[joint][k] += 0.01f * wave(3 * joint + k);
+    for (size_t k = 0; k < 3; ++k) p.translation[k] += 0.002f * wave(k);
+    const Camera camera = procedural::OrbitCamera(0.1f * wave(0), 0, kDistance, kSide);
+    motion.push_back({std::move(p), camera, {1, 1, 1}});
+  }
+  return motion;
+}
+
+// A way of playing.
+struct Mode {
+  const char* name;
+  bool pipelined, half_resolution;
+};
+constexpr Mode kOrdinary{"next frame posed meanwhile", true, false};
+constexpr Mode kModes[] = {
+    kOrdinary, {"frame by frame", false, false}, {"half-resolution preview", true, true}};
+
+// Calls `seen` with the picture of every frame.
+template <class F>
+void PlayOnce(const std::vector<PlaybackFrame>& motion, bool pipelined, Player& player, F seen) {
+  if (!pipelined) {
+    RenderedImage image;
+    for (const PlaybackFrame& frame : motion) {
+      player.RenderOver(frame.params, frame.camera, frame.background, image);
+      seen(image);
+    }
+    return;
+  }
+  Playback playback(player);
+  for (const PlaybackFrame& frame : motion)
+    if (const RenderedImage* image = playback.Next(frame)) seen(*image);
+  seen(*playback.Finish());
+}
+
+double FramesPerSecond(const BenchRun& run, Player& player, bool pipelined) {
+  static const std::vector<PlaybackFrame> motion = MakeMotion();
+  const double seconds = FastestSeconds(run.quick ? 2 : 6, 1, [&] {
+    PlayOnce(motion, pipelined, player, [](const RenderedImage&) {});
+  });
+  return kFrames / seconds;
+}
+
+// Share of the pixels that the head mostly hides, over all frames.
+double CoveredShare(Player& player) {
+  size_t covered = 0, pixels = 0;
+  PlayOnce(MakeMotion(), false, player, [&](const RenderedImage& image) {
+    pixels += image.transmittance.size();
+    for (const float t : image.transmittance) covered += t < 0.5f;
+  });
+  return double(covered) / double(pixels);
+}
+
+}  // namespace
+
+BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head) {
+  const FlameModel flame = MakeProceduralHead();
+  std::vector<size_t> counts{2000, 5000, 10000, kUsualSplats, 50000, 100000};
+  if (run.quick) counts = {5000, kUsualSplats};
+  BenchSeries s;
+  s.key = "playback";
+  s.explanation =
+      "Frames per second of an avatar (degree 2) on a 512x512 picture, every parameter of the head "
+      "changing in every frame, all threads.";
+  s.statistic = "fastest pass over 24 frames";
+  s.chart = {Chart::Kind::kLines,
+             "Playback of an avatar",
+             {"splats", "", true},
+             {"playback", "frames/s", true},
+             {},
+             {}};
+  for (const Mode& mode : kModes) {
+    ChartSeries frames{mode.name, {}};
+    for (const size_t splats : counts) {
+      run.progress("playback, " + WithThousands(splats) + " splats");
+      Player player(MakeAvatar(flame, splats), flame, {mode.half_resolution});
+      frames.marks.push_back({double(splats), FramesPerSecond(run, player, mode.pipelined), ""});
+      if (splats != kUsualSplats || mode.name != kOrdinary.name) continue;
+      head["avatar_fps"] = frames.marks.back().y;
+      s.more = {{"covered", CoveredShare(player)}};
+    }
+    s.chart.series.push_back(frames);
+  }
+  return s;
+}
+
+}  // namespace cosplat

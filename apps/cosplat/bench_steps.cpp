@@ -1,0 +1,132 @@
+#include "apps/cosplat/bench_steps.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/cosplat/chart_scale.h"
+#include "apps/cosplat/progress_bar.h"
+#include "splat/bench/step_timer.h"
+
+namespace cosplat {
+namespace {
+
+constexpr uint64_t kSeed = 1;
+constexpr size_t kUsualCount = 30000;
+constexpr int kUsualSide = 512;  // px
+
+double StepMs(const BenchRun& run, const SyntheticView& view) {
+  return run.quick ? TimeSteps(view, 1, 3).fastest_ms : TimeSteps(view, 3, 12).fastest_ms;
+}
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// Exponent with which y grows with x between two marks: 1 is in proportion.
+double Slope(const Mark& from, const Mark& to) {
+  return std::log(to.y / from.y) / std::log(to.x / from.x);
+}
+
+// Over the whole range, and between the two largest.
+OrderedJson Slopes(const std::vector<Mark>& marks) {
+  return {{"slope", Slope(marks.front(), marks.back())},
+          {"last_slope", Slope(marks[marks.size() - 2], marks.back())}};
+}
+
+// A line in proportion to x through the last mark: a curve that is steeper than it grows faster
+// than in proportion.
+ChartSeries Proportional(const std::vector<Mark>& marks) {
+  const Mark &first = marks.front(), &last = marks.back();
+  const double x = std::max(first.x, last.x * first.y / last.y);
+  return {"in proportion", {{x, last.y * x / last.x, ""}, last}};
+}
+
+BenchSeries StepSeries(const std::string& key,
+                       const std::string& title,
+                       const Axis& x,
+                       std::vector<Mark> marks) {
+  BenchSeries s;
+  s.key = key;
+  s.statistic = "fastest step";
+  s.chart = {Chart::Kind::kLines, title, x, {"training step", "ms", true}, {}, {}};
+  s.chart.series = {{"training step", std::move(marks)}};
+  return s;
+}
+
+BenchSeries AgainstGaussians(const BenchRun& run) {
+  std::vector<size_t> counts{1000, 3000, 10000, 30000, 100000, 300000, 1000000};
+  if (run.quick) counts = {1000, 10000, 50000};
+  std::vector<Mark> marks;
+  for (const size_t count : counts) {
+    run.progress("training step, " + WithThousands(count) + " Gaussians");
+    const double ms = StepMs(run, MakeSyntheticView(count, kUsualSide, kUsualSide, kSeed));
+    marks.push_back({double(count), ms, ""});
+  }
+  BenchSeries s = StepSeries("step_gaussians",
+                             "Training step against the number of Gaussians",
+                             {"Gaussians, degree 3", "", true},
+                             marks);
+  s.explanation =
+      "A training step on a 512x512 picture that the Gaussians cover equally often whatever their "
+      "number; the dashed line is in proportion to it.";
+  s.chart.guides = {Proportional(marks)};
+  s.more = Slopes(marks);
+  return s;
+}
+
+BenchSeries AgainstPixels(const BenchRun& run) {
+  std::vector<std::array<int, 2>> sizes{
+      {128, 128}, {256, 256}, {512, 512}, {1024, 576}, {1280, 720}, {1920, 1080}};
+  if (run.quick) sizes = {{128, 128}, {256, 256}, {512, 512}};
+  std::vector<Mark> marks;
+  for (const auto& [width, height] : sizes) {
+    run.progress("training step, " + SizeText(width, height) + " pixels");
+    const double ms = StepMs(run, MakeSyntheticView(kUsualCount, width, height, kSeed));
+    marks.push_back({double(width) * height, ms, SizeText(width, height)});
+  }
+  BenchSeries s = StepSeries(
+      "step_pixels", "Training step against the size of the picture", {"pixels", "", true}, marks);
+  s.explanation =
+      "A training step of 30,000 Gaussians that grow with the picture; the dashed line is in "
+      "proportion to its pixels.";
+  s.chart.guides = {Proportional(marks)};
+  s.more = Slopes(marks);
+  return s;
+}
+
+BenchSeries AgainstThreads(const BenchRun& run) {
+  using tbb::global_control;
+  const int all = int(global_control::active_value(global_control::max_allowed_parallelism));
+  std::vector<int> counts;
+  for (int threads = 1; threads < all; threads *= 2) counts.push_back(threads);
+  counts.push_back(all);
+  const SyntheticView view = MakeSyntheticView(kUsualCount, kUsualSide, kUsualSide, kSeed);
+  std::vector<Mark> marks;
+  for (const int threads : counts) {
+    run.progress("training step, " + std::to_string(threads) + " threads");
+    const global_control limit(global_control::max_allowed_parallelism, size_t(threads));
+    const double ms = StepMs(run, view);
+    const double ratio = marks.empty() ? 1 : marks[0].y / ms;
+    marks.push_back({double(threads), ms, ShortNumber(ratio) + "x"});
+  }
+  BenchSeries s =
+      StepSeries("step_threads", "Training step against threads", {"threads", "", true}, marks);
+  s.explanation =
+      "A training step of 30,000 Gaussians on a 512x512 picture; beside each point how many times "
+      "faster than one thread, and dashed what as many times as threads would be.";
+  s.chart.guides = {
+      {"ideal", {{1, marks[0].y, ""}, {marks.back().x, marks[0].y / marks.back().x, ""}}}};
+  s.more = {{"ratio", marks[0].y / marks.back().y}};
+  return s;
+}
+
+}  // namespace
+
+std::vector<BenchSeries> MeasureSteps(const BenchRun& run) {
+  return {AgainstGaussians(run), AgainstPixels(run), AgainstThreads(run)};
+}
+
+}  // namespace cosplat

@@ -1,0 +1,30 @@
+// Numbers along a chart's axis: where they lie, which ones get a tick, how they are written.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+class ChartScale {
+ public:
+  // Covers `values` and ends on round numbers (1, 2, 5 times a power of ten); a linear scale that
+  // would begin near zero begins there. Bars: always from zero.
+  ChartScale(std::vector<double> values, bool log, bool from_zero);
+  // Share of the way along the axis.
+  double operator()(double value) const;
+  const std::vector<double>& ticks() const { return ticks_; }
+
+ private:
+  void FitLinear(bool from_zero);
+  void FitLog();
+
+  bool log_;
+  double low_ = 0, high_ = 1;
+  std::vector<double> ticks_;
+};
+
+// Three significant digits, with k and M: 0.25, 12, 1.5k, 1M.
+std::string ShortNumber(double value);
+
+}  // namespace cosplat

@@ -1,0 +1,268 @@
+#include "apps/cosplat/svg_chart.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "apps/cosplat/chart_scale.h"
+#include "apps/cosplat/svg_drawing.h"
+
+namespace cosplat {
+namespace {
+
+// px
+constexpr double kWidth = 720, kPlotHeight = 330, kMarginRight = 28, kMarginBottom = 54;
+constexpr double kMarginLeft = 76, kTitleHeight = 34, kLegendRow = 20;
+constexpr double kBar = 17, kGroupGap = 12;
+
+// Of Okabe & Ito (2008): told apart by colour-blind readers too.
+constexpr std::array<const char*, 7> kColors{
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444"};
+const char* ColorOf(size_t series) { return kColors[series % kColors.size()]; }
+constexpr const char *kGrid = "#e2e2e2", *kFrame = "#888888", *kGuide = "#777777";
+
+std::string Caption(const Axis& axis) {
+  return axis.unit.empty() ? axis.name : axis.name + " (" + axis.unit + ")";
+}
+
+bool IsShown(const Chart& chart, const Mark& mark) {
+  const auto shown = [](double value, const Axis& axis) {
+    return std::isfinite(value) && (!axis.log || value > 0);
+  };
+  return shown(mark.x, chart.x) && (chart.kind == Chart::Kind::kBars || shown(mark.y, chart.y));
+}
+
+// Of every series' marks that are shown.
+std::vector<double> Values(const Chart& chart, double Mark::*member) {
+  std::vector<double> values;
+  for (const ChartSeries& series : chart.series)
+    for (const Mark& mark : series.marks)
+      if (IsShown(chart, mark)) values.push_back(mark.*member);
+  return values;
+}
+
+// Names of series and guides in as many rows as they need; nothing where one name says it all.
+class Legend {
+ public:
+  explicit Legend(const Chart& chart) {
+    for (size_t i = 0; i < chart.series.size(); ++i)
+      entries_.push_back({0, 0, chart.series[i].name, ColorOf(i), false});
+    for (const ChartSeries& guide : chart.guides)
+      entries_.push_back({0, 0, guide.name, kGuide, true});
+    if (entries_.size() < 2) entries_.clear();
+    double x = kLeft, y = kTitleHeight + 0.5 * kLegendRow;
+    for (Entry& entry : entries_) {
+      const double width = kSample + SvgTextWidth(entry.name);
+      if (x > kLeft && x + width > kWidth - kMarginRight) {
+        x = kLeft;
+        y += kLegendRow;
+      }
+      entry.x = x;
+      entry.y = y;
+      x += width + kGap;
+    }
+  }
+  double bottom() const {
+    return entries_.empty() ? kTitleHeight + 10 : entries_.back().y + kLegendRow;
+  }
+  void Draw(const std::string& title, SvgDrawing& drawing) const {
+    drawing.Title(kLeft, 23, title);
+    for (const Entry& e : entries_) {
+      if (e.dashed)
+        drawing.DashedLine(e.x, e.y, e.x + kSample - 6, e.y, e.color);
+      else
+        drawing.Rectangle(e.x + 4, e.y - 5, 10, 10, e.color);
+      drawing.Text(e.x + kSample, e.y + 4.5, e.name);
+    }
+  }
+
+ private:
+  static constexpr double kLeft = 16, kSample = 20, kGap = 18;
+  struct Entry {
+    double x, y;
+    std::string name;
+    const char* color;
+    bool dashed;
+  };
+  std::vector<Entry> entries_;
+};
+
+// Lines and points.
+class PointPlot {
+ public:
+  explicit PointPlot(const Chart& chart)
+      : chart_(chart),
+        legend_(chart),
+        top_(legend_.bottom()),
+        bottom_(top_ + kPlotHeight),
+        x_scale_(Values(chart, &Mark::x), chart.x.log, false),
+        y_scale_(Values(chart, &Mark::y), chart.y.log, false),
+        drawing_(kWidth, bottom_ + kMarginBottom) {}
+
+  std::string Draw() {
+    legend_.Draw(chart_.title, drawing_);
+    DrawAxes();
+    for (const ChartSeries& guide : chart_.guides)
+      for (size_t i = 1; i < guide.marks.size(); ++i) DrawGuide(guide.marks[i - 1], guide.marks[i]);
+    for (size_t i = 0; i < chart_.series.size(); ++i) DrawSeries(i);
+    for (size_t i = 0; i < chart_.series.size(); ++i)
+      for (const Mark& mark : chart_.series[i].marks)
+        if (IsShown(chart_, mark) && !mark.label.empty()) DrawLabel(mark, ColorOf(i));
+    return drawing_.Finish();
+  }
+
+ private:
+  double X(double value) const { return kMarginLeft + x_scale_(value) * (kRight - kMarginLeft); }
+  double Y(double value) const { return bottom_ - y_scale_(value) * kPlotHeight; }
+
+  void DrawAxes() {
+    for (const double tick : x_scale_.ticks()) {
+      drawing_.Line(X(tick), top_, X(tick), bottom_, kGrid);
+      drawing_.Text(X(tick), bottom_ + 18, ShortNumber(tick), SvgAnchor::kMiddle);
+    }
+    for (const double tick : y_scale_.ticks()) {
+      drawing_.Line(kMarginLeft, Y(tick), kRight, Y(tick), kGrid);
+      drawing_.Text(kMarginLeft - 8, Y(tick) + 4.5, ShortNumber(tick), SvgAnchor::kEnd);
+    }
+    drawing_.Line(kMarginLeft, bottom_, kRight, bottom_, kFrame);
+    drawing_.Line(kMarginLeft, top_, kMarginLeft, bottom_, kFrame);
+    const double middle = 0.5 * (kMarginLeft + kRight);
+    drawing_.Text(middle, bottom_ + 42, Caption(chart_.x), SvgAnchor::kMiddle);
+    drawing_.UprightText(20, top_ + 0.5 * kPlotHeight, Caption(chart_.y));
+  }
+  // Cut where it leaves the plot through its top or bottom.
+  void DrawGuide(const Mark& from, const Mark& to) {
+    double x0 = X(from.x), y0 = Y(from.y), x1 = X(to.x), y1 = Y(to.y);
+    const auto cut = [&](double& x, double& y, double to_x, double to_y) {
+      const double edge = std::clamp(y, top_, bottom_);
+      if (edge == y || to_y == y) return;
+      x += (edge - y) / (to_y - y) * (to_x - x);
+      y = edge;
+    };
+    cut(x0, y0, x1, y1);
+    cut(x1, y1, x0, y0);
+    drawing_.DashedLine(x0, y0, x1, y1, kGuide);
+  }
+  void DrawSeries(size_t index) {
+    std::string path;
+    const Mark* last = nullptr;
+    for (const Mark& mark : chart_.series[index].marks) {
+      if (!IsShown(chart_, mark)) continue;
+      const double x = X(mark.x), y = Y(mark.y);
+      if (!path.empty()) path += ' ';
+      path += SvgNumber(x) + "," + SvgNumber(y);
+      drawing_.Dot(x, y, ColorOf(index));
+      taken_.push_back({x - 5, y - 5, x + 5, y + 5});
+      if (last && chart_.kind == Chart::Kind::kLines) TakeLine(X(last->x), Y(last->y), x, y);
+      last = &mark;
+    }
+    if (chart_.kind == Chart::Kind::kLines) drawing_.Path(path, ColorOf(index));
+  }
+  void TakeLine(double x0, double y0, double x1, double y1) {
+    constexpr double kEvery = 6;
+    const int steps = 1 + int(std::hypot(x1 - x0, y1 - y0) / kEvery);
+    for (int i = 0; i <= steps; ++i) {
+      const double x = x0 + (x1 - x0) * i / steps, y = y0 + (y1 - y0) * i / steps;
+      taken_.push_back({x - 2, y - 2, x + 2, y + 2});
+    }
+  }
+  // Where it covers least of what is there: right of the point, left, above or below.
+  void DrawLabel(const Mark& mark, const std::string& color) {
+    const double x = X(mark.x), y = Y(mark.y), width = SvgTextWidth(mark.label);
+    const double middle = std::clamp(x, kMarginLeft + width / 2, kWidth - 4 - width / 2);
+    const std::array<SvgBox, 4> places{
+        SvgBox{x + 8, y - 7, x + 8 + width, y + 7},
+        SvgBox{x - 8 - width, y - 7, x - 8, y + 7},
+        SvgBox{middle - width / 2, y - 22, middle + width / 2, y - 8},
+        SvgBox{middle - width / 2, y + 8, middle + width / 2, y + 22}};
+    const SvgBox plot{kMarginLeft, top_, kWidth - 4, bottom_};
+    const SvgBox* best = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const SvgBox& place : places) {
+      double cost = 14 * width - Overlap(place, plot);
+      for (const SvgBox& other : taken_) cost += Overlap(place, other);
+      if (cost >= least - 1e-6) continue;
+      best = &place;
+      least = cost;
+    }
+    taken_.push_back(*best);
+    drawing_.Label(best->left, best->bottom - 3, mark.label, color);
+  }
+
+  static constexpr double kRight = kWidth - kMarginRight;
+  const Chart& chart_;
+  Legend legend_;
+  double top_, bottom_;
+  ChartScale x_scale_, y_scale_;
+  SvgDrawing drawing_;
+  std::vector<SvgBox> taken_;
+};
+
+// Labels of bars in the order in which they first appear.
+std::vector<std::string> Categories(const Chart& chart) {
+  std::vector<std::string> names;
+  for (const ChartSeries& series : chart.series)
+    for (const Mark& mark : series.marks)
+      if (std::find(names.begin(), names.end(), mark.label) == names.end())
+        names.push_back(mark.label);
+  return names;
+}
+
+class BarPlot {
+ public:
+  explicit BarPlot(const Chart& chart)
+      : chart_(chart),
+        categories_(Categories(chart)),
+        legend_(chart),
+        scale_(Values(chart, &Mark::x), false, true),
+        top_(legend_.bottom()),
+        bars_height_(double(chart.series.size()) * kBar),
+        bottom_(top_ + (bars_height_ + kGroupGap) * double(categories_.size())),
+        drawing_(kWidth, bottom_ + kMarginBottom) {
+    for (const std::string& name : categories_) left_ = std::max(left_, 28 + SvgTextWidth(name));
+  }
+
+  std::string Draw() {
+    legend_.Draw(chart_.title, drawing_);
+    for (const double tick : scale_.ticks()) {
+      drawing_.Line(X(tick), top_, X(tick), bottom_, kGrid);
+      drawing_.Text(X(tick), bottom_ + 18, ShortNumber(tick), SvgAnchor::kMiddle);
+    }
+    drawing_.Line(left_, top_, left_, bottom_, kFrame);
+    drawing_.Text(0.5 * (left_ + kWidth), bottom_ + 42, Caption(chart_.x), SvgAnchor::kMiddle);
+    for (size_t i = 0; i < categories_.size(); ++i)
+      DrawGroup(categories_[i], top_ + (bars_height_ + kGroupGap) * double(i) + kGroupGap / 2);
+    return drawing_.Finish();
+  }
+
+ private:
+  double X(double value) const {
+    constexpr double kNumber = 40;  // room for the one after the longest bar
+    return left_ + scale_(value) * (kWidth - left_ - kMarginRight - kNumber);
+  }
+  void DrawGroup(const std::string& category, double y) {
+    drawing_.Text(left_ - 8, y + bars_height_ / 2 + 4.5, category, SvgAnchor::kEnd);
+    for (size_t i = 0; i < chart_.series.size(); ++i, y += kBar)
+      for (const Mark& mark : chart_.series[i].marks) {
+        if (mark.label != category || !IsShown(chart_, mark)) continue;
+        drawing_.Rectangle(left_, y + 1, X(mark.x) - left_, kBar - 2, ColorOf(i));
+        drawing_.Label(X(mark.x) + 6, y + kBar - 4, ShortNumber(mark.x), "#222222");
+      }
+  }
+
+  const Chart& chart_;
+  std::vector<std::string> categories_;
+  Legend legend_;
+  ChartScale scale_;
+  double top_, bars_height_, bottom_, left_ = 0;
+  SvgDrawing drawing_;
+};
+
+}  // namespace
+
+std::string ToSvg(const Chart& chart) {
+  return chart.kind == Chart::Kind::kBars ? BarPlot(chart).Draw() : PointPlot(chart).Draw();
+}
+
+}  // namespace cosplat

@@ -1,0 +1,23 @@
+// What a training step and its phases cost.
+#pragma once
+
+#include <vector>
+
+#include "splat/bench/synthetic_view.h"
+#include "splat/phase_times.h"
+#include "splat/trainer.h"
+
+namespace cosplat {
+
+struct StepTimes {
+  double fastest_ms = 0;
+  double mean_ms = 0;
+  PhaseTimes mean_phases;  // seconds per step
+};
+
+// Trains `first` on `frames` at their full degree, without density control and without resets:
+// `warm_up` steps that are not counted, then `steps` (at least 1) that are.
+StepTimes TimeSteps(std::vector<TrainFrame> frames, const Gaussians& first, int warm_up, int steps);
+StepTimes TimeSteps(const SyntheticView& view, int warm_up, int steps);
+
+}  // namespace cosplat
