@@ -1,33 +1,20 @@
 #include "avatar/binding.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
+#include "avatar/embed_packs.h"
 #include "avatar/parallel_for.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
-using math::Quat;
-using math::Three;
-using math::Vec3;
-using Local = math::LocalGaussian<float>;
-using Posed = math::PosedGaussian<float>;
-using Corners = Three<SurfaceVertex>;
+// Checked here because the packs read vertices as rows of floats.
+static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
 
-Vec3<float> Load3(const float* p) { return {p[0], p[1], p[2]}; }
-Quat<float> Load4(const float* p) { return {p[0], p[1], p[2], p[3]}; }
-void Store3(const Vec3<float>& v, float* p) {
-  p[0] = v.x;
-  p[1] = v.y;
-  p[2] = v.z;
-}
-void Store4(const Quat<float>& q, float* p) {
-  p[0] = q.w;
-  p[1] = q.x;
-  p[2] = q.y;
-  p[3] = q.z;
-}
+using Corners = std::array<SurfaceVertex, 3>;
 
 void CheckSize(const char* field, size_t found, size_t expected) {
   if (found != expected)
@@ -45,64 +32,30 @@ void CheckModel(const Gaussians& gaussians, const Embedding& embedding, const Su
   CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
   CheckSize("triangle", embedding.triangle.size(), n);
   CheckSize("barycentric", embedding.barycentric.size(), n);
+  // The largest of all, without a branch for each: negative numbers become large ones.
+  const uint32_t face_count = uint32_t(surface.faces().size());
+  uint32_t largest = 0;
+  for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
+  if (largest < face_count || n == 0) return;
   for (size_t i = 0; i < n; ++i)
-    if (size_t(embedding.triangle[i]) >= surface.faces().size())
-      throw Error(
-          "avatar",
-          "triangle[" + std::to_string(i) + "]",
-          std::to_string(embedding.triangle[i]) + " of " + std::to_string(surface.faces().size()));
+    if (uint32_t(embedding.triangle[i]) >= face_count)
+      throw Error("avatar",
+                  "triangle[" + std::to_string(i) + "]",
+                  std::to_string(embedding.triangle[i]) + " of " + std::to_string(face_count));
 }
 
-Local LoadLocal(const Gaussians& gaussians, const Embedding& embedding, size_t i) {
-  const auto& values = gaussians.values;
-  return {embedding.barycentric[i][0],
-          embedding.barycentric[i][1],
-          Load3(&values[kPosition][3 * i]),
-          Load4(&values[kRotation][4 * i]),
-          Load3(&values[kScaleLog][3 * i])};
-}
-
-struct Triangle {
-  Corners posed;
-  Three<float> canonical_area;
-};
-
-Triangle LoadTriangle(const Surface& surface, size_t face) {
-  Triangle t;
-  for (int c = 0; c < 3; ++c) {
-    const int32_t v = surface.faces()[face][c];
-    t.posed[c] = surface.vertices()[v];
-    t.canonical_area[c] = surface.canonical()[v].area;
-  }
-  return t;
-}
-
-Posed LoadAdjoint(const PosedGaussians& d, size_t i) {
-  Posed p;
-  p.position = Load3(&d.position[3 * i]);
-  p.rotation = Load4(&d.rotation[4 * i]);
-  p.scale_log = Load3(&d.scale_log[3 * i]);
-  p.frame = d.frame.empty() ? Quat<float>{0, 0, 0, 0} : Load4(&d.frame[4 * i]);
-  return p;
-}
-
-void BackwardOne(const Gaussians& gaussians,
-                 const Embedding& embedding,
-                 const Triangle& triangle,
-                 const PosedGaussians& d_posed,
-                 size_t i,
-                 Gaussians& d_gaussians,
-                 Corners* d_corners) {
-  Local d;
-  math::EmbedVjp(triangle.posed,
-                 triangle.canonical_area,
-                 LoadLocal(gaussians, embedding, i),
-                 LoadAdjoint(d_posed, i),
-                 d,
-                 d_corners);
-  Store3(d.offset, &d_gaussians.values[kPosition][3 * i]);
-  Store4(d.rotation, &d_gaussians.values[kRotation][4 * i]);
-  Store3(d.scale_log, &d_gaussians.values[kScaleLog][3 * i]);
+EmbedJob JobOf(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
+  EmbedJob job;
+  job.count = gaussians.size();
+  job.triangle = embedding.triangle.data();
+  job.barycentric = embedding.barycentric.data();
+  job.offset = gaussians.values[kPosition].data();
+  job.rotation = gaussians.values[kRotation].data();
+  job.scale_log = gaussians.values[kScaleLog].data();
+  job.faces = surface.faces().data();
+  job.vertices = &surface.vertices().data()->position.x;
+  job.canonical_areas = surface.canonical_areas().data();
+  return job;
 }
 
 // Gaussians of each face, ascending: index[begin[f] .. begin[f + 1]).
@@ -122,6 +75,13 @@ FaceLists GroupByFace(const std::vector<int32_t>& triangle, size_t face_count) {
   return lists;
 }
 
+void AddTo(SurfaceVertex& sum, const SurfaceVertex& d) {
+  sum.position += d.position;
+  sum.normal += d.normal;
+  sum.rotation = sum.rotation + d.rotation;
+  sum.area += d.area;
+}
+
 // Adds what the faces around vertex v got for it, in the order of the faces.
 SurfaceVertex GatherVertex(const Surface& surface,
                            const std::vector<Corners>& d_corners,
@@ -130,11 +90,7 @@ SurfaceVertex GatherVertex(const Surface& surface,
   SurfaceVertex sum{};
   for (int32_t k = topology.vertex_face_begin[v]; k < topology.vertex_face_begin[v + 1]; ++k) {
     const int32_t f = topology.vertex_faces[k];
-    const SurfaceVertex& d = d_corners[f][CornerOf(surface.faces()[f], v)];
-    sum.position += d.position;
-    sum.normal += d.normal;
-    sum.rotation = sum.rotation + d.rotation;
-    sum.area += d.area;
+    AddTo(sum, d_corners[f][CornerOf(surface.faces()[f], v)]);
   }
   return sum;
 }
@@ -154,14 +110,8 @@ void Bind(const Gaussians& gaussians,
           PosedGaussians& out) {
   CheckModel(gaussians, embedding, surface);
   out.Resize(gaussians.size());
-  ParallelFor(gaussians.size(), [&](size_t i) {
-    const Triangle t = LoadTriangle(surface, embedding.triangle[i]);
-    const Posed p = math::Embed(t.posed, t.canonical_area, LoadLocal(gaussians, embedding, i));
-    Store3(p.position, &out.position[3 * i]);
-    Store4(p.rotation, &out.rotation[4 * i]);
-    Store3(p.scale_log, &out.scale_log[3 * i]);
-    Store4(p.frame, &out.frame[4 * i]);
-  });
+  LaunchEmbed(JobOf(gaussians, embedding, surface),
+              {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()});
 }
 
 void BindBackward(const Gaussians& gaussians,
@@ -179,21 +129,23 @@ void BindBackward(const Gaussians& gaussians,
   d_gaussians.values[kPosition].resize(3 * n);
   d_gaussians.values[kRotation].resize(4 * n);
   d_gaussians.values[kScaleLog].resize(3 * n);
-  if (!d_vertices) {
-    ParallelFor(n, [&](size_t i) {
-      const Triangle t = LoadTriangle(surface, embedding.triangle[i]);
-      BackwardOne(gaussians, embedding, t, d_posed, i, d_gaussians, nullptr);
-    });
-    return;
-  }
+  Buffer<Corners> d_triangles(d_vertices ? n : 0);  // [N] of each Gaussian's triangle
+  LaunchEmbedVjp(JobOf(gaussians, embedding, surface),
+                 {d_posed.position.data(),
+                  d_posed.rotation.data(),
+                  d_posed.scale_log.data(),
+                  d_posed.frame.empty() ? nullptr : d_posed.frame.data()},
+                 {d_gaussians.values[kPosition].data(),
+                  d_gaussians.values[kRotation].data(),
+                  d_gaussians.values[kScaleLog].data(),
+                  d_vertices && n > 0 ? &d_triangles[0][0].position.x : nullptr});
+  if (!d_vertices) return;
   // Per face in the order of its Gaussians, then per vertex in the order of its faces.
   const FaceLists lists = GroupByFace(embedding.triangle, surface.faces().size());
   std::vector<Corners> d_corners(surface.faces().size());
   ParallelFor(d_corners.size(), [&](size_t f) {
-    if (lists.begin[f] == lists.begin[f + 1]) return;
-    const Triangle t = LoadTriangle(surface, f);
     for (uint32_t k = lists.begin[f]; k < lists.begin[f + 1]; ++k)
-      BackwardOne(gaussians, embedding, t, d_posed, lists.index[k], d_gaussians, &d_corners[f]);
+      for (int c = 0; c < 3; ++c) AddTo(d_corners[f][c], d_triangles[lists.index[k]][c]);
   });
   Buffer<SurfaceVertex> d_surface(surface.vertex_count());
   ParallelFor(d_surface.size(),

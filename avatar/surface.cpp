@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "avatar/embed_packs.h"
 #include "avatar/parallel_for.h"
 #include "splat/base/error.h"
 
@@ -44,9 +45,12 @@ std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights) {
 Surface::Surface(const CanonicalMesh& mesh)
     : faces_(mesh.faces),
       topology_(BuildTopology("canonical mesh", mesh.faces, int(mesh.vertices.size() / 3))),
+      vertex_face_of_corner_(3 * mesh.faces.size()),
       canonical_frames_(mesh.faces.size()),
       vertices_(mesh.vertices.size() / 3),
-      face_tape_(mesh.faces.size()),
+      face_areas_(mesh.faces.size()),
+      face_rotations_(mesh.faces.size()),
+      signs_(topology_.vertex_faces.size()),
       vertex_tape_(mesh.vertices.size() / 3) {
   if (faces_.empty()) throw Error("canonical mesh", "faces", "there are none");
   CheckVertices(mesh.vertices, vertices_.size());
@@ -55,8 +59,16 @@ Surface::Surface(const CanonicalMesh& mesh)
   };
   for (size_t f = 0; f < faces_.size(); ++f)
     canonical_frames_[f] = math::FaceFrame(at(faces_[f][0]), at(faces_[f][1]), at(faces_[f][2]));
+  for (size_t v = 0; v < vertices_.size(); ++v)
+    for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
+      const size_t f = topology_.vertex_faces[k];
+      vertex_face_of_corner_[3 * f + CornerOf(faces_[f], v)] = k;
+    }
   Pose(mesh.vertices);
   canonical_ = vertices_;
+  canonical_areas_.resize(4 * faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f)
+    for (int c = 0; c < 3; ++c) canonical_areas_[4 * f + c] = canonical_[faces_[f][c]].area;
 }
 
 Three<Vec3<float>> Surface::Corners(size_t face) const {
@@ -68,14 +80,15 @@ void Surface::Pose(const std::vector<float>& vertices) {
   CheckVertices(vertices, vertices_.size());
   for (size_t v = 0; v < vertices_.size(); ++v)
     vertices_[v].position = {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-  ParallelFor(faces_.size(), [&](size_t f) { PoseFace(f); });
+  PoseFacesJob job;
+  job.count = faces_.size();
+  job.faces = faces_.data();
+  job.vertices = &vertices_.data()->position.x;
+  job.canonical_frames = canonical_frames_.data()->m;
+  job.area = &face_areas_.data()->vector.x;
+  job.rotation = &face_rotations_.data()->w;
+  LaunchPoseFaces(job);
   ParallelFor(vertices_.size(), [&](size_t v) { PoseVertex(v); });
-}
-
-void Surface::PoseFace(size_t face) {
-  const auto p = Corners(face);
-  face_tape_[face].area_vector = math::AreaVector(p[0], p[1], p[2]);
-  face_tape_[face].rotation = math::FaceRotation(p[0], p[1], p[2], canonical_frames_[face]);
 }
 
 // Each rotation is added in the hemisphere of the sum so far, which therefore only grows: face
@@ -88,13 +101,13 @@ void Surface::PoseVertex(size_t vertex) {
   const int32_t end = topology_.vertex_face_begin[vertex + 1];
   for (int32_t k = begin; k < end; ++k) {
     const int32_t f = topology_.vertex_faces[k];
-    FaceTape& tape = face_tape_[f];
-    const float weight = math::Length(tape.area_vector);
-    const float sign = math::HemisphereSign(rotation, tape.rotation);
-    tape.sign[CornerOf(faces_[f], vertex)] = sign;
-    normal += tape.area_vector;
-    rotation = rotation + tape.rotation * (sign * weight);
-    area += weight;
+    const AreaOfFace& face = face_areas_[f];
+    const Quat<float>& q = face_rotations_[f];
+    const float sign = math::HemisphereSign(rotation, q);
+    signs_[k] = sign;
+    normal += face.vector;
+    rotation = rotation + q * (sign * face.size);
+    area += face.size;
   }
   // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
   // Normalize's floor, which is meant for quaternions of order 1, sees it.
@@ -108,18 +121,18 @@ void Surface::PoseVertex(size_t vertex) {
 // `d_sums`: dL/d of a vertex's normal sum, rotation sum (before its division by the area) and mean
 // area divided by the number of faces.
 Surface::FaceAdjoint Surface::FaceBackward(size_t face, const Buffer<SurfaceVertex>& d_sums) const {
-  const FaceTape& tape = face_tape_[face];
-  const float weight = math::Length(tape.area_vector);
+  const Vec3<float>& area_vector = face_areas_[face].vector;
   Vec3<float> d_vector{0, 0, 0};
   Quat<float> d_rotation{0, 0, 0, 0};
-  float d_weight = 0;
+  float d_area = 0;
   for (int c = 0; c < 3; ++c) {
     const SurfaceVertex& d = d_sums[faces_[face][c]];
+    const float sign = signs_[vertex_face_of_corner_[3 * face + c]];
     d_vector += d.normal;
-    d_rotation = d_rotation + d.rotation * (tape.sign[c] * weight);
-    d_weight += d.area + tape.sign[c] * math::Dot(tape.rotation, d.rotation);
+    d_rotation = d_rotation + d.rotation * (sign * face_areas_[face].size);
+    d_area += d.area + sign * math::Dot(face_rotations_[face], d.rotation);
   }
-  d_vector += math::LengthVjp(tape.area_vector, d_weight);
+  d_vector += math::LengthVjp(area_vector, d_area);
   FaceAdjoint out{};
   const auto p = Corners(face);
   auto& d = out.d_corner;

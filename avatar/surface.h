@@ -54,12 +54,13 @@ class Surface {
   const MeshTopology& topology() const { return topology_; }
   const Buffer<SurfaceVertex>& vertices() const { return vertices_; }    // [V] at the last pose
   const Buffer<SurfaceVertex>& canonical() const { return canonical_; }  // [V]
+  // [F, 4] of canonical(): its area at the face's corners; the fourth number is unused.
+  const Buffer<float>& canonical_areas() const { return canonical_areas_; }
 
  private:
-  struct FaceTape {
-    math::Vec3<float> area_vector;
-    math::Quat<float> rotation;
-    std::array<float, 3> sign;  // hemisphere in which the rotation was added at each corner
+  struct AreaOfFace {          // a row as avatar/embed_packs.h writes it
+    math::Vec3<float> vector;  // normal times area
+    float size;                // m^2
   };
   struct VertexTape {
     math::Vec3<float> normal_sum;
@@ -70,16 +71,20 @@ class Surface {
   };
 
   math::Three<math::Vec3<float>> Corners(size_t face) const;
-  void PoseFace(size_t face);
   void PoseVertex(size_t vertex);
   FaceAdjoint FaceBackward(size_t face, const Buffer<SurfaceVertex>& d_sums) const;
 
   std::vector<std::array<int32_t, 3>> faces_;
   MeshTopology topology_;
-  std::vector<math::Mat3<float>> canonical_frames_;  // [F]
+  std::vector<int32_t> vertex_face_of_corner_;  // [F, 3] index into topology_.vertex_faces
+  Buffer<math::Mat3<float>> canonical_frames_;  // [F]
   Buffer<SurfaceVertex> canonical_;
+  Buffer<float> canonical_areas_;
   Buffer<SurfaceVertex> vertices_;
-  std::vector<FaceTape> face_tape_;
+  Buffer<AreaOfFace> face_areas_;             // [F]
+  Buffer<math::Quat<float>> face_rotations_;  // [F] canonical to posed
+  // Per entry of topology_.vertex_faces: the hemisphere in which its rotation was added.
+  std::vector<float> signs_;
   std::vector<VertexTape> vertex_tape_;
 };
 

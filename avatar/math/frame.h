@@ -84,39 +84,47 @@ COSPLAT_HD void FaceFrameVjp(const Vec3<T>& v0,
 }
 
 // One row of 4 q q^T, which is linear in R(q). The row of the largest diagonal entry has norm at
-// least 2 for every rotation, so that normalising it is stable for all of them. Branches: faces are
-// posed on the CPU, one at a time.
+// least 2 for every rotation, so that normalising it is stable for all of them. Row 0 belongs to w,
+// 1 to x, 2 to y, 3 to z.
 template <class T>
-struct QuatRow {
-  Quat<T> row;
-  int index;  // which component of the quaternion is the largest: 0 w, 1 x, 2 y, 3 z
+struct QuatRows {
+  Quat<T> row[4];
+
+  COSPLAT_HD explicit QuatRows(const Mat3<T>& m) {
+    const T one(1);
+    const T wx = m(2, 1) - m(1, 2), wy = m(0, 2) - m(2, 0), wz = m(1, 0) - m(0, 1);
+    const T xy = m(1, 0) + m(0, 1), xz = m(0, 2) + m(2, 0), yz = m(2, 1) + m(1, 2);
+    row[0] = {one + m(0, 0) + m(1, 1) + m(2, 2), wx, wy, wz};
+    row[1] = {wx, one + m(0, 0) - m(1, 1) - m(2, 2), xy, xz};
+    row[2] = {wy, xy, one - m(0, 0) + m(1, 1) - m(2, 2), yz};
+    row[3] = {wz, xz, yz, one - m(0, 0) - m(1, 1) + m(2, 2)};
+  }
+  // The value given for the row of the largest diagonal entry; of equal ones the first.
+  template <class V>
+  COSPLAT_HD V OfLargest(const V& w, const V& x, const V& y, const V& z) const {
+    const T &ww = row[0].w, &xx = row[1].x, &yy = row[2].y, &zz = row[3].z;
+    return Select(
+        ww >= Max(xx, Max(yy, zz)), w, Select(xx >= Max(yy, zz), x, Select(yy >= zz, y, z)));
+  }
+  COSPLAT_HD Quat<T> Largest() const {
+    return {OfLargest(row[0].w, row[1].w, row[2].w, row[3].w),
+            OfLargest(row[0].x, row[1].x, row[2].x, row[3].x),
+            OfLargest(row[0].y, row[1].y, row[2].y, row[3].y),
+            OfLargest(row[0].z, row[1].z, row[2].z, row[3].z)};
+  }
 };
-template <class T>
-COSPLAT_HD QuatRow<T> LargestQuatRow(const Mat3<T>& m) {
-  const T one(1);
-  const T w = one + m(0, 0) + m(1, 1) + m(2, 2);
-  const T x = one + m(0, 0) - m(1, 1) - m(2, 2);
-  const T y = one - m(0, 0) + m(1, 1) - m(2, 2);
-  const T z = one - m(0, 0) - m(1, 1) + m(2, 2);
-  const T wx = m(2, 1) - m(1, 2), wy = m(0, 2) - m(2, 0), wz = m(1, 0) - m(0, 1);
-  const T xy = m(1, 0) + m(0, 1), xz = m(0, 2) + m(2, 0), yz = m(2, 1) + m(1, 2);
-  if (!(w < x) && !(w < y) && !(w < z)) return {{w, wx, wy, wz}, 0};
-  if (!(x < y) && !(x < z)) return {{wx, x, xy, xz}, 1};
-  if (!(y < z)) return {{wy, xy, y, yz}, 2};
-  return {{wz, xz, yz, z}, 3};
-}
 
 // Unit quaternion q with R(q) = m, for a rotation matrix m; either sign.
 template <class T>
 COSPLAT_HD Quat<T> QuatOfRotation(const Mat3<T>& m) {
-  return Normalize(LargestQuatRow(m).row);
+  return Normalize(QuatRows<T>(m).Largest());
 }
-// m taken as nine free numbers.
+// m taken as nine free numbers. Branches: this one is for one face at a time.
 template <class T>
 COSPLAT_HD Mat3<T> QuatOfRotationVjp(const Mat3<T>& m, const Quat<T>& d) {
-  const QuatRow<T> largest = LargestQuatRow(m);
-  const Quat<T> r = NormalizeVjp(largest.row, d);
-  switch (largest.index) {
+  const QuatRows<T> rows(m);
+  const Quat<T> r = NormalizeVjp(rows.Largest(), d);
+  switch (rows.OfLargest(0, 1, 2, 3)) {
     case 0:
       return {{r.w, -r.z, r.y, r.z, r.w, -r.x, -r.y, r.x, r.w}};
     case 1:
