@@ -24,6 +24,7 @@ std::vector<ProjectedSplat> DenseSplats() {
     s.y = kTileSize * rng.Uniform();
     s.power_xx = s.power_yy = -0.5f / (sigma * sigma);
     s.power_xy = 0.3f * s.power_xx;
+    s.x_per_y = s.y_per_x = -0.15f;
     s.opacity = 0.02f + 0.06f * rng.Uniform();
     s.reject_below = math::RejectBelow(s.opacity);
     s.r = rng.Uniform();
@@ -101,16 +102,16 @@ void ScalarBackward(Tile& tile) {
         const auto result = BlendBehindVjp(
             true, math::AlphaOf(s.opacity, falloff), math::Vec3<float>{s.r, s.g, s.b}, d, state);
         const float d_product = math::AlphaOfVjp(s.opacity, falloff, result.d_alpha) * falloff;
-        math::PowerMoments<float> moments{0, 0, 0, 0, 0};
-        Accumulate(d_product * s.opacity, dx, dy, moments);
-        const math::Vec2<float> d_center = CenterVjp(form, moments);
+        math::PowerMoments<float> moments{0, 0, 0, 0, 0, 0};
+        Accumulate(d_product, dx, dy, moments);
+        const math::ShapeGradient<float> shape = ShapeVjp(form, s.opacity, moments);
         SplatGradient& g = tile.records[k];
-        g.x += d_center.x;
-        g.y += d_center.y;
-        g.power_xx += moments.xx;
-        g.power_xy += moments.xy;
-        g.power_yy += moments.yy;
-        g.opacity += d_product;
+        g.x += shape.x;
+        g.y += shape.y;
+        g.power_xx += shape.power_xx;
+        g.power_xy += shape.power_xy;
+        g.power_yy += shape.power_yy;
+        g.opacity += shape.opacity;
         g.r += result.weight * d.x;
         g.g += result.weight * d.y;
         g.b += result.weight * d.z;

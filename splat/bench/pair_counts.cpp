@@ -13,8 +13,6 @@
 namespace cosplat {
 namespace {
 
-constexpr int kPixels = kTileSize * kTileSize;
-
 ViewParameters ParametersOf(const Camera& camera, const Gaussians& gaussians) {
   ViewParameters v{};
   std::copy(camera.rotation.begin(), camera.rotation.end(), v.rotation);
@@ -32,38 +30,40 @@ ViewParameters ParametersOf(const Camera& camera, const Gaussians& gaussians) {
   return v;
 }
 
-// First and one past the last of `count` pixel centres within [center - half, center + half].
-std::array<int, 2> CentersWithin(float center, float half, int count) {
-  const auto clamped = [count](float v) { return int(std::clamp(v, 0.0f, float(count))); };
-  return {clamped(std::ceil(center - half - 0.5f)), clamped(std::floor(center + half + 0.5f))};
-}
+// What the blend loop works on at a time, px (splat/cpu/blend_tile.cpp).
+constexpr int kBlockSize = 4;
 
-// The part of an image that one tile covers, and how opaque its pixels are.
-struct Tile {
-  int x0, y0, width, height;
-  std::array<float, kPixels> transmittance;
+// Part of a tile, and how opaque its pixels are: 0 transmittance beyond the image.
+struct Block {
+  float x0, y0;  // its first pixel's centre
+  std::array<float, kBlockSize * kBlockSize> transmittance;
 
-  bool Opaque() const {
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        if (transmittance[y * kTileSize + x] >= kMinTransmittance) return false;
-    return true;
+  bool Open() const {
+    return *std::max_element(transmittance.begin(), transmittance.end()) >= kMinTransmittance;
   }
   void Add(const ProjectedSplat& s, PairCounts& counts) {
-    const auto [left, right] = CentersWithin(s.x - float(x0), s.half_x, width);
-    const auto [top, bottom] = CentersWithin(s.y - float(y0), s.half_y, height);
     const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x) {
-        float& t = transmittance[y * kTileSize + x];
-        const float power = PowerAt(form, float(x0 + x) + 0.5f - s.x, float(y0 + y) + 0.5f - s.y);
-        ++counts.evaluated;
-        if (!math::Accepts(power, s.reject_below, t)) continue;
-        ++counts.contributing;
-        t -= t * math::AlphaOf(s.opacity, std::exp(power));
-      }
+    const float dx = x0 - s.x, dy = y0 - s.y, last = kBlockSize - 1;
+    if (LargestPowerIn(form, RidgesOf(form), dx, dx + last, dy, dy + last) < s.reject_below) return;
+    for (int i = 0; i < kBlockSize * kBlockSize; ++i) {
+      float& t = transmittance[i];
+      const float power = PowerAt(form, dx + float(i % kBlockSize), dy + float(i / kBlockSize));
+      ++counts.evaluated;
+      if (!math::Accepts(power, s.reject_below, t)) continue;
+      ++counts.contributing;
+      t -= t * math::AlphaOf(s.opacity, std::exp(power));
+    }
   }
 };
+
+// The block whose first pixel this is.
+Block BlockAt(int x0, int y0, const Camera& camera) {
+  Block block{float(x0) + 0.5f, float(y0) + 0.5f, {}};
+  for (int i = 0; i < kBlockSize * kBlockSize; ++i)
+    if (x0 + i % kBlockSize < camera.width && y0 + i / kBlockSize < camera.height)
+      block.transmittance[i] = 1;
+  return block;
+}
 
 }  // namespace
 
@@ -73,14 +73,13 @@ PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
   TileLists lists;
   lists.Build(splats, camera.width, camera.height);
   PairCounts counts;
-  for (int i = 0; i < lists.tiles_x * lists.tiles_y; ++i) {
-    Tile tile{i % lists.tiles_x * kTileSize, i / lists.tiles_x * kTileSize, 0, 0, {}};
-    tile.width = std::min(kTileSize, camera.width - tile.x0);
-    tile.height = std::min(kTileSize, camera.height - tile.y0);
-    tile.transmittance.fill(1);
-    for (uint32_t k = lists.tile_begin[i]; k < lists.tile_begin[i + 1] && !tile.Opaque(); ++k)
-      tile.Add(splats[lists.entries[k].gaussian], counts);
-  }
+  for (int y = 0; y < camera.height; y += kBlockSize)
+    for (int x = 0; x < camera.width; x += kBlockSize) {
+      const int tile = y / kTileSize * lists.tiles_x + x / kTileSize;
+      Block block = BlockAt(x, y, camera);
+      for (uint32_t k = lists.tile_begin[tile]; k < lists.tile_begin[tile + 1] && block.Open(); ++k)
+        block.Add(splats[lists.entries[k].gaussian], counts);
+    }
   return counts;
 }
 

@@ -9,9 +9,11 @@
 namespace cosplat {
 
 struct PairCounts {
-  uint64_t evaluated =
-      0;  // pixels in the box of a splat that its tile came to before it was opaque
-  uint64_t contributing = 0;  // of them, those with an alpha of at least 1/255 before the pixel is
+  // Pixels of the blocks that a splat reaches, while a pixel of the block still takes splats: the
+  // lanes that the blend loop works on.
+  uint64_t evaluated = 0;
+  // Of them, those with an alpha of at least 1/255 that are not yet opaque.
+  uint64_t contributing = 0;
 };
 
 // Of one view over a black background, colours of all stored bands.

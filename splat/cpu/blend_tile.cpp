@@ -68,6 +68,7 @@ struct SplatOnTile {
 
   HWY_INLINE SplatOnTile(const ProjectedSplat& s, const TileGrid& grid) {
     const PowerForm<Pack> form = FormOf(s);
+    const PowerRidges<Pack> ridges{Pack(s.x_per_y), Pack(s.y_per_x)};
     const Pack x(s.x), y(s.y), reject(s.reject_below), extent(float(kBlockSize - 1));
     reached = 0;
     for (int b = 0; b < kBlocks; b += int(kLanes)) {
@@ -78,7 +79,7 @@ struct SplatOnTile {
       StorePack(at.value, power + b);
       StorePack(at.d_x, d_power_x + b);
       StorePack(at.d_y, d_power_y + b);
-      const Pack largest = LargestPowerIn(form, left, left + extent, top, top + extent);
+      const Pack largest = LargestPowerIn(form, ridges, left, left + extent, top, top + extent);
       reached |= BlockMask(MaskBits(largest >= reject)) << b;
     }
     for (int p = 0; p < kPacksPerBlock; ++p)
@@ -104,6 +105,14 @@ HWY_INLINE void ForPacks(BlockMask blocks, const F& f) {
     for (int pack = 0; pack < kPacksPerBlock; ++pack)
       f(block, pack, block * kBlockPixels + pack * int(kLanes));
   }
+}
+
+// The k-th splat, front to back. Splats lie scattered in memory: one that comes later is fetched
+// now.
+HWY_INLINE const ProjectedSplat& SplatAt(const TileJob& job, uint32_t k) {
+  constexpr uint32_t kAhead = 8;
+  __builtin_prefetch(&job.splats[job.entries[std::min(k + kAhead, job.entry_count - 1)].gaussian]);
+  return job.splats[job.entries[k].gaussian];
 }
 
 struct alignas(64) TilePixels {
@@ -160,7 +169,7 @@ uint32_t ForwardTile(const TileJob& job) {
     const BlockMask open = OpenBlocks(px.t);
     if (open == 0) break;
     const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
-    for (; k < stop; ++k) BlendSplat(job.splats[job.entries[k].gaussian], grid, open, px);
+    for (; k < stop; ++k) BlendSplat(SplatAt(job, k), grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
   for (int i = 0; i < kPixels; ++i) {
@@ -202,9 +211,9 @@ HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
-  PowerMoments<Pack> moments{zero, zero, zero, zero, zero};
+  // About each pack's first pixel, a number common to its lanes; moved to the pixels at the end.
+  PowerMoments<Pack> moments{zero, zero, zero, zero, zero, zero};
   Vec3<Pack> d_color{zero, zero, zero};
-  Pack d_opacity = zero;
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
     BlendVjpState<Pack> state{LoadPack(px.t + at), {}};
@@ -218,26 +227,29 @@ HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
     StorePack(state.transmittance, px.t + at);
     StorePack(state.behind, px.behind + at);
     d_color += d_pixel * d.weight;
-    const Pack d_product = AlphaOfVjp(opacity, falloff, d.d_alpha) * falloff;
-    d_opacity += d_product;
-    Accumulate(d_product * opacity,
-               LoadPack(grid.in_block_x + pack * kLanes) + Pack(on.dx[block]),
-               LoadPack(grid.in_block_y + pack * kLanes) + Pack(on.dy[block]),
+    Accumulate(AlphaOfVjp(opacity, falloff, d.d_alpha) * falloff,
+               Pack(on.dx[block] + float(pack * int(kLanes) % kBlockSize)),
+               Pack(on.dy[block] + float(pack * int(kLanes) / kBlockSize)),
                moments);
   });
-  const PowerMoments<float> sums{
-      Sum(moments.x), Sum(moments.y), Sum(moments.xx), Sum(moments.xy), Sum(moments.yy)};
-  const Vec2<float> d_center =
-      CenterVjp(PowerForm<float>{s.power_xx, s.power_xy, s.power_yy}, sums);
-  return {d_center.x,
-          d_center.y,
-          sums.xx,
-          sums.xy,
-          sums.yy,
-          Sum(d_opacity),
-          Sum(d_color.x),
-          Sum(d_color.y),
-          Sum(d_color.z)};
+  // in_block begins with the offsets in a block's first pack, which are those in any.
+  moments = MomentsMovedBy(moments, LoadPack(grid.in_block_x), LoadPack(grid.in_block_y));
+  const Pack lanes[9] = {moments.one,
+                         moments.x,
+                         moments.y,
+                         moments.xx,
+                         moments.xy,
+                         moments.yy,
+                         d_color.x,
+                         d_color.y,
+                         d_color.z};
+  float sum[9];
+  SumEach<9>(lanes, sum);
+  const ShapeGradient<float> d =
+      ShapeVjp(PowerForm<float>{s.power_xx, s.power_xy, s.power_yy},
+               s.opacity,
+               PowerMoments<float>{sum[0], sum[1], sum[2], sum[3], sum[4], sum[5]});
+  return {d.x, d.y, d.power_xx, d.power_xy, d.power_yy, d.opacity, sum[6], sum[7], sum[8]};
 }
 
 void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* records) {
@@ -248,8 +260,7 @@ void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* recor
     const BlockMask open = OpenBlocks(px.t);
     const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
     for (; k < stop; ++k)
-      records[job.entries[k].record] =
-          BlendSplatVjp(job.splats[job.entries[k].gaussian], grid, open, px);
+      records[job.entries[k].record] = BlendSplatVjp(SplatAt(job, k), grid, open, px);
   }
 }
 

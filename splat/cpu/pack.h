@@ -84,5 +84,60 @@ HWY_INLINE Pack FastExp(const Pack& x) {
   return Pack(hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent)));
 }
 
+#if HWY_TARGET != HWY_SCALAR
+// Transposes the 4x4 matrices that stand in the four vectors' 128-bit blocks.
+template <class D>
+HWY_INLINE void Transpose4x4(D d, hn::Vec<D>& v0, hn::Vec<D>& v1, hn::Vec<D>& v2, hn::Vec<D>& v3) {
+  const hn::RepartitionToWide<D> wide;
+  const auto low_01 = hn::BitCast(wide, hn::InterleaveLower(d, v0, v1));
+  const auto high_01 = hn::BitCast(wide, hn::InterleaveUpper(d, v0, v1));
+  const auto low_23 = hn::BitCast(wide, hn::InterleaveLower(d, v2, v3));
+  const auto high_23 = hn::BitCast(wide, hn::InterleaveUpper(d, v2, v3));
+  v0 = hn::BitCast(d, hn::InterleaveLower(wide, low_01, low_23));
+  v1 = hn::BitCast(d, hn::InterleaveUpper(wide, low_01, low_23));
+  v2 = hn::BitCast(d, hn::InterleaveLower(wide, high_01, high_23));
+  v3 = hn::BitCast(d, hn::InterleaveUpper(wide, high_01, high_23));
+}
+
+// sums[i]: of the lanes of v[i]. Together they take fewer instructions than one after the other.
+template <class D>
+HWY_INLINE void SumEight(D d, const hn::Vec<D>* v, float* sums) {
+  if constexpr (hn::MaxLanes(D()) == 16) {
+    const hn::Half<D> half;
+    hn::Vec<hn::Half<D>> h[8];
+    for (int i = 0; i < 8; ++i)
+      h[i] = hn::Add(hn::LowerHalf(half, v[i]), hn::UpperHalf(half, v[i]));
+    SumEight(half, h, sums);
+  } else if constexpr (hn::MaxLanes(D()) == 8) {
+    hn::Vec<D> w[4];  // of v[i] in the lower half, of v[i + 4] in the upper
+    for (int i = 0; i < 4; ++i)
+      w[i] =
+          hn::Add(hn::ConcatLowerLower(d, v[i + 4], v[i]), hn::ConcatUpperUpper(d, v[i + 4], v[i]));
+    Transpose4x4(d, w[0], w[1], w[2], w[3]);
+    hn::StoreU(hn::Add(hn::Add(w[0], w[1]), hn::Add(w[2], w[3])), d, sums);
+  } else {
+    for (int i = 0; i < 8; i += 4) {
+      hn::Vec<D> w[4] = {v[i], v[i + 1], v[i + 2], v[i + 3]};
+      Transpose4x4(d, w[0], w[1], w[2], w[3]);
+      hn::StoreU(hn::Add(hn::Add(w[0], w[1]), hn::Add(w[2], w[3])), d, sums + i);
+    }
+  }
+}
+#endif
+
+// sums[i] = Sum(p[i]).
+template <int kCount>
+HWY_INLINE void SumEach(const Pack* p, float* sums) {
+  int i = 0;
+#if HWY_TARGET != HWY_SCALAR
+  for (; i + 8 <= kCount; i += 8) {
+    const hn::Vec<Lanes> v[8] = {
+        p[i].v, p[i + 1].v, p[i + 2].v, p[i + 3].v, p[i + 4].v, p[i + 5].v, p[i + 6].v, p[i + 7].v};
+    SumEight(Lanes(), v, sums + i);
+  }
+#endif
+  for (; i < kCount; ++i) sums[i] = Sum(p[i]);
+}
+
 COSPLAT_MATH_END
 #endif

@@ -13,20 +13,6 @@
 COSPLAT_MATH_BEGIN
 
 #if HWY_TARGET != HWY_SCALAR
-// Transposes the 4x4 matrices that stand in the four packs' 128-bit blocks.
-HWY_INLINE void Transpose4x4(Pack* p) {
-  const Lanes d;
-  const hn::RepartitionToWide<Lanes> wide;
-  const auto ab_low = hn::BitCast(wide, hn::InterleaveLower(d, p[0].v, p[1].v));
-  const auto ab_high = hn::BitCast(wide, hn::InterleaveUpper(d, p[0].v, p[1].v));
-  const auto cd_low = hn::BitCast(wide, hn::InterleaveLower(d, p[2].v, p[3].v));
-  const auto cd_high = hn::BitCast(wide, hn::InterleaveUpper(d, p[2].v, p[3].v));
-  p[0] = Pack(hn::BitCast(d, hn::InterleaveLower(wide, ab_low, cd_low)));
-  p[1] = Pack(hn::BitCast(d, hn::InterleaveUpper(wide, ab_low, cd_low)));
-  p[2] = Pack(hn::BitCast(d, hn::InterleaveLower(wide, ab_high, cd_high)));
-  p[3] = Pack(hn::BitCast(d, hn::InterleaveUpper(wide, ab_high, cd_high)));
-}
-
 // Four numbers per 128-bit block, the blocks' numbers `stride` apart in memory.
 template <class D>
 HWY_INLINE hn::Vec<D> LoadBlocks(D d, const float* from, size_t stride) {
@@ -62,7 +48,7 @@ HWY_INLINE void LoadByFours(const float* first, size_t width, Pack* out) {
     const int from = FourFrom<kUsed>(k);
     for (int r = 0; r < 4; ++r)
       out[from + r] = Pack(LoadBlocks(Lanes(), first + r * width + from, 4 * width));
-    Transpose4x4(out + from);
+    Transpose4x4(Lanes(), out[from].v, out[from + 1].v, out[from + 2].v, out[from + 3].v);
   }
 }
 template <int kUsed>
@@ -70,7 +56,7 @@ HWY_INLINE void StoreByFours(const Pack* in, float* first, size_t width) {
   for (int k = 0; k < kUsed; k += 4) {
     const int from = FourFrom<kUsed>(k);
     Pack four[4] = {in[from], in[from + 1], in[from + 2], in[from + 3]};
-    Transpose4x4(four);
+    Transpose4x4(Lanes(), four[0].v, four[1].v, four[2].v, four[3].v);
     for (int r = 0; r < 4; ++r)
       StoreBlocks(Lanes(), four[r].v, first + r * width + from, 4 * width);
   }

@@ -18,6 +18,8 @@ constexpr uint64_t kInstanceLimit = uint64_t(1) << 31;  // indices are 32 bits
 constexpr int kDigitBits = 11;                          // of the radix sort: three passes
 constexpr size_t kDigits = size_t(1) << kDigitBits;
 
+constexpr size_t kPrefetch = 8;  // Gaussians ahead
+
 // Few enough chunks that adding up their counts costs nothing beside the rest.
 constexpr size_t kGaussiansPerChunk = 4096, kMaxChunks = 32;
 size_t ChunkCount(size_t n) {
@@ -54,7 +56,12 @@ TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) {
 bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
   const float x = tile_x * kTileSize + 0.5f - s.x, y = tile_y * kTileSize + 0.5f - s.y;
   const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
-  return LargestPowerIn(form, x, x + (kTileSize - 1), y, y + (kTileSize - 1)) >= s.reject_below;
+  return LargestPowerIn(form,
+                        math::PowerRidges<float>{s.x_per_y, s.y_per_x},
+                        x,
+                        x + (kTileSize - 1),
+                        y,
+                        y + (kTileSize - 1)) >= s.reject_below;
 }
 
 }  // namespace
@@ -130,6 +137,7 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
   chunk.per_gaussian.clear();
   chunk.offset.assign(size_t(tiles_x) * tiles_y, 0);
   for (size_t k = begin; k < end; ++k) {
+    if (k + kPrefetch < end) __builtin_prefetch(&splats[order[k + kPrefetch]]);
     const ProjectedSplat& s = splats[order[k]];
     const TileRange range = RangeOf(s, tiles_x, tiles_y);
     const size_t before = chunk.instances.size();

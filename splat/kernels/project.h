@@ -155,6 +155,8 @@ struct ProjectKernel {
     const T det = cov.xx * cov.yy - cov.xy * cov.xy;
     drawn = And(drawn, det > T(kMinDeterminant));
     const Sym2<T> conic = Conic(cov);
+    const PowerForm<T> form{T(-0.5f) * conic.xx, -conic.xy, T(-0.5f) * conic.yy};
+    const PowerRidges<T> ridges = RidgesOf(form);
     const Vec2<T> center = ProjectPoint(camera, p);
     const T reject_below = RejectBelow(opacity);
     // Exact box of the ellipse power >= reject_below: sqrt(t * variance), t = -2 reject_below.
@@ -174,9 +176,9 @@ struct ProjectKernel {
     // In the order of ProjectedSplat's members.
     const T out[kProjectedFloats] = {center.x,
                                      center.y,
-                                     T(-0.5f) * conic.xx,
-                                     -conic.xy,
-                                     T(-0.5f) * conic.yy,
+                                     form.xx,
+                                     form.xy,
+                                     form.yy,
                                      opacity,
                                      reject_below,
                                      color.x,
@@ -185,8 +187,10 @@ struct ProjectKernel {
                                      half_x,
                                      half_y,
                                      p.z,
-                                     Select(drawn, radius, T(0))};
-    StoreRows<kProjectedFloats>(out, &splats->x, sizeof(ProjectedSplat) / sizeof(float), rows);
+                                     Select(drawn, radius, T(0)),
+                                     ridges.x_per_y,
+                                     ridges.y_per_x};
+    StoreRows<kProjectedFloats>(out, &splats->x, kProjectedFloats, rows);
   }
 
   COSPLAT_HD void DrawNone(const Rows& rows) const {
@@ -205,7 +209,7 @@ struct ProjectVjpKernel {
   template <class T>
   COSPLAT_HD void Run(const Rows& rows) const {
     T splat[kProjectedFloats];
-    LoadRows<kProjectedFloats>(&splats->x, sizeof(ProjectedSplat) / sizeof(float), rows, splat);
+    LoadRows<kProjectedFloats>(&splats->x, kProjectedFloats, rows, splat);
     const auto drawn = splat[13] > T(0);
     ZeroUnusedBands(rows);
     if (!AnyTrue(drawn)) return ZeroAll(rows);

@@ -13,9 +13,10 @@ struct alignas(64) ProjectedSplat {
   float half_x, half_y;                // half-extents of the ellipse where alpha >= kMinAlpha
   float depth;                         // along the camera's axis, world units
   float radius;                        // 3 standard deviations along the longer axis; 0: not drawn
-  float padding[2];
+  float x_per_y, y_per_x;              // the exponent's ridges (math/blend.h)
 };
-constexpr int kProjectedFloats = 14;  // without the padding
+constexpr int kProjectedFloats = 16;
+static_assert(sizeof(ProjectedSplat) == kProjectedFloats * sizeof(float));
 
 // dL/d of the above, summed over the pixels of one tile or of all tiles.
 struct SplatGradient {

@@ -44,36 +44,69 @@ COSPLAT_HD T PowerNear(const PowerExpansion<T>& e, T l_x, T l_y, T power_at_l) {
   return e.d_x * l_x + (e.d_y * l_y + (e.value + power_at_l));
 }
 
+// Where the exponent is highest along a row of pixels and along a column: at dx = x_per_y dy and at
+// dy = y_per_x dx.
+template <class T>
+struct PowerRidges {
+  T x_per_y, y_per_x;
+};
+template <class T>
+COSPLAT_HD PowerRidges<T> RidgesOf(const PowerForm<T>& form) {
+  return {T(-0.5f) * form.xy / form.xx, T(-0.5f) * form.xy / form.yy};
+}
+
 // The largest exponent in a rectangle, given by offsets from the centre. The form is negative
 // definite, so the largest value lies on an edge that faces the centre: at the edge's own highest
 // point or at the corner nearest to it. (The exact test of Speedy-Splat, Hanson et al. 2025.)
 template <class T>
-COSPLAT_HD T LargestPowerIn(const PowerForm<T>& form, T dx0, T dx1, T dy0, T dy1) {
+COSPLAT_HD T
+LargestPowerIn(const PowerForm<T>& form, const PowerRidges<T>& ridges, T dx0, T dx1, T dy0, T dy1) {
   const T near_x = Clamp(T(0), dx0, dx1), near_y = Clamp(T(0), dy0, dy1);
-  const T along_y = Clamp(form.xy / (T(-2) * form.yy) * near_x, dy0, dy1);
-  const T along_x = Clamp(form.xy / (T(-2) * form.xx) * near_y, dx0, dx1);
+  const T along_y = Clamp(ridges.y_per_x * near_x, dy0, dy1);
+  const T along_x = Clamp(ridges.x_per_y * near_y, dx0, dx1);
   return Max(PowerAt(form, near_x, along_y), PowerAt(form, along_x, near_y));
 }
 
-// First and second moments of dL/d(power) over pixels: all that the geometry's gradient needs.
+// Moments over pixels, about the centre, of g = dL/d(opacity falloff) falloff: all that the
+// gradients of opacity (`one`) and, times the opacity, of the geometry need.
 template <class T>
 struct PowerMoments {
-  T x, y, xx, xy, yy;
+  T one, x, y, xx, xy, yy;
 };
 template <class T>
-COSPLAT_HD void Accumulate(T d_power, T dx, T dy, PowerMoments<T>& moments) {
-  const T px = d_power * dx;
-  const T py = d_power * dy;
-  moments.x += px;
-  moments.y += py;
-  moments.xx += px * dx;
-  moments.xy += px * dy;
-  moments.yy += py * dy;
+COSPLAT_HD void Accumulate(T g, T dx, T dy, PowerMoments<T>& m) {
+  const T gx = g * dx;
+  const T gy = g * dy;
+  m.one += g;
+  m.x += gx;
+  m.y += gy;
+  m.xx += gx * dx;
+  m.xy += gx * dy;
+  m.yy += gy * dy;
 }
-// d(centre): dx = pixel - centre, so the sign turns. d(form) is (xx, xy, yy) of the moments.
+// The moments when every pixel was (l_x, l_y) further from the centre than it was taken to be.
 template <class T>
-COSPLAT_HD Vec2<T> CenterVjp(const PowerForm<T>& form, const PowerMoments<T>& m) {
-  return {-(T(2) * form.xx * m.x + form.xy * m.y), -(T(2) * form.yy * m.y + form.xy * m.x)};
+COSPLAT_HD PowerMoments<T> MomentsMovedBy(const PowerMoments<T>& m, T l_x, T l_y) {
+  const T x = m.x + l_x * m.one;
+  const T y = m.y + l_y * m.one;
+  return {m.one, x, y, m.xx + l_x * (m.x + x), m.xy + l_x * m.y + l_y * x, m.yy + l_y * (m.y + y)};
+}
+// Gradients of a projected Gaussian's centre, form and opacity from its moments. In the centre's,
+// the sign turns since dx = pixel - centre.
+template <class T>
+struct ShapeGradient {
+  T x, y, power_xx, power_xy, power_yy, opacity;
+};
+template <class T>
+COSPLAT_HD ShapeGradient<T> ShapeVjp(const PowerForm<T>& form,
+                                     T opacity,
+                                     const PowerMoments<T>& m) {
+  return {-opacity * (T(2) * form.xx * m.x + form.xy * m.y),
+          -opacity * (T(2) * form.yy * m.y + form.xy * m.x),
+          opacity * m.xx,
+          opacity * m.xy,
+          opacity * m.yy,
+          m.one};
 }
 
 // The exponent below which a splat of this opacity contributes less than kMinAlpha.

@@ -205,15 +205,17 @@ std::vector<double> BlendPixelVjp(const std::vector<double>& x, const std::vecto
     const bool accept = Accepts(power, RejectBelow(x[i + 5]), state.transmittance);
     const auto r = BlendBehindVjp(accept, AlphaOf(x[i + 5], falloff), V(x, i + 6), V(d, 0), state);
     const double d_product = AlphaOfVjp(x[i + 5], falloff, r.d_alpha) * falloff;
-    PowerMoments<double> m{0, 0, 0, 0, 0};
-    Accumulate(d_product * x[i + 5], dx, dy, m);
-    const auto center = CenterVjp(form, m);
-    const std::vector<double> g{center.x,
-                                center.y,
-                                m.xx,
-                                m.xy,
-                                m.yy,
-                                d_product,
+    // About another point, then moved back.
+    PowerMoments<double> m{0, 0, 0, 0, 0, 0};
+    Accumulate(d_product, dx - 3, dy + 2, m);
+    m = MomentsMovedBy(m, 3.0, -2.0);
+    const auto shape = ShapeVjp(form, x[i + 5], m);
+    const std::vector<double> g{shape.x,
+                                shape.y,
+                                shape.power_xx,
+                                shape.power_xy,
+                                shape.power_yy,
+                                shape.opacity,
                                 r.weight * d[0],
                                 r.weight * d[1],
                                 r.weight * d[2]};
@@ -248,7 +250,7 @@ TEST(Blend, LargestExponentInARectangle) {
         for (int i = 0; i <= 300; ++i)
           for (int j = 0; j <= 300; ++j)
             largest = std::max(largest, PowerAt(form, x + 0.01 * i, y + 0.01 * j));
-        const double found = LargestPowerIn(form, x, x + 3, y, y + 3);
+        const double found = LargestPowerIn(form, RidgesOf(form), x, x + 3, y, y + 3);
         EXPECT_GE(found, largest - 1e-12);
         EXPECT_LE(found, largest + 2e-4);
       }
