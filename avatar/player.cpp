@@ -1,11 +1,12 @@
 #include "avatar/player.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
+#include "avatar/parallel_for.h"
 #include "avatar/preview.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 
 namespace cosplat {
 namespace {
@@ -21,6 +22,9 @@ bool SameBits(const T& a, const T& b) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(float) == 0);
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
+
+// [0, 1] to [0, 255], rounded; what is not a number is 0.
+uint8_t ToByte(float x) { return x > 0 ? uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : uint8_t(0); }
 
 }  // namespace
 
@@ -85,9 +89,32 @@ void Player::RenderOver(const FlameParams& params,
   out = Draw(placed_, camera, background);
 }
 
-Image8 Player::Render(const FlameParams& params, const Camera& camera) {
+void Player::Render(const FlameParams& params, const Camera& camera, Image8& out) {
   Place(params, placed_);
-  return ToBytes(Draw(placed_, camera, {0, 0, 0}).ToStraightAlpha());
+  ToStraightAlphaBytes(Draw(placed_, camera, {0, 0, 0}), out);
+}
+
+Image8 Player::Render(const FlameParams& params, const Camera& camera) {
+  Image8 out;
+  Render(params, camera, out);
+  return out;
+}
+
+void ToStraightAlphaBytes(const RenderedImage& image, Image8& out) {
+  out.width = image.width;
+  out.height = image.height;
+  out.channels = 4;
+  const size_t plane = out.pixels();
+  out.data.resize(4 * plane);
+  constexpr size_t kPixelsPerTask = 8192;
+  ParallelForRanges(plane, kPixelsPerTask, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const float alpha = 1 - image.transmittance[p];
+      for (size_t c = 0; c < 3; ++c)
+        out.data[4 * p + c] = ToByte(alpha > 0 ? image.color[c * plane + p] / alpha : 0.0f);
+      out.data[4 * p + 3] = ToByte(alpha);
+    }
+  });
 }
 
 WorldGaussians PosedView(const Gaussians& gaussians,

@@ -65,7 +65,8 @@ class Player {
                   const std::array<float, 3>& background,
                   RenderedImage& out);
 
-  // RGBA bytes with straight alpha.
+  // RGBA bytes with straight alpha. The first keeps the memory of `out`.
+  void Render(const FlameParams& params, const Camera& camera, Image8& out);
   Image8 Render(const FlameParams& params, const Camera& camera);
 
   const AvatarModel& avatar() const { return avatar_; }
@@ -93,6 +94,10 @@ class Player {
   Picture last_;
   RenderedImage half_;
 };
+
+// RGBA bytes with straight alpha of a picture over black: those of
+// ToBytes(image.ToStraightAlpha()), over the cores and without what lies between.
+void ToStraightAlphaBytes(const RenderedImage& image, Image8& out);
 
 // The Gaussians of one posed surface as the rasteriser takes them.
 WorldGaussians PosedView(const Gaussians& gaussians,

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "flame/procedural/motion.h"
+#include "splat/base/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/painted_avatar.h"
 
@@ -121,6 +122,20 @@ TEST(Player, AnEqualFrameIsNotDrawnAgain) {
   EXPECT_FALSE(placed.IsFor(frame.params));
   EXPECT_TRUE(work());
   EXPECT_FALSE(work());
+}
+
+TEST(Player, BytesAreThoseOfTheGeneralConversion) {
+  Player player(Painted(), Flame());
+  const PlaybackFrame frame = FrameAt(2);
+  Image8 bytes(3, 100, 1);  // of another kind
+  player.Render(frame.params, frame.camera, bytes);
+  RenderedImage image;
+  player.RenderOver(frame.params, frame.camera, {0, 0, 0}, image);
+  const Image8 expected = ToBytes(image.ToStraightAlpha());
+  EXPECT_EQ(bytes.width, expected.width);
+  EXPECT_EQ(bytes.height, expected.height);
+  EXPECT_EQ(bytes.channels, expected.channels);
+  EXPECT_EQ(bytes.data, expected.data);
 }
 
 TEST(Player, RefusesToDrawWhatWasNotPlaced) {

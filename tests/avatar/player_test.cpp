@@ -262,7 +262,9 @@ TEST(Player, TheBustStaysWhenTheHeadTurns) {
   for (size_t i = 0; i < avatar.model.size(); ++i) {
     const float moved = Distance(posed.position, rest, i);
     on_bust += avatar.IsOnBust(i);
-    if (avatar.IsOnBust(i)) ASSERT_EQ(moved, 0) << i;
+    if (avatar.IsOnBust(i)) {
+      ASSERT_EQ(moved, 0) << i;
+    }
   }
   EXPECT_GT(on_bust, 100u);
 }
