@@ -4,8 +4,8 @@
 
 namespace cosplat {
 
-AvatarRenderer::AvatarRenderer(AvatarModel model, const FlameModel& flame)
-    : player_(std::move(model), flame),
+AvatarRenderer::AvatarRenderer(AvatarModel model, const FlameModel& flame, PlayerSettings settings)
+    : player_(std::move(model), flame, settings),
       topology_(BuildTopology(
           "avatar", player_.avatar().mesh.faces, int(player_.avatar().mesh.vertices.size() / 3))) {}
 

@@ -11,7 +11,7 @@ namespace cosplat {
 class AvatarRenderer {
  public:
   // Keeps a reference to `flame`. The model must have its mesh.
-  AvatarRenderer(AvatarModel model, const FlameModel& flame);
+  AvatarRenderer(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
 
   // Renders the frame over the writer's background and writes it beside `truth`, with the mouth's
   // rectangle.

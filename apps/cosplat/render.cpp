@@ -1,4 +1,7 @@
 // cosplat render: a trained model's test views, an orbit, or an avatar driven by a sequence.
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -12,7 +15,8 @@
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
 #include "avatar/avatar_file.h"
-#include "avatar/player.h"
+#include "avatar/playback.h"
+#include "avatar/preview.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -29,6 +33,7 @@ struct Options {
   std::string model, source, out, drive, flame;
   bool orbit = false;
   int resolution = 0;  // 0: as trained
+  bool preview = false;
   bool quiet = false;
 };
 
@@ -42,16 +47,19 @@ std::string SourceOf(const Options& o, const JsonField& run) {
   return o.source.empty() ? run["source"].String() : o.source;
 }
 
-// Frames to a folder or video, with a progress bar.
+// Frames to a folder or video, with a progress bar. A frame is encoded while the next is drawn.
 class Output {
  public:
   Output(const Options& o, size_t total)
       : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
   void Write(const RenderedImage& image) {
-    sink_.Write(ToBytes(image.ToImage()));
-    bar_.Update(sink_.count(), "frames");
+    writing_.wait();  // for the frame before; throws what went wrong with it
+    image_ = image;
+    writing_.run([this] { sink_.Write(ToBytes(image_.ToImage())); });
+    bar_.Update(++count_, "frames");
   }
   void Finish() {
+    writing_.wait();
     sink_.Finish();
     if (!quiet_) std::printf("%d frames: %s\n", sink_.count(), path_.c_str());
   }
@@ -61,7 +69,19 @@ class Output {
   ProgressBar bar_;
   bool quiet_;
   std::string path_;
+  int count_ = 0;
+  RenderedImage image_;
+  tbb::task_group writing_;  // last, as it waits for its task before what that needs is gone
 };
+
+void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Options& o) {
+  Output output(o, frames.size());
+  Playback playback(player);
+  for (const PlaybackFrame& frame : frames)
+    if (const RenderedImage* image = playback.Next(frame)) output.Write(*image);
+  if (const RenderedImage* image = playback.Finish()) output.Write(*image);
+  output.Finish();
+}
 
 void RenderScene(const Options& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
@@ -73,9 +93,18 @@ void RenderScene(const Options& o, const JsonField& run) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   const RenderSettings settings{BackgroundOf(run), g.degree};
-  RenderedImage image;
+  RenderedImage image, half;
   const auto draw = [&](const Camera& camera) -> const RenderedImage& {
-    rasterizer->Forward(ViewOf(g), g.basis, camera, settings, image, *tape);
+    // Isolated, so that waiting for tiles does not take up the encoding of the frame before.
+    tbb::this_task_arena::isolate([&] {
+      rasterizer->Forward(ViewOf(g),
+                          g.basis,
+                          o.preview ? HalfResolution(camera) : camera,
+                          settings,
+                          o.preview ? half : image,
+                          *tape);
+      if (o.preview) EnlargeTwice(half, camera.width, camera.height, image);
+    });
     return image;
   };
   if (!o.out.empty()) {
@@ -102,12 +131,12 @@ FlameParams ReferenceRoot(const JsonField& run) {
 }
 
 // The centre of the posed head and its own upward direction.
-void HeadFrame(const Player& player,
+void HeadFrame(const PlacedAvatar& placed,
                const FlameModel& flame,
                std::array<float, 3>& center,
                std::array<float, 3>& up) {
   center = {0, 0, 0};
-  const std::vector<float>& v = player.vertices();
+  const std::vector<float>& v = placed.vertices();
   for (int i = 0; i < flame.vertex_count; ++i)
     for (int k = 0; k < 3; ++k) center[k] += v[3 * size_t(i) + k] / float(flame.vertex_count);
   up = {0, 1, 0};  // FLAME's own; trackers keep the head roughly upright in their world
@@ -119,16 +148,14 @@ void RenderAvatarOrbit(const Options& o,
                        Player& player) {
   const FlameParams rest = ReferenceRoot(run);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
-  RenderedImage image;
-  player.RenderOver(rest, camera, BackgroundOf(run), image);
+  PlacedAvatar placed;
+  player.Place(rest, placed);
   std::array<float, 3> center{}, up{};
-  HeadFrame(player, flame, center, up);
-  Output output(o, kOrbitFrames);
-  for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames)) {
-    player.RenderOver(rest, c, BackgroundOf(run), image);
-    output.Write(image);
-  }
-  output.Finish();
+  HeadFrame(placed, flame, center, up);
+  std::vector<PlaybackFrame> frames;
+  for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames))
+    frames.push_back({rest, c, BackgroundOf(run)});
+  PlayInto(frames, player, o);
 }
 
 // A sequence's instants in order, as its first camera saw them.
@@ -145,16 +172,12 @@ std::vector<FlameParams> InstantsOf(const TrackedVideo& sequence) {
 }
 
 void RenderDriven(const Options& o, const JsonField& run, Player& player) {
-  const std::vector<FlameParams> frames =
+  std::vector<FlameParams> params =
       Retarget(InstantsOf(LoadTrackedVideo(o.drive, {-1, 1, false})), ReferenceRoot(run));
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
-  RenderedImage image;
-  Output output(o, frames.size());
-  for (const FlameParams& frame : frames) {
-    player.RenderOver(frame, camera, BackgroundOf(run), image);
-    output.Write(image);
-  }
-  output.Finish();
+  std::vector<PlaybackFrame> frames;
+  for (FlameParams& p : params) frames.push_back({std::move(p), camera, BackgroundOf(run)});
+  PlayInto(frames, player, o);
 }
 
 void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& renderer) {
@@ -162,13 +185,10 @@ void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& render
   const bool held_out = !video.test.empty();
   const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
   if (!o.out.empty()) {
-    RenderedImage image;
-    Output output(o, frames.size());
-    for (const TrackedFrame& frame : frames) {
-      renderer.player().RenderOver(frame.params, frame.camera, BackgroundOf(run), image);
-      output.Write(image);
-    }
-    return output.Finish();
+    std::vector<PlaybackFrame> sequence;
+    for (const TrackedFrame& frame : frames)
+      sequence.push_back({frame.params, frame.camera, BackgroundOf(run)});
+    return PlayInto(sequence, renderer.player(), o);
   }
   TestImageWriter writer(
       o.model, held_out ? "test" : "train", SavedIteration(o.model, run), BackgroundOf(run));
@@ -182,7 +202,7 @@ void RenderAvatar(const Options& o, const JsonField& run) {
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
-  AvatarRenderer renderer(std::move(model), flame);
+  AvatarRenderer renderer(std::move(model), flame, {o.preview});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
   } else if (!o.drive.empty()) {
@@ -197,6 +217,8 @@ void Render(const Options& o) {
   const JsonField run(o.model + "/run.json", json);
   if (o.out.empty() && (o.orbit || !o.drive.empty()))
     throw Error("", "--out", "is needed: a folder or a file that ends in .mp4");
+  if (o.out.empty() && o.preview)
+    throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
   if (run["kind"].String() == "avatar") {
     RenderAvatar(o, run);
   } else {
@@ -221,6 +243,8 @@ void AddRender(CLI::App& app) {
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("-r,--resolution", o->resolution, "divide the pictures' size by this")
       ->check(CLI::Range(0, 64));
+  command->add_flag(
+      "--preview", o->preview, "draw at half the resolution and enlarge: faster and softer");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Render(*o); });
 }

@@ -193,6 +193,53 @@ TEST(Cli, DrivesAnAvatarWithAnotherSequence) {
             50);
 }
 
+double PictureError(const Image8& a, const Image8& b) {
+  if (a.data.size() != b.data.size()) return 255;
+  double squares = 0;
+  for (size_t i = 0; i < a.data.size(); ++i)
+    squares += std::pow(double(a.data[i]) - double(b.data[i]), 2);
+  return std::sqrt(squares / double(a.data.size()));
+}
+
+TEST(Cli, APreviewHasTheSizeOfThePictureAndIsCloseToIt) {
+  const TemporaryFolder out;
+  for (const std::string& model : {Made().avatar, Made().scene}) {
+    const std::string name = fs::path(model).filename().string();
+    const std::string full = out / (name + "_full"), half = out / (name + "_half");
+    ExpectQuietSuccess(Cosplat({"render", "-m", model, "-o", full, "--quiet"}));
+    ExpectQuietSuccess(Cosplat({"render", "-m", model, "-o", half, "--preview", "--quiet"}));
+    ASSERT_EQ(CountFiles(half, ".png"), CountFiles(full, ".png"));
+    const double error =
+        PictureError(ReadImage(half + "/00001.png"), ReadImage(full + "/00001.png"));
+    EXPECT_GT(error, 0) << "it is no preview";
+    EXPECT_LT(error, 10) << name;  // measured: 7.4 and 7.1 of 255, 64 and 32 pixels wide
+  }
+}
+
+// Frames are drawn and encoded beside each other: all of them, in order, whatever the threads.
+TEST(Cli, FramesDoNotDependOnThreads) {
+  const TemporaryFolder out;
+  for (const std::string threads : {"1", "3"})
+    ExpectQuietSuccess(Cosplat({"--threads",
+                                threads,
+                                "render",
+                                "-m",
+                                Made().avatar,
+                                "--drive",
+                                Made().head,
+                                "-o",
+                                out / threads,
+                                "--quiet"}));
+  const size_t count = CountFiles(out / "1", ".png");
+  ASSERT_EQ(count, CountFiles(out / "3", ".png"));
+  ASSERT_GT(count, 3u);
+  for (size_t i = 0; i < count; ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "/%05zu.png", i);
+    EXPECT_EQ(Slurp(out / "1" + name), Slurp(out / "3" + name)) << i;
+  }
+}
+
 int LargestDifference(const Image8& a, const Image8& b) {
   if (a.data.size() != b.data.size()) return 255;
   int largest = 0;
