@@ -47,7 +47,7 @@ HWY_INLINE void GatherRows(const float* array, size_t width, const LaneRows& row
     const int from = FourFrom<kUsed>(k);
     for (int r = 0; r < 4; ++r)
       out[from + r] = Pack(GatherBlocks(Lanes(), array + from, width, rows.data() + r));
-    Transpose4x4(out + from);
+    Transpose4x4(Lanes(), out[from].v, out[from + 1].v, out[from + 2].v, out[from + 3].v);
   }
 #else
   for (int k = 0; k < kUsed; ++k) out[k] = Pack(array[width * size_t(rows[0]) + k]);
