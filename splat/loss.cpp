@@ -4,42 +4,128 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "splat/cpu/ssim_band.h"
+#include "splat/math/photograph.h"
 
 namespace cosplat {
 namespace {
 
-// Fixed, so that sums do not depend on the number of threads.
-constexpr int kBandRows = 32;
+// Fixed, so that sums do not depend on the number of threads. A band works on up to ten rows of
+// either neighbour, so much lower ones cost more; at 1080 rows there are 27 jobs for the cores.
+constexpr int kBandRows = 120;
+constexpr int kRowsTogether = 5;  // in a group of splat/cpu/ssim_window.h
 
-int BandCount(int height) { return (height + kBandRows - 1) / kBandRows; }
+struct Bands {
+  int count, rows;  // rows of each but the last
+};
+Bands BandsOf(int height) {
+  const int wanted = std::max(1, (height + kBandRows / 2) / kBandRows);
+  const int groups = (height + wanted * kRowsTogether - 1) / (wanted * kRowsTogether);
+  const int rows = groups * kRowsTogether;
+  return {(height + rows - 1) / rows, rows};
+}
 
-// Calls f(channel, band, scratch) for all of them, in parallel.
+// Rendering and target of each channel, for all rows.
+using Channels = std::array<SsimBand, 3>;
+
+Channels ChannelsOf(int width, int height, const float* rendered) {
+  Channels channels;
+  for (int c = 0; c < 3; ++c) {
+    channels[c].width = width;
+    channels[c].height = height;
+    channels[c].x = rendered + c * size_t(width) * height;
+  }
+  return channels;
+}
+Channels ChannelsOf(const float* rendered,
+                    const Image8& target,
+                    const std::array<float, 3>& background) {
+  Channels channels = ChannelsOf(target.width, target.height, rendered);
+  const int n = target.channels;
+  for (int c = 0; c < 3; ++c) {
+    channels[c].target = target.data.data() + (n == 1 ? 0 : c);
+    channels[c].alpha = n == 4 ? target.data.data() + 3 : nullptr;
+    channels[c].target_channels = n;
+    channels[c].background = background[c];
+  }
+  return channels;
+}
+
+// Calls f(band, channel, job, scratch) for every channel and band, in parallel.
 template <class F>
-void ForBands(int width, int height, const F& f) {
-  const int bands = BandCount(height);
-  tbb::parallel_for(0, 3 * bands, [&](int job) {
+void ForBands(const Channels& channels, const F& f) {
+  const Bands bands = BandsOf(channels[0].height);
+  tbb::parallel_for(0, 3 * bands.count, [&](int job) {
     thread_local Buffer<float> scratch;
-    scratch.resize(SsimScratch(width, kBandRows));
-    f(job / bands, job % bands, scratch.data());
+    scratch.resize(std::max(scratch.size(), SsimScratch(channels[0].width)));
+    const int channel = job % 3;  // the channels of a band read the same bytes
+    SsimBand band = channels[channel];
+    band.row_begin = job / 3 * bands.rows;
+    band.row_end = std::min(band.row_begin + bands.rows, band.height);
+    f(band, channel, job, scratch.data());
   });
 }
 
-SsimBand BandOf(int width, int height, int channel, int band, const float* x, const float* y) {
-  SsimBand b;
-  b.width = width;
-  b.height = height;
-  b.row_begin = band * kBandRows;
-  b.row_end = std::min(b.row_begin + kBandRows, height);
-  const size_t plane = size_t(width) * height;
-  b.x = x + channel * plane;
-  b.y = y + channel * plane;
-  return b;
+// sums: room for the jobs' sums, kept from step to step.
+double EvaluateChannels(const LossWeights& weights,
+                        const Channels& channels,
+                        std::vector<double>& sums,
+                        Buffer<float>& d_rendered) {
+  const size_t plane = size_t(channels[0].width) * channels[0].height;
+  const float inv = 1.0f / float(3 * plane);
+  d_rendered.resize(3 * plane);
+  const int jobs = 3 * BandsOf(channels[0].height).count;
+  sums.resize(2 * jobs);
+  const ValueWeights per_value{weights.l1 * inv, weights.mse * inv, weights.dssim * inv};
+  ForBands(channels, [&](const SsimBand& band, int channel, int job, float* scratch) {
+    const LossSums of_band =
+        EvaluateBand(band, per_value, scratch, d_rendered.data() + channel * plane);
+    sums[2 * job] = of_band.pointwise;
+    sums[2 * job + 1] = of_band.ssim;
+  });
+  double pointwise = 0, ssim = 0;
+  for (int job = 0; job < jobs; ++job) {
+    pointwise += sums[2 * job];
+    ssim += sums[2 * job + 1];
+  }
+  return pointwise + (weights.dssim != 0 ? weights.dssim * (1 - ssim / double(3 * plane)) : 0);
 }
 
 }  // namespace
+
+double PhotometricLoss::Evaluate(const LossWeights& weights,
+                                 View<const float> rendered,
+                                 const Image8& target,
+                                 const std::array<float, 3>& background,
+                                 Buffer<float>& d_rendered) {
+  return EvaluateChannels(
+      weights, ChannelsOf(rendered.data, target, background), sums_, d_rendered);
+}
+
+double PhotometricLoss::Evaluate(const LossWeights& weights,
+                                 int width,
+                                 int height,
+                                 View<const float> rendered,
+                                 View<const float> target,
+                                 Buffer<float>& d_rendered) {
+  Channels channels = ChannelsOf(width, height, rendered.data);
+  for (int c = 0; c < 3; ++c) channels[c].planar = target.data + c * size_t(width) * height;
+  return EvaluateChannels(weights, channels, sums_, d_rendered);
+}
+
+double MeanSsim(View<const float> rendered,
+                const Image8& target,
+                const std::array<float, 3>& background) {
+  const Channels channels = ChannelsOf(rendered.data, target, background);
+  std::vector<double> sums(3 * BandsOf(target.height).count);
+  ForBands(channels, [&](const SsimBand& band, int, int job, float* scratch) {
+    sums[job] = SsimOfBand(band, scratch);
+  });
+  double total = 0;
+  for (const double s : sums) total += s;
+  return total / double(3 * target.pixels());
+}
 
 void CompositeTarget(const Image8& image,
                      const std::array<float, 3>& background,
@@ -50,68 +136,13 @@ void CompositeTarget(const Image8& image,
   tbb::parallel_for(tbb::blocked_range<size_t>(0, plane, 16384), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
       const uint8_t* p = image.data.data() + i * n;
-      const float alpha = n == 4 ? p[3] / 255.0f : 1.0f;
-      for (int c = 0; c < 3; ++c)
-        planar[c * plane + i] = p[n == 1 ? 0 : c] / 255.0f * alpha + background[c] * (1 - alpha);
+      for (int c = 0; c < 3; ++c) {
+        const uint8_t value = p[n == 1 ? 0 : c];
+        planar[c * plane + i] =
+            n == 4 ? math::Over(value, p[3], background[c]) : math::FromByte(value);
+      }
     }
   });
-}
-
-double PhotometricLoss::Evaluate(const LossWeights& weights,
-                                 int width,
-                                 int height,
-                                 View<const float> rendered,
-                                 View<const float> target,
-                                 Buffer<float>& d_rendered) {
-  const size_t plane = size_t(width) * height;
-  const float inv = 1.0f / float(3 * plane);
-  d_rendered.resize(3 * plane);
-  const bool with_ssim = weights.dssim != 0;
-  if (with_ssim)
-    for (Buffer<float>* b : {&partial_x_, &partial_xx_, &partial_xy_}) b->resize(3 * plane);
-  const auto band_of = [&](int channel, int band) {
-    SsimBand b = BandOf(width, height, channel, band, rendered.data, target.data);
-    if (!with_ssim) return b;
-    b.partial_x = partial_x_.data() + channel * plane;
-    b.partial_xx = partial_xx_.data() + channel * plane;
-    b.partial_xy = partial_xy_.data() + channel * plane;
-    return b;
-  };
-  const int bands = BandCount(height);
-  std::vector<double> ssim(3 * bands), pointwise(3 * bands);
-  if (with_ssim)
-    ForBands(width, height, [&](int channel, int band, float* scratch) {
-      ssim[channel * bands + band] = SsimForward(band_of(channel, band), scratch);
-    });
-  ForBands(width, height, [&](int channel, int band, float* scratch) {
-    const SsimBand b = band_of(channel, band);
-    float* d = d_rendered.data() + channel * plane;
-    double sum = 0;
-    for (size_t i = size_t(b.row_begin) * width; i < size_t(b.row_end) * width; ++i) {
-      const float e = b.x[i] - b.y[i];
-      sum += weights.l1 * std::fabs(e) + weights.mse * e * e;
-      const float sign = e > 0 ? 1.0f : (e < 0 ? -1.0f : 0.0f);
-      d[i] = inv * (weights.l1 * sign + 2 * weights.mse * e);
-    }
-    pointwise[channel * bands + band] = sum;
-    if (with_ssim) SsimBackward(b, -weights.dssim * inv, scratch, d);
-  });
-  double total_ssim = 0, total = 0;
-  for (const double s : ssim) total_ssim += s;
-  for (const double p : pointwise) total += p;
-  return total * inv + (with_ssim ? weights.dssim * (1 - total_ssim * inv) : 0);
-}
-
-double MeanSsim(int width, int height, View<const float> a, View<const float> b) {
-  const int bands = BandCount(height);
-  std::vector<double> sums(3 * bands);
-  ForBands(width, height, [&](int channel, int band, float* scratch) {
-    sums[channel * bands + band] =
-        SsimForward(BandOf(width, height, channel, band, a.data, b.data), scratch);
-  });
-  double total = 0;
-  for (const double s : sums) total += s;
-  return total / (3.0 * width * height);
 }
 
 double Psnr(View<const float> a, View<const float> b) {

@@ -66,7 +66,7 @@ ImageMetrics CompareImages(const Image8& rendered,
   CompositeTarget(rendered, {0, 0, 0}, a);
   CompositeTarget(truth, {0, 0, 0}, b);
   m.psnr = Psnr(a, b);
-  m.ssim = MeanSsim(truth.width, truth.height, a, b);
+  m.ssim = MeanSsim(a, truth, {0, 0, 0});
   if (mask) {
     double sum = 0, weight = 0;
     for (size_t i = 0; i < truth.pixels(); ++i) {

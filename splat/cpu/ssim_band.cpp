@@ -1,180 +1,283 @@
 #include "splat/cpu/ssim_band.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/cpu/ssim_band.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "splat/math/ssim.h"
+#include "splat/cpu/ssim_window.h"
+#include "splat/math/photograph.h"
 
 COSPLAT_MATH_BEGIN
 
-constexpr int kTaps = 2 * kSsimRadius + 1;
-constexpr float kSsimSigma = 1.5f;
+constexpr int kMoments = 4, kPartials = 3;
+// Zeros on both sides of a row: at least the window's radius.
+constexpr size_t kMargin = kLineFloats;
 
-struct Window {
-  float w[kTaps];
-  Window() {
-    float sum = 0;
-    for (int k = 0; k < kTaps; ++k)
-      sum += w[k] =
-          std::exp(-float((k - kSsimRadius) * (k - kSsimRadius)) / (2 * kSsimSigma * kSsimSigma));
-    for (float& v : w) v /= sum;
+// Sum and difference of a row of x and of the photograph. Plain loops, which the compiler
+// vectorises for this target.
+template <int kChannels>  // 0: of a planar target
+void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HWY_RESTRICT v) {
+  const float* HWY_RESTRICT x = band.x + from;
+  const uint8_t* HWY_RESTRICT y = band.target + from * kChannels;
+  const int width = band.width;
+  if constexpr (kChannels == 0) {
+    std::copy_n(band.planar + from, width, u);
+  } else if constexpr (kChannels == 4) {
+    const uint8_t* HWY_RESTRICT alpha = band.alpha + from * kChannels;
+    const float background = band.background;
+    for (int i = 0; i < width; ++i) u[i] = Over(y[4 * i], alpha[4 * i], background);
+  } else {
+    for (int i = 0; i < width; ++i) u[i] = FromByte(y[kChannels * i]);
   }
+  // Not in one loop: x - y of equal values is zero only if y was rounded before.
+  for (int i = 0; i < width; ++i) {
+    const float photograph = u[i];
+    u[i] = x[i] + photograph;
+    v[i] = x[i] - photograph;
+  }
+}
+
+// The first n lanes.
+HWY_INLINE void StoreFirst(const Pack& a, float* p, int n) {
+  if (n >= int(kLanes)) return hn::StoreU(a.v, Lanes(), p);
+  alignas(64) float lanes[kLanes];
+  StorePack(a, lanes);
+  std::memcpy(p, lanes, n * sizeof(float));
+}
+
+// l1 |e| + mse e^2, and its derivative.
+HWY_INLINE Pack Pointwise(const ValueWeights& w, const Pack& e) {
+  return Pack(w.l1) * Max(e, -e) + Pack(w.mse) * e * e;
+}
+HWY_INLINE Pack PointwiseVjp(const ValueWeights& w, const Pack& e) {
+  const Pack zero(0.0f), l1(w.l1);
+  return Select(e > zero, l1, Select(e < zero, -l1, zero)) + Pack(2 * w.mse) * e;
+}
+
+// Three stages a group of rows apart: rows enter and their moments are summed along them; moments
+// are summed down and become SSIM's partials, which are summed along; these are summed down and
+// leave as the gradient. Groups are counted from the band's first row; a band works out what it
+// needs of its neighbours by itself.
+class BandLoop {
+ public:
+  static size_t Scratch(int width) {
+    return kPaddedRows * StrideOf(width) + RowRing<kMoments>::Size(width) +
+           RowRing<kPartials>::Size(width);
+  }
+
+  // d_x null: the value alone.
+  BandLoop(const SsimBand& band, const ValueWeights& weights, float* scratch, float* d_x)
+      : band_(band),
+        weights_(weights),
+        d_x_(d_x),
+        stride_(StrideOf(band.width)),
+        rows_(scratch),
+        moments_(scratch + kPaddedRows * stride_),
+        partials_(scratch + kPaddedRows * stride_ + RowRing<kMoments>::Size(band.width)) {
+    for (size_t r = 0; r < kPaddedRows; ++r) {
+      float* row = rows_ + r * stride_;
+      std::fill(row, row + kMargin, 0.0f);
+      std::fill(row + kMargin + band.width, row + stride_, 0.0f);
+    }
+  }
+
+  LossSums Run() {
+    const int lead = d_x_ ? 2 : 1, groups = GroupCount();
+    for (int g = -lead; g < groups + lead; ++g) {
+      Enter(g);
+      if (g - 1 > -lead) Compare(g - 1);
+      if (d_x_ && g >= 2) Leave<true>(g - 2);
+    }
+    return sums_;
+  }
+
+  LossSums RunWithoutSsim() {
+    for (int g = 0; g < GroupCount(); ++g) {
+      for (int j = 0; j < kGroup; ++j)
+        if (InImage(RowAt(g, j))) Read(g, j);
+      Leave<false>(g);
+    }
+    return sums_;
+  }
+
+ private:
+  // Three groups of u and of v, and a group's partials.
+  static constexpr size_t kPaddedRows = 2 * kRingRows + kGroup * kPartials;
+  // An odd number of cache lines: the rows of a column are in different sets of the cache.
+  static size_t StrideOf(int width) {
+    return kLineFloats * ((2 * kMargin + width + kLineFloats - 1) / kLineFloats | 1);
+  }
+
+  int GroupCount() const { return (band_.row_end - band_.row_begin + kGroup - 1) / kGroup; }
+  int RowAt(int group, int j) const { return band_.row_begin + group * kGroup + j; }
+  bool InImage(int row) const { return row >= 0 && row < band_.height; }
+  float* PaddedRow(size_t r) const { return rows_ + r * stride_ + kMargin; }
+  float* SumRow(int group, int j) const { return PaddedRow((group + 3) % 3 * kGroup + j); }
+  float* DifferenceRow(int group, int j) const { return SumRow(group, j) + kRingRows * stride_; }
+  float* PartialRow(int j, int plane) const {
+    return PaddedRow(2 * kRingRows + j * kPartials + plane);
+  }
+
+  void Read(int group, int j) {
+    const int n = band_.planar ? 0 : band_.target_channels;
+    const auto read = n == 0 ? ReadRow<0> : n == 1 ? ReadRow<1> : n == 3 ? ReadRow<3> : ReadRow<4>;
+    read(band_, size_t(RowAt(group, j)) * band_.width, SumRow(group, j), DifferenceRow(group, j));
+  }
+
+  void Enter(int group) {
+    for (int j = 0; j < kGroup; ++j) {
+      if (!InImage(RowAt(group, j))) {
+        moments_.ClearRow(group, j, band_.width);
+        continue;
+      }
+      Read(group, j);
+      MomentsAlong(SumRow(group, j), DifferenceRow(group, j), moments_.Row(group, j));
+    }
+  }
+
+  void MomentsAlong(const float* HWY_RESTRICT u,
+                    const float* HWY_RESTRICT v,
+                    float* HWY_RESTRICT out) {
+    const Window window = window_;
+    for (int i = 0; i < band_.width; i += int(kLanes)) {
+      Pack taps[kTaps];
+      LoadTaps(u + i, taps);
+      StorePack(Weigh(window, taps), out);
+      StorePack(WeighSquares(window, taps), out + 2 * kLanes);
+      LoadTaps(v + i, taps);
+      StorePack(Weigh(window, taps), out + kLanes);
+      StorePack(WeighSquares(window, taps), out + 3 * kLanes);
+      out += RowRing<kMoments>::kPackFloats;
+    }
+  }
+
+  void Compare(int group) {
+    if (InImage(RowAt(group, 0)) || InImage(RowAt(group, kGroup - 1))) SumSsim(group);
+    if (!d_x_) return;
+    for (int j = 0; j < kGroup; ++j) {
+      if (InImage(RowAt(group, j)))
+        PartialsAlong(group, j);
+      else
+        partials_.ClearRow(group, j, band_.width);
+    }
+  }
+
+  // Adds the rows of the band to the sum; fills the partial rows.
+  void SumSsim(int group) {
+    ColumnWindow<kMoments> columns(window_, moments_, group);
+    const Pack zero(0.0f);
+    Pack sums[kGroup] = {zero, zero, zero, zero, zero};
+    for (int i = 0; i < band_.width; i += int(kLanes)) {
+      Pack m[kMoments][kGroup];
+      columns.Next(m);
+      const PackMask inside = Ramp(float(i)) < Pack(float(band_.width));
+      for (int j = 0; j < kGroup; ++j) {
+        const SsimMoments<Pack> moments{m[0][j], m[1][j], m[2][j], m[3][j]};
+        sums[j] += Select(inside, Ssim(moments), zero);
+        if (!d_x_) continue;
+        const SsimPartials<Pack> d = SsimVjp(moments);
+        float* out = PartialRow(j, 0) + i;
+        StorePack(Select(inside, d.mean, zero), out);
+        StorePack(Select(inside, d.uu, zero), out + stride_);
+        StorePack(Select(inside, d.vv, zero), out + 2 * stride_);
+      }
+    }
+    for (int j = 0; j < kGroup; ++j)
+      if (RowAt(group, j) >= band_.row_begin && RowAt(group, j) < band_.row_end)
+        sums_.ssim += Sum(sums[j]);
+  }
+
+  void PartialsAlong(int group, int j) {
+    const Window window = window_;
+    for (int p = 0; p < kPartials; ++p) {
+      const float* HWY_RESTRICT row = PartialRow(j, p);
+      float* HWY_RESTRICT out = partials_.Row(group, j) + p * kLanes;
+      for (int i = 0; i < band_.width; i += int(kLanes)) {
+        Pack taps[kTaps];
+        LoadTaps(row + i, taps);
+        StorePack(Weigh(window, taps), out);
+        out += RowRing<kPartials>::kPackFloats;
+      }
+    }
+  }
+
+  // Writes the band's rows of the gradient. The window is symmetric, so the derivative of the
+  // windowed means is the same window over the partials. Not inlined: the loop needs all registers.
+  template <bool kWithSsim>
+  HWY_NOINLINE void Leave(int group) {
+    ColumnWindow<kPartials> columns(window_, partials_, group);
+    const Pack zero(0.0f), factor(-weights_.dssim), two(2.0f);
+    Pack sums[kGroup] = {zero, zero, zero, zero, zero};
+    const int rows = std::min(kGroup, band_.row_end - RowAt(group, 0));
+    const ValueWeights weights = weights_;
+    const float *u_row = SumRow(group, 0), *v_row = DifferenceRow(group, 0);
+    float* d_x = d_x_ + size_t(RowAt(group, 0)) * band_.width;
+    for (int i = 0; i < band_.width; i += int(kLanes)) {
+      Pack c[kPartials][kGroup];
+      if constexpr (kWithSsim) columns.Next(c);
+      for (int j = 0; j < rows; ++j) {
+        const Pack v = LoadPack(v_row + j * stride_ + i);
+        sums[j] += Pointwise(weights, v);
+        Pack d = PointwiseVjp(weights, v);
+        if constexpr (kWithSsim) {
+          const Pack u = LoadPack(u_row + j * stride_ + i);
+          d += factor * (c[0][j] + two * (u * c[1][j] + v * c[2][j]));
+        }
+        StoreFirst(d, d_x + size_t(j) * band_.width + i, band_.width - i);
+      }
+    }
+    for (int j = 0; j < rows; ++j) sums_.pointwise += Sum(sums[j]);
+  }
+
+  const SsimBand& band_;
+  const ValueWeights weights_;
+  float* const d_x_;
+  const size_t stride_;
+  const Window window_;
+  float* const rows_;  // [kPaddedRows, stride]: u, v, partials
+  const RowRing<kMoments> moments_;
+  const RowRing<kPartials> partials_;
+  LossSums sums_;
 };
 
-// out[i] = sum_k w[k] padded[i + k]: plain loops, vectorised by the compiler for this target.
-void ConvolveRow(const Window& window,
-                 const float* __restrict padded,
-                 int n,
-                 float* __restrict out) {
-  for (int i = 0; i < n; ++i) {
-    float sum = 0;
-    for (int k = 0; k < kTaps; ++k) sum += window.w[k] * padded[i + k];
-    out[i] = sum;
-  }
+LossSums Evaluate(const SsimBand& band, const ValueWeights& weights, float* scratch, float* d_x) {
+  BandLoop loop(band, weights, scratch, d_x);
+  return weights.dssim != 0 ? loop.Run() : loop.RunWithoutSsim();
 }
 
-// The same down a column of rows that are `stride` apart.
-void ConvolveColumn(const Window& window,
-                    const float* __restrict rows,
-                    size_t stride,
-                    int n,
-                    float* __restrict out) {
-  for (int i = 0; i < n; ++i) {
-    float sum = 0;
-    for (int k = 0; k < kTaps; ++k) sum += window.w[k] * rows[i + k * stride];
-    out[i] = sum;
-  }
+double SumOfSsim(const SsimBand& band, float* scratch) {
+  return BandLoop(band, {0, 0, 1}, scratch, nullptr).Run().ssim;
 }
 
-// Horizontally convolved rows [row_begin - R, row_end + R) of `planes` quantities; make_row fills
-// the padded rows of one image row. Rows beyond the image are zero.
-template <int kPlanes, class MakeRow>
-void ConvolveRows(const SsimBand& band,
-                  const Window& window,
-                  const MakeRow& make_row,
-                  float* padded,
-                  float* out) {
-  const int w = band.width;
-  const size_t padded_width = w + 2 * kSsimRadius;
-  std::fill(padded, padded + kPlanes * padded_width, 0.0f);
-  float* row_out = out;
-  for (int y = band.row_begin - kSsimRadius; y < band.row_end + kSsimRadius; ++y) {
-    if (y < 0 || y >= band.height) {
-      std::fill(row_out, row_out + size_t(kPlanes) * w, 0.0f);
-    } else {
-      make_row(y, padded + kSsimRadius, padded_width);
-      for (int p = 0; p < kPlanes; ++p)
-        ConvolveRow(window, padded + p * padded_width, w, row_out + size_t(p) * w);
-    }
-    row_out += size_t(kPlanes) * w;
-  }
-}
-
-struct MomentRows {
-  const SsimBand& band;
-  void operator()(int row, float* __restrict out, size_t stride) const {
-    const float* __restrict x = band.x + size_t(row) * band.width;
-    const float* __restrict y = band.y + size_t(row) * band.width;
-    for (int i = 0; i < band.width; ++i) {
-      out[i] = x[i];
-      out[stride + i] = y[i];
-      out[2 * stride + i] = x[i] * x[i];
-      out[3 * stride + i] = y[i] * y[i];
-      out[4 * stride + i] = x[i] * y[i];
-    }
-  }
-};
-
-struct PartialRows {
-  const SsimBand& band;
-  void operator()(int row, float* __restrict out, size_t stride) const {
-    const size_t from = size_t(row) * band.width;
-    for (int i = 0; i < band.width; ++i) {
-      out[i] = band.partial_x[from + i];
-      out[stride + i] = band.partial_xx[from + i];
-      out[2 * stride + i] = band.partial_xy[from + i];
-    }
-  }
-};
-
-double ForwardBand(const SsimBand& band, float* scratch) {
-  const Window window;
-  const int w = band.width;
-  float* columns = scratch;
-  float* padded = columns + 5 * size_t(w);
-  float* rows = padded + 5 * size_t(w + 2 * kSsimRadius);
-  ConvolveRows<5>(band, window, MomentRows{band}, padded, rows);
-  double sum = 0;
-  for (int y = band.row_begin; y < band.row_end; ++y) {
-    const float* first = rows + size_t(y - band.row_begin) * 5 * w;
-    for (int p = 0; p < 5; ++p)
-      ConvolveColumn(window, first + size_t(p) * w, 5 * size_t(w), w, columns + size_t(p) * w);
-    float* __restrict ssim = padded;
-    for (int i = 0; i < w; ++i) {
-      const SsimMoments<float> m{
-          columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i], columns[4 * w + i]};
-      ssim[i] = Ssim(m);
-    }
-    for (int i = 0; i < w; ++i) sum += ssim[i];
-    if (!band.partial_x) continue;
-    const size_t to = size_t(y) * w;
-    for (int i = 0; i < w; ++i) {
-      const SsimMoments<float> m{
-          columns[i], columns[w + i], columns[2 * w + i], columns[3 * w + i], columns[4 * w + i]};
-      const SsimPartials<float> d = SsimVjp(m);
-      band.partial_x[to + i] = d.x;
-      band.partial_xx[to + i] = d.xx;
-      band.partial_xy[to + i] = d.xy;
-    }
-  }
-  return sum;
-}
-
-// The window is symmetric, so the derivative of the windowed means is the same convolution.
-void BackwardBand(const SsimBand& band, float factor, float* scratch, float* d_x) {
-  const Window window;
-  const int w = band.width;
-  float* columns = scratch;
-  float* padded = columns + 5 * size_t(w);
-  float* rows = padded + 5 * size_t(w + 2 * kSsimRadius);
-  ConvolveRows<3>(band, window, PartialRows{band}, padded, rows);
-  for (int y = band.row_begin; y < band.row_end; ++y) {
-    const float* first = rows + size_t(y - band.row_begin) * 3 * w;
-    for (int p = 0; p < 3; ++p)
-      ConvolveColumn(window, first + size_t(p) * w, 3 * size_t(w), w, columns + size_t(p) * w);
-    const size_t at = size_t(y) * w;
-    for (int i = 0; i < w; ++i)
-      d_x[at + i] += factor * (columns[i] + 2 * band.x[at + i] * columns[w + i] +
-                               band.y[at + i] * columns[2 * w + i]);
-  }
-}
-
-size_t ScratchSize(int width, int rows) {
-  return 5 * (size_t(width) + (width + 2 * kSsimRadius) + size_t(rows + 2 * kSsimRadius) * width);
-}
+size_t ScratchSize(int width) { return BandLoop::Scratch(width); }
 
 COSPLAT_MATH_END
 
 #if HWY_ONCE
 namespace cosplat {
 namespace math {
-HWY_EXPORT(ForwardBand);
-HWY_EXPORT(BackwardBand);
+HWY_EXPORT(Evaluate);
+HWY_EXPORT(SumOfSsim);
 }  // namespace math
 
-size_t SsimScratch(int width, int rows) { return math::HWY_NAMESPACE::ScratchSize(width, rows); }
-double SsimForward(const SsimBand& band, float* scratch) {
+// The same for every instruction set.
+size_t SsimScratch(int width) { return math::HWY_NAMESPACE::ScratchSize(width); }
+
+LossSums EvaluateBand(const SsimBand& band,
+                      const ValueWeights& weights,
+                      float* scratch,
+                      float* d_x) {
   using namespace math;
-  return HWY_DYNAMIC_DISPATCH(ForwardBand)(band, scratch);
+  return HWY_DYNAMIC_DISPATCH(Evaluate)(band, weights, scratch, d_x);
 }
-void SsimBackward(const SsimBand& band, float factor, float* scratch, float* d_x) {
+
+double SsimOfBand(const SsimBand& band, float* scratch) {
   using namespace math;
-  HWY_DYNAMIC_DISPATCH(BackwardBand)(band, factor, scratch, d_x);
+  return HWY_DYNAMIC_DISPATCH(SumOfSsim)(band, scratch);
 }
 
 }  // namespace cosplat

@@ -1,28 +1,44 @@
-// Windowed SSIM over a band of rows of one channel: the vectorised inner part of splat/loss.cpp.
+// The photometric loss over a band of rows of one channel: the vectorised inner part of
+// splat/loss.cpp. One pass: the rendering and the photograph's bytes are read and the gradient is
+// written; what the window needs of the rows around is kept for fifteen rows, not for an image.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace cosplat {
 
-// One channel's planes, [height, width], and the rows [row_begin, row_end) to work on.
 struct SsimBand {
-  int width = 0, height = 0;
-  int row_begin = 0, row_end = 0;
-  const float* x = nullptr;
-  const float* y = nullptr;
-  float* partial_x = nullptr;  // dSSIM/d(window mean of x) at each pixel; null: not wanted
-  float* partial_xx = nullptr;
-  float* partial_xy = nullptr;
+  int width = 0, height = 0;        // px, of the image
+  int row_begin = 0, row_end = 0;   // the band
+  const float* x = nullptr;         // a rendered channel [height, width]
+  const float* planar = nullptr;    // its target in [0, 1], likewise; or else bytes:
+  const uint8_t* target = nullptr;  // [height, width, target_channels], from that channel's byte
+  const uint8_t* alpha = nullptr;   // likewise, of straight-alpha RGBA
+  int target_channels = 0;          // 1, 3 or 4
+  float background = 0;             // where alpha is below 255
 };
 
-// Floats of scratch that either function needs.
-size_t SsimScratch(int width, int rows);
+// Of one value's part in the loss: l1 |x - y| + mse (x - y)^2 - dssim SSIM.
+struct ValueWeights {
+  float l1 = 0, mse = 0, dssim = 0;
+};
 
-// Returns the sum of SSIM over the band; writes the partials when they are given.
-double SsimForward(const SsimBand& band, float* scratch);
+// Sums over a band of l1 |x - y| + mse (x - y)^2, and of SSIM where its weight is not zero.
+struct LossSums {
+  double pointwise = 0, ssim = 0;
+};
 
-// Adds factor * d(sum of SSIM over the image)/dx to d_x [height, width], over the band's rows.
-void SsimBackward(const SsimBand& band, float factor, float* scratch, float* d_x);
+// Floats of scratch that the functions below need, 64-byte aligned.
+size_t SsimScratch(int width);
+
+// Writes the gradient of the sum over the image to the band's rows of d_x [height, width].
+LossSums EvaluateBand(const SsimBand& band,
+                      const ValueWeights& weights,
+                      float* scratch,
+                      float* d_x);
+
+// The band's part of the sum of SSIM.
+double SsimOfBand(const SsimBand& band, float* scratch);
 
 }  // namespace cosplat

@@ -1,5 +1,9 @@
 // Structural similarity at one pixel from local moments (Wang et al. 2004, eq. 13), and its
-// derivative with respect to the moments of the first image.
+// derivative with respect to them.
+//
+// With u = x + y and v = x - y, the products of eq. 13 are sums and differences of squares:
+// 4 mu_x mu_y = mu_u^2 - mu_v^2 and 4 cov = var_u - var_v, so that four windowed means are enough
+// where x, y, x^2, y^2 and x y would be five.
 #if defined(COSPLAT_SPLAT_MATH_SSIM_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_SSIM_H_
 #undef COSPLAT_SPLAT_MATH_SSIM_H_
@@ -13,47 +17,54 @@ COSPLAT_MATH_BEGIN
 
 // Window: Gaussian, sigma 1.5 px, 11 x 11, zero beyond the border (3DGS). Values in [0, 1].
 constexpr int kSsimRadius = 5;
+constexpr float kSsimSigma = 1.5f;
 constexpr float kSsimC1 = 0.01f * 0.01f;
 constexpr float kSsimC2 = 0.03f * 0.03f;
 
-// Windowed means of x, y, x^2, y^2 and x y.
+// Windowed means of u, v, u^2 and v^2.
 template <class T>
 struct SsimMoments {
-  T x, y, xx, yy, xy;
+  T u, v, uu, vv;
+};
+
+// The four factors of SSIM = a1 a2 / (b1 b2).
+template <class T>
+struct SsimTerms {
+  T a1, a2, b1, b2;
 };
 
 // Variances are clamped at 0: on constant images rounding makes them slightly negative.
 template <class T>
-COSPLAT_HD T Ssim(const SsimMoments<T>& m) {
-  const T var_x = Max(m.xx - m.x * m.x, T(0));
-  const T var_y = Max(m.yy - m.y * m.y, T(0));
-  const T cov = m.xy - m.x * m.y;
-  const T a1 = T(2) * m.x * m.y + T(kSsimC1);
-  const T a2 = T(2) * cov + T(kSsimC2);
-  const T b1 = m.x * m.x + m.y * m.y + T(kSsimC1);
-  const T b2 = var_x + var_y + T(kSsimC2);
-  return (a1 * a2) / (b1 * b2);
+COSPLAT_HD SsimTerms<T> SsimTermsOf(const SsimMoments<T>& m) {
+  const T half(0.5f), uu = m.u * m.u, vv = m.v * m.v;
+  const T var_u = Max(m.uu - uu, T(0)), var_v = Max(m.vv - vv, T(0));
+  return {half * (uu - vv) + T(kSsimC1),
+          half * (var_u - var_v) + T(kSsimC2),
+          half * (uu + vv) + T(kSsimC1),
+          half * (var_u + var_v) + T(kSsimC2)};
 }
 
-// d/d(x, xx, xy) for d_ssim = 1.
+template <class T>
+COSPLAT_HD T Ssim(const SsimMoments<T>& m) {
+  const SsimTerms<T> s = SsimTermsOf(m);
+  return s.a1 * s.a2 * (T(1) / (s.b1 * s.b2));
+}
+
+// d/d(u^2, v^2), and d/du + d/dv: a change of x moves the means of u and v alike. For d_ssim = 1.
 template <class T>
 struct SsimPartials {
-  T x, xx, xy;
+  T mean, uu, vv;
 };
 template <class T>
 COSPLAT_HD SsimPartials<T> SsimVjp(const SsimMoments<T>& m) {
-  const T raw_var_x = m.xx - m.x * m.x;
-  const T free_x = Select(raw_var_x > T(0), T(1), T(0));
-  const T var_y = Max(m.yy - m.y * m.y, T(0));
-  const T a1 = T(2) * m.x * m.y + T(kSsimC1);
-  const T a2 = T(2) * (m.xy - m.x * m.y) + T(kSsimC2);
-  const T b1 = m.x * m.x + m.y * m.y + T(kSsimC1);
-  const T b2 = Max(raw_var_x, T(0)) + var_y + T(kSsimC2);
-  const T inv = T(1) / (b1 * b2);
-  const T d_cov = T(2) * a1 * inv;
-  const T d_var_x = -(a1 * a2 * inv / b2) * free_x;
-  const T d_mean = T(2) * m.y * a2 * inv - T(2) * m.x * (a1 * a2 * inv / b1);
-  return {d_mean - T(2) * m.x * d_var_x - m.y * d_cov, d_var_x, d_cov};
+  const SsimTerms<T> s = SsimTermsOf(m);
+  const T half(0.5f), inv = T(1) / (s.b1 * s.b2);
+  const T ssim_inv = s.a1 * s.a2 * inv * inv;                       // SSIM / (b1 b2)
+  const T d_a1 = half * s.a2 * inv, d_b1 = half * ssim_inv * s.b2;  // the latter negated
+  const T d_a2 = half * s.a1 * inv, d_b2 = half * ssim_inv * s.b1;
+  const T d_uu = Select(m.uu - m.u * m.u > T(0), d_a2 - d_b2, T(0));
+  const T d_vv = Select(m.vv - m.v * m.v > T(0), -(d_a2 + d_b2), T(0));
+  return {T(2) * (m.u * (d_a1 - d_b1 - d_uu) - m.v * (d_a1 + d_b1 + d_vv)), d_uu, d_vv};
 }
 
 COSPLAT_MATH_END

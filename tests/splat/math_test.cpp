@@ -270,17 +270,26 @@ TEST(Blend, ManyOpaqueSplatsStayFinite) {
 }
 
 TEST(Ssim, EqualImagesGiveOneAndVjpMatches) {
-  EXPECT_NEAR(Ssim(SsimMoments<double>{0.4, 0.4, 0.2, 0.2, 0.2}), 1, 1e-12);
+  // u = x + y and v = x - y of two images; those of equal ones are 2x and 0.
+  EXPECT_NEAR(Ssim(SsimMoments<double>{0.8, 0, 0.8, 0}), 1, 1e-12);
+  // Means 0.4 and 0.5, E[x^2] = 0.25, E[y^2] = 0.3, E[xy] = 0.22, in eq. 13 as it is written.
+  const double c1 = kSsimC1, c2 = kSsimC2, var_x = 0.25 - 0.16, var_y = 0.3 - 0.25;
+  EXPECT_NEAR(Ssim(SsimMoments<double>{0.9, -0.1, 0.55 + 0.44, 0.55 - 0.44}),
+              (2 * 0.4 * 0.5 + c1) * (2 * (0.22 - 0.4 * 0.5) + c2) /
+                  ((0.16 + 0.25 + c1) * (var_x + var_y + c2)),
+              1e-12);
+  // The VJP's first is along both means at once, as a change of x moves them.
   const auto f = [](const auto& x) {
     using T = typename std::decay_t<decltype(x)>::value_type;
-    return std::vector<T>{Ssim(SsimMoments<T>{x[0], T(0.5), x[1], T(0.3), x[2]})};
+    return std::vector<T>{Ssim(SsimMoments<T>{T(0.9) + x[0], T(-0.1) + x[0], x[1], x[2]})};
   };
   const auto vjp = [](const std::vector<double>& x, const std::vector<double>& d) {
-    const auto p = SsimVjp(SsimMoments<double>{x[0], 0.5, x[1], 0.3, x[2]});
-    return std::vector<double>{p.x * d[0], p.xx * d[0], p.xy * d[0]};
+    const auto p = SsimVjp(SsimMoments<double>{0.9 + x[0], -0.1 + x[0], x[1], x[2]});
+    return std::vector<double>{p.mean * d[0], p.uu * d[0], p.vv * d[0]};
   };
-  ExpectVjpMatchesDual(f, vjp, {0.4, 0.25, 0.22});
-  ExpectVjpMatchesDual(f, vjp, {0.4, 0.15, 0.22});  // variance clamped at zero
+  ExpectVjpMatchesDual(f, vjp, {0.02, 0.99, 0.11});
+  ExpectVjpMatchesDual(f, vjp, {0.02, 0.7, 0.11});    // one variance clamped at zero
+  ExpectVjpMatchesDual(f, vjp, {0.02, 0.99, 0.001});  // the other
 }
 
 TEST(Adam, FirstStepMovesByTheRate) {
