@@ -11,9 +11,6 @@
 namespace cosplat {
 namespace {
 
-// Checked here because the packs read vertices as rows of floats.
-static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
-
 using Corners = std::array<SurfaceVertex, 3>;
 
 void CheckSize(const char* field, size_t found, size_t expected) {

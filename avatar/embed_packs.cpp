@@ -10,72 +10,10 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
+#include "avatar/gather_rows.h"
 #include "avatar/math/embed.h"
-#include "splat/cpu/pack_rows.h"
 
 COSPLAT_MATH_BEGIN
-
-// Index of a row per lane; lanes beyond the rows repeat the first.
-using LaneRows = std::array<int32_t, kLanes>;
-template <class F>
-HWY_INLINE LaneRows RowPerLane(const Rows& rows, const F& row_of) {
-  LaneRows r;
-  for (size_t l = 0; l < kLanes; ++l) r[l] = row_of(rows.first + (l < rows.count ? l : 0));
-  return r;
-}
-
-#if HWY_TARGET != HWY_SCALAR
-// Like LoadBlocks of splat/cpu/pack_rows.h, of rows that are anywhere: rows[0], rows[4], ...
-template <class D>
-HWY_INLINE hn::Vec<D> GatherBlocks(D d, const float* array, size_t width, const int32_t* rows) {
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    return hn::LoadU(d, array + width * size_t(rows[0]));
-  } else {
-    const hn::Half<D> half;
-    return hn::Combine(d,
-                       GatherBlocks(half, array, width, rows + hn::MaxLanes(half)),
-                       GatherBlocks(half, array, width, rows));
-  }
-}
-#endif
-
-// LoadRows of rows that are anywhere; 4 <= kUsed <= width.
-template <int kUsed>
-HWY_INLINE void GatherRows(const float* array, size_t width, const LaneRows& rows, Pack* out) {
-#if HWY_TARGET != HWY_SCALAR
-  for (int k = 0; k < kUsed; k += 4) {
-    const int from = FourFrom<kUsed>(k);
-    for (int r = 0; r < 4; ++r)
-      out[from + r] = Pack(GatherBlocks(Lanes(), array + from, width, rows.data() + r));
-    Transpose4x4(Lanes(), out[from].v, out[from + 1].v, out[from + 2].v, out[from + 3].v);
-  }
-#else
-  for (int k = 0; k < kUsed; ++k) out[k] = Pack(array[width * size_t(rows[0]) + k]);
-#endif
-}
-
-void PoseFacesRange(const PoseFacesJob& job, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; i += kLanes) {
-    const Rows rows{i, std::min(kLanes, end - i)};
-    Three<Vec3<Pack>> p;
-    for (int c = 0; c < 3; ++c) {
-      Pack row[4];  // the position and a number that is not used
-      GatherRows<4>(job.vertices,
-                    kSurfaceVertexFloats,
-                    RowPerLane(rows, [&](size_t f) { return job.faces[f][c]; }),
-                    row);
-      p[c] = {row[0], row[1], row[2]};
-    }
-    Mat3<Pack> canonical;
-    LoadRows<9>(job.canonical_frames, 9, rows, canonical.m);
-    const Vec3<Pack> area = AreaVector(p[0], p[1], p[2]);
-    const Quat<Pack> q = FaceRotation(p[0], p[1], p[2], canonical);
-    const Pack area_row[4] = {area.x, area.y, area.z, Length(area)};
-    const Pack rotation_row[4] = {q.w, q.x, q.y, q.z};
-    StoreRows<4>(area_row, job.area, 4, rows);
-    StoreRows<4>(rotation_row, job.rotation, 4, rows);
-  }
-}
 
 // What Embed takes, a Gaussian per lane.
 struct EmbedInput {
@@ -179,7 +117,6 @@ COSPLAT_MATH_END
 #if HWY_ONCE
 namespace cosplat {
 namespace math {
-HWY_EXPORT(PoseFacesRange);
 HWY_EXPORT(EmbedRange);
 HWY_EXPORT(EmbedVjpRange);
 }  // namespace math
@@ -187,13 +124,6 @@ HWY_EXPORT(EmbedVjpRange);
 namespace {
 constexpr size_t kGrain = 512;  // a multiple of every pack's lanes
 }  // namespace
-
-void LaunchPoseFaces(const PoseFacesJob& job) {
-  using namespace math;
-  ParallelForRanges(job.count, kGrain, [&](size_t begin, size_t end) {
-    HWY_DYNAMIC_DISPATCH(PoseFacesRange)(job, begin, end);
-  });
-}
 
 void LaunchEmbed(const EmbedJob& job, const PosedArrays<float>& out) {
   using namespace math;

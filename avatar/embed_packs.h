@@ -1,27 +1,15 @@
-// The element-wise loops of avatar/surface.h and avatar/binding.h: the formulas of avatar/math on
-// SIMD packs, compiled per instruction set and run over oneTBB. Plain arrays, and none of the
-// formulas' headers: those are included once per instruction set.
+// The loops of avatar/binding.h over Gaussians: the formulas of avatar/math/embed.h on SIMD packs,
+// compiled per instruction set and run over oneTBB. Plain arrays, and none of the formulas'
+// headers: those are included once per instruction set.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "avatar/surface_packs.h"
+
 namespace cosplat {
-
-// Rows of a SurfaceVertex array: position 3, normal 3, rotation 4, area 1.
-constexpr size_t kSurfaceVertexFloats = 11;
-
-// The faces of a mesh in a pose.
-struct PoseFacesJob {
-  size_t count = 0;
-  const std::array<int32_t, 3>* faces = nullptr;  // [F]
-  const float* vertices = nullptr;                // [V, kSurfaceVertexFloats]; positions are read
-  const float* canonical_frames = nullptr;        // [F, 9] row-major
-  float* area = nullptr;                          // [F, 4] out: area vector, its length
-  float* rotation = nullptr;                      // [F, 4] out: wxyz, canonical to posed
-};
-void LaunchPoseFaces(const PoseFacesJob& job);
 
 // Gaussians on the triangles of a posed mesh. The triangles must exist.
 struct EmbedJob {

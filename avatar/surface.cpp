@@ -4,16 +4,17 @@
 #include <cmath>
 #include <string>
 
-#include "avatar/embed_packs.h"
 #include "avatar/parallel_for.h"
+#include "avatar/surface_packs.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
-using math::Quat;
-using math::Three;
 using math::Vec3;
+
+// Checked here because the packs read vertices as rows of floats.
+static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
 
 // Square root of the total area of FLAME 2023's template (5,023 vertices, 9,976 faces): measured
 // as sqrt(0.181554 m^2) on the openly licensed release.
@@ -45,13 +46,12 @@ std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights) {
 Surface::Surface(const CanonicalMesh& mesh)
     : faces_(mesh.faces),
       topology_(BuildTopology("canonical mesh", mesh.faces, int(mesh.vertices.size() / 3))),
-      vertex_face_of_corner_(3 * mesh.faces.size()),
+      corner_places_(3 * mesh.faces.size()),
       canonical_frames_(mesh.faces.size()),
       vertices_(mesh.vertices.size() / 3),
-      face_areas_(mesh.faces.size()),
-      face_rotations_(mesh.faces.size()),
-      signs_(topology_.vertex_faces.size()),
-      vertex_tape_(mesh.vertices.size() / 3) {
+      posed_faces_(kPosedFaceFloats * (mesh.faces.size() + 1)),
+      sums_(kVertexSumFloats * vertices_.size()),
+      signs_(topology_.vertex_faces.size()) {
   if (faces_.empty()) throw Error("canonical mesh", "faces", "there are none");
   CheckVertices(mesh.vertices, vertices_.size());
   const auto at = [&](int32_t v) {
@@ -62,7 +62,7 @@ Surface::Surface(const CanonicalMesh& mesh)
   for (size_t v = 0; v < vertices_.size(); ++v)
     for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
       const size_t f = topology_.vertex_faces[k];
-      vertex_face_of_corner_[3 * f + CornerOf(faces_[f], v)] = k;
+      corner_places_[3 * f + CornerOf(faces_[f], v)] = k;
     }
   Pose(mesh.vertices);
   canonical_ = vertices_;
@@ -71,99 +71,43 @@ Surface::Surface(const CanonicalMesh& mesh)
     for (int c = 0; c < 3; ++c) canonical_areas_[4 * f + c] = canonical_[faces_[f][c]].area;
 }
 
-Three<Vec3<float>> Surface::Corners(size_t face) const {
-  const auto& f = faces_[face];
-  return {{vertices_[f[0]].position, vertices_[f[1]].position, vertices_[f[2]].position}};
+SurfaceArrays Surface::Arrays() const {
+  SurfaceArrays arrays;
+  arrays.face_count = faces_.size();
+  arrays.vertex_count = vertices_.size();
+  arrays.faces = faces_.data();
+  arrays.vertex_face_begin = topology_.vertex_face_begin.data();
+  arrays.vertex_faces = topology_.vertex_faces.data();
+  arrays.corner_places = corner_places_.data();
+  arrays.canonical_frames = canonical_frames_.data()->m;
+  arrays.vertices = const_cast<float*>(&vertices_.data()->position.x);
+  arrays.posed_faces = const_cast<float*>(posed_faces_.data());
+  arrays.sums = const_cast<float*>(sums_.data());
+  arrays.signs = const_cast<float*>(signs_.data());
+  return arrays;
 }
 
 void Surface::Pose(const std::vector<float>& vertices) {
   CheckVertices(vertices, vertices_.size());
   for (size_t v = 0; v < vertices_.size(); ++v)
     vertices_[v].position = {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-  PoseFacesJob job;
-  job.count = faces_.size();
-  job.faces = faces_.data();
-  job.vertices = &vertices_.data()->position.x;
-  job.canonical_frames = canonical_frames_.data()->m;
-  job.area = &face_areas_.data()->vector.x;
-  job.rotation = &face_rotations_.data()->w;
-  LaunchPoseFaces(job);
-  ParallelFor(vertices_.size(), [&](size_t v) { PoseVertex(v); });
-}
-
-// Each rotation is added in the hemisphere of the sum so far, which therefore only grows: face
-// rotations cannot cancel at a vertex.
-void Surface::PoseVertex(size_t vertex) {
-  Vec3<float> normal{0, 0, 0};
-  Quat<float> rotation{0, 0, 0, 0};
-  float area = 0;
-  const int32_t begin = topology_.vertex_face_begin[vertex];
-  const int32_t end = topology_.vertex_face_begin[vertex + 1];
-  for (int32_t k = begin; k < end; ++k) {
-    const int32_t f = topology_.vertex_faces[k];
-    const AreaOfFace& face = face_areas_[f];
-    const Quat<float>& q = face_rotations_[f];
-    const float sign = math::HemisphereSign(rotation, q);
-    signs_[k] = sign;
-    normal += face.vector;
-    rotation = rotation + q * (sign * face.size);
-    area += face.size;
-  }
-  // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
-  // Normalize's floor, which is meant for quaternions of order 1, sees it.
-  if (area > 0) rotation = rotation * (1 / area);
-  vertex_tape_[vertex] = {normal, rotation};
-  vertices_[vertex].normal = math::Normalize(normal);
-  vertices_[vertex].rotation = math::Normalize(rotation);
-  vertices_[vertex].area = end > begin ? area / float(end - begin) : 0;
-}
-
-// `d_sums`: dL/d of a vertex's normal sum, rotation sum (before its division by the area) and mean
-// area divided by the number of faces.
-Surface::FaceAdjoint Surface::FaceBackward(size_t face, const Buffer<SurfaceVertex>& d_sums) const {
-  const Vec3<float>& area_vector = face_areas_[face].vector;
-  Vec3<float> d_vector{0, 0, 0};
-  Quat<float> d_rotation{0, 0, 0, 0};
-  float d_area = 0;
-  for (int c = 0; c < 3; ++c) {
-    const SurfaceVertex& d = d_sums[faces_[face][c]];
-    const float sign = signs_[vertex_face_of_corner_[3 * face + c]];
-    d_vector += d.normal;
-    d_rotation = d_rotation + d.rotation * (sign * face_areas_[face].size);
-    d_area += d.area + sign * math::Dot(face_rotations_[face], d.rotation);
-  }
-  d_vector += math::LengthVjp(area_vector, d_area);
-  FaceAdjoint out{};
-  const auto p = Corners(face);
-  auto& d = out.d_corner;
-  math::AreaVectorVjp(p[0], p[1], p[2], d_vector, d[0], d[1], d[2]);
-  math::FaceRotationVjp(p[0], p[1], p[2], canonical_frames_[face], d_rotation, d[0], d[1], d[2]);
-  return out;
+  LaunchPoseSurface(Arrays());
 }
 
 void Surface::Backward(const Buffer<SurfaceVertex>& d_surface,
                        std::vector<float>& d_vertices) const {
   Buffer<SurfaceVertex> d_sums(vertices_.size());
-  ParallelFor(vertices_.size(), [&](size_t v) {
-    const SurfaceVertex& d = d_surface[v];
-    const int32_t count = topology_.vertex_face_begin[v + 1] - topology_.vertex_face_begin[v];
-    const float area = vertices_[v].area * float(count);
-    // Dividing the rotation sum by the area changes its norm only, which Normalize ignores: the
-    // area may be taken as a constant there.
-    const Quat<float> d_rotation = math::NormalizeVjp(vertex_tape_[v].rotation_sum, d.rotation);
-    d_sums[v].position = d.position;
-    d_sums[v].normal = math::NormalizeVjp(vertex_tape_[v].normal_sum, d.normal);
-    d_sums[v].rotation = area > 0 ? d_rotation * (1 / area) : Quat<float>{0, 0, 0, 0};
-    d_sums[v].area = count > 0 ? d.area / float(count) : 0;
-  });
-  std::vector<FaceAdjoint> adjoints(faces_.size());
-  ParallelFor(faces_.size(), [&](size_t f) { adjoints[f] = FaceBackward(f, d_sums); });
+  std::vector<std::array<Vec3<float>, 3>> d_corners(faces_.size());
+  LaunchPoseSurfaceVjp(Arrays(),
+                       &d_surface.data()->position.x,
+                       &d_sums.data()->position.x,
+                       &d_corners.data()->front().x);
   d_vertices.resize(3 * vertices_.size());
   ParallelFor(vertices_.size(), [&](size_t v) {
     Vec3<float> sum = d_sums[v].position;
     for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
       const int32_t f = topology_.vertex_faces[k];
-      sum += adjoints[f].d_corner[CornerOf(faces_[f], v)];
+      sum += d_corners[f][CornerOf(faces_[f], v)];
     }
     d_vertices[3 * v] = sum.x;
     d_vertices[3 * v + 1] = sum.y;

@@ -11,9 +11,11 @@
 #include "avatar/avatar_model.h"
 #include "avatar/math/embed.h"
 #include "flame/topology.h"
+#include "splat/buffer.h"
 
 namespace cosplat {
 
+struct SurfaceArrays;  // avatar/surface_packs.h
 using SurfaceVertex = math::SurfaceVertex<float>;
 
 // A place on a mesh: a face and the weights (u, v) of its vertices 0 and 1; 1 - u - v is that of
@@ -58,34 +60,18 @@ class Surface {
   const Buffer<float>& canonical_areas() const { return canonical_areas_; }
 
  private:
-  struct AreaOfFace {          // a row as avatar/embed_packs.h writes it
-    math::Vec3<float> vector;  // normal times area
-    float size;                // m^2
-  };
-  struct VertexTape {
-    math::Vec3<float> normal_sum;
-    math::Quat<float> rotation_sum;
-  };
-  struct FaceAdjoint {
-    std::array<math::Vec3<float>, 3> d_corner;
-  };
-
-  math::Three<math::Vec3<float>> Corners(size_t face) const;
-  void PoseVertex(size_t vertex);
-  FaceAdjoint FaceBackward(size_t face, const Buffer<SurfaceVertex>& d_sums) const;
+  // The arrays of the mesh and of its last pose. Only Pose lets the latter be written.
+  SurfaceArrays Arrays() const;
 
   std::vector<std::array<int32_t, 3>> faces_;
   MeshTopology topology_;
-  std::vector<int32_t> vertex_face_of_corner_;  // [F, 3] index into topology_.vertex_faces
+  std::vector<int32_t> corner_places_;          // [F, 3] where vertex_faces lists the corner
   Buffer<math::Mat3<float>> canonical_frames_;  // [F]
-  Buffer<SurfaceVertex> canonical_;
+  Buffer<SurfaceVertex> canonical_;             // [V]
   Buffer<float> canonical_areas_;
+  // The last pose, as avatar/surface_packs.h lays it out.
   Buffer<SurfaceVertex> vertices_;
-  Buffer<AreaOfFace> face_areas_;             // [F]
-  Buffer<math::Quat<float>> face_rotations_;  // [F] canonical to posed
-  // Per entry of topology_.vertex_faces: the hemisphere in which its rotation was added.
-  std::vector<float> signs_;
-  std::vector<VertexTape> vertex_tape_;
+  Buffer<float> posed_faces_, sums_, signs_;
 };
 
 // Square metres: of one face, of the whole mesh. Throws Error on a vertex that does not exist.

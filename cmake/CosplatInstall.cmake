@@ -6,8 +6,10 @@ include(CMakePackageConfigHelpers)
 # may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
 set(COSPLAT_PRIVATE_HEADERS
   avatar/embed_packs.h
+  avatar/gather_rows.h
   avatar/io/
   avatar/parallel_for.h
+  avatar/surface_packs.h
   flame/directions.h
   flame/io/pickle
   flame/io/track_layouts.h

@@ -100,8 +100,7 @@ struct QuatRows {
     row[3] = {wz, xz, yz, one - m(0, 0) - m(1, 1) + m(2, 2)};
   }
   // The value given for the row of the largest diagonal entry; of equal ones the first.
-  template <class V>
-  COSPLAT_HD V OfLargest(const V& w, const V& x, const V& y, const V& z) const {
+  COSPLAT_HD T OfLargest(const T& w, const T& x, const T& y, const T& z) const {
     const T &ww = row[0].w, &xx = row[1].x, &yy = row[2].y, &zz = row[3].z;
     return Select(
         ww >= Max(xx, Max(yy, zz)), w, Select(xx >= Max(yy, zz), x, Select(yy >= zz, y, z)));
@@ -119,21 +118,18 @@ template <class T>
 COSPLAT_HD Quat<T> QuatOfRotation(const Mat3<T>& m) {
   return Normalize(QuatRows<T>(m).Largest());
 }
-// m taken as nine free numbers. Branches: this one is for one face at a time.
+// m taken as nine free numbers.
 template <class T>
 COSPLAT_HD Mat3<T> QuatOfRotationVjp(const Mat3<T>& m, const Quat<T>& d) {
   const QuatRows<T> rows(m);
   const Quat<T> r = NormalizeVjp(rows.Largest(), d);
-  switch (rows.OfLargest(0, 1, 2, 3)) {
-    case 0:
-      return {{r.w, -r.z, r.y, r.z, r.w, -r.x, -r.y, r.x, r.w}};
-    case 1:
-      return {{r.x, r.y, r.z, r.y, -r.x, -r.w, r.z, r.w, -r.x}};
-    case 2:
-      return {{-r.y, r.x, r.w, r.x, r.y, r.z, -r.w, r.z, -r.y}};
-    default:
-      return {{-r.z, -r.w, r.x, r.w, -r.z, r.y, r.x, r.y, r.z}};
-  }
+  const Mat3<T> w{{r.w, -r.z, r.y, r.z, r.w, -r.x, -r.y, r.x, r.w}};
+  const Mat3<T> x{{r.x, r.y, r.z, r.y, -r.x, -r.w, r.z, r.w, -r.x}};
+  const Mat3<T> y{{-r.y, r.x, r.w, r.x, r.y, r.z, -r.w, r.z, -r.y}};
+  const Mat3<T> z{{-r.z, -r.w, r.x, r.w, -r.z, r.y, r.x, r.y, r.z}};
+  Mat3<T> d_m;
+  for (int i = 0; i < 9; ++i) d_m.m[i] = rows.OfLargest(w.m[i], x.m[i], y.m[i], z.m[i]);
+  return d_m;
 }
 
 // Rotation of a face from its canonical frame to the posed triangle.
