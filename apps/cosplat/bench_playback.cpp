@@ -1,5 +1,6 @@
 #include "apps/cosplat/bench_playback.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/cosplat/progress_bar.h"
@@ -68,9 +69,10 @@ struct Mode {
   const char* name;
   bool pipelined, half_resolution;
 };
-constexpr Mode kOrdinary{"next frame posed meanwhile", true, false};
-constexpr Mode kModes[] = {
-    kOrdinary, {"frame by frame", false, false}, {"half-resolution preview", true, true}};
+// The first is what avatar_fps says.
+constexpr Mode kModes[] = {{"next frame posed meanwhile", true, false},
+                           {"frame by frame", false, false},
+                           {"half-resolution preview", true, true}};
 
 // Calls `seen` with the picture of every frame.
 template <class F>
@@ -89,12 +91,19 @@ void PlayOnce(const std::vector<PlaybackFrame>& motion, bool pipelined, Player& 
   seen(*playback.Finish());
 }
 
-double FramesPerSecond(const BenchRun& run, Player& player, bool pipelined) {
-  static const std::vector<PlaybackFrame> motion = MakeMotion();
-  const double seconds = FastestSeconds(run.quick ? 2 : 6, 1, [&] {
-    PlayOnce(motion, pipelined, player, [](const RenderedImage&) {});
-  });
-  return kFrames / seconds;
+// One player per mode; in turns, so that what else the machine does meets all of them. The fastest
+// pass of each counts.
+std::vector<double> FramesPerSecond(const BenchRun& run, std::vector<Player>& players) {
+  const std::vector<PlaybackFrame> motion = MakeMotion();
+  std::vector<double> best(players.size(), 0);
+  for (int round = 0; round < (run.quick ? 1 : 6); ++round)
+    for (size_t i = 0; i < players.size(); ++i) {
+      const double seconds = FastestSeconds(1, 1, [&] {
+        PlayOnce(motion, kModes[i].pipelined, players[i], [](const RenderedImage&) {});
+      });
+      best[i] = std::max(best[i], kFrames / seconds);
+    }
+  return best;
 }
 
 // Share of the pixels that the head mostly hides, over all frames.
@@ -125,17 +134,18 @@ BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head) {
              {"playback", "frames/s", true},
              {},
              {}};
-  for (const Mode& mode : kModes) {
-    ChartSeries frames{mode.name, {}};
-    for (const size_t splats : counts) {
-      run.progress("playback, " + WithThousands(splats) + " splats");
-      Player player(MakeAvatar(flame, splats), flame, {mode.half_resolution});
-      frames.marks.push_back({double(splats), FramesPerSecond(run, player, mode.pipelined), ""});
-      if (splats != kUsualSplats || mode.name != kOrdinary.name) continue;
-      head["avatar_fps"] = frames.marks.back().y;
-      s.more = {{"covered", CoveredShare(player)}};
-    }
-    s.chart.series.push_back(frames);
+  for (const Mode& mode : kModes) s.chart.series.push_back({mode.name, {}});
+  for (const size_t splats : counts) {
+    run.progress("playback, " + WithThousands(splats) + " splats");
+    std::vector<Player> players;
+    for (const Mode& mode : kModes)
+      players.emplace_back(MakeAvatar(flame, splats), flame, PlayerSettings{mode.half_resolution});
+    const std::vector<double> best = FramesPerSecond(run, players);
+    for (size_t i = 0; i < best.size(); ++i)
+      s.chart.series[i].marks.push_back({double(splats), best[i], ""});
+    if (splats != kUsualSplats) continue;
+    head["avatar_fps"] = best[0];
+    s.more = {{"covered", CoveredShare(players[0])}};
   }
   return s;
 }

@@ -116,8 +116,9 @@ std::vector<BenchSeries> MeasurePairs(const BenchRun& run, const std::vector<Dra
   BenchSeries pairs, times;
   pairs.key = "pairs";
   pairs.explanation =
-      "Splats that the blend loop looks at per pixel (those whose box covers it, before its tile "
-      "is opaque), and those that add 1/255 or more to it.";
+      "Splats that the blend loop works on per pixel (those that reach its block of 4x4, before "
+      "the "
+      "block is opaque), and those that add 1/255 or more to the pixel.";
   pairs.statistic = "mean over pixels";
   pairs.chart = {Chart::Kind::kBars,
                  "Pairs of pixel and splat in whole views",

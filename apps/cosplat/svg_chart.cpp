@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "apps/cosplat/chart_scale.h"
 #include "apps/cosplat/svg_drawing.h"
@@ -33,12 +32,13 @@ bool IsShown(const Chart& chart, const Mark& mark) {
   return shown(mark.x, chart.x) && (chart.kind == Chart::Kind::kBars || shown(mark.y, chart.y));
 }
 
-// Of every series' marks that are shown.
+// Of all marks that are shown.
 std::vector<double> Values(const Chart& chart, double Mark::*member) {
   std::vector<double> values;
-  for (const ChartSeries& series : chart.series)
-    for (const Mark& mark : series.marks)
-      if (IsShown(chart, mark)) values.push_back(mark.*member);
+  for (const auto* all : {&chart.series, &chart.guides})
+    for (const ChartSeries& series : *all)
+      for (const Mark& mark : series.marks)
+        if (IsShown(chart, mark)) values.push_back(mark.*member);
   return values;
 }
 
@@ -131,18 +131,9 @@ class PointPlot {
     drawing_.Text(middle, bottom_ + 42, Caption(chart_.x), SvgAnchor::kMiddle);
     drawing_.UprightText(20, top_ + 0.5 * kPlotHeight, Caption(chart_.y));
   }
-  // Cut where it leaves the plot through its top or bottom.
   void DrawGuide(const Mark& from, const Mark& to) {
-    double x0 = X(from.x), y0 = Y(from.y), x1 = X(to.x), y1 = Y(to.y);
-    const auto cut = [&](double& x, double& y, double to_x, double to_y) {
-      const double edge = std::clamp(y, top_, bottom_);
-      if (edge == y || to_y == y) return;
-      x += (edge - y) / (to_y - y) * (to_x - x);
-      y = edge;
-    };
-    cut(x0, y0, x1, y1);
-    cut(x1, y1, x0, y0);
-    drawing_.DashedLine(x0, y0, x1, y1, kGuide);
+    drawing_.DashedLine(X(from.x), Y(from.y), X(to.x), Y(to.y), kGuide);
+    TakeLine(X(from.x), Y(from.y), X(to.x), Y(to.y));
   }
   void DrawSeries(size_t index) {
     std::string path;
@@ -169,25 +160,31 @@ class PointPlot {
   }
   // Where it covers least of what is there: right of the point, left, above or below.
   void DrawLabel(const Mark& mark, const std::string& color) {
+    struct Place {
+      double x, y;  // of the text's beginning, middle or end; its base line
+      SvgAnchor anchor;
+      SvgBox box;
+    };
     const double x = X(mark.x), y = Y(mark.y), width = SvgTextWidth(mark.label);
     const double middle = std::clamp(x, kMarginLeft + width / 2, kWidth - 4 - width / 2);
-    const std::array<SvgBox, 4> places{
-        SvgBox{x + 8, y - 7, x + 8 + width, y + 7},
-        SvgBox{x - 8 - width, y - 7, x - 8, y + 7},
-        SvgBox{middle - width / 2, y - 22, middle + width / 2, y - 8},
-        SvgBox{middle - width / 2, y + 8, middle + width / 2, y + 22}};
+    const SvgBox above{middle - width / 2, y - 22, middle + width / 2, y - 8};
+    const SvgBox below{above.left, y + 8, above.right, y + 22};
+    const std::array<Place, 4> places{
+        Place{x + 8, y + 4.5, SvgAnchor::kStart, {x + 8, y - 7, x + 8 + width, y + 7}},
+        Place{x - 8, y + 4.5, SvgAnchor::kEnd, {x - 8 - width, y - 7, x - 8, y + 7}},
+        Place{middle, y - 11, SvgAnchor::kMiddle, above},
+        Place{middle, y + 19, SvgAnchor::kMiddle, below}};
     const SvgBox plot{kMarginLeft, top_, kWidth - 4, bottom_};
-    const SvgBox* best = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    for (const SvgBox& place : places) {
-      double cost = 14 * width - Overlap(place, plot);
-      for (const SvgBox& other : taken_) cost += Overlap(place, other);
-      if (cost >= least - 1e-6) continue;
-      best = &place;
-      least = cost;
-    }
-    taken_.push_back(*best);
-    drawing_.Label(best->left, best->bottom - 3, mark.label, color);
+    const auto cost = [&](const Place& place) {
+      double sum = 14 * width - Overlap(place.box, plot);
+      for (const SvgBox& other : taken_) sum += Overlap(place.box, other);
+      return sum;
+    };
+    const Place* best = &places[0];
+    for (const Place& place : places)
+      if (cost(place) < cost(*best) - 1e-6) best = &place;
+    taken_.push_back(best->box);
+    drawing_.Label(best->x, best->y, mark.label, color, best->anchor);
   }
 
   static constexpr double kRight = kWidth - kMarginRight;
@@ -215,7 +212,7 @@ class BarPlot {
       : chart_(chart),
         categories_(Categories(chart)),
         legend_(chart),
-        scale_(Values(chart, &Mark::x), false, true),
+        scale_(Values(chart, &Mark::x), chart.x.log, true),
         top_(legend_.bottom()),
         bars_height_(double(chart.series.size()) * kBar),
         bottom_(top_ + (bars_height_ + kGroupGap) * double(categories_.size())),
@@ -246,8 +243,13 @@ class BarPlot {
     for (size_t i = 0; i < chart_.series.size(); ++i, y += kBar)
       for (const Mark& mark : chart_.series[i].marks) {
         if (mark.label != category || !IsShown(chart_, mark)) continue;
-        drawing_.Rectangle(left_, y + 1, X(mark.x) - left_, kBar - 2, ColorOf(i));
-        drawing_.Label(X(mark.x) + 6, y + kBar - 4, ShortNumber(mark.x), "#222222");
+        if (chart_.x.log) {
+          drawing_.Line(left_, y + kBar / 2, X(mark.x), y + kBar / 2, ColorOf(i));
+          drawing_.Dot(X(mark.x), y + kBar / 2, ColorOf(i));
+        } else {
+          drawing_.Rectangle(left_, y + 1, X(mark.x) - left_, kBar - 2, ColorOf(i));
+        }
+        drawing_.Label(X(mark.x) + 7, y + kBar - 4, ShortNumber(mark.x), "#222222");
       }
   }
 

@@ -27,13 +27,15 @@ struct Chart {
   enum class Kind {
     kLines,   // points joined in their order
     kPoints,  // points alone
-    kBars     // a bar of length x per mark, grouped by label, one below the other; y is not used
+    // A bar of length x per mark, grouped by label, one below the other; y is not used. On a
+    // logarithmic axis, which has no zero for a bar to begin at, a dot on a line.
+    kBars
   };
   Kind kind = Kind::kLines;
   std::string title;
   Axis x, y;
   std::vector<ChartSeries> series;
-  std::vector<ChartSeries> guides;  // dashed lines to compare with; not with bars
+  std::vector<ChartSeries> guides;  // dashed lines to compare with, all shown; not with bars
 };
 
 // Marks that are not finite, or not positive on a logarithmic axis, are left out.

@@ -12,6 +12,12 @@ std::string Attribute(const std::string& name, const std::string& value) {
 }
 std::string Attribute(const std::string& name, double px) { return Attribute(name, SvgNumber(px)); }
 
+std::string AnchorAttribute(SvgAnchor anchor) {
+  if (anchor == SvgAnchor::kMiddle) return Attribute("text-anchor", "middle");
+  if (anchor == SvgAnchor::kEnd) return Attribute("text-anchor", "end");
+  return "";
+}
+
 std::string TextElement(double x,
                         double y,
                         const std::string& text,
@@ -68,18 +74,17 @@ void SvgDrawing::Title(double x, double y, const std::string& text) {
 }
 
 void SvgDrawing::Text(double x, double y, const std::string& text, SvgAnchor anchor) {
-  std::string attributes;
-  if (anchor == SvgAnchor::kMiddle) attributes = Attribute("text-anchor", "middle");
-  if (anchor == SvgAnchor::kEnd) attributes = Attribute("text-anchor", "end");
-  body_ += TextElement(x, y, text, attributes);
+  body_ += TextElement(x, y, text, AnchorAttribute(anchor));
 }
 
-void SvgDrawing::Label(double x, double y, const std::string& text, const std::string& color) {
+void SvgDrawing::Label(
+    double x, double y, const std::string& text, const std::string& color, SvgAnchor anchor) {
   body_ += TextElement(x,
                        y,
                        text,
-                       Attribute("fill", color) + Attribute("stroke", "#ffffff") +
-                           Attribute("stroke-width", 3) + Attribute("paint-order", "stroke"));
+                       AnchorAttribute(anchor) + Attribute("fill", color) +
+                           Attribute("stroke", "#ffffff") + Attribute("stroke-width", 3) +
+                           Attribute("paint-order", "stroke"));
 }
 
 void SvgDrawing::UprightText(double x, double y, const std::string& text) {
@@ -87,7 +92,7 @@ void SvgDrawing::UprightText(double x, double y, const std::string& text) {
       x,
       y,
       text,
-      Attribute("text-anchor", "middle") +
+      AnchorAttribute(SvgAnchor::kMiddle) +
           Attribute("transform", "rotate(-90 " + SvgNumber(x) + " " + SvgNumber(y) + ")"));
 }
 

@@ -28,7 +28,11 @@ class SvgDrawing {
   void Title(double x, double y, const std::string& text);
   void Text(double x, double y, const std::string& text, SvgAnchor anchor = SvgAnchor::kStart);
   // With a white seam, for text that lies on lines.
-  void Label(double x, double y, const std::string& text, const std::string& color);
+  void Label(double x,
+             double y,
+             const std::string& text,
+             const std::string& color,
+             SvgAnchor anchor = SvgAnchor::kStart);
   // From bottom to top, centred at (x, y).
   void UprightText(double x, double y, const std::string& text);
   void Line(double x0, double y0, double x1, double y1, const std::string& color);

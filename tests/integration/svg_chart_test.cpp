@@ -75,6 +75,8 @@ TEST(SvgChart, DrawsABarPerCategoryAndSeries) {
   EXPECT_EQ(Count(svg, "<rect"), 1u + 2u + 4u);  // paper, legend, bars
   for (const std::string text : {">a<", ">b<", ">c<", ">time (ms)<"})
     EXPECT_EQ(Count(svg, text), 1u) << text;
+  chart.x.log = true;
+  EXPECT_EQ(Count(ToSvg(chart), "<circle"), 4u);
 }
 
 TEST(SvgChart, LeavesOutWhatHasNoPlace) {
