@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <string>
 
 #include "avatar/embed_packs.h"
@@ -79,15 +80,18 @@ void AddTo(SurfaceVertex& sum, const SurfaceVertex& d) {
   sum.area += d.area;
 }
 
-// Adds what the faces around vertex v got for it, in the order of the faces.
+// Adds what the Gaussians around vertex v have for it, in the order of its faces, then theirs.
 SurfaceVertex GatherVertex(const Surface& surface,
-                           const std::vector<Corners>& d_corners,
+                           const FaceLists& lists,
+                           const Corners* d_triangles,
                            size_t v) {
   const MeshTopology& topology = surface.topology();
   SurfaceVertex sum{};
   for (int32_t k = topology.vertex_face_begin[v]; k < topology.vertex_face_begin[v + 1]; ++k) {
     const int32_t f = topology.vertex_faces[k];
-    AddTo(sum, d_corners[f][CornerOf(surface.faces()[f], v)]);
+    const int corner = CornerOf(surface.faces()[f], v);
+    for (uint32_t j = lists.begin[f]; j < lists.begin[f + 1]; ++j)
+      AddTo(sum, d_triangles[lists.index[j]][corner]);
   }
   return sum;
 }
@@ -126,7 +130,9 @@ void BindBackward(const Gaussians& gaussians,
   d_gaussians.values[kPosition].resize(3 * n);
   d_gaussians.values[kRotation].resize(4 * n);
   d_gaussians.values[kScaleLog].resize(3 * n);
-  Buffer<Corners> d_triangles(d_vertices ? n : 0);  // [N] of each Gaussian's triangle
+  // [N] of each Gaussian's triangle. Every number is written: clearing them first would take as
+  // long as using them.
+  const auto d_triangles = std::make_unique_for_overwrite<Corners[]>(d_vertices ? n : 0);
   LaunchEmbedVjp(JobOf(gaussians, embedding, surface),
                  {d_posed.position.data(),
                   d_posed.rotation.data(),
@@ -137,16 +143,10 @@ void BindBackward(const Gaussians& gaussians,
                   d_gaussians.values[kScaleLog].data(),
                   d_vertices && n > 0 ? &d_triangles[0][0].position.x : nullptr});
   if (!d_vertices) return;
-  // Per face in the order of its Gaussians, then per vertex in the order of its faces.
   const FaceLists lists = GroupByFace(embedding.triangle, surface.faces().size());
-  std::vector<Corners> d_corners(surface.faces().size());
-  ParallelFor(d_corners.size(), [&](size_t f) {
-    for (uint32_t k = lists.begin[f]; k < lists.begin[f + 1]; ++k)
-      for (int c = 0; c < 3; ++c) AddTo(d_corners[f][c], d_triangles[lists.index[k]][c]);
-  });
   Buffer<SurfaceVertex> d_surface(surface.vertex_count());
   ParallelFor(d_surface.size(),
-              [&](size_t v) { d_surface[v] = GatherVertex(surface, d_corners, v); });
+              [&](size_t v) { d_surface[v] = GatherVertex(surface, lists, d_triangles.get(), v); });
   surface.Backward(d_surface, *d_vertices);
 }
 
