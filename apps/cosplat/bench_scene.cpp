@@ -10,6 +10,7 @@
 #include "flame/procedural/video.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
+#include "splat/bench/step_timer.h"
 #include "splat/initialize.h"
 #include "splat/loss.h"
 #include "splat/metrics.h"
@@ -125,14 +126,19 @@ TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choi
                   subject,
                   InitializeFromPoints(scene.points, scene.point_colors, kDegree, Basis::kDcsh));
   for (int i = 0; i < choice.iterations; ++i) trainer.Step();
-  const TrainingStatistics statistics = trainer.statistics();
   TrainedScene trained;
   trained.gaussians = trainer.state().gaussians;
-  trained.ms_per_step = statistics.ms_per_step;
-  trained.seconds = statistics.seconds;
+  trained.seconds = trainer.statistics().seconds;
   trained.psnr = HeldOutPsnr(
       scene, trained.gaussians, {options.EvaluationBackground(), trainer.active_degree()});
   return trained;
+}
+
+double StepMs(const BenchScene& scene,
+              const TrainingChoice& choice,
+              const Gaussians& trained,
+              int steps) {
+  return TimeSteps(Reduced(scene.train, choice.divisor), trained, 2, steps).mean_ms;
 }
 
 }  // namespace cosplat

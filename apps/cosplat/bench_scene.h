@@ -27,9 +27,8 @@ BenchScene LoadBenchScene(const std::string& path, int resolution);
 
 struct TrainedScene {
   Gaussians gaussians;
-  double ms_per_step = 0;  // median of the last 200
-  double seconds = 0;      // in the training loop
-  double psnr = 0;         // dB, mean over the held-out views at full size
+  double seconds = 0;  // in the training loop
+  double psnr = 0;     // dB, mean over the held-out views at full size
 };
 
 // What a training run may differ in.
@@ -39,5 +38,11 @@ struct TrainingChoice {
 };
 
 TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choice);
+
+// A further step of such a run, ms: the mean of `steps`.
+double StepMs(const BenchScene& scene,
+              const TrainingChoice& choice,
+              const Gaussians& trained,
+              int steps);
 
 }  // namespace cosplat

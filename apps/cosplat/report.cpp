@@ -141,7 +141,7 @@ constexpr const char* kStyle =
     "font-weight:normal;padding-right:2em;color:#555}td{font-variant-numeric:tabular-nums}"
     ".pairs{display:grid;grid-template-columns:1fr 1fr;gap:12px}figure{margin:0}img{max-width:100%}"
     "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
-    ".row svg{max-width:520px;height:auto}</style>";
+    ".row svg{max-width:520px;height:auto;margin-top:2em}</style>";
 
 void Report(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
