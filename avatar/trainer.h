@@ -85,6 +85,7 @@ class AvatarSubject : public Subject {
 
   void Gather(const std::vector<uint32_t>& source) override;
   void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) override;
+  std::array<float, 3> Center(const Gaussians& gaussians, size_t i) const override;
   std::vector<int32_t> Groups() const override { return state_.embedding.triangle; }
   void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) override;
 

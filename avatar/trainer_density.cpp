@@ -51,6 +51,12 @@ void AvatarSubject::Gather(const std::vector<uint32_t>& source) {
   state_.first_triangle = std::move(first);
 }
 
+// On the canonical mesh.
+std::array<float, 3> AvatarSubject::Center(const Gaussians& gaussians, size_t i) const {
+  const math::Vec3<float> p = CanonicalPosition(surface_, state_.embedding, gaussians, i);
+  return {p.x, p.y, p.z};
+}
+
 void AvatarSubject::Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) {
   const math::Vec3<float> p = CanonicalPosition(surface_, state_.embedding, gaussians, i);
   const EmbeddedPoint e = Reembed(

@@ -24,7 +24,8 @@ struct AlignedAllocator {
 template <class T>
 using Buffer = std::vector<T, AlignedAllocator<T>>;
 
-// Pointer and count; no ownership. A View<const T> is made of any buffer or vector.
+// Pointer and count; no ownership. A View<const T> is made of any buffer or vector; of a temporary
+// one, for as long as the call that it is passed to.
 template <class T>
 struct View {
   T* data = nullptr;
@@ -33,8 +34,8 @@ struct View {
   View() = default;
   View(T* data, size_t count) : data(data), count(count) {}
   template <class Container>
-  requires requires(Container& c) { c.data(); }
-  View(Container& c) : data(c.data()), count(c.size()) {}  // NOLINT: borrowing is implicit
+  requires requires(Container&& c) { c.data(); }
+  View(Container&& c) : data(c.data()), count(c.size()) {}  // NOLINT: borrowing is implicit
   T& operator[](size_t i) const { return data[i]; }
   T* begin() const { return data; }
   T* end() const { return data + count; }

@@ -16,6 +16,11 @@ constexpr float kMaxAlpha = 0.99f;
 // the last and is included, so that forward and backward stop at the same one (3DGS drops it).
 constexpr float kMinTransmittance = 1e-4f;
 
+// Degrees of the polynomial for the exponential in the CPU's blend loop. The default is exact to a
+// float's precision; what less costs and gains: docs/performance.md.
+constexpr int kMinExpDegree = 2;
+constexpr int kMaxExpDegree = 5;
+
 // Low-pass filter added to the projected covariance, px^2 (3DGS).
 constexpr float kBlurVariance = 0.3f;
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "splat/math/quat.h"
+#include "splat/morton.h"
 #include "splat/prune.h"
 #include "splat/rasterizer.h"
 
@@ -185,6 +186,11 @@ void Placement::Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3
   for (int k = 0; k < 3; ++k) gaussians.at(kPosition, i)[k] += offset[k];
 }
 
+std::array<float, 3> Placement::Center(const Gaussians& gaussians, size_t i) const {
+  const float* p = gaussians.at(kPosition, i);
+  return {p[0], p[1], p[2]};
+}
+
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
                              int rounds_left,
@@ -247,6 +253,12 @@ DensityReport ControlDensity(const DensitySettings& settings,
   GatherAll(remaining, placement, gaussians, adam);
   statistics.Reset(gaussians.size());
   return report;
+}
+
+void SortInSpace(Placement& placement, Gaussians& gaussians, AdamState& adam) {
+  std::vector<std::array<float, 3>> centers(gaussians.size());
+  for (size_t i = 0; i < centers.size(); ++i) centers[i] = placement.Center(gaussians, i);
+  GatherAll(MortonOrder(centers), placement, gaussians, adam);
 }
 
 void ResetOpacity(Gaussians& gaussians, AdamState& adam) {

@@ -59,6 +59,8 @@ class Placement {
   virtual void Gather(const std::vector<uint32_t>& source) { (void)source; }
   // Moves Gaussian i by `offset` (in the frame that kRotation and kScaleLog are in).
   virtual void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset);
+  // Where Gaussian i is, in a frame in which near means near in every frame.
+  virtual std::array<float, 3> Center(const Gaussians& gaussians, size_t i) const;
   // Group of each Gaussian for pruning; empty: one group.
   virtual std::vector<int32_t> Groups() const { return {}; }
   // May veto removals (an avatar's holes): erases from `removed` those that must stay.
@@ -77,6 +79,9 @@ DensityReport ControlDensity(const DensitySettings& settings,
                              AdamState& adam,
                              DensityStatistics& statistics,
                              Rng& rng);
+
+// Puts the Gaussians in Morton order (splat/morton.h). The statistics must be clear.
+void SortInSpace(Placement& placement, Gaussians& gaussians, AdamState& adam);
 
 // Opacities above 0.01 are set to it, and their moments cleared (3DGS).
 void ResetOpacity(Gaussians& gaussians, AdamState& adam);

@@ -29,21 +29,15 @@ Bands BandsOf(int height) {
 // Rendering and target of each channel, for all rows.
 using Channels = std::array<SsimBand, 3>;
 
-Channels ChannelsOf(int width, int height, const float* rendered) {
-  Channels channels;
-  for (int c = 0; c < 3; ++c) {
-    channels[c].width = width;
-    channels[c].height = height;
-    channels[c].x = rendered + c * size_t(width) * height;
-  }
-  return channels;
-}
 Channels ChannelsOf(const float* rendered,
                     const Image8& target,
                     const std::array<float, 3>& background) {
-  Channels channels = ChannelsOf(target.width, target.height, rendered);
+  Channels channels;
   const int n = target.channels;
   for (int c = 0; c < 3; ++c) {
+    channels[c].width = target.width;
+    channels[c].height = target.height;
+    channels[c].x = rendered + c * target.pixels();
     channels[c].target = target.data.data() + (n == 1 ? 0 : c);
     channels[c].alpha = n == 4 ? target.data.data() + 3 : nullptr;
     channels[c].target_channels = n;
@@ -67,31 +61,6 @@ void ForBands(const Channels& channels, const F& f) {
   });
 }
 
-// sums: room for the jobs' sums, kept from step to step.
-double EvaluateChannels(const LossWeights& weights,
-                        const Channels& channels,
-                        std::vector<double>& sums,
-                        Buffer<float>& d_rendered) {
-  const size_t plane = size_t(channels[0].width) * channels[0].height;
-  const float inv = 1.0f / float(3 * plane);
-  d_rendered.resize(3 * plane);
-  const int jobs = 3 * BandsOf(channels[0].height).count;
-  sums.resize(2 * jobs);
-  const ValueWeights per_value{weights.l1 * inv, weights.mse * inv, weights.dssim * inv};
-  ForBands(channels, [&](const SsimBand& band, int channel, int job, float* scratch) {
-    const LossSums of_band =
-        EvaluateBand(band, per_value, scratch, d_rendered.data() + channel * plane);
-    sums[2 * job] = of_band.pointwise;
-    sums[2 * job + 1] = of_band.ssim;
-  });
-  double pointwise = 0, ssim = 0;
-  for (int job = 0; job < jobs; ++job) {
-    pointwise += sums[2 * job];
-    ssim += sums[2 * job + 1];
-  }
-  return pointwise + (weights.dssim != 0 ? weights.dssim * (1 - ssim / double(3 * plane)) : 0);
-}
-
 }  // namespace
 
 double PhotometricLoss::Evaluate(const LossWeights& weights,
@@ -99,19 +68,25 @@ double PhotometricLoss::Evaluate(const LossWeights& weights,
                                  const Image8& target,
                                  const std::array<float, 3>& background,
                                  Buffer<float>& d_rendered) {
-  return EvaluateChannels(
-      weights, ChannelsOf(rendered.data, target, background), sums_, d_rendered);
-}
-
-double PhotometricLoss::Evaluate(const LossWeights& weights,
-                                 int width,
-                                 int height,
-                                 View<const float> rendered,
-                                 View<const float> target,
-                                 Buffer<float>& d_rendered) {
-  Channels channels = ChannelsOf(width, height, rendered.data);
-  for (int c = 0; c < 3; ++c) channels[c].planar = target.data + c * size_t(width) * height;
-  return EvaluateChannels(weights, channels, sums_, d_rendered);
+  const Channels channels = ChannelsOf(rendered.data, target, background);
+  const size_t plane = target.pixels();
+  const float inv = 1.0f / float(3 * plane);
+  d_rendered.resize(3 * plane);
+  const int jobs = 3 * BandsOf(target.height).count;
+  sums_.resize(2 * jobs);
+  const ValueWeights per_value{weights.l1 * inv, weights.mse * inv, weights.dssim * inv};
+  ForBands(channels, [&](const SsimBand& band, int channel, int job, float* scratch) {
+    const LossSums of_band =
+        EvaluateBand(band, per_value, scratch, d_rendered.data() + channel * plane);
+    sums_[2 * job] = of_band.pointwise;
+    sums_[2 * job + 1] = of_band.ssim;
+  });
+  double pointwise = 0, ssim = 0;
+  for (int job = 0; job < jobs; ++job) {
+    pointwise += sums_[2 * job];
+    ssim += sums_[2 * job + 1];
+  }
+  return pointwise + (weights.dssim != 0 ? weights.dssim * (1 - ssim / double(3 * plane)) : 0);
 }
 
 double MeanSsim(View<const float> rendered,

@@ -1,7 +1,7 @@
 // Photometric loss between a rendered image and its target, with its gradient.
 //   value = l1 * mean|x - y| + dssim * (1 - SSIM(x, y)) + mse * mean (x - y)^2
 // 3DGS: 0.8, 0.2, 0 (Kerbl et al. 2023, eq. 7). SplattingAvatar: 1, 0, 10.
-// Targets may stay bytes: they are put over the background row by row, where the loss reads them.
+// Targets stay bytes: they are put over the background row by row, where the loss reads them.
 #pragma once
 
 #include <array>
@@ -26,14 +26,6 @@ class PhotometricLoss {
                   View<const float> rendered,
                   const Image8& target,
                   const std::array<float, 3>& background,
-                  Buffer<float>& d_rendered);
-
-  // The same for a planar target, [3, height, width].
-  double Evaluate(const LossWeights& weights,
-                  int width,
-                  int height,
-                  View<const float> rendered,
-                  View<const float> target,
                   Buffer<float>& d_rendered);
 
  private:

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "splat/gaussians.h"
 
@@ -20,12 +21,23 @@ struct AdamState {
   int64_t step = 0;
 };
 
-// One step on every number. `position_rate_scale` ([N, 3] or empty) multiplies the rate of each
-// component of kPosition. Non-finite gradients count as zero; returns how many there were.
+// Gaussians begin, begin + 1, ... end - 1: what one thread takes at a time.
+struct GaussianRange {
+  uint32_t begin, end;
+};
+constexpr size_t kLongestGaussianRange = 512;
+
+// One step on every number of the Gaussians in `ranges` (which do not overlap); the others keep
+// their values and their moments. `position_rate_scale` ([N, 3] or empty) multiplies the rate of
+// each component of kPosition. Non-finite gradients count as zero; returns how many there were.
 size_t AdamStepAll(const AdamSettings& settings,
                    const Gaussians& gradients,
                    View<const float> position_rate_scale,
+                   View<const GaussianRange> ranges,
                    Gaussians& values,
                    AdamState& state);
+
+// All n Gaussians, in ranges of at most kLongestGaussianRange.
+std::vector<GaussianRange> AllRanges(size_t n);
 
 }  // namespace cosplat

@@ -10,6 +10,7 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/config.h"
 #include "splat/gaussians.h"
 #include "splat/kernels/world_gaussians.h"
 #include "splat/phase_times.h"
@@ -31,6 +32,7 @@ struct RenderedImage {
 struct RenderSettings {
   std::array<float, 3> background{0, 0, 0};  // sRGB
   int degree = 0;                            // bands evaluated; at most those stored
+  int exp_degree = kMaxExpDegree;            // of the blend loop's exponential (splat/config.h)
 };
 
 // What Backward needs of a Forward. Reuse one tape for many steps: it keeps its memory.
@@ -48,7 +50,8 @@ class Rasterizer {
   virtual ~Rasterizer() = default;
   virtual std::unique_ptr<RenderTape> MakeTape() const = 0;
 
-  // Throws Error when the image has no pixels or the settings' degree is not stored.
+  // Throws Error when the image has no pixels, the settings' degree is not stored or there is no
+  // exponential of their degree.
   // Gaussians with NaN or infinite numbers are not drawn.
   virtual void Forward(const WorldGaussians& gaussians,
                        Basis basis,

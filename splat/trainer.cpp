@@ -91,26 +91,48 @@ AdamSettings Trainer::RatesAt(int iteration) const {
 // Adds the regulariser's gradient; returns its value.
 double Trainer::RegularizeScale() {
   const ScaleRegularizer& reg = settings_.scale_regularizer;
+  needles_.clear();
   if (reg.weight == 0) return 0;
   const Gaussians& g = state_.gaussians;
   const float limit_log = std::log(reg.limit), ratio_log = std::log(reg.ratio);
-  std::vector<uint32_t> needles;
   double sum = 0;
   for (size_t i = 0; i < g.size(); ++i) {
     const float* s = g.at(kScaleLog, i);
     const float largest = std::max({s[0], s[1], s[2]});
     if (largest <= limit_log || largest - std::min({s[0], s[1], s[2]}) <= ratio_log) continue;
-    needles.push_back(uint32_t(i));
+    needles_.push_back(uint32_t(i));
     sum += std::exp(largest);
   }
-  if (needles.empty()) return 0;
-  const double scale = reg.weight / double(needles.size());
-  for (const uint32_t i : needles) {
+  if (needles_.empty()) return 0;
+  const double scale = reg.weight / double(needles_.size());
+  for (const uint32_t i : needles_) {
     const float* s = g.at(kScaleLog, i);
     const int k = int(std::max_element(s, s + 3) - s);
     gradients_.at(kScaleLog, i)[k] += float(scale) * std::exp(s[k]);
   }
   return sum * scale;
+}
+
+// Groups that begin at multiples of their size, so that their numbers fill whole SIMD registers.
+void Trainer::FindRanges() {
+  const size_t n = state_.gaussians.size();
+  if (settings_.adam_on == AdamOn::kAll) {
+    ranges_ = AllRanges(n);
+    return;
+  }
+  ranges_.clear();
+  auto needle = needles_.begin();
+  for (size_t begin = 0; begin < n; begin += kAdamGroup) {
+    const size_t end = std::min(begin + kAdamGroup, n);
+    bool moves = needle != needles_.end() && *needle < end;
+    while (needle != needles_.end() && *needle < end) ++needle;
+    for (size_t i = begin; i < end && !moves; ++i) moves = tape_->radius(i) > 0;
+    if (!moves) continue;
+    const bool extends = !ranges_.empty() && ranges_.back().end == begin &&
+                         end - ranges_.back().begin <= kLongestGaussianRange;
+    if (!extends) ranges_.push_back({uint32_t(begin), uint32_t(begin)});
+    ranges_.back().end = uint32_t(end);
+  }
 }
 
 void Trainer::ControlDensityAt(int iteration) {
@@ -126,6 +148,7 @@ void Trainer::ControlDensityAt(int iteration) {
                    state_.rng);
     if (state_.gaussians.size() == 0)
       throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+    SortInSpace(subject_, state_.gaussians, state_.adam);
   }
   if (schedule.ResetsOpacityAt(iteration)) ResetOpacity(state_.gaussians, state_.adam);
 }
@@ -138,10 +161,9 @@ StepReport Trainer::Step() {
   const TrainFrame& frame = subject_.frame(index);
   CheckSize(frame, index);
   const int width = frame.camera.width, height = frame.camera.height;
-  RenderSettings render{NextBackground(), active_degree()};
+  RenderSettings render{NextBackground(), active_degree(), settings_.exp_degree};
   {
     ScopedPhase phase(times_, Phase::kData);
-    CompositeTarget(frame.target, render.background, target_);
     if (gradients_.size() != state_.gaussians.size()) gradients_ = state_.gaussians.ZerosLike();
   }
   WorldGaussians world;
@@ -153,7 +175,7 @@ StepReport Trainer::Step() {
   double loss = 0;
   {
     ScopedPhase phase(times_, Phase::kLoss);
-    loss = loss_.Evaluate(settings_.loss, width, height, image_.color, target_, d_color_);
+    loss = loss_.Evaluate(settings_.loss, image_.color, frame.target, render.background, d_color_);
   }
   if (!std::isfinite(loss))
     throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
@@ -176,9 +198,11 @@ StepReport Trainer::Step() {
   loss += RegularizeScale();
   {
     ScopedPhase phase(times_, Phase::kAdam);
+    FindRanges();
     ignored_gradients_ += AdamStepAll(RatesAt(state_.iteration),
                                       gradients_,
                                       subject_.PositionRateScale(),
+                                      ranges_,
                                       state_.gaussians,
                                       state_.adam);
   }

@@ -19,6 +19,13 @@
 
 namespace cosplat {
 
+// Whose parameters and moments a step's Adam changes: those of every Gaussian, as in 3DGS, or only
+// groups of kAdamGroup neighbours in memory of which one was drawn or regularised. The rest have no
+// gradient, but in the former case go on moving by what is left of their momentum while their
+// moments decay (docs/performance.md).
+enum class AdamOn { kAll, kDrawn };
+constexpr size_t kAdamGroup = 16;
+
 enum class Background { kBlack, kWhite, kRandom };
 
 // Rates of 3DGS (Kerbl et al. 2023, released code) unless said otherwise.
@@ -52,6 +59,8 @@ struct TrainSettings {
   std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};
   Schedule schedule;
   DensitySettings density;
+  AdamOn adam_on = AdamOn::kDrawn;
+  int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };
 
 // One training frame.
@@ -131,6 +140,7 @@ class Trainer {
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
   double RegularizeScale();
+  void FindRanges();
   void ControlDensityAt(int iteration);
 
   TrainSettings settings_;
@@ -141,8 +151,10 @@ class Trainer {
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
   PhotometricLoss loss_;
-  Buffer<float> target_, d_color_, screen_;
+  Buffer<float> d_color_, screen_;
   Gaussians gradients_;
+  std::vector<uint32_t> needles_;      // that this step regularises, ascending
+  std::vector<GaussianRange> ranges_;  // that its Adam works on
   // Measurements.
   PhaseTimes times_;
   double seconds_ = 0, cpu_seconds_ = 0;

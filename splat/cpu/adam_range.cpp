@@ -9,14 +9,13 @@
 
 COSPLAT_MATH_BEGIN
 
-size_t UpdateRange(const AdamConstants& c,
-                   size_t n,
-                   const float* __restrict gradient,
-                   float* __restrict value,
-                   float* __restrict m,
-                   float* __restrict v,
-                   const float* __restrict rate_scale) {
-  const AdamStep step{c.beta1, c.beta2, c.step_size, c.scaled_eps};
+unsigned UpdateRange(const AdamStep& step,
+                     size_t n,
+                     const float* __restrict gradient,
+                     float* __restrict value,
+                     float* __restrict m,
+                     float* __restrict v,
+                     const float* __restrict rate_scale) {
   unsigned bad = 0;
   for (size_t i = 0; i < n; ++i) {
     const bool finite = Abs(gradient[i]) < 1e18f;  // its square must be finite too
@@ -27,23 +26,33 @@ size_t UpdateRange(const AdamConstants& c,
   return bad;
 }
 
+size_t UpdateRanges(const AdamArray& a, const GaussianRange* ranges, size_t count) {
+  const AdamStep step{a.beta1, a.beta2, a.step_size, a.scaled_eps};
+  size_t bad = 0;
+  for (size_t r = 0; r < count; ++r) {
+    const size_t at = size_t(ranges[r].begin) * a.width;
+    bad += UpdateRange(step,
+                       size_t(ranges[r].end - ranges[r].begin) * a.width,
+                       a.gradient + at,
+                       a.value + at,
+                       a.m + at,
+                       a.v + at,
+                       a.rate_scale ? a.rate_scale + at : nullptr);
+  }
+  return bad;
+}
+
 COSPLAT_MATH_END
 
 #if HWY_ONCE
 namespace cosplat {
 namespace math {
-HWY_EXPORT(UpdateRange);
+HWY_EXPORT(UpdateRanges);
 }
 
-size_t AdamRange(const AdamConstants& c,
-                 size_t n,
-                 const float* gradient,
-                 float* value,
-                 float* m,
-                 float* v,
-                 const float* rate_scale) {
+size_t AdamRanges(const AdamArray& array, const GaussianRange* ranges, size_t count) {
   using namespace math;
-  return HWY_DYNAMIC_DISPATCH(UpdateRange)(c, n, gradient, value, m, v, rate_scale);
+  return HWY_DYNAMIC_DISPATCH(UpdateRanges)(array, ranges, count);
 }
 
 }  // namespace cosplat

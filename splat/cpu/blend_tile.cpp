@@ -138,6 +138,7 @@ HWY_INLINE BlockMask OpenBlocks(const float* t) {
   return open;
 }
 
+template <int kExpDegree>
 HWY_INLINE void BlendSplat(const ProjectedSplat& s,
                            const TileGrid& grid,
                            BlockMask open,
@@ -151,7 +152,7 @@ HWY_INLINE void BlendSplat(const ProjectedSplat& s,
     const PackMask accept = Accepts(power, reject, state.transmittance);
     if (!AnyTrue(accept)) return;
     state.color = {LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
-    BlendBehind(accept, AlphaOf(opacity, FastExp(power)), color, state);
+    BlendBehind(accept, AlphaOf(opacity, FastExp<kExpDegree>(power)), color, state);
     StorePack(state.transmittance, px.t + at);
     StorePack(state.color.x, px.r + at);
     StorePack(state.color.y, px.g + at);
@@ -159,7 +160,8 @@ HWY_INLINE void BlendSplat(const ProjectedSplat& s,
   });
 }
 
-uint32_t ForwardTile(const TileJob& job) {
+template <int kExpDegree>
+uint32_t Forward(const TileJob& job) {
   const TileGrid grid(job);
   TilePixels px;
   StartTransmittance(job, px.t);
@@ -169,7 +171,7 @@ uint32_t ForwardTile(const TileJob& job) {
     const BlockMask open = OpenBlocks(px.t);
     if (open == 0) break;
     const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
-    for (; k < stop; ++k) BlendSplat(SplatAt(job, k), grid, open, px);
+    for (; k < stop; ++k) BlendSplat<kExpDegree>(SplatAt(job, k), grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
   for (int i = 0; i < kPixels; ++i) {
@@ -204,10 +206,9 @@ void LoadVjpPixels(const TileJob& job, const float* d_color, TileVjpPixels& px) 
   }
 }
 
-HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
-                                       const TileGrid& grid,
-                                       BlockMask open,
-                                       TileVjpPixels& px) {
+template <int kExpDegree>
+HWY_INLINE SplatGradient
+BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, TileVjpPixels& px) {
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
@@ -221,7 +222,7 @@ HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
     if (!AnyTrue(accept)) return;
     state.behind = LoadPack(px.behind + at);
     const Vec3<Pack> d_pixel{LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
-    const Pack falloff = Select(accept, FastExp(power), zero);
+    const Pack falloff = Select(accept, FastExp<kExpDegree>(power), zero);
     const BlendVjpResult<Pack> d =
         BlendBehindVjp(accept, AlphaOf(opacity, falloff), color, d_pixel, state);
     StorePack(state.transmittance, px.t + at);
@@ -252,7 +253,8 @@ HWY_INLINE SplatGradient BlendSplatVjp(const ProjectedSplat& s,
   return {d.x, d.y, d.power_xx, d.power_xy, d.power_yy, d.opacity, sum[6], sum[7], sum[8]};
 }
 
-void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* records) {
+template <int kExpDegree>
+void Backward(const TileJob& job, const float* d_color, SplatGradient* records) {
   const TileGrid grid(job);
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);
@@ -260,7 +262,33 @@ void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* recor
     const BlockMask open = OpenBlocks(px.t);
     const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
     for (; k < stop; ++k)
-      records[job.entries[k].record] = BlendSplatVjp(SplatAt(job, k), grid, open, px);
+      records[job.entries[k].record] = BlendSplatVjp<kExpDegree>(SplatAt(job, k), grid, open, px);
+  }
+}
+
+uint32_t ForwardTile(const TileJob& job) {
+  switch (job.exp_degree) {
+    case 2:
+      return Forward<2>(job);
+    case 3:
+      return Forward<3>(job);
+    case 4:
+      return Forward<4>(job);
+    default:
+      return Forward<5>(job);
+  }
+}
+
+void BackwardTile(const TileJob& job, const float* d_color, SplatGradient* records) {
+  switch (job.exp_degree) {
+    case 2:
+      return Backward<2>(job, d_color, records);
+    case 3:
+      return Backward<3>(job, d_color, records);
+    case 4:
+      return Backward<4>(job, d_color, records);
+    default:
+      return Backward<5>(job, d_color, records);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "splat/config.h"
 #include "splat/cpu/tile_lists.h"
 
 namespace cosplat {
@@ -14,6 +15,7 @@ struct TileJob {
   int x0 = 0, y0 = 0;         // the tile's first pixel
   int width = 0, height = 0;  // of the image
   float background[3] = {0, 0, 0};
+  int exp_degree = kMaxExpDegree;  // the same forward and backward
   float* color = nullptr;          // [3, height, width]
   float* transmittance = nullptr;  // [height, width]
 };

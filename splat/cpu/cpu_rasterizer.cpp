@@ -69,6 +69,11 @@ class CpuRasterizer : public Rasterizer {
     if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
         settings.degree > kMaxTrainedDegree)
       throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");
+    if (settings.exp_degree < kMinExpDegree || settings.exp_degree > kMaxExpDegree)
+      throw Error("",
+                  "exp_degree",
+                  std::to_string(settings.exp_degree) + " is not from " +
+                      std::to_string(kMinExpDegree) + " to " + std::to_string(kMaxExpDegree));
     tape.view = ViewOfCamera(camera, basis, settings.degree);
     tape.settings = settings;
     {
@@ -127,6 +132,7 @@ class CpuRasterizer : public Rasterizer {
     job.width = width;
     job.height = height;
     for (int c = 0; c < 3; ++c) job.background[c] = tape.settings.background[c];
+    job.exp_degree = tape.settings.exp_degree;
     return job;
   }
 

@@ -65,21 +65,30 @@ HWY_INLINE Pack Abs(const Pack& x) { return Pack(hn::Abs(x.v)); }
 HWY_INLINE Pack Exp(const Pack& x) { return Pack(hn::Exp(Lanes(), x.v)); }
 HWY_INLINE Pack Log(const Pack& x) { return Pack(hn::Log(Lanes(), x.v)); }
 
-// e^x for x in [-80, 0]; below, anything. 2^n times a polynomial for 2^f, |f| <= 1/2: of degree 5,
-// with the least relative error (7.5e-8, that of a float; by the Remez algorithm). Adding 1.5 *
-// 2^23 rounds to an integer and leaves it in the lowest bits.
+// Coefficients, lowest first, of the polynomial for 2^f, |f| <= 1/2, with the least relative error
+// of its degree (Remez algorithm): 1.7e-3, 7.5e-5, 2.6e-6 and 7.5e-8, that of a float.
+constexpr float kExp2Coefficients[6][6] = {
+    {},
+    {},
+    {1.000443142f, 0.7034480060f, 0.2384289355f},
+    {0.9999280736f, 0.6932609847f, 0.2426111224f, 5.517167233e-2f},
+    {0.9999992614f, 0.6931218147f, 0.2402474483f, 5.591786034e-2f, 9.570101863e-3f},
+    {1.000000072f, 0.6931469671f, 0.2402211972f, 5.550713272e-2f, 9.675541343e-3f, 1.327647263e-3f},
+};
+
+// e^x for x in [-80, 0]; below, anything. 2^n times the polynomial for 2^f. Adding 1.5 * 2^23
+// rounds to an integer and leaves it in the lowest bits.
+template <int kDegree>
 HWY_INLINE Pack FastExp(const Pack& x) {
+  static_assert(kDegree >= kMinExpDegree && kDegree <= kMaxExpDegree);
   const Lanes d;
   const hn::RebindToSigned<Lanes> di;
   const auto log2_e = hn::Set(d, 1.44269504f), shift = hn::Set(d, 12582912.0f);
   const auto shifted = hn::MulAdd(x.v, log2_e, shift);
   const auto f = hn::MulSub(x.v, log2_e, hn::Sub(shifted, shift));
-  auto p = hn::Set(d, 1.327647263e-3f);
-  p = hn::MulAdd(p, f, hn::Set(d, 9.675541343e-3f));
-  p = hn::MulAdd(p, f, hn::Set(d, 5.550713272e-2f));
-  p = hn::MulAdd(p, f, hn::Set(d, 2.402211972e-1f));
-  p = hn::MulAdd(p, f, hn::Set(d, 6.931469671e-1f));
-  p = hn::MulAdd(p, f, hn::Set(d, 1.000000072f));
+  auto p = hn::Set(d, kExp2Coefficients[kDegree][kDegree]);
+  for (int k = kDegree - 1; k >= 0; --k)
+    p = hn::MulAdd(p, f, hn::Set(d, kExp2Coefficients[kDegree][k]));
   const auto exponent = hn::ShiftLeft<23>(hn::BitCast(di, shifted));
   return Pack(hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent)));
 }

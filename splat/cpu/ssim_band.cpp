@@ -19,14 +19,12 @@ constexpr size_t kMargin = kLineFloats;
 
 // Sum and difference of a row of x and of the photograph. Plain loops, which the compiler
 // vectorises for this target.
-template <int kChannels>  // 0: of a planar target
+template <int kChannels>
 void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HWY_RESTRICT v) {
   const float* HWY_RESTRICT x = band.x + from;
   const uint8_t* HWY_RESTRICT y = band.target + from * kChannels;
   const int width = band.width;
-  if constexpr (kChannels == 0) {
-    std::copy_n(band.planar + from, width, u);
-  } else if constexpr (kChannels == 4) {
+  if constexpr (kChannels == 4) {
     const uint8_t* HWY_RESTRICT alpha = band.alpha + from * kChannels;
     const float background = band.background;
     for (int i = 0; i < width; ++i) u[i] = Over(y[4 * i], alpha[4 * i], background);
@@ -123,8 +121,8 @@ class BandLoop {
   }
 
   void Read(int group, int j) {
-    const int n = band_.planar ? 0 : band_.target_channels;
-    const auto read = n == 0 ? ReadRow<0> : n == 1 ? ReadRow<1> : n == 3 ? ReadRow<3> : ReadRow<4>;
+    const int n = band_.target_channels;
+    const auto read = n == 1 ? ReadRow<1> : n == 3 ? ReadRow<3> : ReadRow<4>;
     read(band_, size_t(RowAt(group, j)) * band_.width, SumRow(group, j), DifferenceRow(group, j));
   }
 

@@ -12,7 +12,6 @@ struct SsimBand {
   int width = 0, height = 0;        // px, of the image
   int row_begin = 0, row_end = 0;   // the band
   const float* x = nullptr;         // a rendered channel [height, width]
-  const float* planar = nullptr;    // its target in [0, 1], likewise; or else bytes:
   const uint8_t* target = nullptr;  // [height, width, target_channels], from that channel's byte
   const uint8_t* alpha = nullptr;   // likewise, of straight-alpha RGBA
   int target_channels = 0;          // 1, 3 or 4

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "splat/base/files.h"
+#include "splat/base/image_io.h"
 #include "splat/base/json.h"
 #include "splat/base/rng.h"
 #include "tests/avatar/training_fixture.h"
@@ -108,8 +109,8 @@ class Chain {
         surface_(model.mesh),
         poser_(SmallVideo::Get().flame, model.shape, model.static_offset, model.bust),
         rasterizer_(MakeCpuRasterizer()),
-        tape_(rasterizer_->MakeTape()) {
-    CompositeTarget(image, background_, target_);
+        tape_(rasterizer_->MakeTape()),
+        target_(image) {
     start = poser_.FrameFor(frame.params);
   }
 
@@ -123,8 +124,7 @@ class Chain {
     const RenderSettings settings{background_, model_.gaussians.degree};
     rasterizer_->Forward(world_, model_.gaussians.basis, camera_, settings, image_, *tape_);
     const LossWeights weights{0, 0, 1};
-    return PhotometricLoss().Evaluate(
-        weights, camera_.width, camera_.height, image_.color, target_, d_color_);
+    return PhotometricLoss().Evaluate(weights, image_.color, target_, background_, d_color_);
   }
 
   Frame Gradient(const Frame& frame) {
@@ -147,7 +147,7 @@ class Chain {
   // From now on the target is the avatar's own picture with these parameters.
   void AimAt(const Frame& frame) {
     Loss(frame);
-    target_ = image_.color;
+    target_ = ToBytes(image_.ToImage());
   }
 
   Frame start;
@@ -160,7 +160,8 @@ class Chain {
   AvatarPoser poser_;
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
-  Buffer<float> target_, d_color_;
+  Image8 target_;
+  Buffer<float> d_color_;
   PosedGaussians posed_;
   WorldGaussians world_;
   RenderedImage image_;

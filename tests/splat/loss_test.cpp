@@ -166,20 +166,6 @@ TEST(Loss, GradientDoesNotShowTheBands) {
           << "channel " << c << " row " << i / width;
 }
 
-TEST(Loss, APlanarTargetIsTheSame) {
-  const int width = 37, height = 130;
-  const Buffer<float> x = RandomPlanar(width, height, 16);
-  const Image8 target = RandomTarget(width, height, 3, 17);
-  const Buffer<float> planar = Planar(target);
-  PhotometricLoss loss;
-  Buffer<float> d, d_planar;
-  for (const LossWeights& weights : {LossWeights{}, LossWeights{1, 0, 10}}) {
-    const double value = loss.Evaluate(weights, x, target, kBackground, d);
-    EXPECT_EQ(loss.Evaluate(weights, width, height, x, planar, d_planar), value);
-    EXPECT_EQ(d, d_planar);
-  }
-}
-
 TEST(Loss, DegenerateImagesAreFinite) {
   PhotometricLoss loss;
   Buffer<float> d;

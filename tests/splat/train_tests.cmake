@@ -4,6 +4,7 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/loss_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/metrics_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/optimizer_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/morton_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/prune_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/schedule_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/initialize_test.cpp
