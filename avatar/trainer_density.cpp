@@ -115,7 +115,7 @@ void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& remo
           after.transmittance[p] - before.transmittance[p] > kAlphaLoss)
         holes.push_back({p % camera.width + 0.5f, p / camera.width + 0.5f});
     for (const uint32_t i : last) {
-      const float radius = tape->radius(i);
+      const float radius = tape->radii()[i];
       if (stays[i] || !(radius > 0)) continue;
       const float* p = &posed_.position[3 * size_t(i)];
       float q[3];

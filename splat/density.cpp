@@ -160,9 +160,10 @@ void DensityStatistics::Accumulate(const RenderTape& tape,
                                    const Buffer<float>& scale_log,
                                    int width,
                                    int height) {
+  const View<const float> radii = tape.radii();
   tbb::parallel_for(tbb::blocked_range<size_t>(0, visible.size(), 4096), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
-      const float radius = tape.radius(i);
+      const float radius = radii[i];
       if (!(radius > 0)) continue;
       const float gx = screen[2 * i] * 0.5f * width, gy = screen[2 * i + 1] * 0.5f * height;
       const float screen_norm = std::sqrt(gx * gx + gy * gy);

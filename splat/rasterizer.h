@@ -40,7 +40,7 @@ class RenderTape {
  public:
   virtual ~RenderTape() = default;
   // [count] radius in px (3 standard deviations), 0 for Gaussians that were not drawn.
-  virtual float radius(size_t i) const = 0;
+  virtual View<const float> radii() const = 0;
   virtual size_t visible_count() const = 0;
   virtual size_t instance_count() const = 0;  // (Gaussian, tile) pairs
 };

@@ -19,8 +19,6 @@ double ProcessorSeconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-constexpr size_t kStepsInMedian = 200;
-
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
   const Camera& camera = frame.camera;
@@ -121,12 +119,13 @@ void Trainer::FindRanges() {
     return;
   }
   ranges_.clear();
+  const View<const float> radii = tape_->radii();
   auto needle = needles_.begin();
   for (size_t begin = 0; begin < n; begin += kAdamGroup) {
     const size_t end = std::min(begin + kAdamGroup, n);
     bool moves = needle != needles_.end() && *needle < end;
     while (needle != needles_.end() && *needle < end) ++needle;
-    for (size_t i = begin; i < end && !moves; ++i) moves = tape_->radius(i) > 0;
+    for (size_t i = begin; i < end && !moves; ++i) moves = radii[i] > 0;
     if (!moves) continue;
     const bool extends = !ranges_.empty() && ranges_.back().end == begin &&
                          end - ranges_.back().begin <= kLongestGaussianRange;
@@ -216,7 +215,7 @@ StepReport Trainer::Step() {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   seconds_ += seconds;
   cpu_seconds_ += ProcessorSeconds() - cpu_start;
-  step_seconds_.push_back(seconds);
+  last_seconds_[steps_++ % last_seconds_.size()] = seconds;
   return {iteration, loss, state_.gaussians.size()};
 }
 
@@ -229,12 +228,11 @@ TrainingStatistics Trainer::statistics() const {
   s.times = times_;
   s.times += rasterizer_->times;
   s.ignored_gradients = ignored_gradients_;
-  std::vector<double> last(step_seconds_.end() - std::min(step_seconds_.size(), kStepsInMedian),
-                           step_seconds_.end());
-  if (!last.empty()) {
-    std::nth_element(last.begin(), last.begin() + last.size() / 2, last.end());
-    s.ms_per_step = 1e3 * last[last.size() / 2];
-  }
+  const size_t count = std::min(steps_, last_seconds_.size());
+  if (count == 0) return s;
+  auto last = last_seconds_;
+  std::nth_element(last.begin(), last.begin() + count / 2, last.begin() + count);
+  s.ms_per_step = 1e3 * last[count / 2];
   return s;
 }
 

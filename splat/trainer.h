@@ -5,6 +5,7 @@
 // their gradients is the Subject's business: SceneSubject below, avatar/trainer.h for avatars.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -158,7 +159,8 @@ class Trainer {
   // Measurements.
   PhaseTimes times_;
   double seconds_ = 0, cpu_seconds_ = 0;
-  std::vector<double> step_seconds_;
+  std::array<double, 200> last_seconds_{};  // of steps, written in turn
+  size_t steps_ = 0;
   size_t ignored_gradients_ = 0;
 };
 

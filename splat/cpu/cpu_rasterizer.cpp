@@ -18,13 +18,14 @@ namespace {
 
 class CpuTape : public RenderTape {
  public:
-  float radius(size_t i) const override { return splats[i].radius; }
+  View<const float> radii() const override { return radius; }
   size_t visible_count() const override { return lists.order.size(); }
   size_t instance_count() const override { return lists.entries.size(); }
 
   ViewParameters view{};
   RenderSettings settings;
   Buffer<ProjectedSplat> splats;  // [count]
+  Buffer<float> radius;           // [count] of splats
   TileLists lists;
   Buffer<uint32_t> looked_at;      // [tiles] entries before the tile was opaque
   Buffer<SplatGradient> records;   // [instances]
@@ -80,6 +81,10 @@ class CpuRasterizer : public Rasterizer {
       ScopedPhase phase(times, Phase::kProject);
       tape.splats.resize(gaussians.count);
       LaunchProject(gaussians, tape.view, tape.splats.data());
+      tape.radius.resize(gaussians.count);
+      tbb::parallel_for(tbb::blocked_range<size_t>(0, gaussians.count, 4096), [&](const auto& r) {
+        for (size_t i = r.begin(); i < r.end(); ++i) tape.radius[i] = tape.splats[i].radius;
+      });
     }
     {
       ScopedPhase phase(times, Phase::kSort);

@@ -21,7 +21,7 @@ constexpr size_t kDigits = size_t(1) << kDigitBits;
 constexpr size_t kPrefetch = 8;  // Gaussians ahead
 
 // Few enough chunks that adding up their counts costs nothing beside the rest.
-constexpr size_t kGaussiansPerChunk = 4096, kMaxChunks = 32;
+constexpr size_t kGaussiansPerChunk = 8192, kMaxChunks = 32;
 size_t ChunkCount(size_t n) {
   return std::min((n + kGaussiansPerChunk - 1) / kGaussiansPerChunk, kMaxChunks);
 }
@@ -174,20 +174,25 @@ void TileLists::Build(View<const ProjectedSplat> splats, int width, int height) 
   }
   tile_begin[tiles] = next;
 
-  record_begin.resize(n + 1);
   uint32_t record = 0;
-  for (size_t c = 0, k = 0; c < ChunkCount(n); ++c)
-    for (const uint32_t count : chunks_[c].per_gaussian) {
-      record_begin[k++] = record;
-      record += count;
-    }
+  for (size_t c = 0; c < ChunkCount(n); ++c) {
+    chunks_[c].first_record = record;
+    record += uint32_t(chunks_[c].instances.size());
+  }
+  record_begin.resize(n + 1);
   record_begin[n] = record;
-
   entries.resize(next);
   ForChunks(n, [&](size_t c, size_t begin, size_t) {
-    uint32_t r = record_begin[begin];
-    for (const Instance& instance : chunks_[c].instances)
-      entries[chunks_[c].offset[instance.tile]++] = {instance.gaussian, r++};
+    Chunk& chunk = chunks_[c];
+    uint32_t* to = record_begin.data() + begin;
+    uint32_t r = chunk.first_record;
+    for (const uint32_t count : chunk.per_gaussian) {
+      *to++ = r;
+      r += count;
+    }
+    r = chunk.first_record;
+    for (const Instance& instance : chunk.instances)
+      entries[chunk.offset[instance.tile]++] = {instance.gaussian, r++};
   });
 }
 

@@ -38,7 +38,8 @@ struct TileLists {
     std::vector<Instance> instances;
     std::vector<uint32_t> per_gaussian;  // instances of each Gaussian of the chunk
     std::vector<uint32_t> offset;        // per tile or digit: counts, then where the first goes
-    uint32_t drawn = 0;
+    uint32_t drawn = 0;                  // counts, then where the first goes
+    uint32_t first_record = 0;
     uint64_t covered = 0;  // tiles of its splats' boxes
   };
   std::vector<Chunk> chunks_;

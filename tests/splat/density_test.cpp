@@ -127,7 +127,7 @@ void ExpectAligned(const Population& p) {
 class FixedTape : public RenderTape {
  public:
   explicit FixedTape(std::vector<float> radii) : radii_(std::move(radii)) {}
-  float radius(size_t i) const override { return radii_[i]; }
+  View<const float> radii() const override { return radii_; }
   size_t visible_count() const override { return 0; }
   size_t instance_count() const override { return 0; }
 

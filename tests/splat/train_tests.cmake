@@ -14,3 +14,7 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/pack_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/failure_modes_test.cpp
   LIBRARIES cosplat::splat hwy::hwy TBB::tbb)
+# Counts every allocation of its process.
+cosplat_test(allocation
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/allocation_test.cpp
+  LIBRARIES cosplat::splat TBB::tbb)
