@@ -7,10 +7,10 @@
 #include <string>
 
 #include "splat/base/error.h"
-#include "splat/basis_constants.h"
 #include "splat/config.h"
 #include "splat/cpu/blend_tile.h"
 #include "splat/cpu/launch.h"
+#include "splat/cpu/view_parameters.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
@@ -31,25 +31,6 @@ class CpuTape : public RenderTape {
   Buffer<SplatGradient> records;   // [instances]
   Buffer<SplatGradient> d_splats;  // [count]
 };
-
-ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree) {
-  ViewParameters v{};
-  for (int i = 0; i < 9; ++i) v.rotation[i] = camera.rotation[i];
-  const std::array<float, 3> center = camera.Center();
-  for (int i = 0; i < 3; ++i) {
-    v.translation[i] = camera.translation[i];
-    v.center[i] = center[i];
-  }
-  v.fx = camera.fx;
-  v.fy = camera.fy;
-  v.cx = camera.cx;
-  v.cy = camera.cy;
-  v.width = float(camera.width);
-  v.height = float(camera.height);
-  v.basis_constants = BasisConstants(basis);
-  v.degree = degree;
-  return v;
-}
 
 class CpuRasterizer : public Rasterizer {
  public:

@@ -5,6 +5,7 @@
 
 #include "splat/basis_constants.h"
 #include "splat/cpu/launch.h"
+#include "splat/cpu/view_parameters.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {
@@ -106,14 +107,7 @@ TEST(DcshIsSh, AScaledTableOfConstantsIsScaledCoefficients) {
   std::copy_n(BasisConstants(Basis::kDcsh), kMaxCoefficients, table.begin());
   for (int k = 1; k < kMaxCoefficients; ++k) table[k] *= kRatio;
 
-  const Camera camera = Ring(1, 2.2f)[0];
-  ViewParameters view{};
-  std::copy_n(camera.rotation.begin(), 9, view.rotation);
-  std::copy_n(camera.translation.begin(), 3, view.translation);
-  std::copy_n(camera.Center().begin(), 3, view.center);
-  view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
-  view.width = view.height = float(camera.width);
-  view.degree = 3;
+  ViewParameters view = ViewOfCamera(Ring(1, 2.2f)[0], Basis::kDcsh, 3);
   struct Result {
     Buffer<ProjectedSplat> splats;
     Gaussians d;

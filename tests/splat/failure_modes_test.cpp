@@ -35,9 +35,9 @@
 #include <numeric>
 
 #include "splat/base/error.h"
-#include "splat/basis_constants.h"
 #include "splat/config.h"
 #include "splat/cpu/launch.h"
+#include "splat/cpu/view_parameters.h"
 #include "splat/math/blend.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
@@ -233,21 +233,11 @@ TEST(FailureModes, TooManyInstancesAreRefusedBeforeTheyAreStored) {
   }
 }
 
-ViewParameters ViewOfStraight(int side) {
-  ViewParameters view{};
-  const Camera camera = Straight(side);
-  std::copy_n(camera.rotation.begin(), 9, view.rotation);
-  view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
-  view.width = view.height = float(side);
-  view.basis_constants = BasisConstants(Basis::kDcsh);
-  return view;
-}
-
 Buffer<ProjectedSplat> Project(size_t count, uint64_t seed, int side) {
   Gaussians g = RandomGaussians(count, 1, Basis::kDcsh, seed);
   for (size_t i = 0; i < count; ++i) g.at(kPosition, i)[2] += 2;
   Buffer<ProjectedSplat> splats(count);
-  LaunchProject(ViewOf(g), ViewOfStraight(side), splats.data());
+  LaunchProject(ViewOf(g), ViewOfCamera(Straight(side), g.basis, 0), splats.data());
   return splats;
 }
 
