@@ -51,7 +51,8 @@ std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
   return selected;
 }
 
-// Reorders everything that is per Gaussian. Entries with kNew get zero moments.
+// Reorders everything that is per Gaussian. Entries with kNew get zero moments; Adam has put
+// nothing off.
 void GatherAll(std::vector<uint32_t> source,
                Placement& placement,
                Gaussians& gaussians,
@@ -71,6 +72,7 @@ void GatherAll(std::vector<uint32_t> source,
         std::fill_n(
             moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
   }
+  adam.updated.assign(AdamGroupCount(source.size()), adam.step);
 }
 
 // A point drawn from the Gaussian itself, relative to its centre.

@@ -70,7 +70,8 @@ class Placement {
   }
 };
 
-// Clone, split, remove; then clears the statistics. New Gaussians start with zero moments.
+// Clone, split, remove; then clears the statistics. New Gaussians start with zero moments. Adam
+// must have caught up (splat/optimizer.h).
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
                              int rounds_left,
@@ -80,7 +81,8 @@ DensityReport ControlDensity(const DensitySettings& settings,
                              DensityStatistics& statistics,
                              Rng& rng);
 
-// Puts the Gaussians in Morton order (splat/morton.h). The statistics must be clear.
+// Puts the Gaussians in Morton order (splat/morton.h). The statistics must be clear, and Adam have
+// caught up.
 void SortInSpace(Placement& placement, Gaussians& gaussians, AdamState& adam);
 
 // Opacities above 0.01 are set to it, and their moments cleared (3DGS).

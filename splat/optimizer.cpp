@@ -12,16 +12,15 @@
 namespace cosplat {
 
 namespace {
-constexpr size_t kRangesPerTask = 4;  // at least
-}  // namespace
 
-size_t AdamStepAll(const AdamSettings& settings,
-                   const Gaussians& gradients,
-                   View<const float> position_rate_scale,
-                   View<const GaussianRange> ranges,
-                   Gaussians& values,
-                   AdamState& state) {
-  ++state.step;
+constexpr size_t kLongestRun = 512;  // Gaussians
+constexpr size_t kRunsPerTask = 4;   // at least
+
+std::array<AdamArray, kAttributeCount> ArraysOf(const AdamSettings& settings,
+                                                const Gaussians* gradients,
+                                                View<const float> position_rate_scale,
+                                                Gaussians& values,
+                                                AdamState& state) {
   const math::AdamStep defaults;
   const double correction1 = 1 - std::pow(double(defaults.beta1), double(state.step));
   const double correction2 = std::sqrt(1 - std::pow(double(defaults.beta2), double(state.step)));
@@ -32,26 +31,70 @@ size_t AdamStepAll(const AdamSettings& settings,
     arrays[a].beta2 = defaults.beta2;
     arrays[a].step_size = float(settings.rate[a] * correction2 / correction1);
     arrays[a].scaled_eps = float(settings.eps[a] * correction2);
-    arrays[a].gradient = gradients.values[a].data();
+    arrays[a].gradient = gradients ? gradients->values[a].data() : nullptr;
     arrays[a].value = values.values[a].data();
     arrays[a].m = state.m.values[a].data();
     arrays[a].v = state.v.values[a].data();
     arrays[a].rate_scale = a == kPosition ? position_rate_scale.data : nullptr;
   }
+  return arrays;
+}
+
+// Appends group g, which is `behind` steps late, to the last run or to a new one.
+void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
+  const uint32_t begin = uint32_t(g * kAdamGroup);
+  const uint32_t end = uint32_t(std::min((g + 1) * kAdamGroup, count));
+  if (runs.empty() || runs.back().end != begin || runs.back().behind != behind ||
+      end - runs.back().begin > kLongestRun)
+    runs.push_back({begin, begin, behind});
+  runs.back().end = end;
+}
+
+size_t Update(const std::array<AdamArray, kAttributeCount>& arrays,
+              const std::vector<AdamRun>& runs) {
   std::atomic<size_t> bad{0};  // a count: the order of adding does not matter
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, ranges.size(), kRangesPerTask),
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, runs.size(), kRunsPerTask),
                     [&](const auto& task) {
                       for (const AdamArray& array : arrays)
-                        bad += AdamRanges(array, ranges.data + task.begin(), task.size());
+                        bad += AdamRuns(array, runs.data() + task.begin(), task.size());
                     });
   return bad;
 }
 
-std::vector<GaussianRange> AllRanges(size_t n) {
-  std::vector<GaussianRange> ranges;
-  for (size_t i = 0; i < n; i += kLongestGaussianRange)
-    ranges.push_back({uint32_t(i), uint32_t(std::min(i + kLongestGaussianRange, n))});
-  return ranges;
+}  // namespace
+
+AdamState::AdamState(const Gaussians& gaussians)
+    : m(gaussians.ZerosLike()),
+      v(gaussians.ZerosLike()),
+      updated(AdamGroupCount(gaussians.size()), 0) {}
+
+size_t AdamStepAll(const AdamSettings& settings,
+                   const Gaussians& gradients,
+                   View<const float> position_rate_scale,
+                   View<const uint32_t> groups,
+                   Gaussians& values,
+                   AdamState& state) {
+  thread_local std::vector<AdamRun> runs;  // keeps its memory
+  runs.clear();
+  for (const uint32_t g : groups) {
+    Append(g, int(state.step - state.updated[g]), values.size(), runs);
+    state.updated[g] = state.step + 1;
+  }
+  ++state.step;
+  return Update(ArraysOf(settings, &gradients, position_rate_scale, values, state), runs);
+}
+
+void AdamCatchUpAll(const AdamSettings& settings,
+                    View<const float> position_rate_scale,
+                    Gaussians& values,
+                    AdamState& state) {
+  std::vector<AdamRun> runs;
+  for (size_t g = 0; g < state.updated.size(); ++g) {
+    if (state.updated[g] == state.step) continue;
+    Append(g, int(state.step - state.updated[g]), values.size(), runs);
+    state.updated[g] = state.step;
+  }
+  Update(ArraysOf(settings, nullptr, position_rate_scale, values, state), runs);
 }
 
 }  // namespace cosplat

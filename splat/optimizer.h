@@ -14,30 +14,39 @@ struct AdamSettings {
   std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
 };
 
+// Gaussians are updated in groups of this many, which begin at its multiples: their numbers fill
+// whole SIMD registers.
+constexpr size_t kAdamGroup = 16;
+inline size_t AdamGroupCount(size_t gaussians) { return (gaussians + kAdamGroup - 1) / kAdamGroup; }
+
 // First and second moments, laid out as the Gaussians they belong to.
 struct AdamState {
+  AdamState() = default;
+  // Zero, for these Gaussians.
+  explicit AdamState(const Gaussians& gaussians);
+
   Gaussians m;
   Gaussians v;
   int64_t step = 0;
+  std::vector<int64_t> updated;  // [groups] the step that each was last brought to
 };
 
-// Gaussians begin, begin + 1, ... end - 1: what one thread takes at a time.
-struct GaussianRange {
-  uint32_t begin, end;
-};
-constexpr size_t kLongestGaussianRange = 512;
-
-// One step on every number of the Gaussians in `ranges` (which do not overlap); the others keep
-// their values and their moments. `position_rate_scale` ([N, 3] or empty) multiplies the rate of
-// each component of kPosition. Non-finite gradients count as zero; returns how many there were.
+// One step on the Gaussians of `groups` (ascending). The others have no gradient. What the step
+// would do to them (their values go on by their momentum, their moments shrink) is put off until
+// they are in `groups` again, and then done at once (math/adam.h): the optimiser reads and writes
+// only what a view draws. `position_rate_scale` ([N, 3] or empty) multiplies the rate of each
+// component of kPosition. Non-finite gradients count as zero; returns how many there were.
 size_t AdamStepAll(const AdamSettings& settings,
                    const Gaussians& gradients,
                    View<const float> position_rate_scale,
-                   View<const GaussianRange> ranges,
+                   View<const uint32_t> groups,
                    Gaussians& values,
                    AdamState& state);
 
-// All n Gaussians, in ranges of at most kLongestGaussianRange.
-std::vector<GaussianRange> AllRanges(size_t n);
+// Does what was put off, for all Gaussians. Needed before they are reordered, judged or saved.
+void AdamCatchUpAll(const AdamSettings& settings,
+                    View<const float> position_rate_scale,
+                    Gaussians& values,
+                    AdamState& state);
 
 }  // namespace cosplat

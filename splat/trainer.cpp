@@ -39,8 +39,7 @@ Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians firs
       tape_(rasterizer_->MakeTape()) {
   if (subject.frame_count() == 0) throw Error("", "training frames", "there is none");
   state_.gaussians = std::move(first);
-  state_.adam.m = state_.gaussians.ZerosLike();
-  state_.adam.v = state_.gaussians.ZerosLike();
+  state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
 }
@@ -111,32 +110,29 @@ double Trainer::RegularizeScale() {
   return sum * scale;
 }
 
-// Groups that begin at multiples of their size, so that their numbers fill whole SIMD registers.
-void Trainer::FindRanges() {
+// Those with a Gaussian that has a gradient: it was drawn or is regularised.
+void Trainer::FindGroups() {
+  groups_.clear();
   const size_t n = state_.gaussians.size();
-  if (settings_.adam_on == AdamOn::kAll) {
-    ranges_ = AllRanges(n);
-    return;
-  }
-  ranges_.clear();
   const View<const float> radii = tape_->radii();
   auto needle = needles_.begin();
-  for (size_t begin = 0; begin < n; begin += kAdamGroup) {
-    const size_t end = std::min(begin + kAdamGroup, n);
-    bool moves = needle != needles_.end() && *needle < end;
-    while (needle != needles_.end() && *needle < end) ++needle;
-    for (size_t i = begin; i < end && !moves; ++i) moves = radii[i] > 0;
-    if (!moves) continue;
-    const bool extends = !ranges_.empty() && ranges_.back().end == begin &&
-                         end - ranges_.back().begin <= kLongestGaussianRange;
-    if (!extends) ranges_.push_back({uint32_t(begin), uint32_t(begin)});
-    ranges_.back().end = uint32_t(end);
+  for (size_t g = 0; g < AdamGroupCount(n); ++g) {
+    const size_t end = std::min((g + 1) * kAdamGroup, n);
+    bool moves = settings_.adam_on == AdamOn::kAll;
+    for (; needle != needles_.end() && *needle < end; ++needle) moves = true;
+    for (size_t i = g * kAdamGroup; i < end && !moves; ++i) moves = radii[i] > 0;
+    if (moves) groups_.push_back(uint32_t(g));
   }
 }
 
 void Trainer::ControlDensityAt(int iteration) {
   const Schedule& schedule = settings_.schedule;
-  if (schedule.DensifiesAt(iteration)) {
+  const bool densifies = schedule.DensifiesAt(iteration);
+  const bool resets = schedule.ResetsOpacityAt(iteration);
+  if (densifies || resets || iteration == settings_.iterations)
+    AdamCatchUpAll(
+        RatesAt(iteration - 1), subject_.PositionRateScale(), state_.gaussians, state_.adam);
+  if (densifies) {
     ControlDensity(settings_.density,
                    iteration > schedule.size_prune_after,
                    schedule.DensificationsAfter(iteration),
@@ -149,7 +145,7 @@ void Trainer::ControlDensityAt(int iteration) {
       throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
     SortInSpace(subject_, state_.gaussians, state_.adam);
   }
-  if (schedule.ResetsOpacityAt(iteration)) ResetOpacity(state_.gaussians, state_.adam);
+  if (resets) ResetOpacity(state_.gaussians, state_.adam);
 }
 
 StepReport Trainer::Step() {
@@ -197,11 +193,11 @@ StepReport Trainer::Step() {
   loss += RegularizeScale();
   {
     ScopedPhase phase(times_, Phase::kAdam);
-    FindRanges();
+    FindGroups();
     ignored_gradients_ += AdamStepAll(RatesAt(state_.iteration),
                                       gradients_,
                                       subject_.PositionRateScale(),
-                                      ranges_,
+                                      groups_,
                                       state_.gaussians,
                                       state_.adam);
   }

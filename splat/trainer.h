@@ -20,12 +20,10 @@
 
 namespace cosplat {
 
-// Whose parameters and moments a step's Adam changes: those of every Gaussian, as in 3DGS, or only
-// groups of kAdamGroup neighbours in memory of which one was drawn or regularised. The rest have no
-// gradient, but in the former case go on moving by what is left of their momentum while their
-// moments decay (docs/performance.md).
+// Which Gaussians a step's Adam works on: every one, as in 3DGS, or groups of which one has a
+// gradient, while what momentum does to the others is put off until they have one again
+// (splat/optimizer.h, docs/performance.md).
 enum class AdamOn { kAll, kDrawn };
-constexpr size_t kAdamGroup = 16;
 
 enum class Background { kBlack, kWhite, kRandom };
 
@@ -141,7 +139,7 @@ class Trainer {
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
   double RegularizeScale();
-  void FindRanges();
+  void FindGroups();
   void ControlDensityAt(int iteration);
 
   TrainSettings settings_;
@@ -154,8 +152,8 @@ class Trainer {
   PhotometricLoss loss_;
   Buffer<float> d_color_, screen_;
   Gaussians gradients_;
-  std::vector<uint32_t> needles_;      // that this step regularises, ascending
-  std::vector<GaussianRange> ranges_;  // that its Adam works on
+  std::vector<uint32_t> needles_;  // that this step regularises, ascending
+  std::vector<uint32_t> groups_;   // that its Adam works on
   // Measurements.
   PhaseTimes times_;
   double seconds_ = 0, cpu_seconds_ = 0;

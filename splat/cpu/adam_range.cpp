@@ -9,35 +9,51 @@
 
 COSPLAT_MATH_BEGIN
 
-unsigned UpdateRange(const AdamStep& step,
-                     size_t n,
-                     const float* __restrict gradient,
-                     float* __restrict value,
-                     float* __restrict m,
-                     float* __restrict v,
-                     const float* __restrict rate_scale) {
+// One run's numbers of an attribute.
+struct RunNumbers {
+  size_t count;
+  const float* gradient;
+  float* value;
+  float* m;
+  float* v;
+  const float* rate_scale;
+};
+
+void CatchUp(const AdamStep& step, int behind, const RunNumbers& run) {
+  const AdamTail tail = AdamTailOf(step, behind);
+  float* __restrict value = run.value, * __restrict m = run.m, * __restrict v = run.v;
+  const float* __restrict scale = run.rate_scale;
+  for (size_t i = 0; i < run.count; ++i)
+    AdamCatchUp(step, tail, value[i], m[i], v[i], scale ? scale[i] : 1.0f);
+}
+
+unsigned Update(const AdamStep& step, const RunNumbers& run) {
+  const float* __restrict gradient = run.gradient;
+  float* __restrict value = run.value, * __restrict m = run.m, * __restrict v = run.v;
+  const float* __restrict scale = run.rate_scale;
   unsigned bad = 0;
-  for (size_t i = 0; i < n; ++i) {
+  for (size_t i = 0; i < run.count; ++i) {
     const bool finite = Abs(gradient[i]) < 1e18f;  // its square must be finite too
     bad += !finite;
     const float g = finite ? gradient[i] : 0.0f;
-    AdamUpdate(step, g, value[i], m[i], v[i], rate_scale ? rate_scale[i] : 1.0f);
+    AdamUpdate(step, g, value[i], m[i], v[i], scale ? scale[i] : 1.0f);
   }
   return bad;
 }
 
-size_t UpdateRanges(const AdamArray& a, const GaussianRange* ranges, size_t count) {
+size_t UpdateRuns(const AdamArray& a, const AdamRun* runs, size_t count) {
   const AdamStep step{a.beta1, a.beta2, a.step_size, a.scaled_eps};
   size_t bad = 0;
   for (size_t r = 0; r < count; ++r) {
-    const size_t at = size_t(ranges[r].begin) * a.width;
-    bad += UpdateRange(step,
-                       size_t(ranges[r].end - ranges[r].begin) * a.width,
-                       a.gradient + at,
-                       a.value + at,
-                       a.m + at,
-                       a.v + at,
-                       a.rate_scale ? a.rate_scale + at : nullptr);
+    const size_t at = size_t(runs[r].begin) * a.width;
+    const RunNumbers run{size_t(runs[r].end - runs[r].begin) * a.width,
+                         a.gradient ? a.gradient + at : nullptr,
+                         a.value + at,
+                         a.m + at,
+                         a.v + at,
+                         a.rate_scale ? a.rate_scale + at : nullptr};
+    if (runs[r].behind > 0) CatchUp(step, runs[r].behind, run);
+    if (run.gradient) bad += Update(step, run);
   }
   return bad;
 }
@@ -47,12 +63,12 @@ COSPLAT_MATH_END
 #if HWY_ONCE
 namespace cosplat {
 namespace math {
-HWY_EXPORT(UpdateRanges);
+HWY_EXPORT(UpdateRuns);
 }
 
-size_t AdamRanges(const AdamArray& array, const GaussianRange* ranges, size_t count) {
+size_t AdamRuns(const AdamArray& array, const AdamRun* runs, size_t count) {
   using namespace math;
-  return HWY_DYNAMIC_DISPATCH(UpdateRanges)(array, ranges, count);
+  return HWY_DYNAMIC_DISPATCH(UpdateRuns)(array, runs, count);
 }
 
 }  // namespace cosplat

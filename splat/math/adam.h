@@ -1,4 +1,4 @@
-// One Adam update of one number (Kingma & Ba 2015, algorithm 1).
+// One Adam update of one number (Kingma & Ba 2015, algorithm 1), and several without a gradient.
 #if defined(COSPLAT_SPLAT_MATH_ADAM_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_ADAM_H_
 #undef COSPLAT_SPLAT_MATH_ADAM_H_
@@ -27,6 +27,28 @@ COSPLAT_HD void AdamUpdate(
   m = T(step.beta1) * m + T(1 - step.beta1) * gradient;
   v = T(step.beta2) * v + T(1 - step.beta2) * gradient * gradient;
   value = value - rate_scale * T(step.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
+}
+
+// What steps without a gradient do to one number, all at once: m and v shrink, and the value goes
+// on by what is left of its momentum,
+//   sum over j = 1 ... k of step_size beta1^j m / (sqrt(beta2^j v) + eps)
+//     = step_size (r + r^2 + ... + r^k) m / sqrt(v),  r = beta1 / sqrt(beta2),
+// with the step size of the last of them and without eps.
+struct AdamTail {
+  float m_factor = 1, v_factor = 1;  // beta1^k, beta2^k
+  float step_size = 0;               // with the sum of powers
+};
+COSPLAT_HD AdamTail AdamTailOf(const AdamStep& step, int k) {
+  const float m_factor = std::pow(step.beta1, float(k)), v_factor = std::pow(step.beta2, float(k));
+  const float r = step.beta1 / std::sqrt(step.beta2);
+  return {m_factor, v_factor, step.step_size * r * (1 - m_factor / std::sqrt(v_factor)) / (1 - r)};
+}
+template <class T>
+COSPLAT_HD void AdamCatchUp(
+    const AdamStep& step, const AdamTail& tail, T& value, T& m, T& v, T rate_scale = T(1)) {
+  value = value - rate_scale * T(tail.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
+  m = T(tail.m_factor) * m;
+  v = T(tail.v_factor) * v;
 }
 
 COSPLAT_MATH_END

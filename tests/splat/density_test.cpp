@@ -28,7 +28,8 @@ struct Population {
   explicit Population(size_t n) {
     g.degree = 1;
     g.Resize(n);
-    adam = {g.ZerosLike(), g.ZerosLike(), 5};
+    adam = AdamState(g);
+    adam.step = 5;
     for (size_t i = 0; i < n; ++i) {
       const float tag = float(i + 1);
       for (int k = 0; k < 3; ++k) {
