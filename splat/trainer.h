@@ -94,7 +94,8 @@ class Subject : public Placement {
 };
 
 // Everything that a run is at a moment, beside its subject's own state (AvatarTrainingState):
-// writing and reading it makes an exact checkpoint.
+// writing and reading it makes an exact checkpoint. Until the last iteration, `adam` may have put
+// off something for Gaussians that were not drawn lately.
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;

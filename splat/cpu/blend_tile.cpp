@@ -115,6 +115,22 @@ HWY_INLINE const ProjectedSplat& SplatAt(const TileJob& job, uint32_t k) {
   return job.splats[job.entries[k].gaussian];
 }
 
+// Calls f(i, at, n) for each row of each block: its n pixels on the image are the tile's i, i + 1,
+// ... and the image's at, at + 1, ...
+template <class F>
+HWY_INLINE void ForRowsOnImage(const TileJob& job, const F& f) {
+  for (int i = 0; i < kPixels; i += kBlockSize) {
+    const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
+    if (x >= job.width || y >= job.height) continue;
+    const size_t at = size_t(y) * job.width + x;
+    // A constant count makes a loop over it one instruction.
+    if (x + kBlockSize <= job.width)
+      f(i, at, kBlockSize);
+    else
+      f(i, at, job.width - x);
+  }
+}
+
 struct alignas(64) TilePixels {
   float t[kPixels], r[kPixels], g[kPixels], b[kPixels];
 };
@@ -122,8 +138,10 @@ struct alignas(64) TilePixels {
 // Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop
 // going.
 HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
-  for (int i = 0; i < kPixels; ++i)
-    t[i] = job.y0 + RowOf(i) < job.height && job.x0 + ColumnOf(i) < job.width ? 1.0f : 0.0f;
+  std::fill(t, t + kPixels, 0.0f);
+  ForRowsOnImage(job, [&](int i, size_t, int n) HWY_ATTR {
+    for (int k = 0; k < n; ++k) t[i + k] = 1;
+  });
 }
 
 // Blocks with a pixel that still takes splats.
@@ -174,15 +192,15 @@ uint32_t Forward(const TileJob& job) {
     for (; k < stop; ++k) BlendSplat<kExpDegree>(SplatAt(job, k), grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
-  for (int i = 0; i < kPixels; ++i) {
-    const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
-    if (x >= job.width || y >= job.height) continue;
-    const size_t to = size_t(y) * job.width + x;
-    job.color[to] = px.r[i] + px.t[i] * job.background[0];
-    job.color[plane + to] = px.g[i] + px.t[i] * job.background[1];
-    job.color[2 * plane + to] = px.b[i] + px.t[i] * job.background[2];
-    job.transmittance[to] = px.t[i];
-  }
+  ForRowsOnImage(job, [&](int i, size_t at, int n) HWY_ATTR {
+    for (int k = 0; k < n; ++k) {
+      const float t = px.t[i + k];
+      job.color[at + k] = px.r[i + k] + t * job.background[0];
+      job.color[plane + at + k] = px.g[i + k] + t * job.background[1];
+      job.color[2 * plane + at + k] = px.b[i + k] + t * job.background[2];
+      job.transmittance[at + k] = t;
+    }
+  });
   return k;
 }
 
@@ -192,18 +210,17 @@ struct alignas(64) TileVjpPixels {
 
 void LoadVjpPixels(const TileJob& job, const float* d_color, TileVjpPixels& px) {
   StartTransmittance(job, px.t);
+  for (float* p : {px.behind, px.r, px.g, px.b}) std::fill(p, p + kPixels, 0.0f);
   const size_t plane = size_t(job.width) * job.height;
-  for (int i = 0; i < kPixels; ++i) {
-    px.r[i] = px.g[i] = px.b[i] = px.behind[i] = 0;
-    const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
-    if (x >= job.width || y >= job.height) continue;
-    const size_t from = size_t(y) * job.width + x;
-    px.r[i] = d_color[from];
-    px.g[i] = d_color[plane + from];
-    px.b[i] = d_color[2 * plane + from];
-    px.behind[i] = px.r[i] * job.color[from] + px.g[i] * job.color[plane + from] +
-                   px.b[i] * job.color[2 * plane + from];
-  }
+  ForRowsOnImage(job, [&](int i, size_t at, int n) HWY_ATTR {
+    for (int k = 0; k < n; ++k) {
+      px.r[i + k] = d_color[at + k];
+      px.g[i + k] = d_color[plane + at + k];
+      px.b[i + k] = d_color[2 * plane + at + k];
+      px.behind[i + k] = px.r[i + k] * job.color[at + k] + px.g[i + k] * job.color[plane + at + k] +
+                         px.b[i + k] * job.color[2 * plane + at + k];
+    }
+  });
 }
 
 template <int kExpDegree>
