@@ -65,15 +65,26 @@ void ChartScale::FitLog() {
     if (!decades_only || i % 3 == 0) ticks_.push_back(RoundNumber(i));
 }
 
-std::string ShortNumber(double value) {
+std::string ShortNumber(double value, int digits) {
   const char* unit = "";
   if (std::abs(value) >= 1e6)
     value /= 1e6, unit = "M";
   else if (std::abs(value) >= 1e3)
     value /= 1e3, unit = "k";
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", std::abs(value) < 1e-12 ? 0.0 : value);
+  std::snprintf(text, sizeof text, "%.*g", digits, std::abs(value) < 1e-12 ? 0.0 : value);
   return std::string(text) + unit;
+}
+
+std::vector<std::string> TickTexts(const std::vector<double>& ticks) {
+  constexpr int kAllDigits = 17;  // that a double has
+  std::vector<std::string> texts;
+  for (int digits = 3; digits <= kAllDigits; ++digits) {
+    texts.clear();
+    for (const double tick : ticks) texts.push_back(ShortNumber(tick, digits));
+    if (std::adjacent_find(texts.begin(), texts.end()) == texts.end()) break;
+  }
+  return texts;
 }
 
 }  // namespace cosplat

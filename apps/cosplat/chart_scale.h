@@ -24,7 +24,10 @@ class ChartScale {
   std::vector<double> ticks_;
 };
 
-// Three significant digits, with k and M: 0.25, 12, 1.5k, 1M.
-std::string ShortNumber(double value);
+// Significant digits, with k and M: 0.25, 12, 1.5k, 1M.
+std::string ShortNumber(double value, int digits = 3);
+
+// Short numbers with as many digits as tell each tick from the next.
+std::vector<std::string> TickTexts(const std::vector<double>& ticks);
 
 }  // namespace cosplat

@@ -117,13 +117,15 @@ class PointPlot {
   double Y(double value) const { return bottom_ - y_scale_(value) * kPlotHeight; }
 
   void DrawAxes() {
-    for (const double tick : x_scale_.ticks()) {
-      drawing_.Line(X(tick), top_, X(tick), bottom_, kGrid);
-      drawing_.Text(X(tick), bottom_ + 18, ShortNumber(tick), SvgAnchor::kMiddle);
+    const std::vector<double>&xs = x_scale_.ticks(), &ys = y_scale_.ticks();
+    const std::vector<std::string> x_texts = TickTexts(xs), y_texts = TickTexts(ys);
+    for (size_t i = 0; i < xs.size(); ++i) {
+      drawing_.Line(X(xs[i]), top_, X(xs[i]), bottom_, kGrid);
+      drawing_.Text(X(xs[i]), bottom_ + 18, x_texts[i], SvgAnchor::kMiddle);
     }
-    for (const double tick : y_scale_.ticks()) {
-      drawing_.Line(kMarginLeft, Y(tick), kRight, Y(tick), kGrid);
-      drawing_.Text(kMarginLeft - 8, Y(tick) + 4.5, ShortNumber(tick), SvgAnchor::kEnd);
+    for (size_t i = 0; i < ys.size(); ++i) {
+      drawing_.Line(kMarginLeft, Y(ys[i]), kRight, Y(ys[i]), kGrid);
+      drawing_.Text(kMarginLeft - 8, Y(ys[i]) + 4.5, y_texts[i], SvgAnchor::kEnd);
     }
     drawing_.Line(kMarginLeft, bottom_, kRight, bottom_, kFrame);
     drawing_.Line(kMarginLeft, top_, kMarginLeft, bottom_, kFrame);

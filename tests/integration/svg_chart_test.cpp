@@ -45,6 +45,13 @@ TEST(ChartScale, HoldsWhateverItIsGiven) {
     }
 }
 
+TEST(ChartScale, TicksAreToldApart) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(TickTexts({0, 0.5, 1}), (Texts{"0", "0.5", "1"}));
+  EXPECT_EQ(TickTexts({34.95, 35, 35.05}), (Texts{"34.95", "35", "35.05"}));
+  EXPECT_EQ(TickTexts({1e6, 1.0005e6, 1.001e6}), (Texts{"1M", "1.0005M", "1.001M"}));
+}
+
 TEST(ChartScale, NumbersAreShort) {
   EXPECT_EQ(ShortNumber(0), "0");
   EXPECT_EQ(ShortNumber(0.25), "0.25");
