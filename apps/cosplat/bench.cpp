@@ -9,6 +9,7 @@
 #include "apps/cosplat/bench_playback.h"
 #include "apps/cosplat/bench_results.h"
 #include "apps/cosplat/bench_scenes.h"
+#include "apps/cosplat/bench_shortcuts.h"
 #include "apps/cosplat/bench_steps.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
@@ -55,7 +56,7 @@ void Bench(const BenchCommand& o) {
   OrderedJson head = MachineJson();
   std::vector<BenchSeries> series;
   {
-    constexpr int kParts = 4;
+    constexpr int kParts = 5;
     ProgressBar bar("bench", kParts, o.quiet);
     int done = 0;
     const BenchRun run{o.quick, [&](const std::string& detail) { bar.Update(done, detail); }};
@@ -67,6 +68,8 @@ void Bench(const BenchCommand& o) {
     ++done;
     series.push_back(playback);
     Append(MeasureScenes(run, scenes), series);
+    ++done;
+    Append(MeasureShortcuts(run, scenes), series);
   }
   WriteBench(o.out, head, series);
   if (!o.quiet)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "apps/cosplat/run_data.h"
 #include "apps/cosplat/train_options.h"
@@ -10,7 +11,7 @@
 #include "flame/procedural/video.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
-#include "splat/bench/step_timer.h"
+#include "splat/bench/half_adam.h"
 #include "splat/initialize.h"
 #include "splat/loss.h"
 #include "splat/metrics.h"
@@ -20,9 +21,10 @@ namespace {
 
 constexpr int kDegree = 3;
 
-TrainOptions OptionsFor(const BenchScene& scene, int iterations) {
+TrainOptions OptionsFor(const BenchScene& scene, const TrainingChoice& choice) {
   TrainOptions o;
-  o.iterations = iterations;
+  o.iterations = choice.iterations;
+  o.seed = choice.seed;
   o.sh_degree = kDegree;
   o.background = scene.background;
   o.max_gaussians = scene.max_gaussians;
@@ -39,6 +41,23 @@ std::vector<TrainFrame> Reduced(const std::vector<TrainFrame>& frames, int divis
         {frame.camera.Resized(width, height), ResizeByArea(frame.target, width, height)});
   }
   return reduced;
+}
+
+// Does to the moments what storing them in 16 bits would.
+class HalfMomentsSubject : public SceneSubject {
+ public:
+  using SceneSubject::SceneSubject;
+  void AfterStep(int iteration, Gaussians&, AdamState& adam) override {
+    Buffer<float>&m = adam.m.values[kColorRest], &v = adam.v.values[kColorRest];
+    RoundMoments(uint32_t(iteration), 0, uint32_t(m.size()), m.data(), v.data());
+  }
+};
+
+std::unique_ptr<Subject> MakeSubject(const BenchScene& scene, const TrainingChoice& choice) {
+  std::vector<TrainFrame> frames = Reduced(scene.train, choice.divisor);
+  if (choice.half_moments)
+    return std::make_unique<HalfMomentsSubject>(std::move(frames), scene.extent);
+  return std::make_unique<SceneSubject>(std::move(frames), scene.extent);
 }
 
 // Mean over the held-out views, both pictures as bytes over the background.
@@ -120,10 +139,13 @@ BenchScene LoadBenchScene(const std::string& path, int resolution) {
 }
 
 TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choice) {
-  const TrainOptions options = OptionsFor(scene, choice.iterations);
-  SceneSubject subject(Reduced(scene.train, choice.divisor), scene.extent);
-  Trainer trainer(options.ToSettings(scene.extent),
-                  subject,
+  const TrainOptions options = OptionsFor(scene, choice);
+  TrainSettings settings = options.ToSettings(scene.extent);
+  settings.exp_degree = choice.shortcuts.exp_degree;
+  settings.adam_on = choice.shortcuts.adam_on;
+  const std::unique_ptr<Subject> subject = MakeSubject(scene, choice);
+  Trainer trainer(settings,
+                  *subject,
                   InitializeFromPoints(scene.points, scene.point_colors, kDegree, Basis::kDcsh));
   for (int i = 0; i < choice.iterations; ++i) trainer.Step();
   TrainedScene trained;
@@ -138,7 +160,8 @@ double StepMs(const BenchScene& scene,
               const TrainingChoice& choice,
               const Gaussians& trained,
               int steps) {
-  return TimeSteps(Reduced(scene.train, choice.divisor), trained, 2, steps).mean_ms;
+  return TimeSteps(Reduced(scene.train, choice.divisor), trained, 2, steps, choice.shortcuts)
+      .mean_ms;
 }
 
 }  // namespace cosplat

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/bench/step_timer.h"
 #include "splat/trainer.h"
 
 namespace cosplat {
@@ -35,11 +36,15 @@ struct TrainedScene {
 struct TrainingChoice {
   int divisor = 1;  // of the training pictures' size
   int iterations = 0;
+  uint64_t seed = 0;
+  StepShortcuts shortcuts = {};
+  bool half_moments = false;  // of the colours' higher bands (splat/bench/half_adam.h)
 };
 
+// Held-out views are drawn with the exact exponential whatever the training had.
 TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choice);
 
-// A further step of such a run, ms: the mean of `steps`.
+// A further step of such a run, ms: the mean of `steps`. Moments are floats.
 double StepMs(const BenchScene& scene,
               const TrainingChoice& choice,
               const Gaussians& trained,

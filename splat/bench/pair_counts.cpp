@@ -4,30 +4,21 @@
 #include <array>
 #include <cmath>
 
-#include "splat/basis_constants.h"
 #include "splat/config.h"
 #include "splat/cpu/launch.h"
+#include "splat/cpu/view_parameters.h"
 #include "splat/math/blend.h"
+#include "splat/optimizer.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
 namespace {
 
-ViewParameters ParametersOf(const Camera& camera, const Gaussians& gaussians) {
-  ViewParameters v{};
-  std::copy(camera.rotation.begin(), camera.rotation.end(), v.rotation);
-  std::copy(camera.translation.begin(), camera.translation.end(), v.translation);
-  const std::array<float, 3> center = camera.Center();
-  std::copy(center.begin(), center.end(), v.center);
-  v.fx = camera.fx;
-  v.fy = camera.fy;
-  v.cx = camera.cx;
-  v.cy = camera.cy;
-  v.width = float(camera.width);
-  v.height = float(camera.height);
-  v.basis_constants = BasisConstants(gaussians.basis);
-  v.degree = gaussians.degree;
-  return v;
+Buffer<ProjectedSplat> Project(const Gaussians& gaussians, const Camera& camera) {
+  Buffer<ProjectedSplat> splats(gaussians.size());
+  LaunchProject(
+      ViewOf(gaussians), ViewOfCamera(camera, gaussians.basis, gaussians.degree), splats.data());
+  return splats;
 }
 
 // What the blend loop works on at a time, px (splat/cpu/blend_tile.cpp).
@@ -68,8 +59,7 @@ Block BlockAt(int x0, int y0, const Camera& camera) {
 }  // namespace
 
 PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
-  Buffer<ProjectedSplat> splats(gaussians.size());
-  LaunchProject(ViewOf(gaussians), ParametersOf(camera, gaussians), splats.data());
+  const Buffer<ProjectedSplat> splats = Project(gaussians, camera);
   TileLists lists;
   lists.Build(splats, camera.width, camera.height);
   PairCounts counts;
@@ -81,6 +71,19 @@ PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
         block.Add(splats[lists.entries[k].gaussian], counts);
     }
   return counts;
+}
+
+double AdamShare(const Gaussians& gaussians, const Camera& camera) {
+  const Buffer<ProjectedSplat> splats = Project(gaussians, camera);
+  size_t updated = 0;
+  for (size_t begin = 0; begin < splats.size(); begin += kAdamGroup) {
+    const size_t end = std::min(begin + kAdamGroup, splats.size());
+    const bool drawn = std::any_of(splats.begin() + begin,
+                                   splats.begin() + end,
+                                   [](const ProjectedSplat& s) { return s.radius > 0; });
+    if (drawn) updated += end - begin;
+  }
+  return double(updated) / double(splats.size());
 }
 
 }  // namespace cosplat

@@ -1,4 +1,5 @@
-// How much of the blend loop's work a view needs: pixel and splat pairs.
+// How much work a view needs: of the blend loop, pixel and splat pairs; of the optimiser,
+// Gaussians.
 #pragma once
 
 #include <cstdint>
@@ -18,5 +19,8 @@ struct PairCounts {
 
 // Of one view over a black background, colours of all stored bands.
 PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera);
+
+// Share of the Gaussians (at least 1) whose groups a step on this view updates with AdamOn::kDrawn.
+double AdamShare(const Gaussians& gaussians, const Camera& camera);
 
 }  // namespace cosplat

@@ -2,6 +2,7 @@
 cosplat_library(bench
   ${CMAKE_CURRENT_LIST_DIR}/dense_tile.cpp
   ${CMAKE_CURRENT_LIST_DIR}/fma_peak.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/half_adam.cpp
   ${CMAKE_CURRENT_LIST_DIR}/machine.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_counts.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_timer.cpp
@@ -12,4 +13,9 @@ target_link_libraries(cosplat_bench PUBLIC cosplat::render cosplat::splat
 set_source_files_properties(
   ${CMAKE_CURRENT_LIST_DIR}/fma_peak.cpp ${CMAKE_CURRENT_LIST_DIR}/machine.cpp
   PROPERTIES COMPILE_OPTIONS "-O3" COMPILE_DEFINITIONS
+  "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)")
+# Built as the optimiser's loop is, which it is compared with.
+set_source_files_properties(
+  ${CMAKE_CURRENT_LIST_DIR}/half_adam.cpp
+  PROPERTIES COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno" COMPILE_DEFINITIONS
   "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)")

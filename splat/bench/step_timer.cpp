@@ -24,9 +24,13 @@ TrainSettings SteadySettings(int degree) {
 StepTimes TimeSteps(std::vector<TrainFrame> frames,
                     const Gaussians& first,
                     int warm_up,
-                    int steps) {
+                    int steps,
+                    const StepShortcuts& shortcuts) {
   SceneSubject subject(std::move(frames), 1);
-  Trainer trainer(SteadySettings(first.degree), subject, first);
+  TrainSettings settings = SteadySettings(first.degree);
+  settings.exp_degree = shortcuts.exp_degree;
+  settings.adam_on = shortcuts.adam_on;
+  Trainer trainer(settings, subject, first);
   for (int i = 0; i < warm_up; ++i) trainer.Step();
   const TrainingStatistics before = trainer.statistics();
   StepTimes times;

@@ -15,9 +15,19 @@ struct StepTimes {
   PhaseTimes mean_phases;  // seconds per step
 };
 
+// What a step may leave out or do less exactly (TrainSettings).
+struct StepShortcuts {
+  int exp_degree = kMaxExpDegree;
+  AdamOn adam_on = AdamOn::kDrawn;
+};
+
 // Trains `first` on `frames` at their full degree, without density control and without resets:
 // `warm_up` steps that are not counted, then `steps` (at least 1) that are.
-StepTimes TimeSteps(std::vector<TrainFrame> frames, const Gaussians& first, int warm_up, int steps);
+StepTimes TimeSteps(std::vector<TrainFrame> frames,
+                    const Gaussians& first,
+                    int warm_up,
+                    int steps,
+                    const StepShortcuts& shortcuts = {});
 StepTimes TimeSteps(const SyntheticView& view, int warm_up, int steps);
 
 }  // namespace cosplat

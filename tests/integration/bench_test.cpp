@@ -94,7 +94,9 @@ TEST(BenchCommand, WritesASeriesAndAChartOfEach) {
                                 "step_threads",
                                 "playback",
                                 "accuracy",
-                                "accuracy_time"})
+                                "accuracy_time",
+                                "shortcuts",
+                                "shortcuts_given"})
     EXPECT_TRUE(json.contains(key)) << key;
   // Those, the page and bench.json; nothing temporary.
   const auto files = fs::directory_iterator(Made().out);
@@ -102,8 +104,28 @@ TEST(BenchCommand, WritesASeriesAndAChartOfEach) {
 }
 
 TEST(BenchCommand, MeasuresTheSceneThatItIsGiven) {
-  for (const std::string key : {"pairs", "phases", "accuracy"})
+  for (const std::string key : {"pairs", "phases", "accuracy", "shortcuts_given"})
     EXPECT_NE(Made().json[key].dump().find("balls"), std::string::npos) << key;
+}
+
+// The default is among the points of everything that is varied.
+TEST(BenchCommand, WeighsEveryShortcut) {
+  for (const std::string key : {"shortcuts", "shortcuts_given"}) {
+    const Json& json = Made().json[key];
+    EXPECT_EQ(CountPositive(json["iterations"], key) + CountPositive(json["seeds"], key), 2u);
+    EXPECT_EQ(CountPositive(json["psnr_deviation"], key), 6u);
+    EXPECT_EQ(CountPositive(json["adam_loop_ms"], key), 2u);
+    std::vector<size_t> counts;
+    for (const Json& one : json["series"]) counts.push_back(one["points"].size());
+    EXPECT_EQ(counts, (std::vector<size_t>{4, 2, 2}));
+    const Json first = json["series"][0]["points"][0];
+    for (const Json& one : json["series"]) {
+      const auto same = [&](const Json& point) {
+        return point["x"] == first["x"] && point["y"] == first["y"];
+      };
+      EXPECT_EQ(std::count_if(one["points"].begin(), one["points"].end(), same), 1) << key;
+    }
+  }
 }
 
 TEST(BenchCommand, ShowsEveryChartOnOnePage) {
