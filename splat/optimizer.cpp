@@ -42,8 +42,8 @@ std::array<AdamArray, kAttributeCount> ArraysOf(const AdamSettings& settings,
 
 // Appends group g, which is `behind` steps late, to the last run or to a new one.
 void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
-  const uint32_t begin = uint32_t(g * kAdamGroup);
-  const uint32_t end = uint32_t(std::min((g + 1) * kAdamGroup, count));
+  const uint32_t begin = uint32_t(g * kGaussianGroup);
+  const uint32_t end = uint32_t(std::min((g + 1) * kGaussianGroup, count));
   if (runs.empty() || runs.back().end != begin || runs.back().behind != behind ||
       end - runs.back().begin > kLongestRun)
     runs.push_back({begin, begin, behind});

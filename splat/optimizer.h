@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "splat/gaussians.h"
+#include "splat/kernels/world_gaussians.h"
 
 namespace cosplat {
 
@@ -14,10 +15,10 @@ struct AdamSettings {
   std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
 };
 
-// Gaussians are updated in groups of this many, which begin at its multiples: their numbers fill
-// whole SIMD registers.
-constexpr size_t kAdamGroup = 16;
-inline size_t AdamGroupCount(size_t gaussians) { return (gaussians + kAdamGroup - 1) / kAdamGroup; }
+// Gaussians are updated in groups of kGaussianGroup: their numbers fill whole SIMD registers.
+inline size_t AdamGroupCount(size_t gaussians) {
+  return (gaussians + kGaussianGroup - 1) / kGaussianGroup;
+}
 
 // First and second moments, laid out as the Gaussians they belong to.
 struct AdamState {

@@ -60,7 +60,8 @@ class Rasterizer {
                        RenderedImage& image,
                        RenderTape& tape) = 0;
 
-  // d_color: [3, height, width]. Overwrites every gradient (zero where not drawn).
+  // d_color: [3, height, width]. Overwrites every gradient (zero where not drawn); with
+  // gradients.drawn_groups_only, those of groups of kGaussianGroup of which one was drawn.
   virtual void Backward(const WorldGaussians& gaussians,
                         const RenderedImage& image,
                         const Buffer<float>& d_color,

@@ -117,10 +117,10 @@ void Trainer::FindGroups() {
   const View<const float> radii = tape_->radii();
   auto needle = needles_.begin();
   for (size_t g = 0; g < AdamGroupCount(n); ++g) {
-    const size_t end = std::min((g + 1) * kAdamGroup, n);
+    const size_t end = std::min((g + 1) * kGaussianGroup, n);
     bool moves = settings_.adam_on == AdamOn::kAll;
     for (; needle != needles_.end() && *needle < end; ++needle) moves = true;
-    for (size_t i = g * kAdamGroup; i < end && !moves; ++i) moves = radii[i] > 0;
+    for (size_t i = g * kGaussianGroup; i < end && !moves; ++i) moves = radii[i] > 0;
     if (moves) groups_.push_back(uint32_t(g));
   }
 }
@@ -174,7 +174,10 @@ StepReport Trainer::Step() {
   }
   if (!std::isfinite(loss))
     throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
-  const WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_);
+  WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_);
+  // Adam then reads those of others, too.
+  if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
+    d_world.drawn_groups_only = false;
   rasterizer_->Backward(world, image_, d_color_, *tape_, d_world);
   {
     ScopedPhase phase(times_, Phase::kPose);

@@ -76,7 +76,7 @@ class Subject : public Placement {
   virtual float extent() const = 0;
   // The Gaussians in the world of frame i. Borrowed until the next call.
   virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
-  // Where the rasteriser shall write its gradients for Place's result.
+  // Where, and of which, the rasteriser shall write its gradients for Place's result.
   virtual WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) = 0;
   // Turns what was written there into gradients of `gaussians`, in place.
   virtual void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
@@ -172,7 +172,9 @@ class SceneSubject : public Subject {
   float extent() const override { return extent_; }
   WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
   WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
-    return GradientViewOf(gradients, screen);
+    WorldGradients view = GradientViewOf(gradients, screen);
+    view.drawn_groups_only = true;  // nothing but Adam reads them
+    return view;
   }
 
  private:

@@ -31,7 +31,7 @@ std::vector<ProjectedSplat> DenseSplats() {
     s.g = rng.Uniform();
     s.b = rng.Uniform();
     s.half_x = s.half_y = 100;
-    s.depth = s.radius = 1;
+    s.depth = 1;
   }
   return splats;
 }

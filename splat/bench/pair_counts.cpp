@@ -14,11 +14,17 @@
 namespace cosplat {
 namespace {
 
-Buffer<ProjectedSplat> Project(const Gaussians& gaussians, const Camera& camera) {
-  Buffer<ProjectedSplat> splats(gaussians.size());
-  LaunchProject(
-      ViewOf(gaussians), ViewOfCamera(camera, gaussians.basis, gaussians.degree), splats.data());
-  return splats;
+struct Projected {
+  Buffer<ProjectedSplat> splats;
+  Buffer<float> radii;
+};
+Projected Project(const Gaussians& gaussians, const Camera& camera) {
+  Projected p{Buffer<ProjectedSplat>(gaussians.size()), Buffer<float>(gaussians.size())};
+  LaunchProject(ViewOf(gaussians),
+                ViewOfCamera(camera, gaussians.basis, gaussians.degree),
+                p.splats.data(),
+                p.radii.data());
+  return p;
 }
 
 // What the blend loop works on at a time, px (splat/cpu/blend_tile.cpp).
@@ -59,31 +65,30 @@ Block BlockAt(int x0, int y0, const Camera& camera) {
 }  // namespace
 
 PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
-  const Buffer<ProjectedSplat> splats = Project(gaussians, camera);
+  const Projected projected = Project(gaussians, camera);
   TileLists lists;
-  lists.Build(splats, camera.width, camera.height);
+  lists.Build(projected.splats, projected.radii, camera.width, camera.height);
   PairCounts counts;
   for (int y = 0; y < camera.height; y += kBlockSize)
     for (int x = 0; x < camera.width; x += kBlockSize) {
       const int tile = y / kTileSize * lists.tiles_x + x / kTileSize;
       Block block = BlockAt(x, y, camera);
       for (uint32_t k = lists.tile_begin[tile]; k < lists.tile_begin[tile + 1] && block.Open(); ++k)
-        block.Add(splats[lists.entries[k].gaussian], counts);
+        block.Add(projected.splats[lists.entries[k].gaussian], counts);
     }
   return counts;
 }
 
 double AdamShare(const Gaussians& gaussians, const Camera& camera) {
-  const Buffer<ProjectedSplat> splats = Project(gaussians, camera);
+  const Buffer<float> radii = Project(gaussians, camera).radii;
   size_t updated = 0;
-  for (size_t begin = 0; begin < splats.size(); begin += kAdamGroup) {
-    const size_t end = std::min(begin + kAdamGroup, splats.size());
-    const bool drawn = std::any_of(splats.begin() + begin,
-                                   splats.begin() + end,
-                                   [](const ProjectedSplat& s) { return s.radius > 0; });
+  for (size_t begin = 0; begin < radii.size(); begin += kGaussianGroup) {
+    const size_t end = std::min(begin + kGaussianGroup, radii.size());
+    const bool drawn = std::any_of(
+        radii.begin() + begin, radii.begin() + end, [](float radius) { return radius > 0; });
     if (drawn) updated += end - begin;
   }
-  return double(updated) / double(splats.size());
+  return double(updated) / double(radii.size());
 }
 
 }  // namespace cosplat

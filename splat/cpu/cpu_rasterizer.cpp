@@ -25,7 +25,7 @@ class CpuTape : public RenderTape {
   ViewParameters view{};
   RenderSettings settings;
   Buffer<ProjectedSplat> splats;  // [count]
-  Buffer<float> radius;           // [count] of splats
+  Buffer<float> radius;           // [count]
   TileLists lists;
   Buffer<uint32_t> looked_at;      // [tiles] entries before the tile was opaque
   Buffer<SplatGradient> records;   // [instances]
@@ -61,15 +61,12 @@ class CpuRasterizer : public Rasterizer {
     {
       ScopedPhase phase(times, Phase::kProject);
       tape.splats.resize(gaussians.count);
-      LaunchProject(gaussians, tape.view, tape.splats.data());
       tape.radius.resize(gaussians.count);
-      tbb::parallel_for(tbb::blocked_range<size_t>(0, gaussians.count, 4096), [&](const auto& r) {
-        for (size_t i = r.begin(); i < r.end(); ++i) tape.radius[i] = tape.splats[i].radius;
-      });
+      LaunchProject(gaussians, tape.view, tape.splats.data(), tape.radius.data());
     }
     {
       ScopedPhase phase(times, Phase::kSort);
-      tape.lists.Build(tape.splats, camera.width, camera.height);
+      tape.lists.Build(tape.splats, tape.radius, camera.width, camera.height);
     }
     ScopedPhase phase(times, Phase::kBlend);
     image.width = camera.width;
@@ -104,7 +101,12 @@ class CpuRasterizer : public Rasterizer {
       BlendTileBackward(job, d_color.data(), tape.records.data());
     });
     SumRecords(tape);
-    LaunchProjectVjp(gaussians, tape.view, tape.splats.data(), tape.d_splats.data(), gradients);
+    LaunchProjectVjp(gaussians,
+                     tape.view,
+                     tape.splats.data(),
+                     tape.radius.data(),
+                     tape.d_splats.data(),
+                     gradients);
   }
 
  private:

@@ -25,19 +25,29 @@ void RunRange(const Kernel& kernel, size_t begin, size_t end) {
 void ProjectRange(const WorldGaussians& gaussians,
                   const ViewParameters& view,
                   ProjectedSplat* splats,
+                  float* radii,
                   size_t begin,
                   size_t end) {
-  RunRange(ProjectKernel{gaussians, view, splats}, begin, end);
+  RunRange(ProjectKernel{gaussians, view, splats, radii}, begin, end);
 }
 
 void ProjectVjpRange(const WorldGaussians& gaussians,
                      const ViewParameters& view,
                      const ProjectedSplat* splats,
+                     const float* radii,
                      const SplatGradient* d_splats,
                      const WorldGradients& gradients,
                      size_t begin,
                      size_t end) {
-  RunRange(ProjectVjpKernel{gaussians, view, splats, d_splats, gradients}, begin, end);
+  const ProjectVjpKernel kernel{gaussians, view, splats, radii, d_splats, gradients};
+  for (size_t group = begin; group < end; group += kGaussianGroup) {
+    const size_t group_end = std::min(group + kGaussianGroup, end);
+    const bool drawn = std::any_of(radii + group, radii + group_end, [](float r) { return r > 0; });
+    if (drawn)
+      RunRange(kernel, group, group_end);
+    else if (!gradients.drawn_groups_only)
+      kernel.ZeroAll(Rows{group, group_end - group});
+  }
 }
 
 COSPLAT_MATH_END
@@ -50,7 +60,7 @@ HWY_EXPORT(ProjectVjpRange);
 }  // namespace math
 
 namespace {
-// A multiple of every pack's lanes.
+// A multiple of kGaussianGroup, which is one of every pack's lanes.
 constexpr size_t kGrain = 512;
 template <class F>
 void ForRanges(size_t count, const F& f) {
@@ -62,21 +72,24 @@ void ForRanges(size_t count, const F& f) {
 
 void LaunchProject(const WorldGaussians& gaussians,
                    const ViewParameters& view,
-                   ProjectedSplat* splats) {
+                   ProjectedSplat* splats,
+                   float* radii) {
   using namespace math;
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
-    HWY_DYNAMIC_DISPATCH(ProjectRange)(gaussians, view, splats, begin, end);
+    HWY_DYNAMIC_DISPATCH(ProjectRange)(gaussians, view, splats, radii, begin, end);
   });
 }
 
 void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const ViewParameters& view,
                       const ProjectedSplat* splats,
+                      const float* radii,
                       const SplatGradient* d_splats,
                       const WorldGradients& gradients) {
   using namespace math;
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
-    HWY_DYNAMIC_DISPATCH(ProjectVjpRange)(gaussians, view, splats, d_splats, gradients, begin, end);
+    HWY_DYNAMIC_DISPATCH(ProjectVjpRange)
+    (gaussians, view, splats, radii, d_splats, gradients, begin, end);
   });
 }
 

@@ -6,14 +6,18 @@
 
 namespace cosplat {
 
+// Writes radii of all Gaussians, and the splats of those that are drawn.
 void LaunchProject(const WorldGaussians& gaussians,
                    const ViewParameters& view,
-                   ProjectedSplat* splats);
+                   ProjectedSplat* splats,
+                   float* radii);
 
-// d_splats: [count], read only where a Gaussian was drawn. Writes every gradient.
+// d_splats: [count], counts only where a Gaussian was drawn. Writes the gradients: see
+// Rasterizer::Backward (splat/rasterizer.h).
 void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const ViewParameters& view,
                       const ProjectedSplat* splats,
+                      const float* radii,
                       const SplatGradient* d_splats,
                       const WorldGradients& gradients);
 

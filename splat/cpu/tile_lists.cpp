@@ -68,13 +68,13 @@ bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
 
 // Indices and depths of the splats that are drawn, by index. Counts whole boxes on the way, which
 // is at least as many tiles as will be stored: what does not fit is refused before it fills memory.
-void TileLists::CollectDrawn(View<const ProjectedSplat> splats) {
+void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float> radii) {
   const size_t n = splats.size();
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {
     chunks_[c].drawn = 0;
     chunks_[c].covered = 0;
     for (size_t i = begin; i < end; ++i) {
-      if (!(splats[i].radius > 0)) continue;
+      if (!(radii[i] > 0)) continue;
       const TileRange r = RangeOf(splats[i], tiles_x, tiles_y);
       ++chunks_[c].drawn;
       chunks_[c].covered += uint64_t(std::max(r.x1 - r.x0, 0)) * std::max(r.y1 - r.y0, 0);
@@ -93,7 +93,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats) {
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {
     uint32_t to = chunks_[c].drawn;
     for (size_t i = begin; i < end; ++i) {
-      if (!(splats[i].radius > 0)) continue;
+      if (!(radii[i] > 0)) continue;
       order[to] = uint32_t(i);
       keys_[to++] = std::bit_cast<uint32_t>(splats[i].depth);  // positive: bits order as values
     }
@@ -154,12 +154,15 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
   }
 }
 
-void TileLists::Build(View<const ProjectedSplat> splats, int width, int height) {
+void TileLists::Build(View<const ProjectedSplat> splats,
+                      View<const float> radii,
+                      int width,
+                      int height) {
   tiles_x = (width + kTileSize - 1) / kTileSize;
   tiles_y = (height + kTileSize - 1) / kTileSize;
   const size_t tiles = size_t(tiles_x) * tiles_y;
   chunks_.resize(std::max(chunks_.size(), ChunkCount(splats.size())));
-  CollectDrawn(splats);
+  CollectDrawn(splats, radii);
   SortByDepth();
   const size_t n = order.size();
   ForChunks(n,

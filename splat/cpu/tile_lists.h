@@ -26,7 +26,7 @@ struct TileLists {
 
   // Rebuilds for an image of this size. Throws Error when the splats' boxes cover 2^31 tiles or
   // more, before storing any.
-  void Build(View<const ProjectedSplat> splats, int width, int height);
+  void Build(View<const ProjectedSplat> splats, View<const float> radii, int width, int height);
 
  private:
   // Scratch, kept between steps. A chunk is a range of Gaussians that one task works on; results do
@@ -45,7 +45,7 @@ struct TileLists {
   std::vector<Chunk> chunks_;
   Buffer<uint32_t> keys_, keys_swap_, order_swap_;
 
-  void CollectDrawn(View<const ProjectedSplat> splats);
+  void CollectDrawn(View<const ProjectedSplat> splats, View<const float> radii);
   void SortByDepth();
   void SortByDigit(int shift);
   void EmitChunk(View<const ProjectedSplat> splats, size_t begin, size_t end, Chunk& chunk) const;

@@ -137,7 +137,8 @@ struct ColorVjpOf {
 struct ProjectKernel {
   WorldGaussians gaussians;
   ViewParameters view;
-  ProjectedSplat* splats;  // [count]
+  ProjectedSplat* splats;  // [count]; written only where drawn, or near that
+  float* radii;            // [count]
 
   template <class T>
   COSPLAT_HD void Run(const Rows& rows) const {
@@ -187,15 +188,13 @@ struct ProjectKernel {
                                      half_x,
                                      half_y,
                                      p.z,
-                                     Select(drawn, radius, T(0)),
                                      ridges.x_per_y,
                                      ridges.y_per_x};
-    StoreRows<kProjectedFloats>(out, &splats->x, kProjectedFloats, rows);
+    StoreRows<kProjectedFloats>(out, &splats->x, kProjectedStride, rows);
+    StoreWhere(drawn, radius, radii, rows);
   }
 
-  COSPLAT_HD void DrawNone(const Rows& rows) const {
-    for (size_t i = rows.first; i < rows.first + rows.count; ++i) splats[i].radius = 0;
-  }
+  COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }
 };
 
 // Writes the gradients of the Gaussians in `rows` (all zero for those that were not drawn).
@@ -203,16 +202,17 @@ struct ProjectVjpKernel {
   WorldGaussians gaussians;
   ViewParameters view;
   const ProjectedSplat* splats;   // [count]
+  const float* radii;             // [count]
   const SplatGradient* d_splats;  // [count]; counts only where drawn
   WorldGradients out;
 
   template <class T>
   COSPLAT_HD void Run(const Rows& rows) const {
-    T splat[kProjectedFloats];
-    LoadRows<kProjectedFloats>(&splats->x, kProjectedFloats, rows, splat);
-    const auto drawn = splat[13] > T(0);
-    ZeroUnusedBands(rows);
+    const auto drawn = LoadScalar<T>(radii, rows) > T(0);
     if (!AnyTrue(drawn)) return ZeroAll(rows);
+    ZeroUnusedBands(rows);
+    T splat[kProjectedFloats];
+    LoadRows<kProjectedFloats>(&splats->x, kProjectedStride, rows, splat);
     const Sym2<T> conic{T(-2) * splat[2], -splat[3], T(-2) * splat[4]};
     T d[9];  // in the order of SplatGradient's members
     LoadRows<9>(&d_splats->x, 9, rows, d);

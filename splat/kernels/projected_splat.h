@@ -1,4 +1,6 @@
-// What the blend loop needs of one Gaussian: made by ProjectKernel, read per tile.
+// What the blend loop needs of one Gaussian: made by ProjectKernel, read per tile. Beside it, radii
+// [count] say which were drawn: 3 standard deviations along the longer axis, px, or 0. The splat of
+// one that was not may hold anything.
 #pragma once
 
 namespace cosplat {
@@ -12,11 +14,11 @@ struct alignas(64) ProjectedSplat {
   float r, g, b;                       // colour along the view direction, >= 0
   float half_x, half_y;                // half-extents of the ellipse where alpha >= kMinAlpha
   float depth;                         // along the camera's axis, world units
-  float radius;                        // 3 standard deviations along the longer axis; 0: not drawn
   float x_per_y, y_per_x;              // the exponent's ridges (math/blend.h)
+  float padding;
 };
-constexpr int kProjectedFloats = 16;
-static_assert(sizeof(ProjectedSplat) == kProjectedFloats * sizeof(float));
+constexpr int kProjectedFloats = 15;  // without the padding
+constexpr int kProjectedStride = sizeof(ProjectedSplat) / sizeof(float);
 
 // dL/d of the above, summed over the pixels of one tile or of all tiles.
 struct SplatGradient {

@@ -5,6 +5,10 @@
 
 namespace cosplat {
 
+// Gaussians that are worked on together begin at multiples of this: as many as the widest SIMD
+// register has lanes.
+constexpr size_t kGaussianGroup = 16;
+
 struct WorldGaussians {
   size_t count = 0;
   int rest_width = 0;                    // floats per Gaussian in color_rest
@@ -26,6 +30,9 @@ struct WorldGradients {
   float* color_rest = nullptr;
   float* color_frame = nullptr;  // null when there is no color_frame
   float* screen = nullptr;       // [count, 2] dL/d(centre in the image), per px
+
+  // Leave the gradients of groups alone of which no Gaussian was drawn, instead of making them 0.
+  bool drawn_groups_only = false;
 };
 
 // A camera and what else one view fixes, as plain numbers.

@@ -111,10 +111,10 @@ TEST(BenchPairCounts, NothingIsCountedBehindWhatIsOpaque) {
 }
 
 TEST(BenchPairCounts, AGroupIsUpdatedWhereOneOfItIsDrawn) {
-  Gaussians g = Splats(10 * kAdamGroup + 4, 3, 0);
+  Gaussians g = Splats(10 * kGaussianGroup + 4, 3, 0);
   for (size_t i = 0; i < g.size(); ++i)
-    if (i != kAdamGroup && i + 1 != g.size()) g.at(kPosition, i)[2] = -1;  // behind the camera
-  EXPECT_DOUBLE_EQ(AdamShare(g, MiddleCamera(40)), (kAdamGroup + 4) / double(g.size()));
+    if (i != kGaussianGroup && i + 1 != g.size()) g.at(kPosition, i)[2] = -1;  // behind the camera
+  EXPECT_DOUBLE_EQ(AdamShare(g, MiddleCamera(40)), (kGaussianGroup + 4) / double(g.size()));
 }
 
 uint32_t Bits(float x) { return std::bit_cast<uint32_t>(x); }

@@ -110,28 +110,34 @@ TEST(DcshIsSh, AScaledTableOfConstantsIsScaledCoefficients) {
   ViewParameters view = ViewOfCamera(Ring(1, 2.2f)[0], Basis::kDcsh, 3);
   struct Result {
     Buffer<ProjectedSplat> splats;
+    Buffer<float> radii;
     Gaussians d;
   };
   const auto run = [&](const Gaussians& at, const float* constants) {
     view.basis_constants = constants;
     Result r;
     r.splats.resize(at.size());
-    LaunchProject(ViewOf(at), view, r.splats.data());
+    r.radii.resize(at.size());
+    LaunchProject(ViewOf(at), view, r.splats.data(), r.radii.data());
     Buffer<SplatGradient> d_splats(at.size());
     Rng rng{8};
     for (SplatGradient& d : d_splats)
       d = {rng.Normal(), rng.Normal(), 0, 0, 0, 1, rng.Normal(), rng.Normal(), rng.Normal()};
     r.d = at.ZerosLike();
     Buffer<float> screen;
-    LaunchProjectVjp(
-        ViewOf(at), view, r.splats.data(), d_splats.data(), GradientViewOf(r.d, screen));
+    LaunchProjectVjp(ViewOf(at),
+                     view,
+                     r.splats.data(),
+                     r.radii.data(),
+                     d_splats.data(),
+                     GradientViewOf(r.d, screen));
     return r;
   };
   const Result plain = run(g, BasisConstants(Basis::kDcsh));
   Result scaled = run(over, table.data());
   size_t drawn = 0;
   for (size_t i = 0; i < g.size(); ++i) {
-    if (!(plain.splats[i].radius > 0)) continue;
+    if (!(plain.radii[i] > 0)) continue;
     ++drawn;
     EXPECT_EQ(plain.splats[i].r, scaled.splats[i].r);
     EXPECT_EQ(plain.splats[i].g, scaled.splats[i].g);

@@ -214,7 +214,7 @@ ProjectedSplat WholeImageSplat(float size) {
   s.opacity = 0.5f;
   s.reject_below = math::RejectBelow(s.opacity);
   s.half_x = s.half_y = 1e6f;
-  s.depth = s.radius = 1;
+  s.depth = 1;
   return s;
 }
 
@@ -224,37 +224,40 @@ TEST(FailureModes, TooManyInstancesAreRefusedBeforeTheyAreStored) {
   for (const size_t count : {2048, 4096}) {
     const std::vector<ProjectedSplat> splats(count, WholeImageSplat(16384));
     TileLists lists;
-    ExpectError([&] { lists.Build(splats, 16384, 16384); },
+    ExpectError([&] { lists.Build(splats, std::vector<float>(count, 1.0f), 16384, 16384); },
                 {"rasterizer", std::to_string(count * 1024 * 1024), "2^31"});
     // The same lists serve afterwards.
     const std::vector<ProjectedSplat> few(3, WholeImageSplat(64));
-    lists.Build(few, 64, 64);
+    lists.Build(few, std::vector<float>(3, 1.0f), 64, 64);
     EXPECT_EQ(lists.entries.size(), 3u * 16);
   }
 }
 
-Buffer<ProjectedSplat> Project(size_t count, uint64_t seed, int side) {
+struct Projected {
+  Buffer<ProjectedSplat> splats;
+  Buffer<float> radii;
+};
+Projected Project(size_t count, uint64_t seed, int side) {
   Gaussians g = RandomGaussians(count, 1, Basis::kDcsh, seed);
   for (size_t i = 0; i < count; ++i) g.at(kPosition, i)[2] += 2;
-  Buffer<ProjectedSplat> splats(count);
-  LaunchProject(ViewOf(g), ViewOfCamera(Straight(side), g.basis, 0), splats.data());
-  return splats;
+  Projected p{Buffer<ProjectedSplat>(count), Buffer<float>(count)};
+  LaunchProject(
+      ViewOf(g), ViewOfCamera(Straight(side), g.basis, 0), p.splats.data(), p.radii.data());
+  return p;
 }
 
 // Every pixel that takes a splat has it in its tile's list.
-void ExpectListsHoldWhatPixelsTake(const TileLists& lists,
-                                   const Buffer<ProjectedSplat>& splats,
-                                   int side) {
+void ExpectListsHoldWhatPixelsTake(const TileLists& lists, const Projected& projected, int side) {
   for (int tile = 0; tile < lists.tiles_x * lists.tiles_y; ++tile) {
-    std::vector<bool> listed(splats.size());
+    std::vector<bool> listed(projected.radii.size());
     for (uint32_t e = lists.tile_begin[tile]; e < lists.tile_begin[tile + 1]; ++e)
       listed[lists.entries[e].gaussian] = true;
     const int x0 = tile % lists.tiles_x * kTileSize, y0 = tile / lists.tiles_x * kTileSize;
     for (int y = y0; y < std::min(side, y0 + kTileSize); ++y)
       for (int x = x0; x < std::min(side, x0 + kTileSize); ++x)
-        for (size_t i = 0; i < splats.size(); ++i) {
-          const ProjectedSplat& s = splats[i];
-          if (listed[i] || !(s.radius > 0)) continue;
+        for (size_t i = 0; i < listed.size(); ++i) {
+          const ProjectedSplat& s = projected.splats[i];
+          if (listed[i] || !(projected.radii[i] > 0)) continue;
           const double dx = x + 0.5 - s.x, dy = y + 0.5 - s.y;
           const double power = s.power_xx * dx * dx + s.power_xy * dx * dy + s.power_yy * dy * dy;
           ASSERT_LT(power, s.reject_below + 1e-4) << "splat " << i << " at " << x << ' ' << y;
@@ -266,12 +269,13 @@ TEST(FailureModes, EveryPlaceOfTheListsIsWritten) {
   const int side = 75;
   TileLists lists;
   for (const auto& [count, seed] : {std::pair<size_t, int>{9000, 1}, {300, 2}, {5000, 3}}) {
-    const Buffer<ProjectedSplat> splats = Project(count, seed, side);
+    const Projected projected = Project(count, seed, side);
+    const Buffer<ProjectedSplat>& splats = projected.splats;
     // What an earlier step left must not show: poison all there is.
     lists.entries.assign(lists.entries.capacity(), {0xdeadbeef, 0xdeadbeef});
     for (Buffer<uint32_t>* b : {&lists.order, &lists.record_begin, &lists.tile_begin})
       b->assign(b->capacity(), 0xdeadbeef);
-    lists.Build(splats, side, side);
+    lists.Build(splats, projected.radii, side, side);
 
     const size_t total = lists.entries.size();
     ASSERT_EQ(lists.tile_begin.size(), 26u);
@@ -297,7 +301,7 @@ TEST(FailureModes, EveryPlaceOfTheListsIsWritten) {
       }
     }
     EXPECT_EQ(std::count(seen.begin(), seen.end(), 1u), std::ptrdiff_t(total));
-    if (count == 300) ExpectListsHoldWhatPixelsTake(lists, splats, side);
+    if (count == 300) ExpectListsHoldWhatPixelsTake(lists, projected, side);
   }
 }
 

@@ -131,7 +131,7 @@ TEST(Adam, WhatIsPutOffIsMadeUpFor) {
         if (t <= 3 || t % (g + 2) == 0) groups.push_back(g);
       for (int a = 0; a < kAttributeCount; ++a)
         for (size_t k = 0; k < d.values[a].size(); ++k)
-          if (std::count(groups.begin(), groups.end(), k / d.width(a) / kAdamGroup) == 0)
+          if (std::count(groups.begin(), groups.end(), k / d.width(a) / kGaussianGroup) == 0)
             d.values[a][k] = 0;
       AdamStepAll(Rates(), d, {}, AllGroups(n), all, all_state);
       AdamStepAll(Rates(), d, {}, groups, some, some_state);
@@ -161,7 +161,7 @@ TEST(Adam, WhatWaitsIsLeftAlone) {
   EXPECT_EQ(state.updated, (std::vector<int64_t>{1, 0, 1}));
   for (int a = 0; a < kAttributeCount; ++a)
     for (size_t k = 0; k < start.values[a].size(); ++k) {
-      const bool waits = k / start.width(a) / kAdamGroup == 1;
+      const bool waits = k / start.width(a) / kGaussianGroup == 1;
       EXPECT_EQ(g.values[a][k] == start.values[a][k], waits) << a;
       EXPECT_EQ(state.v.values[a][k] == 0, waits) << a;
     }

@@ -259,6 +259,34 @@ TEST(Rasterizer, NanGaussiansAreNotDrawn) {
     }
 }
 
+TEST(Rasterizer, GroupsThatAreNotDrawnMayKeepTheirGradients) {
+  Gaussians g = RandomGaussians(70, 2, 5);
+  for (size_t i = 16; i < 48; ++i) g.at(kPosition, i)[2] -= 50;
+  g.at(kPosition, 40)[2] += 50;  // one of the third group is drawn
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  rasterizer->Forward(ViewOf(g), g.basis, TestCamera(64, 64), Settings(2), image, *tape);
+  ASSERT_GT(tape->radii()[40], 0);
+  const Buffer<float> d_color(image.color.size(), 1.0f);
+  Gaussians zeroed = g.ZerosLike(), kept = zeroed;
+  Buffer<float> zeroed_screen, kept_screen(2 * 70, 7.0f);
+  for (Gaussians* d : {&zeroed, &kept})
+    for (auto& values : d->values) std::fill(values.begin(), values.end(), 7.0f);
+  rasterizer->Backward(ViewOf(g), image, d_color, *tape, GradientViewOf(zeroed, zeroed_screen));
+  WorldGradients some = GradientViewOf(kept, kept_screen);
+  some.drawn_groups_only = true;
+  rasterizer->Backward(ViewOf(g), image, d_color, *tape, some);
+  for (int a = 0; a < kAttributeCount; ++a)
+    for (size_t k = 0; k < zeroed.values[a].size(); ++k) {
+      const size_t group = k / g.width(a) / kGaussianGroup;
+      if (group == 1) {
+        EXPECT_EQ(zeroed.values[a][k], 0);
+      }
+      EXPECT_EQ(kept.values[a][k], group == 1 ? 7.0f : zeroed.values[a][k]) << a << ' ' << k;
+    }
+}
+
 TEST(Rasterizer, NothingToDrawGivesTheBackground) {
   for (const size_t n : {size_t(0), size_t(5)}) {
     Gaussians g = RandomGaussians(n, 0, 23);

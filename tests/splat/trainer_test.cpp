@@ -75,6 +75,23 @@ TEST(Trainer, BitsDependOnTheSeedAlone) {
   EXPECT_FALSE(SameBits(states[0].gaussians, RunBusily(other).gaussians));
 }
 
+TEST(Trainer, AdamOnWhatIsDrawnIsAsGoodAsOnAll) {
+  // Cameras so near that each sees a part of the scene.
+  const auto frames = Photographs(TrueScene(1, 200), Ring(12, 0.9f));
+  double psnr[2];
+  for (const AdamOn on : {AdamOn::kAll, AdamOn::kDrawn}) {
+    SceneSubject subject(frames, 1);
+    TrainSettings settings = ShortRun(400, 1);
+    settings.adam_on = on;
+    const TrainingState state = Train(settings, subject, FirstGaussians(600, 1), 400);
+    psnr[int(on)] = MeanPsnr(state.gaussians, frames);
+    // At the end nothing is put off.
+    for (const int64_t step : state.adam.updated) EXPECT_EQ(step, state.adam.step);
+  }
+  EXPECT_NEAR(psnr[1], psnr[0], 0.1);  // Measured: 0.005 apart
+  EXPECT_NE(psnr[1], psnr[0]);
+}
+
 TEST(Trainer, EveryFrameOncePerPass) {
   class Counter : public SceneSubject {
    public:
