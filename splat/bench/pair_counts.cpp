@@ -27,9 +27,6 @@ Projected Project(const Gaussians& gaussians, const Camera& camera) {
   return p;
 }
 
-// What the blend loop works on at a time, px (splat/cpu/blend_tile.cpp).
-constexpr int kBlockSize = 4;
-
 // Part of a tile, and how opaque its pixels are: 0 transmittance beyond the image.
 struct Block {
   float x0, y0;  // its first pixel's centre

@@ -134,6 +134,48 @@ struct ColorVjpOf {
   }
 };
 
+// A Gaussian's ellipse in the image, px.
+template <class T>
+struct Footprint {
+  Vec2<T> center;
+  Sym2<T> covariance;
+  PowerForm<T> form;
+  T reject_below;
+  T half_x, half_y;  // exact box of power >= reject_below
+  T radius;          // 3 standard deviations along the longer axis
+};
+template <class T>
+COSPLAT_HD Footprint<T> FootprintOf(const Pinhole<T>& camera,
+                                    const Vec3<T>& p_in_cam,
+                                    const Quat<T>& rotation,
+                                    const Vec3<T>& scale_log,
+                                    T opacity) {
+  Footprint<T> f;
+  const Vec3<T> scale{Exp(scale_log.x), Exp(scale_log.y), Exp(scale_log.z)};
+  f.covariance = ProjectCovariance(camera, p_in_cam, Covariance(rotation, scale));
+  const Sym2<T> conic = Conic(f.covariance);
+  f.center = ProjectPoint(camera, p_in_cam);
+  f.form = {T(-0.5f) * conic.xx, -conic.xy, T(-0.5f) * conic.yy};
+  f.reject_below = RejectBelow(opacity);
+  // sqrt(t * variance), t = -2 reject_below.
+  f.half_x = Sqrt(T(-2) * f.reject_below * f.covariance.xx);
+  f.half_y = Sqrt(T(-2) * f.reject_below * f.covariance.yy);
+  const T mid = T(0.5f) * (f.covariance.xx + f.covariance.yy);
+  f.radius = T(3) * Sqrt(mid + Sqrt(Max(mid * mid - Determinant(f.covariance), T(0))));
+  return f;
+}
+
+// Whether it has an extent, is finite and reaches the image. Comparisons with NaN are false.
+template <class T>
+COSPLAT_HD auto CanBeDrawn(const Footprint<T>& f, const Pinhole<T>& camera) {
+  const auto on_image =
+      And(And(f.center.x + f.half_x > T(0), f.center.x - f.half_x < camera.width),
+          And(f.center.y + f.half_y > T(0), f.center.y - f.half_y < camera.height));
+  const auto finite = And(And(IsFinite(f.form.xx), IsFinite(f.form.xy)),
+                          And(IsFinite(f.form.yy), And(IsFinite(f.half_x), IsFinite(f.half_y))));
+  return And(And(on_image, finite), Determinant(f.covariance) > T(kMinDeterminant));
+}
+
 struct ProjectKernel {
   WorldGaussians gaussians;
   ViewParameters view;
@@ -148,50 +190,34 @@ struct ProjectKernel {
     auto drawn = p.z > T(kNearPlane);
     if (!AnyTrue(drawn)) return DrawNone(rows);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
-    const Vec3<T> s = LoadVec3<T>(gaussians.scale_log, rows);
     const T opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
+    const Footprint<T> f =
+        FootprintOf(camera, p, q, LoadVec3<T>(gaussians.scale_log, rows), opacity);
     drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
-    const Sym2<T> cov =
-        ProjectCovariance(camera, p, Covariance(q, Vec3<T>{Exp(s.x), Exp(s.y), Exp(s.z)}));
-    const T det = cov.xx * cov.yy - cov.xy * cov.xy;
-    drawn = And(drawn, det > T(kMinDeterminant));
-    const Sym2<T> conic = Conic(cov);
-    const PowerForm<T> form{T(-0.5f) * conic.xx, -conic.xy, T(-0.5f) * conic.yy};
-    const PowerRidges<T> ridges = RidgesOf(form);
-    const Vec2<T> center = ProjectPoint(camera, p);
-    const T reject_below = RejectBelow(opacity);
-    // Exact box of the ellipse power >= reject_below: sqrt(t * variance), t = -2 reject_below.
-    const T half_x = Sqrt(T(-2) * reject_below * cov.xx);
-    const T half_y = Sqrt(T(-2) * reject_below * cov.yy);
-    drawn = And(And(drawn, And(center.x + half_x > T(0), center.x - half_x < camera.width)),
-                And(center.y + half_y > T(0), center.y - half_y < camera.height));
-    drawn = And(And(drawn, And(IsFinite(conic.xx), IsFinite(conic.xy))),
-                And(IsFinite(conic.yy), And(IsFinite(half_x), IsFinite(half_y))));
+    drawn = And(drawn, CanBeDrawn(f, camera));
     if (!AnyTrue(drawn)) return DrawNone(rows);
-    const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
-    const Vec3<T> color =
-        WithDegree(view.degree, ColorOf<T>{gaussians, view, rows, color_view.direction});
+    const Vec3<T> direction = ColorViewOf(gaussians, view, position, rows).direction;
+    const Vec3<T> color = WithDegree(view.degree, ColorOf<T>{gaussians, view, rows, direction});
     drawn = And(And(drawn, IsFinite(color.x)), And(IsFinite(color.y), IsFinite(color.z)));
-    const T mid = T(0.5f) * (cov.xx + cov.yy);
-    const T radius = T(3) * Sqrt(mid + Sqrt(Max(mid * mid - det, T(0))));
+    const PowerRidges<T> ridges = RidgesOf(f.form);
     // In the order of ProjectedSplat's members.
-    const T out[kProjectedFloats] = {center.x,
-                                     center.y,
-                                     form.xx,
-                                     form.xy,
-                                     form.yy,
+    const T out[kProjectedFloats] = {f.center.x,
+                                     f.center.y,
+                                     f.form.xx,
+                                     f.form.xy,
+                                     f.form.yy,
                                      opacity,
-                                     reject_below,
+                                     f.reject_below,
                                      color.x,
                                      color.y,
                                      color.z,
-                                     half_x,
-                                     half_y,
+                                     f.half_x,
+                                     f.half_y,
                                      p.z,
                                      ridges.x_per_y,
                                      ridges.y_per_x};
     StoreRows<kProjectedFloats>(out, &splats->x, kProjectedStride, rows);
-    StoreWhere(drawn, radius, radii, rows);
+    StoreWhere(drawn, f.radius, radii, rows);
   }
 
   COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }

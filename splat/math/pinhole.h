@@ -151,10 +151,15 @@ COSPLAT_HD void ProjectCovarianceVjp(const Pinhole<T>& camera,
   d_p_in_cam += JacobianAtVjp(camera, p_in_cam, d_j);
 }
 
+template <class T>
+COSPLAT_HD T Determinant(const Sym2<T>& c) {
+  return c.xx * c.yy - c.xy * c.xy;
+}
+
 // Inverse of a positive definite 2x2 covariance, px^-2.
 template <class T>
 COSPLAT_HD Sym2<T> Conic(const Sym2<T>& c) {
-  const T inv_det = T(1) / (c.xx * c.yy - c.xy * c.xy);
+  const T inv_det = T(1) / Determinant(c);
   return {c.yy * inv_det, -c.xy * inv_det, c.xx * inv_det};
 }
 // dA^-1 = -A^-1 dA A^-1, given the conic itself.

@@ -7,6 +7,7 @@
 
 #include <map>
 
+#include "splat/morton.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 
@@ -27,13 +28,17 @@ TEST(Trainer, OverfitsASceneFromRandomPoints) {
   }
 }
 
+Gaussians Perturbed(Gaussians g) {
+  Rng rng{2};
+  for (int a = 0; a < kAttributeCount; ++a)
+    for (float& v : g.values[a]) v += (a == kPosition ? 0.02f : 0.1f) * rng.Normal();
+  return g;
+}
+
 TEST(Trainer, RecoversAPerturbedScene) {
   const Gaussians truth = TrueScene(2);
   const auto frames = Photographs(truth, Ring(6, 2.2f));
-  Gaussians first = truth;
-  Rng rng{2};
-  for (int a = 0; a < kAttributeCount; ++a)
-    for (float& v : first.values[a]) v += (a == kPosition ? 0.02f : 0.1f) * rng.Normal();
+  const Gaussians first = Perturbed(truth);
   TrainSettings settings = ShortRun(300, 2);
   settings.first_degree = 2;
   settings.schedule.densify_until = 0;
@@ -76,19 +81,30 @@ TEST(Trainer, BitsDependOnTheSeedAlone) {
 }
 
 TEST(Trainer, AdamOnWhatIsDrawnIsAsGoodAsOnAll) {
-  // Cameras so near that each sees a part of the scene.
-  const auto frames = Photographs(TrueScene(1, 200), Ring(12, 0.9f));
+  // Cameras inside, so that each sees a part of the scene; no densification, which makes small
+  // differences large.
+  Gaussians truth = TrueScene(1, 1000);
+  for (float& s : truth.values[kScaleLog]) s -= std::log(4.0f);
+  const auto frames = Photographs(truth, Ring(12, 0.3f));
+  Gaussians first = Perturbed(truth);
+  std::vector<std::array<float, 3>> centers;
+  for (size_t i = 0; i < first.size(); ++i)
+    centers.push_back(
+        {first.at(kPosition, i)[0], first.at(kPosition, i)[1], first.at(kPosition, i)[2]});
+  first.Gather(MortonOrder(centers));  // so that whole groups are out of sight
   double psnr[2];
   for (const AdamOn on : {AdamOn::kAll, AdamOn::kDrawn}) {
     SceneSubject subject(frames, 1);
     TrainSettings settings = ShortRun(400, 1);
+    settings.first_degree = 1;
+    settings.schedule.densify_until = 0;
     settings.adam_on = on;
-    const TrainingState state = Train(settings, subject, FirstGaussians(600, 1), 400);
+    const TrainingState state = Train(settings, subject, first, 400);
     psnr[int(on)] = MeanPsnr(state.gaussians, frames);
     // At the end nothing is put off.
     for (const int64_t step : state.adam.updated) EXPECT_EQ(step, state.adam.step);
   }
-  EXPECT_NEAR(psnr[1], psnr[0], 0.1);  // Measured: 0.005 apart
+  EXPECT_GT(psnr[1], psnr[0] - 0.3);  // Measured: 37.35 dB against 36.94
   EXPECT_NE(psnr[1], psnr[0]);
 }
 
