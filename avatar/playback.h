@@ -31,7 +31,8 @@ class Playback {
   // The picture of the last frame; null where it was returned, or refused, before.
   const RenderedImage* Finish();
 
-  // Posed vertices of the frame whose picture was returned last, [V, 3] metres.
+  // Posed vertices of the frame whose picture was returned last, [V, 3] metres; not after an
+  // exception.
   const std::vector<float>& vertices() const { return places_[drawn_].vertices(); }
 
  private:

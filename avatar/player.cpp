@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 #include "avatar/parallel_for.h"
 #include "avatar/preview.h"

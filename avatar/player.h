@@ -51,7 +51,8 @@ class Player {
   // the avatar that is drawn is not the one being placed.
   //
   // Expression coefficients beyond the model's are left out. Throws Error when a parameter is not
-  // finite; `out` then keeps its last content. Nothing is done where `out.IsFor(params)`.
+  // finite; `out` then keeps its last content. Nothing is done where `out.IsFor(params)`: it must
+  // be new or have been placed by this player.
   void Place(const FlameParams& params, PlacedAvatar& out);
   // Over a background; `placed` by this player. The picture is the player's own: it stays until the
   // next call and is not drawn again for the same avatar, camera and background.

@@ -9,6 +9,8 @@ constexpr int kTileSize = 16;
 // Side of the blocks that the CPU's blend loop works on, px: as many pixels as the widest SIMD
 // register has lanes.
 constexpr int kBlockSize = 4;
+// It looks which blocks are opaque after this many splats.
+constexpr int kStopInterval = 16;
 
 // Contributions below one grey level of 255 are dropped (3DGS).
 constexpr float kMinAlpha = 1.0f / 255.0f;

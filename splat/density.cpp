@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "splat/base/error.h"
 #include "splat/math/quat.h"
 #include "splat/morton.h"
 #include "splat/prune.h"
@@ -57,6 +58,8 @@ void GatherAll(std::vector<uint32_t> source,
                Placement& placement,
                Gaussians& gaussians,
                AdamState& adam) {
+  for (const int64_t step : adam.updated)
+    if (step != adam.step) throw Error("", "density control", "Adam has not caught up");
   std::vector<uint32_t> fresh;
   for (size_t i = 0; i < source.size(); ++i)
     if (source[i] & kNew) {

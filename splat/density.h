@@ -71,7 +71,7 @@ class Placement {
 };
 
 // Clone, split, remove; then clears the statistics. New Gaussians start with zero moments. Adam
-// must have caught up (splat/optimizer.h).
+// must have caught up (splat/optimizer.h): Error otherwise.
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
                              int rounds_left,

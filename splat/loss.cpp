@@ -7,6 +7,7 @@
 
 #include "splat/cpu/ssim_band.h"
 #include "splat/math/photograph.h"
+#include "splat/math/ssim.h"
 
 namespace cosplat {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 // Fixed, so that sums do not depend on the number of threads. A band works on up to ten rows of
 // either neighbour, so much lower ones cost more; at 1080 rows there are 27 jobs for the cores.
 constexpr int kBandRows = 120;
-constexpr int kRowsTogether = 5;  // in a group of splat/cpu/ssim_window.h
+constexpr int kRowsTogether = math::kSsimRadius;  // a group of splat/cpu/ssim_window.h
 
 struct Bands {
   int count, rows;  // rows of each but the last

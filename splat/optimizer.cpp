@@ -1,12 +1,13 @@
 #include "splat/optimizer.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "splat/cpu/adam_range.h"
+#include "splat/cpu/adam_runs.h"
 #include "splat/math/adam.h"
 
 namespace cosplat {
@@ -53,11 +54,14 @@ void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
 size_t Update(const std::array<AdamArray, kAttributeCount>& arrays,
               const std::vector<AdamRun>& runs) {
   std::atomic<size_t> bad{0};  // a count: the order of adding does not matter
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, runs.size(), kRunsPerTask),
-                    [&](const auto& task) {
-                      for (const AdamArray& array : arrays)
-                        bad += AdamRuns(array, runs.data() + task.begin(), task.size());
-                    });
+  const auto update = [&](const auto& task) {
+    for (const AdamArray& array : arrays)
+      bad += AdamRuns(array, runs.data() + task.begin(), task.size());
+  };
+  // Isolated: a thread that waits here must not take up another trainer's step, whose runs would
+  // overwrite these.
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(tbb::blocked_range<size_t>(0, runs.size(), kRunsPerTask), update); });
   return bad;
 }
 

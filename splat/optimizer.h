@@ -44,7 +44,8 @@ size_t AdamStepAll(const AdamSettings& settings,
                    Gaussians& values,
                    AdamState& state);
 
-// Does what was put off, for all Gaussians. Needed before they are reordered, judged or saved.
+// Does what was put off, for all Gaussians. Needed before they are reordered, judged or saved (in
+// the middle of a run on a copy: Trainer::CaughtUp).
 void AdamCatchUpAll(const AdamSettings& settings,
                     View<const float> position_rate_scale,
                     Gaussians& values,

@@ -148,52 +148,44 @@ void Trainer::ControlDensityAt(int iteration) {
   if (resets) ResetOpacity(state_.gaussians, state_.adam);
 }
 
-StepReport Trainer::Step() {
-  const auto start = std::chrono::steady_clock::now();
-  const double cpu_start = ProcessorSeconds();
-  const int iteration = state_.iteration + 1;
-  const size_t index = NextFrame();
+double Trainer::Forward(size_t index) {
   const TrainFrame& frame = subject_.frame(index);
-  CheckSize(frame, index);
-  const int width = frame.camera.width, height = frame.camera.height;
-  RenderSettings render{NextBackground(), active_degree(), settings_.exp_degree};
+  const RenderSettings render{NextBackground(), active_degree(), settings_.exp_degree};
   {
     ScopedPhase phase(times_, Phase::kData);
     if (gradients_.size() != state_.gaussians.size()) gradients_ = state_.gaussians.ZerosLike();
   }
-  WorldGaussians world;
   {
     ScopedPhase phase(times_, Phase::kPose);
-    world = subject_.Place(state_.gaussians, index);
+    world_ = subject_.Place(state_.gaussians, index);
   }
-  rasterizer_->Forward(world, state_.gaussians.basis, frame.camera, render, image_, *tape_);
-  double loss = 0;
-  {
-    ScopedPhase phase(times_, Phase::kLoss);
-    loss = loss_.Evaluate(settings_.loss, image_.color, frame.target, render.background, d_color_);
-  }
-  if (!std::isfinite(loss))
-    throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
+  rasterizer_->Forward(world_, state_.gaussians.basis, frame.camera, render, image_, *tape_);
+  ScopedPhase phase(times_, Phase::kLoss);
+  return loss_.Evaluate(settings_.loss, image_.color, frame.target, render.background, d_color_);
+}
+
+void Trainer::Backward(int iteration) {
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_);
   // Adam then reads those of others, too.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
     d_world.drawn_groups_only = false;
-  rasterizer_->Backward(world, image_, d_color_, *tape_, d_world);
+  rasterizer_->Backward(world_, image_, d_color_, *tape_, d_world);
   {
     ScopedPhase phase(times_, Phase::kPose);
     subject_.PlaceBackward(state_.gaussians, gradients_);
   }
   // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
-  if (iteration < settings_.schedule.densify_until) {
-    ScopedPhase phase(times_, Phase::kDensity);
-    state_.statistics.Accumulate(*tape_,
-                                 screen_,
-                                 gradients_.values[kScaleLog],
-                                 state_.gaussians.values[kScaleLog],
-                                 width,
-                                 height);
-  }
-  loss += RegularizeScale();
+  if (iteration >= settings_.schedule.densify_until) return;
+  ScopedPhase phase(times_, Phase::kDensity);
+  state_.statistics.Accumulate(*tape_,
+                               screen_,
+                               gradients_.values[kScaleLog],
+                               state_.gaussians.values[kScaleLog],
+                               image_.width,
+                               image_.height);
+}
+
+void Trainer::Update(int iteration) {
   {
     ScopedPhase phase(times_, Phase::kAdam);
     FindGroups();
@@ -204,18 +196,38 @@ StepReport Trainer::Step() {
                                       state_.gaussians,
                                       state_.adam);
   }
-  {
-    ScopedPhase phase(times_, Phase::kDensity);
-    state_.iteration = iteration;
-    ControlDensityAt(iteration);
-    subject_.AfterStep(iteration, state_.gaussians, state_.adam);
-  }
+  ScopedPhase phase(times_, Phase::kDensity);
+  state_.iteration = iteration;
+  ControlDensityAt(iteration);
+  subject_.AfterStep(iteration, state_.gaussians, state_.adam);
+}
+
+StepReport Trainer::Step() {
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = ProcessorSeconds();
+  const int iteration = state_.iteration + 1;
+  const size_t index = NextFrame();
+  CheckSize(subject_.frame(index), index);
+  double loss = Forward(index);
+  if (!std::isfinite(loss))
+    throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
+  Backward(iteration);
+  loss += RegularizeScale();
+  Update(iteration);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   seconds_ += seconds;
   cpu_seconds_ += ProcessorSeconds() - cpu_start;
   last_seconds_[steps_++ % last_seconds_.size()] = seconds;
   return {iteration, loss, state_.gaussians.size()};
+}
+
+Gaussians Trainer::CaughtUp() const {
+  Gaussians gaussians = state_.gaussians;
+  AdamState adam = state_.adam;
+  const AdamSettings rates = RatesAt(std::max(state_.iteration - 1, 0));
+  AdamCatchUpAll(rates, subject_.PositionRateScale(), gaussians, adam);
+  return gaussians;
 }
 
 TrainingStatistics Trainer::statistics() const {

@@ -131,6 +131,9 @@ class Trainer {
   StepReport Step();
 
   const TrainingState& state() const { return state_; }
+  // The Gaussians with all that Adam has put off: what to save or judge in the middle of a run. A
+  // copy, since making up for it in place would change the run's bits.
+  Gaussians CaughtUp() const;
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
   TrainingStatistics statistics() const;
@@ -139,6 +142,10 @@ class Trainer {
   size_t NextFrame();
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
+  // The step's parts: draw and compare, gradients, parameters.
+  double Forward(size_t index);
+  void Backward(int iteration);
+  void Update(int iteration);
   double RegularizeScale();
   void FindGroups();
   void ControlDensityAt(int iteration);
@@ -149,6 +156,7 @@ class Trainer {
   // Scratch, kept between steps.
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
+  WorldGaussians world_;  // this step's
   RenderedImage image_;
   PhotometricLoss loss_;
   Buffer<float> d_color_, screen_;

@@ -53,7 +53,7 @@ void Evaluate(const AvatarCommand& o,
               const AvatarSubject& subject,
               const std::vector<Image8>& truth,
               const Trainer& trainer) {
-  AvatarModel model = subject.Model(trainer.state().gaussians);
+  AvatarModel model = subject.Model(trainer.CaughtUp());
   AvatarRenderer renderer(std::move(model), flame);
   TestImageWriter writer(o.model, "test", trainer.state().iteration, o.EvaluationBackground());
   for (size_t i = 0; i < truth.size(); ++i)
@@ -133,7 +133,7 @@ void Save(const AvatarCommand& o,
           const FlameModel& flame,
           const AvatarSubject& subject,
           const Trainer& trainer) {
-  AvatarModel model = subject.Model(trainer.state().gaussians);
+  AvatarModel model = subject.Model(trainer.CaughtUp());
   model.background = o.EvaluationBackground();
   // The rest pose, for tools that know only 3DGS's layout.
   SaveSplats(o.model, trainer.state().iteration, RestPose(model));

@@ -27,7 +27,7 @@ struct SceneCommand : TrainOptions {
 void Evaluate(const SceneCommand& o, const std::vector<TrainFrame>& test, const Trainer& trainer) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
-  const Gaussians& g = trainer.state().gaussians;
+  const Gaussians g = trainer.CaughtUp();
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
   TestImageWriter writer(o.model, "test", trainer.state().iteration, render.background);
   RenderedImage image;
@@ -91,7 +91,7 @@ void Train(SceneCommand o, const std::string& config) {
                 subject.frame(0).camera.height,
                 WithThousands(scene.points.size() / 3).c_str());
   RunHooks hooks;
-  hooks.save = [&] { SaveSplats(o.model, trainer.state().iteration, trainer.state().gaussians); };
+  hooks.save = [&] { SaveSplats(o.model, trainer.state().iteration, trainer.CaughtUp()); };
   if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, test, trainer); };
   RunTraining(o, trainer, scene.skipped, hooks);
 }

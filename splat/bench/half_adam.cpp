@@ -70,10 +70,10 @@ size_t Update(const MomentArray<Moment>& a, uint32_t step, uint32_t begin, uint3
   Moment* __restrict m = a.m, * __restrict v = a.v;
   unsigned bad = 0;
   for (uint32_t i = begin; i < end; ++i) {
-    const bool finite = Abs(gradient[i]) < 1e18f;  // its square must be finite too
-    bad += !finite;
+    const bool usable = IsUsableGradient(gradient[i]);
+    bad += !usable;
     float first = Load(m[i]), second = Load(v[i]);
-    AdamUpdate(adam, finite ? gradient[i] : 0.0f, value[i], first, second);
+    AdamUpdate(adam, usable ? gradient[i] : 0.0f, value[i], first, second);
     Store(first, second, HashOf(i, step), m[i], v[i]);
   }
   return bad;

@@ -70,8 +70,11 @@ PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
     for (int x = 0; x < camera.width; x += kBlockSize) {
       const int tile = y / kTileSize * lists.tiles_x + x / kTileSize;
       Block block = BlockAt(x, y, camera);
-      for (uint32_t k = lists.tile_begin[tile]; k < lists.tile_begin[tile + 1] && block.Open(); ++k)
+      const uint32_t begin = lists.tile_begin[tile];
+      for (uint32_t k = begin; k < lists.tile_begin[tile + 1]; ++k) {
+        if ((k - begin) % kStopInterval == 0 && !block.Open()) break;
         block.Add(projected.splats[lists.entries[k].gaussian], counts);
+      }
     }
   return counts;
 }

@@ -12,9 +12,6 @@
 
 COSPLAT_MATH_BEGIN
 
-// Which blocks are opaque is looked at after this many splats.
-constexpr uint32_t kStopInterval = 16;
-
 HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) {
   return {Pack(s.r), Pack(s.g), Pack(s.b)};
 }
@@ -84,7 +81,7 @@ uint32_t Forward(const TileJob& job) {
   while (k < job.entry_count) {
     const BlockMask open = OpenBlocks(px.t);
     if (open == 0) break;
-    const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
+    const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
     for (; k < stop; ++k) BlendSplat<kExpDegree>(SplatAt(job, k), grid, open, px);
   }
   const size_t plane = size_t(job.width) * job.height;
@@ -173,7 +170,7 @@ void Backward(const TileJob& job, const float* d_color, SplatGradient* records) 
   LoadVjpPixels(job, d_color, px);
   for (uint32_t k = 0; k < job.entry_count;) {
     const BlockMask open = OpenBlocks(px.t);
-    const uint32_t stop = std::min(k + kStopInterval, job.entry_count);
+    const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
     for (; k < stop; ++k)
       records[job.entries[k].record] = BlendSplatVjp<kExpDegree>(SplatAt(job, k), grid, open, px);
   }

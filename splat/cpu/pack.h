@@ -62,7 +62,12 @@ HWY_INLINE Pack Max(const Pack& a, const Pack& b) { return Pack(hn::Max(a.v, b.v
 
 HWY_INLINE Pack Sqrt(const Pack& x) { return Pack(hn::Sqrt(x.v)); }
 HWY_INLINE Pack Abs(const Pack& x) { return Pack(hn::Abs(x.v)); }
-HWY_INLINE Pack Exp(const Pack& x) { return Pack(hn::Exp(Lanes(), x.v)); }
+// Highway's is right to 104, where e^x is infinite, and anything above or for NaN.
+HWY_INLINE Pack Exp(const Pack& x) {
+  const Lanes d;
+  const auto e = hn::Exp(d, hn::Min(x.v, hn::Set(d, 104.0f)));
+  return Pack(hn::IfThenElse(hn::Eq(x.v, x.v), e, x.v));
+}
 HWY_INLINE Pack Log(const Pack& x) { return Pack(hn::Log(Lanes(), x.v)); }
 
 // Coefficients, lowest first, of the polynomial for 2^f, |f| <= 1/2, with the least relative error

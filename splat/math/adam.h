@@ -19,6 +19,9 @@ struct AdamStep {
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
 
+// Whether a gradient, and its square, is finite: others count as zero.
+COSPLAT_HD bool IsUsableGradient(float gradient) { return Abs(gradient) < 1e18f; }
+
 // `rate_scale` multiplies the rate of this one number: parameters of one array that are measured in
 // different units.
 template <class T>
@@ -33,7 +36,8 @@ COSPLAT_HD void AdamUpdate(
 // on by what is left of its momentum,
 //   sum over j = 1 ... k of step_size beta1^j m / (sqrt(beta2^j v) + eps)
 //     = step_size (r + r^2 + ... + r^k) m / sqrt(v),  r = beta1 / sqrt(beta2),
-// with the step size of the last of them and without eps.
+// with one step size for all of them (that of the step which makes up for them) and without eps in
+// the series.
 struct AdamTail {
   float m_factor = 1, v_factor = 1;  // beta1^k, beta2^k
   float step_size = 0;               // with the sum of powers
@@ -41,7 +45,7 @@ struct AdamTail {
 COSPLAT_HD AdamTail AdamTailOf(const AdamStep& step, int k) {
   const float m_factor = std::pow(step.beta1, float(k)), v_factor = std::pow(step.beta2, float(k));
   const float r = step.beta1 / std::sqrt(step.beta2);
-  return {m_factor, v_factor, step.step_size * r * (1 - m_factor / std::sqrt(v_factor)) / (1 - r)};
+  return {m_factor, v_factor, step.step_size * r * (1 - std::pow(r, float(k))) / (1 - r)};
 }
 template <class T>
 COSPLAT_HD void AdamCatchUp(

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "splat/morton.h"
 #include "splat/rasterizer.h"
+#include "tests/support/expect_error.h"
 
 namespace cosplat {
 namespace {
@@ -30,6 +32,7 @@ struct Population {
     g.Resize(n);
     adam = AdamState(g);
     adam.step = 5;
+    adam.updated.assign(adam.updated.size(), 5);
     for (size_t i = 0; i < n; ++i) {
       const float tag = float(i + 1);
       for (int k = 0; k < 3; ++k) {
@@ -201,6 +204,37 @@ TEST(Density, SmallOnesAreClonedLargeOnesSplit) {
   for (const size_t fresh : {4, 5, 6}) EXPECT_EQ(p.adam.m.at(kScaleLog, fresh)[0], 0);
   for (const size_t old : {0, 1, 2, 3}) EXPECT_NE(p.adam.m.at(kScaleLog, old)[0], 0);
   EXPECT_EQ(p.adam.step, 5);
+}
+
+TEST(Density, WhatAdamHasPutOffMustHaveBeenMadeUpFor) {
+  Population p(4);
+  --p.adam.updated[0];
+  test::ExpectError([&] { p.Control(); }, {"density control", "Adam"});
+  Placement placement;
+  test::ExpectError([&] { SortInSpace(placement, p.g, p.adam); }, {"density control", "Adam"});
+}
+
+TEST(Density, SortingInSpaceMovesAllThatIsPerGaussian) {
+  Population p(40);
+  Rng rng{6};
+  for (float& x : p.g.values[kPosition]) x = rng.Normal();
+  const Gaussians before = p.g;
+  std::vector<std::array<float, 3>> centers;
+  for (size_t i = 0; i < 40; ++i) {
+    const float* c = before.at(kPosition, i);
+    centers.push_back({c[0], c[1], c[2]});
+  }
+  const std::vector<uint32_t> order = MortonOrder(centers);
+  const AdamState adam = p.adam;
+  Placement placement;
+  SortInSpace(placement, p.g, p.adam);
+  for (size_t i = 0; i < 40; ++i)
+    for (int a = 0; a < kAttributeCount; ++a)
+      for (int k = 0; k < before.width(a); ++k) {
+        const Attribute attribute = Attribute(a);
+        EXPECT_EQ(p.g.at(attribute, i)[k], before.at(attribute, order[i])[k]);
+        EXPECT_EQ(p.adam.m.at(attribute, i)[k], adam.m.at(attribute, order[i])[k]);
+      }
 }
 
 TEST(Density, ChildrenAreDrawnFromTheirParent) {

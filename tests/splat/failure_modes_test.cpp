@@ -233,6 +233,22 @@ TEST(FailureModes, TooManyInstancesAreRefusedBeforeTheyAreStored) {
   }
 }
 
+TEST(FailureModes, WhatIsAllButTransparentIsNotDrawn) {
+  // Logits that other programs write for an opacity of 0.
+  for (const float logit : {-30.0f, -100.0f, -179.0f, -355.0f, -1000.0f, -INFINITY}) {
+    Gaussians g = RandomGaussians(20, 1, Basis::kDcsh, 3);
+    for (size_t i = 0; i < g.size(); ++i) {
+      g.at(kPosition, i)[2] += 2;
+      *g.at(kOpacityLogit, i) = logit;
+    }
+    const auto rasterizer = MakeCpuRasterizer();
+    const auto tape = rasterizer->MakeTape();
+    RenderedImage image;
+    rasterizer->Forward(ViewOf(g), g.basis, Straight(32), {{0, 0, 0}, 1}, image, *tape);
+    EXPECT_EQ(tape->visible_count(), 0u) << logit;
+  }
+}
+
 struct Projected {
   Buffer<ProjectedSplat> splats;
   Buffer<float> radii;

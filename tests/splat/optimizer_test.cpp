@@ -172,15 +172,63 @@ TEST(Adam, WhatWaitsIsLeftAlone) {
     EXPECT_EQ(g.values[kPosition][k], start.values[kPosition][k]);
 }
 
+TEST(Adam, WhatIsPutOffHasItsOwnRateAndEps) {
+  // One gradient, then many steps later: the tail is that of a step without a gradient, in sum.
+  const size_t n = 16;
+  AdamSettings settings = Rates();
+  settings.eps[kColorRest] = 0.01f;
+  Buffer<float> scale(3 * n);
+  for (size_t i = 0; i < scale.size(); ++i) scale[i] = float(i) - 4;
+  Gaussians all = Gradients(n, 20), some = all;
+  AdamState all_state(all), some_state(all);
+  all_state.step = some_state.step = 5000;  // no bias correction left
+  some_state.updated.assign(1, 5000);
+  const Gaussians d = Gradients(n, 21);
+  for (Gaussians* g : {&all, &some})
+    AdamStepAll(settings, d, scale, AllGroups(n), *g, g == &all ? all_state : some_state);
+  const Gaussians after_one = all;
+  for (int t = 0; t < 30; ++t) {
+    AdamStepAll(settings, all.ZerosLike(), scale, AllGroups(n), all, all_state);
+    AdamStepAll(settings, all.ZerosLike(), scale, {}, some, some_state);
+  }
+  AdamCatchUpAll(settings, scale, some, some_state);
+  for (int a = 0; a < kAttributeCount; ++a)
+    for (size_t k = 0; k < all.values[a].size(); ++k)
+      EXPECT_NEAR(some.values[a][k] - after_one.values[a][k],
+                  all.values[a][k] - after_one.values[a][k],
+                  2e-6 + 0.02 * std::abs(all.values[a][k] - after_one.values[a][k]))
+          << a;
+}
+
+TEST(Adam, AnyNumberOfStepsCanBePutOff) {
+  Gaussians g = Gradients(20, 22);
+  AdamState state(g);
+  AdamStepAll(Rates(), Gradients(20, 23), {}, AllGroups(20), g, state);
+  const Gaussians before = g;
+  state.step += 10000000;
+  AdamCatchUpAll(Rates(), {}, g, state);
+  for (int a = 0; a < kAttributeCount; ++a)
+    for (size_t k = 0; k < g.values[a].size(); ++k) {
+      EXPECT_NEAR(g.values[a][k], before.values[a][k], 100 * Rates().rate[a]);
+      EXPECT_EQ(state.m.values[a][k], 0);
+      EXPECT_EQ(state.v.values[a][k], 0);
+    }
+}
+
 TEST(Adam, BitsDoNotDependOnThreads) {
   const size_t n = 20000;
-  const Gaussians d = Gradients(n, 7);
   Gaussians first;
   for (const int threads : {1, 4}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Gaussians g = Gradients(n, 8);
-    AdamState state = AdamState(g);
-    AdamStepAll(Rates(), d, {}, AllGroups(n), g, state);
+    AdamState state(g);
+    for (uint32_t t = 0; t < 5; ++t) {
+      std::vector<uint32_t> groups;  // gaps of different lengths
+      for (uint32_t k = 0; k < AdamGroupCount(n); ++k)
+        if ((k * 7 + t * 3) % 5 < 2 || t == 0) groups.push_back(k);
+      AdamStepAll(Rates(), Gradients(n, 30 + t), {}, groups, g, state);
+    }
+    AdamCatchUpAll(Rates(), {}, g, state);
     if (threads == 1) first = g;
     for (int a = 0; a < kAttributeCount; ++a) EXPECT_EQ(g.values[a], first.values[a]);
   }

@@ -46,6 +46,12 @@ double LargestFastExpError(int degree, double from, double to, int steps) {
   }
 }
 
+float ExpOf(float x) {
+  alignas(64) float y[kTileSize];
+  StorePack(Exp(Pack(x)), y);
+  return y[kLanes - 1];
+}
+
 // Rows of an array through packs into another array, `kUsed` numbers of each; the rest stays.
 template <int kUsed>
 void CopyRows(size_t count, size_t width, const float* from, float* to) {
@@ -117,6 +123,7 @@ namespace cosplat {
 namespace math {
 HWY_EXPORT(LargestExpError);
 HWY_EXPORT(LargestFastExpError);
+HWY_EXPORT(ExpOf);
 HWY_EXPORT(CopyUsed);
 HWY_EXPORT(CompareLanes);
 HWY_EXPORT(WrongLanes);
@@ -141,6 +148,18 @@ TEST(Pack, ExpIsAccurate) {
     const auto error = HWY_DYNAMIC_DISPATCH(LargestExpError);
     EXPECT_LT(error(-87, 0, 800000), 1.5e-7);
     EXPECT_LT(error(0, 88, 800000), 2e-7);
+  });
+}
+
+TEST(Pack, ExpOfLargeNumbersIsInfiniteAndOfSmallOnesZero) {
+  OnEveryTarget([] {
+    const auto exp_of = HWY_DYNAMIC_DISPATCH(ExpOf);
+    EXPECT_EQ(exp_of(0), 1);
+    for (const float x : {89.0f, 105.0f, 179.0f, 200.0f, 355.0f, 1000.0f, 1e30f, INFINITY}) {
+      EXPECT_EQ(exp_of(x), INFINITY) << x;
+      EXPECT_EQ(exp_of(-2 * x), 0) << x;
+    }
+    EXPECT_TRUE(std::isnan(exp_of(NAN)));
   });
 }
 

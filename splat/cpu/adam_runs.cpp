@@ -1,7 +1,7 @@
-#include "splat/cpu/adam_range.h"
+#include "splat/cpu/adam_runs.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/cpu/adam_range.cpp"
+#define HWY_TARGET_INCLUDE "splat/cpu/adam_runs.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
@@ -33,9 +33,9 @@ unsigned Update(const AdamStep& step, const RunNumbers& run) {
   const float* __restrict scale = run.rate_scale;
   unsigned bad = 0;
   for (size_t i = 0; i < run.count; ++i) {
-    const bool finite = Abs(gradient[i]) < 1e18f;  // its square must be finite too
-    bad += !finite;
-    const float g = finite ? gradient[i] : 0.0f;
+    const bool usable = IsUsableGradient(gradient[i]);
+    bad += !usable;
+    const float g = usable ? gradient[i] : 0.0f;
     AdamUpdate(step, g, value[i], m[i], v[i], scale ? scale[i] : 1.0f);
   }
   return bad;
