@@ -19,7 +19,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/cpu/
   splat/io/colmap_model.h
   splat/io/glb
-  splat/io/ply_vertices.h
+  splat/io/ply_
   splat/io/scene_layouts.h
   splat/io/splat_primitive.h
   splat/io/view_files.h

@@ -23,8 +23,10 @@ namespace {
 
 void SplatInfo(const std::string& path) {
   const Gaussians g = ReadPly(path);
-  std::printf(
-      "3DGS splats: %s Gaussians, SH degree %d\n", WithThousands(g.size()).c_str(), g.degree);
+  std::printf("%s splats: %s Gaussians, SH degree %d\n",
+              IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
+              WithThousands(g.size()).c_str(),
+              g.degree);
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};

@@ -6,33 +6,20 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/io/ply_vertices.h"
+#include "splat/io/ply_columns.h"
+#include "splat/io/ply_compressed.h"
+#include "splat/io/ply_reader.h"
 
 namespace cosplat {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written as stored");
 
-// A property of the file and where it lives in Gaussians.
-struct Column {
-  std::string name;
-  Attribute attribute;
-  int component;
-};
-
-std::vector<Column> RestColumns(int coefficients) {
-  std::vector<Column> columns;
-  for (int c = 0; c < 3; ++c)
-    for (int k = 0; k < coefficients; ++k)
-      columns.push_back({"f_rest_" + std::to_string(columns.size()), kColorRest, 3 * k + c});
-  return columns;
-}
-
 // All columns in the order in which they are written, but for the normals behind the position.
-std::vector<Column> ColumnsOf(int degree) {
-  std::vector<Column> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
+std::vector<PlyColumn> ColumnsOf(int degree) {
+  std::vector<PlyColumn> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
   for (int i = 0; i < 3; ++i) columns.push_back({"f_dc_" + std::to_string(i), kColorDc, i});
-  for (Column& column : RestColumns(CoefficientCount(degree) - 1)) columns.push_back(column);
+  for (PlyColumn& column : RestColumns(CoefficientCount(degree) - 1)) columns.push_back(column);
   columns.push_back({"opacity", kOpacityLogit, 0});
   for (int i = 0; i < 3; ++i) columns.push_back({"scale_" + std::to_string(i), kScaleLog, i});
   for (int i = 0; i < 4; ++i) columns.push_back({"rot_" + std::to_string(i), kRotation, i});
@@ -43,24 +30,14 @@ std::string HeaderOf(size_t count) {
   return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(count) + "\n";
 }
 
-int DegreeOf(const PlyVertexReader& reader) {
-  int rest = 0;
-  for (const std::string& name : reader.properties()) rest += name.starts_with("f_rest_");
-  for (int degree = 0; degree <= kMaxTrainedDegree; ++degree)
-    if (rest == 3 * (CoefficientCount(degree) - 1)) return degree;
-  throw Error(reader.path(),
-              "vertex",
-              "has " + std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24, 45 or 72");
-}
-
 }  // namespace
 
 void WritePly(const std::string& path, const Gaussians& gaussians) {
   if (gaussians.basis != Basis::kSh)
     throw Error(path, "basis", "is " + ToString(gaussians.basis) + ", PLY files hold sh");
-  const std::vector<Column> columns = ColumnsOf(gaussians.degree);
+  const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
   const size_t count = gaussians.size();
-  for (const Column& column : columns)
+  for (const PlyColumn& column : columns)
     for (size_t i = 0; i < count; ++i)
       if (!std::isfinite(gaussians.at(column.attribute, i)[column.component]))
         throw Error(path, "vertex " + std::to_string(i) + ", " + column.name, "is not finite");
@@ -83,13 +60,15 @@ void WritePly(const std::string& path, const Gaussians& gaussians) {
 }
 
 Gaussians ReadPly(const std::string& path) {
-  PlyVertexReader reader(path);
+  PlyReader reader(path);
+  if (IsCompressed(reader)) return ReadCompressed(reader);
+  reader.Enter("vertex");
   Gaussians gaussians;
   gaussians.degree = DegreeOf(reader);
   gaussians.basis = Basis::kSh;
-  const std::vector<Column> columns = ColumnsOf(gaussians.degree);
+  const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
   std::vector<int> source;
-  for (const Column& column : columns) source.push_back(reader.Require(column.name));
+  for (const PlyColumn& column : columns) source.push_back(reader.Require(column.name));
   gaussians.Resize(reader.count());
   for (size_t i = 0; i < reader.count(); ++i) {
     const std::vector<double>& values = reader.Next();
@@ -101,6 +80,8 @@ Gaussians ReadPly(const std::string& path) {
   }
   return gaussians;
 }
+
+bool IsCompressedPly(const std::string& path) { return IsCompressed(PlyReader(path)); }
 
 void WritePointsPly(const std::string& path,
                     const std::vector<float>& points,
@@ -128,7 +109,8 @@ void WritePointsPly(const std::string& path,
 void ReadPointsPly(const std::string& path,
                    std::vector<float>& points,
                    std::vector<uint8_t>& colors) {
-  PlyVertexReader reader(path);
+  PlyReader reader(path);
+  reader.Enter("vertex");
   constexpr std::array<const char*, 3> kAxes{"x", "y", "z"}, kColors{"red", "green", "blue"};
   std::array<int, 3> position, color;
   for (int k = 0; k < 3; ++k) position[k] = reader.Require(kAxes[k]);

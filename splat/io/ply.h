@@ -1,4 +1,4 @@
-// Splats and points as PLY files in 3DGS's layout.
+// Splats and points as PLY files in 3DGS's layout; PlayCanvas' compressed one is read too.
 //
 // Properties, all float: x y z nx ny nz f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3. f_rest is
 // channel-major (all of red, then green, then blue), opacity a logit, scale a logarithm, rotation
@@ -18,8 +18,13 @@ void WritePly(const std::string& path, const Gaussians& gaussians);
 
 // Any order of properties; others, and other elements, are ignored. The degree follows from the
 // number of f_rest (0, 9, 24, 45, 72). Throws Error naming vertex and property for values that are
-// not finite and for what is missing or cut off.
+// not finite and for what is missing or cut off. PlayCanvas' layout is told by its header, and its
+// errors name chunks alike.
 Gaussians ReadPly(const std::string& path);
+
+// Whether ReadPly takes the file for PlayCanvas' compressed layout. Throws Error when the header
+// cannot be read.
+bool IsCompressedPly(const std::string& path);
 
 // x y z nx ny nz red green blue, as 3DGS's input.ply. points: [P, 3]; colors: [P, 3].
 void WritePointsPly(const std::string& path,

@@ -9,7 +9,9 @@ cosplat_library(data
   ${CMAKE_CURRENT_LIST_DIR}/glb_check.cpp
   ${CMAKE_CURRENT_LIST_DIR}/glb_tinygltf.cpp
   ${CMAKE_CURRENT_LIST_DIR}/ply.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/ply_vertices.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ply_columns.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ply_compressed.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ply_reader.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene_data.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene_glb.cpp
   ${CMAKE_CURRENT_LIST_DIR}/splat_primitive.cpp

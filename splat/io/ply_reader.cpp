@@ -1,4 +1,4 @@
-#include "splat/io/ply_vertices.h"
+#include "splat/io/ply_reader.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -23,25 +23,52 @@ bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 }  // namespace
 
-PlyVertexReader::PlyVertexReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
+PlyReader::PlyReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
   bytes_.push_back('\0');  // ends the last number of an ascii file
   ReadHeader();
 }
 
-int PlyVertexReader::Find(const std::string& name) const {
+bool PlyReader::Has(const std::string& element, const std::string& property) const {
+  for (const Element& e : elements_)
+    for (const Property& p : e.properties)
+      if (e.name == element && p.name == property && !p.is_list) return true;
+  return false;
+}
+
+void PlyReader::Enter(const std::string& element) {
+  while (row_ < element_.count) Next();
+  while (next_element_ < elements_.size()) {
+    EnterNext();
+    if (element_.name == element) return;
+    while (row_ < element_.count) Next();
+  }
+  throw Error(path_, "", "has no element " + element);
+}
+
+void PlyReader::EnterNext() {
+  element_ = elements_[next_element_++];
+  row_ = 0;
+  names_.clear();
+  for (const Property& p : element_.properties)
+    if (!p.is_list) names_.push_back(p.name);
+  // Every property takes a byte at least: refuses impossible counts before memory is taken.
+  if (element_.count > (bytes_.size() - at_) / std::max<size_t>(1, element_.properties.size()))
+    Fail("the file ends before " + std::to_string(element_.count) + " of them");
+}
+
+int PlyReader::Find(const std::string& name) const {
   const auto found = std::find(names_.begin(), names_.end(), name);
   return found == names_.end() ? -1 : int(found - names_.begin());
 }
 
-int PlyVertexReader::Require(const std::string& name) const {
+int PlyReader::Require(const std::string& name) const {
   const int index = Find(name);
-  if (index < 0) throw Error(path_, "vertex", "has no property " + name);
+  if (index < 0) Fail("has no property " + name);
   return index;
 }
 
-void PlyVertexReader::ReadHeader() {
+void PlyReader::ReadHeader() {
   const std::string end = "end_header";
-  std::vector<Element> elements;
   for (int number = 0;; ++number) {
     const auto newline = std::find(bytes_.begin() + at_, bytes_.end(), '\n');
     if (newline == bytes_.end() || newline - (bytes_.begin() + at_) > 4096)
@@ -51,31 +78,12 @@ void PlyVertexReader::ReadHeader() {
     at_ = size_t(newline - bytes_.begin()) + 1;
     if (number == 0 && line != "ply") throw Error(path_, "", "is not a PLY file");
     if (line == end) break;
-    if (number > 0) HeaderLine(line, elements);
+    if (number > 0) HeaderLine(line);
   }
   if (!format_seen_) throw Error(path_, "", "has no format line");
-  for (const Element& element : elements) {
-    element_ = element.name;
-    element_count_ = element.count;
-    // Every property takes a byte at least: refuses impossible counts before memory is taken.
-    if (element.count > (bytes_.size() - at_) / std::max<size_t>(1, element.properties.size()))
-      throw Error(path_,
-                  element.name,
-                  "the file ends before " + std::to_string(element.count) + " of them");
-    if (element.name == "vertex") {
-      vertex_ = element;
-      count_ = element.count;
-      for (const Property& p : vertex_.properties)
-        if (!p.is_list) names_.push_back(p.name);
-      row_ = 0;
-      return;
-    }
-    for (row_ = 0; row_ < element.count; ++row_) ReadRow(element);
-  }
-  throw Error(path_, "", "has no element vertex");
 }
 
-void PlyVertexReader::HeaderLine(const std::string& line, std::vector<Element>& elements) {
+void PlyReader::HeaderLine(const std::string& line) {
   std::istringstream words(line);
   std::string word, name, type;
   words >> word;
@@ -91,7 +99,7 @@ void PlyVertexReader::HeaderLine(const std::string& line, std::vector<Element>& 
     words >> element.name >> count;
     if (words.fail() || count < 0) throw Error(path_, "header", "cannot read '" + line + "'");
     element.count = size_t(count);
-    elements.push_back(element);
+    elements_.push_back(element);
   } else if (word == "property") {
     Property property;
     words >> type;
@@ -103,16 +111,15 @@ void PlyVertexReader::HeaderLine(const std::string& line, std::vector<Element>& 
     }
     property.type = TypeOf(line, type);
     words >> property.name;
-    if (words.fail() || elements.empty())
+    if (words.fail() || elements_.empty())
       throw Error(path_, "header", "cannot read '" + line + "'");
-    elements.back().properties.push_back(property);
+    elements_.back().properties.push_back(property);
   } else if (word != "comment" && word != "obj_info" && !word.empty()) {
     throw Error(path_, "header", "cannot read '" + line + "'");
   }
 }
 
-PlyVertexReader::Type PlyVertexReader::TypeOf(const std::string& line,
-                                              const std::string& name) const {
+PlyReader::Type PlyReader::TypeOf(const std::string& line, const std::string& name) const {
   static const std::map<std::string, Type> kTypes{{"char", Type::kInt8},
                                                   {"int8", Type::kInt8},
                                                   {"uchar", Type::kUint8},
@@ -135,38 +142,38 @@ PlyVertexReader::Type PlyVertexReader::TypeOf(const std::string& line,
   return found->second;
 }
 
-const std::vector<double>& PlyVertexReader::Next() {
-  ReadRow(vertex_);
+const std::vector<double>& PlyReader::Next() {
+  ReadRow();
   ++row_;
   return values_;
 }
 
-void PlyVertexReader::ReadRow(const Element& element) {
+void PlyReader::ReadRow() {
   values_.clear();
-  for (const Property& p : element.properties) {
+  for (const Property& p : element_.properties) {
     if (!p.is_list) {
       values_.push_back(ReadNumber(p.type, p));
       continue;
     }
     const double length = ReadNumber(p.count_type, p);
     if (!(length >= 0))
-      throw Error(path_, element.name + " " + std::to_string(row_), p.name + " has a bad length");
+      throw Error(path_, element_.name + " " + std::to_string(row_), p.name + " has a bad length");
     for (double i = 0; i < length; ++i) ReadNumber(p.type, p);
   }
 }
 
-double PlyVertexReader::ReadNumber(Type type, const Property& property) {
+double PlyReader::ReadNumber(Type type, const Property& property) {
   return ascii_ ? ReadAscii(property) : ReadBinary(type, property);
 }
 
-double PlyVertexReader::ReadBinary(Type type, const Property& property) {
+double PlyReader::ReadBinary(Type type, const Property& property) {
   constexpr size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
   const size_t size = kSizes[size_t(type)];
   if (bytes_.size() - 1 - at_ < size)
     throw Error(path_,
-                element_ + " " + std::to_string(row_),
+                element_.name + " " + std::to_string(row_),
                 "the file ends at " + property.name + ", expected " +
-                    std::to_string(element_count_) + " of them");
+                    std::to_string(element_.count) + " of them");
   const char* p = bytes_.data() + at_;
   at_ += size;
   switch (type) {
@@ -190,7 +197,7 @@ double PlyVertexReader::ReadBinary(Type type, const Property& property) {
   return 0;  // not reached: all types are listed
 }
 
-double PlyVertexReader::ReadAscii(const Property& property) {
+double PlyReader::ReadAscii(const Property& property) {
   while (IsSpace(bytes_[at_])) ++at_;
   char* end = nullptr;
   const double value = std::strtod(bytes_.data() + at_, &end);
@@ -198,14 +205,18 @@ double PlyVertexReader::ReadAscii(const Property& property) {
   if (next == at_ || (!IsSpace(*end) && *end != '\0'))
     throw Error(
         path_,
-        element_ + " " + std::to_string(row_),
+        element_.name + " " + std::to_string(row_),
         property.name + (bytes_[at_] == '\0' ? " is missing, the file ends" : " is not a number"));
   at_ = next;
   return value;
 }
 
-void PlyVertexReader::Fail(const std::string& property, const std::string& problem) const {
-  throw Error(path_, "vertex " + std::to_string(row_ - 1) + ", " + property, problem);
+void PlyReader::Fail(const std::string& property, const std::string& problem) const {
+  throw Error(path_, element_.name + " " + std::to_string(row_ - 1) + ", " + property, problem);
+}
+
+void PlyReader::Fail(const std::string& problem) const {
+  throw Error(path_, element_.name, problem);
 }
 
 }  // namespace cosplat

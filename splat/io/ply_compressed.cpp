@@ -1,0 +1,194 @@
+#include "splat/io/ply_compressed.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "splat/basis_constants.h"
+#include "splat/io/ply_columns.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kChunkSize = 256;
+constexpr std::array<const char*, 4> kPacked{
+    "packed_position", "packed_rotation", "packed_scale", "packed_color"};
+constexpr double kSqrt2 = 1.41421356237309505;
+
+// Along three axes.
+struct Bounds {
+  std::array<float, 3> low{0, 0, 0}, high{1, 1, 1};
+  double At(int axis, double share) const { return low[axis] * (1 - share) + high[axis] * share; }
+};
+struct Chunk {
+  Bounds position, scale_log, color;
+};
+
+// `count` bits of `packed` from bit `first` on, as a share of the largest such number.
+double Share(uint32_t packed, int first, int count) {
+  const uint32_t largest = (1u << count) - 1;
+  return double(packed >> first & largest) / largest;
+}
+
+// Where the bounds of one kind are in a row of the element chunk.
+class BoundsColumns {
+ public:
+  BoundsColumns(const PlyReader& reader, const std::array<const char*, 3>& axes) {
+    for (int k = 0; k < 3; ++k) {
+      low_[k] = reader.Require(std::string("min_") + axes[k]);
+      high_[k] = reader.Require(std::string("max_") + axes[k]);
+    }
+  }
+  Bounds Read(const PlyReader& reader, const std::vector<double>& row) const {
+    Bounds bounds;
+    for (int k = 0; k < 3; ++k) {
+      bounds.low[k] = Finite(reader, row, low_[k]);
+      bounds.high[k] = Finite(reader, row, high_[k]);
+    }
+    return bounds;
+  }
+
+ private:
+  static float Finite(const PlyReader& reader, const std::vector<double>& row, int index) {
+    const float value = float(row[index]);
+    if (!std::isfinite(value)) reader.Fail(reader.properties()[index], "is not finite");
+    return value;
+  }
+  std::array<int, 3> low_, high_;
+};
+
+std::vector<Chunk> ReadChunks(PlyReader& reader) {
+  reader.Enter("chunk");
+  const BoundsColumns position(reader, {"x", "y", "z"});
+  const BoundsColumns scale(reader, {"scale_x", "scale_y", "scale_z"});
+  std::vector<BoundsColumns> color;  // one, or none in older files
+  if (reader.Find("min_r") >= 0) color.emplace_back(reader, std::array{"r", "g", "b"});
+  std::vector<Chunk> chunks(reader.count());
+  for (Chunk& chunk : chunks) {
+    const std::vector<double>& row = reader.Next();
+    chunk.position = position.Read(reader, row);
+    chunk.scale_log = scale.Read(reader, row);
+    for (const BoundsColumns& columns : color) chunk.color = columns.Read(reader, row);
+  }
+  return chunks;
+}
+
+// A value of the current row that must be a whole number up to `largest`.
+uint32_t Whole(const PlyReader& reader,
+               const std::vector<double>& row,
+               int index,
+               uint32_t largest) {
+  const double value = row[index];
+  if (!(value >= 0 && value <= largest && value == std::floor(value)))
+    reader.Fail(reader.properties()[index],
+                "is " + std::to_string(value) + ", expected a whole number up to " +
+                    std::to_string(largest));
+  return uint32_t(value);
+}
+
+// The largest component follows from the others, since the norm is 1.
+void UnpackRotation(uint32_t packed, float* wxyz) {
+  const int largest = int(packed >> 30);
+  double rest = 1;
+  for (int k = 0, bit = 20; k < 4; ++k) {
+    if (k == largest) continue;
+    const double component = (Share(packed, bit, 10) - 0.5) * kSqrt2;
+    wxyz[k] = float(component);
+    rest -= component * component;
+    bit -= 10;
+  }
+  wxyz[largest] = float(std::sqrt(std::max(0.0, rest)));
+}
+
+// Opacity 0 and 1, which have no logit, are taken for the middle of what is rounded to them: a
+// quarter of 1/255 away, so that 0 stays below the least alpha that is drawn.
+float LogitOf(double share) {
+  constexpr double kQuarter = 0.25 / 255;
+  const double opacity = std::clamp(share, kQuarter, 1 - kQuarter);
+  return float(std::log(opacity / (1 - opacity)));
+}
+
+void UnpackVertex(const std::array<uint32_t, 4>& packed,
+                  const Chunk& chunk,
+                  size_t i,
+                  Gaussians& gaussians) {
+  constexpr std::array<int, 3> kFirst{21, 11, 0}, kCount{11, 10, 11};
+  const auto [position, rotation, scale, color] = packed;
+  for (int k = 0; k < 3; ++k) {
+    const double share = Share(position, kFirst[k], kCount[k]);
+    gaussians.at(kPosition, i)[k] = float(chunk.position.At(k, share));
+    gaussians.at(kScaleLog, i)[k] =
+        float(chunk.scale_log.At(k, Share(scale, kFirst[k], kCount[k])));
+    gaussians.at(kColorDc, i)[k] = float((chunk.color.At(k, Share(color, 24 - 8 * k, 8)) - 0.5) /
+                                         BasisConstants(Basis::kSh)[0]);
+  }
+  UnpackRotation(rotation, gaussians.at(kRotation, i));
+  *gaussians.at(kOpacityLogit, i) = LogitOf(Share(color, 0, 8));
+}
+
+std::vector<std::array<uint32_t, 4>> ReadVertices(PlyReader& reader) {
+  reader.Enter("vertex");
+  std::array<int, 4> columns;
+  for (size_t k = 0; k < columns.size(); ++k) columns[k] = reader.Require(kPacked[k]);
+  std::vector<std::array<uint32_t, 4>> vertices(reader.count());
+  for (std::array<uint32_t, 4>& vertex : vertices) {
+    const std::vector<double>& row = reader.Next();
+    for (size_t k = 0; k < columns.size(); ++k)
+      vertex[k] = Whole(reader, row, columns[k], UINT32_MAX);
+  }
+  return vertices;
+}
+
+// The middle of the 256th of -4 .. 4 that was rounded to `byte`; the ends, to which everything
+// beyond was clamped, themselves.
+float RestOfByte(uint32_t byte) {
+  if (byte == 0) return -4;
+  return byte == UINT8_MAX ? 4 : 8 * ((float(byte) + 0.5f) / 256 - 0.5f);
+}
+
+// Leaves the degree known and the bands filled.
+void ReadRest(PlyReader& reader, Gaussians& gaussians) {
+  const size_t count = gaussians.size();
+  reader.Enter("sh");
+  if (reader.count() != count)
+    reader.Fail("has " + std::to_string(reader.count()) + " rows, expected one for each of " +
+                std::to_string(count) + " vertices");
+  gaussians.degree = DegreeOf(reader);
+  gaussians.Resize(count);
+  const std::vector<PlyColumn> columns = RestColumns(CoefficientCount(gaussians.degree) - 1);
+  std::vector<int> source;
+  for (const PlyColumn& column : columns) source.push_back(reader.Require(column.name));
+  for (size_t i = 0; i < count; ++i) {
+    const std::vector<double>& row = reader.Next();
+    for (size_t k = 0; k < columns.size(); ++k)
+      gaussians.at(kColorRest, i)[columns[k].component] =
+          RestOfByte(Whole(reader, row, source[k], UINT8_MAX));
+  }
+}
+
+}  // namespace
+
+bool IsCompressed(const PlyReader& reader) {
+  return std::any_of(
+      kPacked.begin(), kPacked.end(), [&](const char* name) { return reader.Has("vertex", name); });
+}
+
+Gaussians ReadCompressed(PlyReader& reader) {
+  const std::vector<Chunk> chunks = ReadChunks(reader);
+  const std::vector<std::array<uint32_t, 4>> vertices = ReadVertices(reader);
+  const size_t expected = (vertices.size() + kChunkSize - 1) / kChunkSize;
+  if (chunks.size() != expected)
+    reader.Fail("has " + std::to_string(vertices.size()) + " rows, which need " +
+                std::to_string(expected) + " chunks, not " + std::to_string(chunks.size()));
+  Gaussians gaussians;
+  gaussians.basis = Basis::kSh;
+  gaussians.Resize(vertices.size());
+  for (size_t i = 0; i < vertices.size(); ++i)
+    UnpackVertex(vertices[i], chunks[i / kChunkSize], i, gaussians);
+  if (reader.Has("sh", "f_rest_0")) ReadRest(reader, gaussians);
+  return gaussians;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,76 @@
+// The elements of a PLY file, whatever their properties: ascii or binary little-endian.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+// Gives one row of an element after the other. Elements are entered in the order in which they lie
+// in the file; those in between are skipped over, those after the last never looked at. Every
+// problem is an Error that names the file and the header line or row.
+class PlyReader {
+ public:
+  // Reads the header.
+  explicit PlyReader(const std::string& path);
+
+  // Whether the header has this property, of an element anywhere in the file.
+  bool Has(const std::string& element, const std::string& property) const;
+  // What follows is about this element. Error when there is none behind the present one, or when
+  // the file is too short for as many as it says.
+  void Enter(const std::string& element);
+
+  size_t count() const { return element_.count; }
+  // Names of the element's scalar properties in file order; lists are skipped.
+  const std::vector<std::string>& properties() const { return names_; }
+  // Index into properties(); Error naming it when absent, or -1 where it is optional.
+  int Require(const std::string& name) const;
+  int Find(const std::string& name) const;
+
+  // The next row's properties, in the order of properties(). May hold NaN.
+  const std::vector<double>& Next();
+  // Error naming the current row and the property.
+  [[noreturn]] void Fail(const std::string& property, const std::string& problem) const;
+  // Error naming the element.
+  [[noreturn]] void Fail(const std::string& problem) const;
+  const std::string& path() const { return path_; }
+
+ private:
+  enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+  struct Property {
+    std::string name;
+    Type type = Type::kFloat;
+    bool is_list = false;
+    Type count_type = Type::kUint8;
+  };
+  struct Element {
+    std::string name;
+    size_t count = 0;
+    std::vector<Property> properties;
+  };
+
+  void ReadHeader();
+  void HeaderLine(const std::string& line);
+  Type TypeOf(const std::string& line, const std::string& name) const;
+  // The element that comes next in the file.
+  void EnterNext();
+  void ReadRow();
+  double ReadNumber(Type type, const Property& property);
+  double ReadBinary(Type type, const Property& property);
+  double ReadAscii(const Property& property);
+
+  std::string path_;
+  std::vector<char> bytes_;
+  size_t at_ = 0;
+  bool ascii_ = false;
+  bool format_seen_ = false;
+  std::vector<Element> elements_;
+  size_t next_element_ = 0;  // into elements_
+  Element element_;          // the one entered
+  size_t row_ = 0;           // of it, the next one
+  std::vector<std::string> names_;
+  std::vector<double> values_;
+};
+
+}  // namespace cosplat
