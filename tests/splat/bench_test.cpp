@@ -103,10 +103,12 @@ TEST(BenchPairCounts, CountsThePixelsOfOneSplat) {
 }
 
 TEST(BenchPairCounts, NothingIsCountedBehindWhatIsOpaque) {
-  // Alpha 1/2 everywhere: the fourteenth brings the transmittance below kMinTransmittance.
+  // Alpha 1/2 everywhere: the fourteenth brings the transmittance below kMinTransmittance, and the
+  // sixteenth is the last before the loop looks.
+  static_assert(kStopInterval == 16);
   const PairCounts counts = CountPairs(Splats(50, 3000, 0), MiddleCamera(40));
   EXPECT_EQ(counts.contributing, 14u * 40u * 40u);
-  EXPECT_EQ(counts.evaluated, 14u * 40u * 40u);
+  EXPECT_EQ(counts.evaluated, 16u * 40u * 40u);
   EXPECT_EQ(CountPairs(Splats(0, 1, 0), MiddleCamera(40)).evaluated, 0u);
 }
 
