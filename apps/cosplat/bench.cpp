@@ -4,8 +4,10 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "apps/cosplat/bench_loops.h"
+#include "apps/cosplat/bench_orbit.h"
 #include "apps/cosplat/bench_playback.h"
 #include "apps/cosplat/bench_results.h"
 #include "apps/cosplat/bench_scenes.h"
@@ -15,13 +17,14 @@
 #include "apps/cosplat/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/image_io.h"
 #include "splat/bench/machine.h"
 
 namespace cosplat {
 namespace {
 
 struct BenchCommand {
-  std::string out, scene;
+  std::string out, scene, splats;
   int resolution = 1;
   bool quick = false, quiet = false;
 };
@@ -52,12 +55,15 @@ void Append(std::vector<BenchSeries> more, std::vector<BenchSeries>& all) {
 
 void Bench(const BenchCommand& o) {
   const std::vector<BenchScene> scenes = ScenesOf(o);
+  std::optional<OrbitSubject> orbit;
+  if (!o.splats.empty()) orbit = LoadOrbit(o.splats, o.quick);
   CheckWritable(o.out);
   OrderedJson head = MachineJson();
   std::vector<BenchSeries> series;
+  Image orbit_picture;
   {
     constexpr int kParts = 5;
-    ProgressBar bar("bench", kParts, o.quiet);
+    ProgressBar bar("bench", kParts + orbit.has_value(), o.quiet);
     int done = 0;
     const BenchRun run{o.quick, [&](const std::string& detail) { bar.Update(done, detail); }};
     Append(MeasureLoops(run, head), series);
@@ -70,7 +76,14 @@ void Bench(const BenchCommand& o) {
     Append(MeasureScenes(run, scenes), series);
     ++done;
     Append(MeasureShortcuts(run, scenes), series);
+    ++done;
+    if (orbit) {
+      OrbitResult result = MeasureOrbit(run, *orbit);
+      series.push_back(std::move(result.series));
+      orbit_picture = std::move(result.first);
+    }
   }
+  if (orbit) WriteImage(o.out + "/orbit.png", orbit_picture);
   WriteBench(o.out, head, series);
   if (!o.quiet)
     std::printf(
@@ -89,6 +102,8 @@ void AddBench(CLI::App& app) {
       ->default_str("");
   command->add_option("-r,--resolution", o->resolution, "divide the photographs' size by this")
       ->check(CLI::Range(1, 64));
+  command->add_option("--splats", o->splats, "splats (.ply) to draw from all around as well")
+      ->default_str("");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Bench(*o); });
 }

@@ -5,23 +5,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
 #include "tests/integration/command.h"
 #include "tests/integration/well_formed.h"
+#include "tests/splat/ply_packer.h"
 
 namespace cosplat::test {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kSplats = 300;
+
 struct BenchFolder {
   TemporaryFolder folder;
   std::string out = folder / "deep/bench", scene = folder / "balls";
+  std::string splats = folder / "cloud.ply";
   CommandResult result;
   Json json;
 
   BenchFolder() {
     WriteBallScene(scene, 5);
-    result = Cosplat({"bench", "-o", out, "--quick", "-s", scene, "-r", "2", "--quiet"});
+    WriteFileAtomically(splats, PackedFile(RandomSplats(kSplats), {}));
+    result = Cosplat(
+        {"bench", "-o", out, "--quick", "-s", scene, "-r", "2", "--splats", splats, "--quiet"});
     if (result.code == 0) json = ReadJson(out + "/bench.json");
   }
   static const BenchFolder& Get() {
@@ -96,16 +104,31 @@ TEST(BenchCommand, WritesASeriesAndAChartOfEach) {
                                 "accuracy",
                                 "accuracy_time",
                                 "shortcuts",
-                                "shortcuts_given"})
+                                "shortcuts_given",
+                                "orbit"})
     EXPECT_TRUE(json.contains(key)) << key;
-  // Those, the page and bench.json; nothing temporary.
+  // Those, the page, bench.json and orbit.png; nothing temporary.
   const auto files = fs::directory_iterator(Made().out);
-  EXPECT_EQ(size_t(std::distance(begin(files), end(files))), charts + 2);
+  EXPECT_EQ(size_t(std::distance(begin(files), end(files))), charts + 3);
 }
 
 TEST(BenchCommand, MeasuresTheSceneThatItIsGiven) {
   for (const std::string key : {"pairs", "phases", "accuracy", "shortcuts_given"})
     EXPECT_NE(Made().json[key].dump().find("balls"), std::string::npos) << key;
+}
+
+TEST(BenchCommand, DrawsTheSplatsThatItIsGivenFromAllAround) {
+  const Json& orbit = Made().json["orbit"];
+  EXPECT_NE(orbit["title"].dump().find("cloud.ply"), std::string::npos);
+  EXPECT_EQ(orbit["series"][0]["points"].size(), 36u);
+  EXPECT_EQ(orbit["splats"], kSplats);
+  EXPECT_EQ(orbit["threads"], Made().json["threads"]);
+  EXPECT_EQ(CountPositive(orbit["frames_per_second"], "orbit"), 1u);
+  EXPECT_EQ(CountPositive(orbit["phase_ms"], "orbit"), 3u);
+  const Image8 picture = ReadImage(Made().out + "/orbit.png");
+  EXPECT_EQ(picture.width, orbit["width"]);
+  EXPECT_EQ(picture.height, orbit["height"]);
+  EXPECT_GT(*std::max_element(picture.data.begin(), picture.data.end()), 0);
 }
 
 // The default is among the points of everything that is varied.
@@ -155,6 +178,16 @@ TEST(BenchCommand, RefusesBadInputBeforeItMeasures) {
   ExpectRefused({"bench", "--quick", "-o", folder / "file/bench"}, "file/bench");
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "-s", folder / "none"}, "none");
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "-r", "0"}, "--resolution");
+  ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "no.ply"},
+                "no.ply");
+  std::vector<Unpacked> splats = RandomSplats(3);
+  for (Unpacked& s : splats) s.opacity = 0;
+  WriteFileAtomically(folder / "clear.ply", PackedFile(splats, {}));
+  ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "clear.ply"},
+                "none is to be seen");
+  WriteFileAtomically(folder / "one.ply", PackedFile(RandomSplats(1), {}));
+  ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "one.ply"},
+                "no height");
   EXPECT_FALSE(fs::exists(folder / "bench"));
 }
 

@@ -42,7 +42,9 @@ inline uint32_t Unorm(float share, int bits) {
 
 struct Box {
   std::array<float, 3> low, high;
-  float Share(int k, float x) const { return (x - low[k]) / (high[k] - low[k]); }
+  float Share(int k, float x) const {
+    return high[k] > low[k] ? (x - low[k]) / (high[k] - low[k]) : 0;
+  }
 };
 
 template <class F>
