@@ -24,6 +24,20 @@ struct AlignedAllocator {
 template <class T>
 using Buffer = std::vector<T, AlignedAllocator<T>>;
 
+// What is sized for one view gets room for one that is larger by this part.
+constexpr size_t kHeadRoom = 8;
+
+// n elements of any values, for a buffer whose size varies from call to call: resizing alone would
+// double what it holds, and copy what is about to be overwritten.
+template <class T>
+void Refill(Buffer<T>& buffer, size_t n) {
+  if (n > buffer.capacity()) {
+    Buffer<T>().swap(buffer);
+    buffer.reserve(n + n / kHeadRoom);
+  }
+  buffer.resize(n);
+}
+
 // Pointer and count; no ownership. A View<const T> is made of any buffer or vector; of a temporary
 // one, for as long as the call that it is passed to.
 template <class T>

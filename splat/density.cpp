@@ -156,7 +156,7 @@ size_t MarkUnplastic(const DensitySettings& settings,
 
 void DensityStatistics::Reset(size_t n) {
   for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius})
-    b->assign(n, 0.0f);
+    *b = Buffer<float>(n, 0.0f);
 }
 
 void DensityStatistics::Accumulate(const RenderTape& tape,

@@ -7,12 +7,14 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/config.h"
 #include "splat/gaussians.h"
 #include "splat/kernels/world_gaussians.h"
+#include "splat/memory_part.h"
 #include "splat/phase_times.h"
 
 namespace cosplat {
@@ -43,6 +45,7 @@ class RenderTape {
   virtual View<const float> radii() const = 0;
   virtual size_t visible_count() const = 0;
   virtual size_t instance_count() const = 0;  // (Gaussian, tile) pairs
+  virtual std::vector<MemoryPart> Memory() const = 0;
 };
 
 class Rasterizer {

@@ -125,6 +125,15 @@ void Trainer::FindGroups() {
   }
 }
 
+// What is sized for the Gaussians: while they are copied it need not be there, and afterwards it is
+// made anew for as many as there then are.
+void Trainer::ReleaseScratch() {
+  gradients_ = {};
+  screen_ = Buffer<float>();
+  groups_ = std::vector<uint32_t>();
+  tape_ = rasterizer_->MakeTape();
+}
+
 void Trainer::ControlDensityAt(int iteration) {
   const Schedule& schedule = settings_.schedule;
   const bool densifies = schedule.DensifiesAt(iteration);
@@ -133,6 +142,7 @@ void Trainer::ControlDensityAt(int iteration) {
     AdamCatchUpAll(
         RatesAt(iteration - 1), subject_.PositionRateScale(), state_.gaussians, state_.adam);
   if (densifies) {
+    ReleaseScratch();
     ControlDensity(settings_.density,
                    iteration > schedule.size_prune_after,
                    schedule.DensificationsAfter(iteration),
@@ -245,6 +255,23 @@ TrainingStatistics Trainer::statistics() const {
   std::nth_element(last.begin(), last.begin() + count / 2, last.begin() + count);
   s.ms_per_step = 1e3 * last[count / 2];
   return s;
+}
+
+std::vector<MemoryPart> Trainer::Memory() const {
+  const DensityStatistics& d = state_.statistics;
+  std::vector<MemoryPart> parts{
+      {"parameters", HeldBy(state_.gaussians)},
+      {"gradients", HeldBy(gradients_)},
+      {"first moments", HeldBy(state_.adam.m)},
+      {"second moments", HeldBy(state_.adam.v)},
+      {"groups of Adam", HeldBy(state_.adam.updated, groups_, needles_)},
+      {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible, d.max_radius)},
+      {"screen gradients", HeldBy(screen_)},
+      {"picture and its gradient",
+       HeldBy(image_.color, image_.transmittance, d_color_),
+       MemoryOf::kPixels}};
+  for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
+  return parts;
 }
 
 SceneSubject::SceneSubject(std::vector<TrainFrame> frames, float extent)

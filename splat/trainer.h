@@ -137,6 +137,8 @@ class Trainer {
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
   TrainingStatistics statistics() const;
+  // Everything held between two steps, except what the subject holds.
+  std::vector<MemoryPart> Memory() const;
 
  private:
   size_t NextFrame();
@@ -148,6 +150,7 @@ class Trainer {
   void Update(int iteration);
   double RegularizeScale();
   void FindGroups();
+  void ReleaseScratch();
   void ControlDensityAt(int iteration);
 
   TrainSettings settings_;

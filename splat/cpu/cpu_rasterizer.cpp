@@ -21,6 +21,13 @@ class CpuTape : public RenderTape {
   View<const float> radii() const override { return radius; }
   size_t visible_count() const override { return lists.order.size(); }
   size_t instance_count() const override { return lists.entries.size(); }
+  std::vector<MemoryPart> Memory() const override {
+    return {{"projected splats", HeldBy(splats, radius)},
+            {"tile lists", lists.HeldForGaussians()},
+            {"gradients per splat and tile", HeldBy(records)},
+            {"gradients per splat", HeldBy(d_splats)},
+            {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
+  }
 
   ViewParameters view{};
   RenderSettings settings;
@@ -90,7 +97,7 @@ class CpuRasterizer : public Rasterizer {
                 const WorldGradients& gradients) override {
     ScopedPhase phase(times, Phase::kBackward);
     auto& tape = static_cast<CpuTape&>(base_tape);
-    tape.records.resize(tape.lists.entries.size());
+    Refill(tape.records, tape.lists.entries.size());
     const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
     tbb::parallel_for(0, tiles, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);

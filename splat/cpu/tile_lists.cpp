@@ -36,6 +36,7 @@ void ForChunks(size_t n, const F& f) {
 
 struct TileRange {
   int x0, x1, y0, y1;  // half open
+  size_t size() const { return size_t(std::max(x1 - x0, 0)) * std::max(y1 - y0, 0); }
 };
 
 // Tiles with a pixel centre in the splat's box; may be empty.
@@ -77,7 +78,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
       if (!(radii[i] > 0)) continue;
       const TileRange r = RangeOf(splats[i], tiles_x, tiles_y);
       ++chunks_[c].drawn;
-      chunks_[c].covered += uint64_t(std::max(r.x1 - r.x0, 0)) * std::max(r.y1 - r.y0, 0);
+      chunks_[c].covered += r.size();
     }
   });
   uint64_t covered = 0;
@@ -88,8 +89,8 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
   }
   if (covered >= kInstanceLimit)
     throw Error("", "rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
-  order.resize(drawn);
-  keys_.resize(drawn);
+  Refill(order, drawn);
+  Refill(keys_, drawn);
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {
     uint32_t to = chunks_[c].drawn;
     for (size_t i = begin; i < end; ++i) {
@@ -124,33 +125,49 @@ void TileLists::SortByDigit(int shift) {
 }
 
 void TileLists::SortByDepth() {
-  keys_swap_.resize(keys_.size());
-  order_swap_.resize(order.size());
+  Refill(keys_swap_, keys_.size());
+  Refill(order_swap_, order.size());
   for (int shift = 0; shift < 32; shift += kDigitBits) SortByDigit(shift);
 }
 
+// Appends the tiles of the Gaussians from order[begin] on, and writes their numbers to
+// record_begin.
 void TileLists::EmitChunk(View<const ProjectedSplat> splats,
                           size_t begin,
                           size_t end,
-                          Chunk& chunk) const {
-  chunk.instances.clear();
-  chunk.per_gaussian.clear();
+                          Chunk& chunk) {
+  std::vector<uint32_t>& tiles = chunk.tiles;
+  tiles.clear();
   chunk.offset.assign(size_t(tiles_x) * tiles_y, 0);
   for (size_t k = begin; k < end; ++k) {
     if (k + kPrefetch < end) __builtin_prefetch(&splats[order[k + kPrefetch]]);
     const ProjectedSplat& s = splats[order[k]];
     const TileRange range = RangeOf(s, tiles_x, tiles_y);
-    const size_t before = chunk.instances.size();
+    const size_t before = tiles.size();
+    if (tiles.capacity() - before < range.size()) {
+      const size_t most = before + range.size();
+      tiles.reserve(most + most / kHeadRoom);
+    }
     // A box within one tile is worth no test.
     const bool test = range.x1 - range.x0 > 1 || range.y1 - range.y0 > 1;
     for (int ty = range.y0; ty < range.y1; ++ty)
       for (int tx = range.x0; tx < range.x1; ++tx) {
         if (test && !Touches(s, tx, ty)) continue;
         const uint32_t tile = uint32_t(ty) * tiles_x + tx;
-        chunk.instances.push_back({tile, order[k]});
+        tiles.push_back(tile);
         ++chunk.offset[tile];
       }
-    chunk.per_gaussian.push_back(uint32_t(chunk.instances.size() - before));
+    record_begin[k] = uint32_t(tiles.size() - before);
+  }
+}
+
+// Takes what EmitChunk wrote to its place in `entries`, and makes the numbers beginnings.
+void TileLists::StoreChunk(size_t begin, size_t end, Chunk& chunk) {
+  const uint32_t* tile = chunk.tiles.data();
+  uint32_t record = chunk.first_record;
+  for (size_t k = begin; k < end; ++k) {
+    const uint32_t next = record + std::exchange(record_begin[k], record);
+    for (; record < next; ++record) entries[chunk.offset[*tile++]++] = {order[k], record};
   }
 }
 
@@ -165,6 +182,7 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   CollectDrawn(splats, radii);
   SortByDepth();
   const size_t n = order.size();
+  Refill(record_begin, n + 1);
   ForChunks(n,
             [&](size_t c, size_t begin, size_t end) { EmitChunk(splats, begin, end, chunks_[c]); });
 
@@ -180,23 +198,23 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   uint32_t record = 0;
   for (size_t c = 0; c < ChunkCount(n); ++c) {
     chunks_[c].first_record = record;
-    record += uint32_t(chunks_[c].instances.size());
+    record += uint32_t(chunks_[c].tiles.size());
   }
-  record_begin.resize(n + 1);
   record_begin[n] = record;
-  entries.resize(next);
-  ForChunks(n, [&](size_t c, size_t begin, size_t) {
-    Chunk& chunk = chunks_[c];
-    uint32_t* to = record_begin.data() + begin;
-    uint32_t r = chunk.first_record;
-    for (const uint32_t count : chunk.per_gaussian) {
-      *to++ = r;
-      r += count;
-    }
-    r = chunk.first_record;
-    for (const Instance& instance : chunk.instances)
-      entries[chunk.offset[instance.tile]++] = {instance.gaussian, r++};
-  });
+  Refill(entries, next);
+  ForChunks(n, [&](size_t c, size_t begin, size_t end) { StoreChunk(begin, end, chunks_[c]); });
+}
+
+size_t TileLists::HeldForGaussians() const {
+  size_t bytes = HeldBy(order, order_swap_, keys_, keys_swap_, record_begin, entries);
+  for (const Chunk& chunk : chunks_) bytes += HeldBy(chunk.tiles);
+  return bytes;
+}
+
+size_t TileLists::HeldForTiles() const {
+  size_t bytes = HeldBy(tile_begin);
+  for (const Chunk& chunk : chunks_) bytes += HeldBy(chunk.offset);
+  return bytes;
 }
 
 }  // namespace cosplat

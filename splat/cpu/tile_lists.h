@@ -8,6 +8,7 @@
 
 #include "splat/buffer.h"
 #include "splat/kernels/projected_splat.h"
+#include "splat/memory_part.h"
 
 namespace cosplat {
 
@@ -28,17 +29,17 @@ struct TileLists {
   // more, before storing any.
   void Build(View<const ProjectedSplat> splats, View<const float> radii, int width, int height);
 
+  // Bytes held, scratch included.
+  size_t HeldForGaussians() const;
+  size_t HeldForTiles() const;
+
  private:
   // Scratch, kept between steps. A chunk is a range of Gaussians that one task works on; results do
   // not depend on where chunks begin.
-  struct Instance {
-    uint32_t tile, gaussian;
-  };
   struct Chunk {
-    std::vector<Instance> instances;
-    std::vector<uint32_t> per_gaussian;  // instances of each Gaussian of the chunk
-    std::vector<uint32_t> offset;        // per tile or digit: counts, then where the first goes
-    uint32_t drawn = 0;                  // counts, then where the first goes
+    std::vector<uint32_t> tiles;   // of its instances
+    std::vector<uint32_t> offset;  // per tile or digit: counts, then where the first goes
+    uint32_t drawn = 0;            // counts, then where the first goes
     uint32_t first_record = 0;
     uint64_t covered = 0;  // tiles of its splats' boxes
   };
@@ -48,7 +49,8 @@ struct TileLists {
   void CollectDrawn(View<const ProjectedSplat> splats, View<const float> radii);
   void SortByDepth();
   void SortByDigit(int shift);
-  void EmitChunk(View<const ProjectedSplat> splats, size_t begin, size_t end, Chunk& chunk) const;
+  void EmitChunk(View<const ProjectedSplat> splats, size_t begin, size_t end, Chunk& chunk);
+  void StoreChunk(size_t begin, size_t end, Chunk& chunk);
 };
 
 }  // namespace cosplat

@@ -1,6 +1,8 @@
-// A training step in a steady state allocates nothing: neither in the trainer nor in what it calls.
+// A training step in a steady state allocates nothing: neither in the trainer nor in what it calls;
+// and what a run holds is what it says and little enough.
 // An executable of its own, because it counts every `operator new` of the process.
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <atomic>
@@ -12,13 +14,19 @@
 namespace {
 
 std::atomic<size_t> allocations{0};
+std::atomic<size_t> live_bytes{0};
 
 void* Allocate(size_t size, size_t alignment) {
   ++allocations;
   // aligned_alloc wants a multiple of the alignment.
   void* p = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
   if (p == nullptr) throw std::bad_alloc();
+  live_bytes += malloc_usable_size(p);
   return p;
+}
+void Free(void* p) {
+  live_bytes -= malloc_usable_size(p);  // of null: 0
+  std::free(p);
 }
 
 }  // namespace
@@ -31,14 +39,14 @@ void* operator new(size_t size, std::align_val_t alignment) {
 void* operator new[](size_t size, std::align_val_t alignment) {
   return Allocate(size, size_t(alignment));
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
-void operator delete[](void* p, size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p) noexcept { Free(p); }
+void operator delete[](void* p) noexcept { Free(p); }
+void operator delete(void* p, size_t) noexcept { Free(p); }
+void operator delete[](void* p, size_t) noexcept { Free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { Free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { Free(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { Free(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { Free(p); }
 
 namespace cosplat {
 namespace {
@@ -64,6 +72,28 @@ TEST(Allocation, NoneInASteadyStep) {
     trainer.Step();
     EXPECT_EQ(allocations - before, 0u) << "step " << i;
   }
+}
+
+// 1,300 B: a bound of ours; 944 of them are parameters, gradient and two moments. What is not told
+// (scratch of threads, a list of frames) is less than 5 %: measured, 0.1 %.
+TEST(Allocation, TheTrainerHoldsWhatItSays) {
+  constexpr size_t kFirst = 20000;
+  SceneSubject subject(Photographs(TrueScene(3), Ring(5, 2.2f)), 1);
+  TrainSettings settings = ShortRun(100, 3);
+  settings.density.max_count = 30000;
+  settings.density.gradient_threshold = 1e-7f;  // asks for more than that
+  const size_t before = live_bytes;
+  Trainer trainer(settings, subject, FirstGaussians(kFirst, 3));
+  for (int i = 0; i < settings.iterations; ++i) trainer.Step();
+  const double held = double(live_bytes - before), count = double(trainer.state().gaussians.size());
+  ASSERT_GT(count, kFirst);  // there was density control
+  double all = 0, of_gaussians = 0;
+  for (const MemoryPart& part : trainer.Memory()) {
+    all += double(part.bytes);
+    if (part.of == MemoryOf::kGaussians) of_gaussians += double(part.bytes);
+  }
+  EXPECT_NEAR(all, held, 0.05 * held);
+  EXPECT_LE(of_gaussians / count, 1300);
 }
 
 }  // namespace

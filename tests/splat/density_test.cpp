@@ -134,6 +134,7 @@ class FixedTape : public RenderTape {
   View<const float> radii() const override { return radii_; }
   size_t visible_count() const override { return 0; }
   size_t instance_count() const override { return 0; }
+  std::vector<MemoryPart> Memory() const override { return {}; }
 
  private:
   std::vector<float> radii_;
