@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "apps/cosplat/bench_loops.h"
+#include "apps/cosplat/bench_memory.h"
 #include "apps/cosplat/bench_orbit.h"
 #include "apps/cosplat/bench_playback.h"
 #include "apps/cosplat/bench_results.h"
@@ -62,7 +63,7 @@ void Bench(const BenchCommand& o) {
   std::vector<BenchSeries> series;
   Image orbit_picture;
   {
-    constexpr int kParts = 5;
+    constexpr int kParts = 6;
     ProgressBar bar("bench", kParts + orbit.has_value(), o.quiet);
     int done = 0;
     const BenchRun run{o.quick, [&](const std::string& detail) { bar.Update(done, detail); }};
@@ -76,6 +77,8 @@ void Bench(const BenchCommand& o) {
     Append(MeasureScenes(run, scenes), series);
     ++done;
     Append(MeasureShortcuts(run, scenes), series);
+    ++done;
+    series.push_back(MeasureMemory(run, scenes));
     ++done;
     if (orbit) {
       OrbitResult result = MeasureOrbit(run, *orbit);

@@ -151,6 +151,7 @@ TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choi
   TrainedScene trained;
   trained.gaussians = trainer.state().gaussians;
   trained.seconds = trainer.statistics().seconds;
+  trained.memory = trainer.Memory();
   trained.psnr = HeldOutPsnr(
       scene, trained.gaussians, {options.EvaluationBackground(), trainer.active_degree()});
   return trained;

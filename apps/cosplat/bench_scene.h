@@ -30,6 +30,7 @@ struct TrainedScene {
   Gaussians gaussians;
   double seconds = 0;  // in the training loop
   double psnr = 0;     // dB, mean over the held-out views at full size
+  std::vector<MemoryPart> memory;
 };
 
 // What a training run may differ in.

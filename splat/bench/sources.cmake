@@ -3,6 +3,7 @@ cosplat_library(bench
   ${CMAKE_CURRENT_LIST_DIR}/dense_tile.cpp
   ${CMAKE_CURRENT_LIST_DIR}/fma_peak.cpp
   ${CMAKE_CURRENT_LIST_DIR}/half_adam.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/held_memory.cpp
   ${CMAKE_CURRENT_LIST_DIR}/machine.cpp
   ${CMAKE_CURRENT_LIST_DIR}/pair_counts.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_timer.cpp

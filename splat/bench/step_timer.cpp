@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kNever = std::numeric_limits<int>::max();
 
-// Statistics for density control are gathered, as in most steps of a run, and not acted upon.
+}  // namespace
+
 TrainSettings SteadySettings(int degree) {
   TrainSettings s;
   s.degree = s.first_degree = degree;
@@ -18,8 +19,6 @@ TrainSettings SteadySettings(int degree) {
   s.schedule.opacity_reset_every = kNever;
   return s;
 }
-
-}  // namespace
 
 StepTimes TimeSteps(std::vector<TrainFrame> frames,
                     const Gaussians& first,

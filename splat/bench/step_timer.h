@@ -21,6 +21,10 @@ struct StepShortcuts {
   AdamOn adam_on = AdamOn::kDrawn;
 };
 
+// Statistics for density control are gathered, as in most steps of a run, and not acted upon; no
+// resets.
+TrainSettings SteadySettings(int degree);
+
 // Trains `first` on `frames` at their full degree, without density control and without resets:
 // `warm_up` steps that are not counted, then `steps` (at least 1) that are.
 StepTimes TimeSteps(std::vector<TrainFrame> frames,

@@ -103,6 +103,7 @@ TEST(BenchCommand, WritesASeriesAndAChartOfEach) {
                                 "playback",
                                 "accuracy",
                                 "accuracy_time",
+                                "memory",
                                 "shortcuts",
                                 "shortcuts_given",
                                 "orbit"})
@@ -129,6 +130,13 @@ TEST(BenchCommand, DrawsTheSplatsThatItIsGivenFromAllAround) {
   EXPECT_EQ(picture.width, orbit["width"]);
   EXPECT_EQ(picture.height, orbit["height"]);
   EXPECT_GT(*std::max_element(picture.data.begin(), picture.data.end()), 0);
+}
+
+TEST(BenchCommand, SplitsWhatTrainingHolds) {
+  const Json& json = Made().json["memory"];
+  EXPECT_EQ(CountPositive(json["bytes_per_gaussian"], "memory"), 3u);  // random, head, balls
+  EXPECT_EQ(CountPositive(json["bytes_of_pixels"], "memory"), 3u);
+  EXPECT_EQ(CountPositive(json["resident_bytes_per_gaussian"], "memory"), 1u);
 }
 
 // The default is among the points of everything that is varied.

@@ -11,6 +11,7 @@
 #include "splat/base/rng.h"
 #include "splat/bench/dense_tile.h"
 #include "splat/bench/half_adam.h"
+#include "splat/bench/held_memory.h"
 #include "splat/bench/machine.h"
 #include "splat/bench/pair_counts.h"
 #include "splat/bench/step_timer.h"
@@ -257,6 +258,19 @@ TEST(BenchSyntheticView, CoversThePictureEquallyWhateverTheCount) {
     per_pixel.push_back(double(counts.contributing) / (kSide * kSide));
   }
   for (const double n : per_pixel) EXPECT_NEAR(n, per_pixel[0], 0.15 * per_pixel[0]);
+}
+
+// Of the bound: tests/splat/allocation_test.cpp.
+TEST(BenchHeldMemory, OfASyntheticView) {
+  constexpr size_t kCount = 20000, kPixels = 128 * 96;
+  const auto parts = MemoryOfSteps(MakeSyntheticView(kCount, 128, 96, 1), 2);
+  EXPECT_LE(SumOf(parts, MemoryOf::kGaussians), 1300 * kCount);
+  EXPECT_GE(SumOf(parts, MemoryOf::kPixels), 7 * sizeof(float) * kPixels);  // two pictures, alpha
+}
+
+// No figure is asserted: sanitizers add their own to what is resident.
+TEST(BenchHeldMemory, TheSystemSeesItGrow) {
+  ExpectFiniteAndPositive(ResidentBytesPerGaussian(10000, 50000, 128));
 }
 
 TEST(BenchStepTimer, TimesStepsAndTheirPhases) {
