@@ -137,28 +137,32 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
                           size_t end,
                           Chunk& chunk) {
   std::vector<uint32_t>& tiles = chunk.tiles;
-  tiles.clear();
+  uint32_t count = 0;
   chunk.offset.assign(size_t(tiles_x) * tiles_y, 0);
   for (size_t k = begin; k < end; ++k) {
     if (k + kPrefetch < end) __builtin_prefetch(&splats[order[k + kPrefetch]]);
     const ProjectedSplat& s = splats[order[k]];
     const TileRange range = RangeOf(s, tiles_x, tiles_y);
-    const size_t before = tiles.size();
-    if (tiles.capacity() - before < range.size()) {
-      const size_t most = before + range.size();
+    const size_t most = count + range.size();
+    if (tiles.size() < most) {
       tiles.reserve(most + most / kHeadRoom);
+      tiles.resize(tiles.capacity());
     }
+    const uint32_t before = count;
     // A box within one tile is worth no test.
     const bool test = range.x1 - range.x0 > 1 || range.y1 - range.y0 > 1;
     for (int ty = range.y0; ty < range.y1; ++ty)
       for (int tx = range.x0; tx < range.x1; ++tx) {
-        if (test && !Touches(s, tx, ty)) continue;
+        // Without a branch: which tiles of a box are reached cannot be predicted.
+        const uint32_t touched = !test || Touches(s, tx, ty);
         const uint32_t tile = uint32_t(ty) * tiles_x + tx;
-        tiles.push_back(tile);
-        ++chunk.offset[tile];
+        tiles[count] = tile;
+        count += touched;
+        chunk.offset[tile] += touched;
       }
-    record_begin[k] = uint32_t(tiles.size() - before);
+    record_begin[k] = count - before;
   }
+  chunk.instances = count;
 }
 
 // Takes what EmitChunk wrote to its place in `entries`, and makes the numbers beginnings.
@@ -198,7 +202,7 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   uint32_t record = 0;
   for (size_t c = 0; c < ChunkCount(n); ++c) {
     chunks_[c].first_record = record;
-    record += uint32_t(chunks_[c].tiles.size());
+    record += chunks_[c].instances;
   }
   record_begin[n] = record;
   Refill(entries, next);

@@ -37,9 +37,10 @@ struct TileLists {
   // Scratch, kept between steps. A chunk is a range of Gaussians that one task works on; results do
   // not depend on where chunks begin.
   struct Chunk {
-    std::vector<uint32_t> tiles;   // of its instances
+    std::vector<uint32_t> tiles;   // of its instances, then room
     std::vector<uint32_t> offset;  // per tile or digit: counts, then where the first goes
     uint32_t drawn = 0;            // counts, then where the first goes
+    uint32_t instances = 0;
     uint32_t first_record = 0;
     uint64_t covered = 0;  // tiles of its splats' boxes
   };
