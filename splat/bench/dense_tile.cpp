@@ -69,10 +69,8 @@ void ScalarForward(Tile& tile) {
         const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
         const float power = PowerAt(form, x + 0.5f - s.x, y + 0.5f - s.y);
         if (!math::Accepts(power, s.reject_below, state.transmittance)) continue;
-        BlendBehind(true,
-                    math::AlphaOf(s.opacity, std::exp(power)),
-                    math::Vec3<float>{s.r, s.g, s.b},
-                    state);
+        BlendBehind(
+            math::AlphaOf(s.opacity, std::exp(power)), math::Vec3<float>{s.r, s.g, s.b}, state);
       }
       const int i = y * kTileSize + x;
       tile.color[i] = state.color.x;
@@ -100,7 +98,7 @@ void ScalarBackward(Tile& tile) {
         if (!math::Accepts(power, s.reject_below, state.transmittance)) continue;
         const float falloff = std::exp(power);
         const auto result = BlendBehindVjp(
-            true, math::AlphaOf(s.opacity, falloff), math::Vec3<float>{s.r, s.g, s.b}, d, state);
+            math::AlphaOf(s.opacity, falloff), math::Vec3<float>{s.r, s.g, s.b}, d, state);
         const float d_product = math::AlphaOfVjp(s.opacity, falloff, result.d_alpha) * falloff;
         math::PowerMoments<float> moments{0, 0, 0, 0, 0, 0};
         Accumulate(d_product, dx, dy, moments);

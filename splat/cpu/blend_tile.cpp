@@ -56,14 +56,15 @@ HWY_INLINE void BlendSplat(const ProjectedSplat& s,
                            TilePixels& px) {
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
-  const Pack opacity(s.opacity), reject(s.reject_below);
+  const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
     BlendState<Pack> state{LoadPack(px.t + at), {}};
     const PackMask accept = Accepts(power, reject, state.transmittance);
     if (!AnyTrue(accept)) return;
     state.color = {LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
-    BlendBehind(accept, AlphaOf(opacity, FastExp<kExpDegree>(power)), color, state);
+    const Pack alpha = AlphaOf(opacity, FastExp<kExpDegree>(power));
+    BlendBehind(Select(accept, alpha, zero), color, state);
     StorePack(state.transmittance, px.t + at);
     StorePack(state.color.x, px.r + at);
     StorePack(state.color.y, px.g + at);
@@ -133,8 +134,7 @@ BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, Til
     state.behind = LoadPack(px.behind + at);
     const Vec3<Pack> d_pixel{LoadPack(px.r + at), LoadPack(px.g + at), LoadPack(px.b + at)};
     const Pack falloff = Select(accept, FastExp<kExpDegree>(power), zero);
-    const BlendVjpResult<Pack> d =
-        BlendBehindVjp(accept, AlphaOf(opacity, falloff), color, d_pixel, state);
+    const BlendVjpResult<Pack> d = BlendBehindVjp(AlphaOf(opacity, falloff), color, d_pixel, state);
     StorePack(state.transmittance, px.t + at);
     StorePack(state.behind, px.behind + at);
     d_color += d_pixel * d.weight;

@@ -138,10 +138,11 @@ COSPLAT_HD auto Accepts(T power, T reject_below, T transmittance) {
   return And(power >= reject_below, transmittance >= T(kMinTransmittance));
 }
 
-// Adds one splat behind what is there.
-template <class T, class Mask>
-COSPLAT_HD void BlendBehind(Mask accept, T alpha, const Vec3<T>& color, BlendState<T>& state) {
-  const T weight = Select(accept, alpha * state.transmittance, T(0));
+// Adds one splat behind what is there. Where it is not accepted, alpha must be 0: nothing changes
+// then, here and in the derivative.
+template <class T>
+COSPLAT_HD void BlendBehind(T alpha, const Vec3<T>& color, BlendState<T>& state) {
+  const T weight = alpha * state.transmittance;
   state.color += color * weight;
   state.transmittance = state.transmittance - weight;
 }
@@ -160,15 +161,17 @@ struct BlendVjpResult {
   T d_alpha;
 };
 
-template <class T, class Mask>
-COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(
-    Mask accept, T alpha, const Vec3<T>& color, const Vec3<T>& d_pixel, BlendVjpState<T>& state) {
-  const T weight = Select(accept, alpha * state.transmittance, T(0));
+template <class T>
+COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(T alpha,
+                                            const Vec3<T>& color,
+                                            const Vec3<T>& d_pixel,
+                                            BlendVjpState<T>& state) {
+  const T weight = alpha * state.transmittance;
   const T gain = Dot(color, d_pixel);
   state.behind = state.behind - weight * gain;
   const T d_alpha = state.transmittance * gain - state.behind / (T(1) - alpha);
   state.transmittance = state.transmittance - weight;
-  return {weight, Select(accept, d_alpha, T(0))};
+  return {weight, d_alpha};
 }
 
 COSPLAT_MATH_END

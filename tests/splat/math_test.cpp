@@ -186,7 +186,8 @@ std::vector<T> BlendPixel(const std::vector<T>& x) {
     const PowerForm<T> form{x[i + 2], x[i + 3], x[i + 4]};
     const T power = PowerAt(form, T(0.5) - x[i], T(0.3) - x[i + 1]);
     const bool accept = Accepts(power, RejectBelow(x[i + 5]), state.transmittance);
-    BlendBehind(accept, AlphaOf(x[i + 5], Exp(power)), V(x, i + 6), state);
+    const T falloff = accept ? Exp(power) : T(0);
+    BlendBehind(AlphaOf(x[i + 5], falloff), V(x, i + 6), state);
   }
   const T bg[3] = {T(0.2), T(0.7), T(0.4)};
   return {state.color.x + state.transmittance * bg[0],
@@ -201,9 +202,10 @@ std::vector<double> BlendPixelVjp(const std::vector<double>& x, const std::vecto
   for (size_t i = 0; i < x.size(); i += 9) {
     const PowerForm<double> form{x[i + 2], x[i + 3], x[i + 4]};
     const double dx = 0.5 - x[i], dy = 0.3 - x[i + 1];
-    const double power = PowerAt(form, dx, dy), falloff = Exp(power);
+    const double power = PowerAt(form, dx, dy);
     const bool accept = Accepts(power, RejectBelow(x[i + 5]), state.transmittance);
-    const auto r = BlendBehindVjp(accept, AlphaOf(x[i + 5], falloff), V(x, i + 6), V(d, 0), state);
+    const double falloff = accept ? Exp(power) : 0;
+    const auto r = BlendBehindVjp(AlphaOf(x[i + 5], falloff), V(x, i + 6), V(d, 0), state);
     const double d_product = AlphaOfVjp(x[i + 5], falloff, r.d_alpha) * falloff;
     // About another point, then moved back.
     PowerMoments<double> m{0, 0, 0, 0, 0, 0};

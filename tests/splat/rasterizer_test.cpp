@@ -125,7 +125,7 @@ std::vector<double> ReferencePixels(const Gaussians& g,
         bool accept = Accepts(power, RejectBelow(s.opacity), state.transmittance);
         if (replay) accept = (*accepted)[pair++];
         if (accepted && !replay) accepted->push_back(accept);
-        BlendBehind(accept, AlphaOf(s.opacity, Exp(power)), s.color, state);
+        BlendBehind(AlphaOf(s.opacity, accept ? Exp(power) : 0.0), s.color, state);
       }
       const size_t i = size_t(y) * camera.width + x;
       out[i] = state.color.x + state.transmittance * bg[0];
