@@ -1,0 +1,101 @@
+// SplattingAvatar's formulas as its first code release computes them, faults included: what
+// avatar/math/embed.h does otherwise. Described in docs/stability.md.
+//
+// For the preset that reproduces the release, and for the measurements that set it beside ours
+// (avatar/study/). Nothing else may use them. Written from the mathematics, after Shao et al. 2024:
+//
+//   log s_world = alpha * log s        alpha = (A + 1e-4) / (A0 + 1e-4), s and A in the units of a
+//                                      FLAME mesh enlarged four times. The paper scales s itself;
+//                                      this enlarges s < 1 where the triangle shrinks.
+//   q = norm(sum w_i q_i)              of a vertex's faces by area, then of a triangle's corners by
+//                                      barycentrics; q and -q, one rotation, cancel each other.
+//   b' = b reflected as if both triangles beside an edge made a parallelogram: a path across the
+//                                      edge bends wherever they do not.
+#if defined(COSPLAT_AVATAR_MATH_RELEASED_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_AVATAR_MATH_RELEASED_H_
+#undef COSPLAT_AVATAR_MATH_RELEASED_H_
+#else
+#define COSPLAT_AVATAR_MATH_RELEASED_H_
+#endif
+
+#include "splat/math/quat.h"
+
+COSPLAT_MATH_BEGIN
+
+// Added to both areas of the ratio, in the release's squared units.
+constexpr float kReleasedAreaFloor = 1e-4f;
+
+// alpha. Areas of the Gaussian's face in square metres; `unit`: metres per unit of a mesh enlarged
+// four times (MeshUnit, avatar/surface.h).
+template <class T>
+COSPLAT_HD T ReleasedAreaRatio(const T& area, const T& canonical, const T& unit) {
+  const T floor = T(kReleasedAreaFloor) * unit * unit;
+  return (area + floor) / (canonical + floor);
+}
+// Adds to d_area. The canonical mesh is held fixed.
+template <class T>
+COSPLAT_HD void ReleasedAreaRatioVjp(const T& canonical, const T& unit, const T& d, T& d_area) {
+  d_area = d_area + d / (canonical + T(kReleasedAreaFloor) * unit * unit);
+}
+
+// log(metres) on the canonical mesh -> log(metres) in the world.
+template <class T>
+COSPLAT_HD Vec3<T> ReleasedScale(const Vec3<T>& scale_log,
+                                 const T& area,
+                                 const T& canonical,
+                                 const T& unit) {
+  const T alpha = ReleasedAreaRatio(area, canonical, unit), shift = Log(unit);
+  return {alpha * (scale_log.x - shift) + shift,
+          alpha * (scale_log.y - shift) + shift,
+          alpha * (scale_log.z - shift) + shift};
+}
+// Adds to d_scale_log and d_area.
+template <class T>
+COSPLAT_HD void ReleasedScaleVjp(const Vec3<T>& scale_log,
+                                 const T& area,
+                                 const T& canonical,
+                                 const T& unit,
+                                 const Vec3<T>& d,
+                                 Vec3<T>& d_scale_log,
+                                 T& d_area) {
+  const T shift = Log(unit);
+  d_scale_log += d * ReleasedAreaRatio(area, canonical, unit);
+  const T d_alpha = Dot(d, scale_log - Vec3<T>{shift, shift, shift});
+  ReleasedAreaRatioVjp(canonical, unit, d_alpha, d_area);
+}
+
+// Sum of w_i q_i, signs as they come: as short as zero where the q_i are one rotation.
+template <class T>
+COSPLAT_HD Quat<T> UnalignedSum(const Quat<T>* q, const T* w, int count) {
+  Quat<T> sum{T(0), T(0), T(0), T(0)};
+  for (int i = 0; i < count; ++i) sum = sum + q[i] * w[i];
+  return sum;
+}
+// Its direction. A sum that is too short for Normalize gives the identity.
+template <class T>
+COSPLAT_HD Quat<T> UnalignedBlend(const Quat<T>* q, const T* w, int count) {
+  return Normalize(UnalignedSum(q, w, count));
+}
+// Adds to d_q [count] and d_w [count].
+template <class T>
+COSPLAT_HD void UnalignedBlendVjp(
+    const Quat<T>* q, const T* w, int count, const Quat<T>& d, Quat<T>* d_q, T* d_w) {
+  const Quat<T> d_sum = NormalizeVjp(UnalignedSum(q, w, count), d);
+  for (int i = 0; i < count; ++i) {
+    d_q[i] = d_q[i] + d_sum * w[i];
+    d_w[i] = d_w[i] + Dot(q[i], d_sum);
+  }
+}
+
+// Weights on the triangle across the edge from a to b of a place whose weights here are a, b and
+// `opposite` (negative beyond the edge), as if the corner there were at a + b - opposite. Linear: a
+// step is carried over in the same way. In place; `opposite` becomes that of the other corner.
+template <class T>
+COSPLAT_HD void ParallelogramCrossing(T& a, T& b, T& opposite) {
+  a = a + opposite;
+  b = b + opposite;
+  opposite = -opposite;
+}
+
+COSPLAT_MATH_END
+#endif
