@@ -1,6 +1,7 @@
 #include "splat/base/npy.h"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -21,6 +22,18 @@ double HalfToDouble(uint16_t half) {
   if (exponent == 0) return sign * mantissa / 16384;  // subnormal: 2^-14
   return sign * (1 + mantissa) *
          (exponent >= 15 ? 1 << (exponent - 15) : 1.0 / (1 << (15 - exponent)));
+}
+
+// To nearest, ties to even; what is beyond the greatest half, 65504, becomes infinite.
+uint16_t HalfOf(float value) {
+  const uint32_t sign = std::bit_cast<uint32_t>(value) >> 16 & 0x8000;
+  const float magnitude = std::abs(value);
+  if (std::isnan(value)) return uint16_t(sign | 0x7e00);
+  if (magnitude >= 65520) return uint16_t(sign | 0x7c00);
+  if (magnitude < 0x1p-14f)  // subnormal: multiples of 2^-24
+    return uint16_t(sign | uint32_t(std::lrint(magnitude * 0x1p24f)));
+  const uint32_t bits = std::bit_cast<uint32_t>(magnitude) - (112u << 23);  // bias 127 to 15
+  return uint16_t(sign | (bits + 0xfff + (bits >> 13 & 1)) >> 13);
 }
 
 template <class T>
@@ -56,6 +69,26 @@ Element ElementOf(const std::string& dtype) {
   if (kind == "u4") return {4, As<uint32_t>};
   if (kind == "u8") return {8, As<uint64_t>};
   return {0, nullptr};
+}
+
+// How a number of a type that is written is stored: in the lowest bytes of `bits`.
+struct Writer {
+  const char* dtype;
+  size_t bytes;
+  uint32_t (*bits)(double);
+};
+
+// Null for other types.
+const Writer* WriterOf(const std::string& dtype) {
+  static constexpr Writer kWriters[] = {
+      {"<f4", 4, [](double value) { return std::bit_cast<uint32_t>(float(value)); }},
+      {"<f2", 2, [](double value) { return uint32_t(HalfOf(float(value))); }},
+      {"<i4", 4, [](double value) { return uint32_t(int32_t(value)); }},
+      {"<u2", 2, [](double value) { return uint32_t(value); }},
+      {"|u1", 1, [](double value) { return uint32_t(value); }}};
+  for (const Writer& writer : kWriters)
+    if (dtype == writer.dtype) return &writer;
+  return nullptr;
 }
 
 // The header is a Python dictionary of three known keys; values are found behind their key.
@@ -175,8 +208,9 @@ bool ParseNpy(const std::string& file,
 }
 
 std::string FormatNpy(const NpyArray& array) {
-  const bool integers = array.dtype == "<i4";
-  const std::string dtype = integers ? "<i4" : "<f4";
+  const Writer* writer = WriterOf(array.dtype);
+  const std::string dtype = writer ? array.dtype : "<f4";
+  if (!writer) writer = WriterOf(dtype);
   std::string header = "{'descr': '" + dtype + "', 'fortran_order': False, 'shape': (";
   for (size_t extent : array.shape) header += std::to_string(extent) + ",";
   header += "), }";
@@ -187,12 +221,10 @@ std::string FormatNpy(const NpyArray& array) {
   bytes += char(header.size() & 255);
   bytes += char(header.size() >> 8);
   bytes += header;
+  bytes.reserve(bytes.size() + writer->bytes * array.size());
   for (double value : array.values) {
-    const uint32_t bits =
-        integers ? std::bit_cast<uint32_t>(int32_t(value)) : std::bit_cast<uint32_t>(float(value));
-    char raw[4];
-    std::memcpy(raw, &bits, 4);
-    bytes.append(raw, 4);
+    const uint32_t bits = writer->bits(value);
+    bytes.append(reinterpret_cast<const char*>(&bits), writer->bytes);
   }
   return bytes;
 }

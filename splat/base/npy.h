@@ -15,7 +15,8 @@ bool ParseNpy(const std::string& file,
               const std::vector<char>& bytes,
               NpyArray& array);
 
-// The bytes of a format 1.0 file in C order: int32 where `dtype` is "<i4", float32 otherwise.
+// The bytes of a format 1.0 file in C order: of the array's dtype where that is float16 or 32,
+// int32 or uint8 or 16, float32 otherwise.
 std::string FormatNpy(const NpyArray& array);
 
 }  // namespace cosplat

@@ -2,7 +2,9 @@
 
 #include <zip.h>
 
+#include <cmath>
 #include <memory>
+#include <utility>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -75,6 +77,20 @@ NpyArray MakeArray(const std::string& name,
   return {std::move(shape), std::vector<double>(values.begin(), values.end()), dtype};
 }
 
+// `bytes` must live until the archive is closed: only then libzip reads them.
+void AddMember(zip_t* archive,
+               const std::string& path,
+               const std::string& name,
+               const std::string& bytes) {
+  zip_source_t* source = zip_source_buffer(archive, bytes.data(), bytes.size(), 0);
+  const zip_int64_t index = zip_file_add(archive, name.c_str(), source, ZIP_FL_ENC_UTF_8);
+  if (index < 0) {
+    zip_source_free(source);
+    throw Error(path, name, std::string("cannot be written: ") + zip_strerror(archive));
+  }
+  zip_file_set_mtime(archive, index, 315619200, 0);  // 1980: equal arrays, equal bytes
+}
+
 }  // namespace
 
 Npz Npz::Read(const std::string& path) {
@@ -87,34 +103,25 @@ Npz Npz::Read(const std::string& path) {
   for (zip_int64_t i = 0; i < count; ++i) {
     const char* raw_name = zip_get_name(archive.get(), i, 0);
     const std::string name = raw_name != nullptr ? raw_name : "";
-    if (!name.ends_with(".npy")) continue;
+    if (!name.ends_with(".npy") && !name.ends_with(".json")) continue;
+    const std::vector<char> bytes = ReadMember(archive.get(), path, i);
     NpyArray array;
-    if (ParseNpy(path, name, ReadMember(archive.get(), path, i), array))
+    if (name.ends_with(".json"))
+      npz.texts_[name].assign(bytes.begin(), bytes.end());
+    else if (ParseNpy(path, name, bytes, array))
       npz.arrays_[name.substr(0, name.size() - 4)] = std::move(array);
   }
   return npz;
 }
 
 void Npz::Write(const std::string& path) const {
-  // libzip reads the members when it closes the archive: the bytes must live until then.
-  std::vector<std::string> contents;
-  for (const auto& [name, array] : arrays_) contents.push_back(FormatNpy(array));
+  std::vector<std::pair<std::string, std::string>> members(texts_.begin(), texts_.end());
+  for (const auto& [name, array] : arrays_) members.emplace_back(name + ".npy", FormatNpy(array));
   WriteViaTemporary(path, [&](const std::string& temporary) {
     int code = 0;
     Archive archive(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code), zip_discard);
     if (!archive) throw Error(path, "", "cannot be written: " + Reason(code));
-    size_t i = 0;
-    for (const auto& [name, array] : arrays_) {
-      const std::string& bytes = contents[i++];
-      zip_source_t* source = zip_source_buffer(archive.get(), bytes.data(), bytes.size(), 0);
-      const zip_int64_t index =
-          zip_file_add(archive.get(), (name + ".npy").c_str(), source, ZIP_FL_ENC_UTF_8);
-      if (index < 0) {
-        zip_source_free(source);
-        throw Error(path, name, std::string("cannot be written: ") + zip_strerror(archive.get()));
-      }
-      zip_file_set_mtime(archive.get(), index, 315619200, 0);  // 1980: equal arrays, equal bytes
-    }
+    for (const auto& [name, bytes] : members) AddMember(archive.get(), path, name, bytes);
     if (zip_close(archive.get()) != 0)
       throw Error(path, "", std::string("write failed: ") + zip_strerror(archive.get()));
     archive.release();
@@ -138,6 +145,12 @@ const NpyArray& Npz::Get(const std::string& name, const std::vector<long>& shape
   return array;
 }
 
+const std::string& Npz::Text(const std::string& member) const {
+  const auto found = texts_.find(member);
+  if (found == texts_.end()) throw Error(path_, member, "is missing");
+  return found->second;
+}
+
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<float>& values) {
@@ -148,6 +161,31 @@ void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<int32_t>& values) {
   arrays_[name] = MakeArray(name, std::move(shape), values, "<i4");
+}
+
+void Npz::Add(const std::string& name,
+              std::vector<size_t> shape,
+              const std::vector<uint16_t>& values) {
+  arrays_[name] = MakeArray(name, std::move(shape), values, "<u2");
+}
+
+void Npz::Add(const std::string& name,
+              std::vector<size_t> shape,
+              const std::vector<uint8_t>& values) {
+  arrays_[name] = MakeArray(name, std::move(shape), values, "|u1");
+}
+
+void Npz::AddHalf(const std::string& name,
+                  std::vector<size_t> shape,
+                  const std::vector<float>& values) {
+  constexpr float kBeyond = 65520;  // is rounded to infinity
+  for (size_t i = 0; i < values.size(); ++i)
+    if (!(std::abs(values[i]) < kBeyond))
+      throw Error("",
+                  name,
+                  "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
+                      ", 16 bits hold less than 65520");
+  arrays_[name] = MakeArray(name, std::move(shape), values, "<f2");
 }
 
 }  // namespace cosplat

@@ -20,9 +20,11 @@ struct NpyArray {
 class Npz {
  public:
   Npz() = default;
-  // Reads every array of numbers (text arrays are skipped). Error names file and member.
+  // Reads every array of numbers (text arrays are skipped) and every member that ends in .json.
+  // Error names file and member.
   static Npz Read(const std::string& path);
-  // Writes deflated: as float32, or int32 where added or read as such. Atomic.
+  // Writes deflated, texts first, then arrays, each by name: as float16 or 32, int32 or uint8 or 16
+  // where added or read as such, float32 otherwise. Atomic.
   void Write(const std::string& path) const;
 
   bool Has(const std::string& name) const { return arrays_.count(name) != 0; }
@@ -32,12 +34,26 @@ class Npz {
   const NpyArray& Get(const std::string& name, const std::vector<long>& shape) const;
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<float>& values);
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<int32_t>& values);
+  void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint16_t>& values);
+  void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint8_t>& values);
+  // Stored as float16. Error naming the array when a number is not finite there.
+  void AddHalf(const std::string& name,
+               std::vector<size_t> shape,
+               const std::vector<float>& values);
+
+  // A member that is text, by its whole name, such as "header.json".
+  void AddText(const std::string& member, const std::string& text) { texts_[member] = text; }
+  bool HasText(const std::string& member) const { return texts_.count(member) != 0; }
+  // Error names the file and the missing member.
+  const std::string& Text(const std::string& member) const;
+
   const std::map<std::string, NpyArray>& arrays() const { return arrays_; }
   const std::string& path() const { return path_; }
 
  private:
   std::string path_;
   std::map<std::string, NpyArray> arrays_;
+  std::map<std::string, std::string> texts_;
 };
 
 }  // namespace cosplat
