@@ -81,7 +81,7 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   adam.rate[kScaleLog] = r.scale;
   adam.rate[kOpacityLogit] = r.opacity;
   adam.rate[kColorDc] = r.color;
-  adam.rate[kColorRest] = r.color / r.rest_divisor;
+  adam.rate[kColorRest] = r.RestRate();
   return adam;
 }
 

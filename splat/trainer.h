@@ -32,10 +32,12 @@ struct LearningRates {
   float position_first = 1.6e-4f;  // times the subject's extent
   float position_last = 1.6e-6f;
   float color = 2.5e-3f;
-  float rest_divisor = 20;  // rest rate = color / rest_divisor
+  float rest = 0;  // of the coefficients of bands 1..; 0: color / 20 (3DGS)
   float opacity = 0.05f;
   float scale = 5e-3f;
   float rotation = 1e-3f;
+
+  float RestRate() const { return rest > 0 ? rest : color / 20; }
 };
 
 // Keeps needles and giants in check: mean of the largest standard deviation over those Gaussians

@@ -87,8 +87,10 @@ void TrainOptions::Declare(CLI::App& command) {
       ->check(kRate);
   command.add_option("--position_lr_final", rates.position_last, "last rate of positions")
       ->check(kRate);
+  command.add_option("--feature_lr", rates.color, "rate of colours")->check(kRate);
   command
-      .add_option("--feature_lr", rates.color, "rate of colours; their bands 1.. get 1/20 of it")
+      .add_option(
+          "--rest_lr", rates.rest, "rate of the colours' bands from 1 on; 0: feature_lr / 20")
       ->check(kRate);
   command.add_option("--opacity_lr", rates.opacity, "rate of opacities")->check(kRate);
   command.add_option("--scaling_lr", rates.scale, "rate of log scales")->check(kRate);

@@ -78,7 +78,7 @@ Gaussians First(Basis basis) {
 TEST(DcshIsSh, ARatioOfFourIsBitEqualThroughDensityControl) {
   const TrainSettings plain = FullDegreeRun();
   TrainSettings scaled = plain;
-  scaled.rates.rest_divisor *= kRatio;
+  scaled.rates.rest = plain.rates.RestRate() / kRatio;
   scaled.eps[kColorRest] *= kRatio;
   Gaussians first = First(Basis::kDcsh);
   CountingSubject plain_subject(Frames(), first.size());
@@ -154,18 +154,21 @@ struct BothBases {
   double rest = 0;     // largest difference of a higher band's coefficient
 };
 
-// Trains `dcsh` and `sh`, the latter with its rest rate times and its eps over `ratio`.
-BothBases TrainBoth(float eps, float ratio, int steps) {
+// Trains `dcsh` and `sh` with these rest rates (0: the default), the latter with its eps over
+// `ratio`.
+BothBases TrainBoth(float eps, float ratio, float dcsh_rest, float sh_rest) {
+  constexpr int kSteps = 60;
   TrainSettings dcsh = FullDegreeRun();
   dcsh.schedule.densify_from = 1000;
   dcsh.schedule.opacity_reset_every = 1000;
   dcsh.eps.fill(eps);
   TrainSettings sh = dcsh;
-  sh.rates.rest_divisor /= ratio;
+  dcsh.rates.rest = dcsh_rest;
+  sh.rates.rest = sh_rest;
   sh.eps[kColorRest] /= ratio;
   SceneSubject subject(Frames(), 1);
-  const Gaussians a = Train(dcsh, subject, First(Basis::kDcsh), steps).gaussians;
-  Gaussians b = Train(sh, subject, First(Basis::kSh), steps).gaussians;
+  const Gaussians a = Train(dcsh, subject, First(Basis::kDcsh), kSteps).gaussians;
+  Gaussians b = Train(sh, subject, First(Basis::kSh), kSteps).gaussians;
   BothBases both;
   size_t count = 0;
   for (const Camera& camera : Ring(6, 2.2f)) {
@@ -184,21 +187,37 @@ BothBases TrainBoth(float eps, float ratio, int steps) {
   return both;
 }
 
+// What docs/dcsh.md tells users to give for --rest_lr.
+TEST(DcshIsSh, TheRestRatesThatMakeThemAlike) {
+  LearningRates rates;
+  EXPECT_FLOAT_EQ(rates.RestRate(), 2.5e-3f / 20);
+  EXPECT_NEAR(rates.RestRate() * std::sqrt(4 * M_PI), 4.431e-4, 5e-8);
+  EXPECT_NEAR(rates.RestRate() / std::sqrt(4 * M_PI), 3.526e-5, 5e-9);
+  rates.rest = 4.431e-4f;
+  EXPECT_EQ(rates.RestRate(), 4.431e-4f);
+}
+
 TEST(DcshIsSh, TheTwoBasesTrainAlikeBeforeDensification) {
   const float ratio = std::sqrt(4 * float(M_PI));
+  const float rate = FullDegreeRun().rates.RestRate();
   // An eps above the gradients' rounding noise: only rounding sets the two apart. Measured after
   // 60 steps: 5e-7 to 2e-5 in a pixel, by the compiler's options, and 3e-7 in a coefficient.
-  const BothBases alike = TrainBoth(1e-6f, ratio, 60);
+  const BothBases alike = TrainBoth(1e-6f, ratio, 0, ratio * rate);
   EXPECT_LT(alike.mean, 1e-6);           // 3e-8
   EXPECT_LT(alike.picture, 2.0f / 255);  // a splat's rim may flip a pixel by one grey level
   EXPECT_LT(alike.rest, 1e-5);
+  // The other way round: `dcsh` slowed down to `sh`.
+  const BothBases slow = TrainBoth(1e-6f, ratio, rate / ratio, 0);
+  EXPECT_LT(slow.mean, 1e-6);
+  EXPECT_LT(slow.picture, 2.0f / 255);
+  EXPECT_LT(slow.rest, 1e-5);
   // 3DGS's eps makes full steps of gradients that are rounding noise, so single Gaussians go their
   // own way; the picture does not.
-  const BothBases noisy = TrainBoth(1e-15f, ratio, 60);
+  const BothBases noisy = TrainBoth(1e-15f, ratio, 0, ratio * rate);
   EXPECT_LT(noisy.mean, 3e-3);    // measured 1.0e-3
   EXPECT_LT(noisy.picture, 0.1);  // measured 0.027
   // It is the rates that make them alike: as they stand, the bases train differently.
-  const BothBases apart = TrainBoth(1e-6f, 1, 60);
+  const BothBases apart = TrainBoth(1e-6f, 1, 0, 0);
   EXPECT_GT(apart.rest, 1e3 * alike.rest);  // measured 0.038
   EXPECT_GT(apart.mean, 5e-3);              // measured 0.014
 }
