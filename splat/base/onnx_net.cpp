@@ -1,0 +1,127 @@
+#include "splat/base/onnx_net.h"
+
+#include <algorithm>
+#include <exception>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/dnn.hpp>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/opencv_quiet.h"
+
+namespace cosplat {
+namespace {
+
+// Networks for photographs of 224 px and more are at home above this.
+constexpr int kLargestLeastSide = 512;
+
+std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+std::string ReasonOf(const std::exception& error) {
+  const auto* opencv = dynamic_cast<const cv::Exception*>(&error);
+  return FirstLine(opencv ? opencv->err : error.what());
+}
+
+cv::dnn::Net ReadNet(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  try {
+    return cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
+  } catch (const std::exception& error) {
+    throw Error(path, "", "cannot be read as an ONNX network: " + ReasonOf(error));
+  }
+}
+
+// Shapes of the layers' outputs for a picture; nothing when it is too small or otherwise refused.
+struct LayerShapes {
+  std::vector<int> ids;
+  std::vector<std::vector<cv::dnn::MatShape>> inputs, outputs;
+};
+
+bool InferShapes(const cv::dnn::Net& net, int side, LayerShapes& shapes, std::string& refusal) {
+  try {
+    net.getLayersShapes(
+        cv::dnn::MatShape{1, 3, side, side}, shapes.ids, shapes.inputs, shapes.outputs);
+    return true;
+  } catch (const std::exception& error) {
+    refusal = ReasonOf(error);
+    return false;
+  }
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// [3, H, W] in [-1, 1].
+std::vector<float> ToPlanes(const Image8& picture) {
+  std::vector<float> planes(3 * picture.pixels());
+  for (size_t i = 0; i < picture.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c)
+      planes[c * picture.pixels() + i] = float(picture.data[3 * i + c]) / 127.5f - 1;
+  return planes;
+}
+
+}  // namespace
+
+struct OnnxNet::Impl {
+  cv::dnn::Net net;
+  std::vector<std::string> outputs;
+  std::vector<cv::Mat> maps;
+};
+
+OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& outputs)
+    : path_(path), impl_(std::make_unique<Impl>()) {
+  QuietOpenCv();
+  cv::setNumThreads(1);
+  impl_->net = ReadNet(path);
+  impl_->net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+  impl_->outputs = outputs;
+  const std::vector<std::string> known = impl_->net.getUnconnectedOutLayersNames();
+  for (const std::string& name : outputs)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
+  LayerShapes shapes;
+  std::string refusal;
+  do {
+    if (++least_side_ > kLargestLeastSide)
+      throw Error(path, "", "takes no RGB picture: " + refusal);
+  } while (!InferShapes(impl_->net, least_side_, shapes, refusal));
+  for (const std::string& name : outputs) {
+    const auto id = std::find(shapes.ids.begin(), shapes.ids.end(), impl_->net.getLayerId(name));
+    const cv::dnn::MatShape& shape = shapes.outputs[size_t(id - shapes.ids.begin())].at(0);
+    if (shape.size() != 4)
+      throw Error(path,
+                  "output " + name,
+                  "has " + std::to_string(shape.size()) + " dimensions, expected [1, C, h, w]");
+    channels_.push_back(shape[1]);
+  }
+}
+
+OnnxNet::~OnnxNet() = default;
+OnnxNet::OnnxNet(OnnxNet&&) noexcept = default;
+
+std::vector<FeatureMap> OnnxNet::Run(const Image8& picture) {
+  if (picture.channels != 3 || picture.width < least_side_ || picture.height < least_side_)
+    throw Error(path_,
+                "",
+                "takes RGB pictures of at least " + std::to_string(least_side_) + "x" +
+                    std::to_string(least_side_) + ", not " + std::to_string(picture.width) + "x" +
+                    std::to_string(picture.height) + "x" + std::to_string(picture.channels));
+  std::vector<float> planes = ToPlanes(picture);
+  const int shape[] = {1, 3, picture.height, picture.width};
+  try {
+    impl_->net.setInput(cv::Mat(4, shape, CV_32F, planes.data()));
+    impl_->maps.clear();
+    impl_->net.forward(impl_->maps, impl_->outputs);
+  } catch (const std::exception& error) {
+    throw Error(path_, "", "cannot be run on a picture: " + ReasonOf(error));
+  }
+  std::vector<FeatureMap> maps;
+  for (const cv::Mat& map : impl_->maps)
+    maps.push_back({map.ptr<float>(), map.size[1], map.size[2], map.size[3]});
+  return maps;
+}
+
+}  // namespace cosplat
