@@ -1,13 +1,32 @@
-// The colour bases by name. Both span the same functions; see docs/dcsh.md.
+// The colour bases by name; see docs/dcsh.md.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace cosplat {
 
-enum class Basis { kDcsh, kSh };
-std::string ToString(Basis basis);
-Basis BasisFromString(const std::string& text);  // Error on anything but "dcsh" or "sh"
+enum class Basis {
+  kDcsh,
+  kSh,            // 3DGS's
+  kDcshReleased,  // with the constants of DCSHARP's released code, slips included
+  kDcshLiteral    // the published formula with its arctan(y/x), for comparisons
+};
+constexpr std::array<const char*, 4> kBasisNames{
+    "dcsh", "sh", "dcsh-released", "dcsh-literal"};  // in the order of Basis
+inline std::string ToString(Basis basis) { return kBasisNames[size_t(basis)]; }
+// Throws Error, with this file and field, on what is not one of the names.
+Basis BasisFromString(const std::string& text,
+                      const std::string& file = "",
+                      const std::string& field = "basis");
+
+// The literal formula sees every direction folded onto the half space x >= 0 (`Fold` in
+// splat/math/dcsh.h).
+constexpr bool FoldsDirection(Basis basis) { return basis == Basis::kDcshLiteral; }
+
+// Whether all colours up to this degree are spherical harmonics: then other bases, and with them
+// files, can hold them.
+constexpr bool IsHarmonic(Basis basis, int degree) { return degree == 0 || !FoldsDirection(basis); }
 
 constexpr int CoefficientCount(int degree) { return (degree + 1) * (degree + 1); }
 

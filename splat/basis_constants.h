@@ -1,10 +1,13 @@
-// Normalisation constants of the two colour bases, computed, not typed.
+// Normalisation constants of the colour bases, computed, not typed.
 //   orthonormal K_l^m = sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), times sqrt2 for m != 0
-//   sh:   K_l^m times 3DGS's sign (-1)^m
-//   dcsh: K_0 for l = 0; sqrt(4 pi) K_l^m for l >= 1 (N3D), no signs
+//   sh:            K_l^m times 3DGS's sign (-1)^m
+//   dcsh:          K_0 for l = 0; sqrt(4 pi) K_l^m for l >= 1 (N3D), no signs
+//   dcsh-released: those of dcsh but for what kReleasedSlips lists
+//   dcsh-literal:  K_l^m, no signs
 #pragma once
 
 #include <array>
+#include <iterator>
 
 #include "splat/basis.h"
 
@@ -23,6 +26,18 @@ constexpr double ConstexprSqrt(double x) {
   return r;
 }
 
+// Where the constants of DCSHARP's released code are not N3D's. They stand there before another
+// multiple of the polynomial: our Q_l^m(z) {Re, Im} (x + iy)^m is `multiple` times it.
+struct ReleasedSlip {
+  int k;
+  double constant, multiple;
+};
+constexpr ReleasedSlip kReleasedSlips[] = {
+    {8, 1.1180340, 3},    // x^2 - y^2; N3D: sqrt(15)/2 = 1.9364917
+    {10, 5.1234561, 30},  // xyz; N3D: sqrt(105) = 10.2469508
+    {14, 5.1234561, 15},  // z (x^2 - y^2); N3D: sqrt(105)/2 = 5.1234754
+};
+
 constexpr std::array<float, kMaxCoefficients> MakeConstants(Basis basis) {
   std::array<float, kMaxCoefficients> k{};
   for (int l = 0; l <= kMaxEvaluatedDegree; ++l) {
@@ -30,23 +45,32 @@ constexpr std::array<float, kMaxCoefficients> MakeConstants(Basis basis) {
       double ratio = 1;  // (l-m)! / (l+m)!
       for (int i = l - m + 1; i <= l + m; ++i) ratio /= i;
       double value = ConstexprSqrt((2 * l + 1) / (4 * kPi) * ratio * (m > 0 ? 2 : 1));
-      if (basis == Basis::kDcsh && l > 0) value *= ConstexprSqrt(4 * kPi);
+      const bool n3d = basis == Basis::kDcsh || basis == Basis::kDcshReleased;
+      if (n3d && l > 0) value *= ConstexprSqrt(4 * kPi);
       if (basis == Basis::kSh && m % 2 == 1) value = -value;
       k[l * l + l + m] = float(value);
       k[l * l + l - m] = float(value);
     }
   }
+  if (basis == Basis::kDcshReleased)
+    for (const ReleasedSlip& slip : kReleasedSlips)
+      k[slip.k] = float(slip.constant / slip.multiple);
   return k;
 }
 
-inline constexpr std::array<float, kMaxCoefficients> kDcshConstants = MakeConstants(Basis::kDcsh);
-inline constexpr std::array<float, kMaxCoefficients> kShConstants = MakeConstants(Basis::kSh);
+// In the order of Basis.
+inline constexpr std::array<float, kMaxCoefficients> kConstants[] = {
+    MakeConstants(Basis::kDcsh),
+    MakeConstants(Basis::kSh),
+    MakeConstants(Basis::kDcshReleased),
+    MakeConstants(Basis::kDcshLiteral)};
+static_assert(std::size(kConstants) == kBasisNames.size());
 
 }  // namespace internal
 
 // [49] in 3DGS's coefficient order.
 inline const float* BasisConstants(Basis basis) {
-  return basis == Basis::kDcsh ? internal::kDcshConstants.data() : internal::kShConstants.data();
+  return internal::kConstants[size_t(basis)].data();
 }
 
 }  // namespace cosplat

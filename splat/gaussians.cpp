@@ -5,12 +5,13 @@
 
 namespace cosplat {
 
-std::string ToString(Basis basis) { return basis == Basis::kDcsh ? "dcsh" : "sh"; }
-
-Basis BasisFromString(const std::string& text) {
-  if (text == "dcsh") return Basis::kDcsh;
-  if (text == "sh") return Basis::kSh;
-  throw Error("", "basis", "'" + text + "' is not a basis; known: dcsh, sh");
+Basis BasisFromString(const std::string& text, const std::string& file, const std::string& field) {
+  std::string known;
+  for (size_t i = 0; i < kBasisNames.size(); ++i) {
+    if (text == kBasisNames[i]) return Basis(i);
+    known += (i > 0 ? ", " : "") + std::string(kBasisNames[i]);
+  }
+  throw Error(file, field, "'" + text + "' is not a basis; known: " + known);
 }
 
 int Gaussians::width(int attribute) const {
@@ -42,6 +43,13 @@ Gaussians Gaussians::ZerosLike() const {
 }
 
 void ConvertBasis(Gaussians& g, Basis to) {
+  if (g.basis == to) return;
+  if (!IsHarmonic(g.basis, g.degree) || !IsHarmonic(to, g.degree))
+    throw Error("",
+                "basis",
+                ToString(Basis::kDcshLiteral) +
+                    " folds the direction and is not spherical harmonics: other programs cannot "
+                    "show it");
   const float* from_constants = BasisConstants(g.basis);
   const float* to_constants = BasisConstants(to);
   const int rest = CoefficientCount(g.degree) - 1;

@@ -48,8 +48,9 @@ struct Gaussians {
   Gaussians ZerosLike() const;
 };
 
-// The same colours in another basis: both span the same functions, so each coefficient is only
-// multiplied (docs/dcsh.md). Files hold 3DGS's SH.
+// The same colours in another basis: where they are spherical harmonics (IsHarmonic), both span the
+// same functions, so each coefficient is only multiplied (docs/dcsh.md); Error where not. Files
+// hold 3DGS's SH.
 void ConvertBasis(Gaussians& gaussians, Basis to);
 
 }  // namespace cosplat

@@ -21,6 +21,7 @@ ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree) {
   v.width = float(camera.width);
   v.height = float(camera.height);
   v.basis_constants = BasisConstants(basis);
+  v.folds_direction = FoldsDirection(basis);
   v.degree = degree;
   return v;
 }

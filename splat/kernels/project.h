@@ -196,7 +196,8 @@ struct ProjectKernel {
     drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
     drawn = And(drawn, CanBeDrawn(f, camera));
     if (!AnyTrue(drawn)) return DrawNone(rows);
-    const Vec3<T> direction = ColorViewOf(gaussians, view, position, rows).direction;
+    Vec3<T> direction = ColorViewOf(gaussians, view, position, rows).direction;
+    if (view.folds_direction) direction = Fold(direction);
     const Vec3<T> color = WithDegree(view.degree, ColorOf<T>{gaussians, view, rows, direction});
     drawn = And(And(drawn, IsFinite(color.x)), And(IsFinite(color.y), IsFinite(color.z)));
     const PowerRidges<T> ridges = RidgesOf(f.form);
@@ -274,14 +275,16 @@ struct ProjectVjpKernel {
     const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
     // What was not drawn may have no direction; its colour's gradient is 0 times a basis function.
     const Vec3<T>& seen = color_view.direction;
-    const Vec3<T> direction{
+    Vec3<T> direction{
         Select(drawn, seen.x, T(0)), Select(drawn, seen.y, T(0)), Select(drawn, seen.z, T(0))};
+    if (view.folds_direction) direction = Fold(direction);
     const Vec3<T> d_color{
         Select(drawn, d[6], T(0)), Select(drawn, d[7], T(0)), Select(drawn, d[8], T(0))};
-    const Vec3<T> d_direction = WithDegree(
+    Vec3<T> d_direction = WithDegree(
         view.degree,
         ColorVjpOf<T>{
             gaussians, view, out, rows, direction, {splat[7], splat[8], splat[9]}, d_color});
+    if (view.folds_direction) d_direction = FoldVjp(seen, d_direction);
     const bool has_frame = gaussians.color_frame != nullptr;
     Quat<T> d_frame;
     const Vec3<T> d_offset = ColorViewVjp(color_view, has_frame, d_direction, d_frame);

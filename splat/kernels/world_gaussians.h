@@ -42,6 +42,7 @@ struct ViewParameters {
   float center[3];  // of the camera, in the world
   float fx, fy, cx, cy, width, height;
   const float* basis_constants;  // splat/basis_constants.h
+  bool folds_direction;          // before the basis is evaluated (Fold in splat/math/dcsh.h)
   int degree;                    // bands evaluated, <= stored
 };
 

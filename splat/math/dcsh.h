@@ -5,8 +5,8 @@
 // the Legendre polynomial P_l), every real basis function is
 //   Y_l^m = K * Q_l^|m|(z) * { sqrt2 Re (x+iy)^m | 1 | sqrt2 Im (x+iy)^|m| }  for m > 0, = 0, < 0,
 // with no singular direction. The order is 3DGS's: l^2 + l + m.
-// `dcsh`: N3D constants (sqrt(4 pi) x the orthonormal ones) for l >= 1, no Condon-Shortley signs;
-// `sh`: 3DGS's orthonormal constants with its signs (-1)^m. docs/dcsh.md derives both.
+// The bases differ by their constants (splat/basis_constants.h) and one of them by a Fold of u.
+// docs/dcsh.md derives all of it.
 #if defined(COSPLAT_SPLAT_MATH_DCSH_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_DCSH_H_
 #undef COSPLAT_SPLAT_MATH_DCSH_H_
@@ -85,6 +85,22 @@ COSPLAT_HD Vec3<T> EvaluateBasisVjp(const Vec3<T>& u, const float* constants, co
     }
   }
   return d;
+}
+
+// What arctan(y/x) makes of a direction: it loses the quadrant, so that cos and sin of m times it
+// are those of the azimuth of (|x|, sgn(x) y). At x = 0 as arctan(+inf or -inf) of y/+0, whatever
+// the sign of the zero: y stays. On the axis there is no azimuth (0/0), and every function that has
+// one is 0.
+template <class T>
+COSPLAT_HD Vec3<T> Fold(const Vec3<T>& u) {
+  const T sign = Select(u.x < T(0), T(-1), T(1));
+  return {sign * u.x, sign * u.y, u.z};
+}
+// The jump at x = 0 has no derivative: this is that of its sides.
+template <class T>
+COSPLAT_HD Vec3<T> FoldVjp(const Vec3<T>& u, const Vec3<T>& d) {
+  const T sign = Select(u.x < T(0), T(-1), T(1));
+  return {sign * d.x, sign * d.y, d.z};
 }
 
 // Colour seen along the unit vector u: max(0, 1/2 + sum_k c_k Y_k(u)) per channel (3DGS).

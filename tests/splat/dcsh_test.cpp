@@ -96,6 +96,134 @@ TEST(Dcsh, AdditionTheoremHolds) {
   }
 }
 
+// As DCSHARP's released code has them, before the polynomials named in docs/dcsh.md.
+TEST(DcshReleased, HasTheReleasedConstants) {
+  const double released[16] = {0.28209479,
+                               1.7320508,
+                               1.7320508,
+                               1.7320508,
+                               3.8729833,
+                               3.8729833,
+                               1.1180340,
+                               3.8729833,
+                               1.1180340,
+                               2.0916501,
+                               5.1234561,
+                               1.6201852,
+                               1.3228757,
+                               1.6201852,
+                               5.1234561,
+                               2.0916501};
+  const Vec3<double> u = RandomDirection(7);
+  const double x = u.x, y = u.y, z = u.z;
+  const double polynomial[16] = {1,
+                                 y,
+                                 z,
+                                 x,
+                                 x * y,
+                                 y * z,
+                                 3 * z * z - 1,
+                                 x * z,
+                                 x * x - y * y,
+                                 y * (3 * x * x - y * y),
+                                 x * y * z,
+                                 y * (5 * z * z - 1),
+                                 z * (5 * z * z - 3),
+                                 x * (5 * z * z - 1),
+                                 z * (x * x - y * y),
+                                 x * (x * x - 3 * y * y)};
+  double b[16];
+  EvaluateBasis<3>(u, BasisConstants(Basis::kDcshReleased), b);
+  for (int k = 0; k < 16; ++k) EXPECT_NEAR(b[k] / polynomial[k], released[k], 5e-7) << k;
+}
+
+TEST(DcshReleased, DiffersFromDcshInItsSlipsAlone) {
+  for (int k = 0; k < kMaxCoefficients; ++k) {
+    const double ratio =
+        BasisConstants(Basis::kDcshReleased)[k] / double(BasisConstants(Basis::kDcsh)[k]);
+    const double expected = k == 8    ? 1.1180340 / 1.9364917
+                            : k == 10 ? 5.1234561 / 10.2469508
+                            : k == 14 ? 5.1234561 / 5.1234754
+                                      : 1;
+    EXPECT_NEAR(ratio, expected, 1e-7) << k;
+  }
+}
+
+// The published formula to the letter: sqrt2 N P_l^|m|(z) {cos, sin}(|m| arctan(y/x)), 0/0 = 0.
+long double Literal(int l, int m, const Vec3<double>& u) {
+  const int order = std::abs(m);
+  long double ratio = 1;
+  for (int i = l - order + 1; i <= l + order; ++i) ratio /= i;
+  const long double n = std::sqrt((2 * l + 1) / (4 * std::acos(-1.0L)) * ratio * (m ? 2 : 1));
+  const long double p = std::assoc_legendre(l, order, static_cast<long double>(u.z));
+  const long double angle = std::atan(static_cast<long double>(u.y) / u.x);
+  return n * p * (m == 0 ? 1 : m > 0 ? std::cos(m * angle) : std::sin(order * angle));
+}
+
+void EvaluateLiteral(const Vec3<double>& u, double* basis) {
+  EvaluateBasis<6>(Fold(u), BasisConstants(Basis::kDcshLiteral), basis);
+}
+
+TEST(DcshLiteral, IsTheArctanFormAsAPolynomialOfTheFoldedDirection) {
+  int behind = 0;
+  for (unsigned seed = 1; seed < 200; ++seed) {
+    const Vec3<double> u = RandomDirection(seed);
+    behind += u.x < 0;
+    double basis[49];
+    EvaluateLiteral(u, basis);
+    for (int l = 0; l <= 6; ++l)
+      for (int m = -l; m <= l; ++m)
+        EXPECT_NEAR(basis[l * l + l + m], double(Literal(l, m, u)), 1e-6) << l << ' ' << m;
+  }
+  EXPECT_GT(behind, 50);
+  // At the poles everything that has an azimuth is 0.
+  for (const double z : {1.0, -1.0}) {
+    double pole[49];
+    EvaluateLiteral({0, 0, z}, pole);
+    for (int l = 1; l <= 6; ++l)
+      for (int m = 1; m <= l; ++m) {
+        EXPECT_EQ(pole[l * l + l + m], 0);
+        EXPECT_EQ(pole[l * l + l - m], 0);
+      }
+  }
+}
+
+TEST(DcshLiteral, TurnsOddSinesOverAtTheSeamAndLosesTheSignOfOddCosines) {
+  const double y = 0.6, z = 0.8, step = 1e-7;
+  double before[49], after[49], at[49], exact[49], mirrored[49];
+  EvaluateLiteral({-step, y, z}, before);
+  EvaluateLiteral({step, y, z}, after);
+  EvaluateLiteral({0, y, z}, at);
+  EvaluateLiteral({-0.48, y, 0.64}, mirrored);
+  EvaluateBasis<6>(
+      Vec3<double>{-0.48, y, 0.64}, BasisConstants(Basis::kDcshLiteral), exact);  // unfolded
+  double largest = 0;
+  for (int l = 1; l <= 6; ++l)
+    for (int m = 1; m <= l; ++m) {
+      const int sine = l * l + l - m, cosine = l * l + l + m;
+      const double jump = after[sine] - before[sine];
+      EXPECT_NEAR(jump, m % 2 ? 2 * at[sine] : 0, 1e-5) << l << ' ' << m;
+      EXPECT_NEAR(after[cosine] - before[cosine], 0, 1e-5) << l << ' ' << m;
+      EXPECT_NEAR(at[sine], after[sine], 1e-5);
+      EXPECT_NEAR(mirrored[cosine], (m % 2 ? -1 : 1) * exact[cosine], 1e-12) << l << ' ' << m;
+      largest = std::max(largest, std::abs(jump));
+    }
+  EXPECT_GT(largest, 1);  // of functions whose mean square is 1 / (4 pi)
+}
+
+TEST(DcshLiteral, FoldVjp) {
+  const auto f = [](const auto& x) {
+    using T = typename std::decay_t<decltype(x)>::value_type;
+    const Vec3<T> folded = Fold(Vec3<T>{x[0], x[1], x[2]});
+    return std::vector<T>{folded.x, folded.y, folded.z};
+  };
+  const auto vjp = [](const std::vector<double>& x, const std::vector<double>& d) {
+    const auto d_x = FoldVjp(Vec3<double>{x[0], x[1], x[2]}, Vec3<double>{d[0], d[1], d[2]});
+    return std::vector<double>{d_x.x, d_x.y, d_x.z};
+  };
+  for (unsigned seed = 1; seed < 9; ++seed) ExpectVjpMatchesDual(f, vjp, RandomVector(3, seed));
+}
+
 template <int kDegree>
 void CheckColorVjp(Basis basis) {
   constexpr int kRest = (kDegree + 1) * (kDegree + 1) - 1;
@@ -130,7 +258,7 @@ void CheckColorVjp(Basis basis) {
 }
 
 TEST(Dcsh, ColorVjp) {
-  for (const Basis basis : {Basis::kDcsh, Basis::kSh}) {
+  for (const Basis basis : {Basis::kDcsh, Basis::kSh, Basis::kDcshReleased}) {
     CheckColorVjp<0>(basis);
     CheckColorVjp<1>(basis);
     CheckColorVjp<3>(basis);

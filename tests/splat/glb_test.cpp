@@ -62,7 +62,7 @@ TEST_F(GlbTest, ASceneShowsTheSamePictureInOtherPrograms) {
   camera.fx = camera.fy = 70;
   camera.cx = camera.cy = 32;
   camera.translation = {0.1f, -0.05f, 3};
-  for (Basis basis : {Basis::kDcsh, Basis::kSh})
+  for (Basis basis : test::kHarmonicBases)
     for (int degree = 0; degree <= 3; ++degree) {
       const Gaussians scene = RandomGaussians(150, degree, basis, 5 + degree);
       WriteSceneGlb(path_, scene);

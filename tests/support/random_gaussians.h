@@ -8,6 +8,9 @@
 
 namespace cosplat::test {
 
+// Those that files can hold at every degree.
+constexpr Basis kHarmonicBases[] = {Basis::kDcsh, Basis::kSh, Basis::kDcshReleased};
+
 inline Gaussians RandomGaussians(size_t n, int degree, Basis basis, uint64_t seed) {
   Rng rng{seed};
   Gaussians g;
