@@ -55,6 +55,14 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
     CheckArray(path, "bust rotation", model.bust->rotation, 9);
     CheckArray(path, "bust translation", model.bust->translation, 3);
   }
+  if (model.released && !(model.released->unit > 0 && std::isfinite(model.released->unit)))
+    throw Error(path, "rule unit", "is " + std::to_string(model.released->unit));
+  if (model.canonical_frame) {
+    const FlameParams& frame = *model.canonical_frame;
+    CheckArray(path, "canonical expression", frame.expression, frame.expression.size());
+    for (const auto& joint : frame.pose) CheckArray(path, "canonical pose", joint, 3);
+    CheckArray(path, "canonical translation", frame.translation, 3);
+  }
   // With a bust the mesh goes on behind FLAME's vertices, which alone have an offset.
   const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
   const bool shorter = model.bust && offsets < most && offsets % 3 == 0;
@@ -88,8 +96,8 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
                     std::to_string(faces) + " or other corners");
 }
 
-// The canonical mesh as triangles, with a morph target per expression direction: at zero pose
-// FLAME's vertices are linear in the expression.
+// The canonical mesh as triangles, with a morph target per expression direction: at zero pose, and
+// there only, FLAME's vertices are linear in the expression.
 GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameModel* flame) {
   GlbPrimitive primitive;
   primitive.attributes["POSITION"] = AddFloats(document, model.mesh.vertices, 3, GlbUse::kPosition);
@@ -97,7 +105,7 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
   for (const auto& face : model.mesh.faces) indices.insert(indices.end(), face.begin(), face.end());
   primitive.indices = AddUnsigned(document, indices, GlbUse::kIndices);
   GlbMesh mesh{"canonical mesh", {}, {}};
-  const int expressions = flame ? flame->expression_count : 0;
+  const int expressions = flame && !model.canonical_frame ? flame->expression_count : 0;
   for (int e = 0; e < expressions; ++e) {
     const size_t size = 3 * size_t(flame->vertex_count);
     std::vector<float> direction(model.mesh.vertices.size());  // a bust does not move
@@ -160,7 +168,8 @@ AvatarModel ReadAvatarGlb(const std::string& path) {
 void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
   if (!ignore_hash) CheckFlame("avatar", model, flame);
   if (model.mesh.faces.empty()) {
-    CanonicalMesh mesh = MakeCanonicalMesh(flame, model.shape, model.static_offset, model.bust);
+    CanonicalMesh mesh = MakeCanonicalMesh(
+        flame, model.shape, model.static_offset, model.bust, model.canonical_frame);
     for (int32_t triangle : model.triangle)
       if (size_t(triangle) >= mesh.faces.size())
         throw Error("avatar",
@@ -197,6 +206,7 @@ std::string ToString(const GlbSummary& summary) {
     text += "avatar (binding version " + std::to_string(a.version) + "): " + ToString(a.basis) +
             " of degree " + std::to_string(a.degree) + ", colours in the " +
             ToString(a.color_frame) + " frame\n";
+    if (a.released) text += "follows the mesh by SplattingAvatar's released rule\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
             std::to_string(a.shape_count) + " shape coefficients, " +
             (a.has_static_offset ? "a" : "no") + " static offset\n";

@@ -67,6 +67,7 @@ struct GlbSummary {
     size_t shape_count = 0;
     bool has_static_offset = false;
     bool has_bust = false;
+    bool released = false;                    // follows the mesh by ReleasedRule
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh
     bool has_mesh = false;                    // in the file
     size_t expression_count = 0;              // morph targets in the file

@@ -91,9 +91,13 @@ CanonicalMesh HeadMesh(const FlameModel& flame,
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
                                 const std::vector<float>& shape,
                                 const std::vector<float>& static_offset,
-                                const std::optional<Bust>& bust) {
+                                const std::optional<Bust>& bust,
+                                const std::optional<FlameParams>& frame) {
   CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
   if (bust) AppendBust(flame, mesh);
+  if (!frame) return mesh;
+  AvatarPoser poser(flame, shape, static_offset, bust);
+  poser.Forward(poser.FrameFor(*frame), mesh.vertices);
   return mesh;
 }
 

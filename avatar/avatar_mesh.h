@@ -16,11 +16,13 @@
 
 namespace cosplat {
 
-// The subject's shape at zero expression and pose; the bust's vertices and faces come last.
+// The subject's shape at zero expression and pose, or as `frame` poses it; the bust's vertices and
+// faces come last.
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
                                 const std::vector<float>& shape,
                                 const std::vector<float>& static_offset,
-                                const std::optional<Bust>& bust);
+                                const std::optional<Bust>& bust,
+                                const std::optional<FlameParams>& frame = {});
 
 class AvatarPoser {
  public:

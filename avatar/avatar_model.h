@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "flame/model.h"
 #include "splat/gaussians.h"
 
 namespace cosplat {
@@ -19,7 +20,7 @@ enum class ColorFrame {
   kWorld
 };
 
-// The subject's shape at zero expression and pose.
+// The subject's shape at zero expression and pose, or as AvatarModel::canonical_frame poses it.
 struct CanonicalMesh {
   std::vector<float> vertices;                // [V, 3] metres
   std::vector<std::array<int32_t, 3>> faces;  // [F]
@@ -33,15 +34,23 @@ struct Bust {
   std::array<float, 3> translation{};
 };
 
-// Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`.
+// SplattingAvatar's way of following the mesh as its code was released (avatar/math/released.h).
+struct ReleasedRule {
+  float unit = 0.25f;  // metres per unit of a FLAME mesh enlarged four times (MeshUnit)
+};
+
+// Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`; and how it follows.
 struct Embedding {
   std::vector<int32_t> triangle;  // [N] face index
   // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
   std::vector<std::array<float, 2>> barycentric;
+  std::optional<ReleasedRule> released{};  // nothing: avatar/math/embed.h
 };
 
 struct AvatarModel : Embedding {
   CanonicalMesh mesh;
+  // What `mesh` is posed by where it is not at rest: expression, pose and translation alone count.
+  std::optional<FlameParams> canonical_frame;
   // kPosition: [N, 3] (delta_u, delta_v, d): barycentric offsets from `barycentric`, d along the
   // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
   // rotation q and the area ratio are applied.

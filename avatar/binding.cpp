@@ -7,6 +7,7 @@
 
 #include "avatar/embed_packs.h"
 #include "avatar/parallel_for.h"
+#include "avatar/released_binding.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -111,6 +112,7 @@ void Bind(const Gaussians& gaussians,
           PosedGaussians& out) {
   CheckModel(gaussians, embedding, surface);
   out.Resize(gaussians.size());
+  if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
   LaunchEmbed(JobOf(gaussians, embedding, surface),
               {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()});
 }
@@ -130,6 +132,11 @@ void BindBackward(const Gaussians& gaussians,
   d_gaussians.values[kPosition].resize(3 * n);
   d_gaussians.values[kRotation].resize(4 * n);
   d_gaussians.values[kScaleLog].resize(3 * n);
+  if (embedding.released) {
+    if (d_vertices)
+      throw Error("avatar", "mesh", "has no gradient by the rule of the released SplattingAvatar");
+    return BindReleasedBackward(gaussians, embedding, surface, d_posed, d_gaussians);
+  }
   // [N] of each Gaussian's triangle. Every number is written: clearing them first would take as
   // long as using them.
   const auto d_triangles = std::make_unique_for_overwrite<Corners[]>(d_vertices ? n : 0);

@@ -2,7 +2,8 @@
 //
 // AvatarModel + Surface (posed) -> Bind -> PosedGaussians -> rasterizer; back: d_position, ... ->
 // BindBackward -> gradients of the embedded parameters and, if wanted, of the posed vertices.
-// The formula is avatar/math/embed.h. Bits do not depend on the number of threads.
+// The formula is avatar/math/embed.h, or that of avatar/released_binding.h where the embedding says
+// so. Bits do not depend on the number of threads.
 #pragma once
 
 #include <vector>
@@ -36,7 +37,7 @@ inline void Bind(const AvatarModel& model, const Surface& surface, PosedGaussian
 // d_posed: dL/d(out of Bind), same layout; an empty `frame` counts as zero (colours in the world
 // frame). Overwrites (and sizes) kPosition = d(du, dv, d), kRotation and kScaleLog of d_gaussians;
 // leaves its other attributes alone. d_vertices: [V, 3] overwritten, or null: then its cost is
-// saved.
+// saved. Throws Error when it is wanted of an embedding with the released rule, which has none.
 void BindBackward(const Gaussians& gaussians,
                   const Embedding& embedding,
                   const Surface& surface,

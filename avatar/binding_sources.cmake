@@ -2,6 +2,7 @@
 cosplat_library(binding
   ${CMAKE_CURRENT_SOURCE_DIR}/binding.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/embed_packs.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/released_binding.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/sample.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/surface.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/surface_packs.cpp

@@ -181,6 +181,13 @@ Candidate SolveNear(const Surface& surface, const Found& from, const Vec3<double
   return best;
 }
 
+// Osada et al. 2002, section 4.2.
+std::array<float, 2> UniformOnTriangle(Rng& rng) {
+  const double s = std::sqrt(double(rng.Uniform())), t = rng.Uniform();
+  const Weights b = KeepInsideTriangle({1 - s, s * (1 - t), s * t});
+  return {float(b[0]), float(b[1])};
+}
+
 }  // namespace
 
 std::vector<SurfacePoint> SampleSurface(const CanonicalMesh& mesh, size_t n, Rng& rng) {
@@ -198,10 +205,17 @@ std::vector<SurfacePoint> SampleSurface(const CanonicalMesh& mesh, size_t n, Rng
     const auto face = std::upper_bound(area_up_to.begin(), area_up_to.end(), target);
     points[i].triangle =
         int32_t(std::min<ptrdiff_t>(face - area_up_to.begin(), ptrdiff_t(mesh.faces.size()) - 1));
-    // Uniform over the triangle: Osada et al. 2002, section 4.2.
-    const double s = std::sqrt(double(rng.Uniform())), t = rng.Uniform();
-    const Weights b = KeepInsideTriangle({1 - s, s * (1 - t), s * t});
-    points[i].barycentric = {float(b[0]), float(b[1])};
+    points[i].barycentric = UniformOnTriangle(rng);
+  }
+  return points;
+}
+
+std::vector<SurfacePoint> SampleFaces(const CanonicalMesh& mesh, size_t n, Rng& rng) {
+  if (mesh.faces.empty()) throw Error("canonical mesh", "faces", "there are none");
+  std::vector<SurfacePoint> points(n);
+  for (SurfacePoint& point : points) {
+    point.triangle = int32_t(rng.Below(mesh.faces.size()));
+    point.barycentric = UniformOnTriangle(rng);
   }
   return points;
 }

@@ -21,6 +21,11 @@ namespace cosplat {
 // has no area or a face names a vertex that does not exist.
 std::vector<SurfacePoint> SampleSurface(const CanonicalMesh& mesh, size_t n, Rng& rng);
 
+// n points, each on a face drawn from all alike, whatever its area, and uniform inside it: how the
+// released SplattingAvatar begins. Same bits for the same state of `rng` anywhere. Throws Error
+// when the mesh has no faces.
+std::vector<SurfacePoint> SampleFaces(const CanonicalMesh& mesh, size_t n, Rng& rng);
+
 struct EmbeddedPoint {
   SurfacePoint base;
   float d = 0;         // along the interpolated normal, metres

@@ -12,7 +12,9 @@
 namespace cosplat {
 
 inline constexpr const char* kBindingExtension = "COSPLAT_mesh_binding";
-constexpr int kBindingVersion = 1;
+// Of the newest files: those with a rule or a canonical frame. All others are of version 1.
+constexpr int kBindingVersion = 2;
+inline constexpr const char* kReleasedRule = "splatting-avatar-released";
 
 std::string ToString(ColorFrame frame);  // "surface" or "world"
 

@@ -9,6 +9,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
+constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;  // metres: of any head in any unit
 
 [[noreturn]] void Fail(const JsonField& field, const std::string& problem) {
   throw Error(field.file(), field.path(), problem);
@@ -55,13 +56,31 @@ void FillNumbers(const JsonField& field, std::array<float, kCount>& out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
+// What came with version 2. Under these names a file of version 1 may hold anything.
+void ReadVersion2(const JsonField& binding, AvatarModel& model) {
+  if (binding.Has("rule")) {
+    const JsonField rule = binding["rule"];
+    const std::string name = rule["name"].String();
+    if (name != kReleasedRule)
+      Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule);
+    const double unit = rule["unit"].Number();
+    if (!(unit >= kLeastUnit && unit <= kMostUnit))
+      Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
+    model.released = ReleasedRule{float(unit)};
+  }
+  if (!binding.Has("canonicalFrame")) return;
+  const JsonField field = binding["canonicalFrame"];
+  FlameParams& frame = model.canonical_frame.emplace();
+  frame.expression = field["expression"].Numbers();
+  const std::vector<float> pose = field["pose"].Numbers(3 * kFlameJoints);
+  for (size_t i = 0; i < pose.size(); ++i) frame.pose[i / 3][i % 3] = pose[i];
+  FillNumbers(field["translation"], frame.translation);
+}
+
 // Everything of the binding that is no accessor.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
-  const int version = binding["version"].Integer();
-  if (version != kBindingVersion)
-    Fail(binding["version"],
-         "is " + std::to_string(version) + ", this program reads " +
-             std::to_string(kBindingVersion));
+  const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
+  if (version == 2) ReadVersion2(binding, model);
   model.gaussians.degree = IntegerWithin(binding["degree"], 0, kMaxTrainedDegree);
   const std::string basis = binding["basis"].String(), frame = binding["colorFrame"].String();
   if (basis != ToString(Basis::kDcsh) && basis != ToString(Basis::kSh))
@@ -206,7 +225,8 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
 GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& json) {
   const AvatarModel model = ReadBinding(document, json);
   GlbSummary::Avatar summary;
-  summary.version = kBindingVersion;
+  summary.version = json["version"].get<int>();  // checked by ReadBinding
+  summary.released = model.released.has_value();
   summary.degree = model.gaussians.degree;
   summary.basis = model.gaussians.basis;
   summary.color_frame = model.color_frame;
@@ -215,7 +235,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.shape_count = model.shape.size();
   summary.has_static_offset = !model.static_offset.empty();
   summary.has_bust = model.bust.has_value();
-  const Json& mesh = json["canonicalMesh"];  // checked by ReadBinding
+  const Json& mesh = json["canonicalMesh"];
   summary.vertex_count = mesh["vertexCount"].get<size_t>();
   summary.face_count = mesh["faceCount"].get<size_t>();
   summary.has_mesh = mesh.contains("mesh");

@@ -52,6 +52,21 @@ std::string Utf8(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
+// What version 1 does not know: its readers would play the avatar wrongly.
+void AddVersion2(const AvatarModel& model, Json& binding) {
+  if (model.released)
+    binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.released->unit)}};
+  if (model.canonical_frame) {
+    const FlameParams& frame = *model.canonical_frame;
+    Json pose = Json::array();
+    for (const auto& joint : frame.pose) pose.push_back(Numbers(joint));
+    binding["canonicalFrame"] = {{"expression", Numbers(frame.expression)},
+                                 {"pose", pose},
+                                 {"translation", Numbers(frame.translation)}};
+  }
+  binding["version"] = model.released || model.canonical_frame ? kBindingVersion : 1;
+}
+
 }  // namespace
 
 std::string ToString(ColorFrame frame) {
@@ -64,7 +79,7 @@ Json AddBinding(GlbDocument& document,
                 int mesh) {
   const auto& values = model.gaussians.values;
   Json binding;
-  binding["version"] = kBindingVersion;
+  AddVersion2(model, binding);
   binding["degree"] = model.gaussians.degree;
   binding["basis"] = ToString(model.gaussians.basis);
   binding["colorFrame"] = ToString(model.color_frame);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <tuple>
 
 #include "avatar/binding.h"
 #include "avatar/io/binding_extension.h"
@@ -116,6 +117,9 @@ bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+const std::string kBindingPointer =
+    "/meshes/0/primitives/0/extensions/KHR_gaussian_splatting/extensions/COSPLAT_mesh_binding";
+
 class AvatarFile : public testing::Test {
  protected:
   const test::TemporaryFolder folder_;
@@ -208,6 +212,62 @@ TEST_F(AvatarFile, OtherProgramsShowTheRestPose) {
     ConvertBasis(sh, Basis::kSh);
     for (size_t i = 0; i < sh.values[kColorRest].size(); ++i)
       EXPECT_NEAR(standard.values[kColorRest][i], sh.values[kColorRest][i], 1e-4);
+  }
+}
+
+AvatarModel Version2Avatar(const FlameModel& flame) {
+  AvatarModel model = BallAvatar(flame, 10, 1, Basis::kSh);
+  model.released = ReleasedRule{0.2497f};
+  FlameParams& frame = model.canonical_frame.emplace();
+  frame.expression = {0.3f, -0.1f};
+  frame.pose[0] = {0.1f, 0.2f, 0.3f};
+  frame.pose[2] = {0.2f, 0, 0};
+  frame.translation = {0.01f, -0.02f, 0.5f};
+  model.mesh = {};
+  AttachMesh(model, flame);
+  return model;
+}
+
+TEST_F(AvatarFile, ARuleAndACanonicalFrameComeBackInVersion2) {
+  const AvatarModel model = Version2Avatar(flame_);
+  EXPECT_NE(model.mesh.vertices, BallAvatar(flame_, 10, 1, Basis::kSh).mesh.vertices);
+  WriteAvatarGlb(path_, model, &flame_);
+  AvatarModel read = ReadAvatarGlb(path_);
+  AttachMesh(read, flame_);
+  ExpectSameAvatar(model, read);
+  ASSERT_TRUE(read.released && read.canonical_frame);
+  EXPECT_EQ(read.released->unit, model.released->unit);
+  EXPECT_EQ(read.canonical_frame->expression, model.canonical_frame->expression);
+  EXPECT_EQ(read.canonical_frame->pose, model.canonical_frame->pose);
+  EXPECT_EQ(read.canonical_frame->translation, model.canonical_frame->translation);
+  const GlbSummary summary = SummarizeGlb(path_);
+  EXPECT_EQ(summary.avatar.value().version, 2);
+  EXPECT_TRUE(Contains(ToString(summary), "released rule"));
+  // Expression directions are those of the mesh at rest only.
+  WriteAvatarGlb(path_, model, &flame_, {.embed_flame = true});
+  EXPECT_EQ(SummarizeGlb(path_).avatar.value().expression_count, 0u);
+  // Without either the file is one that version 1's readers understand.
+  WriteAvatarGlb(path_, BallAvatar(flame_, 10, 1, Basis::kSh), &flame_);
+  EXPECT_EQ(SummarizeGlb(path_).avatar.value().version, 1);
+}
+
+TEST_F(AvatarFile, HostileRulesAndFramesAreErrorsThatNameTheField) {
+  WriteAvatarGlb(path_, Version2Avatar(flame_), &flame_);
+  const test::GlbBytes valid = test::SplitGlb(Slurp(path_));
+  const std::vector<std::tuple<const char*, json, const char*>> cases{
+      {"/rule/name", "paper", "rule.name: is 'paper'"},
+      {"/rule/unit", 0, "rule.unit: is 0"},
+      {"/rule/unit", 1e300, "rule.unit: is 1e+300"},
+      {"/rule", "splatting-avatar-released", "rule"},
+      {"/canonicalFrame/pose", {1, 2, 3}, "canonicalFrame.pose: found 3 numbers, expected 15"},
+      {"/canonicalFrame/expression", "x", "canonicalFrame.expression"},
+      {"/canonicalFrame/translation", {0, 0, 1e300}, "canonicalFrame.translation"},
+  };
+  for (const auto& [field, value, named] : cases) {
+    test::GlbBytes changed = valid;
+    changed.json[json::json_pointer(kBindingPointer + field)] = value;
+    const std::string error = ErrorOf([&, glb = test::JoinGlb(changed)] { Parse(glb); });
+    EXPECT_TRUE(Contains(error, named)) << error;
   }
 }
 
@@ -317,6 +377,9 @@ TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.static_offset.pop_back(); }), "static_"));
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.shape[0] = NAN; }), "shape"));
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.background[0] = NAN; }), "background"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.released = ReleasedRule{0}; }), "rule"));
+  const auto bad_frame = [](AvatarModel& m) { m.canonical_frame.emplace().pose[1][2] = NAN; };
+  EXPECT_TRUE(Contains(refused(bad_frame), "canonical pose"));
   EXPECT_EQ(Slurp(path_), before);  // nothing was half written
 }
 
@@ -339,9 +402,6 @@ TEST_F(AvatarFile, SplatsWithoutABindingAreNoAvatar) {
   EXPECT_TRUE(Contains(ErrorOf([&] { SummarizeGlb(path_); }), "KHR_gaussian_splatting"));
 }
 
-const std::string kBindingPointer =
-    "/meshes/0/primitives/0/extensions/KHR_gaussian_splatting/extensions/COSPLAT_mesh_binding";
-
 TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
   const test::GlbBytes valid = test::SplitGlb(SmallAvatarBytes());
   const json& binding = valid.json[json::json_pointer(kBindingPointer)];
@@ -351,7 +411,8 @@ TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
     const char* named;
   };
   const std::vector<Case> cases{
-      {"/version", 2, "version: is 2"},
+      {"/version", 3, "version: is 3"},
+      {"/version", 0, "version: is 0"},
       {"/version", 4294967297ll, "version"},
       {"/version", "1", "version"},
       {"/degree", 5, "degree: is 5"},

@@ -97,6 +97,32 @@ TEST(SampleSurface, FlameEyeballsGetTheirShareOfTheArea) {
   EXPECT_NEAR(MeshUnit(test::Scaled(mesh, 4)), 1, 4e-5);
 }
 
+// Half of these faces have a ten-thousandth of the area.
+TEST(SampleFaces, GivesEveryFaceTheSameWhateverItsArea) {
+  const CanonicalMesh large = test::SphereMesh(2),
+                      mesh = test::Joined(large, test::SphereMesh(2, 0.01f, {3, 0, 0}));
+  const auto share = [&](const std::vector<SurfacePoint>& points) {
+    int small = 0;
+    for (const auto& p : points) small += size_t(p.triangle) >= large.faces.size();
+    return double(small) / double(points.size());
+  };
+  Rng rng{1};
+  EXPECT_NEAR(share(SampleFaces(mesh, 10000, rng)), 0.5, 0.02);
+  EXPECT_LT(share(SampleSurface(mesh, 10000, rng)), 0.001);
+  EXPECT_THROW(SampleFaces(CanonicalMesh{}, 5, rng), Error);
+}
+
+TEST(SampleFaces, FlameEyeballsGetTheShareOfTheirFaces) {
+  if (test::FlameFile().empty()) GTEST_SKIP() << "FLAME's template is not here";
+  const CanonicalMesh mesh = test::FlameMesh();
+  const Surface surface(mesh);
+  Rng rng{1};
+  int eyes = 0;
+  for (const auto& p : SampleFaces(mesh, 10000, rng))
+    eyes += surface.topology().face_component[p.triangle] != 0;
+  EXPECT_NEAR(eyes, 2180, 120);  // 21.8 %; three standard deviations
+}
+
 // Points at known places come back, found from a face nearby.
 TEST(Reembed, InvertsTheEmbedding) {
   const CanonicalMesh mesh = test::SphereMesh(3, 0.1f);
