@@ -63,14 +63,15 @@ std::string ShapeText(const std::vector<long>& shape) {
 }
 
 template <class T>
-NpyArray MakeArray(const std::string& name,
+NpyArray MakeArray(const std::string& path,
+                   const std::string& name,
                    std::vector<size_t> shape,
                    const std::vector<T>& values,
                    const char* dtype) {
   size_t count = 1;
   for (size_t extent : shape) count *= extent;
   if (count != values.size())
-    throw Error("",
+    throw Error(path,
                 name,
                 "has " + std::to_string(values.size()) + " values, its shape " + ShapeText(shape) +
                     " needs " + std::to_string(count));
@@ -154,25 +155,25 @@ const std::string& Npz::Text(const std::string& member) const {
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<float>& values) {
-  arrays_[name] = MakeArray(name, std::move(shape), values, "<f4");
+  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<f4");
 }
 
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<int32_t>& values) {
-  arrays_[name] = MakeArray(name, std::move(shape), values, "<i4");
+  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<i4");
 }
 
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<uint16_t>& values) {
-  arrays_[name] = MakeArray(name, std::move(shape), values, "<u2");
+  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<u2");
 }
 
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<uint8_t>& values) {
-  arrays_[name] = MakeArray(name, std::move(shape), values, "|u1");
+  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "|u1");
 }
 
 void Npz::AddHalf(const std::string& name,
@@ -181,11 +182,11 @@ void Npz::AddHalf(const std::string& name,
   constexpr float kBeyond = 65520;  // is rounded to infinity
   for (size_t i = 0; i < values.size(); ++i)
     if (!(std::abs(values[i]) < kBeyond))
-      throw Error("",
+      throw Error(path_,
                   name,
                   "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
                       ", 16 bits hold less than 65520");
-  arrays_[name] = MakeArray(name, std::move(shape), values, "<f2");
+  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<f2");
 }
 
 }  // namespace cosplat

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cosplat {
@@ -20,6 +21,8 @@ struct NpyArray {
 class Npz {
  public:
   Npz() = default;
+  // What is added goes into this file: errors name it.
+  explicit Npz(std::string path) : path_(std::move(path)) {}
   // Reads every array of numbers (text arrays are skipped) and every member that ends in .json.
   // Error names file and member.
   static Npz Read(const std::string& path);

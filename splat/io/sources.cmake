@@ -14,10 +14,12 @@ cosplat_library(data
   ${CMAKE_CURRENT_LIST_DIR}/ply_reader.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene_data.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene_glb.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/splat_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/splat_primitive.cpp
   ${CMAKE_CURRENT_LIST_DIR}/transforms_scene.cpp
   ${CMAKE_CURRENT_LIST_DIR}/view_files.cpp
   ${CMAKE_CURRENT_LIST_DIR}/view_image.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/vq_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../axes.cpp)
 target_link_libraries(cosplat_data PUBLIC cosplat::base cosplat::render
                       PRIVATE TinyGLTF::TinyGLTF)

@@ -143,7 +143,7 @@ TEST(Npz, WritesNumbersOfTheirOwnSize) {
   EXPECT_EQ(read.Get("shorts").dtype, "<u2");
   EXPECT_EQ(read.Get("shorts").values, (std::vector<double>{1, 65535}));
   ExpectError([&] { npz.AddHalf("far", {2}, {1, 70000}); }, {"far", "number 1", "70000"});
-  ExpectError([&] { npz.AddHalf("nan", {1}, {NAN}); }, {"nan", "number 0"});
+  ExpectError([&] { Npz("b.npz").AddHalf("nan", {1}, {NAN}); }, {"b.npz", "nan", "number 0"});
 }
 
 // Every number that 16 bits hold is written as it was read.

@@ -1,0 +1,207 @@
+#include "splat/io/vq_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "splat/base/error.h"
+#include "splat/base/json.h"
+#include "splat/base/npz.h"
+
+namespace cosplat {
+namespace {
+
+constexpr const char* kHeader = "splats.json";
+constexpr const char* kLayout = "cosplat-splats";
+constexpr int kVersion = 1;
+
+std::string OfDegree(const std::string& name, int degree) {
+  return name + "_" + std::to_string(degree);
+}
+
+// The arrays of a file that is being read, checked as they are taken.
+class Members {
+ public:
+  explicit Members(const std::string& path) : npz_(Npz::Read(path)) {}
+
+  Json Header() const {
+    const Json json = Json::parse(npz_.Text(kHeader), nullptr, false);
+    if (json.is_discarded()) Fail(kHeader, "is not JSON");
+    return json;
+  }
+  const NpyArray& Array(const std::string& name, const std::vector<long>& shape) const {
+    return npz_.Get(name, shape);
+  }
+  std::vector<float> Floats(const std::string& name, const std::vector<long>& shape) const {
+    const NpyArray& array = Array(name, shape);
+    std::vector<float> values;
+    values.reserve(array.size());
+    for (size_t i = 0; i < array.size(); ++i) {
+      if (!std::isfinite(float(array.values[i])))
+        Fail(name, "number " + std::to_string(i) + " is not finite");
+      values.push_back(float(array.values[i]));
+    }
+    return values;
+  }
+  // Whole numbers of 0 .. `end` - 1.
+  template <class T>
+  std::vector<T> Integers(const std::string& name,
+                          const std::vector<long>& shape,
+                          size_t end,
+                          const std::string& expected) const {
+    const NpyArray& array = Array(name, shape);
+    std::vector<T> values;
+    values.reserve(array.size());
+    for (size_t i = 0; i < array.size(); ++i) {
+      const double value = array.values[i];
+      if (!(value >= 0 && value < double(end) && value == std::floor(value)))
+        Fail(
+            name,
+            "number " + std::to_string(i) + " is " + Json(value).dump() + ", expected " + expected);
+      values.push_back(T(value));
+    }
+    return values;
+  }
+  [[noreturn]] void Fail(const std::string& member, const std::string& problem) const {
+    throw Error(npz_.path(), member, problem);
+  }
+
+ private:
+  Npz npz_;
+};
+
+struct Header {
+  long count;
+  int degree;
+};
+
+Header ReadHeader(const std::string& path, const Members& members) {
+  const Json json = members.Header();
+  const JsonField header(path + ": " + kHeader, json);
+  const std::string layout = header["layout"].String();
+  if (layout != kLayout)
+    members.Fail(kHeader, "layout is '" + layout + "', expected '" + kLayout + "'");
+  const int version = header["version"].Integer();
+  if (version != kVersion)
+    members.Fail(kHeader, "version is " + std::to_string(version) + ", this program reads 1");
+  const int degree = header["degree"].Integer();
+  if (degree < 0 || degree > kMaxTrainedDegree)
+    members.Fail(kHeader, "degree is " + std::to_string(degree) + ", expected 0 to 4");
+  const int count = header["count"].Integer();
+  if (count < 0) members.Fail(kHeader, "count is " + std::to_string(count));
+  return {count, degree};
+}
+
+// How many splats have this degree and are quantised (1) or kept (0).
+long CountOf(const QuantisedSplats& splats, int degree, uint8_t quantised) {
+  long count = 0;
+  for (size_t i = 0; i < splats.size(); ++i)
+    count += splats.own_degree[i] == degree && splats.quantised[i] == quantised;
+  return count;
+}
+
+QuantisedColors ReadColors(const Members& members, const QuantisedSplats& splats, int degree) {
+  const long kept = CountOf(splats, degree, 0), quantised = CountOf(splats, degree, 1);
+  QuantisedColors colors;
+  if (kept + quantised == 0) return colors;
+  const long coefficients = CoefficientCount(degree);
+  colors.kept = members.Floats(OfDegree("kept", degree), {kept, coefficients, 3});
+  const std::string codebook = OfDegree("codebook", degree);
+  colors.codebook = members.Floats(codebook, {-1, coefficients, 3});
+  const size_t entries = colors.codebook.size() / size_t(3 * coefficients);
+  colors.index =
+      members.Integers<uint16_t>(OfDegree("index", degree),
+                                 {quantised},
+                                 entries,
+                                 "a row of the " + std::to_string(entries) + " of " + codebook);
+  return colors;
+}
+
+}  // namespace
+
+Gaussians Dequantise(const QuantisedSplats& splats) {
+  Gaussians g;
+  g.degree = splats.degree;
+  g.basis = Basis::kSh;
+  g.Resize(splats.size());
+  const auto copy = [&](Attribute attribute, const std::vector<float>& values) {
+    std::copy(values.begin(), values.end(), g.values[attribute].begin());
+  };
+  copy(kPosition, splats.position);
+  copy(kRotation, splats.rotation);
+  copy(kScaleLog, splats.scale_log);
+  copy(kOpacityLogit, splats.opacity_logit);
+  struct Next {
+    size_t kept = 0, quantised = 0;
+  };
+  std::array<Next, kMaxTrainedDegree + 1> next;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const int degree = splats.own_degree[i];
+    const QuantisedColors& colors = splats.colors[degree];
+    const size_t width = 3 * size_t(CoefficientCount(degree));
+    const float* color = splats.quantised[i]
+                             ? &colors.codebook[colors.index[next[degree].quantised++] * width]
+                             : &colors.kept[next[degree].kept++ * width];
+    std::copy_n(color, 3, g.at(kColorDc, i));
+    std::copy_n(color + 3, width - 3, g.at(kColorRest, i));
+  }
+  return g;
+}
+
+void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
+  const size_t n = s.size();
+  for (size_t i = 0; i < s.position.size(); ++i)
+    if (!std::isfinite(s.position[i]))
+      throw Error(path, "position", "number " + std::to_string(i) + " is not finite");
+  Npz npz(path);
+  const Json header{{"layout", kLayout},
+                    {"version", kVersion},
+                    {"count", n},
+                    {"degree", s.degree},
+                    {"basis", "sh"}};
+  npz.AddText(kHeader, header.dump() + "\n");
+  npz.Add("position", {n, 3}, s.position);
+  npz.AddHalf("rotation", {n, 4}, s.rotation);
+  npz.AddHalf("scale_log", {n, 3}, s.scale_log);
+  npz.AddHalf("opacity_logit", {n}, s.opacity_logit);
+  npz.Add("degree", {n}, s.own_degree);
+  npz.Add("quantised", {n}, s.quantised);
+  for (int degree = 0; degree <= kMaxTrainedDegree; ++degree) {
+    const size_t kept = size_t(CountOf(s, degree, 0)), quantised = size_t(CountOf(s, degree, 1));
+    if (kept + quantised == 0) continue;
+    const size_t coefficients = size_t(CoefficientCount(degree));
+    const QuantisedColors& c = s.colors[degree];
+    npz.AddHalf(OfDegree("kept", degree), {kept, coefficients, 3}, c.kept);
+    npz.Add(OfDegree("index", degree), {quantised}, c.index);
+    const size_t entries = c.codebook.size() / (3 * coefficients);
+    npz.AddHalf(OfDegree("codebook", degree), {entries, coefficients, 3}, c.codebook);
+  }
+  npz.Write(path);
+}
+
+QuantisedSplats ReadVqFile(const std::string& path) {
+  const Members members(path);
+  const auto [n, degree] = ReadHeader(path, members);
+  QuantisedSplats splats;
+  splats.degree = degree;
+  splats.position = members.Floats("position", {n, 3});
+  splats.rotation = members.Floats("rotation", {n, 4});
+  splats.scale_log = members.Floats("scale_log", {n, 3});
+  splats.opacity_logit = members.Floats("opacity_logit", {n});
+  splats.own_degree = members.Integers<uint8_t>(
+      "degree", {n}, size_t(degree) + 1, "0 to " + std::to_string(degree));
+  splats.quantised = members.Integers<uint8_t>("quantised", {n}, 2, "0 or 1");
+  for (int d = 0; d <= degree; ++d) splats.colors[d] = ReadColors(members, splats, d);
+  return splats;
+}
+
+bool IsVqFile(const std::string& path) {
+  // A zip's first member follows its local header of 30 bytes.
+  constexpr size_t kLocalHeader = 30;
+  const std::string name = kHeader;
+  std::string bytes(kLocalHeader + name.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize(bytes.size()));
+  return bytes.starts_with("PK\x03\x04") && bytes.substr(kLocalHeader) == name;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,52 @@
+// Splats with vector-quantised colours, and the file that holds them.
+//
+// Gaussians -> Quantise (splat/vq.h) -> QuantisedSplats -> WriteVqFile -> file -> ReadVqFile ->
+// Dequantise -> Gaussians. The file is a zip of .npy arrays (.npz) and a JSON header;
+// docs/vq-file.md has it member by member. Source of the method: LightGaussian (Fan et al. 2024).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "splat/gaussians.h"
+
+namespace cosplat {
+
+// Colours of the splats that have one degree, in their order: coefficients of 3DGS's SH,
+// [(degree+1)^2, 3] of each.
+struct QuantisedColors {
+  std::vector<float> kept;      // [P, (degree+1)^2, 3] of those that are not quantised
+  std::vector<uint16_t> index;  // [Q] row of the codebook of those that are
+  std::vector<float> codebook;  // [K, (degree+1)^2, 3]
+};
+
+struct QuantisedSplats {
+  int degree = 0;                    // of the model; no splat's is higher
+  std::vector<float> position;       // [N, 3] world units
+  std::vector<float> rotation;       // [N, 4] wxyz, unit
+  std::vector<float> scale_log;      // [N, 3] log(world units)
+  std::vector<float> opacity_logit;  // [N] inverse logistic
+  std::vector<uint8_t> own_degree;   // [N] highest band with a coefficient that is not zero
+  std::vector<uint8_t> quantised;    // [N] 1: colour from the codebook of its degree
+  std::array<QuantisedColors, kMaxTrainedDegree + 1> colors;  // by own degree
+
+  size_t size() const { return opacity_logit.size(); }
+};
+
+// The same in full, in 3DGS's SH; bands above a splat's own degree are zero.
+Gaussians Dequantise(const QuantisedSplats& splats);
+
+// Positions as 32-bit floats, all else as 16-bit. Atomic. Throws Error when a number does not fit
+// or arrays disagree.
+void WriteVqFile(const std::string& path, const QuantisedSplats& splats);
+
+// Throws Error naming the member and the value for what is missing, of another shape or version,
+// out of range or not finite.
+QuantisedSplats ReadVqFile(const std::string& path);
+
+// By the first bytes, whatever the file's name. False where there is no file.
+bool IsVqFile(const std::string& path);
+
+}  // namespace cosplat

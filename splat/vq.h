@@ -1,0 +1,28 @@
+// Vector quantisation of colours: the splats that matter least share the colours of a codebook.
+//
+// Gaussians, significance -> Quantise -> QuantisedSplats -> splat/io/vq_file.h. DC and rest are
+// quantised together. In 3DGS's SH, which is orthonormal, the distance of two rows of coefficients
+// is that of the colours over the sphere. Source: LightGaussian (Fan et al. 2024).
+#pragma once
+
+#include "splat/gaussians.h"
+#include "splat/io/vq_file.h"
+
+namespace cosplat {
+
+struct VqSettings {
+  int codebook = 8192;  // rows at most, per degree in use; 1 to 65536
+  float keep = 0.4f;    // share of the splats, the most significant ones, with colours of their own
+  uint64_t seed = 0;
+};
+
+// gaussians: in 3DGS's SH (Error otherwise). significance: [N] >= 0. Rotations become unit; one
+// without a direction the identity.
+QuantisedSplats Quantise(const Gaussians& gaussians,
+                         View<const float> significance,
+                         const VqSettings& settings);
+
+// Opacity times mean standard deviation: what stands in for significance where no view is known.
+std::vector<float> SizeSignificance(const Gaussians& gaussians);
+
+}  // namespace cosplat
