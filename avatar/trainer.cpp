@@ -1,14 +1,8 @@
 #include "avatar/trainer.h"
 
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
 #include <cmath>
 
 #include "avatar/player.h"
-#include "avatar/sample.h"
-#include "avatar/silhouette.h"
-#include "splat/base/error.h"
 #include "splat/math/adam.h"
 
 namespace cosplat {
@@ -19,11 +13,6 @@ constexpr float kEnlarged = 4;
 constexpr float kSplitScale = 0.02f;
 constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
-constexpr float kInitialOpacity = 0.1f;
-
-// A bust is added where more than this share of what the masks show lies beyond the head's mesh.
-constexpr double kBustShare = 0.1;
-constexpr size_t kBustFrames = 5;
 
 template <class F>
 void ForEachNumber(AvatarPoser::Frame& a, const F& f) {
@@ -47,113 +36,13 @@ void ScaleToUnit(float unit, TrainSettings& settings) {
   settings.scale_regularizer.weight /= unit;
 }
 
-AvatarSubject::AvatarSubject(const FlameModel& flame,
-                             TrackedVideo video,
-                             const AvatarSettings& settings)
-    : flame_(flame),
-      video_(std::move(video)),
-      settings_(settings),
-      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
-      surface_(mesh_),
-      unit_(MeshUnit(mesh_)) {
-  LoadFrames();
-  if (settings_.bust == AvatarSettings::BustChoice::kYes ||
-      (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))
-    AddBust();
-  poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
-  for (size_t f = 0; f < mesh_.faces.size(); ++f)
-    inverse_edge_.push_back(float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12))));
-}
-
 AvatarSubject::~AvatarSubject() = default;
-
-void AvatarSubject::LoadFrames() {
-  std::vector<Image8> images(video_.train.size());
-  std::vector<std::string> problems(video_.train.size());
-  const auto load = [&](size_t i) {
-    problems[i] = Problem([&] { images[i] = LoadTrackedImage(video_, video_.train[i]); });
-  };
-  if (video_.video) {  // a video file is decoded in order
-    for (size_t i = 0; i < images.size(); ++i) load(i);
-  } else {
-    tbb::parallel_for(size_t(0), images.size(), load);
-  }
-  std::vector<TrackedFrame> usable;
-  for (size_t i = 0; i < images.size(); ++i) {
-    const TrackedFrame& frame = video_.train[i];
-    if (!problems[i].empty()) {
-      video_.skipped.push_back({frame.name, problems[i]});
-      continue;
-    }
-    frames_.push_back({frame.camera, std::move(images[i])});
-    RefinedFrame refined;
-    refined.params = FlamePoser<float>::FrameOf(frame.params);
-    refined.params.expression.resize(flame_.expression_count, 0.0f);
-    refined.m.expression.resize(flame_.expression_count, 0.0f);
-    refined.v.expression.resize(flame_.expression_count, 0.0f);
-    state_.track.push_back(std::move(refined));
-    usable.push_back(frame);
-  }
-  CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
-  if (usable.empty())
-    throw Error(video_.source, "training frames", "none is usable: " + video_.skipped[0].reason);
-  video_.train = std::move(usable);
-}
-
-// Whether a good part of what the masks show is beyond the mesh: hair is, but far less than a bust.
-bool AvatarSubject::NeedsBust() const {
-  AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
-  std::vector<float> vertices;
-  size_t shown = 0, beyond = 0;
-  for (size_t k = 0; k < std::min(kBustFrames, frames_.size()); ++k) {
-    const size_t f = k * frames_.size() / kBustFrames;
-    const Image8& target = frames_[f].target;
-    if (target.channels != 4) return false;  // no masks: nothing says what is the subject
-    head.Forward(state_.track[f].params, vertices);
-    const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
-    for (size_t p = 0; p < covered.size(); ++p) {
-      if (target.data[4 * p + 3] < 128) continue;
-      ++shown;
-      beyond += !covered[p];
-    }
-  }
-  return shown > 0 && double(beyond) > kBustShare * double(shown);
-}
-
-void AvatarSubject::AddBust() {
-  std::vector<FlameParams> track;
-  for (const TrackedFrame& frame : video_.train) track.push_back(frame.params);
-  bust_ = MeanBust(flame_, video_.shape, video_.static_offset, track);
-  mesh_ = MakeCanonicalMesh(flame_, video_.shape, video_.static_offset, bust_);
-  surface_ = Surface(mesh_);
-}
-
-Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed) {
-  Rng rng{seed};
-  Gaussians g;
-  g.degree = degree;
-  g.basis = basis;
-  g.Resize(settings_.initial_gaussians);
-  state_.embedding = {};
-  for (const SurfacePoint& p : SampleSurface(mesh_, g.size(), rng)) {
-    state_.embedding.triangle.push_back(p.triangle);
-    state_.embedding.barycentric.push_back(p.barycentric);
-  }
-  state_.first_triangle = state_.embedding.triangle;
-  // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
-  const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
-  for (size_t i = 0; i < g.size(); ++i) {
-    g.at(kRotation, i)[0] = 1;
-    g.at(kOpacityLogit, i)[0] = std::log(kInitialOpacity / (1 - kInitialOpacity));
-    for (int k = 0; k < 3; ++k) g.at(kScaleLog, i)[k] = std::log(spacing);
-  }
-  return g;
-}
 
 AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   AvatarModel model;
   static_cast<Embedding&>(model) = state_.embedding;
   model.mesh = mesh_;
+  model.canonical_frame = canonical_frame_;
   model.gaussians = gaussians;
   model.bust = bust_;
   model.color_frame = settings_.color_frame;
@@ -243,11 +132,14 @@ void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
   });
 }
 
-// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long.
+// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
+// SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
 View<const float> AvatarSubject::PositionRateScale() {
   rate_scale_.resize(3 * state_.embedding.triangle.size());
   for (size_t i = 0; i < state_.embedding.triangle.size(); ++i) {
-    const float scale = inverse_edge_[state_.embedding.triangle[i]];
+    const float scale = settings_.system == AvatarSystem::kCosplat
+                            ? inverse_edge_[state_.embedding.triangle[i]]
+                            : 1 / unit_;
     rate_scale_[3 * i] = rate_scale_[3 * i + 1] = scale;
     rate_scale_[3 * i + 2] = 1;
   }

@@ -22,7 +22,24 @@
 
 namespace cosplat {
 
+// Whose choices are made where SplattingAvatar's (Shao et al. 2024) and ours differ and no option
+// says which.
+//
+//                       kCosplat                   kPublished           kReleased
+//   canonical mesh      the shape at rest          as training frame 0 poses it
+//   first Gaussians     evenly over the area       likewise             alike over all faces
+//   their scale         of an even spacing         distance to the nearest others (3DGS)
+//   rate of du and dv   that of d, in metres       the number for d, in barycentric units
+//   a split's children  re-embedded                with their parent's d
+//   removal             tears no hole              may
+//   follows the mesh    avatar/math/embed.h        likewise             avatar/math/released.h
+//
+// The last is where the release's faults are: it does not walk either, since du and dv have no part
+// in its mean.
+enum class AvatarSystem { kCosplat, kPublished, kReleased };
+
 struct AvatarSettings {
+  AvatarSystem system = AvatarSystem::kCosplat;
   size_t initial_gaussians = 10000;  // SplattingAvatar
   ColorFrame color_frame = ColorFrame::kSurface;
   int walk_every = 100;  // steps (SplattingAvatar)
@@ -56,11 +73,12 @@ struct AvatarTrainingState {
 class AvatarSubject : public Subject {
  public:
   // Loads every training picture. Frames whose picture cannot be used are added to `video.skipped`;
-  // more than a third of all frames is an Error. Keeps a reference to `flame`.
+  // more than a third of all frames is an Error, and so is refine_track with kReleased, whose rule
+  // has no derivative for it. Keeps a reference to `flame`.
   AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);
   ~AvatarSubject() override;
 
-  // Area-weighted, isotropic, grey, opacity 0.1.
+  // Isotropic, grey, opacity 0.1, spread by AvatarSettings::system.
   Gaussians InitialGaussians(int degree, Basis basis, uint64_t seed);
 
   // The avatar as it stands, with the trainer's Gaussians.
@@ -94,7 +112,9 @@ class AvatarSubject : public Subject {
 
   void LoadFrames();
   bool NeedsBust() const;
-  void AddBust();
+  Bust MeanBustOfTrack() const;
+  void BuildMesh();
+  void SetSpacing(Gaussians& gaussians) const;
   void PoseFrame(size_t i);
   void RefineFrame(const std::vector<float>& d_vertices);
   std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
@@ -102,8 +122,9 @@ class AvatarSubject : public Subject {
   const FlameModel& flame_;
   TrackedVideo video_;
   AvatarSettings settings_;
-  CanonicalMesh mesh_;
   std::optional<Bust> bust_;
+  std::optional<FlameParams> canonical_frame_;
+  CanonicalMesh mesh_;
   std::unique_ptr<AvatarPoser> poser_;
   Surface surface_;
   float unit_ = 1;                   // metres per unit of a 4x FLAME mesh, for this subject

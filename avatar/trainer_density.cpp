@@ -41,6 +41,7 @@ math::Vec3<float> CanonicalPosition(const Surface& surface,
 
 void AvatarSubject::Gather(const std::vector<uint32_t>& source) {
   Embedding gathered;
+  gathered.released = state_.embedding.released;
   std::vector<int32_t> first;
   for (const uint32_t i : source) {
     gathered.triangle.push_back(state_.embedding.triangle[i]);
@@ -64,7 +65,7 @@ void AvatarSubject::Move(Gaussians& gaussians, uint32_t i, const std::array<floa
   state_.embedding.triangle[i] = e.base.triangle;
   state_.embedding.barycentric[i] = e.base.barycentric;
   gaussians.at(kPosition, i)[0] = gaussians.at(kPosition, i)[1] = 0;
-  gaussians.at(kPosition, i)[2] = e.d;
+  if (settings_.system == AvatarSystem::kCosplat) gaussians.at(kPosition, i)[2] = e.d;
 }
 
 // Those of `removed` (ascending) after whose removal their triangle has none.
@@ -82,6 +83,7 @@ std::vector<uint32_t> AvatarSubject::LastOfTheirTriangle(
 // Renders the silhouette's alpha without what is to be removed; where that opens a hole, the last
 // Gaussians of their triangles around it stay.
 void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) {
+  if (settings_.system != AvatarSystem::kCosplat) return;
   const std::vector<uint32_t> last = LastOfTheirTriangle(removed);
   if (last.empty()) return;
   Gaussians thinned = gaussians;

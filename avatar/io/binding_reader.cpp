@@ -61,8 +61,7 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
   if (binding.Has("rule")) {
     const JsonField rule = binding["rule"];
     const std::string name = rule["name"].String();
-    if (name != kReleasedRule)
-      Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule);
+    if (name != kReleasedRule) Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule);
     const double unit = rule["unit"].Number();
     if (!(unit >= kLeastUnit && unit <= kMostUnit))
       Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
@@ -83,9 +82,7 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   if (version == 2) ReadVersion2(binding, model);
   model.gaussians.degree = IntegerWithin(binding["degree"], 0, kMaxTrainedDegree);
   const std::string basis = binding["basis"].String(), frame = binding["colorFrame"].String();
-  if (basis != ToString(Basis::kDcsh) && basis != ToString(Basis::kSh))
-    Fail(binding["basis"], "is '" + basis + "', expected dcsh or sh");
-  model.gaussians.basis = BasisFromString(basis);
+  model.gaussians.basis = BasisFromString(basis, binding.file(), binding["basis"].path());
   if (frame != ToString(ColorFrame::kSurface) && frame != ToString(ColorFrame::kWorld))
     Fail(binding["colorFrame"], "is '" + frame + "', expected surface or world");
   model.color_frame =
