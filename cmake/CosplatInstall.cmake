@@ -24,7 +24,13 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/splat_primitive.h
   splat/io/view_files.h
   splat/kernels/project
-  splat/kernels/rows.h)
+  splat/kernels/rows.h
+  splat/study/basis_samples.h
+  splat/study/cases.h
+  splat/study/exact_basis.h
+  splat/study/naive_
+  splat/study/picture.h
+  splat/study/test_scene.h)
 
 # Call it when every target exists.
 function(cosplat_install)

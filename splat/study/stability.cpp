@@ -1,0 +1,26 @@
+#include "splat/study/stability.h"
+
+#include "splat/study/cases.h"
+
+namespace cosplat {
+
+std::vector<StabilityCase> SplatStability() {
+  return {ArctanJump(),
+          ThePole(),
+          AnglesInFloat(),
+          GradientOfAngles(),
+          FormsOverTheSphere(),
+          FrustumEdge(),
+          OffCenterClamp(),
+          DegenerateCovariance(),
+          CameraCenter(),
+          OpacitySaturation(),
+          LastContributor(),
+          Popping(),
+          SumOrder(),
+          Needles(),
+          SsimOfConstants(),
+          PairCount()};
+}
+
+}  // namespace cosplat
