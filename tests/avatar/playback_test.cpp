@@ -8,10 +8,11 @@
 #include <cstring>
 #include <limits>
 
+#include "avatar/study/painted_avatar.h"
 #include "flame/procedural/motion.h"
 #include "splat/base/image_io.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/painted_avatar.h"
+#include "tests/support/restless_params.h"
 
 namespace cosplat::test {
 namespace {

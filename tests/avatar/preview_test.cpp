@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "avatar/player.h"
+#include "avatar/study/painted_avatar.h"
 #include "flame/procedural/motion.h"
 #include "splat/loss.h"
 #include "splat/math/pinhole.h"
-#include "tests/support/painted_avatar.h"
 
 namespace cosplat::test {
 namespace {

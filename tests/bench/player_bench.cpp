@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "avatar/playback.h"
+#include "avatar/study/painted_avatar.h"
 #include "flame/procedural/motion.h"
 #include "flame/procedural_head.h"
 #include "splat/base/rng.h"
 #include "splat/loss.h"
-#include "tests/support/painted_avatar.h"
+#include "tests/support/restless_params.h"
 
 namespace cosplat {
 namespace {
@@ -204,7 +205,7 @@ void Run(const std::vector<size_t>& counts) {
                       procedural::OrbitCamera(0, 0, kDistance, kSize),
                       {1, 1, 1}});
   std::vector<AvatarModel> avatars;
-  for (const size_t count : counts) avatars.push_back(test::PaintedAvatar(head, count));
+  for (const size_t count : counts) avatars.push_back(PaintedAvatar(head, count));
   const auto for_each = [&](const auto& print) {
     for (const AvatarModel& avatar : avatars)
       for (const size_t threads : {1, 2}) {

@@ -1,42 +1,44 @@
-// An avatar without training: Gaussians spread over the made head, flat on it, in the colours that
-// it is painted with as seen from the front. And a motion in which every parameter always changes.
-#pragma once
+#include "avatar/study/painted_avatar.h"
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "avatar/avatar_mesh.h"
-#include "avatar/avatar_model.h"
 #include "avatar/sample.h"
 #include "flame/procedural/shading.h"
-#include "flame/procedural_head.h"
-#include "splat/base/rng.h"
 #include "splat/basis_constants.h"
 
-namespace cosplat::test {
+namespace cosplat {
+namespace {
+
+constexpr float kWidth = 0.6f, kThickness = 0.15f;  // standard deviations in spacings
+constexpr float kOpacityLogitMean = 2.0f;
+constexpr uint64_t kSeed = 4;
 
 // Unit quaternion that turns z to the unit vector n.
-inline std::array<float, 4> QuatFromZ(const math::Vec3<float>& n) {
+std::array<float, 4> QuatFromZ(const math::Vec3<float>& n) {
   const float w = std::sqrt(std::max(0.0f, 0.5f * (1 + n.z)));
   if (w < 1e-3f) return {0, 1, 0, 0};
   return {w, -n.y / (2 * w), n.x / (2 * w), 0};
 }
 
-inline AvatarModel PaintedAvatar(const ProceduralHead& head, size_t count, int degree = 2) {
-  constexpr float kWidth = 0.6f, kThickness = 0.15f;  // standard deviations in spacings
-  constexpr float kOpacityLogitMean = 2.0f;
+}  // namespace
+
+AvatarModel PaintedAvatar(const ProceduralHead& head,
+                          const std::vector<SurfacePoint>& points,
+                          Rng& rng,
+                          int degree) {
   AvatarModel avatar;
   avatar.mesh = MakeCanonicalMesh(head.model, {}, {}, {});
   procedural::ShadedPose pose{head.mesh.positions, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const procedural::HeadShader shader(head, pose, {0, 0, 1});
   const Surface surface(avatar.mesh);
-  Rng rng{4};
   Gaussians& g = avatar.gaussians;
   g.degree = degree;
-  g.Resize(count);
+  g.Resize(points.size());
   const float dc = BasisConstants(g.basis)[0];
-  const float spacing = float(std::sqrt(SurfaceArea(avatar.mesh) / double(count)));
-  for (const SurfacePoint& p : SampleSurface(avatar.mesh, count, rng)) {
+  const float spacing = float(std::sqrt(SurfaceArea(avatar.mesh) / double(points.size())));
+  for (const SurfacePoint& p : points) {
     const size_t i = avatar.triangle.size();
     avatar.triangle.push_back(p.triangle);
     avatar.barycentric.push_back(p.barycentric);
@@ -58,16 +60,11 @@ inline AvatarModel PaintedAvatar(const ProceduralHead& head, size_t count, int d
   return avatar;
 }
 
-// Every expression coefficient, every joint and the translation, another one in every frame.
-inline FlameParams RestlessParams(const FlameModel& flame, int frame) {
-  const float t = 0.4f * float(frame);
-  FlameParams p;
-  p.expression.resize(flame.expression_count);
-  for (size_t k = 0; k < p.expression.size(); ++k) p.expression[k] = 0.15f * std::sin(t + float(k));
-  for (int j = 0; j < kFlameJoints; ++j)
-    for (int i = 0; i < 3; ++i) p.pose[j][i] = 0.06f * std::sin(1.3f * t + float(3 * j + i));
-  for (int i = 0; i < 3; ++i) p.translation[i] = 0.002f * std::sin(0.9f * t + float(i));
-  return p;
+AvatarModel PaintedAvatar(const ProceduralHead& head, size_t count, int degree) {
+  Rng rng{kSeed};
+  const CanonicalMesh mesh = MakeCanonicalMesh(head.model, {}, {}, {});
+  const std::vector<SurfacePoint> points = SampleSurface(mesh, count, rng);
+  return PaintedAvatar(head, points, rng, degree);
 }
 
-}  // namespace cosplat::test
+}  // namespace cosplat
