@@ -84,6 +84,9 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   for (const auto& [key, name, format] : figures)
     for (const auto& [result, value] : results)
       if (result == key) row(name, Number(value, format));
+  for (const auto& [result, value] : results)
+    if (result.rfind("LPIPS_", 0) == 0)
+      row("LPIPS (" + EscapeXml(result.substr(6)) + ")", Number(value, "%.4f"));
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
   row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
   row("Training", Number(stats["seconds"].Number(), "%.0f s"));

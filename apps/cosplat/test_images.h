@@ -1,10 +1,14 @@
 // Held-out views: pictures written beside their photographs, and the figures over them.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "splat/base/image.h"
+#include "splat/lpips.h"
 #include "splat/metrics.h"
 #include "splat/rasterizer.h"
 
@@ -14,6 +18,8 @@ struct TestSummary {
   size_t views = 0;
   double psnr = 0, ssim = 0;
   std::optional<double> psnr_mask, psnr_mouth;
+  std::map<std::string, double> lpips;  // by net
+  std::vector<std::string> dropped;     // what was measured earlier and is not kept, a line each
 };
 
 // Writes <set>/ours_N/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were trained
@@ -41,9 +47,16 @@ class TestImageWriter {
 // Reads test/ours_*/ of a run, writes results.json and per_view.json with all of them, returns the
 // means of ours_<iteration>, or of the highest when that is negative. Throws Error when it is
 // absent.
-TestSummary EvaluateTestImages(const std::string& folder, int iteration = -1);
+//
+// With `lpips`, LPIPS_<net> is written as well, and once more as LPIPS, where other tools look for
+// it. LPIPS that was measured earlier is kept if it is of the same pictures. `progress` is told the
+// number of views done and of all.
+TestSummary EvaluateTestImages(const std::string& folder,
+                               int iteration = -1,
+                               Lpips* lpips = nullptr,
+                               const std::function<void(int done, int total)>& progress = {});
 
-// "PSNR 29.31 dB  SSIM 0.9012  (7 views)".
+// "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
 std::string ToString(const TestSummary& summary);
 
 }  // namespace cosplat
