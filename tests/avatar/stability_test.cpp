@@ -57,7 +57,7 @@ TEST(AvatarStability, CasesCanBeShown) {
   }
 }
 
-// Measured: the release's Gaussians are 18 times as large on a quarter of the area.
+// Measured: the release's Gaussians are 14 times as large on a quarter of the area, ours half.
 TEST(AvatarStability, SizesFollowTheAreaMonotonically) {
   const StabilityCase& c = Case("inverse_scale");
   const auto& naive = c.chart.curves[0].points;
@@ -69,7 +69,7 @@ TEST(AvatarStability, SizesFollowTheAreaMonotonically) {
   }
 }
 
-// Measured: 1.47 times and 28 mm at six deviations, of which 10 mm are there at the mean.
+// Measured: 1.47 times and 28 mm at six deviations, of which 14 mm are there at the mean.
 TEST(AvatarStability, ExpressionsFarOutGrowWithoutJumps) {
   EXPECT_LT(Case("expression_size").ours.value, 2);
   for (const char* key : {"expression_size", "expression_reach"}) {
