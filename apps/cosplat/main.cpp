@@ -47,6 +47,7 @@ int Run(int argc, char** argv) {
   cosplat::AddReport(app);
   cosplat::AddInfo(app);
   cosplat::AddBench(app);
+  cosplat::AddStudy(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

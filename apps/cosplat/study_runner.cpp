@@ -1,0 +1,126 @@
+#include "apps/cosplat/study_runner.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/cosplat/run_folder.h"
+#include "apps/cosplat/study_speed.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+#include "splat/bench/machine.h"
+#include "splat/bench/measure.h"
+#include "splat/io/ply.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kMegabyte = 1e6;
+
+// Films the head, unless it is there as the list has it.
+void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren& children) {
+  const std::string folder = s.out + "/" + data.source, mark = folder + "/made_with.txt";
+  const std::string with = ShellLine(*data.make_head);
+  if (fs::exists(mark)) {
+    const std::vector<char> before = ReadFile(mark);
+    if (std::string(before.begin(), before.end()) == with) return;
+  }
+  fs::remove_all(folder);
+  std::vector<std::string> film{"make-head", "-o", folder};
+  film.insert(film.end(), data.make_head->begin(), data.make_head->end());
+  children.Run(film);
+  WriteFileAtomically(mark, with);
+}
+
+// Mean over the Gaussians of the highest band that is not all zero.
+double MeanDegree(const Gaussians& g) {
+  double sum = 0;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const float* rest = g.at(kColorRest, i);
+    int last = g.width(kColorRest) / 3;
+    while (last > 0 &&
+           std::all_of(rest + 3 * (last - 1), rest + 3 * last, [](float c) { return c == 0; }))
+      --last;
+    int degree = 0;
+    while ((degree + 1) * (degree + 1) <= last) ++degree;
+    sum += degree;
+  }
+  return g.size() ? sum / double(g.size()) : 0;
+}
+
+// results.json's figures of one evaluation, and what was saved at that step.
+StudyFigures CheckpointOf(const std::string& model, int iteration, const JsonField& results) {
+  StudyFigures figures;
+  for (const auto& [key, value] : results.raw().items())
+    if (key != "LPIPS") figures[key] = results[key].Number();  // LPIPS_<net> says whose it is
+  figures["iterations"] = iteration;
+  const std::string splats = SplatPath(model, iteration);
+  if (!fs::exists(splats)) return figures;
+  const Gaussians g = ReadPly(splats);
+  figures["gaussians"] = double(g.size());
+  figures["degree"] = MeanDegree(g);
+  figures["ply_mb"] = double(fs::file_size(splats)) / kMegabyte;
+  return figures;
+}
+
+// What the finished model cost.
+void AddCosts(const std::string& model, StudyFigures& figures) {
+  const Json json = ReadJson(model + "/stats.json");
+  const JsonField stats(model + "/stats.json", json);
+  for (const char* key : {"gaussians", "seconds", "cpu_seconds", "peak_mb"})
+    figures[key] = stats[key].Number();
+  // A basis that files cannot hold leaves nothing to draw.
+  if (figures.count("ply_mb")) figures["fps"] = StudyFramesPerSecond(model);
+}
+
+void ReadResults(const std::string& model, StudyLine& line) {
+  const std::string path = model + "/results.json";
+  const Json json = ReadJson(path);
+  const JsonField results(path, json);
+  const std::string prefix = "ours_";
+  for (const auto& [key, value] : json.items()) {
+    if (key.rfind(prefix, 0) != 0) continue;
+    const int iteration = std::atoi(key.c_str() + prefix.size());
+    line.checkpoints.push_back(CheckpointOf(model, iteration, results[key]));
+  }
+  const auto earlier = [](const StudyFigures& a, const StudyFigures& b) {
+    return a.at("iterations") < b.at("iterations");
+  };
+  std::sort(line.checkpoints.begin(), line.checkpoints.end(), earlier);
+  if (line.checkpoints.empty()) throw Error(path, "", "has no figures: train with --eval");
+  AddCosts(model, line.checkpoints.back());
+}
+
+}  // namespace
+
+std::string StudyModelFolder(const StudyRun& run, const StudySettings& settings) {
+  return settings.out + "/models/" + run.Id();
+}
+
+StudyLine MeasureStudyRun(const StudyRun& run,
+                          const StudySettings& s,
+                          const StudyChildren& children) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string model = StudyModelFolder(run, s);
+  fs::remove_all(model);  // of a run that was cut short
+  if (run.data.make_head) MakeHead(run.data, s, children);
+  children.Run(run.TrainArguments(s.data + "/", s.out + "/", model));
+  if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
+  StudyLine line;
+  line.data = run.data.name;
+  line.name = run.name;
+  line.label = run.label;
+  line.groups = run.groups;
+  line.minus = run.minus;
+  line.seed = run.seed;
+  line.command = run.Command();
+  line.version = COSPLAT_VERSION;
+  line.cpu = CpuName();
+  ReadResults(model, line);
+  line.checkpoints.back()["run_seconds"] = SecondsSince(start);
+  return line;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,81 @@
+#include "apps/cosplat/study_speed.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "apps/cosplat/run_data.h"
+#include "apps/cosplat/run_folder.h"
+#include "avatar/avatar_file.h"
+#include "avatar/player.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
+#include "splat/bench/measure.h"
+#include "splat/io/ply.h"
+#include "splat/rasterizer.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kThreads = 2;
+constexpr int kLeastPasses = 4;
+constexpr double kLeastSeconds = 1;  // of all passes, for views that are drawn in no time
+
+double SecondsOf(const std::function<void()>& f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return SecondsSince(start);
+}
+
+// `pass` draws all `frames`.
+double BestRate(size_t frames, const std::function<void()>& pass) {
+  pass();  // takes the memory
+  double best = std::numeric_limits<double>::infinity();
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < kLeastPasses || SecondsSince(start) < kLeastSeconds; ++i)
+    best = std::min(best, SecondsOf(pass));
+  return double(frames) / best;
+}
+
+double SceneRate(const std::string& folder, const JsonField& run) {
+  const Gaussians g = ReadPly(SplatPath(folder, SavedIteration(folder, run)));
+  const SceneData scene = LoadSplitScene(run["source"].String(), SplitFromJson(run));
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  const RenderSettings settings{BackgroundOf(run), g.degree};
+  RenderedImage image;
+  return BestRate(scene.test.size(), [&] {
+    for (const SceneView& view : scene.test)
+      rasterizer->Forward(ViewOf(g), g.basis, view.camera, settings, image, *tape);
+  });
+}
+
+double AvatarRate(const std::string& folder, const JsonField& run) {
+  const FlameModel flame = LoadFlameModel(run["flame"].String());
+  AvatarModel model = ReadAvatarGlb(folder + "/avatar.glb");
+  AttachMesh(model, flame);
+  Player player(std::move(model), flame);
+  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
+  // A player does not draw the same frame twice.
+  if (video.test.size() < 2)
+    throw Error(run["source"].String(), "test frames", "one is too few to measure the speed of");
+  RenderedImage image;
+  return BestRate(video.test.size(), [&] {
+    for (const TrackedFrame& frame : video.test)
+      player.RenderOver(frame.params, frame.camera, BackgroundOf(run), image);
+  });
+}
+
+}  // namespace
+
+double StudyFramesPerSecond(const std::string& folder) {
+  const tbb::global_control two_threads(tbb::global_control::max_allowed_parallelism, kThreads);
+  const Json json = ReadRun(folder);
+  const JsonField run(folder + "/run.json", json);
+  return run["kind"].String() == "avatar" ? AvatarRate(folder, run) : SceneRate(folder, run);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,13 @@
+// How fast a trained model is drawn: frames per second of its held-out views.
+#pragma once
+
+#include <string>
+
+namespace cosplat {
+
+// Of the model as its folder has it, each frame drawn whole (an avatar's is posed too), on two
+// threads; the best of several passes over all held-out views. Reads the run's data set. Throws
+// Error when something of it is missing.
+double StudyFramesPerSecond(const std::string& model_folder);
+
+}  // namespace cosplat
