@@ -31,7 +31,9 @@ void ForEachExtremeExpression(int sigmas, const F& f) {
 // ways; the last point is the form's value. Returns where the naive one is largest.
 template <class F>
 FlameParams MeasureOverExpressions(const StudyHead& head, const F& measure, StabilityCase& c) {
-  c.chart = {"deviations from the mean", "", c.quantity, c.unit, false, true, {}};
+  c.chart.x_name = "deviations from the mean";
+  c.chart.y_unit = c.unit;
+  c.chart.y_log = true;
   c.chart.curves = {{c.naive.name, {}}, {c.ours.name, {}}};
   BoundBothWays bound(head.avatar);
   FlameParams worst;
@@ -107,6 +109,7 @@ StabilityCase ExpressionSizeCase(const StudyHead& head) {
   c.bound = 4;
   c.naive.name = "exp(log s A / A0), as released";
   c.ours.name = "s sqrt(A / A0), at most four times";
+  c.chart.y_name = "largest growth";
   const PosedGaussians rest = BoundBothWays(head.avatar).ours.posed;
   const auto growth = [&](const PosedGaussians& posed) {
     double most = 0;
@@ -134,6 +137,7 @@ StabilityCase ExpressionReachCase(const StudyHead& head) {
   c.bound = 40;
   c.naive.name = "exp(log s A / A0), as released";
   c.ours.name = "s sqrt(A / A0), at most four times";
+  c.chart.y_name = "farthest reach";
   const PosedGaussians rest = BoundBothWays(head.avatar).ours.posed;
   const auto reach = [&](const PosedGaussians& posed) {
     double most = 0;
@@ -155,7 +159,7 @@ StabilityCase HolesCase(const StudyHead& head) {
   c.title = "Holes in a stretched face";
   c.what =
       "A grimace stretches cheeks and lips. The back of the head is taken away, so that where "
-      "Gaussians do not grow with their triangles the background (magenta) shows.";
+      "Gaussians do not grow with their triangles the background (green) shows.";
   c.quantity = "least alpha on what faces the camera";
   c.bound = 0.9;
   c.at_least = true;
@@ -172,7 +176,7 @@ StabilityCase HolesCase(const StudyHead& head) {
   bound.Pose(vertices);
   for (const bool is_ours : {false, true}) {
     StabilityForm& form = is_ours ? c.ours : c.naive;
-    const RenderedImage image = DrawOver(is_ours ? bound.ours : bound.naive, camera, {1, 0, 1});
+    const RenderedImage image = DrawOver(is_ours ? bound.ours : bound.naive, camera, {0, 1, 0});
     form.value = 1;
     for (size_t p = 0; p < front.size(); ++p)
       if (front[p]) form.value = std::min(form.value, 1.0 - image.transmittance[p]);
