@@ -12,8 +12,8 @@
 namespace cosplat {
 namespace {
 
-// Networks for photographs of 224 px and more are at home above this.
-constexpr int kLargestLeastSide = 512;
+// Networks that recognise things take 224 px and mostly less.
+constexpr int kLargestLeastSide = 256;
 
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
@@ -28,23 +28,6 @@ cv::dnn::Net ReadNet(const std::string& path) {
     return cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
   } catch (const std::exception& error) {
     throw Error(path, "", "cannot be read as an ONNX network: " + ReasonOf(error));
-  }
-}
-
-// Shapes of the layers' outputs for a picture; nothing when it is too small or otherwise refused.
-struct LayerShapes {
-  std::vector<int> ids;
-  std::vector<std::vector<cv::dnn::MatShape>> inputs, outputs;
-};
-
-bool InferShapes(const cv::dnn::Net& net, int side, LayerShapes& shapes, std::string& refusal) {
-  try {
-    net.getLayersShapes(
-        cv::dnn::MatShape{1, 3, side, side}, shapes.ids, shapes.inputs, shapes.outputs);
-    return true;
-  } catch (const std::exception& error) {
-    refusal = ReasonOf(error);
-    return false;
   }
 }
 
@@ -69,6 +52,20 @@ struct OnnxNet::Impl {
   cv::dnn::Net net;
   std::vector<std::string> outputs;
   std::vector<cv::Mat> maps;
+
+  // Returns why the net refuses the picture; empty when it does not.
+  std::string Forward(const Image8& picture) {
+    std::vector<float> planes = ToPlanes(picture);
+    const int shape[] = {1, 3, picture.height, picture.width};
+    try {
+      net.setInput(cv::Mat(4, shape, CV_32F, planes.data()));
+      maps.clear();
+      net.forward(maps, outputs);
+      return "";
+    } catch (const std::exception& error) {
+      return ReasonOf(error);
+    }
+  }
 };
 
 OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& outputs)
@@ -82,20 +79,20 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
   for (const std::string& name : outputs)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
-  LayerShapes shapes;
+  // By trying, from below: OpenCV's own inference of shapes lets through what it then refuses.
   std::string refusal;
   do {
     if (++least_side_ > kLargestLeastSide)
       throw Error(path, "", "takes no RGB picture: " + refusal);
-  } while (!InferShapes(impl_->net, least_side_, shapes, refusal));
-  for (const std::string& name : outputs) {
-    const auto id = std::find(shapes.ids.begin(), shapes.ids.end(), impl_->net.getLayerId(name));
-    const cv::dnn::MatShape& shape = shapes.outputs[size_t(id - shapes.ids.begin())].at(0);
-    if (shape.size() != 4)
+    refusal = impl_->Forward(Image8(least_side_, least_side_, 3));
+  } while (!refusal.empty());
+  for (size_t i = 0; i < outputs.size(); ++i) {
+    const cv::Mat& map = impl_->maps[i];
+    if (map.dims != 4)
       throw Error(path,
-                  "output " + name,
-                  "has " + std::to_string(shape.size()) + " dimensions, expected [1, C, h, w]");
-    channels_.push_back(shape[1]);
+                  "output " + outputs[i],
+                  "has " + std::to_string(map.dims) + " dimensions, expected [1, C, h, w]");
+    channels_.push_back(map.size[1]);
   }
 }
 
@@ -109,15 +106,8 @@ std::vector<FeatureMap> OnnxNet::Run(const Image8& picture) {
                 "takes RGB pictures of at least " + std::to_string(least_side_) + "x" +
                     std::to_string(least_side_) + ", not " + std::to_string(picture.width) + "x" +
                     std::to_string(picture.height) + "x" + std::to_string(picture.channels));
-  std::vector<float> planes = ToPlanes(picture);
-  const int shape[] = {1, 3, picture.height, picture.width};
-  try {
-    impl_->net.setInput(cv::Mat(4, shape, CV_32F, planes.data()));
-    impl_->maps.clear();
-    impl_->net.forward(impl_->maps, impl_->outputs);
-  } catch (const std::exception& error) {
-    throw Error(path_, "", "cannot be run on a picture: " + ReasonOf(error));
-  }
+  const std::string refusal = impl_->Forward(picture);
+  if (!refusal.empty()) throw Error(path_, "", "cannot be run on a picture: " + refusal);
   std::vector<FeatureMap> maps;
   for (const cv::Mat& map : impl_->maps)
     maps.push_back({map.ptr<float>(), map.size[1], map.size[2], map.size[3]});

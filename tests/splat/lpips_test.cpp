@@ -142,6 +142,17 @@ TEST_F(LpipsTest, PicturesThatDoNotFit) {
                     {"tiny_backbone.onnx", "at least 4x4", "8x3"});
 }
 
+// The inference of shapes lets 1x1 through here: two sides of -1 px make a positive area.
+TEST_F(LpipsTest, TheLeastSizeIsWhatEveryLayerTakes) {
+  std::vector<test::TinyConv> convs = test::TinyConvs();
+  convs[0].kernel = 3;
+  convs[0].weights.assign(54, 0.1f);
+  Spill("tiny_backbone.onnx", test::TinyOnnx(convs));
+  Lpips lpips(folder_.path());
+  EXPECT_EQ(lpips.least_side(), 12);
+  EXPECT_GT(lpips.Distance(RandomPicture(12, 12, 1), RandomPicture(12, 12, 2)), 0);
+}
+
 TEST_F(LpipsTest, FilesThatAreMissing) {
   test::ExpectError([&] { Lpips(folder_ / "absent"); }, {"absent", "_backbone.onnx"});
   for (const std::string file : {"tiny_taps.txt", "tiny_lin.npz"}) {
