@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/data_uri.h"
 #include "apps/cosplat/progress_bar.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/svg_chart.h"
@@ -22,27 +23,13 @@ constexpr size_t kPairs = 4;           // pictures beside their photographs
 constexpr size_t kPreviewFrames = 48;  // of the moving preview
 constexpr int kPreviewWidth = 320;     // px
 
-std::string Base64(const std::vector<char>& bytes) {
-  constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0u);
-    for (size_t k = 0; k < 4; ++k)
-      out += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return out;
-}
-
 // A data URI of the picture as JPEG, at most `width` wide.
 std::string Embed(const std::string& path, int width, const std::string& scratch) {
   Image8 image = ReadImage(path);
   if (image.width > width)
     image = ResizeByArea(image, width, std::max(1, image.height * width / image.width));
   WriteImage(scratch, image);
-  const std::string uri = "data:image/jpeg;base64," + Base64(ReadFile(scratch));
+  const std::string uri = DataUri("image/jpeg", ReadFile(scratch));
   fs::remove(scratch);
   return uri;
 }

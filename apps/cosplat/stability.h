@@ -5,9 +5,10 @@
 
 namespace cosplat {
 
-// Runs every case of the stability suite (splat/study/stability.h) and writes
-// <folder>/stability.html, one self-contained page, and last <folder>/stability.json. Throws Error
-// when the folder cannot be written to.
+// Runs every case of the stability suite (splat/study/stability.h, avatar/study/stability.h), times
+// the ways to evaluate colour, and writes <folder>/basis_forms.svg, <folder>/stability.html, one
+// self-contained page, and last <folder>/stability.json. Throws Error when the folder cannot be
+// written to.
 void WriteStabilityPage(const std::string& folder, bool quiet);
 
 }  // namespace cosplat

@@ -206,7 +206,7 @@ StabilityCase Popping() {
       "the pictures. Ours pops, too, by this much: nothing sorts per pixel.";
   s.quantity = "largest change of a frame, root mean square over its pixels";
   s.unit = "levels of 255";
-  s.naive = {"order kept for 8 degrees, as viewers that sort aside", naive.levels, naive.picture};
+  s.naive = {"order kept until the camera has turned by 8 degrees", naive.levels, naive.picture};
   s.ours = {"sorted in every frame", ours.levels, ours.picture};
   s.bound = 1.5;
   return s;

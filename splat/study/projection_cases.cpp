@@ -91,7 +91,8 @@ StabilityCase FrustumEdge() {
       "EWA splatting approximates perspective by its derivative at the centre, which grows without "
       "bound beside the camera: a Gaussian at 89 degrees, which nobody sees, smears over the image "
       "(three ordinary ones are in it). The principal point is at a tenth of the width.";
-  s.quantity = "radius of a Gaussian at 89 degrees, one of 384 px straight ahead";
+  s.quantity =
+      "radius of a Gaussian at 89 degrees, one of 384 px straight ahead; 0: not on the image";
   s.unit = "px";
   s.chart = {"angle from the axis",
              "degrees",
