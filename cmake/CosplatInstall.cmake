@@ -9,6 +9,12 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/gather_rows.h
   avatar/io/
   avatar/parallel_for.h
+  avatar/study/cases.h
+  avatar/study/naive_
+  avatar/study/sketch.h
+  avatar/study/steps.h
+  avatar/study/study_head.h
+  avatar/released_binding.h
   avatar/surface_packs.h
   flame/directions.h
   flame/io/pickle
