@@ -9,6 +9,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/gather_rows.h
   avatar/io/
   avatar/parallel_for.h
+  avatar/released_binding.h
   avatar/study/cases.h
   avatar/study/naive_
   avatar/study/sketch.h

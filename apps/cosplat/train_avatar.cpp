@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/cosplat/avatar_options.h"
 #include "apps/cosplat/avatar_renderer.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
 #include "apps/cosplat/run_data.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
-#include "apps/cosplat/train_options.h"
 #include "apps/cosplat/train_run.h"
 #include "avatar/avatar_file.h"
 #include "avatar/trainer.h"
@@ -22,33 +22,9 @@
 namespace cosplat {
 namespace {
 
-struct AvatarCommand : TrainOptions {
-  AvatarCommand() {
-    iterations = 6000;
-    sh_degree = 2;  // as good as 3 on held-out training frames (docs/results.md)
-    // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
-    // steps.
-    rates.position_first = 6.4e-4f;
-  }
-  std::string flame;
-  int test_frames = -1;
-  std::string color_frame = "surface";
-  std::string bust = "auto";
-  bool embed_flame = false;
-  bool truncate_degree = false;
-  int triangle_cap = 64;  // GaussianAvatars users report 8,000 on one face
-  AvatarSettings avatar;
-};
-
 constexpr int kStandardDegree = 3;  // of KHR_gaussian_splatting
 
-// SplattingAvatar's loss in place of ours.
-void ApplyPreset(const AvatarCommand& o, TrainSettings& settings) {
-  settings.scale_regularizer.weight = 1;
-  if (o.preset == "splattingavatar") settings.loss = {1, 0, 10};
-}
-
-void Evaluate(const AvatarCommand& o,
+void Evaluate(const AvatarOptions& o,
               const FlameModel& flame,
               const AvatarSubject& subject,
               const std::vector<Image8>& truth,
@@ -61,7 +37,7 @@ void Evaluate(const AvatarCommand& o,
   writer.Finish();
 }
 
-DataSplit SplitOf(const AvatarCommand& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
+DataSplit SplitOf(const AvatarOptions& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
 
 // Where the head is on average and how the camera sees it: orbits and driven playback start here.
 Json ReferenceView(const TrackedVideo& video) {
@@ -73,12 +49,13 @@ Json ReferenceView(const TrackedVideo& video) {
           {"camera", CameraToJson(video.train[0].camera)}};
 }
 
-void SaveInputs(const AvatarCommand& o, const TrackedVideo& video, const std::string& config) {
+void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
                  {"flame", o.flame},
                  {"split", ToJson(SplitOf(o))},
                  {"iterations", o.iterations},
+                 {"preset", o.preset},
                  {"degree", o.sh_degree},
                  {"basis", o.basis},
                  {"seed", o.seed},
@@ -94,7 +71,7 @@ void SaveInputs(const AvatarCommand& o, const TrackedVideo& video, const std::st
 }
 
 // The first Gaussians at rest.
-void SaveFirstPoints(const AvatarCommand& o, const AvatarModel& first) {
+void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
   const Gaussians rest = RestPose(first);
   const std::vector<float> points(rest.values[kPosition].begin(), rest.values[kPosition].end());
   WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
@@ -118,7 +95,7 @@ std::vector<Image8> LoadTestImages(TrackedVideo& video) {
 }
 
 // The training frames' parameters as --refine-track left them.
-void SaveRefinedTrack(const AvatarCommand& o, const AvatarSubject& subject) {
+void SaveRefinedTrack(const AvatarOptions& o, const AvatarSubject& subject) {
   const std::vector<FlameParams> track = subject.RefinedTrack();
   Json frames = Json::array();
   for (size_t i = 0; i < track.size(); ++i)
@@ -129,7 +106,7 @@ void SaveRefinedTrack(const AvatarCommand& o, const AvatarSubject& subject) {
   WriteFileAtomically(o.model + "/refined_track.json", Json{{"frames", frames}}.dump() + "\n");
 }
 
-void Save(const AvatarCommand& o,
+void Save(const AvatarOptions& o,
           const FlameModel& flame,
           const AvatarSubject& subject,
           const Trainer& trainer) {
@@ -144,15 +121,7 @@ void Save(const AvatarCommand& o,
   if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
 }
 
-TrainSettings SettingsFor(const AvatarCommand& o, const AvatarSubject& subject) {
-  TrainSettings settings = o.ToSettings(1);
-  ApplyPreset(o, settings);
-  ScaleToUnit(subject.extent(), settings);
-  settings.density.group_cap = o.triangle_cap;
-  return settings;
-}
-
-void Train(AvatarCommand o, const std::string& config) {
+void Train(AvatarOptions o, const std::string& config) {
   if (o.sh_degree > kStandardDegree && !o.truncate_degree)
     throw Error("",
                 "--sh_degree " + std::to_string(o.sh_degree),
@@ -167,7 +136,7 @@ void Train(AvatarCommand o, const std::string& config) {
   const TrackedVideo& video = subject.video();
   SaveInputs(o, video, config);
   if (!o.quiet) PrintSkipped(video.skipped);
-  Trainer trainer(SettingsFor(o, subject),
+  Trainer trainer(o.ToSettings(subject.extent()),
                   subject,
                   subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
@@ -192,48 +161,10 @@ void Train(AvatarCommand o, const std::string& config) {
 
 void AddTrainAvatar(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train-avatar", "train a head avatar from tracked video");
-  const auto o = std::make_shared<AvatarCommand>();
+  const auto o = std::make_shared<AvatarOptions>();
   o->Declare(*command);
-  command->add_option("--flame", o->flame, "FLAME model file (.pkl or .npz)")->required();
-  command
-      ->add_option(
-          "--test-frames", o->test_frames, "hold the last N frames out; -1: the video's own split")
-      ->check(CLI::Range(-1, 1000000000));
-  command->add_option("--gaussians", o->avatar.initial_gaussians, "Gaussians to start with")
-      ->check(CLI::Range(size_t(1), kMostGaussians));
-  command
-      ->add_option("--triangle_cap", o->triangle_cap, "most Gaussians on one triangle; 0: no limit")
-      ->check(CLI::Range(0, 1000000000));
-  command
-      ->add_option("--color_frame",
-                   o->color_frame,
-                   "surface: colours see the direction in the skin's frame; world: in the world's")
-      ->check(CLI::IsMember({"surface", "world"}));
-  command
-      ->add_option("--bust",
-                   o->bust,
-                   "a sheet for shoulders, which FLAME lacks: yes, no, or auto by the masks")
-      ->check(CLI::IsMember({"auto", "yes", "no"}));
-  command->add_flag("--refine-track",
-                    o->avatar.refine_track,
-                    "improve pose, translation and expression of the training frames along");
-  command->add_flag("--embed-flame",
-                    o->embed_flame,
-                    "put the FLAME mesh into avatar.glb; mind the model's licence");
-  command->add_flag(
-      "--truncate-degree",
-      o->truncate_degree,
-      "with --sh_degree 4: leave band 4 out of what other programs read of avatar.glb");
-  command
-      ->add_option("--preset",
-                   o->preset,
-                   "default; splattingavatar: its loss; 3dgs: absolute schedule steps")
-      ->check(CLI::IsMember({"default", "splattingavatar", "3dgs"}));
   command->callback([o, command, &app] {
-    o->avatar.color_frame = o->color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
-    using BustChoice = AvatarSettings::BustChoice;
-    o->avatar.bust = o->bust == "yes" ? BustChoice::kYes
-                                      : (o->bust == "no" ? BustChoice::kNo : BustChoice::kAuto);
+    o->ApplyPreset(*command);
     Train(*o, ConfigOf(app, *command));
   });
 }

@@ -1,0 +1,177 @@
+// apps/cosplat/avatar_options.h: what each preset settles, and that what is given counts more.
+#include "apps/cosplat/avatar_options.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+namespace {
+
+// A command line up to the start of training.
+struct Parsed {
+  CLI::App app;
+  CLI::App* command = app.add_subcommand("train-avatar");
+  AvatarOptions options;
+  std::string config;
+
+  explicit Parsed(std::vector<std::string> arguments) {
+    app.set_config("--config");
+    options.Declare(*command);
+    arguments.insert(arguments.begin(),
+                     {"train-avatar", "-s", "video", "-m", "out", "--flame", "head.npz"});
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+    app.parse(arguments);
+    options.ApplyPreset(*command);
+    config = ConfigOf(app, *command);
+  }
+  bool ConfigHas(const std::string& line) const {
+    return ("\n" + config).find("\n" + line + "\n") != std::string::npos;
+  }
+};
+
+TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{}, {"--preset", "cosplat"}}) {
+    const Parsed p(arguments);
+    EXPECT_EQ(p.options.avatar.system, AvatarSystem::kCosplat);
+    EXPECT_EQ(p.options.sh_degree, 2);
+    EXPECT_EQ(p.options.basis, "dcsh");
+    EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
+    EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kAuto);
+    const TrainSettings s = p.options.ToSettings(0.25f);
+    EXPECT_EQ(s.iterations, 6000);
+    EXPECT_EQ(s.first_degree, 0);
+    EXPECT_FLOAT_EQ(s.loss.l1, 0.8f);
+    EXPECT_FLOAT_EQ(s.loss.dssim, 0.2f);
+    EXPECT_EQ(s.loss.mse, 0);
+    EXPECT_FLOAT_EQ(s.rates.position_first, 6.4e-4f);
+    EXPECT_EQ(s.schedule.densify_from, 100);
+    EXPECT_EQ(s.schedule.densify_until, 3000);
+    EXPECT_EQ(s.density.group_cap, 64);
+  }
+}
+
+void ExpectSplattingAvatar(const AvatarOptions& o) {
+  EXPECT_EQ(o.avatar.initial_gaussians, 10000u);
+  EXPECT_EQ(o.sh_degree, 0);
+  EXPECT_EQ(o.basis, "sh");
+  EXPECT_EQ(o.avatar.color_frame, ColorFrame::kWorld);
+  EXPECT_EQ(o.avatar.bust, AvatarSettings::BustChoice::kNo);
+  EXPECT_EQ(o.avatar.walk_every, 100);
+  const TrainSettings s = o.ToSettings(0.25f);
+  EXPECT_EQ(s.loss.l1, 1);
+  EXPECT_EQ(s.loss.dssim, 0);
+  EXPECT_EQ(s.loss.mse, 10);
+  EXPECT_FLOAT_EQ(s.scale_regularizer.weight, 4);  // 1, of lengths in units of a quarter metre
+  EXPECT_FLOAT_EQ(s.scale_regularizer.limit, 0.002f);
+  EXPECT_EQ(s.scale_regularizer.ratio, 10);
+  EXPECT_FLOAT_EQ(s.rates.position_first, 1.6e-4f);
+  EXPECT_FLOAT_EQ(s.rates.position_last, 1.6e-6f);
+  EXPECT_FLOAT_EQ(s.rates.color, 2.5e-3f);
+  EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
+  EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
+  EXPECT_FLOAT_EQ(s.rates.rotation, 1e-3f);
+  EXPECT_EQ(s.schedule.position_rate_steps, 30000);
+  EXPECT_EQ(s.schedule.densify_from, 600);
+  EXPECT_EQ(s.schedule.densify_until, 29000);
+  EXPECT_EQ(s.schedule.densify_every, 100);
+  EXPECT_EQ(s.schedule.opacity_reset_every, 3000);
+  EXPECT_EQ(s.schedule.size_prune_after, 3000);
+  EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
+  EXPECT_FLOAT_EQ(s.density.split_scale, 0.005f);
+  EXPECT_FLOAT_EQ(s.density.max_scale, 0.05f);
+  EXPECT_EQ(s.density.max_radius_px, 20);
+  EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
+  EXPECT_FALSE(s.density.prune_by_plasticity);
+  EXPECT_EQ(s.density.group_cap, 0);
+}
+
+TEST(AvatarPreset, SplattingAvatarsTableIsSettledInBoth) {
+  const Parsed published({"--preset", "splatting-avatar", "--iterations", "30000"});
+  EXPECT_EQ(published.options.avatar.system, AvatarSystem::kPublished);
+  ExpectSplattingAvatar(published.options);
+  const Parsed released({"--iterations", "30000", "--preset", "splatting-avatar-released"});
+  EXPECT_EQ(released.options.avatar.system, AvatarSystem::kReleased);
+  ExpectSplattingAvatar(released.options);
+}
+
+TEST(AvatarPreset, TheScheduleIsInProportionToTheRunAndTheRatesAreNot) {
+  const TrainSettings s = Parsed({"--preset", "splatting-avatar"}).options.ToSettings(0.25f);
+  EXPECT_EQ(s.iterations, 6000);
+  EXPECT_EQ(s.schedule.densify_from, 120);
+  EXPECT_EQ(s.schedule.densify_until, 5800);
+  EXPECT_EQ(s.schedule.position_rate_steps, 6000);
+  EXPECT_FLOAT_EQ(s.rates.position_first, 1.6e-4f);
+}
+
+TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
+  const std::vector<std::string> preset{"--preset", "splatting-avatar-released"};
+  const std::vector<std::string> given{"--sh_degree",
+                                       "3",
+                                       "--basis",
+                                       "dcsh",
+                                       "--color_frame",
+                                       "surface",
+                                       "--bust",
+                                       "yes",
+                                       "--gaussians",
+                                       "5000",
+                                       "--triangle_cap",
+                                       "64",
+                                       "--prune",
+                                       "plasticity",
+                                       "--position_lr_init",
+                                       "0.001",
+                                       "--lambda_dssim",
+                                       "0.2",
+                                       "--densify_from_iter",
+                                       "77",
+                                       "--densify_until_iter",
+                                       "88"};
+  for (const bool first : {true, false}) {
+    std::vector<std::string> arguments = first ? preset : given;
+    const std::vector<std::string>& rest = first ? given : preset;
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    const Parsed p(arguments);
+    EXPECT_EQ(p.options.avatar.system, AvatarSystem::kReleased);
+    EXPECT_EQ(p.options.basis, "dcsh");
+    EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
+    EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kYes);
+    EXPECT_EQ(p.options.avatar.initial_gaussians, 5000u);
+    EXPECT_EQ(p.options.prune, "plasticity");
+    const TrainSettings s = p.options.ToSettings(0.25f);
+    EXPECT_EQ(s.degree, 3);
+    EXPECT_EQ(s.first_degree, 3);  // all from the first step
+    EXPECT_EQ(s.density.group_cap, 64);
+    EXPECT_FLOAT_EQ(s.rates.position_first, 0.001f);
+    EXPECT_FLOAT_EQ(s.rates.position_last, 1.6e-6f);
+    EXPECT_FLOAT_EQ(s.loss.l1, 0.8f);
+    EXPECT_FLOAT_EQ(s.loss.dssim, 0.2f);
+    EXPECT_EQ(s.loss.mse, 10);
+    EXPECT_EQ(s.schedule.densify_from, 77);
+    EXPECT_EQ(s.schedule.densify_until, 88);
+  }
+}
+
+TEST(AvatarPreset, TheConfigurationHoldsWhatWasSettled) {
+  const Parsed p({"--preset", "splatting-avatar", "--bust", "yes"});
+  for (const char* line : {"train-avatar.preset=\"splatting-avatar\"",
+                           "train-avatar.sh_degree=0",
+                           "train-avatar.basis=\"sh\"",
+                           "train-avatar.color_frame=\"world\"",
+                           "train-avatar.bust=\"yes\"",
+                           "train-avatar.triangle_cap=0"})
+    EXPECT_TRUE(p.ConfigHas(line)) << line << " is not in\n" << p.config;
+}
+
+TEST(AvatarPreset, OthersAreRefused) {
+  for (const char* name : {"default", "splattingavatar", "splatting-avatar-"})
+    EXPECT_THROW(Parsed({"--preset", name}), CLI::ParseError) << name;
+  EXPECT_EQ(Parsed({"--preset", "3dgs"}).options.ToSettings(1).schedule.densify_until, 15000);
+}
+
+}  // namespace
+}  // namespace cosplat
