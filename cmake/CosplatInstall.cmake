@@ -15,7 +15,6 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/study/sketch.h
   avatar/study/steps.h
   avatar/study/study_head.h
-  avatar/released_binding.h
   avatar/surface_packs.h
   flame/directions.h
   flame/io/pickle
