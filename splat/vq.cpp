@@ -103,7 +103,7 @@ QuantisedSplats Quantise(const Gaussians& g,
   splats.scale_log = copied(kScaleLog);
   splats.opacity_logit = copied(kOpacityLogit);
   for (size_t i = 0; i < n; ++i) splats.own_degree.push_back(OwnDegree(g, i));
-  const size_t kept = std::min(n, size_t(std::lround(double(settings.keep) * double(n))));
+  const size_t kept = std::min(n, size_t(std::lround(settings.keep * double(n))));
   splats.quantised = LeastSignificant(significance, n - kept);
   const std::vector<float> weights = Weights(significance);
   for (int degree = 0; degree <= g.degree; ++degree)

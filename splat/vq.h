@@ -12,7 +12,7 @@ namespace cosplat {
 
 struct VqSettings {
   int codebook = 8192;  // rows at most, per degree in use; 1 to 65536
-  float keep = 0.4f;    // share of the splats, the most significant ones, with colours of their own
+  double keep = 0.4;    // share of the splats, the most significant ones, with colours of their own
   uint64_t seed = 0;
 };
 

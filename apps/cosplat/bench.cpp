@@ -105,7 +105,9 @@ void AddBench(CLI::App& app) {
       ->default_str("");
   command->add_option("-r,--resolution", o->resolution, "divide the photographs' size by this")
       ->check(CLI::Range(1, 64));
-  command->add_option("--splats", o->splats, "splats (.ply) to draw from all around as well")
+  command
+      ->add_option(
+          "--splats", o->splats, "splats (PLY or quantised) to draw from all around as well")
       ->default_str("");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Bench(*o); });

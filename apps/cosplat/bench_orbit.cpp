@@ -14,7 +14,7 @@
 #include "splat/base/error.h"
 #include "splat/bench/measure.h"
 #include "splat/config.h"
-#include "splat/io/ply.h"
+#include "splat/io/splat_file.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
@@ -154,7 +154,7 @@ OrderedJson PhaseMs(const std::vector<ViewTime>& times) {
 OrbitSubject LoadOrbit(const std::string& path, bool quick) {
   OrbitSubject subject;
   subject.name = std::filesystem::path(path).filename().string();
-  subject.gaussians = ReadPly(path);
+  subject.gaussians = ReadSplats(path);
   const std::vector<Point> points = VisiblePoints(subject.gaussians);
   if (points.empty()) throw Error(path, "vertex", "none is to be seen");
   subject.cameras = FittingOrbit(path, points, Lens(quick));

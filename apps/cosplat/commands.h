@@ -7,6 +7,7 @@
 namespace cosplat {
 
 void AddBench(CLI::App& app);
+void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
 void AddMakeHead(CLI::App& app);
 void AddMetrics(CLI::App& app);

@@ -15,18 +15,40 @@
 #include "splat/base/npz.h"
 #include "splat/dataset.h"
 #include "splat/io/ply.h"
+#include "splat/io/splat_file.h"
+#include "splat/io/vq_file.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
 
 namespace {
 
+// Splats of each degree, how many of them have colours of their own, and the codebook for the rest.
+void CodebookInfo(const QuantisedSplats& splats) {
+  for (int degree = 0; degree <= splats.degree; ++degree) {
+    const QuantisedColors& colors = splats.colors[degree];
+    const size_t width = 3 * size_t(CoefficientCount(degree)), kept = colors.kept.size() / width;
+    if (kept + colors.index.size() == 0) continue;
+    std::printf("degree %d: %s with colours of their own, %s with those of a codebook of %s\n",
+                degree,
+                WithThousands(kept).c_str(),
+                WithThousands(colors.index.size()).c_str(),
+                WithThousands(colors.codebook.size() / width).c_str());
+  }
+}
+
+std::string LayoutOf(const std::string& path) {
+  if (IsVqFile(path)) return "quantised";
+  return IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS";
+}
+
 void SplatInfo(const std::string& path) {
-  const Gaussians g = ReadPly(path);
+  const Gaussians g = ReadSplats(path);
   std::printf("%s splats: %s Gaussians, SH degree %d\n",
-              IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
+              LayoutOf(path).c_str(),
               WithThousands(g.size()).c_str(),
               g.degree);
+  if (IsVqFile(path)) CodebookInfo(ReadVqFile(path));
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
@@ -150,7 +172,7 @@ void Info(const std::string& path) {
   const std::string extension = fs::path(path).extension().string();
   if (fs::is_directory(path)) {
     FolderInfo(path);
-  } else if (extension == ".ply") {
+  } else if (IsVqFile(path) || extension == ".ply") {
     SplatInfo(path);
   } else if (extension == ".glb") {
     std::printf("%s", ToString(SummarizeGlb(path)).c_str());
@@ -163,7 +185,7 @@ void Info(const std::string& path) {
       TrackInfo(path, false);
     }
   } else {
-    throw Error(path, "", "is none of .ply, .glb, .pkl, .npz or a folder");
+    throw Error(path, "", "is none of .ply, .glb, .pkl, .npz, quantised splats or a folder");
   }
 }
 

@@ -44,6 +44,7 @@ int Run(int argc, char** argv) {
   cosplat::AddTrainScene(app);
   cosplat::AddRender(app);
   cosplat::AddMetrics(app);
+  cosplat::AddExport(app);
   cosplat::AddReport(app);
   cosplat::AddInfo(app);
   cosplat::AddBench(app);

@@ -24,6 +24,8 @@ void Measure(const std::string& model, const std::string& lpips_folder) {
       });
   bar.reset();
   std::printf("%s\n", ToString(summary).c_str());
+  for (const auto& [name, psnr] : summary.other_psnr)
+    std::printf("%s: PSNR %.2f dB\n", name.c_str(), psnr);
   for (const std::string& line : summary.dropped) std::printf("dropped: %s\n", line.c_str());
 }
 

@@ -3,6 +3,7 @@
 #include <tbb/task_group.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -21,7 +22,7 @@
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/dataset.h"
-#include "splat/io/ply.h"
+#include "splat/io/splat_file.h"
 
 namespace cosplat {
 namespace {
@@ -30,7 +31,7 @@ constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
 
 struct Options {
-  std::string model, source, out, drive, flame;
+  std::string model, source, splats, out, drive, flame;
   bool orbit = false;
   int resolution = 0;  // 0: as trained
   bool preview = false;
@@ -86,7 +87,7 @@ void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Op
 void RenderScene(const Options& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
   const int iteration = SavedIteration(o.model, run);
-  const Gaussians g = ReadPly(SplatPath(o.model, iteration));
+  const Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !scene.test.empty();
   const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
@@ -115,7 +116,10 @@ void RenderScene(const Options& o, const JsonField& run) {
     for (const Camera& camera : cameras) output.Write(draw(camera));
     return output.Finish();
   }
-  TestImageWriter writer(o.model, held_out ? "test" : "train", iteration, settings.background);
+  const std::string other =
+      o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
+  TestImageWriter writer(
+      o.model, held_out ? "test" : "train", iteration, settings.background, other);
   for (const SceneView& view : views) writer.Write(draw(view.camera), LoadViewImage(view));
   writer.Finish();
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
@@ -220,6 +224,7 @@ void Render(const Options& o) {
   if (o.out.empty() && o.preview)
     throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
   if (run["kind"].String() == "avatar") {
+    if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
     RenderAvatar(o, run);
   } else {
     RenderScene(o, run);
@@ -234,6 +239,10 @@ void AddRender(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   command->add_option("-m,--model_path", o->model, "a trained model's folder")->required();
   command->add_option("-s,--source_path", o->source, "data set; the one trained on if not given");
+  command->add_option(
+      "--splats",
+      o->splats,
+      "a PLY or quantised file in place of the model's own splats, for `metrics` too");
   command->add_option(
       "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
   auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");

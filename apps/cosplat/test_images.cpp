@@ -150,8 +150,10 @@ std::map<std::string, int> CountViews(const std::string& folder) {
 TestImageWriter::TestImageWriter(const std::string& folder,
                                  const std::string& set,
                                  int iteration,
-                                 std::array<float, 3> background)
-    : path_(folder + "/" + set + "/ours_" + std::to_string(iteration)), background_(background) {
+                                 std::array<float, 3> background,
+                                 const std::string& suffix)
+    : path_(folder + "/" + set + "/ours_" + std::to_string(iteration) + suffix),
+      background_(background) {
   for (const char* sub : {"/renders", "/gt", "/masks"}) {
     std::error_code ignored;
     fs::remove_all(path_ + sub, ignored);  // pictures of an earlier run would be counted
@@ -212,6 +214,10 @@ TestSummary EvaluateTestImages(const std::string& folder,
       per_view[name][figure] = values;
     }
     const int number = std::atoi(name.c_str() + 5);
+    if (name != "ours_" + std::to_string(number)) {
+      summary.other_psnr[name] = Mean(figures.at("PSNR"));
+      continue;
+    }
     if (iteration >= 0 ? number != iteration : number < latest) continue;
     latest = number;
     Summarize(figures, summary);

@@ -18,19 +18,21 @@ struct TestSummary {
   size_t views = 0;
   double psnr = 0, ssim = 0;
   std::optional<double> psnr_mask, psnr_mouth;
-  std::map<std::string, double> lpips;  // by net
-  std::vector<std::string> dropped;     // what was measured earlier and is not kept, a line each
+  std::map<std::string, double> other_psnr;  // of splats that are not the run's own: ours_N_NAME
+  std::map<std::string, double> lpips;       // by net
+  std::vector<std::string> dropped;  // what was measured earlier and is not kept, a line each
 };
 
-// Writes <set>/ours_N/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were trained
-// on) and, when `truth` has alpha, masks/000ii.png; both
-// pictures over the background.
+// Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were
+// trained on; a suffix for splats that are not the run's own) and, when `truth` has
+// alpha, masks/000ii.png; both pictures over the background.
 class TestImageWriter {
  public:
   TestImageWriter(const std::string& folder,
                   const std::string& set,
                   int iteration,
-                  std::array<float, 3> background);
+                  std::array<float, 3> background,
+                  const std::string& suffix = "");
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
   void Write(const RenderedImage& rendered, const Image8& truth, const Rectangle* mouth = nullptr);

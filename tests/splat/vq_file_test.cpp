@@ -26,7 +26,7 @@ QuantisedSplats Splats(size_t count) {
   Gaussians g = test::RandomGaussians(count, 2, Basis::kSh, 6);
   for (size_t i = 0; i < count; i += 3)
     for (int k = 9; k < 24; ++k) g.at(kColorRest, i)[k] = 0;
-  return Quantise(g, SizeSignificance(g), {32, 0.4f, 0});
+  return Quantise(g, SizeSignificance(g), {32, 0.4, 0});
 }
 
 std::string Bytes(const std::string& path) {
@@ -113,7 +113,7 @@ TEST(VqFile, KeepsThePicture) {
 TEST(VqFile, IsOfTheDocumentedSize) {
   const TemporaryFolder folder;
   const Gaussians g = test::RandomGaussians(4000, 3, Basis::kSh, 9);
-  WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), {128, 0.4f, 0}));
+  WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), {128, 0.4, 0}));
   // Position 12 bytes, rotation, scale and opacity 16, own colours 96, index, degree, flag 4.
   EXPECT_LT(std::filesystem::file_size(folder / "a.zip"),
             size_t(4000 * (12 + 16 + 0.4 * 96 + 4) + 128 * 96 + 4096));

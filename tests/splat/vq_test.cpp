@@ -117,7 +117,7 @@ std::vector<float> Ascending(size_t count) {
 
 TEST(Quantise, KeepsTheMostSignificantAsTheyAre) {
   const Gaussians g = InSh(1000, 2);
-  const QuantisedSplats splats = Quantise(g, Ascending(1000), {64, 0.4f, 0});
+  const QuantisedSplats splats = Quantise(g, Ascending(1000), {64, 0.4, 0});
   EXPECT_EQ(splats.colors[2].codebook.size(), 64u * 27);
   EXPECT_EQ(splats.colors[2].index.size(), 600u);
   const Gaussians back = Dequantise(splats);
@@ -151,7 +151,7 @@ TEST(Quantise, EachSplatHasItsOwnDegree) {
   for (size_t i = 0; i < g.size(); ++i)
     for (int k = 3 * (CoefficientCount(degree_of(i)) - 1); k < g.width(kColorRest); ++k)
       g.at(kColorRest, i)[k] = 0;
-  const QuantisedSplats splats = Quantise(g, Ascending(500), {8192, 0.5f, 0});
+  const QuantisedSplats splats = Quantise(g, Ascending(500), {8192, 0.5, 0});
   for (int degree = 0; degree <= 3; ++degree) {
     const size_t width = 3 * size_t(CoefficientCount(degree));
     EXPECT_EQ(splats.colors[degree].kept.size(), (degree < 2 ? 62u : 63u) * width);
@@ -172,7 +172,7 @@ TEST(Quantise, EachSplatHasItsOwnDegree) {
 
 TEST(Quantise, SameBitsForAnyNumberOfThreads) {
   const Gaussians g = InSh(2000, 1);
-  const auto run = [&] { return Dequantise(Quantise(g, SizeSignificance(g), {100, 0.3f, 2})); };
+  const auto run = [&] { return Dequantise(Quantise(g, SizeSignificance(g), {100, 0.3, 2})); };
   const Gaussians one = OnThreads(1, run), many = OnThreads(4, run);
   for (int a = 0; a < kAttributeCount; ++a) EXPECT_EQ(one.values[a], many.values[a]);
 }

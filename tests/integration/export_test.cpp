@@ -1,0 +1,156 @@
+// `cosplat export` and what reads its files: `render --splats`, `metrics`, `info`.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "splat/base/files.h"
+#include "splat/io/ply.h"
+#include "splat/io/splat_file.h"
+#include "tests/integration/command.h"
+
+namespace cosplat::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Workshop& Made() { return Workshop::Get(); }
+
+// A copy of the made scene that a test may write into.
+class Export : public testing::Test {
+ protected:
+  Export() { fs::copy(Made().scene, scene_, fs::copy_options::recursive); }
+
+  static std::string Run(const std::vector<std::string>& arguments) {
+    const CommandResult result = Cosplat(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  }
+  // Exit code 2 and one line that has every part.
+  static void Refuse(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& parts) {
+    const CommandResult result = Cosplat(arguments);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(result.err.find(part), std::string::npos) << result.err << " lacks " << part;
+  }
+  static bool Contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  }
+
+  TemporaryFolder folder_;
+  std::string scene_ = folder_ / "scene";
+  std::string ply_ = scene_ + "/point_cloud/iteration_120/point_cloud.ply";
+};
+
+TEST_F(Export, WritesAFileOfEachKind) {
+  const std::string ply = folder_ / "a.ply", glb = folder_ / "a.glb", vq = folder_ / "a.zip";
+  const std::string said =
+      Run({"export", "-m", scene_, "--ply", ply, "--glb", glb, "--vq", vq, "--codebook", "50"});
+  for (const std::string& file : {ply, glb, vq}) EXPECT_TRUE(Contains(said, file)) << said;
+  EXPECT_EQ(Slurp(ply), Slurp(ply_));
+  EXPECT_LT(fs::file_size(vq), fs::file_size(ply) / 2);
+  EXPECT_TRUE(Contains(Run({"info", glb}), "KHR_gaussian_splatting"));
+  fs::rename(vq, folder_ / "named.npz");
+  const std::string info = Run({"info", folder_ / "named.npz"});
+  EXPECT_TRUE(Contains(info, "quantised splats")) << info;
+  EXPECT_TRUE(Contains(info, "a codebook of 50")) << info;
+}
+
+TEST_F(Export, SameBytesForAnyNumberOfThreads) {
+  for (const std::string threads : {"1", "4"})
+    EXPECT_EQ(
+        Run({"export", "-m", scene_, "--vq", folder_ / threads, "--threads", threads, "--quiet"}),
+        "");
+  EXPECT_EQ(Slurp(folder_ / "1"), Slurp(folder_ / "4"));
+}
+
+TEST_F(Export, MeasuresWhatMetricsMeasures) {
+  const std::string vq = folder_ / "small.zip";
+  const std::string said =
+      Run({"export", "-m", scene_, "--vq", vq, "--codebook", "20", "--keep", "0", "--measure"});
+  const Json figures = ReadJson(scene_ + "/export.json");
+  EXPECT_EQ(figures["ply_mb"].get<double>(), double(fs::file_size(ply_)) / 1e6);
+  EXPECT_EQ(figures["vq_mb"].get<double>(), double(fs::file_size(vq)) / 1e6);
+  EXPECT_EQ(figures["gaussians"], ReadPly(ply_).size());
+  EXPECT_GT(figures["mean_degree"].get<double>(), 0);
+  char psnr[32];
+  std::snprintf(psnr, sizeof psnr, "PSNR %.2f dB", figures["vq_psnr"].get<double>());
+  EXPECT_TRUE(Contains(said, psnr)) << said;
+
+  const Json before = ReadJson(scene_ + "/results.json")["ours_120"];
+  EXPECT_NEAR(figures["ply_psnr"].get<double>(), before["PSNR"].get<double>(), 0.01);
+  Run({"render", "-m", scene_, "--splats", vq, "--quiet"});
+  EXPECT_TRUE(Contains(Run({"metrics", "-m", scene_}), std::string("ours_120_small: ") + psnr));
+  const Json after = ReadJson(scene_ + "/results.json");
+  EXPECT_EQ(after["ours_120"], before);
+  EXPECT_NEAR(
+      after["ours_120_small"]["PSNR"].get<double>(), figures["vq_psnr"].get<double>(), 1e-9);
+  EXPECT_NEAR(
+      after["ours_120_small"]["SSIM"].get<double>(), figures["vq_ssim"].get<double>(), 1e-9);
+}
+
+TEST_F(Export, TurnsFilesIntoEachOther) {
+  const std::string vq = folder_ / "a.zip", ply = folder_ / "a.ply", again = folder_ / "b.zip";
+  Run({"export", "--splats", ply_, "--vq", vq});
+  Run({"export", "--splats", vq, "--ply", ply, "--vq", again, "--keep", "1"});
+  const Gaussians from_ply = ReadSplats(ply), from_vq = ReadSplats(vq);
+  for (int a = 0; a < kAttributeCount; ++a) EXPECT_EQ(from_ply.values[a], from_vq.values[a]);
+  // What 16 bits hold already is kept as it is.
+  EXPECT_EQ(ReadSplats(again).values[kColorRest], from_vq.values[kColorRest]);
+}
+
+TEST_F(Export, LeavesBandFourOutWhereAsked) {
+  Gaussians g = ReadPly(ply_);
+  Gaussians four;
+  four.degree = 4;
+  four.basis = Basis::kSh;
+  four.Resize(g.size());
+  for (const Attribute a : {kPosition, kRotation, kScaleLog, kOpacityLogit, kColorDc})
+    four.values[a] = g.values[a];
+  WritePly(folder_ / "four.ply", four);
+  const std::vector<std::string> command{
+      "export", "--splats", folder_ / "four.ply", "--glb", folder_ / "a.glb"};
+  Refuse(command, {"a.glb", "degree", "4", "--truncate-degree"});
+  std::vector<std::string> truncating = command;
+  truncating.push_back("--truncate-degree");
+  Run(truncating);
+  EXPECT_TRUE(Contains(Run({"info", folder_ / "a.glb"}), "degree 3"));
+}
+
+TEST_F(Export, SaysThatAnAvatarIsAtRest) {
+  const std::string said = Run({"export", "-m", Made().avatar, "--ply", folder_ / "a.ply"});
+  EXPECT_TRUE(Contains(said, "at rest")) << said;
+  EXPECT_EQ(Slurp(folder_ / "a.ply"),
+            Slurp(Made().avatar + "/point_cloud/iteration_60/point_cloud.ply"));
+  Refuse({"export", "-m", Made().avatar, "--glb", folder_ / "a.glb"}, {"--glb", "avatar.glb"});
+}
+
+TEST_F(Export, BadInput) {
+  const std::string out = folder_ / "out.zip";
+  Refuse({"export", "-m", scene_}, {"--vq", "--ply", "--glb"});
+  Refuse({"export", "--vq", out}, {"-m", "--splats"});
+  Refuse({"export", "-m", scene_, "--ply", out, "--measure"}, {"--measure", "--vq"});
+  Refuse({"export", "--splats", ply_, "--vq", out, "--measure"}, {"--measure"});
+  Refuse({"export", "-m", scene_, "--vq", out, "--codebook", "0"}, {"--codebook"});
+  Refuse({"export", "-m", scene_, "--vq", out, "--keep", "1.5"}, {"--keep"});
+  Refuse({"export", "-m", scene_, "-s", folder_ / "gone", "--vq", out}, {"gone"});
+  Refuse({"export", "-m", folder_ / "no", "--vq", out}, {"no/run.json"});
+  Refuse({"render", "-m", Made().avatar, "--splats", ply_}, {"--splats", "scenes"});
+  EXPECT_FALSE(fs::exists(out));
+  Json run = ReadJson(scene_ + "/run.json");
+  run["split"]["eval"] = false;
+  WriteFileAtomically(scene_ + "/run.json", run.dump());
+  Refuse({"export", "-m", scene_, "--vq", out, "--measure"}, {"--measure", "--eval"});
+
+  Run({"export", "--splats", ply_, "--vq", out});
+  const std::string whole = Slurp(out);
+  WriteFileAtomically(out, whole.substr(0, whole.size() / 2));
+  Refuse({"render", "-m", scene_, "--splats", out}, {"out.zip"});
+  Refuse({"info", out}, {"out.zip"});
+  Refuse({"export", "--splats", out, "--ply", folder_ / "a.ply"}, {"out.zip"});
+}
+
+}  // namespace
+}  // namespace cosplat::test
