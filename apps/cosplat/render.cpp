@@ -223,6 +223,7 @@ void Render(const Options& o) {
     throw Error("", "--out", "is needed: a folder or a file that ends in .mp4");
   if (o.out.empty() && o.preview)
     throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
+  RequireSplats(run);
   if (run["kind"].String() == "avatar") {
     if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
     RenderAvatar(o, run);

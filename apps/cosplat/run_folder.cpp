@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <cstdio>
 #include <filesystem>
 
 #include "splat/base/error.h"
@@ -33,6 +34,12 @@ std::string CfgArgs(const TrainOptions& o) {
          ", sh_degree=" + std::to_string(o.sh_degree) +
          ", source_path=" + Quoted(fs::absolute(o.source).string()) +
          ", white_background=" + flag(white) + ")";
+}
+
+bool FilesHold(const JsonField& run) {
+  const JsonField basis = run["basis"];
+  return IsHarmonic(BasisFromString(basis.String(), run.file(), basis.path()),
+                    run["degree"].Integer());
 }
 
 }  // namespace
@@ -73,6 +80,22 @@ std::string SplatPath(const std::string& folder, int iteration) {
   return folder + "/point_cloud/iteration_" + std::to_string(iteration) + "/point_cloud.ply";
 }
 
+bool CanSaveSplats(const TrainOptions& o) {
+  if (IsHarmonic(BasisFromString(o.basis), o.sh_degree)) return true;
+  if (!o.quiet)
+    std::printf("no splats will be saved: %s is not spherical harmonics, so no file can hold it\n",
+                o.basis.c_str());
+  return false;
+}
+
+void RequireSplats(const JsonField& run) {
+  if (FilesHold(run)) return;
+  throw Error(run.file(),
+              "basis",
+              "is " + run["basis"].String() +
+                  ", which is not spherical harmonics: no splats of this run were saved");
+}
+
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
   const std::string path = SplatPath(folder, iteration);
   MakeDirectories(fs::path(path).parent_path().string());
@@ -82,7 +105,7 @@ void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
 
 int SavedIteration(const std::string& folder, const JsonField& run) {
   const int last = run["iterations"].Integer();
-  if (fs::exists(SplatPath(folder, last))) return last;
+  if (fs::exists(SplatPath(folder, last)) || !FilesHold(run)) return last;
   int latest = -1;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {

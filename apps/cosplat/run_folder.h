@@ -26,11 +26,17 @@ Json ReadRun(const std::string& folder);
 Json CameraToJson(const Camera& camera);
 Camera CameraFromJson(const JsonField& json);
 
+// Whether files can hold the run's colours (IsHarmonic in splat/basis.h); where not, says in a
+// line, unless quiet, that nothing will be saved.
+bool CanSaveSplats(const TrainOptions& options);
+// Throws Error where nothing was saved because of that.
+void RequireSplats(const JsonField& run);
+
 // Writes point_cloud/iteration_N/point_cloud.ply in 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 
 // The run's last saved iteration: run.json's, or the highest there is of an unfinished run. Error
-// when nothing was saved.
+// when nothing was saved; but run.json's where that cannot be: its test pictures are there.
 int SavedIteration(const std::string& folder, const JsonField& run);
 std::string SplatPath(const std::string& folder, int iteration);
 

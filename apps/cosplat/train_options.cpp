@@ -44,7 +44,13 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--iterations", iterations, "training steps")->check(CLI::Range(1, 10000000));
   command.add_option("--sh_degree", sh_degree, "highest band of the view-dependent colour")
       ->check(CLI::Range(0, kMaxTrainedDegree));
-  command.add_option("--basis", basis, "dcsh or sh")->check(CLI::IsMember({"dcsh", "sh"}));
+  command
+      .add_option(
+          "--basis",
+          basis,
+          "of the view-dependent colour: dcsh; sh: 3DGS's; dcsh-released: DCSHARP's released "
+          "code; dcsh-literal: its published formula, which no file can hold")
+      ->check(CLI::IsMember(std::vector<std::string>(kBasisNames.begin(), kBasisNames.end())));
   command
       .add_option(
           "--background",

@@ -91,7 +91,9 @@ void Train(SceneCommand o, const std::string& config) {
                 subject.frame(0).camera.height,
                 WithThousands(scene.points.size() / 3).c_str());
   RunHooks hooks;
-  hooks.save = [&] { SaveSplats(o.model, trainer.state().iteration, trainer.CaughtUp()); };
+  hooks.save = [&, saves = CanSaveSplats(o)] {
+    if (saves) SaveSplats(o.model, trainer.state().iteration, trainer.CaughtUp());
+  };
   if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, test, trainer); };
   RunTraining(o, trainer, scene.skipped, hooks);
 }
