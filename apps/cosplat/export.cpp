@@ -4,16 +4,13 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/export_measure.h"
+#include "apps/cosplat/export_subject.h"
 #include "apps/cosplat/progress_bar.h"
-#include "apps/cosplat/run_data.h"
-#include "apps/cosplat/run_folder.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/json.h"
 #include "splat/io/ply.h"
 #include "splat/io/scene_glb.h"
-#include "splat/io/splat_file.h"
-#include "splat/vq.h"
 
 namespace cosplat {
 namespace {
@@ -21,71 +18,52 @@ namespace {
 constexpr int kStandardDegree = 3;  // of KHR_gaussian_splatting
 
 struct Options {
-  std::string model, splats, source;
+  ExportSource source;
   std::string vq, ply, glb;
   VqSettings settings;
   bool truncate_degree = false;
-  bool measure = false;
   bool quiet = false;
-};
-
-// What is exported, and where it comes from.
-struct Subject {
-  std::string path;  // of its splats
-  Gaussians gaussians;
-  bool is_avatar = false;
-  // With a model folder and where views are needed:
-  SceneData scene;
-  std::array<float, 3> background{};
 };
 
 void Check(const Options& o) {
   if (o.vq.empty() && o.ply.empty() && o.glb.empty())
     throw Error("", "--vq, --ply, --glb", "none is given: at least one file must be written");
-  if (o.model.empty() && o.splats.empty())
+  if (o.source.model.empty() && o.source.splats.empty())
     throw Error("", "-m", "or --splats is needed: what is to be exported");
-  if (o.measure && (o.vq.empty() || o.model.empty() || !o.splats.empty()))
+  if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
     throw Error("", "--measure", "compares a model's PLY with its --vq: give -m and --vq only");
 }
 
-Subject Load(const Options& o) {
-  Subject subject;
-  subject.path = o.splats;
-  if (o.model.empty()) {
-    subject.gaussians = ReadSplats(o.splats);
-    return subject;
-  }
-  const Json json = ReadRun(o.model);
-  const JsonField run(o.model + "/run.json", json);
-  subject.is_avatar = run["kind"].String() == "avatar";
-  if (subject.is_avatar && !(o.vq.empty() && o.glb.empty()))
-    throw Error(o.model,
-                o.vq.empty() ? "--glb" : "--vq",
+void CheckGlb(const Options& o, const ExportSubject& subject) {
+  if (o.glb.empty()) return;
+  if (subject.is_avatar())
+    throw Error(o.source.model,
+                "--glb",
                 "is for scenes; an avatar is in avatar.glb, which shows it at rest");
-  if (o.splats.empty()) subject.path = SplatPath(o.model, SavedIteration(o.model, run));
-  subject.gaussians = ReadSplats(subject.path);
-  if (!o.vq.empty()) {
-    const std::string source = o.source.empty() ? run["source"].String() : o.source;
-    subject.scene = LoadSplitScene(source, SplitFromJson(run));
-    subject.background = BackgroundOf(run);
-  }
-  return subject;
+  if (subject.gaussians().degree > kStandardDegree && !o.truncate_degree)
+    throw Error(o.glb,
+                "degree",
+                "is 4, which standard glTF files do not hold: give --truncate-degree to leave band "
+                "4 out");
 }
 
-void Say(const Options& o, const std::string& path, const Subject& subject) {
+// `what`: of an avatar.
+void Say(const Options& o,
+         const std::string& path,
+         const ExportSubject& subject,
+         const char* what) {
   if (o.quiet) return;
   std::printf("%s: %s splats, %.2f MB%s\n",
               path.c_str(),
-              WithThousands(subject.gaussians.size()).c_str(),
+              WithThousands(subject.gaussians().size()).c_str(),
               double(std::filesystem::file_size(path)) / 1e6,
-              subject.is_avatar ? ", the avatar at rest" : "");
+              subject.is_avatar() ? what : "");
 }
 
-void WriteQuantised(const Options& o, const Subject& subject) {
+void WriteQuantised(const Options& o, const ExportSubject& subject) {
   ProgressBar bar("export", 2, o.quiet);
   bar.Update(0, "codebook");
-  const QuantisedSplats splats =
-      Quantise(subject.gaussians, SizeSignificance(subject.gaussians), o.settings);
+  const QuantisedSplats splats = subject.Quantised(o.settings);
   bar.Update(1, "file");
   WriteVqFile(o.vq, splats);
 }
@@ -96,20 +74,18 @@ double MeanDegree(const QuantisedSplats& splats) {
   return splats.size() == 0 ? 0 : sum / double(splats.size());
 }
 
-// PSNR of the PLY and of the quantised file, both read back; into export.json, too.
-void Measure(const Options& o, const Subject& subject) {
+// PSNR of what was trained and of the quantised file, both read back; into export.json, too.
+void MeasureBoth(const Options& o, ExportSubject& subject) {
   FileFigures ply, vq;
   {
+    const TestViews trained = subject.AsTrained(), quantised = subject.FromFile(o.vq);
     int done = 0;
-    ProgressBar bar("measure", 2 * int(subject.scene.test.size()), o.quiet);
-    const auto measure = [&](const std::string& path) {
-      return MeasureFile(
-          path, subject.scene, subject.background, [&] { bar.Update(++done, "views"); });
-    };
-    ply = measure(subject.path);
-    vq = measure(o.vq);
+    ProgressBar bar("measure", int(trained.count + quantised.count), o.quiet);
+    const auto count_view = [&] { bar.Update(++done, "views"); };
+    ply = Measure(subject.path(), trained, count_view);
+    vq = Measure(o.vq, quantised, count_view);
   }
-  const Json json{{"gaussians", subject.gaussians.size()},
+  const Json json{{"gaussians", subject.gaussians().size()},
                   {"mean_degree", MeanDegree(ReadVqFile(o.vq))},
                   {"codebook", o.settings.codebook},
                   {"keep", o.settings.keep},
@@ -120,35 +96,30 @@ void Measure(const Options& o, const Subject& subject) {
                   {"vq_mb", vq.mb},
                   {"vq_psnr", vq.psnr},
                   {"vq_ssim", vq.ssim}};
-  WriteFileAtomically(o.model + "/export.json", json.dump(2) + "\n");
+  WriteFileAtomically(o.source.model + "/export.json", json.dump(2) + "\n");
   if (o.quiet) return;
   std::printf("PLY        %s\n", ToString(ply).c_str());
   std::printf("quantised  %s\n", ToString(vq).c_str());
 }
 
-void Export(const Options& o) {
+void Export(Options& o) {
   Check(o);
-  const Subject subject = Load(o);
-  if (o.measure && subject.scene.test.empty())
-    throw Error(o.model, "--measure", "the run holds no views out: train with --eval");
-  if (!o.glb.empty() && subject.gaussians.degree > kStandardDegree && !o.truncate_degree)
-    throw Error(o.glb,
-                "degree",
-                "is 4, which standard glTF files do not hold: give --truncate-degree to leave band "
-                "4 out");
+  o.source.quantise = !o.vq.empty();
+  const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
+  CheckGlb(o, *subject);
   if (!o.ply.empty()) {
-    WritePly(o.ply, subject.gaussians);
-    Say(o, o.ply, subject);
+    WritePly(o.ply, subject->gaussians());
+    Say(o, o.ply, *subject, ", the avatar at rest");
   }
   if (!o.glb.empty()) {
-    WriteSceneGlb(o.glb, subject.gaussians, o.truncate_degree);
-    Say(o, o.glb, subject);
+    WriteSceneGlb(o.glb, subject->gaussians(), o.truncate_degree);
+    Say(o, o.glb, *subject, "");
   }
   if (!o.vq.empty()) {
-    WriteQuantised(o, subject);
-    Say(o, o.vq, subject);
+    WriteQuantised(o, *subject);
+    Say(o, o.vq, *subject, ", on the avatar's triangles");
   }
-  if (o.measure) Measure(o, subject);
+  if (o.source.measure) MeasureBoth(o, *subject);
 }
 
 }  // namespace
@@ -157,12 +128,17 @@ void AddExport(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("export", "write a model's splats as .ply, .glb or quantised");
   const auto o = std::make_shared<Options>();
-  command->add_option("-m,--model_path", o->model, "a trained model's folder");
+  command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
   command->add_option(
-      "--splats", o->splats, "a PLY or quantised file; in place of the model's own with -m");
-  command->add_option("-s,--source_path", o->source, "data set; the one trained on if not given");
+      "--splats", o->source.splats, "a PLY or quantised file; in place of the model's own with -m");
+  command->add_option(
+      "-s,--source_path", o->source.data, "data set; the one trained on if not given");
+  command->add_option(
+      "--flame",
+      o->source.flame,
+      "FLAME model file to measure an avatar with; the one trained with if not given");
   command->add_option("--ply", o->ply, "write 3DGS's PLY; of an avatar, at rest");
-  command->add_option("--glb", o->glb, "write glTF with KHR_gaussian_splatting");
+  command->add_option("--glb", o->glb, "write a scene as glTF with KHR_gaussian_splatting");
   command->add_flag("--truncate-degree",
                     o->truncate_degree,
                     "leave band 4 out of the .glb, whose format ends at degree 3");
@@ -179,8 +155,8 @@ void AddExport(CLI::App& app) {
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", o->settings.seed, "of the codebook");
   command->add_flag("--measure",
-                    o->measure,
-                    "render the test views from the PLY and from --vq as read back: export.json");
+                    o->source.measure,
+                    "render the test views as trained and from --vq as read back: export.json");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Export(*o); });
 }

@@ -2,32 +2,56 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
-#include "splat/io/splat_file.h"
+#include "avatar/player.h"
 #include "splat/loss.h"
 #include "splat/metrics.h"
-#include "splat/rasterizer.h"
 
 namespace cosplat {
 
-FileFigures MeasureFile(const std::string& path,
-                        const SceneData& scene,
-                        const std::array<float, 3>& background,
-                        const std::function<void()>& count_view) {
+TestViews ViewsOfScene(const Gaussians& gaussians,
+                       const SceneData& scene,
+                       const std::array<float, 3>& background) {
+  const std::shared_ptr<Rasterizer> rasterizer = MakeCpuRasterizer();
+  const std::shared_ptr<RenderTape> tape = rasterizer->MakeTape();
+  TestViews views{scene.test.size(), background, {}, {}};
+  views.render = [=, &gaussians, &scene](size_t i, RenderedImage& image) {
+    const RenderSettings settings{background, gaussians.degree};
+    const Camera& camera = scene.test[i].camera;
+    rasterizer->Forward(ViewOf(gaussians), gaussians.basis, camera, settings, image, *tape);
+  };
+  views.photograph = [&scene](size_t i) { return LoadViewImage(scene.test[i]); };
+  return views;
+}
+
+TestViews ViewsOfAvatar(const AvatarModel& model,
+                        const FlameModel& flame,
+                        const TrackedVideo& video,
+                        const std::array<float, 3>& background) {
+  const auto player = std::make_shared<Player>(model, flame);
+  TestViews views{video.test.size(), background, {}, {}};
+  views.render = [=, &video](size_t i, RenderedImage& image) {
+    player->RenderOver(video.test[i].params, video.test[i].camera, background, image);
+  };
+  views.photograph = [&video](size_t i) { return LoadTrackedImage(video, video.test[i]); };
+  return views;
+}
+
+FileFigures Measure(const std::string& path,
+                    const TestViews& views,
+                    const std::function<void()>& count_view) {
   FileFigures figures;
   figures.mb = double(std::filesystem::file_size(path)) / 1e6;
-  const Gaussians g = ReadSplats(path);
-  const auto rasterizer = MakeCpuRasterizer();
-  const auto tape = rasterizer->MakeTape();
   RenderedImage image, truth;
-  for (const SceneView& view : scene.test) {
-    rasterizer->Forward(ViewOf(g), g.basis, view.camera, {background, g.degree}, image, *tape);
+  for (size_t i = 0; i < views.count; ++i) {
+    views.render(i, image);
     truth.width = image.width;
     truth.height = image.height;
-    CompositeTarget(LoadViewImage(view), background, truth.color);
+    CompositeTarget(views.photograph(i), views.background, truth.color);
     const ImageMetrics m = CompareImages(ToBytes(image.ToImage()), ToBytes(truth.ToImage()));
-    figures.psnr += m.psnr / double(scene.test.size());
-    figures.ssim += m.ssim / double(scene.test.size());
+    figures.psnr += m.psnr / double(views.count);
+    figures.ssim += m.ssim / double(views.count);
     count_view();
   }
   return figures;

@@ -4,24 +4,39 @@
 #include <functional>
 #include <string>
 
-#include "splat/base/json.h"
+#include "avatar/avatar_model.h"
+#include "flame/track.h"
 #include "splat/dataset.h"
-#include "splat/gaussians.h"
+#include "splat/rasterizer.h"
 
 namespace cosplat {
 
-struct FileFigures {
-  double mb = 0;  // of the file, 10^6 bytes
-  double psnr = 0,
-         ssim = 0;  // means over the test views, of pictures as bytes: as `metrics` has them
+struct TestViews {
+  size_t count = 0;
+  std::array<float, 3> background{};
+  std::function<void(size_t view, RenderedImage& image)> render;  // over the background
+  std::function<Image8(size_t view)> photograph;
 };
 
-// Reads the file and renders the scene's test views, of which there must be one; `count_view` after
-// each.
-FileFigures MeasureFile(const std::string& path,
-                        const SceneData& scene,
-                        const std::array<float, 3>& background,
-                        const std::function<void()>& count_view);
+// Both keep references to what is to be rendered.
+TestViews ViewsOfScene(const Gaussians& gaussians,
+                       const SceneData& scene,
+                       const std::array<float, 3>& background);
+// The model with its mesh.
+TestViews ViewsOfAvatar(const AvatarModel& model,
+                        const FlameModel& flame,
+                        const TrackedVideo& video,
+                        const std::array<float, 3>& background);
+
+struct FileFigures {
+  double mb = 0;              // of the file, 10^6 bytes
+  double psnr = 0, ssim = 0;  // means over the views, of pictures as bytes: as `metrics` has them
+};
+
+// `path`: the file whose size counts. `count_view` is called after each view.
+FileFigures Measure(const std::string& path,
+                    const TestViews& views,
+                    const std::function<void()>& count_view);
 
 // "2.57 MB  PSNR 31.61 dB  SSIM 0.9333".
 std::string ToString(const FileFigures& figures);

@@ -15,7 +15,6 @@
 #include "splat/base/npz.h"
 #include "splat/dataset.h"
 #include "splat/io/ply.h"
-#include "splat/io/splat_file.h"
 #include "splat/io/vq_file.h"
 
 namespace cosplat {
@@ -23,8 +22,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Splats of each degree, how many of them have colours of their own, and the codebook for the rest.
+// Of quantised splats: those of each degree, how many of them have colours of their own, and the
+// codebook for the rest.
 void CodebookInfo(const QuantisedSplats& splats) {
+  std::printf("quantised splats, %s: %s Gaussians, SH degree %d\n",
+              splats.kind.c_str(),
+              WithThousands(splats.size()).c_str(),
+              splats.degree);
   for (int degree = 0; degree <= splats.degree; ++degree) {
     const QuantisedColors& colors = splats.colors[degree];
     const size_t width = 3 * size_t(CoefficientCount(degree)), kept = colors.kept.size() / width;
@@ -37,18 +41,20 @@ void CodebookInfo(const QuantisedSplats& splats) {
   }
 }
 
-std::string LayoutOf(const std::string& path) {
-  if (IsVqFile(path)) return "quantised";
-  return IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS";
-}
-
 void SplatInfo(const std::string& path) {
-  const Gaussians g = ReadSplats(path);
-  std::printf("%s splats: %s Gaussians, SH degree %d\n",
-              LayoutOf(path).c_str(),
-              WithThousands(g.size()).c_str(),
-              g.degree);
-  if (IsVqFile(path)) CodebookInfo(ReadVqFile(path));
+  Gaussians g;
+  if (IsVqFile(path)) {
+    const QuantisedSplats splats = ReadVqFile(path);
+    CodebookInfo(splats);
+    if (splats.kind != "scene") return;
+    g = Dequantise(splats);
+  } else {
+    g = ReadPly(path);
+    std::printf("%s splats: %s Gaussians, SH degree %d\n",
+                IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
+                WithThousands(g.size()).c_str(),
+                g.degree);
+  }
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};

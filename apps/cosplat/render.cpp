@@ -18,6 +18,7 @@
 #include "avatar/avatar_file.h"
 #include "avatar/playback.h"
 #include "avatar/preview.h"
+#include "avatar/quantised_avatar.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -46,6 +47,11 @@ DataSplit SplitOf(const Options& o, const JsonField& run) {
 
 std::string SourceOf(const Options& o, const JsonField& run) {
   return o.source.empty() ? run["source"].String() : o.source;
+}
+
+// Of the folder of pictures of other splats than the run's own.
+std::string SuffixOf(const Options& o) {
+  return o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
 }
 
 // Frames to a folder or video, with a progress bar. A frame is encoded while the next is drawn.
@@ -116,10 +122,8 @@ void RenderScene(const Options& o, const JsonField& run) {
     for (const Camera& camera : cameras) output.Write(draw(camera));
     return output.Finish();
   }
-  const std::string other =
-      o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
   TestImageWriter writer(
-      o.model, held_out ? "test" : "train", iteration, settings.background, other);
+      o.model, held_out ? "test" : "train", iteration, settings.background, SuffixOf(o));
   for (const SceneView& view : views) writer.Write(draw(view.camera), LoadViewImage(view));
   writer.Finish();
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
@@ -194,8 +198,11 @@ void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& render
       sequence.push_back({frame.params, frame.camera, BackgroundOf(run)});
     return PlayInto(sequence, renderer.player(), o);
   }
-  TestImageWriter writer(
-      o.model, held_out ? "test" : "train", SavedIteration(o.model, run), BackgroundOf(run));
+  TestImageWriter writer(o.model,
+                         held_out ? "test" : "train",
+                         SavedIteration(o.model, run),
+                         BackgroundOf(run),
+                         SuffixOf(o));
   for (const TrackedFrame& frame : frames)
     renderer.WriteTestImage(frame, LoadTrackedImage(video, frame), writer);
   writer.Finish();
@@ -206,6 +213,7 @@ void RenderAvatar(const Options& o, const JsonField& run) {
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
+  if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
   AvatarRenderer renderer(std::move(model), flame, {o.preview});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
@@ -225,7 +233,6 @@ void Render(const Options& o) {
     throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
   RequireSplats(run);
   if (run["kind"].String() == "avatar") {
-    if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
     RenderAvatar(o, run);
   } else {
     RenderScene(o, run);
@@ -243,7 +250,7 @@ void AddRender(CLI::App& app) {
   command->add_option(
       "--splats",
       o->splats,
-      "a PLY or quantised file in place of the model's own splats, for `metrics` too");
+      "splats in place of the model's own, for `metrics` too: quantised, or a scene's PLY");
   command->add_option(
       "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
   auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");

@@ -39,6 +39,7 @@ class Npz {
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<int32_t>& values);
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint16_t>& values);
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint8_t>& values);
+  void Add(const std::string& name, NpyArray array) { arrays_[name] = std::move(array); }
   // Stored as float16. Error naming the array when a number is not finite there.
   void AddHalf(const std::string& name,
                std::vector<size_t> shape,

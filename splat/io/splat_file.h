@@ -7,7 +7,8 @@
 
 namespace cosplat {
 
-// PLY (splat/io/ply.h) or quantised (splat/io/vq_file.h); in 3DGS's SH. Throws Error as these do.
+// PLY (splat/io/ply.h) or quantised (splat/io/vq_file.h); in 3DGS's SH. Throws Error as these do,
+// and for quantised splats whose positions are not points in the world.
 Gaussians ReadSplats(const std::string& path);
 
 }  // namespace cosplat

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "splat/base/error.h"
 #include "splat/base/json.h"
-#include "splat/base/npz.h"
 
 namespace cosplat {
 namespace {
@@ -29,10 +29,11 @@ class Members {
     if (json.is_discarded()) Fail(kHeader, "is not JSON");
     return json;
   }
-  const NpyArray& Array(const std::string& name, const std::vector<long>& shape) const {
+  const NpyArray& Array(const std::string& name, const std::vector<long>& shape) {
+    taken_.insert(name);
     return npz_.Get(name, shape);
   }
-  std::vector<float> Floats(const std::string& name, const std::vector<long>& shape) const {
+  std::vector<float> Floats(const std::string& name, const std::vector<long>& shape) {
     const NpyArray& array = Array(name, shape);
     std::vector<float> values;
     values.reserve(array.size());
@@ -48,7 +49,7 @@ class Members {
   std::vector<T> Integers(const std::string& name,
                           const std::vector<long>& shape,
                           size_t end,
-                          const std::string& expected) const {
+                          const std::string& expected) {
     const NpyArray& array = Array(name, shape);
     std::vector<T> values;
     values.reserve(array.size());
@@ -62,15 +63,24 @@ class Members {
     }
     return values;
   }
+  // What nothing above asked for.
+  Npz Rest() const {
+    Npz rest(npz_.path());
+    for (const auto& [name, array] : npz_.arrays())
+      if (!taken_.count(name)) rest.Add(name, array);
+    return rest;
+  }
   [[noreturn]] void Fail(const std::string& member, const std::string& problem) const {
     throw Error(npz_.path(), member, problem);
   }
 
  private:
   Npz npz_;
+  std::set<std::string> taken_;
 };
 
 struct Header {
+  std::string kind;
   long count;
   int degree;
 };
@@ -89,7 +99,7 @@ Header ReadHeader(const std::string& path, const Members& members) {
     members.Fail(kHeader, "degree is " + std::to_string(degree) + ", expected 0 to 4");
   const int count = header["count"].Integer();
   if (count < 0) members.Fail(kHeader, "count is " + std::to_string(count));
-  return {count, degree};
+  return {header["kind"].String(), count, degree};
 }
 
 // How many splats have this degree and are quantised (1) or kept (0).
@@ -100,7 +110,7 @@ long CountOf(const QuantisedSplats& splats, int degree, uint8_t quantised) {
   return count;
 }
 
-QuantisedColors ReadColors(const Members& members, const QuantisedSplats& splats, int degree) {
+QuantisedColors ReadColors(Members& members, const QuantisedSplats& splats, int degree) {
   const long kept = CountOf(splats, degree, 0), quantised = CountOf(splats, degree, 1);
   QuantisedColors colors;
   if (kept + quantised == 0) return colors;
@@ -156,6 +166,7 @@ void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
   Npz npz(path);
   const Json header{{"layout", kLayout},
                     {"version", kVersion},
+                    {"kind", s.kind},
                     {"count", n},
                     {"degree", s.degree},
                     {"basis", "sh"}};
@@ -176,13 +187,15 @@ void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
     const size_t entries = c.codebook.size() / (3 * coefficients);
     npz.AddHalf(OfDegree("codebook", degree), {entries, coefficients, 3}, c.codebook);
   }
+  for (const auto& [name, array] : s.more.arrays()) npz.Add(name, array);
   npz.Write(path);
 }
 
 QuantisedSplats ReadVqFile(const std::string& path) {
-  const Members members(path);
-  const auto [n, degree] = ReadHeader(path, members);
+  Members members(path);
+  const auto [kind, n, degree] = ReadHeader(path, members);
   QuantisedSplats splats;
+  splats.kind = kind;
   splats.degree = degree;
   splats.position = members.Floats("position", {n, 3});
   splats.rotation = members.Floats("rotation", {n, 4});
@@ -192,6 +205,7 @@ QuantisedSplats ReadVqFile(const std::string& path) {
       "degree", {n}, size_t(degree) + 1, "0 to " + std::to_string(degree));
   splats.quantised = members.Integers<uint8_t>("quantised", {n}, 2, "0 or 1");
   for (int d = 0; d <= degree; ++d) splats.colors[d] = ReadColors(members, splats, d);
+  splats.more = members.Rest();
   return splats;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/npz.h"
 #include "splat/gaussians.h"
 
 namespace cosplat {
@@ -23,6 +24,9 @@ struct QuantisedColors {
 };
 
 struct QuantisedSplats {
+  // "scene"; of any other kind, `position` is to be understood by arrays in `more`
+  // (avatar/quantised_avatar.h).
+  std::string kind = "scene";
   int degree = 0;                    // of the model; no splat's is higher
   std::vector<float> position;       // [N, 3] world units
   std::vector<float> rotation;       // [N, 4] wxyz, unit
@@ -31,6 +35,8 @@ struct QuantisedSplats {
   std::vector<uint8_t> own_degree;   // [N] highest band with a coefficient that is not zero
   std::vector<uint8_t> quantised;    // [N] 1: colour from the codebook of its degree
   std::array<QuantisedColors, kMaxTrainedDegree + 1> colors;  // by own degree
+
+  Npz more;  // further arrays of the file, as they are
 
   size_t size() const { return opacity_logit.size(); }
 };

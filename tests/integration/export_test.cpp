@@ -119,6 +119,33 @@ TEST_F(Export, LeavesBandFourOutWhereAsked) {
   EXPECT_TRUE(Contains(Run({"info", folder_ / "a.glb"}), "degree 3"));
 }
 
+TEST_F(Export, MeasuresAnAvatarOnItsTriangles) {
+  const std::string avatar = folder_ / "avatar", vq = folder_ / "head.zip";
+  fs::copy(Made().avatar, avatar, fs::copy_options::recursive);
+  const std::string said = Run({"export",
+                                "-m",
+                                avatar,
+                                "--flame",
+                                Made().model,
+                                "--vq",
+                                vq,
+                                "--codebook",
+                                "100",
+                                "--measure"});
+  EXPECT_TRUE(Contains(said, "on the avatar's triangles")) << said;
+  const Json figures = ReadJson(avatar + "/export.json");
+  EXPECT_LT(figures["vq_mb"].get<double>(), 0.6 * figures["ply_mb"].get<double>());
+  EXPECT_NEAR(figures["vq_psnr"].get<double>(), figures["ply_psnr"].get<double>(), 1);
+  EXPECT_TRUE(Contains(Run({"info", vq}), "avatar"));
+  Run({"render", "-m", avatar, "--splats", vq, "--quiet"});
+  Run({"metrics", "-m", avatar});
+  const Json results = ReadJson(avatar + "/results.json");
+  EXPECT_NEAR(results["ours_60"]["PSNR"].get<double>(), figures["ply_psnr"].get<double>(), 1e-9);
+  EXPECT_NEAR(
+      results["ours_60_head"]["PSNR"].get<double>(), figures["vq_psnr"].get<double>(), 1e-9);
+  Refuse({"render", "-m", scene_, "--splats", vq}, {"head.zip", "kind", "avatar"});
+}
+
 TEST_F(Export, SaysThatAnAvatarIsAtRest) {
   const std::string said = Run({"export", "-m", Made().avatar, "--ply", folder_ / "a.ply"});
   EXPECT_TRUE(Contains(said, "at rest")) << said;
@@ -137,7 +164,8 @@ TEST_F(Export, BadInput) {
   Refuse({"export", "-m", scene_, "--vq", out, "--keep", "1.5"}, {"--keep"});
   Refuse({"export", "-m", scene_, "-s", folder_ / "gone", "--vq", out}, {"gone"});
   Refuse({"export", "-m", folder_ / "no", "--vq", out}, {"no/run.json"});
-  Refuse({"render", "-m", Made().avatar, "--splats", ply_}, {"--splats", "scenes"});
+  Refuse({"render", "-m", Made().avatar, "--splats", ply_}, {ply_, "cannot be read"});
+  Refuse({"export", "-m", Made().avatar, "--splats", ply_, "--vq", out}, {"--splats", "scenes"});
   EXPECT_FALSE(fs::exists(out));
   Json run = ReadJson(scene_ + "/run.json");
   run["split"]["eval"] = false;

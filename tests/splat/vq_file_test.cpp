@@ -40,8 +40,8 @@ TEST(VqFile, HasTheMembersThatAreDocumented) {
   WriteVqFile(folder / "a.zip", Splats(300));
   const Npz npz = Npz::Read(folder / "a.zip");
   EXPECT_EQ(npz.Text("splats.json"),
-            "{\"basis\":\"sh\",\"count\":300,\"degree\":2,\"layout\":\"cosplat-splats\","
-            "\"version\":1}\n");
+            "{\"basis\":\"sh\",\"count\":300,\"degree\":2,\"kind\":\"scene\","
+            "\"layout\":\"cosplat-splats\",\"version\":1}\n");
   const struct {
     const char *name, *dtype;
     std::vector<long> shape;
@@ -134,6 +134,20 @@ TEST(VqFile, IsToldByItsFirstBytes) {
   EXPECT_FALSE(IsVqFile(folder / "none.zip"));
 }
 
+// What another kind of splats needs beside its positions.
+TEST(VqFile, KeepsFurtherArraysAsTheyAre) {
+  const TemporaryFolder folder;
+  QuantisedSplats splats = Splats(20);
+  splats.kind = "thing";
+  splats.more.Add("face", {20}, std::vector<int32_t>(20, 100000000));
+  WriteVqFile(folder / "a.zip", splats);
+  const QuantisedSplats read = ReadVqFile(folder / "a.zip");
+  EXPECT_EQ(read.kind, "thing");
+  EXPECT_EQ(read.more.arrays().size(), 1u);
+  EXPECT_EQ(read.more.Get("face", {20}).values[19], 100000000);
+  ExpectError([&] { ReadSplats(folder / "a.zip"); }, {"a.zip", "kind", "'thing'", "'scene'"});
+}
+
 TEST(VqFile, WritesNothingThatDoesNotFit) {
   const TemporaryFolder folder;
   QuantisedSplats splats = Splats(5);
@@ -180,7 +194,7 @@ TEST(VqFile, BadMembersAreNamed) {
   const auto header = [](const std::string& text) {
     return [text](Npz& npz) { npz.AddText("splats.json", text); };
   };
-  const std::string rest = "\"count\": 60, \"degree\": 2}";
+  const std::string rest = "\"count\": 60, \"degree\": 2, \"kind\": \"scene\"}";
   expect(header("{"), {"splats.json", "not JSON"});
   expect(header("[]"), {"splats.json", "layout"});
   expect(header("{\"layout\": \"x\"}"), {"splats.json", "layout", "'x'", "cosplat-splats"});
@@ -188,9 +202,9 @@ TEST(VqFile, BadMembersAreNamed) {
   expect(header(ours + "\"version\": 2, " + rest), {"splats.json", "version is 2"});
   expect(header(ours + "\"version\": 1, \"count\": 60, \"degree\": 5}"), {"degree is 5"});
   expect(header(ours + "\"version\": 1, \"count\": -1, \"degree\": 2}"), {"count is -1"});
-  expect(header(ours + "\"version\": 1, \"count\": 61, \"degree\": 2}"),
+  expect(header(ours + "\"version\": 1, \"count\": 61, \"degree\": 2, \"kind\": \"scene\"}"),
          {"position", "[60, 3]", "[61, 3]"});
-  expect(header(ours + "\"version\": 1, \"count\": 60, \"degree\": 1}"),
+  expect(header(ours + "\"version\": 1, \"count\": 60, \"degree\": 1, \"kind\": \"scene\"}"),
          {"degree", "is 2", "0 to 1"});
   const auto set = [](const std::string& name, size_t at, double value) {
     return [=](Npz& npz) {
@@ -218,7 +232,8 @@ TEST(VqFile, BadMembersAreNamed) {
   expect(shape("codebook_2", {0, 9, 3}), {"index_2", "the 0 of codebook_2"});
   expect(shape("kept_2", {1, 9, 3}), {"kept_2", "[1, 9, 3]"});
   Npz empty;
-  empty.AddText("splats.json", ours + "\"version\": 1, \"count\": 0, \"degree\": 0}");
+  empty.AddText("splats.json",
+                ours + "\"version\": 1, \"count\": 0, \"degree\": 0, \"kind\": \"scene\"}");
   empty.Write(folder / "bad.zip");
   ExpectError([&] { ReadSplats(folder / "bad.zip"); }, {"bad.zip", "position", "missing"});
 }
