@@ -118,7 +118,6 @@ void Save(const AvatarOptions& o,
   file.embed_flame = o.embed_flame;
   file.truncate_degree = o.truncate_degree;
   WriteAvatarGlb(o.model + "/avatar.glb", model, &flame, file);
-  if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
 }
 
 void Train(AvatarOptions o, const std::string& config) {
@@ -149,7 +148,10 @@ void Train(AvatarOptions o, const std::string& config) {
                 video.train[0].camera.height,
                 subject.has_bust() ? ", with a bust" : "");
   RunHooks hooks;
-  hooks.save = [&] { Save(o, flame, subject, trainer); };
+  hooks.save = [&, saves = CanSaveSplats(o)] {
+    if (saves) Save(o, flame, subject, trainer);
+    if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
+  };
   if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
   RunTraining(o, trainer, video.skipped, hooks);
   if (!o.quiet)
