@@ -4,6 +4,7 @@
 #include <exception>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/dnn.hpp>
+#include <opencv2/dnn/all_layers.hpp>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -37,6 +38,25 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
+// OpenCV infers a size of 1 where a kernel is larger than what it slides over, and then takes
+// differences below 0 for sizes of memory.
+bool KernelFits(const cv::dnn::Layer& layer, const std::vector<cv::dnn::MatShape>& inputs) {
+  const auto* conv = dynamic_cast<const cv::dnn::ConvolutionLayer*>(&layer);
+  if (!conv) return true;
+  for (size_t k = 0; k < conv->kernel_size.size(); ++k) {
+    const size_t reach = (conv->kernel_size[k] - 1) * conv->dilations[k] + 1;
+    if (size_t(inputs.at(0).at(2 + k)) + conv->pads_begin[k] + conv->pads_end[k] < reach)
+      return false;
+  }
+  return true;
+}
+
+bool HasSomething(const std::vector<cv::dnn::MatShape>& shapes) {
+  return std::all_of(shapes.begin(), shapes.end(), [](const cv::dnn::MatShape& shape) {
+    return std::all_of(shape.begin(), shape.end(), [](int extent) { return extent > 0; });
+  });
+}
+
 // [3, H, W] in [-1, 1].
 std::vector<float> ToPlanes(const Image8& picture) {
   std::vector<float> planes(3 * picture.pixels());
@@ -66,6 +86,21 @@ struct OnnxNet::Impl {
       return ReasonOf(error);
     }
   }
+
+  // The same for a square picture that may be far too small.
+  std::string Try(int side) {
+    std::vector<int> layers;
+    std::vector<std::vector<cv::dnn::MatShape>> inputs, results;
+    try {
+      net.getLayersShapes(cv::dnn::MatShape{1, 3, side, side}, layers, inputs, results);
+      for (size_t i = 0; i < layers.size(); ++i)
+        if (!KernelFits(*net.getLayer(layers[i]), inputs[i]) || !HasSomething(results[i]))
+          return "a layer has nothing left";
+    } catch (const std::exception& error) {
+      return ReasonOf(error);
+    }
+    return Forward(Image8(side, side, 3));
+  }
 };
 
 OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& outputs)
@@ -79,12 +114,11 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
   for (const std::string& name : outputs)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
-  // By trying, from below: OpenCV's own inference of shapes lets through what it then refuses.
   std::string refusal;
   do {
     if (++least_side_ > kLargestLeastSide)
       throw Error(path, "", "takes no RGB picture: " + refusal);
-    refusal = impl_->Forward(Image8(least_side_, least_side_, 3));
+    refusal = impl_->Try(least_side_);
   } while (!refusal.empty());
   for (size_t i = 0; i < outputs.size(); ++i) {
     const cv::Mat& map = impl_->maps[i];

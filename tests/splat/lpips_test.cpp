@@ -142,7 +142,7 @@ TEST_F(LpipsTest, PicturesThatDoNotFit) {
                     {"tiny_backbone.onnx", "at least 4x4", "8x3"});
 }
 
-// The inference of shapes lets 1x1 through here: two sides of -1 px make a positive area.
+// OpenCV's inference of shapes lets 1x1 through here, where no kernel fits.
 TEST_F(LpipsTest, TheLeastSizeIsWhatEveryLayerTakes) {
   std::vector<test::TinyConv> convs = test::TinyConvs();
   convs[0].kernel = 3;
