@@ -9,15 +9,15 @@
 #include "splat/base/error.h"
 #include "splat/math/quat.h"
 #include "splat/morton.h"
-#include "splat/prune.h"
+#include "splat/prune/pruner.h"
+#include "splat/prune/select.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
 namespace {
 
 constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
-constexpr float kResetOpacity = 0.01f;        // 3DGS
-constexpr uint32_t kNew = uint32_t(1) << 31;  // marks a source entry whose moments start at zero
+constexpr float kResetOpacity = 0.01f;  // 3DGS
 
 float LargestScale(const Gaussians& g, size_t i) {
   const float* s = g.at(kScaleLog, i);
@@ -52,32 +52,6 @@ std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
   return selected;
 }
 
-// Reorders everything that is per Gaussian. Entries with kNew get zero moments; Adam has put
-// nothing off.
-void GatherAll(std::vector<uint32_t> source,
-               Placement& placement,
-               Gaussians& gaussians,
-               AdamState& adam) {
-  for (const int64_t step : adam.updated)
-    if (step != adam.step) throw Error("", "density control", "Adam has not caught up");
-  std::vector<uint32_t> fresh;
-  for (size_t i = 0; i < source.size(); ++i)
-    if (source[i] & kNew) {
-      source[i] &= ~kNew;
-      fresh.push_back(uint32_t(i));
-    }
-  gaussians.Gather(source);
-  placement.Gather(source);
-  for (Gaussians* moments : {&adam.m, &adam.v}) {
-    moments->Gather(source);
-    for (int a = 0; a < kAttributeCount; ++a)
-      for (const uint32_t i : fresh)
-        std::fill_n(
-            moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
-  }
-  adam.updated.assign(AdamGroupCount(source.size()), adam.step);
-}
-
 // A point drawn from the Gaussian itself, relative to its centre.
 std::array<float, 3> SampleOffset(const Gaussians& g, size_t i, Rng& rng) {
   const float *q = g.at(kRotation, i), *s = g.at(kScaleLog, i);
@@ -92,7 +66,7 @@ std::array<float, 3> SampleOffset(const Gaussians& g, size_t i, Rng& rng) {
 std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
                                   bool remove_oversized,
                                   const Gaussians& gaussians,
-                                  const std::vector<float>& max_radius,
+                                  const Buffer<float>& max_radius,
                                   DensityReport& report) {
   const float min_logit = std::log(settings.min_opacity / (1 - settings.min_opacity));
   std::vector<uint8_t> unwanted(gaussians.size(), 0);
@@ -112,51 +86,20 @@ std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
   return unwanted;
 }
 
-// How many go for their score, of `count`.
-size_t CountToRemove(const DensitySettings& settings, size_t count, int rounds_left) {
-  if (!settings.prune_by_plasticity) return 0;
-  if (settings.prune_to == 0) return size_t(settings.prune_fraction * float(count));
-  if (count <= settings.prune_to) return 0;
-  // The same ratio each round reaches the target in the last one.
-  const double ratio = std::pow(double(settings.prune_to) / double(count), 1.0 / (rounds_left + 1));
-  return count - std::max(settings.prune_to, size_t(std::llround(count * ratio)));
-}
-
-// Marks what pruning takes of those that would stay; returns how many. The others do not fill a
-// group or the budget.
-size_t MarkUnplastic(const DensitySettings& settings,
-                     int rounds_left,
-                     const std::vector<int32_t>& groups,
-                     const std::vector<float>& score,
-                     const std::vector<uint8_t>& exempt,
-                     std::vector<uint8_t>& unwanted) {
-  std::vector<uint32_t> index;
-  std::vector<float> score_of;
-  std::vector<uint8_t> exempt_of;
-  std::vector<int32_t> group_of;
-  for (size_t i = 0; i < unwanted.size(); ++i) {
-    if (unwanted[i]) continue;
-    index.push_back(uint32_t(i));
-    score_of.push_back(score[i]);
-    exempt_of.push_back(exempt[i]);
-    if (!groups.empty()) group_of.push_back(groups[i]);
-  }
-  const PruneRequest request{score_of,
-                             exempt_of,
-                             group_of,
-                             CountToRemove(settings, index.size(), rounds_left),
-                             settings.group_cap,
-                             settings.group_floor};
-  const std::vector<uint32_t> selected = SelectForPruning(request);
-  for (const uint32_t k : selected) unwanted[index[k]] = 1;
-  return selected.size();
-}
-
 }  // namespace
 
 void DensityStatistics::Reset(size_t n) {
   for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius})
     *b = Buffer<float>(n, 0.0f);
+}
+
+void DensityStatistics::Gather(const Reordering& order) {
+  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius}) {
+    Buffer<float> gathered(order.source.size());
+    for (size_t i = 0; i < gathered.size(); ++i) gathered[i] = (*b)[order.source[i]];
+    for (const uint32_t i : order.fresh) gathered[i] = 0;
+    *b = std::move(gathered);
+  }
 }
 
 void DensityStatistics::Accumulate(const RenderTape& tape,
@@ -197,17 +140,61 @@ std::array<float, 3> Placement::Center(const Gaussians& gaussians, size_t i) con
   return {p[0], p[1], p[2]};
 }
 
+void Population::Gather(const Reordering& order) const {
+  for (const int64_t step : adam.updated)
+    if (step != adam.step) throw Error("", "density control", "Adam has not caught up");
+  gaussians.Gather(order.source);
+  placement.Gather(order.source);
+  statistics.Gather(order);
+  if (pruner) pruner->Gather(order);
+  for (Gaussians* moments : {&adam.m, &adam.v}) {
+    moments->Gather(order.source);
+    for (int a = 0; a < kAttributeCount; ++a)
+      for (const uint32_t i : order.fresh)
+        std::fill_n(
+            moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
+  }
+  adam.updated.assign(AdamGroupCount(order.source.size()), adam.step);
+}
+
+size_t Population::Remove(const std::vector<uint8_t>& unwanted) const {
+  std::vector<uint32_t> removed;
+  for (size_t i = 0; i < unwanted.size(); ++i)
+    if (unwanted[i]) removed.push_back(uint32_t(i));
+  if (removed.empty()) return 0;
+  placement.Veto(gaussians, removed);
+  Reordering remaining;
+  auto next = removed.begin();
+  for (uint32_t i = 0; i < gaussians.size(); ++i) {
+    if (next != removed.end() && *next == i)
+      ++next;
+    else
+      remaining.source.push_back(i);
+  }
+  Gather(remaining);
+  return removed.size();
+}
+
+size_t Population::Prune(const PruneRound& round, int group_cap, int group_floor) const {
+  std::vector<uint8_t> exempt = round.exempt;
+  exempt.resize(gaussians.size(), 0);
+  const std::vector<int32_t> groups = placement.Groups();
+  std::vector<uint8_t> unwanted(gaussians.size(), 0);
+  for (const uint32_t i :
+       SelectForPruning({round.score, exempt, groups, round.remove, group_cap, group_floor}))
+    unwanted[i] = 1;
+  return Remove(unwanted);
+}
+
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
-                             int rounds_left,
-                             Placement& placement,
-                             Gaussians& gaussians,
-                             AdamState& adam,
-                             DensityStatistics& statistics,
+                             const Population& population,
                              Rng& rng) {
   DensityReport report;
+  Gaussians& gaussians = population.gaussians;
   const size_t before = gaussians.size();
-  const std::vector<uint32_t> selected = SelectForDensifying(settings, statistics, before);
+  const std::vector<uint32_t> selected =
+      SelectForDensifying(settings, population.statistics, before);
   std::vector<uint8_t> is_split(before, 0);
   std::vector<uint32_t> clones, splits;
   for (const uint32_t i : selected) {
@@ -218,53 +205,32 @@ DensityReport ControlDensity(const DensitySettings& settings,
   report.cloned = clones.size();
   report.split = splits.size();
 
-  std::vector<uint32_t> source;
+  Reordering order;
   for (size_t i = 0; i < before; ++i)
-    if (!is_split[i]) source.push_back(uint32_t(i));
-  const size_t kept = source.size();
-  for (const uint32_t i : clones) source.push_back(i | kNew);
-  const size_t children = source.size();
-  for (const uint32_t i : splits) source.insert(source.end(), {i | kNew, i | kNew});
+    if (!is_split[i]) order.source.push_back(uint32_t(i));
+  const size_t kept = order.source.size();
+  order.source.insert(order.source.end(), clones.begin(), clones.end());
+  const size_t children = order.source.size();
+  for (const uint32_t i : splits) order.source.insert(order.source.end(), {i, i});
+  order.fresh.resize(order.source.size() - kept);
+  std::iota(order.fresh.begin(), order.fresh.end(), uint32_t(kept));
+  population.Gather(order);
 
-  std::vector<float> score(source.size(), 0.0f), max_radius(source.size(), 0.0f);
-  std::vector<uint8_t> exempt(source.size(), 1);
-  for (size_t i = 0; i < kept; ++i) {
-    const float steps = statistics.visible[source[i]];
-    max_radius[i] = statistics.max_radius[source[i]];
-    if (!(steps > 0)) continue;
-    score[i] = statistics.plasticity[source[i]] / steps;
-    exempt[i] = 0;
-  }
-  GatherAll(source, placement, gaussians, adam);
   for (size_t i = children; i < gaussians.size(); ++i) {
     const std::array<float, 3> offset = SampleOffset(gaussians, i, rng);
-    placement.Move(gaussians, uint32_t(i), offset);
+    population.placement.Move(gaussians, uint32_t(i), offset);
     for (int k = 0; k < 3; ++k) gaussians.at(kScaleLog, i)[k] -= std::log(kSplitShrink);
   }
-
-  std::vector<uint8_t> unwanted =
-      MarkUnwanted(settings, remove_oversized, gaussians, max_radius, report);
-  if (settings.prune_by_plasticity || settings.group_cap > 0)
-    report.unplastic =
-        MarkUnplastic(settings, rounds_left, placement.Groups(), score, exempt, unwanted);
-  std::vector<uint32_t> removed;
-  for (size_t i = 0; i < unwanted.size(); ++i)
-    if (unwanted[i]) removed.push_back(uint32_t(i));
-  placement.Veto(gaussians, removed);
-  std::fill(unwanted.begin(), unwanted.end(), 0);
-  for (const uint32_t i : removed) unwanted[i] = 1;
-  std::vector<uint32_t> remaining;
-  for (size_t i = 0; i < unwanted.size(); ++i)
-    if (!unwanted[i]) remaining.push_back(uint32_t(i));
-  GatherAll(remaining, placement, gaussians, adam);
-  statistics.Reset(gaussians.size());
+  population.Remove(MarkUnwanted(
+      settings, remove_oversized, gaussians, population.statistics.max_radius, report));
   return report;
 }
 
-void SortInSpace(Placement& placement, Gaussians& gaussians, AdamState& adam) {
-  std::vector<std::array<float, 3>> centers(gaussians.size());
-  for (size_t i = 0; i < centers.size(); ++i) centers[i] = placement.Center(gaussians, i);
-  GatherAll(MortonOrder(centers), placement, gaussians, adam);
+void SortInSpace(const Population& population) {
+  std::vector<std::array<float, 3>> centers(population.gaussians.size());
+  for (size_t i = 0; i < centers.size(); ++i)
+    centers[i] = population.placement.Center(population.gaussians, i);
+  population.Gather({MortonOrder(centers), {}});
 }
 
 void ResetOpacity(Gaussians& gaussians, AdamState& adam) {

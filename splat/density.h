@@ -1,5 +1,5 @@
 // Adaptive density control: where Gaussians are added and removed during training.
-// Source: Kerbl et al. 2023, section 5; pruning by plasticity: splat/prune.h.
+// Source: Kerbl et al. 2023, section 5; pruning: splat/prune/pruner.h.
 #pragma once
 
 #include <array>
@@ -12,7 +12,15 @@
 
 namespace cosplat {
 
+class Pruner;
 class RenderTape;
+struct PruneRound;
+
+// The order that density control leaves Gaussians in: entry i was source[i] before.
+struct Reordering {
+  std::vector<uint32_t> source;
+  std::vector<uint32_t> fresh;  // entries that are new: cloned or split off, moments start at zero
+};
 
 // Gathered over the steps since the last densification; one entry per Gaussian.
 struct DensityStatistics {
@@ -22,6 +30,10 @@ struct DensityStatistics {
   Buffer<float> max_radius;       // px, the largest so far
 
   void Reset(size_t n);
+  // Of |dL/ds| over the steps in which it was drawn; 0 for one that was not.
+  float MeanPlasticity(size_t i) const { return visible[i] > 0 ? plasticity[i] / visible[i] : 0; }
+  // Those of new Gaussians are zero.
+  void Gather(const Reordering& order);
   // `screen`: [N, 2] dL/d(centre) per px. d_scale_log, scale_log: [N, 3].
   void Accumulate(const RenderTape& tape,
                   const Buffer<float>& screen,
@@ -38,16 +50,10 @@ struct DensitySettings {
   float max_scale = 0;         // larger ones are removed once size pruning is on; scene units
   float max_radius_px = 20;    // likewise
   size_t max_count = 2000000;  // never exceeded by adding: the strongest gradients go first
-
-  bool prune_by_plasticity = false;
-  float prune_fraction = 0.02f;  // share removed at each densification
-  size_t prune_to = 0;           // or, when not 0: towards this count by the last one
-  int group_cap = 0;
-  int group_floor = 0;
 };
 
 struct DensityReport {
-  size_t cloned = 0, split = 0, transparent = 0, oversized = 0, unplastic = 0, broken = 0;
+  size_t cloned = 0, split = 0, transparent = 0, oversized = 0, broken = 0;
 };
 
 // What density control must know of where Gaussians are: a static scene moves a point, an avatar
@@ -70,20 +76,30 @@ class Placement {
   }
 };
 
-// Clone, split, remove; then clears the statistics. New Gaussians start with zero moments. Adam
-// must have caught up (splat/optimizer.h): Error otherwise.
+// All that is per Gaussian, so that reordering moves it alike. Adam must have caught up
+// (splat/optimizer.h): Error otherwise.
+struct Population {
+  Placement& placement;
+  Gaussians& gaussians;
+  AdamState& adam;
+  DensityStatistics& statistics;
+  Pruner* pruner = nullptr;  // or null: none has data of its own
+
+  void Gather(const Reordering& order) const;
+  // What `unwanted` ([N], 1) marks goes, unless the placement vetoes it. Returns how many went.
+  size_t Remove(const std::vector<uint8_t>& unwanted) const;
+  // The same of what a round of pruning (splat/prune/pruner.h) and a cap of groups take.
+  size_t Prune(const PruneRound& round, int group_cap, int group_floor) const;
+};
+
+// Clone, split, remove what is transparent, oversized or broken. The statistics go along.
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
-                             int rounds_left,
-                             Placement& placement,
-                             Gaussians& gaussians,
-                             AdamState& adam,
-                             DensityStatistics& statistics,
+                             const Population& population,
                              Rng& rng);
 
-// Puts the Gaussians in Morton order (splat/morton.h). The statistics must be clear, and Adam have
-// caught up.
-void SortInSpace(Placement& placement, Gaussians& gaussians, AdamState& adam);
+// Puts the Gaussians in Morton order (splat/morton.h).
+void SortInSpace(const Population& population);
 
 // Opacities above 0.01 are set to it, and their moments cleared (3DGS).
 void ResetOpacity(Gaussians& gaussians, AdamState& adam);

@@ -12,6 +12,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/config.h"
+#include "splat/contribution.h"
 #include "splat/gaussians.h"
 #include "splat/kernels/world_gaussians.h"
 #include "splat/memory_part.h"
@@ -70,6 +71,14 @@ class Rasterizer {
                         const Buffer<float>& d_color,
                         RenderTape& tape,
                         const WorldGradients& gradients) = 0;
+
+  // What every Gaussian does for the picture that Forward made (with the full exponential), summed
+  // over its pixels; 0 where it was not drawn. error: [3, height, width] picture minus photograph,
+  // or empty: taken as 0. contributions: [count], overwritten.
+  virtual void Contributions(const RenderedImage& image,
+                             const Buffer<float>& error,
+                             RenderTape& tape,
+                             Buffer<Contribution>& contributions) = 0;
 
   PhaseTimes times;  // project, sort, blend, backward; the caller resets it
 };

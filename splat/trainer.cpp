@@ -42,6 +42,8 @@ Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians firs
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
+  pruner_ =
+      MakePruner(settings.prune, settings.schedule, settings.iterations, state_.gaussians.size());
 }
 
 int Trainer::active_degree() const {
@@ -134,26 +136,53 @@ void Trainer::ReleaseScratch() {
   tape_ = rasterizer_->MakeTape();
 }
 
+Population Trainer::Everyone() {
+  return {subject_, state_.gaussians, state_.adam, state_.statistics, pruner_.get()};
+}
+
+// What the rule ranks lowest, and what the cap of groups takes.
+PruneRound Trainer::Rank(int iteration) {
+  const DensityStatistics& statistics = state_.statistics;
+  if (PrunesAt(iteration)) {
+    const bool white = settings_.background == Background::kWhite;
+    const float grey = settings_.background == Background::kRandom ? 0.5f : float(white);
+    return pruner_->Rank({iteration,
+                          subject_,
+                          state_.gaussians,
+                          statistics,
+                          active_degree(),
+                          {grey, grey, grey},
+                          state_.rng});
+  }
+  PruneRound round;
+  for (size_t i = 0; i < state_.gaussians.size(); ++i) {
+    round.score.push_back(statistics.MeanPlasticity(i));
+    round.exempt.push_back(!(statistics.visible[i] > 0));
+  }
+  return round;
+}
+
 void Trainer::ControlDensityAt(int iteration) {
   const Schedule& schedule = settings_.schedule;
   const bool densifies = schedule.DensifiesAt(iteration);
+  const bool prunes = PrunesAt(iteration);
   const bool resets = schedule.ResetsOpacityAt(iteration);
-  if (densifies || resets || iteration == settings_.iterations)
+  if (densifies || prunes || resets || iteration == settings_.iterations)
     AdamCatchUpAll(
         RatesAt(iteration - 1), subject_.PositionRateScale(), state_.gaussians, state_.adam);
+  if (densifies || prunes) ReleaseScratch();
   if (densifies) {
-    ReleaseScratch();
-    ControlDensity(settings_.density,
-                   iteration > schedule.size_prune_after,
-                   schedule.DensificationsAfter(iteration),
-                   subject_,
-                   state_.gaussians,
-                   state_.adam,
-                   state_.statistics,
-                   state_.rng);
+    if (pruner_) pruner_->BeforeDensification();
+    ControlDensity(
+        settings_.density, iteration > schedule.size_prune_after, Everyone(), state_.rng);
+  }
+  if (densifies || prunes) {
+    if (settings_.prune.group_cap > 0 || prunes)
+      Everyone().Prune(Rank(iteration), settings_.prune.group_cap, settings_.prune.group_floor);
     if (state_.gaussians.size() == 0)
       throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
-    SortInSpace(subject_, state_.gaussians, state_.adam);
+    SortInSpace(Everyone());
+    state_.statistics.Reset(state_.gaussians.size());
   }
   if (resets) ResetOpacity(state_.gaussians, state_.adam);
 }
@@ -168,13 +197,14 @@ double Trainer::Forward(size_t index) {
   {
     ScopedPhase phase(times_, Phase::kPose);
     world_ = subject_.Place(state_.gaussians, index);
+    if (pruner_) pruner_->BeforeDraw(state_.gaussians, world_, state_.rng);
   }
   rasterizer_->Forward(world_, state_.gaussians.basis, frame.camera, render, image_, *tape_);
   ScopedPhase phase(times_, Phase::kLoss);
   return loss_.Evaluate(settings_.loss, image_.color, frame.target, render.background, d_color_);
 }
 
-void Trainer::Backward(int iteration) {
+double Trainer::Backward(int iteration) {
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_);
   // Adam then reads those of others, too.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
@@ -185,14 +215,16 @@ void Trainer::Backward(int iteration) {
     subject_.PlaceBackward(state_.gaussians, gradients_);
   }
   // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
-  if (iteration >= settings_.schedule.densify_until) return;
   ScopedPhase phase(times_, Phase::kDensity);
-  state_.statistics.Accumulate(*tape_,
-                               screen_,
-                               gradients_.values[kScaleLog],
-                               state_.gaussians.values[kScaleLog],
-                               image_.width,
-                               image_.height);
+  if (iteration < settings_.schedule.densify_until)
+    state_.statistics.Accumulate(*tape_,
+                                 screen_,
+                                 gradients_.values[kScaleLog],
+                                 state_.gaussians.values[kScaleLog],
+                                 image_.width,
+                                 image_.height);
+  if (!pruner_) return 0;
+  return pruner_->AfterBackward(state_.gaussians, gradients_, tape_->radii());
 }
 
 void Trainer::Update(int iteration) {
@@ -221,7 +253,7 @@ StepReport Trainer::Step() {
   double loss = Forward(index);
   if (!std::isfinite(loss))
     throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
-  Backward(iteration);
+  loss += Backward(iteration);
   loss += RegularizeScale();
   Update(iteration);
   const double seconds =

@@ -15,8 +15,10 @@
 #include "splat/density.h"
 #include "splat/loss.h"
 #include "splat/optimizer.h"
+#include "splat/prune/pruner.h"
 #include "splat/rasterizer.h"
 #include "splat/schedule.h"
+#include "splat/subject.h"
 
 namespace cosplat {
 
@@ -60,44 +62,14 @@ struct TrainSettings {
   std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};
   Schedule schedule;
   DensitySettings density;
+  PruneSettings prune;
   AdamOn adam_on = AdamOn::kDrawn;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };
 
-// One training frame.
-struct TrainFrame {
-  Camera camera;
-  Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
-};
-
-class Subject : public Placement {
- public:
-  virtual size_t frame_count() const = 0;
-  virtual const TrainFrame& frame(size_t i) const = 0;
-  // World units per unit of position rate: the scene's extent, or 1.
-  virtual float extent() const = 0;
-  // The Gaussians in the world of frame i. Borrowed until the next call.
-  virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
-  // Where, and of which, the rasteriser shall write its gradients for Place's result.
-  virtual WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) = 0;
-  // Turns what was written there into gradients of `gaussians`, in place.
-  virtual void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
-    (void)gaussians;
-    (void)gradients;
-  }
-  // [N, 3] factors on the rate of kPosition's components, where they differ in unit; or empty.
-  virtual View<const float> PositionRateScale() { return {}; }
-  // After the step's update; `iteration` counts from 1.
-  virtual void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
-    (void)iteration;
-    (void)gaussians;
-    (void)adam;
-  }
-};
-
-// Everything that a run is at a moment, beside its subject's own state (AvatarTrainingState):
-// writing and reading it makes an exact checkpoint. Until the last iteration, `adam` may have put
-// off something for Gaussians that were not drawn lately.
+// Everything that a run is at a moment, beside its subject's own state (AvatarTrainingState) and
+// what a rule of pruning learns: writing and reading it makes an exact checkpoint. Until the last
+// iteration, `adam` may have put off something for Gaussians that were not drawn lately.
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;
@@ -148,16 +120,21 @@ class Trainer {
   AdamSettings RatesAt(int iteration) const;
   // The step's parts: draw and compare, gradients, parameters.
   double Forward(size_t index);
-  void Backward(int iteration);
+  double Backward(int iteration);  // returns what the rule of pruning adds to the loss
   void Update(int iteration);
   double RegularizeScale();
   void FindGroups();
   void ReleaseScratch();
   void ControlDensityAt(int iteration);
+  PruneRound Rank(int iteration);
+  bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }
+  // What moves along when Gaussians come and go.
+  Population Everyone();
 
   TrainSettings settings_;
   Subject& subject_;
   TrainingState state_;
+  std::unique_ptr<Pruner> pruner_;  // null: no rule
   // Scratch, kept between steps.
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;

@@ -106,7 +106,7 @@ void AvatarOptions::ApplyPreset(CLI::App& command) {
 TrainSettings AvatarOptions::ToSettings(float unit) const {
   TrainSettings settings = TrainOptions::ToSettings(1);
   settings.scale_regularizer.weight = 1;  // SplattingAvatar's, in every preset
-  settings.density.group_cap = triangle_cap;
+  settings.prune.group_cap = triangle_cap;
   if (IsSplattingAvatar()) {
     settings.loss.mse = kSplattingAvatarMse;
     settings.first_degree = sh_degree;  // all bands from the first step

@@ -66,9 +66,18 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--seed", seed, "of everything random");
   command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
       ->check(CLI::Range(size_t(1), kMostGaussians));
-  command.add_option("--prune", prune, "none, or plasticity: drop the least plastic at each round")
-      ->check(CLI::IsMember({"none", "plasticity"}));
-  command.add_option("--prune-to", prune_to, "prune by plasticity towards this many Gaussians");
+  command
+      .add_option("--prune",
+                  prune,
+                  "rule by which Gaussians are taken away beyond density control (docs/study.md)")
+      ->check(CLI::IsMember(PruneRuleNames()));
+  command.add_option("--prune-to",
+                     prune_to,
+                     "leave this many Gaussians; for rules that rank, by default leave-one-out");
+  command
+      .add_option(
+          "--prune_lambda", prune_lambda, "weight of the mask's loss, for rules that learn a mask")
+      ->check(kRate);
   command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
       ->check(kRate)
       ->check(CLI::Range(0.0, 1.0));
@@ -127,8 +136,9 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS
   s.density.max_count = max_gaussians;
-  s.density.prune_by_plasticity = prune == "plasticity" || prune_to > 0;
-  s.density.prune_to = prune_to;
+  s.prune.rule = PruneRuleFromString(prune == "none" && prune_to > 0 ? "leave-one-out" : prune);
+  s.prune.target = prune_to;
+  s.prune.mask_weight = prune_lambda;
   if (background == "white") s.background = Background::kWhite;
   if (background == "random") s.background = Background::kRandom;
   s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";

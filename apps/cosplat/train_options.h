@@ -29,6 +29,7 @@ struct TrainOptions {
   size_t max_gaussians = 2000000;
   std::string prune = "none";
   size_t prune_to = 0;
+  float prune_lambda = 0;
   float lambda_dssim = 0.2f;
   float densify_grad_threshold = 2e-4f;
   // Steps; -1: by the schedule.

@@ -12,42 +12,9 @@
 
 COSPLAT_MATH_BEGIN
 
-HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) {
-  return {Pack(s.r), Pack(s.g), Pack(s.b)};
-}
-
-// The k-th splat, front to back. Splats lie scattered in memory: one that comes later is fetched
-// now.
-HWY_INLINE const ProjectedSplat& SplatAt(const TileJob& job, uint32_t k) {
-  constexpr uint32_t kAhead = 8;
-  __builtin_prefetch(&job.splats[job.entries[std::min(k + kAhead, job.entry_count - 1)].gaussian]);
-  return job.splats[job.entries[k].gaussian];
-}
-
 struct alignas(64) TilePixels {
   float t[kPixels], r[kPixels], g[kPixels], b[kPixels];
 };
-
-// Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop
-// going.
-HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
-  std::fill(t, t + kPixels, 0.0f);
-  ForRowsOnImage(job, [&](int i, size_t, int n) HWY_ATTR {
-    for (int k = 0; k < n; ++k) t[i + k] = 1;
-  });
-}
-
-// Blocks with a pixel that still takes splats.
-HWY_INLINE BlockMask OpenBlocks(const float* t) {
-  BlockMask open = 0;
-  for (int block = 0; block < kBlocks; ++block) {
-    Pack most(0.0f);
-    for (int i = 0; i < kBlockPixels; i += int(kLanes))
-      most = Max(most, LoadPack(t + block * kBlockPixels + i));
-    open |= BlockMask(AnyTrue(most >= Pack(kMinTransmittance))) << block;
-  }
-  return open;
-}
 
 template <int kExpDegree>
 HWY_INLINE void BlendSplat(const ProjectedSplat& s,

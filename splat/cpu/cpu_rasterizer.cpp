@@ -9,6 +9,7 @@
 #include "splat/base/error.h"
 #include "splat/config.h"
 #include "splat/cpu/blend_tile.h"
+#include "splat/cpu/contribution_tile.h"
 #include "splat/cpu/launch.h"
 #include "splat/cpu/view_parameters.h"
 #include "splat/rasterizer.h"
@@ -26,6 +27,7 @@ class CpuTape : public RenderTape {
             {"tile lists", lists.HeldForGaussians()},
             {"gradients per splat and tile", HeldBy(records)},
             {"gradients per splat", HeldBy(d_splats)},
+            {"contributions per splat and tile", HeldBy(contributions)},
             {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
   }
 
@@ -34,9 +36,10 @@ class CpuTape : public RenderTape {
   Buffer<ProjectedSplat> splats;  // [count]
   Buffer<float> radius;           // [count]
   TileLists lists;
-  Buffer<uint32_t> looked_at;      // [tiles] entries before the tile was opaque
-  Buffer<SplatGradient> records;   // [instances]
-  Buffer<SplatGradient> d_splats;  // [count]
+  Buffer<uint32_t> looked_at;          // [tiles] entries before the tile was opaque
+  Buffer<SplatGradient> records;       // [instances]
+  Buffer<SplatGradient> d_splats;      // [count]
+  Buffer<Contribution> contributions;  // [instances]; only once they were asked for
 };
 
 class CpuRasterizer : public Rasterizer {
@@ -114,6 +117,33 @@ class CpuRasterizer : public Rasterizer {
                      tape.radius.data(),
                      tape.d_splats.data(),
                      gradients);
+  }
+
+  void Contributions(const RenderedImage& image,
+                     const Buffer<float>& error,
+                     RenderTape& base_tape,
+                     Buffer<Contribution>& sums) override {
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    const TileLists& lists = tape.lists;
+    tape.contributions.assign(lists.entries.size(), Contribution{});
+    tbb::parallel_for(0, lists.tiles_x * lists.tiles_y, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = const_cast<float*>(image.color.data());  // read only here
+      job.entry_count = tape.looked_at[tile];
+      SumContributions(job, error.empty() ? nullptr : error.data(), tape.contributions.data());
+    });
+    sums.assign(tape.splats.size(), Contribution{});
+    tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
+      Contribution& sum = sums[lists.order[k]];
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r) {
+        const Contribution& c = tape.contributions[r];
+        sum.weight += c.weight;
+        sum.hits += c.hits;
+        sum.sensitivity += c.sensitivity;
+        sum.change += c.change;
+        sum.error_growth += c.error_growth;
+      }
+    });
   }
 
  private:

@@ -174,5 +174,16 @@ COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(T alpha,
   return {weight, d_alpha};
 }
 
+// What a pixel would lose without one splat, C(alpha) - C(0), per channel. The picture is linear in
+// each alpha, so this is alpha dC/dalpha, exactly. `behind`: what the splats behind it and the
+// background add to the pixel; `transmittance`: before it.
+template <class T>
+COSPLAT_HD Vec3<T> LossWithout(T alpha,
+                               const Vec3<T>& color,
+                               const Vec3<T>& behind,
+                               T transmittance) {
+  return (color * transmittance - behind * (T(1) / (T(1) - alpha))) * alpha;
+}
+
 COSPLAT_MATH_END
 #endif

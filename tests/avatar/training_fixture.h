@@ -53,7 +53,7 @@ inline TrainSettings ShortRun(int iterations, size_t max_count) {
   s.schedule.size_prune_after = iterations;
   s.schedule.position_rate_steps = iterations;
   s.density.max_count = max_count;
-  s.density.group_cap = 64;
+  s.prune.group_cap = 64;
   return s;
 }
 

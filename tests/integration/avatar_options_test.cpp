@@ -50,7 +50,7 @@ TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
     EXPECT_FLOAT_EQ(s.rates.position_first, 6.4e-4f);
     EXPECT_EQ(s.schedule.densify_from, 100);
     EXPECT_EQ(s.schedule.densify_until, 3000);
-    EXPECT_EQ(s.density.group_cap, 64);
+    EXPECT_EQ(s.prune.group_cap, 64);
   }
 }
 
@@ -85,8 +85,8 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.05f);
   EXPECT_EQ(s.density.max_radius_px, 20);
   EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
-  EXPECT_FALSE(s.density.prune_by_plasticity);
-  EXPECT_EQ(s.density.group_cap, 0);
+  EXPECT_EQ(s.prune.rule, PruneRule::kNone);
+  EXPECT_EQ(s.prune.group_cap, 0);
 }
 
 TEST(AvatarPreset, SplattingAvatarsTableIsSettledInBoth) {
@@ -145,7 +145,7 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
     const TrainSettings s = p.options.ToSettings(0.25f);
     EXPECT_EQ(s.degree, 3);
     EXPECT_EQ(s.first_degree, 3);  // all from the first step
-    EXPECT_EQ(s.density.group_cap, 64);
+    EXPECT_EQ(s.prune.group_cap, 64);
     EXPECT_FLOAT_EQ(s.rates.position_first, 0.001f);
     EXPECT_FLOAT_EQ(s.rates.position_last, 1.6e-6f);
     EXPECT_FLOAT_EQ(s.loss.l1, 0.8f);

@@ -1,12 +1,11 @@
 // Which Gaussians go: small cases by hand, and the rules on random input.
-#include "splat/prune.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
 #include "splat/base/rng.h"
+#include "splat/prune/select.h"
 
 namespace cosplat {
 namespace {

@@ -57,7 +57,7 @@ TrainSettings BusyRun() {
   settings.schedule.densify_every = 20;
   settings.schedule.opacity_reset_every = 60;
   settings.background = Background::kRandom;
-  settings.density.prune_by_plasticity = true;
+  settings.prune.rule = PruneRule::kDcsharp;
   return settings;
 }
 

@@ -1,0 +1,99 @@
+#include "splat/cpu/contribution_tile.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/cpu/contribution_tile.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "splat/cpu/tile_blocks.h"
+
+COSPLAT_MATH_BEGIN
+
+// Per pixel: the transmittance, what is behind the splats so far, and the picture's error.
+struct alignas(64) ContributionPixels {
+  float t[kPixels], behind[3][kPixels], error[3][kPixels];
+};
+
+void LoadContributionPixels(const TileJob& job, const float* error, ContributionPixels& px) {
+  StartTransmittance(job, px.t);
+  const size_t plane = size_t(job.width) * job.height;
+  for (int c = 0; c < 3; ++c) {
+    std::fill(px.behind[c], px.behind[c] + kPixels, 0.0f);
+    std::fill(px.error[c], px.error[c] + kPixels, 0.0f);
+    ForRowsOnImage(job, [&](int i, size_t at, int n) HWY_ATTR {
+      for (int k = 0; k < n; ++k) {
+        px.behind[c][i + k] = job.color[c * plane + at + k];
+        if (error) px.error[c][i + k] = error[c * plane + at + k];
+      }
+    });
+  }
+}
+
+HWY_INLINE Vec3<Pack> LoadVec3At(const float (&planes)[3][kPixels], int at) {
+  return {LoadPack(planes[0] + at), LoadPack(planes[1] + at), LoadPack(planes[2] + at)};
+}
+
+HWY_INLINE Contribution SumOfSplat(const ProjectedSplat& s,
+                                   const TileGrid& grid,
+                                   BlockMask open,
+                                   ContributionPixels& px) {
+  const SplatOnTile on(s, grid);
+  const Vec3<Pack> color = ColorOfSplat(s);
+  const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f), one(1.0f);
+  Pack sums[5] = {zero, zero, zero, zero, zero};
+  ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
+    const Pack power = on.PowerOf(block, pack, grid);
+    const Pack t = LoadPack(px.t + at);
+    const PackMask accept = Accepts(power, reject, t);
+    if (!AnyTrue(accept)) return;
+    const Pack falloff = Select(accept, FastExp<kMaxExpDegree>(power), zero);
+    const Pack alpha = AlphaOf(opacity, falloff), weight = alpha * t;
+    const Vec3<Pack> behind = LoadVec3At(px.behind, at) - color * weight;
+    const Vec3<Pack> loss = LossWithout(alpha, color, behind, t);
+    const Vec3<Pack> error = LoadVec3At(px.error, at);
+    StorePack(t - weight, px.t + at);
+    StorePack(behind.x, px.behind[0] + at);
+    StorePack(behind.y, px.behind[1] + at);
+    StorePack(behind.z, px.behind[2] + at);
+    // d(sum of channels)/d(falloff) = loss / falloff.
+    const Pack slope = Select(accept, (loss.x + loss.y + loss.z) / Max(falloff, Pack(1e-6f)), zero);
+    sums[0] += weight;
+    sums[1] += Select(accept, t, zero);
+    sums[2] += slope * slope;
+    sums[3] += Dot(loss, loss);
+    sums[4] += Dot(loss, error);
+  });
+  float sum[5];
+  SumEach<5>(sums, sum);
+  return {sum[0], s.opacity * sum[1], sum[2], sum[3], sum[3] - 2 * sum[4]};
+}
+
+void SumContributionsOfTile(const TileJob& job, const float* error, Contribution* records) {
+  const TileGrid grid(job);
+  ContributionPixels px;
+  LoadContributionPixels(job, error, px);
+  for (uint32_t k = 0; k < job.entry_count;) {
+    const BlockMask open = OpenBlocks(px.t);
+    const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
+    for (; k < stop; ++k)
+      records[job.entries[k].record] = SumOfSplat(SplatAt(job, k), grid, open, px);
+  }
+}
+
+COSPLAT_MATH_END
+
+#if HWY_ONCE
+namespace cosplat {
+namespace math {
+HWY_EXPORT(SumContributionsOfTile);
+}  // namespace math
+
+void SumContributions(const TileJob& job, const float* error, Contribution* records) {
+  using namespace math;
+  HWY_DYNAMIC_DISPATCH(SumContributionsOfTile)(job, error, records);
+}
+
+}  // namespace cosplat
+#endif

@@ -1,0 +1,14 @@
+// What each splat of a tile contributes to its pixels: the scores of pruning (splat/importance.h).
+#pragma once
+
+#include "splat/contribution.h"
+#include "splat/cpu/blend_tile.h"
+
+namespace cosplat {
+
+// error: [3, height, width] rendered minus photograph, or null for none. Writes
+// records[entry.record] for each of the job's entries (the caller passes only those that the
+// forward pass looked at; job.color must be what it wrote).
+void SumContributions(const TileJob& job, const float* error, Contribution* records);
+
+}  // namespace cosplat

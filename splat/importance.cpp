@@ -1,0 +1,101 @@
+#include "splat/importance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/loss.h"
+#include "splat/rasterizer.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kVolumeQuantile = 0.9;
+constexpr float kVolumePower = 0.1f;
+
+// Adds up pictures' contributions.
+class ContributionSum {
+ public:
+  explicit ContributionSum(size_t count)
+      : rasterizer_(MakeCpuRasterizer()), tape_(rasterizer_->MakeTape()), sum_(count) {}
+
+  // `photograph`: or null, when there is none.
+  void Add(const WorldGaussians& world,
+           Basis basis,
+           const Camera& camera,
+           const RenderSettings& settings,
+           const Image8* photograph) {
+    rasterizer_->Forward(world, basis, camera, settings, image_, *tape_);
+    if (photograph) {
+      CompositeTarget(*photograph, settings.background, error_);
+      for (size_t i = 0; i < error_.size(); ++i) error_[i] = image_.color[i] - error_[i];
+    }
+    rasterizer_->Contributions(image_, error_, *tape_, view_);
+    for (size_t i = 0; i < sum_.size(); ++i) {
+      Contribution& s = sum_[i];
+      const Contribution& v = view_[i];
+      s.weight += v.weight;
+      s.hits += v.hits;
+      s.sensitivity += v.sensitivity;
+      s.change += v.change;
+      s.error_growth += v.error_growth;
+    }
+  }
+  std::vector<Contribution> Take() { return std::move(sum_); }
+
+ private:
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<RenderTape> tape_;
+  RenderedImage image_;
+  Buffer<float> error_;
+  Buffer<Contribution> view_;
+  std::vector<Contribution> sum_;
+};
+
+}  // namespace
+
+std::vector<Contribution> ContributionsToFrames(Subject& subject,
+                                                const Gaussians& gaussians,
+                                                int degree,
+                                                const std::array<float, 3>& background,
+                                                size_t most_frames) {
+  ContributionSum sum(gaussians.size());
+  const size_t frames = subject.frame_count(), used = std::min(frames, most_frames);
+  for (size_t k = 0; k < used; ++k) {
+    const size_t f = k * frames / used;
+    const TrainFrame& frame = subject.frame(f);
+    sum.Add(subject.Place(gaussians, f),
+            gaussians.basis,
+            frame.camera,
+            {background, degree},
+            &frame.target);
+  }
+  return sum.Take();
+}
+
+std::vector<float> Significance(const Gaussians& gaussians,
+                                const std::vector<Contribution>& contributions) {
+  const size_t n = gaussians.size();
+  std::vector<float> volume_log(n);
+  for (size_t i = 0; i < n; ++i) {
+    const float* s = gaussians.at(kScaleLog, i);
+    volume_log[i] = s[0] + s[1] + s[2];
+  }
+  std::vector<float> significance(n);
+  if (n == 0) return significance;
+  std::vector<float> sorted = volume_log;
+  const size_t k = std::min(n - 1, size_t(kVolumeQuantile * double(n)));
+  std::nth_element(sorted.begin(), sorted.begin() + k, sorted.end());
+  for (size_t i = 0; i < n; ++i)
+    significance[i] = contributions[i].hits * std::exp(kVolumePower * (volume_log[i] - sorted[k]));
+  return significance;
+}
+
+std::vector<float> GlobalSignificance(const Gaussians& gaussians,
+                                      const std::vector<Camera>& cameras) {
+  ContributionSum sum(gaussians.size());
+  for (const Camera& camera : cameras)
+    sum.Add(ViewOf(gaussians), gaussians.basis, camera, {{0, 0, 0}, gaussians.degree}, nullptr);
+  return Significance(gaussians, sum.Take());
+}
+
+}  // namespace cosplat

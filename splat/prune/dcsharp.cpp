@@ -1,0 +1,45 @@
+// DCSHARP: shape-aware pruning by plasticity. Score: the mean of |dL/ds| (s: the three standard
+// deviations) over the steps since the last densification in which the Gaussian was drawn. A
+// Gaussian whose shape the loss no longer moves is the least significant. At each densification.
+// The supplement keeps the Top-K; the share that goes, 2 %, is that of the released code.
+#include "splat/prune/rounds.h"
+#include "splat/prune/rules.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kShare = 0.02;
+
+class DcsharpPruner : public Pruner {
+ public:
+  DcsharpPruner(const PruneSettings& settings, const Schedule& schedule)
+      : settings_(settings), rounds_{schedule, settings.target > 0} {}
+
+  bool PrunesAt(int iteration) const override { return rounds_.At(iteration); }
+
+  PruneRound Rank(const PruneContext& context) override {
+    const DensityStatistics& statistics = context.statistics;
+    const size_t n = context.gaussians.size();
+    PruneRound round{std::vector<float>(n, 0.0f), std::vector<uint8_t>(n, 1), 0};
+    for (size_t i = 0; i < n; ++i) {
+      round.score[i] = statistics.MeanPlasticity(i);
+      round.exempt[i] = !(statistics.visible[i] > 0);  // new or unseen
+    }
+    round.remove = settings_.target == 0
+                       ? ShareOf(kShare, n)
+                       : RemovalTowards(settings_.target, n, rounds_.LeftAfter(context.iteration));
+    return round;
+  }
+
+ private:
+  PruneSettings settings_;
+  DensificationRounds rounds_;
+};
+
+}  // namespace
+
+std::unique_ptr<Pruner> MakeDcsharpPruner(const PruneSettings& settings, const Schedule& schedule) {
+  return std::make_unique<DcsharpPruner>(settings, schedule);
+}
+
+}  // namespace cosplat

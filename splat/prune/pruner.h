@@ -1,0 +1,78 @@
+// Pruning: which Gaussians training takes away beyond those that density control does (transparent,
+// oversized). One rule a file; all of them rank, and the lowest go.
+//
+//   step -> BeforeDraw -> ... -> AfterBackward -> density control -> PrunesAt? -> Rank -> removal
+//
+// Rules, with the papers they are made after: docs/study.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "splat/base/rng.h"
+#include "splat/density.h"
+#include "splat/gaussians.h"
+#include "splat/prune/settings.h"
+#include "splat/schedule.h"
+#include "splat/subject.h"
+
+namespace cosplat {
+
+// What a pruner sees of the run when it ranks.
+struct PruneContext {
+  int iteration = 0;  // of the step just done, from 1
+  Subject& subject;   // to draw training frames; not to be changed
+  const Gaussians& gaussians;
+  const DensityStatistics& statistics;  // since the last densification
+  int degree = 0;                       // bands in use
+  std::array<float, 3> background{0, 0, 0};
+  Rng& rng;
+};
+
+struct PruneRound {
+  std::vector<float> score;     // [N] lowest go first
+  std::vector<uint8_t> exempt;  // [N] 1: not to be judged yet; or empty
+  size_t remove = 0;            // how many go
+};
+
+class Pruner {
+ public:
+  virtual ~Pruner() = default;
+
+  // Whether there is a round after step `iteration`.
+  virtual bool PrunesAt(int iteration) const = 0;
+  // Of the Gaussians as density control has left them.
+  virtual PruneRound Rank(const PruneContext& context) = 0;
+
+  // Before a step draws: a learned mask hides or dims Gaussians.
+  virtual void BeforeDraw(const Gaussians& gaussians, WorldGaussians& world, Rng& rng) {
+    (void)gaussians;
+    (void)world;
+    (void)rng;
+  }
+  // After a step's gradients, before Adam. radii: [N] 0 where not drawn. Returns the loss that the
+  // rule adds.
+  virtual double AfterBackward(const Gaussians& gaussians,
+                               Gaussians& gradients,
+                               View<const float> radii) {
+    (void)gaussians;
+    (void)gradients;
+    (void)radii;
+    return 0;
+  }
+  virtual void BeforeDensification() {}
+  // The rule's own data per Gaussian follows.
+  virtual void Gather(const Reordering& order) { (void)order; }
+};
+
+// Null for PruneRule::kNone. `schedule`, `iterations`: of the run. Throws Error when the settings
+// do not fit the rule (a count for one that has none).
+std::unique_ptr<Pruner> MakePruner(const PruneSettings& settings,
+                                   const Schedule& schedule,
+                                   int iterations,
+                                   size_t gaussians);
+
+}  // namespace cosplat

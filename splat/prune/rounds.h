@@ -1,0 +1,61 @@
+// When a rule prunes, and how many go: shared by the rules that rank.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "splat/schedule.h"
+
+namespace cosplat {
+
+// Rounds at `first`, `first + every`, ... up to `last`.
+struct PruneRounds {
+  int first = 0;
+  int every = 1;
+  int last = 0;
+
+  // Steps of a run of 30,000, scaled to this one.
+  static PruneRounds Scaled(int iterations, int first, int every, int last) {
+    const auto scaled = [iterations](int steps) {
+      return std::max(1, int(std::lround(double(steps) * iterations / 30000)));
+    };
+    return {scaled(first), scaled(every), scaled(last)};
+  }
+  bool At(int iteration) const {
+    return iteration >= first && iteration <= last && (iteration - first) % every == 0;
+  }
+  // After this one.
+  int LeftAfter(int iteration) const { return std::max(0, (last - iteration) / every); }
+};
+
+// The rounds of DCSHARP: at each densification. To keep to a count there is one more when they are
+// over, since each adds Gaussians that cannot be judged yet.
+struct DensificationRounds {
+  Schedule schedule;
+  bool one_more = false;
+
+  bool At(int iteration) const {
+    return schedule.DensifiesAt(iteration) || (one_more && iteration == schedule.densify_until);
+  }
+  int LeftAfter(int iteration) const {
+    return schedule.DensificationsAfter(iteration) +
+           (one_more && iteration < schedule.densify_until);
+  }
+};
+
+// How many of `count` go so that the same ratio in each of the rounds left reaches the target.
+inline size_t RemovalTowards(size_t target, size_t count, int rounds_left) {
+  if (count <= target) return 0;
+  const double ratio = std::pow(double(target) / double(count), 1.0 / (rounds_left + 1));
+  return count - std::max(target, size_t(std::llround(double(count) * ratio)));
+}
+
+inline size_t ShareOf(double share, size_t count) { return size_t(share * double(count)); }
+
+// A share, but not below the target, where there is one.
+inline size_t ShareDownTo(size_t target, double share, size_t count) {
+  return std::min(ShareOf(share, count), count - std::min(target, count));
+}
+
+}  // namespace cosplat

@@ -1,0 +1,23 @@
+// The rules, one a file (splat/prune/pruner.h says what they do; MakePruner chooses).
+#pragma once
+
+#include <memory>
+
+#include "splat/prune/pruner.h"
+
+namespace cosplat {
+
+std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings, int iterations);
+std::unique_ptr<Pruner> MakeDcsharpPruner(const PruneSettings& settings, const Schedule& schedule);
+std::unique_ptr<Pruner> MakeDcsharpReleasedPruner(const Schedule& schedule, size_t gaussians);
+std::unique_ptr<Pruner> MakeLightGaussianPruner(const PruneSettings& settings, int iterations);
+std::unique_ptr<Pruner> MakeCompactPruner(const PruneSettings& settings,
+                                          const Schedule& schedule,
+                                          int iterations,
+                                          size_t gaussians);
+std::unique_ptr<Pruner> MakeLpPruner(const PruneSettings& settings, int iterations);
+std::unique_ptr<Pruner> MakeSpeedyPruner(const PruneSettings& settings, int iterations);
+std::unique_ptr<Pruner> MakeOpacityPruner(const PruneSettings& settings, const Schedule& schedule);
+std::unique_ptr<Pruner> MakeRandomPruner(const PruneSettings& settings, const Schedule& schedule);
+
+}  // namespace cosplat
