@@ -1,9 +1,8 @@
 #include "apps/cosplat/run_folder.h"
 
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -143,10 +142,13 @@ void WriteStatistics(const std::string& folder,
   WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
 }
 
+// Of /proc: getrusage's maximum begins with what the process that started this one held.
 double PeakMegabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024;
+  std::ifstream status("/proc/self/status");
+  const std::string key = "VmHWM:";  // then kB
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind(key, 0) == 0) return std::atof(line.c_str() + key.size()) / 1024;
+  return 0;
 }
 
 }  // namespace cosplat

@@ -6,6 +6,8 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/progress_bar.h"
+#include "apps/cosplat/stability.h"
+#include "apps/cosplat/study_page.h"
 #include "apps/cosplat/study_runner.h"
 #include "splat/base/error.h"
 
@@ -15,8 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct StudyCommand : StudySettings {
-  std::string list, only;
-  bool dry_run = false, quiet = false;
+  std::string list, only, charts;
+  bool dry_run = false, page = false, stability = false, quiet = false;
 };
 
 // "basis/fox-8/dcsh/0" has the text that --only looks for, in whichever group.
@@ -111,18 +113,28 @@ size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
   return failed;
 }
 
+void PrintRuns(const std::vector<StudyRun>& runs, const std::vector<StudyLine>& lines) {
+  for (const StudyRun& run : runs)
+    std::printf("%s %s: %s\n",
+                IsFinished(run, lines) ? "done" : "todo",
+                run.Id().c_str(),
+                run.Command().c_str());
+}
+
+void WritePage(const StudyCommand& o) {
+  WriteStudyPage(o.out, o.charts);
+  if (!o.quiet) std::printf("page: %s/index.html\n", o.out.c_str());
+}
+
 void Study(const StudyCommand& o) {
+  if (o.stability) return WriteStabilityPage(o.out, o.quiet);
+  if (o.page) return WritePage(o);
+  if (o.list.empty() || o.data.empty())
+    throw Error("", "--list, --data", "are needed; or --page or --stability, which need neither");
   const std::vector<StudyRun> runs = WantedRuns(o);
-  if (o.dry_run) {
-    const std::vector<StudyLine> lines = ReadStudyLines(o.out).lines;
-    for (const StudyRun& run : runs)
-      std::printf("%s %s: %s\n",
-                  IsFinished(run, lines) ? "done" : "todo",
-                  run.Id().c_str(),
-                  run.Command().c_str());
-    return;
-  }
+  if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
   const size_t failed = RunAll(o, runs);
+  if (failed < runs.size()) WritePage(o);
   if (failed > 0)
     throw Error("study",
                 "",
@@ -135,12 +147,19 @@ void AddStudy(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("study", "train and measure settings, data sets and seeds side by side");
   const auto o = std::make_shared<StudyCommand>();
-  command->add_option("--list", o->list, "what to run (.json)")->required();
-  command->add_option("--data", o->data, "folder of the list's data sets")->required();
-  command->add_option("-o,--out", o->out, "folder for runs.jsonl, models")->required();
+  command->add_option("--list", o->list, "what to run (.json)")->default_str("");
+  command->add_option("--data", o->data, "folder of the list's data sets")->default_str("");
+  command->add_option("-o,--out", o->out, "folder of runs.jsonl and the page, index.html")
+      ->required();
   command->add_option("--only", o->only, "only runs of which group/data/name/seed has this text")
       ->default_str("");
   command->add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
+      ->default_str("");
+  command->add_flag("--page", o->page, "run nothing, write the page of the runs that are done");
+  command->add_flag("--stability",
+                    o->stability,
+                    "run nothing of a list: where splatting fails, the naive form beside ours");
+  command->add_option("--charts", o->charts, "write the page's charts into this folder, too")
       ->default_str("");
   command->add_flag("--dry-run", o->dry_run, "print the commands, those that are done included");
   command->add_flag("--keep", o->keep, "keep the models");

@@ -34,21 +34,8 @@ void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren
   WriteFileAtomically(mark, with);
 }
 
-// Mean over the Gaussians of the highest band that is not all zero.
-double MeanDegree(const Gaussians& g) {
-  double sum = 0;
-  for (size_t i = 0; i < g.size(); ++i) {
-    const float* rest = g.at(kColorRest, i);
-    int last = g.width(kColorRest) / 3;
-    while (last > 0 &&
-           std::all_of(rest + 3 * (last - 1), rest + 3 * last, [](float c) { return c == 0; }))
-      --last;
-    int degree = 0;
-    while ((degree + 1) * (degree + 1) <= last) ++degree;
-    sum += degree;
-  }
-  return g.size() ? sum / double(g.size()) : 0;
-}
+// None where the basis is one that files cannot hold.
+bool HasSplats(const std::string& model) { return fs::exists(model + "/point_cloud"); }
 
 // results.json's figures of one evaluation, and what was saved at that step.
 StudyFigures CheckpointOf(const std::string& model, int iteration, const JsonField& results) {
@@ -58,21 +45,38 @@ StudyFigures CheckpointOf(const std::string& model, int iteration, const JsonFie
   figures["iterations"] = iteration;
   const std::string splats = SplatPath(model, iteration);
   if (!fs::exists(splats)) return figures;
-  const Gaussians g = ReadPly(splats);
-  figures["gaussians"] = double(g.size());
-  figures["degree"] = MeanDegree(g);
+  figures["gaussians"] = double(ReadPly(splats).size());
   figures["ply_mb"] = double(fs::file_size(splats)) / kMegabyte;
   return figures;
 }
 
-// What the finished model cost.
+void AddNumbers(const std::string& path,
+                const std::vector<const char*>& keys,
+                StudyFigures& figures) {
+  const Json json = ReadJson(path);
+  for (const char* key : keys) figures[key] = JsonField(path, json)[key].Number();
+}
+
+// What the finished model cost, and what its files make of it.
 void AddCosts(const std::string& model, StudyFigures& figures) {
-  const Json json = ReadJson(model + "/stats.json");
-  const JsonField stats(model + "/stats.json", json);
-  for (const char* key : {"gaussians", "seconds", "cpu_seconds", "peak_mb"})
-    figures[key] = stats[key].Number();
-  // A basis that files cannot hold leaves nothing to draw.
-  if (figures.count("ply_mb")) figures["fps"] = StudyFramesPerSecond(model);
+  AddNumbers(model + "/stats.json", {"gaussians", "seconds", "cpu_seconds", "peak_mb"}, figures);
+  if (!HasSplats(model)) return;
+  AddNumbers(model + "/export.json",
+             {"ply_psnr", "ply_ssim", "vq_mb", "vq_psnr", "vq_ssim", "mean_degree"},
+             figures);
+  figures["fps"] = StudyFramesPerSecond(model);
+}
+
+// Trains and measures, each step as a user would.
+void RunSteps(const StudyRun& run,
+              const StudySettings& s,
+              const StudyChildren& children,
+              const std::string& model) {
+  if (run.data.make_head) MakeHead(run.data, s, children);
+  children.Run(run.TrainArguments(s.data + "/", s.out + "/", model));
+  if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
+  if (HasSplats(model))
+    children.Run({"export", "-m", model, "--vq", model + "/quantised.zip", "--measure"});
 }
 
 void ReadResults(const std::string& model, StudyLine& line) {
@@ -105,9 +109,7 @@ StudyLine MeasureStudyRun(const StudyRun& run,
   const auto start = std::chrono::steady_clock::now();
   const std::string model = StudyModelFolder(run, s);
   fs::remove_all(model);  // of a run that was cut short
-  if (run.data.make_head) MakeHead(run.data, s, children);
-  children.Run(run.TrainArguments(s.data + "/", s.out + "/", model));
-  if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
+  RunSteps(run, s, children, model);
   StudyLine line;
   line.data = run.data.name;
   line.name = run.name;

@@ -13,13 +13,16 @@ namespace {
 // px
 constexpr double kWidth = 720, kPlotHeight = 330, kMarginRight = 28, kMarginBottom = 54;
 constexpr double kMarginLeft = 76, kTitleHeight = 34, kLegendRow = 20;
-constexpr double kBar = 17, kGroupGap = 12;
+constexpr double kBar = 17, kGroupGap = 12, kCap = 4;
 
 // Of Okabe & Ito (2008): told apart by colour-blind readers too.
 constexpr std::array<const char*, 7> kColors{
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444"};
 const char* ColorOf(size_t series) { return kColors[series % kColors.size()]; }
+// Once the colours are used up.
+bool IsHollow(size_t series) { return series / kColors.size() % 2 == 1; }
 constexpr const char *kGrid = "#e2e2e2", *kFrame = "#888888", *kGuide = "#777777";
+constexpr const char* kRing = "#222222";
 
 std::string Caption(const Axis& axis) {
   return axis.unit.empty() ? axis.name : axis.name + " (" + axis.unit + ")";
@@ -32,13 +35,20 @@ bool IsShown(const Chart& chart, const Mark& mark) {
   return shown(mark.x, chart.x) && (chart.kind == Chart::Kind::kBars || shown(mark.y, chart.y));
 }
 
-// Of all marks that are shown.
-std::vector<double> Values(const Chart& chart, double Mark::*member) {
+// Of all marks that are shown, with the ends of their error bars.
+std::vector<double> Values(const Chart& chart,
+                           double Mark::*member,
+                           double Mark::*error,
+                           bool log) {
   std::vector<double> values;
   for (const auto* all : {&chart.series, &chart.guides})
     for (const ChartSeries& series : *all)
-      for (const Mark& mark : series.marks)
-        if (IsShown(chart, mark)) values.push_back(mark.*member);
+      for (const Mark& mark : series.marks) {
+        if (!IsShown(chart, mark)) continue;
+        for (const double value :
+             {mark.*member, mark.*member - mark.*error, mark.*member + mark.*error})
+          if (!log || value > 0) values.push_back(value);
+      }
   return values;
 }
 
@@ -47,9 +57,9 @@ class Legend {
  public:
   explicit Legend(const Chart& chart) {
     for (size_t i = 0; i < chart.series.size(); ++i)
-      entries_.push_back({0, 0, chart.series[i].name, ColorOf(i), false});
+      entries_.push_back({0, 0, chart.series[i].name, ColorOf(i), IsHollow(i), false});
     for (const ChartSeries& guide : chart.guides)
-      entries_.push_back({0, 0, guide.name, kGuide, true});
+      entries_.push_back({0, 0, guide.name, kGuide, false, true});
     if (entries_.size() < 2) entries_.clear();
     double x = kLeft, y = kTitleHeight + 0.5 * kLegendRow;
     for (Entry& entry : entries_) {
@@ -71,6 +81,8 @@ class Legend {
     for (const Entry& e : entries_) {
       if (e.dashed)
         drawing.DashedLine(e.x, e.y, e.x + kSample - 6, e.y, e.color);
+      else if (e.hollow)
+        drawing.HollowDot(e.x + 9, e.y, e.color);
       else
         drawing.Rectangle(e.x + 4, e.y - 5, 10, 10, e.color);
       drawing.Text(e.x + kSample, e.y + 4.5, e.name);
@@ -83,7 +95,7 @@ class Legend {
     double x, y;
     std::string name;
     const char* color;
-    bool dashed;
+    bool hollow, dashed;
   };
   std::vector<Entry> entries_;
 };
@@ -96,8 +108,8 @@ class PointPlot {
         legend_(chart),
         top_(legend_.bottom()),
         bottom_(top_ + kPlotHeight),
-        x_scale_(Values(chart, &Mark::x), chart.x.log, false),
-        y_scale_(Values(chart, &Mark::y), chart.y.log, false),
+        x_scale_(Values(chart, &Mark::x, &Mark::x_error, chart.x.log), chart.x.log, false),
+        y_scale_(Values(chart, &Mark::y, &Mark::y_error, chart.y.log), chart.y.log, false),
         drawing_(kWidth, bottom_ + kMarginBottom) {}
 
   std::string Draw() {
@@ -145,12 +157,42 @@ class PointPlot {
       const double x = X(mark.x), y = Y(mark.y);
       if (!path.empty()) path += ' ';
       path += SvgNumber(x) + "," + SvgNumber(y);
-      drawing_.Dot(x, y, ColorOf(index));
       taken_.push_back({x - 5, y - 5, x + 5, y + 5});
       if (last && chart_.kind == Chart::Kind::kLines) TakeLine(X(last->x), Y(last->y), x, y);
       last = &mark;
     }
     if (chart_.kind == Chart::Kind::kLines) drawing_.Path(path, ColorOf(index));
+    for (const Mark& mark : chart_.series[index].marks)
+      if (IsShown(chart_, mark)) DrawMark(mark, index);
+  }
+  void DrawMark(const Mark& mark, size_t series) {
+    const double x = X(mark.x), y = Y(mark.y);
+    const std::string color = ColorOf(series);
+    // A logarithmic axis ends above zero.
+    const auto low = [](double value, double error, bool log) {
+      return log && error >= value ? value : value - error;
+    };
+    if (mark.x_error > 0) {
+      const double left = X(low(mark.x, mark.x_error, chart_.x.log));
+      DrawErrorBar(left, y, X(mark.x + mark.x_error), y, color);
+    }
+    if (mark.y_error > 0) {
+      const double bottom = Y(low(mark.y, mark.y_error, chart_.y.log));
+      DrawErrorBar(x, bottom, x, Y(mark.y + mark.y_error), color);
+    }
+    if (IsHollow(series))
+      drawing_.HollowDot(x, y, color);
+    else
+      drawing_.Dot(x, y, color);
+    if (mark.ringed) drawing_.Ring(x, y, kRing);
+  }
+  // With a cap at either end.
+  void DrawErrorBar(double x0, double y0, double x1, double y1, const std::string& color) {
+    const double dx = y0 == y1 ? 0 : kCap, dy = kCap - dx;
+    TakeLine(x0, y0, x1, y1);
+    drawing_.Line(x0, y0, x1, y1, color);
+    drawing_.Line(x0 - dx, y0 - dy, x0 + dx, y0 + dy, color);
+    drawing_.Line(x1 - dx, y1 - dy, x1 + dx, y1 + dy, color);
   }
   void TakeLine(double x0, double y0, double x1, double y1) {
     constexpr double kEvery = 6;
@@ -214,7 +256,7 @@ class BarPlot {
       : chart_(chart),
         categories_(Categories(chart)),
         legend_(chart),
-        scale_(Values(chart, &Mark::x), chart.x.log, true),
+        scale_(Values(chart, &Mark::x, &Mark::x_error, chart.x.log), chart.x.log, true),
         top_(legend_.bottom()),
         bars_height_(double(chart.series.size()) * kBar),
         bottom_(top_ + (bars_height_ + kGroupGap) * double(categories_.size())),

@@ -1,5 +1,5 @@
 // Small charts as SVG: lines, points and bars on linear or logarithmic axes. Self-contained, on
-// white, readable at its natural size; used by `bench` and `report`.
+// white, readable at its natural size; used by `bench`, `report` and `study`.
 #pragma once
 
 #include <string>
@@ -16,6 +16,9 @@ struct Axis {
 struct Mark {
   double x = 0, y = 0;
   std::string label;  // beside the point; may be empty. Of bars: the category
+  // Not of bars: half the length of error bars, none where 0; a ring around the point.
+  double x_error = 0, y_error = 0;
+  bool ringed = false;
 };
 
 struct ChartSeries {

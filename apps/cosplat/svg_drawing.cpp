@@ -31,6 +31,11 @@ std::string LineElement(double x0, double y0, double x1, double y1, const std::s
          Attribute("y2", y1) + attributes + "/>\n";
 }
 
+std::string CircleElement(double x, double y, double radius, const std::string& attributes) {
+  return "<circle" + Attribute("cx", x) + Attribute("cy", y) + Attribute("r", radius) + attributes +
+         "/>\n";
+}
+
 }  // namespace
 
 std::string SvgNumber(double px) {
@@ -112,8 +117,19 @@ void SvgDrawing::Rectangle(
 }
 
 void SvgDrawing::Dot(double x, double y, const std::string& color) {
-  body_ += "<circle" + Attribute("cx", x) + Attribute("cy", y) + Attribute("r", 4) +
-           Attribute("fill", color) + "/>\n";
+  body_ += CircleElement(x, y, 4, Attribute("fill", color));
+}
+
+void SvgDrawing::HollowDot(double x, double y, const std::string& color) {
+  body_ += CircleElement(
+      x,
+      y,
+      3.3,
+      Attribute("fill", "#ffffff") + Attribute("stroke", color) + Attribute("stroke-width", 2));
+}
+
+void SvgDrawing::Ring(double x, double y, const std::string& color) {
+  body_ += CircleElement(x, y, 7, Attribute("fill", "none") + Attribute("stroke", color));
 }
 
 void SvgDrawing::Path(const std::string& points, const std::string& color) {

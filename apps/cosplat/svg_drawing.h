@@ -39,6 +39,8 @@ class SvgDrawing {
   void DashedLine(double x0, double y0, double x1, double y1, const std::string& color);
   void Rectangle(double x, double y, double width, double height, const std::string& color);
   void Dot(double x, double y, const std::string& color);
+  void HollowDot(double x, double y, const std::string& color);
+  void Ring(double x, double y, const std::string& color);
   // "x,y x,y ..."
   void Path(const std::string& points, const std::string& color);
 

@@ -74,6 +74,40 @@ TEST(SvgChart, DrawsEveryPointAndEscapesItsNames) {
   EXPECT_EQ(Count(ToSvg(chart), "<polyline"), 0u);
 }
 
+// A bar and two caps each; an error that reaches below zero has no lower end on a logarithmic axis.
+TEST(SvgChart, DrawsErrorBarsAndRings) {
+  Chart chart{Chart::Kind::kPoints, "t", {"x", "", true}, {"y", ""}, {}, {}};
+  chart.series = {{"s", {{1, 2, ""}, {10, 3, ""}}}};
+  const size_t circles = Count(ToSvg(chart), "<circle");
+  chart.series[0].marks[0].x_error = 5;
+  chart.series[0].marks[1].y_error = 0.5;
+  chart.series[0].marks[1].ringed = true;
+  const std::string svg = ToSvg(chart);
+  EXPECT_EQ(ProblemOfXml(svg), "");
+  EXPECT_EQ(Count(svg, "<circle"), circles + 1);
+  EXPECT_EQ(Count(svg, "stroke=\"#0072b2\""), 6u);
+  EXPECT_EQ(Count(svg, "nan") + Count(svg, "inf"), 0u);
+  chart.y.log = true;
+  chart.series[0].marks[1].y_error = 3;
+  EXPECT_EQ(Count(ToSvg(chart), "nan") + Count(ToSvg(chart), "inf"), 0u);
+}
+
+// The bars' ends are within the plot: the axis covers them.
+TEST(SvgChart, AxesCoverErrorBars) {
+  Chart chart{Chart::Kind::kPoints, "t", {"x", ""}, {"y", ""}, {}, {}};
+  chart.series = {{"s", {{1, 10, ""}, {2, 11, ""}}}};
+  EXPECT_EQ(Count(ToSvg(chart), ">16<"), 0u);
+  chart.series[0].marks[1].y_error = 4;
+  EXPECT_EQ(Count(ToSvg(chart), ">16<"), 1u);
+}
+
+TEST(SvgChart, TellsMoreSeriesApartThanThereAreColors) {
+  Chart chart{Chart::Kind::kPoints, "t", {"x", ""}, {"y", ""}, {}, {}};
+  for (int i = 0; i < 8; ++i)
+    chart.series.push_back({"s" + std::to_string(i), {{double(i), 1, ""}}});
+  EXPECT_EQ(Count(ToSvg(chart), "fill=\"#ffffff\" stroke=\"#0072b2\""), 2u);  // legend and point
+}
+
 TEST(SvgChart, DrawsABarPerCategoryAndSeries) {
   Chart chart{Chart::Kind::kBars, "bars", {"time", "ms"}, {}, {}, {}};
   chart.series = {{"one", {{1, 0, "a"}, {2, 0, "b"}}}, {"two", {{3, 0, "b"}, {4, 0, "c"}}}};
