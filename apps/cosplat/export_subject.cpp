@@ -6,6 +6,7 @@
 #include "avatar/quantised_avatar.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
+#include "splat/importance.h"
 #include "splat/io/splat_file.h"
 
 namespace cosplat {
@@ -21,7 +22,12 @@ class SceneSplats : public ExportSubject {
   SceneSplats(const std::string& path, SceneData data, const std::array<float, 3>& background)
       : ExportSubject(path), data_(std::move(data)), background_(background) {}
   QuantisedSplats Quantised(const VqSettings& settings) const override {
-    return Quantise(gaussians(), SizeSignificance(gaussians()), settings);
+    std::vector<Camera> cameras;
+    for (const SceneView& view : data_.train) cameras.push_back(view.camera);
+    return Quantise(
+        gaussians(),
+        cameras.empty() ? SizeSignificance(gaussians()) : GlobalSignificance(gaussians(), cameras),
+        settings);
   }
   TestViews AsTrained() override { return ViewsOfScene(gaussians(), data_, background_); }
   TestViews FromFile(const std::string& path) override {
