@@ -6,23 +6,16 @@
 
 #include "apps/cosplat/chart_scale.h"
 #include "apps/cosplat/svg_drawing.h"
+#include "apps/cosplat/svg_legend.h"
 
 namespace cosplat {
 namespace {
 
 // px
-constexpr double kWidth = 720, kPlotHeight = 330, kMarginRight = 28, kMarginBottom = 54;
-constexpr double kMarginLeft = 76, kTitleHeight = 34, kLegendRow = 20;
+constexpr double kPlotHeight = 330, kMarginBottom = 54, kMarginLeft = 76;
 constexpr double kBar = 17, kGroupGap = 12, kCap = 4;
 
-// Of Okabe & Ito (2008): told apart by colour-blind readers too.
-constexpr std::array<const char*, 7> kColors{
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444"};
-const char* ColorOf(size_t series) { return kColors[series % kColors.size()]; }
-// Once the colours are used up.
-bool IsHollow(size_t series) { return series / kColors.size() % 2 == 1; }
-constexpr const char *kGrid = "#e2e2e2", *kFrame = "#888888", *kGuide = "#777777";
-constexpr const char* kRing = "#222222";
+constexpr const char *kGrid = "#e2e2e2", *kFrame = "#888888", *kRing = "#222222";
 
 std::string Caption(const Axis& axis) {
   return axis.unit.empty() ? axis.name : axis.name + " (" + axis.unit + ")";
@@ -52,54 +45,6 @@ std::vector<double> Values(const Chart& chart,
   return values;
 }
 
-// Names of series and guides in as many rows as they need; nothing where one name says it all.
-class Legend {
- public:
-  explicit Legend(const Chart& chart) {
-    for (size_t i = 0; i < chart.series.size(); ++i)
-      entries_.push_back({0, 0, chart.series[i].name, ColorOf(i), IsHollow(i), false});
-    for (const ChartSeries& guide : chart.guides)
-      entries_.push_back({0, 0, guide.name, kGuide, false, true});
-    if (entries_.size() < 2) entries_.clear();
-    double x = kLeft, y = kTitleHeight + 0.5 * kLegendRow;
-    for (Entry& entry : entries_) {
-      const double width = kSample + SvgTextWidth(entry.name);
-      if (x > kLeft && x + width > kWidth - kMarginRight) {
-        x = kLeft;
-        y += kLegendRow;
-      }
-      entry.x = x;
-      entry.y = y;
-      x += width + kGap;
-    }
-  }
-  double bottom() const {
-    return entries_.empty() ? kTitleHeight + 10 : entries_.back().y + kLegendRow;
-  }
-  void Draw(const std::string& title, SvgDrawing& drawing) const {
-    drawing.Title(kLeft, 23, title);
-    for (const Entry& e : entries_) {
-      if (e.dashed)
-        drawing.DashedLine(e.x, e.y, e.x + kSample - 6, e.y, e.color);
-      else if (e.hollow)
-        drawing.HollowDot(e.x + 9, e.y, e.color);
-      else
-        drawing.Rectangle(e.x + 4, e.y - 5, 10, 10, e.color);
-      drawing.Text(e.x + kSample, e.y + 4.5, e.name);
-    }
-  }
-
- private:
-  static constexpr double kLeft = 16, kSample = 20, kGap = 18;
-  struct Entry {
-    double x, y;
-    std::string name;
-    const char* color;
-    bool hollow, dashed;
-  };
-  std::vector<Entry> entries_;
-};
-
 // Lines and points.
 class PointPlot {
  public:
@@ -110,7 +55,7 @@ class PointPlot {
         bottom_(top_ + kPlotHeight),
         x_scale_(Values(chart, &Mark::x, &Mark::x_error, chart.x.log), chart.x.log, false),
         y_scale_(Values(chart, &Mark::y, &Mark::y_error, chart.y.log), chart.y.log, false),
-        drawing_(kWidth, bottom_ + kMarginBottom) {}
+        drawing_(kChartWidth, bottom_ + kMarginBottom) {}
 
   std::string Draw() {
     legend_.Draw(chart_.title, drawing_);
@@ -146,7 +91,7 @@ class PointPlot {
     drawing_.UprightText(20, top_ + 0.5 * kPlotHeight, Caption(chart_.y));
   }
   void DrawGuide(const Mark& from, const Mark& to) {
-    drawing_.DashedLine(X(from.x), Y(from.y), X(to.x), Y(to.y), kGuide);
+    drawing_.DashedLine(X(from.x), Y(from.y), X(to.x), Y(to.y), kGuideColor);
     TakeLine(X(from.x), Y(from.y), X(to.x), Y(to.y));
   }
   void DrawSeries(size_t index) {
@@ -210,7 +155,7 @@ class PointPlot {
       SvgBox box;
     };
     const double x = X(mark.x), y = Y(mark.y), width = SvgTextWidth(mark.label);
-    const double middle = std::clamp(x, kMarginLeft + width / 2, kWidth - 4 - width / 2);
+    const double middle = std::clamp(x, kMarginLeft + width / 2, kChartWidth - 4 - width / 2);
     const SvgBox above{middle - width / 2, y - 22, middle + width / 2, y - 8};
     const SvgBox below{above.left, y + 8, above.right, y + 22};
     const std::array<Place, 4> places{
@@ -218,7 +163,7 @@ class PointPlot {
         Place{x - 8, y + 4.5, SvgAnchor::kEnd, {x - 8 - width, y - 7, x - 8, y + 7}},
         Place{middle, y - 11, SvgAnchor::kMiddle, above},
         Place{middle, y + 19, SvgAnchor::kMiddle, below}};
-    const SvgBox plot{kMarginLeft, top_, kWidth - 4, bottom_};
+    const SvgBox plot{kMarginLeft, top_, kChartWidth - 4, bottom_};
     const auto cost = [&](const Place& place) {
       double sum = 14 * width - Overlap(place.box, plot);
       for (const SvgBox& other : taken_) sum += Overlap(place.box, other);
@@ -231,7 +176,7 @@ class PointPlot {
     drawing_.Label(best->x, best->y, mark.label, color, best->anchor);
   }
 
-  static constexpr double kRight = kWidth - kMarginRight;
+  static constexpr double kRight = kChartWidth - kChartMarginRight;
   const Chart& chart_;
   Legend legend_;
   double top_, bottom_;
@@ -260,7 +205,7 @@ class BarPlot {
         top_(legend_.bottom()),
         bars_height_(double(chart.series.size()) * kBar),
         bottom_(top_ + (bars_height_ + kGroupGap) * double(categories_.size())),
-        drawing_(kWidth, bottom_ + kMarginBottom) {
+        drawing_(kChartWidth, bottom_ + kMarginBottom) {
     for (const std::string& name : categories_) left_ = std::max(left_, 28 + SvgTextWidth(name));
   }
 
@@ -271,7 +216,7 @@ class BarPlot {
       drawing_.Text(X(tick), bottom_ + 18, ShortNumber(tick), SvgAnchor::kMiddle);
     }
     drawing_.Line(left_, top_, left_, bottom_, kFrame);
-    drawing_.Text(0.5 * (left_ + kWidth), bottom_ + 42, Caption(chart_.x), SvgAnchor::kMiddle);
+    drawing_.Text(0.5 * (left_ + kChartWidth), bottom_ + 42, Caption(chart_.x), SvgAnchor::kMiddle);
     for (size_t i = 0; i < categories_.size(); ++i)
       DrawGroup(categories_[i], top_ + (bars_height_ + kGroupGap) * double(i) + kGroupGap / 2);
     return drawing_.Finish();
@@ -280,7 +225,7 @@ class BarPlot {
  private:
   double X(double value) const {
     constexpr double kNumber = 40;  // room for the one after the longest bar
-    return left_ + scale_(value) * (kWidth - left_ - kMarginRight - kNumber);
+    return left_ + scale_(value) * (kChartWidth - left_ - kChartMarginRight - kNumber);
   }
   void DrawGroup(const std::string& category, double y) {
     drawing_.Text(left_ - 8, y + bars_height_ / 2 + 4.5, category, SvgAnchor::kEnd);
