@@ -56,7 +56,8 @@ double ExpectedSeconds(const StudyRun& run, const std::vector<StudyLine>& lines)
   double same = 0, all = 0;
   size_t same_count = 0;
   for (const StudyLine& line : lines) {
-    const double seconds = line.checkpoints.back().at("run_seconds");
+    const StudyFigures& last = line.checkpoints.back();
+    const double seconds = last.count("run_seconds") ? last.at("run_seconds") : 0;
     all += seconds;
     if (line.data != run.data.name) continue;
     same += seconds;

@@ -104,7 +104,7 @@ TEST(SvgChart, AxesCoverErrorBars) {
 TEST(SvgChart, TellsMoreSeriesApartThanThereAreColors) {
   Chart chart{Chart::Kind::kPoints, "t", {"x", ""}, {"y", ""}, {}, {}};
   for (int i = 0; i < 8; ++i)
-    chart.series.push_back({"s" + std::to_string(i), {{double(i), 1, ""}}});
+    chart.series.push_back({std::string(1, char('a' + i)), {{double(i), 1, ""}}});
   EXPECT_EQ(Count(ToSvg(chart), "fill=\"#ffffff\" stroke=\"#0072b2\""), 2u);  // legend and point
 }
 
