@@ -41,6 +41,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
       surface_(avatar_.mesh),
       rasterizer_(MakeCpuRasterizer()),
       tape_(rasterizer_->MakeTape()) {
+  FindDegrees(avatar_.gaussians);
   if (surface_.vertex_count() != poser_.vertex_count())
     throw Error(flame.name,
                 "vertices",

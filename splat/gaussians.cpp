@@ -22,6 +22,7 @@ int Gaussians::width(int attribute) const {
 
 void Gaussians::Resize(size_t n) {
   for (int a = 0; a < kAttributeCount; ++a) values[a].resize(n * width(a), 0.0f);
+  if (!degrees.empty()) degrees.resize(n, uint8_t(degree));
 }
 
 void Gaussians::Gather(const std::vector<uint32_t>& source) {
@@ -32,6 +33,10 @@ void Gaussians::Gather(const std::vector<uint32_t>& source) {
       for (size_t k = 0; k < w; ++k) gathered[i * w + k] = values[a][source[i] * w + k];
     values[a] = std::move(gathered);
   }
+  if (degrees.empty()) return;
+  std::vector<uint8_t> gathered;
+  for (const uint32_t i : source) gathered.push_back(degrees[i]);
+  degrees = std::move(gathered);
 }
 
 Gaussians Gaussians::ZerosLike() const {
@@ -40,6 +45,25 @@ Gaussians Gaussians::ZerosLike() const {
   zeros.basis = basis;
   zeros.Resize(size());
   return zeros;
+}
+
+int HighestBand(const Gaussians& g, size_t i) {
+  const float* rest = g.at(kColorRest, i);
+  int used = g.width(kColorRest);
+  while (used > 0 && rest[used - 1] == 0) --used;
+  int degree = 0;
+  while (3 * (CoefficientCount(degree) - 1) < used) ++degree;
+  return degree;
+}
+
+void FindDegrees(Gaussians& g) {
+  g.degrees.resize(g.size());
+  bool all = true;
+  for (size_t i = 0; i < g.size(); ++i) {
+    g.degrees[i] = uint8_t(HighestBand(g, i));
+    all = all && g.degrees[i] == g.degree;
+  }
+  if (all) g.degrees.clear();
 }
 
 void ConvertBasis(Gaussians& g, Basis to) {

@@ -29,6 +29,9 @@ constexpr int kMaxTrainedDegree = 4;
 struct Gaussians {
   int degree = 0;  // highest band stored
   Basis basis = Basis::kDcsh;
+  // [N] each Gaussian's own degree, <= `degree`: coefficients of its higher bands are zero, are not
+  // evaluated and get no gradient. Empty: `degree` for all.
+  std::vector<uint8_t> degrees;
   std::array<Buffer<float>, kAttributeCount> values;
 
   size_t size() const { return values[kOpacityLogit].size(); }
@@ -40,13 +43,20 @@ struct Gaussians {
   const float* at(Attribute attribute, size_t i) const {
     return values[attribute].data() + i * width(attribute);
   }
-  // n Gaussians of this degree; new ones are zero.
+  // n Gaussians of this degree; new ones are zero, with all bands.
   void Resize(size_t n);
   // Keeps Gaussian source[0], source[1], ... in this order; a source may appear more than once.
   void Gather(const std::vector<uint32_t>& source);
   // The same layout, all zero.
   Gaussians ZerosLike() const;
 };
+
+// Highest band of Gaussian i with a coefficient that is not zero.
+int HighestBand(const Gaussians& gaussians, size_t i);
+
+// Sets `degrees` to that, or to nothing where it is `degree` for all: for Gaussians that are to be
+// drawn. (In training, zero may be where a band begins.)
+void FindDegrees(Gaussians& gaussians);
 
 // The same colours in another basis: where they are spherical harmonics (IsHarmonic), both span the
 // same functions, so each coefficient is only multiplied (docs/dcsh.md); Error where not. Files

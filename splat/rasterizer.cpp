@@ -32,6 +32,7 @@ WorldGaussians ViewOf(const Gaussians& g) {
   view.opacity_logit = g.values[kOpacityLogit].data();
   view.color_dc = g.values[kColorDc].data();
   view.color_rest = g.values[kColorRest].data();
+  if (!g.degrees.empty()) view.degree = g.degrees.data();
   return view;
 }
 

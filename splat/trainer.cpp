@@ -73,6 +73,18 @@ std::array<float, 3> Trainer::NextBackground() {
   return color;
 }
 
+std::array<float, 3> Trainer::MeanBackground() const {
+  const bool white = settings_.background == Background::kWhite;
+  const float grey = settings_.background == Background::kRandom ? 0.5f : float(white);
+  return {grey, grey, grey};
+}
+
+// Not before all bands are trained: those that are not yet are still zero.
+bool Trainer::DropsBandsAt(int iteration) const {
+  return settings_.drop_bands > 0 && active_degree() == settings_.degree &&
+         BandSchedule::DropsAt(iteration, settings_.iterations);
+}
+
 AdamSettings Trainer::RatesAt(int iteration) const {
   const LearningRates& r = settings_.rates;
   AdamSettings adam;
@@ -144,14 +156,12 @@ Population Trainer::Everyone() {
 PruneRound Trainer::Rank(int iteration) {
   const DensityStatistics& statistics = state_.statistics;
   if (PrunesAt(iteration)) {
-    const bool white = settings_.background == Background::kWhite;
-    const float grey = settings_.background == Background::kRandom ? 0.5f : float(white);
     return pruner_->Rank({iteration,
                           subject_,
                           state_.gaussians,
                           statistics,
                           active_degree(),
-                          {grey, grey, grey},
+                          MeanBackground(),
                           state_.rng});
   }
   PruneRound round;
@@ -167,7 +177,8 @@ void Trainer::ControlDensityAt(int iteration) {
   const bool densifies = schedule.DensifiesAt(iteration);
   const bool prunes = PrunesAt(iteration);
   const bool resets = schedule.ResetsOpacityAt(iteration);
-  if (densifies || prunes || resets || iteration == settings_.iterations)
+  const bool drops = DropsBandsAt(iteration);
+  if (densifies || prunes || resets || drops || iteration == settings_.iterations)
     AdamCatchUpAll(
         RatesAt(iteration - 1), subject_.PositionRateScale(), state_.gaussians, state_.adam);
   if (densifies || prunes) ReleaseScratch();
@@ -185,6 +196,9 @@ void Trainer::ControlDensityAt(int iteration) {
     state_.statistics.Reset(state_.gaussians.size());
   }
   if (resets) ResetOpacity(state_.gaussians, state_.adam);
+  if (drops)
+    drop_psnr_ += DropBandsInTraining(
+        settings_.drop_bands, subject_, MeanBackground(), state_.gaussians, state_.adam);
 }
 
 double Trainer::Forward(size_t index) {
@@ -281,6 +295,9 @@ TrainingStatistics Trainer::statistics() const {
   s.times = times_;
   s.times += rasterizer_->times;
   s.ignored_gradients = ignored_gradients_;
+  s.degrees = CountDegrees(state_.gaussians);
+  s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
+  s.drop_psnr = drop_psnr_;
   const size_t count = std::min(steps_, last_seconds_.size());
   if (count == 0) return s;
   auto last = last_seconds_;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/bands.h"
 #include "splat/dataset.h"
 #include "splat/density.h"
 #include "splat/loss.h"
@@ -63,6 +64,7 @@ struct TrainSettings {
   Schedule schedule;
   DensitySettings density;
   PruneSettings prune;
+  float drop_bands = 0;  // threshold of DropBandsInTraining (splat/bands.h); 0: all stay
   AdamOn adam_on = AdamOn::kDrawn;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };
@@ -94,6 +96,9 @@ struct TrainingStatistics {
   double ms_per_step = 0;  // median of the last 200 steps
   PhaseTimes times;
   size_t ignored_gradients = 0;  // non-finite ones
+  DegreeCounts degrees{};
+  DegreeFigures bands;
+  double drop_psnr = 0;  // dB, changes of training PSNR by dropping bands, all rounds together
 };
 
 class Trainer {
@@ -127,6 +132,8 @@ class Trainer {
   void ReleaseScratch();
   void ControlDensityAt(int iteration);
   PruneRound Rank(int iteration);
+  bool DropsBandsAt(int iteration) const;
+  std::array<float, 3> MeanBackground() const;
   bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }
   // What moves along when Gaussians come and go.
   Population Everyone();
@@ -151,6 +158,7 @@ class Trainer {
   std::array<double, 200> last_seconds_{};  // of steps, written in turn
   size_t steps_ = 0;
   size_t ignored_gradients_ = 0;
+  double drop_psnr_ = 0;
 };
 
 // A static scene: the Gaussians are where they are.

@@ -14,16 +14,6 @@ namespace {
 // A codebook has one row for at least so many splats: with fewer it costs more than it saves.
 constexpr size_t kSplatsPerRow = 4;
 
-// Highest band with a coefficient that is not zero.
-uint8_t OwnDegree(const Gaussians& g, size_t i) {
-  const float* rest = g.at(kColorRest, i);
-  int used = g.width(kColorRest);
-  while (used > 0 && rest[used - 1] == 0) --used;
-  int degree = 0;
-  while (3 * (CoefficientCount(degree) - 1) < used) ++degree;
-  return uint8_t(degree);
-}
-
 // 1 for the `count` least significant; of equal ones the first.
 std::vector<uint8_t> LeastSignificant(View<const float> significance, size_t count) {
   std::vector<uint32_t> order(significance.size());
@@ -102,7 +92,7 @@ QuantisedSplats Quantise(const Gaussians& g,
   splats.rotation = UnitRotations(g);
   splats.scale_log = copied(kScaleLog);
   splats.opacity_logit = copied(kOpacityLogit);
-  for (size_t i = 0; i < n; ++i) splats.own_degree.push_back(OwnDegree(g, i));
+  for (size_t i = 0; i < n; ++i) splats.own_degree.push_back(uint8_t(HighestBand(g, i)));
   const size_t kept = std::min(n, size_t(std::lround(settings.keep * double(n))));
   splats.quantised = LeastSignificant(significance, n - kept);
   const std::vector<float> weights = Weights(significance);

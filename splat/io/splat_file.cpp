@@ -5,13 +5,21 @@
 #include "splat/io/vq_file.h"
 
 namespace cosplat {
+namespace {
 
-Gaussians ReadSplats(const std::string& path) {
-  if (!IsVqFile(path)) return ReadPly(path);
+Gaussians ReadQuantised(const std::string& path) {
   const QuantisedSplats splats = ReadVqFile(path);
   if (splats.kind != "scene")
     throw Error(path, "splats.json", "kind is '" + splats.kind + "', expected 'scene'");
   return Dequantise(splats);
+}
+
+}  // namespace
+
+Gaussians ReadSplats(const std::string& path) {
+  Gaussians g = IsVqFile(path) ? ReadQuantised(path) : ReadPly(path);
+  FindDegrees(g);
+  return g;
 }
 
 }  // namespace cosplat

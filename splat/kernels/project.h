@@ -72,6 +72,23 @@ COSPLAT_HD Vec3<T> ColorViewVjp(const ColorView<T>& c,
   return NormalizeVjp(c.offset, d_direction);
 }
 
+// Highest band that the view evaluates of Gaussian i.
+COSPLAT_HD int DegreeOf(const WorldGaussians& g, const ViewParameters& view, size_t i) {
+  return g.degree && g.degree[i] < view.degree ? g.degree[i] : view.degree;
+}
+// Of any of these Gaussians: the others' coefficients up to there are zero.
+COSPLAT_HD int HighestDegree(const WorldGaussians& g,
+                             const ViewParameters& view,
+                             const Rows& rows) {
+  if (!g.degree) return view.degree;
+  int highest = 0;
+  for (size_t i = rows.first; i < rows.first + rows.count; ++i) {
+    const int own = DegreeOf(g, view, i);
+    highest = own > highest ? own : highest;
+  }
+  return highest;
+}
+
 // Calls f with the degree as a compile-time constant.
 template <class F>
 COSPLAT_HD auto WithDegree(int degree, const F& f) {
@@ -110,7 +127,7 @@ struct ColorOf {
   }
 };
 
-// Writes the coefficients' gradients (those of bands that were not evaluated are left alone);
+// Writes the coefficients' gradients (those of bands above kDegree are left alone);
 // returns d_direction. d_color must be zero where nothing was drawn.
 template <class T>
 struct ColorVjpOf {
@@ -198,7 +215,8 @@ struct ProjectKernel {
     if (!AnyTrue(drawn)) return DrawNone(rows);
     Vec3<T> direction = ColorViewOf(gaussians, view, position, rows).direction;
     if (view.folds_direction) direction = Fold(direction);
-    const Vec3<T> color = WithDegree(view.degree, ColorOf<T>{gaussians, view, rows, direction});
+    const Vec3<T> color = WithDegree(HighestDegree(gaussians, view, rows),
+                                     ColorOf<T>{gaussians, view, rows, direction});
     drawn = And(And(drawn, IsFinite(color.x)), And(IsFinite(color.y), IsFinite(color.z)));
     const PowerRidges<T> ridges = RidgesOf(f.form);
     // In the order of ProjectedSplat's members.
@@ -237,7 +255,6 @@ struct ProjectVjpKernel {
   COSPLAT_HD void Run(const Rows& rows) const {
     const auto drawn = LoadScalar<T>(radii, rows) > T(0);
     if (!AnyTrue(drawn)) return ZeroAll(rows);
-    ZeroUnusedBands(rows);
     T splat[kProjectedFloats];
     LoadRows<kProjectedFloats>(&splats->x, kProjectedStride, rows, splat);
     const Sym2<T> conic{T(-2) * splat[2], -splat[3], T(-2) * splat[4]};
@@ -281,9 +298,10 @@ struct ProjectVjpKernel {
     const Vec3<T> d_color{
         Select(drawn, d[6], T(0)), Select(drawn, d[7], T(0)), Select(drawn, d[8], T(0))};
     Vec3<T> d_direction = WithDegree(
-        view.degree,
+        HighestDegree(gaussians, view, rows),
         ColorVjpOf<T>{
             gaussians, view, out, rows, direction, {splat[7], splat[8], splat[9]}, d_color});
+    ZeroUnusedBands(rows);
     if (view.folds_direction) d_direction = FoldVjp(seen, d_direction);
     const bool has_frame = gaussians.color_frame != nullptr;
     Quat<T> d_frame;
@@ -292,11 +310,15 @@ struct ProjectVjpKernel {
     return d_offset;
   }
 
-  // Of bands that are stored but not evaluated yet.
+  // Of bands that are stored but that the view or the Gaussian does not have. After the others:
+  // they were written up to the highest degree of all rows.
   COSPLAT_HD void ZeroUnusedBands(const Rows& rows) const {
-    const int used = 3 * ((view.degree + 1) * (view.degree + 1) - 1), width = gaussians.rest_width;
-    for (size_t i = rows.first; i < rows.first + rows.count; ++i)
-      for (int k = used; k < width; ++k) out.color_rest[width * i + k] = 0;
+    const int width = gaussians.rest_width;
+    for (size_t i = rows.first; i < rows.first + rows.count; ++i) {
+      const int own = DegreeOf(gaussians, view, i);
+      for (int k = 3 * ((own + 1) * (own + 1) - 1); k < width; ++k)
+        out.color_rest[width * i + k] = 0;
+    }
   }
   COSPLAT_HD void ZeroAll(const Rows& rows) const {
     ZeroRows(out.position, 3, rows);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace cosplat {
 
@@ -19,6 +20,7 @@ struct WorldGaussians {
   const float* color_dc = nullptr;       // [count, 3]
   const float* color_rest = nullptr;     // [count, rest_width]
   const float* color_frame = nullptr;    // [count, 4] wxyz: colour sees R(frame)^T d; or null
+  const uint8_t* degree = nullptr;       // [count] own highest band; or null: all are evaluated
 };
 
 struct WorldGradients {
