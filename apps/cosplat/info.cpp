@@ -11,6 +11,7 @@
 #include "avatar/avatar_file.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
+#include "splat/bands.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
 #include "splat/dataset.h"
@@ -41,6 +42,19 @@ void CodebookInfo(const QuantisedSplats& splats) {
   }
 }
 
+// How many Gaussians have which degree of their own.
+void DegreeInfo(Gaussians g) {
+  FindDegrees(g);
+  const DegreeCounts counts = CountDegrees(g);
+  std::printf("own degrees:");
+  for (int degree = 0; degree <= g.degree; ++degree)
+    std::printf(" %s of %d,", WithThousands(counts[degree]).c_str(), degree);
+  const DegreeFigures figures = FiguresOf(counts, g.degree);
+  std::printf(" mean %.2f; %.0f %% of the coefficients from band 1 on are not needed\n",
+              figures.mean,
+              100 * figures.rest_saved);
+}
+
 void SplatInfo(const std::string& path) {
   Gaussians g;
   if (IsVqFile(path)) {
@@ -54,6 +68,7 @@ void SplatInfo(const std::string& path) {
                 IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
                 WithThousands(g.size()).c_str(),
                 g.degree);
+    if (g.degree > 0) DegreeInfo(g);
   }
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
@@ -129,17 +144,36 @@ std::string ResultLines(const std::string& path) {
   return lines;
 }
 
+// What dropping bands of colour saved and cost; nothing where none was dropped.
+std::string BandsLine(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField stats(path, json);
+  if (stats.NumberOr("rest_saved", 0) == 0) return "";
+  char line[160];
+  std::snprintf(
+      line,
+      sizeof line,
+      "bands dropped: mean degree %.2f, %.0f %% of the coefficients from band 1 on; %+.2f "
+      "dB on training pictures at the time\n",
+      stats["mean_degree"].Number(),
+      100 * stats["rest_saved"].Number(),
+      stats["drop_psnr"].Number());
+  return line;
+}
+
 void RunInfo(const std::string& path) {
   const Json json = ReadRun(path);
   const JsonField run(path + "/run.json", json);
   const std::string results = ResultLines(path + "/results.json");
-  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n%s",
+  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n%s%s",
               run["kind"].String().c_str(),
               run["iterations"].Integer(),
               run["degree"].Integer(),
               run["basis"].String().c_str(),
               run["seed"].raw().dump().c_str(),
               run["source"].String().c_str(),
+              BandsLine(path + "/stats.json").c_str(),
               results.c_str());
 }
 

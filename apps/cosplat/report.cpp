@@ -75,6 +75,11 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
     if (result.rfind("LPIPS_", 0) == 0)
       row("LPIPS (" + EscapeXml(result.substr(6)) + ")", Number(value, "%.4f"));
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
+  if (stats.NumberOr("rest_saved", 0) > 0) {
+    row("Mean degree of the colours", Number(stats["mean_degree"].Number(), "%.2f"));
+    row("Coefficients dropped", Number(100 * stats["rest_saved"].Number(), "%.0f %%"));
+    row("PSNR in training as they were dropped", Number(stats["drop_psnr"].Number(), "%+.2f dB"));
+  }
   row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
   row("Training", Number(stats["seconds"].Number(), "%.0f s"));
   row("One step", Number(stats["ms_per_step"].Number(), "%.1f ms"));

@@ -78,6 +78,13 @@ void TrainOptions::Declare(CLI::App& command) {
       .add_option(
           "--prune_lambda", prune_lambda, "weight of the mask's loss, for rules that learn a mask")
       ->check(kRate);
+  command
+      .add_option(
+          "--drop_bands",
+          drop_bands,
+          "drop bands of colour that change the pictures by so little, in grey levels of 255 "
+          "(root mean square); 0: none")
+      ->check(kRate);
   command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
       ->check(kRate)
       ->check(CLI::Range(0.0, 1.0));
@@ -139,6 +146,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.prune.rule = PruneRuleFromString(prune == "none" && prune_to > 0 ? "leave-one-out" : prune);
   s.prune.target = prune_to;
   s.prune.mask_weight = prune_lambda;
+  s.drop_bands = drop_bands / 255;
   if (background == "white") s.background = Background::kWhite;
   if (background == "random") s.background = Background::kRandom;
   s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";

@@ -48,6 +48,14 @@ void RunTraining(const TrainOptions& o,
                 statistics.seconds,
                 statistics.ms_per_step,
                 WithThousands(statistics.gaussians).c_str());
+  if (!o.quiet && o.drop_bands > 0)
+    std::printf(
+        "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients from band 1 on; "
+        "%+.2f dB on training pictures at the time\n",
+        statistics.bands.mean,
+        o.sh_degree,
+        100 * statistics.bands.rest_saved,
+        statistics.drop_psnr);
   if (!hooks.evaluate) return;
   const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
   if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
