@@ -8,6 +8,7 @@
 #include "avatar/parallel_for.h"
 #include "avatar/preview.h"
 #include "splat/base/error.h"
+#include "splat/degree_order.h"
 
 namespace cosplat {
 namespace {
@@ -27,6 +28,16 @@ bool SameBits(const T& a, const T& b) {
 // [0, 1] to [0, 255], rounded; what is not a number is 0.
 uint8_t ToByte(float x) { return x > 0 ? uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : uint8_t(0); }
 
+void SortAvatar(AvatarModel& avatar) {
+  const std::vector<uint32_t> order = SortByDegree(avatar.gaussians);
+  if (order.empty()) return;
+  const Embedding before = avatar;
+  for (size_t i = 0; i < order.size(); ++i) {
+    avatar.triangle[i] = before.triangle[order[i]];
+    avatar.barycentric[i] = before.barycentric[order[i]];
+  }
+}
+
 }  // namespace
 
 bool PlacedAvatar::IsFor(const FlameParams& params) const {
@@ -41,7 +52,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
       surface_(avatar_.mesh),
       rasterizer_(MakeCpuRasterizer()),
       tape_(rasterizer_->MakeTape()) {
-  FindDegrees(avatar_.gaussians);
+  SortAvatar(avatar_);
   if (surface_.vertex_count() != poser_.vertex_count())
     throw Error(flame.name,
                 "vertices",

@@ -14,6 +14,7 @@
 #include "splat/base/error.h"
 #include "splat/bench/measure.h"
 #include "splat/config.h"
+#include "splat/degree_order.h"
 #include "splat/io/splat_file.h"
 #include "splat/rasterizer.h"
 
@@ -155,6 +156,7 @@ OrbitSubject LoadOrbit(const std::string& path, bool quick) {
   OrbitSubject subject;
   subject.name = std::filesystem::path(path).filename().string();
   subject.gaussians = ReadSplats(path);
+  SortByDegree(subject.gaussians);
   const std::vector<Point> points = VisiblePoints(subject.gaussians);
   if (points.empty()) throw Error(path, "vertex", "none is to be seen");
   subject.cameras = FittingOrbit(path, points, Lens(quick));

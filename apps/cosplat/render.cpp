@@ -23,6 +23,7 @@
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/dataset.h"
+#include "splat/degree_order.h"
 #include "splat/io/splat_file.h"
 
 namespace cosplat {
@@ -93,7 +94,8 @@ void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Op
 void RenderScene(const Options& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
   const int iteration = SavedIteration(o.model, run);
-  const Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
+  Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
+  SortByDegree(g);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !scene.test.empty();
   const std::vector<SceneView>& views = held_out ? scene.test : scene.train;

@@ -14,6 +14,7 @@
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/bench/measure.h"
+#include "splat/degree_order.h"
 #include "splat/io/ply.h"
 #include "splat/rasterizer.h"
 
@@ -41,7 +42,8 @@ double BestRate(size_t frames, const std::function<void()>& pass) {
 }
 
 double SceneRate(const std::string& folder, const JsonField& run) {
-  const Gaussians g = ReadPly(SplatPath(folder, SavedIteration(folder, run)));
+  Gaussians g = ReadPly(SplatPath(folder, SavedIteration(folder, run)));
+  SortByDegree(g);
   const SceneData scene = LoadSplitScene(run["source"].String(), SplitFromJson(run));
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();

@@ -100,6 +100,27 @@ TEST(Player, DrawsWhatTheTrainerDraws) {
   }
 }
 
+TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
+  AvatarModel model = Trained().Model();
+  ASSERT_EQ(model.gaussians.degree, 3);
+  Gaussians& g = model.gaussians;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const int degree = int(i * 7 / 3 % 4);
+    std::fill(g.at(kColorRest, i) + 3 * (CoefficientCount(degree) - 1),
+              g.at(kColorRest, i) + g.width(kColorRest),
+              0.0f);
+  }
+  PosedAvatar posed;
+  const RenderedImage expected = Picture(
+      PosedView(g, posed.At(Frame(3).params), model.color_frame), g.basis, 3, Frame(3).camera);
+  Player player(model, Flame());
+  EXPECT_EQ(player.avatar().gaussians.degrees.front(), 0);
+  EXPECT_EQ(player.avatar().gaussians.degrees.back(), 3);
+  RenderedImage played;
+  player.RenderOver(Frame(3).params, Frame(3).camera, {0.3f, 0.5f, 0.7f}, played);
+  EXPECT_TRUE(SameBits(expected.color, played.color));
+}
+
 TEST(Player, ColoursOfTheWorldFrameDoNotTurnWithTheHead) {
   AvatarModel model = Trained().Model();
   model.bust = Bust{};  // at rest too

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "splat/basis_constants.h"
+#include "splat/degree_order.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/vq_file.h"
@@ -218,6 +219,24 @@ TEST(Bands, DegreesAreFoundAndKept) {
   Gaussians full = RandomGaussians(20, 3, Basis::kDcsh, 1);
   FindDegrees(full);
   EXPECT_TRUE(full.degrees.empty());
+}
+
+TEST(Bands, SortedByDegreeThePictureIsTheSame) {
+  Gaussians g = OfAllDegrees(203, 3, Basis::kDcsh);
+  const Gaussians before = g;
+  const std::vector<uint32_t> order = SortByDegree(g);
+  ASSERT_EQ(order.size(), before.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    EXPECT_EQ(g.degrees[i], before.degrees[order[i]]);
+    EXPECT_EQ(*g.at(kOpacityLogit, i), *before.at(kOpacityLogit, order[i]));
+    if (i > 0 && g.degrees[i] == g.degrees[i - 1]) EXPECT_GT(order[i], order[i - 1]);
+    if (i > 0) EXPECT_GE(g.degrees[i], g.degrees[i - 1]);
+  }
+  const Camera camera = test::LookingAt({0.3f, -0.2f, -3}, {0, 0, 0}, 64);
+  EXPECT_TRUE(test::SameBits(test::Picture(g, camera).color, test::Picture(before, camera).color));
+  Gaussians full = RandomGaussians(20, 3, Basis::kDcsh, 1);
+  EXPECT_TRUE(SortByDegree(full).empty());
+  EXPECT_EQ(full.size(), 20u);
 }
 
 struct Step {
