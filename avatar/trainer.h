@@ -100,6 +100,10 @@ class AvatarSubject : public Subject {
   void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) override;
   View<const float> PositionRateScale() override;
   void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) override;
+  std::any SaveState() const override { return state_; }
+  void RestoreState(const std::any& state) override {
+    state_ = std::any_cast<const AvatarTrainingState&>(state);
+  }
 
   void Gather(const std::vector<uint32_t>& source) override;
   void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) override;

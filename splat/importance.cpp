@@ -54,14 +54,15 @@ class ContributionSum {
 }  // namespace
 
 std::vector<Contribution> ContributionsToFrames(Subject& subject,
+                                                View<const uint32_t> frames,
                                                 const Gaussians& gaussians,
                                                 int degree,
                                                 const std::array<float, 3>& background,
                                                 size_t most_frames) {
   ContributionSum sum(gaussians.size());
-  const size_t frames = subject.frame_count(), used = std::min(frames, most_frames);
+  const size_t used = std::min(frames.size(), most_frames);
   for (size_t k = 0; k < used; ++k) {
-    const size_t f = k * frames / used;
+    const size_t f = frames[k * frames.size() / used];
     const TrainFrame& frame = subject.frame(f);
     sum.Add(subject.Place(gaussians, f),
             gaussians.basis,

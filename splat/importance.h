@@ -12,9 +12,10 @@
 
 namespace cosplat {
 
-// Sums over training frames, at most `most_frames` of them evenly spread, of every Gaussian's
+// Sums over these frames, at most `most_frames` of them evenly spread, of every Gaussian's
 // contribution to the frame's picture over `background`, against its photograph. [N]
 std::vector<Contribution> ContributionsToFrames(Subject& subject,
+                                                View<const uint32_t> frames,
                                                 const Gaussians& gaussians,
                                                 int degree,
                                                 const std::array<float, 3>& background,

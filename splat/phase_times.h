@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <ctime>
 
 namespace cosplat {
 
@@ -28,6 +29,13 @@ struct PhaseTimes {
     return *this;
   }
 };
+
+// Of all threads of this process, s.
+inline double ProcessorSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
 
 // Adds the time from its construction to its end to one phase.
 class ScopedPhase {

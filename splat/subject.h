@@ -2,6 +2,8 @@
 // splat/trainer.h; avatars: avatar/trainer.h.
 #pragma once
 
+#include <any>
+
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/density.h"
@@ -34,6 +36,9 @@ class Subject : public Placement {
   }
   // [N, 3] factors on the rate of kPosition's components, where they differ in unit; or empty.
   virtual View<const float> PositionRateScale() { return {}; }
+  // Its own state, to go back to (splat/budget.h); none for a subject that has none.
+  virtual std::any SaveState() const { return {}; }
+  virtual void RestoreState(const std::any& state) { (void)state; }
   // After the step's update; `iteration` counts from 1.
   virtual void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
     (void)iteration;

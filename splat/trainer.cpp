@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numeric>
 #include <string>
 
@@ -12,12 +11,6 @@
 
 namespace cosplat {
 namespace {
-
-double ProcessorSeconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
@@ -42,6 +35,7 @@ Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians firs
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
+  HoldOut({});
   pruner_ =
       MakePruner(settings.prune, settings.schedule, settings.iterations, state_.gaussians.size());
 }
@@ -56,8 +50,7 @@ int Trainer::active_degree() const {
 size_t Trainer::NextFrame() {
   std::vector<uint32_t>& left = state_.frames_left;
   if (left.empty()) {
-    left.resize(subject_.frame_count());
-    std::iota(left.begin(), left.end(), 0u);
+    left = frames_;
     for (size_t i = left.size(); i > 1; --i) std::swap(left[i - 1], left[state_.rng.Below(i)]);
   }
   const size_t next = left.back();
@@ -152,12 +145,54 @@ Population Trainer::Everyone() {
   return {subject_, state_.gaussians, state_.adam, state_.statistics, pruner_.get()};
 }
 
+void Trainer::HoldOut(std::vector<uint32_t> frames) {
+  std::sort(frames.begin(), frames.end());
+  frames_.clear();
+  for (uint32_t f = 0; f < subject_.frame_count(); ++f)
+    if (!std::binary_search(frames.begin(), frames.end(), f)) frames_.push_back(f);
+  if (frames_.empty()) throw Error("", "training frames", "none is left beside those held out");
+  state_.frames_left.clear();
+}
+
+double Trainer::PsnrOf(View<const uint32_t> frames) {
+  const Gaussians gaussians = CaughtUp();
+  const RenderSettings settings{MeanBackground(), active_degree()};
+  const auto tape = rasterizer_->MakeTape();
+  RenderedImage image;
+  Buffer<float> target;
+  double sum = 0;
+  for (const uint32_t f : frames) {
+    const TrainFrame& frame = subject_.frame(f);
+    const WorldGaussians world = subject_.Place(gaussians, f);
+    rasterizer_->Forward(world, gaussians.basis, frame.camera, settings, image, *tape);
+    for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
+    CompositeTarget(frame.target, settings.background, target);
+    sum += Psnr(image.color, target);
+  }
+  return frames.empty() ? 0 : sum / double(frames.size());
+}
+
+int Trainer::FirstPruneStep() const {
+  for (int i = 1; i <= settings_.iterations; ++i)
+    if (PrunesAt(i)) return i;
+  return 0;
+}
+
+void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) {
+  state_ = checkpoint.state;
+  subject_.RestoreState(checkpoint.subject);
+  settings_.prune = prune;
+  pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, state_.gaussians.size());
+  ReleaseScratch();
+}
+
 // What the rule ranks lowest, and what the cap of groups takes.
 PruneRound Trainer::Rank(int iteration) {
   const DensityStatistics& statistics = state_.statistics;
   if (PrunesAt(iteration)) {
     return pruner_->Rank({iteration,
                           subject_,
+                          frames_,
                           state_.gaussians,
                           statistics,
                           active_degree(),

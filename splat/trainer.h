@@ -5,6 +5,7 @@
 // their gradients is the Subject's business: SceneSubject below, avatar/trainer.h for avatars.
 #pragma once
 
+#include <any>
 #include <array>
 #include <functional>
 #include <memory>
@@ -110,11 +111,28 @@ class Trainer {
   StepReport Step();
 
   const TrainingState& state() const { return state_; }
+  // Takes these frames out of what is trained on from the next pass on (an empty list gives all
+  // back): evidence for choices made during the run (splat/budget.h).
+  void HoldOut(std::vector<uint32_t> frames);
+  // Mean PSNR of these frames as they stand, over the background of training (mid-grey where that
+  // is random), pictures clamped to what bytes can show.
+  double PsnrOf(View<const uint32_t> frames);
+  // The first step that the rule of pruning has a round after; 0 when there is none.
+  int FirstPruneStep() const;
+  // A point to go back to, and back. The rule of pruning starts anew with another target: it must
+  // be one that keeps nothing between rounds.
+  struct Checkpoint {
+    TrainingState state;
+    std::any subject;
+  };
+  Checkpoint Save() const { return {state_, subject_.SaveState()}; }
+  void Restore(const Checkpoint& checkpoint, const PruneSettings& prune);
   // The Gaussians with all that Adam has put off: what to save or judge in the middle of a run. A
   // copy, since making up for it in place would change the run's bits.
   Gaussians CaughtUp() const;
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
+  size_t frame_count() const { return subject_.frame_count(); }
   TrainingStatistics statistics() const;
   // Everything held between two steps, except what the subject holds.
   std::vector<MemoryPart> Memory() const;
@@ -142,6 +160,7 @@ class Trainer {
   Subject& subject_;
   TrainingState state_;
   std::unique_ptr<Pruner> pruner_;  // null: no rule
+  std::vector<uint32_t> frames_;    // that are trained on
   // Scratch, kept between steps.
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;

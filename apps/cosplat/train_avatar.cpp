@@ -148,6 +148,7 @@ void Train(AvatarOptions o, const std::string& config) {
                 video.train[0].camera.height,
                 subject.has_bust() ? ", with a bust" : "");
   RunHooks hooks;
+  hooks.video = true;
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) Save(o, flame, subject, trainer);
     if (o.avatar.refine_track) SaveRefinedTrack(o, subject);

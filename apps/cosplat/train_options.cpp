@@ -85,6 +85,14 @@ void TrainOptions::Declare(CLI::App& command) {
           "drop bands of colour that change the pictures by so little, in grey levels of 255 "
           "(root mean square); 0: none")
       ->check(kRate);
+  command
+      .add_option("--budget",
+                  budget,
+                  "auto: find how few Gaussians hold the quality, on training views held out in "
+                  "the meantime; takes about twice the time")
+      ->check(CLI::IsMember({"none", "auto"}));
+  command.add_option("--tolerance", tolerance, "dB that --budget auto may lose on those views")
+      ->check(kRate);
   command.add_option("--lambda_dssim", lambda_dssim, "share of D-SSIM in the loss")
       ->check(kRate)
       ->check(CLI::Range(0.0, 1.0));
@@ -143,7 +151,12 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS
   s.density.max_count = max_gaussians;
-  s.prune.rule = PruneRuleFromString(prune == "none" && prune_to > 0 ? "leave-one-out" : prune);
+  if (budget == "auto" && prune_to > 0)
+    throw Error("", "--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
+  if (budget == "auto" && prune != "none" && prune != "leave-one-out")
+    throw Error("", "--prune " + prune, "--budget auto prunes by leave-one-out");
+  const bool counts = prune_to > 0 || budget == "auto";
+  s.prune.rule = PruneRuleFromString(prune == "none" && counts ? "leave-one-out" : prune);
   s.prune.target = prune_to;
   s.prune.mask_weight = prune_lambda;
   s.drop_bands = drop_bands / 255;

@@ -31,6 +31,8 @@ struct TrainOptions {
   size_t prune_to = 0;
   float prune_lambda = 0;
   float drop_bands = 0;  // grey levels of 255
+  std::string budget = "none";
+  float tolerance = 0.2f;  // dB
   float lambda_dssim = 0.2f;
   float densify_grad_threshold = 2e-4f;
   // Steps; -1: by the schedule.

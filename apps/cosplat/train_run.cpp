@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
 #include "apps/cosplat/progress_bar.h"
 #include "apps/cosplat/run_folder.h"
 #include "apps/cosplat/test_images.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+#include "splat/budget.h"
 
 namespace cosplat {
 
@@ -18,24 +22,77 @@ void PrintSkipped(const std::vector<SkippedFrame>& skipped) {
   if (skipped.size() > kListed) std::printf("  ... (all are in skipped_frames.json)\n");
 }
 
+namespace {
+
+class LossLine {
+ public:
+  std::string operator()(const StepReport& step) {
+    loss_ = step.iteration == 1 ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
+    char text[96];
+    std::snprintf(
+        text, sizeof text, "loss %.4f  %s Gaussians", loss_, WithThousands(step.gaussians).c_str());
+    return text;
+  }
+
+ private:
+  double loss_ = 0;
+};
+
+void WriteBudget(const TrainOptions& o, const BudgetReport& report) {
+  Json trials = Json::array();
+  for (const BudgetTrial& trial : report.trials)
+    trials.push_back({{"gaussians", trial.gaussians}, {"psnr", trial.psnr}});
+  const Json json{{"tolerance_db", o.tolerance}, {"trials", trials}, {"gaussians", report.chosen}};
+  WriteFileAtomically(o.model + "/budget.json", json.dump(2) + "\n");
+}
+
+void PrintBudget(const BudgetReport& report) {
+  const BudgetTrial& all = report.trials.front();
+  std::printf("budget: %s Gaussians unpruned, %.2f dB on the views held out\n",
+              WithThousands(all.gaussians).c_str(),
+              all.psnr);
+  for (size_t i = 1; i < report.trials.size(); ++i)
+    std::printf("  %s: %+.2f dB\n",
+                WithThousands(report.trials[i].gaussians).c_str(),
+                report.trials[i].psnr - all.psnr);
+  std::printf("  chosen: %s\n", WithThousands(report.chosen).c_str());
+}
+
+void ChooseBudget(const TrainOptions& o, Trainer& trainer, bool video) {
+  const BudgetSettings settings{o.tolerance, FramesForBudget(trainer.frame_count(), video)};
+  std::unique_ptr<ProgressBar> bar;
+  size_t shown = size_t(-1);
+  LossLine line;
+  const BudgetReport report =
+      FindBudget(settings, trainer, [&](size_t trial, const StepReport& step) {
+        if (trial != shown) {
+          bar.reset();  // ends its line
+          bar = std::make_unique<ProgressBar>(
+              "budget, trial " + std::to_string(trial + 1), o.iterations, o.quiet);
+          shown = trial;
+        }
+        bar->Update(step.iteration, line(step));
+      });
+  bar.reset();
+  WriteBudget(o, report);
+  if (!o.quiet) PrintBudget(report);
+}
+
+}  // namespace
+
 void RunTraining(const TrainOptions& o,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
                  const RunHooks& hooks) {
   WriteSkipped(o.model, skipped);
+  if (o.budget == "auto") ChooseBudget(o, trainer, hooks.video);
   {
     ProgressBar bar("train", o.iterations, o.quiet);
-    double loss = 0;
-    for (int i = 1; i <= o.iterations; ++i) {
+    LossLine line;
+    while (trainer.state().iteration < o.iterations) {
       const StepReport step = trainer.Step();
-      loss = i == 1 ? step.loss : 0.95 * loss + 0.05 * step.loss;
-      char detail[96];
-      std::snprintf(detail,
-                    sizeof detail,
-                    "loss %.4f  %s Gaussians",
-                    loss,
-                    WithThousands(step.gaussians).c_str());
-      bar.Update(i, detail);
+      const int i = step.iteration;
+      bar.Update(i, line(step));
       if (o.ReachesMilestone(o.save_iterations, i)) hooks.save();
       if (i == o.iterations) WriteStatistics(o.model, trainer.statistics(), skipped.size());
       if (hooks.evaluate && o.ReachesMilestone(o.test_iterations, i)) hooks.evaluate();

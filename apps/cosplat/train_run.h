@@ -12,11 +12,12 @@
 namespace cosplat {
 
 struct RunHooks {
+  bool video = false;              // frames follow each other in time
   std::function<void()> save;      // at --save_iterations and at the end
   std::function<void()> evaluate;  // at --test_iterations and at the end; empty: nothing held out
 };
 
-// Trains, saves and evaluates; writes stats.json, skipped_frames.json (where there are any),
+// Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto), skipped_frames.json (where there are any),
 // results.json and per_view.json. Returns once all of it is on disk.
 void RunTraining(const TrainOptions& options,
                  Trainer& trainer,

@@ -1,7 +1,8 @@
-// By what the pictures lose. Score: by how much the squared error of the training pictures grows
-// when this Gaussian alone is taken out (splat/contribution.h): exact, not a derivative. A few
-// rounds once densification is over, so that what was clothed in a Gaussian's place by its
-// neighbours has time to settle.
+// By what the pictures lose. Score: the squared change of the training pictures when this Gaussian
+// alone is taken out (splat/contribution.h), exact, not a derivative. (The growth of the squared
+// error, which knows the photographs, too, is worse: it drops what a picture has wrong at the
+// moment and training was about to put right; docs/study.md.) A few rounds once densification is
+// over, so that neighbours have time to take a Gaussian's place.
 #include "splat/importance.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
@@ -22,9 +23,13 @@ class LeaveOneOutPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    for (const Contribution& c : ContributionsToFrames(
-             context.subject, context.gaussians, context.degree, context.background, kMostFrames))
-      round.score.push_back(c.error_growth);
+    for (const Contribution& c : ContributionsToFrames(context.subject,
+                                                       context.frames,
+                                                       context.gaussians,
+                                                       context.degree,
+                                                       context.background,
+                                                       kMostFrames))
+      round.score.push_back(c.change);
     round.remove = settings_.target == 0
                        ? ShareOf(kShare, n)
                        : RemovalTowards(settings_.target, n, rounds_.LeftAfter(context.iteration));

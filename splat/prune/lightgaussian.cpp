@@ -22,10 +22,13 @@ class LightGaussianPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    round.score = Significance(
-        context.gaussians,
-        ContributionsToFrames(
-            context.subject, context.gaussians, context.degree, context.background, kAllFrames));
+    round.score = Significance(context.gaussians,
+                               ContributionsToFrames(context.subject,
+                                                     context.frames,
+                                                     context.gaussians,
+                                                     context.degree,
+                                                     context.background,
+                                                     kAllFrames));
     round.remove =
         settings_.target == 0 ? ShareOf(kShare, n) : RemovalTowards(settings_.target, n, 0);
     return round;

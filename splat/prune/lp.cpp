@@ -36,10 +36,13 @@ class LpPruner : public Pruner {
     const size_t n = context.gaussians.size();
     PruneRound round{std::vector<float>(n, 1.0f), {}, 0};
     if (!learning_) {
-      importance_ = Significance(
-          context.gaussians,
-          ContributionsToFrames(
-              context.subject, context.gaussians, context.degree, context.background, kAllFrames));
+      importance_ = Significance(context.gaussians,
+                                 ContributionsToFrames(context.subject,
+                                                       context.frames,
+                                                       context.gaussians,
+                                                       context.degree,
+                                                       context.background,
+                                                       kAllFrames));
       const float most = *std::max_element(importance_.begin(), importance_.end());
       for (float& s : importance_) s /= std::max(most, 1e-30f);
       mu_ = LearnedMask(n, kFirst, kRate);

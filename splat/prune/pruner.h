@@ -23,8 +23,9 @@ namespace cosplat {
 
 // What a pruner sees of the run when it ranks.
 struct PruneContext {
-  int iteration = 0;  // of the step just done, from 1
-  Subject& subject;   // to draw training frames; not to be changed
+  int iteration = 0;            // of the step just done, from 1
+  Subject& subject;             // to draw training frames; not to be changed
+  View<const uint32_t> frames;  // that are trained on
   const Gaussians& gaussians;
   const DensityStatistics& statistics;  // since the last densification
   int degree = 0;                       // bands in use

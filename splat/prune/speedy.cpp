@@ -24,8 +24,12 @@ class SpeedyPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    for (const Contribution& c : ContributionsToFrames(
-             context.subject, context.gaussians, context.degree, context.background, kAllFrames))
+    for (const Contribution& c : ContributionsToFrames(context.subject,
+                                                       context.frames,
+                                                       context.gaussians,
+                                                       context.degree,
+                                                       context.background,
+                                                       kAllFrames))
       round.score.push_back(c.sensitivity);
     if (!hard_.At(context.iteration))
       round.remove = ShareDownTo(settings_.target, kSoftShare, n);

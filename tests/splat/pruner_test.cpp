@@ -46,7 +46,7 @@ struct Rounds {
     pruner->BeforeDensification();
     ControlDensity(p.settings, false, p.With(placement, pruner.get()), p.rng);
     const PruneRound round =
-        pruner->Rank({iteration, subject, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
+        pruner->Rank({iteration, subject, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
     const size_t gone = p.With(placement, pruner.get()).Prune(round, cap, floor);
     p.statistics.Reset(p.g.size());
     return gone;
@@ -234,7 +234,8 @@ TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
     SceneSubject subject(Photographs(g, Ring(2, 2.2f)), 1);
     const auto pruner = MakePruner(Rule(rule), Every20(), 300, g.size());
     Rng rng{1};
-    const PruneContext context{195, subject, g, {}, 0, {0, 0, 0}, rng};
+    const std::vector<uint32_t> frames{0, 1};
+    const PruneContext context{195, subject, frames, g, {}, 0, {0, 0, 0}, rng};
     EXPECT_EQ(pruner->Rank(context).remove, 0u) << ToString(rule);
     const std::vector<float> radii(g.size(), 1.0f);
     for (int step = 0; step < 3000; ++step) {
@@ -276,7 +277,8 @@ TEST(Lp, GradientsGoThroughTheMask) {
   PruneSettings settings = Rule(PruneRule::kLp);
   const auto pruner = MakePruner(settings, Every20(), 300, g.size());
   Rng unused{1};
-  pruner->Rank({195, subject, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
+  const std::vector<uint32_t> frames{0};
+  pruner->Rank({195, subject, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
 
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();

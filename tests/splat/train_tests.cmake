@@ -7,6 +7,7 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/morton_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/prune_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/pruner_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/budget_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/importance_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/schedule_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/initialize_test.cpp

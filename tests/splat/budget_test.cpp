@@ -1,0 +1,130 @@
+// Finding the budget of Gaussians: what is tried, what is chosen, and that the run goes on as one
+// that was told the count.
+#include "splat/budget.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/splat/training_fixture.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+using namespace test;  // NOLINT: small scenes
+
+constexpr int kSteps = 300;
+
+TrainSettings Settings() {
+  TrainSettings s = ShortRun(kSteps, 1);
+  s.prune.rule = PruneRule::kLeaveOneOut;
+  return s;
+}
+
+std::vector<TrainFrame> Frames() { return Photographs(TrueScene(1), Ring(10, 2.2f)); }
+
+const auto kSilent = [](size_t, const StepReport&) {};
+
+TEST(Budget, FramesAreHeldOut) {
+  EXPECT_EQ(FramesForBudget(21, false), (std::vector<uint32_t>{4, 12, 20}));
+  EXPECT_EQ(FramesForBudget(12, true), (std::vector<uint32_t>{10, 11}));
+  EXPECT_TRUE(FramesForBudget(4, true).empty());
+  EXPECT_TRUE(FramesForBudget(0, false).empty());
+}
+
+TEST(Budget, TheFewestThatHoldAreChosen) {
+  SceneSubject subject(Frames(), 1);
+  Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
+  const BudgetSettings settings{1.0, FramesForBudget(subject.frame_count(), true)};
+  std::vector<size_t> shown;
+  const BudgetReport report = FindBudget(
+      settings, trainer, [&](size_t trial, const StepReport&) { shown.push_back(trial); });
+  ASSERT_GE(report.trials.size(), 3u);
+  const BudgetTrial& all = report.trials.front();
+  EXPECT_LT(report.chosen, all.gaussians / 2);
+  size_t fewest = all.gaussians;
+  for (const BudgetTrial& trial : report.trials)
+    if (trial.psnr >= all.psnr - settings.tolerance_db) fewest = std::min(fewest, trial.gaussians);
+  EXPECT_NEAR(double(report.chosen), double(fewest), 1);
+  EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
+  EXPECT_EQ(shown.back() + 1, report.trials.size());
+
+  // The run stands before its first round and ends within the budget.
+  EXPECT_EQ(trainer.state().iteration, trainer.FirstPruneStep() - 1);
+  while (trainer.state().iteration < kSteps) trainer.Step();
+  EXPECT_EQ(trainer.state().gaussians.size(), report.chosen);
+  EXPECT_GT(MeanPsnr(trainer.state().gaussians, Frames()), all.psnr - 2);
+}
+
+TEST(Budget, ATighterToleranceNeedsMore) {
+  std::vector<size_t> chosen;
+  for (const double tolerance : {0.05, 3.0}) {
+    SceneSubject subject(Frames(), 1);
+    Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
+    chosen.push_back(FindBudget({tolerance, {8, 9}}, trainer, kSilent).chosen);
+  }
+  EXPECT_GT(chosen[0], chosen[1]);
+}
+
+TEST(Budget, NoLossAllowedKeepsAllWhereAllAreNeeded) {
+  SceneSubject subject(Frames(), 1);
+  Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
+  const BudgetReport report = FindBudget({-100, {8, 9}}, trainer, kSilent);
+  EXPECT_EQ(report.chosen, report.trials.front().gaussians);
+  while (trainer.state().iteration < kSteps) trainer.Step();
+  EXPECT_EQ(trainer.state().gaussians.size(), report.chosen);
+}
+
+TEST(Budget, WhatCannotBeJudgedIsAnError) {
+  SceneSubject subject(Frames(), 1);
+  Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
+  ExpectError([&] { FindBudget({0.2, {}}, trainer, kSilent); }, {"--budget auto", "frames"});
+  TrainSettings none = Settings();
+  none.prune.rule = PruneRule::kNone;
+  Trainer unpruned(none, subject, FirstGaussians(300, 1));
+  ExpectError([&] { FindBudget({0.2, {1}}, unpruned, kSilent); }, {"--budget auto", "no round"});
+}
+
+TEST(Trainer, GoingBackRepeatsTheRunBitForBit) {
+  SceneSubject subject(Frames(), 1);
+  Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
+  for (int i = 0; i < 120; ++i) trainer.Step();
+  const Trainer::Checkpoint checkpoint = trainer.Save();
+  for (int i = 120; i < 220; ++i) trainer.Step();
+  const TrainingState first = trainer.state();
+  trainer.Restore(checkpoint, trainer.settings().prune);
+  for (int i = 120; i < 220; ++i) trainer.Step();
+  EXPECT_TRUE(SameBits(first, trainer.state()));
+}
+
+TEST(Trainer, FramesHeldOutAreNotTrainedOn) {
+  SceneSubject subject(Frames(), 1);
+  Trainer trainer(ShortRun(kSteps, 1), subject, FirstGaussians(300, 1));
+  const auto is_ahead = [&](uint32_t frame) {
+    const std::vector<uint32_t>& left = trainer.state().frames_left;
+    return std::count(left.begin(), left.end(), frame) > 0;
+  };
+  trainer.HoldOut({3, 7});
+  for (int i = 0; i < 16; ++i) {
+    trainer.Step();
+    EXPECT_FALSE(is_ahead(3) || is_ahead(7));
+    EXPECT_EQ(trainer.state().frames_left.size(), size_t(7 - i % 8));  // passes of eight
+  }
+  trainer.HoldOut({});
+  trainer.Step();
+  EXPECT_EQ(trainer.state().frames_left.size(), 9u);
+  ExpectError([&] { trainer.HoldOut({0, 1, 2, 3, 4, 5, 6, 7, 8, 9}); }, {"training frames"});
+}
+
+TEST(Trainer, PsnrIsThatOfPictures) {
+  const Gaussians truth = TrueScene(0);
+  const std::vector<TrainFrame> frames = Photographs(truth, Ring(3, 2.2f));
+  SceneSubject subject(frames, 1);
+  Trainer trainer(ShortRun(kSteps, 0), subject, truth);
+  // Bytes round: a quantisation noise of 1/sqrt(12) of a grey level is 58.9 dB.
+  EXPECT_NEAR(trainer.PsnrOf(std::vector<uint32_t>{0, 1, 2}), 59, 2);
+}
+
+}  // namespace
+}  // namespace cosplat
