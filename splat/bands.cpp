@@ -5,8 +5,6 @@
 
 #include "splat/basis_constants.h"
 #include "splat/importance.h"
-#include "splat/loss.h"
-#include "splat/rasterizer.h"
 
 namespace cosplat {
 namespace {
@@ -55,24 +53,6 @@ double HighestPrice(const std::vector<CutErrors>& errors,
     (sum <= allowed ? low : high) = middle;
   }
   return std::exp2(low);
-}
-
-double PsnrOfFrames(Subject& subject, const Gaussians& g, const std::array<float, 3>& background) {
-  const auto rasterizer = MakeCpuRasterizer();
-  const auto tape = rasterizer->MakeTape();
-  RenderedImage image;
-  Buffer<float> target;
-  const size_t frames = subject.frame_count(), used = std::min(frames, kFramesJudged);
-  double sum = 0;
-  for (size_t k = 0; k < used; ++k) {
-    const size_t f = k * frames / used;
-    const TrainFrame& frame = subject.frame(f);
-    const WorldGaussians world = subject.Place(g, f);
-    rasterizer->Forward(world, g.basis, frame.camera, {background, g.degree}, image, *tape);
-    CompositeTarget(frame.target, background, target);
-    sum += Psnr(image.color, target);
-  }
-  return sum / double(used);
 }
 
 }  // namespace
@@ -140,19 +120,24 @@ bool BandSchedule::DropsAt(int iteration, int iterations) {
 
 double DropBandsInTraining(float threshold,
                            Subject& subject,
+                           View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
                            AdamState& adam) {
-  const double before = PsnrOfFrames(subject, gaussians, background);
+  const auto psnr = [&] {
+    return MeanPsnrOfFrames(
+        subject, frames, gaussians, gaussians.degree, background, kFramesJudged);
+  };
+  const double before = psnr();
   Weights weights;
-  for (const Contribution& c :
-       ContributionsToFrames(subject, gaussians, gaussians.degree, background, kFramesWeighed))
+  for (const Contribution& c : ContributionsToFrames(
+           subject, frames, gaussians, gaussians.degree, background, kFramesWeighed))
     weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
   ZeroAbove(gaussians.degrees, adam.m);
   ZeroAbove(gaussians.degrees, adam.v);
-  return PsnrOfFrames(subject, gaussians, background) - before;
+  return psnr() - before;
 }
 
 }  // namespace cosplat

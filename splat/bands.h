@@ -48,12 +48,13 @@ struct BandSchedule {
   static bool DropsAt(int iteration, int iterations);
 };
 
-// A round of it, with the weights of training pictures over `background`. Without momentum and
-// gradient, what was dropped stays zero. Adam must have caught up (splat/optimizer.h).
+// A round of it, with the weights of training pictures (of `frames`) over `background`. Without
+// momentum and gradient, what was dropped stays zero. Adam must have caught up (splat/optimizer.h).
 // threshold: of all rounds together. Returns by how many dB the mean PSNR of up to 20 training
 // pictures changes.
 double DropBandsInTraining(float threshold,
                            Subject& subject,
+                           View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
                            AdamState& adam);

@@ -73,6 +73,34 @@ std::vector<Contribution> ContributionsToFrames(Subject& subject,
   return sum.Take();
 }
 
+double MeanPsnrOfFrames(Subject& subject,
+                        View<const uint32_t> frames,
+                        const Gaussians& gaussians,
+                        int degree,
+                        const std::array<float, 3>& background,
+                        size_t most_frames) {
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  Buffer<float> target;
+  const size_t used = std::min(frames.size(), most_frames);
+  double sum = 0;
+  for (size_t k = 0; k < used; ++k) {
+    const size_t f = frames[k * frames.size() / used];
+    const TrainFrame& frame = subject.frame(f);
+    rasterizer->Forward(subject.Place(gaussians, f),
+                        gaussians.basis,
+                        frame.camera,
+                        {background, degree},
+                        image,
+                        *tape);
+    for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
+    CompositeTarget(frame.target, background, target);
+    sum += Psnr(image.color, target);
+  }
+  return used == 0 ? 0 : sum / double(used);
+}
+
 std::vector<float> Significance(const Gaussians& gaussians,
                                 const std::vector<Contribution>& contributions) {
   const size_t n = gaussians.size();

@@ -21,6 +21,14 @@ std::vector<Contribution> ContributionsToFrames(Subject& subject,
                                                 const std::array<float, 3>& background,
                                                 size_t most_frames);
 
+// Mean PSNR of as many of these frames, likewise, pictures clamped to what bytes can show, dB.
+double MeanPsnrOfFrames(Subject& subject,
+                        View<const uint32_t> frames,
+                        const Gaussians& gaussians,
+                        int degree,
+                        const std::array<float, 3>& background,
+                        size_t most_frames);
+
 // LightGaussian's global significance (Fan et al. 2024, eq. 2-4): contribution.hits times
 // (V / V_90)^0.1, V the volume of the Gaussian, V_90 that which 90 % of them do not exceed. V is
 // not capped. [N]

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "splat/base/error.h"
+#include "splat/importance.h"
 
 namespace cosplat {
 namespace {
@@ -155,21 +156,8 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
 }
 
 double Trainer::PsnrOf(View<const uint32_t> frames) {
-  const Gaussians gaussians = CaughtUp();
-  const RenderSettings settings{MeanBackground(), active_degree()};
-  const auto tape = rasterizer_->MakeTape();
-  RenderedImage image;
-  Buffer<float> target;
-  double sum = 0;
-  for (const uint32_t f : frames) {
-    const TrainFrame& frame = subject_.frame(f);
-    const WorldGaussians world = subject_.Place(gaussians, f);
-    rasterizer_->Forward(world, gaussians.basis, frame.camera, settings, image, *tape);
-    for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
-    CompositeTarget(frame.target, settings.background, target);
-    sum += Psnr(image.color, target);
-  }
-  return frames.empty() ? 0 : sum / double(frames.size());
+  return MeanPsnrOfFrames(
+      subject_, frames, CaughtUp(), active_degree(), MeanBackground(), frames.size());
 }
 
 int Trainer::FirstPruneStep() const {
@@ -233,7 +221,7 @@ void Trainer::ControlDensityAt(int iteration) {
   if (resets) ResetOpacity(state_.gaussians, state_.adam);
   if (drops)
     drop_psnr_ += DropBandsInTraining(
-        settings_.drop_bands, subject_, MeanBackground(), state_.gaussians, state_.adam);
+        settings_.drop_bands, subject_, frames_, MeanBackground(), state_.gaussians, state_.adam);
 }
 
 double Trainer::Forward(size_t index) {
