@@ -10,9 +10,6 @@ struct Contribution {
   float hits;         // sum of opacity T over the pixels that it reaches (LightGaussian's score)
   float sensitivity;  // sum of (d(red + green + blue)/d(falloff))^2 (Speedy-Splat's score)
   float change;       // sum of |Delta|^2 over the channels
-  // By how much the picture's squared error grows without it: sum of |Delta|^2 - 2 error . Delta,
-  // error = rendered - photograph. Negative: the picture would be better.
-  float error_growth;
 };
 
 }  // namespace cosplat

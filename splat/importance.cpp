@@ -18,18 +18,12 @@ class ContributionSum {
   explicit ContributionSum(size_t count)
       : rasterizer_(MakeCpuRasterizer()), tape_(rasterizer_->MakeTape()), sum_(count) {}
 
-  // `photograph`: or null, when there is none.
   void Add(const WorldGaussians& world,
            Basis basis,
            const Camera& camera,
-           const RenderSettings& settings,
-           const Image8* photograph) {
+           const RenderSettings& settings) {
     rasterizer_->Forward(world, basis, camera, settings, image_, *tape_);
-    if (photograph) {
-      CompositeTarget(*photograph, settings.background, error_);
-      for (size_t i = 0; i < error_.size(); ++i) error_[i] = image_.color[i] - error_[i];
-    }
-    rasterizer_->Contributions(image_, error_, *tape_, view_);
+    rasterizer_->Contributions(image_, *tape_, view_);
     for (size_t i = 0; i < sum_.size(); ++i) {
       Contribution& s = sum_[i];
       const Contribution& v = view_[i];
@@ -37,7 +31,6 @@ class ContributionSum {
       s.hits += v.hits;
       s.sensitivity += v.sensitivity;
       s.change += v.change;
-      s.error_growth += v.error_growth;
     }
   }
   std::vector<Contribution> Take() { return std::move(sum_); }
@@ -46,7 +39,6 @@ class ContributionSum {
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
-  Buffer<float> error_;
   Buffer<Contribution> view_;
   std::vector<Contribution> sum_;
 };
@@ -64,11 +56,7 @@ std::vector<Contribution> ContributionsToFrames(Subject& subject,
   for (size_t k = 0; k < used; ++k) {
     const size_t f = frames[k * frames.size() / used];
     const TrainFrame& frame = subject.frame(f);
-    sum.Add(subject.Place(gaussians, f),
-            gaussians.basis,
-            frame.camera,
-            {background, degree},
-            &frame.target);
+    sum.Add(subject.Place(gaussians, f), gaussians.basis, frame.camera, {background, degree});
   }
   return sum.Take();
 }
@@ -123,7 +111,7 @@ std::vector<float> GlobalSignificance(const Gaussians& gaussians,
                                       const std::vector<Camera>& cameras) {
   ContributionSum sum(gaussians.size());
   for (const Camera& camera : cameras)
-    sum.Add(ViewOf(gaussians), gaussians.basis, camera, {{0, 0, 0}, gaussians.degree}, nullptr);
+    sum.Add(ViewOf(gaussians), gaussians.basis, camera, {{0, 0, 0}, gaussians.degree});
   return Significance(gaussians, sum.Take());
 }
 

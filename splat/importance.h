@@ -13,7 +13,7 @@
 namespace cosplat {
 
 // Sums over these frames, at most `most_frames` of them evenly spread, of every Gaussian's
-// contribution to the frame's picture over `background`, against its photograph. [N]
+// contribution to the frame's picture over `background`. [N]
 std::vector<Contribution> ContributionsToFrames(Subject& subject,
                                                 View<const uint32_t> frames,
                                                 const Gaussians& gaussians,

@@ -73,10 +73,8 @@ class Rasterizer {
                         const WorldGradients& gradients) = 0;
 
   // What every Gaussian does for the picture that Forward made (with the full exponential), summed
-  // over its pixels; 0 where it was not drawn. error: [3, height, width] picture minus photograph,
-  // or empty: taken as 0. contributions: [count], overwritten.
+  // over its pixels; 0 where it was not drawn. contributions: [count], overwritten.
   virtual void Contributions(const RenderedImage& image,
-                             const Buffer<float>& error,
                              RenderTape& tape,
                              Buffer<Contribution>& contributions) = 0;
 

@@ -11,22 +11,18 @@
 
 COSPLAT_MATH_BEGIN
 
-// Per pixel: the transmittance, what is behind the splats so far, and the picture's error.
+// Per pixel: the transmittance and what is behind the splats so far.
 struct alignas(64) ContributionPixels {
-  float t[kPixels], behind[3][kPixels], error[3][kPixels];
+  float t[kPixels], behind[3][kPixels];
 };
 
-void LoadContributionPixels(const TileJob& job, const float* error, ContributionPixels& px) {
+void LoadContributionPixels(const TileJob& job, ContributionPixels& px) {
   StartTransmittance(job, px.t);
   const size_t plane = size_t(job.width) * job.height;
   for (int c = 0; c < 3; ++c) {
     std::fill(px.behind[c], px.behind[c] + kPixels, 0.0f);
-    std::fill(px.error[c], px.error[c] + kPixels, 0.0f);
     ForRowsOnImage(job, [&](int i, size_t at, int n) HWY_ATTR {
-      for (int k = 0; k < n; ++k) {
-        px.behind[c][i + k] = job.color[c * plane + at + k];
-        if (error) px.error[c][i + k] = error[c * plane + at + k];
-      }
+      for (int k = 0; k < n; ++k) px.behind[c][i + k] = job.color[c * plane + at + k];
     });
   }
 }
@@ -41,8 +37,8 @@ HWY_INLINE Contribution SumOfSplat(const ProjectedSplat& s,
                                    ContributionPixels& px) {
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
-  const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f), one(1.0f);
-  Pack sums[5] = {zero, zero, zero, zero, zero};
+  const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
+  Pack sums[4] = {zero, zero, zero, zero};
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
     const Pack t = LoadPack(px.t + at);
@@ -52,7 +48,6 @@ HWY_INLINE Contribution SumOfSplat(const ProjectedSplat& s,
     const Pack alpha = AlphaOf(opacity, falloff), weight = alpha * t;
     const Vec3<Pack> behind = LoadVec3At(px.behind, at) - color * weight;
     const Vec3<Pack> loss = LossWithout(alpha, color, behind, t);
-    const Vec3<Pack> error = LoadVec3At(px.error, at);
     StorePack(t - weight, px.t + at);
     StorePack(behind.x, px.behind[0] + at);
     StorePack(behind.y, px.behind[1] + at);
@@ -63,17 +58,16 @@ HWY_INLINE Contribution SumOfSplat(const ProjectedSplat& s,
     sums[1] += Select(accept, t, zero);
     sums[2] += slope * slope;
     sums[3] += Dot(loss, loss);
-    sums[4] += Dot(loss, error);
   });
-  float sum[5];
-  SumEach<5>(sums, sum);
-  return {sum[0], s.opacity * sum[1], sum[2], sum[3], sum[3] - 2 * sum[4]};
+  float sum[4];
+  SumEach<4>(sums, sum);
+  return {sum[0], s.opacity * sum[1], sum[2], sum[3]};
 }
 
-void SumContributionsOfTile(const TileJob& job, const float* error, Contribution* records) {
+void SumContributionsOfTile(const TileJob& job, Contribution* records) {
   const TileGrid grid(job);
   ContributionPixels px;
-  LoadContributionPixels(job, error, px);
+  LoadContributionPixels(job, px);
   for (uint32_t k = 0; k < job.entry_count;) {
     const BlockMask open = OpenBlocks(px.t);
     const uint32_t stop = std::min(k + uint32_t(kStopInterval), job.entry_count);
@@ -90,9 +84,9 @@ namespace math {
 HWY_EXPORT(SumContributionsOfTile);
 }  // namespace math
 
-void SumContributions(const TileJob& job, const float* error, Contribution* records) {
+void SumContributions(const TileJob& job, Contribution* records) {
   using namespace math;
-  HWY_DYNAMIC_DISPATCH(SumContributionsOfTile)(job, error, records);
+  HWY_DYNAMIC_DISPATCH(SumContributionsOfTile)(job, records);
 }
 
 }  // namespace cosplat

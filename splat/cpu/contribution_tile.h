@@ -6,9 +6,8 @@
 
 namespace cosplat {
 
-// error: [3, height, width] rendered minus photograph, or null for none. Writes
-// records[entry.record] for each of the job's entries (the caller passes only those that the
+// Writes records[entry.record] for each of the job's entries (the caller passes only those that the
 // forward pass looked at; job.color must be what it wrote).
-void SumContributions(const TileJob& job, const float* error, Contribution* records);
+void SumContributions(const TileJob& job, Contribution* records);
 
 }  // namespace cosplat

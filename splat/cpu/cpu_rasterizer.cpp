@@ -120,7 +120,6 @@ class CpuRasterizer : public Rasterizer {
   }
 
   void Contributions(const RenderedImage& image,
-                     const Buffer<float>& error,
                      RenderTape& base_tape,
                      Buffer<Contribution>& sums) override {
     auto& tape = static_cast<CpuTape&>(base_tape);
@@ -130,7 +129,7 @@ class CpuRasterizer : public Rasterizer {
       TileJob job = JobOf(tape, tile, image.width, image.height);
       job.color = const_cast<float*>(image.color.data());  // read only here
       job.entry_count = tape.looked_at[tile];
-      SumContributions(job, error.empty() ? nullptr : error.data(), tape.contributions.data());
+      SumContributions(job, tape.contributions.data());
     });
     sums.assign(tape.splats.size(), Contribution{});
     tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
@@ -141,7 +140,6 @@ class CpuRasterizer : public Rasterizer {
         sum.hits += c.hits;
         sum.sensitivity += c.sensitivity;
         sum.change += c.change;
-        sum.error_growth += c.error_growth;
       }
     });
   }

@@ -1,8 +1,6 @@
 // By what the pictures lose. Score: the squared change of the training pictures when this Gaussian
-// alone is taken out (splat/contribution.h), exact, not a derivative. (The growth of the squared
-// error, which knows the photographs, too, is worse: it drops what a picture has wrong at the
-// moment and training was about to put right; docs/study.md.) A few rounds once densification is
-// over, so that neighbours have time to take a Gaussian's place.
+// alone is taken out (splat/contribution.h): exact, not a derivative. A few rounds once
+// densification is over, so that neighbours have time to take a Gaussian's place.
 #include "splat/importance.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"

@@ -21,7 +21,6 @@ struct View {
   Gaussians gaussians;
   Camera camera;
   RenderedImage image;
-  Buffer<float> error;  // against another picture
   Buffer<Contribution> contributions;
 };
 
@@ -48,10 +47,7 @@ View FaintView(size_t count) {
                       {kBackground, v.gaussians.degree},
                       v.image,
                       *tape);
-  Rng rng{8};
-  v.error.resize(v.image.color.size());
-  for (float& e : v.error) e = 0.1f * rng.Normal();
-  rasterizer->Contributions(v.image, v.error, *tape, v.contributions);
+  rasterizer->Contributions(v.image, *tape, v.contributions);
   return v;
 }
 
@@ -62,14 +58,12 @@ TEST(Contributions, AreWhatThePictureLosesWithoutEach) {
     Gaussians without = v.gaussians;
     *without.at(kOpacityLogit, i) = -100;
     const RenderedImage image = Draw(without, v.camera);
-    double change = 0, growth = 0;
+    double change = 0;
     for (size_t k = 0; k < image.color.size(); ++k) {
-      const double delta = double(v.image.color[k]) - image.color[k], error = v.error[k];
+      const double delta = double(v.image.color[k]) - image.color[k];
       change += delta * delta;
-      growth += (error - delta) * (error - delta) - error * error;
     }
     EXPECT_NEAR(v.contributions[i].change, change, 1e-4 * (1 + change)) << i;
-    EXPECT_NEAR(v.contributions[i].error_growth, growth, 1e-4 * (1 + change)) << i;
     reached += change > 1e-3;
   }
   EXPECT_GT(reached, 20);
@@ -99,7 +93,7 @@ TEST(Contributions, OneSplatByHand) {
   RenderedImage image;
   rasterizer->Forward(ViewOf(g), g.basis, camera, {kBackground, 0}, image, *tape);
   Buffer<Contribution> c;
-  rasterizer->Contributions(image, {}, *tape, c);
+  rasterizer->Contributions(image, *tape, c);
   double weight = 0, hits = 0, sensitivity = 0, change = 0;
   const double difference[3] = {0.5 - 0.2, 0.0, 0.5 - 0.7};
   for (const float t : image.transmittance) {
@@ -115,7 +109,6 @@ TEST(Contributions, OneSplatByHand) {
   EXPECT_NEAR(c[0].hits, hits, 1e-4 * hits);
   EXPECT_NEAR(c[0].sensitivity, sensitivity, 1e-3 * sensitivity);
   EXPECT_NEAR(c[0].change, change, 1e-3 * change);
-  EXPECT_EQ(c[0].error_growth, c[0].change);
 }
 
 TEST(Contributions, OfWhatIsNotDrawnAreZero) {
@@ -128,11 +121,11 @@ TEST(Contributions, OfWhatIsNotDrawnAreZero) {
   RenderedImage image;
   rasterizer->Forward(ViewOf(g), g.basis, camera, {kBackground, 0}, image, *tape);
   Buffer<Contribution> c;
-  rasterizer->Contributions(image, {}, *tape, c);
+  rasterizer->Contributions(image, *tape, c);
   EXPECT_GT(c[0].weight, 0);
   for (const size_t i : {1, 2}) {
     EXPECT_EQ(c[i].weight, 0);
-    EXPECT_EQ(c[i].error_growth, 0);
+    EXPECT_EQ(c[i].change, 0);
   }
 }
 
@@ -144,7 +137,7 @@ TEST(Contributions, BitsDoNotDependOnThreads) {
   }
   for (size_t i = 0; i < results[0].size(); ++i) {
     EXPECT_EQ(results[0][i].weight, results[1][i].weight);
-    EXPECT_EQ(results[0][i].error_growth, results[1][i].error_growth);
+    EXPECT_EQ(results[0][i].change, results[1][i].change);
   }
 }
 
@@ -158,8 +151,6 @@ TEST(Importance, SumsOverFramesAndSparesTheRest) {
   for (size_t i = 0; i < truth.size(); ++i) {
     sum_all += all[i].weight;
     sum_three += three[i].weight;
-    // Its own pictures are right but for rounding to bytes: each Gaussian is worth its change.
-    EXPECT_NEAR(all[i].error_growth, all[i].change, 0.05 * all[i].change + 0.05);
   }
   EXPECT_NEAR(sum_three / sum_all, 0.5, 0.1);
 }
@@ -169,7 +160,7 @@ TEST(Importance, SignificanceWeighsHitsByVolume) {
   g.Resize(3);
   for (size_t i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) g.at(kScaleLog, i)[k] = float(i);
-  const std::vector<Contribution> contributions{{0, 4, 0, 0, 0}, {0, 2, 0, 0, 0}, {0, 0, 0, 0, 0}};
+  const std::vector<Contribution> contributions{{0, 4, 0, 0}, {0, 2, 0, 0}, {0, 0, 0, 0}};
   // The 90 % quantile of three is the largest: log volume 6.
   const std::vector<float> s = Significance(g, contributions);
   EXPECT_NEAR(s[0], 4 * std::exp(0.1 * (0 - 6)), 1e-5);
