@@ -107,6 +107,8 @@ TrainSettings AvatarOptions::ToSettings(float unit) const {
   TrainSettings settings = TrainOptions::ToSettings(1);
   settings.scale_regularizer.weight = 1;  // SplattingAvatar's, in every preset
   settings.prune.group_cap = triangle_cap;
+  // Pruning by triangle leaves none bare that had any.
+  if (settings.prune.rule == PruneRule::kDcsharpTriangle) settings.prune.group_floor = 1;
   if (IsSplattingAvatar()) {
     settings.loss.mse = kSplattingAvatarMse;
     settings.first_degree = sh_degree;  // all bands from the first step

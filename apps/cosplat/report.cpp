@@ -105,6 +105,29 @@ std::string ViewChart(const NamedNumbers& per_view) {
   return ToSvg(chart);
 }
 
+// What --budget auto tried; nothing for other runs.
+std::string BudgetChart(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField budget(path, json);
+  Chart chart{Chart::Kind::kLines,
+              "Quality of training views held out, against the number of Gaussians",
+              {"Gaussians", ""},
+              {"PSNR", "dB"},
+              {},
+              {}};
+  ChartSeries tried{"tried", {}};
+  for (size_t i = 0; i < budget["trials"].size(); ++i) {
+    const JsonField trial = budget["trials"][i];
+    tried.marks.push_back({trial["gaussians"].Number(), trial["psnr"].Number(), ""});
+  }
+  std::sort(tried.marks.begin(), tried.marks.end(), [](const auto& a, const auto& b) {
+    return a.x < b.x;
+  });
+  chart.series = {tried};
+  return ToSvg(chart);
+}
+
 std::string PairsHtml(const std::string& test,
                       const std::vector<std::string>& names,
                       const std::string& scratch) {
@@ -165,7 +188,8 @@ void Report(const std::string& model, bool quiet) {
       "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
       "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
       "<div class='row'>" + ViewChart(psnr) + PhaseChart(NumbersIn(stats["phases_ms"])) +
-      "</div><h2>Settings</h2><pre>" + EscapeXml(run_json.dump(2)) + "</pre></html>\n";
+      BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
+      EscapeXml(run_json.dump(2)) + "</pre></html>\n";
   WriteFileAtomically(model + "/report.html", html);
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

@@ -133,11 +133,11 @@ void Train(AvatarOptions o, const std::string& config) {
   o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
   AvatarSubject subject(flame, std::move(loaded), o.avatar);
   const TrackedVideo& video = subject.video();
-  SaveInputs(o, video, config);
-  if (!o.quiet) PrintSkipped(video.skipped);
   Trainer trainer(o.ToSettings(subject.extent()),
                   subject,
                   subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
+  SaveInputs(o, video, config);
+  if (!o.quiet) PrintSkipped(video.skipped);
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test frames of %dx%d%s\n",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "apps/cosplat/progress_bar.h"
@@ -85,6 +86,8 @@ void RunTraining(const TrainOptions& o,
                  const std::vector<SkippedFrame>& skipped,
                  const RunHooks& hooks) {
   WriteSkipped(o.model, skipped);
+  std::error_code ignored;
+  std::filesystem::remove(o.model + "/budget.json", ignored);  // an earlier run's
   if (o.budget == "auto") ChooseBudget(o, trainer, hooks.video);
   {
     ProgressBar bar("train", o.iterations, o.quiet);

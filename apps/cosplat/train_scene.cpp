@@ -9,6 +9,7 @@
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_options.h"
 #include "apps/cosplat/train_run.h"
+#include "splat/base/error.h"
 #include "splat/dataset.h"
 #include "splat/initialize.h"
 #include "splat/io/cameras_json.h"
@@ -67,6 +68,8 @@ void AddRandomPoints(const SceneCommand& o, SceneData& scene) {
 }
 
 void Train(SceneCommand o, const std::string& config) {
+  if (o.prune == "dcsharp-triangle")
+    throw Error("", "--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
   o.ResolveBackground(scene.white_background_hint ? "white" : "black");
@@ -75,13 +78,13 @@ void Train(SceneCommand o, const std::string& config) {
   std::vector<TrainFrame> train = LoadTrainFrames(scene.train, scene.skipped);
   const std::vector<TrainFrame> test = LoadTrainFrames(scene.test, scene.skipped);
   CheckSkipped(o.source, train.size() + test.size(), scene.skipped);
-  SaveInputs(o, split, scene, config);
-  if (!o.quiet) PrintSkipped(scene.skipped);
   SceneSubject subject(std::move(train), scene.extent);
   Trainer trainer(o.ToSettings(scene.extent),
                   subject,
                   InitializeFromPoints(
                       scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis)));
+  SaveInputs(o, split, scene, config);
+  if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test views of %dx%d, %s points\n",
                 scene.layout.c_str(),

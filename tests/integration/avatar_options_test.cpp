@@ -122,7 +122,7 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
                                        "--triangle_cap",
                                        "64",
                                        "--prune",
-                                       "plasticity",
+                                       "dcsharp",
                                        "--position_lr_init",
                                        "0.001",
                                        "--lambda_dssim",
@@ -141,7 +141,7 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
     EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
     EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kYes);
     EXPECT_EQ(p.options.avatar.initial_gaussians, 5000u);
-    EXPECT_EQ(p.options.prune, "plasticity");
+    EXPECT_EQ(p.options.prune, "dcsharp");
     const TrainSettings s = p.options.ToSettings(0.25f);
     EXPECT_EQ(s.degree, 3);
     EXPECT_EQ(s.first_degree, 3);  // all from the first step

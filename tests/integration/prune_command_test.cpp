@@ -1,0 +1,102 @@
+// --prune, --prune-to and --budget auto from end to end.
+#include <gtest/gtest.h>
+
+#include "splat/base/json.h"
+#include "tests/integration/command.h"
+
+namespace cosplat::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Workshop& Made() { return Workshop::Get(); }
+
+class PruneCommand : public testing::Test {
+ protected:
+  CommandResult TrainScene(const std::string& out, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"train-scene",
+                                       "-s",
+                                       Made().photos,
+                                       "-m",
+                                       folder_ / out,
+                                       "--iterations",
+                                       "150",
+                                       "--eval",
+                                       "--random_points",
+                                       "400"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments);
+  }
+  void ExpectBadScene(const std::vector<std::string>& more, const std::string& why) const {
+    const CommandResult result = TrainScene("bad", more);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder_ / "bad"));  // nothing half-written
+  }
+  double GaussiansOf(const std::string& out) const {
+    const std::string path = folder_ / (out + "/stats.json");
+    const Json json = ReadJson(path);
+    return JsonField(path, json)["gaussians"].Number();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(PruneCommand, ACountAloneIsKeptByLeavingOut) {
+  ASSERT_EQ(TrainScene("out", {"--prune-to", "100"}).code, 0);
+  EXPECT_NEAR(GaussiansOf("out"), 100, 3);
+}
+
+TEST_F(PruneCommand, BudgetAutoSaysWhatItTried) {
+  const CommandResult result = TrainScene("out", {"--budget", "auto", "--tolerance", "2"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("chosen:"), std::string::npos) << result.out;
+  const std::string path = folder_ / "out/budget.json";
+  const Json json = ReadJson(path);
+  const JsonField budget(path, json);
+  EXPECT_GE(budget["trials"].size(), 2u);
+  EXPECT_NEAR(budget["tolerance_db"].Number(), 2, 1e-6);
+  EXPECT_NEAR(GaussiansOf("out"), budget["gaussians"].Number(), 3);
+  EXPECT_EQ(Cosplat({"report", "-m", folder_ / "out", "--quiet"}).code, 0);
+  EXPECT_NE(Slurp(folder_ / "out/report.html").find("held out, against the number"),
+            std::string::npos);
+  // Another run in the same folder has none.
+  ASSERT_EQ(TrainScene("out", {}).code, 0);
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST_F(PruneCommand, WhatDoesNotFitIsAnError) {
+  ExpectBadScene({"--prune", "dcsharp-triangle"}, "a scene has no triangles");
+  ExpectBadScene({"--prune", "compact", "--prune-to", "100"}, "keeps to no count");
+  ExpectBadScene({"--prune", "speedy", "--prune_lambda", "1"}, "learns no mask");
+  ExpectBadScene({"--budget", "auto", "--prune-to", "100"}, "--budget auto finds the count");
+  ExpectBadScene({"--budget", "auto", "--prune", "speedy"}, "prunes by leave-one-out");
+}
+
+TEST_F(PruneCommand, AvatarsPruneByTriangleAndFindTheirBudget) {
+  const auto train = [&](const std::string& out, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"train-avatar",
+                                       "-s",
+                                       Made().head,
+                                       "--flame",
+                                       Made().model,
+                                       "-m",
+                                       folder_ / out,
+                                       "--iterations",
+                                       "60",
+                                       "--gaussians",
+                                       "1500"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments);
+  };
+  ASSERT_EQ(train("triangle", {"--prune", "dcsharp-triangle", "--prune-to", "100"}).code, 0);
+  EXPECT_GE(GaussiansOf("triangle"), 100);  // none of its triangles is left bare
+  EXPECT_LT(GaussiansOf("triangle"), 1500);
+  const CommandResult budget = train("budget", {"--budget", "auto", "--tolerance", "3"});
+  ASSERT_EQ(budget.code, 0) << budget.err;
+  EXPECT_LT(GaussiansOf("budget"), 1500);
+  EXPECT_TRUE(fs::exists(folder_ / "budget/avatar.glb"));
+}
+
+}  // namespace
+}  // namespace cosplat::test
