@@ -169,6 +169,8 @@ int Trainer::FirstPruneStep() const {
 void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) {
   state_ = checkpoint.state;
   subject_.RestoreState(checkpoint.subject);
+  ignored_gradients_ = checkpoint.ignored_gradients;
+  drop_psnr_ = checkpoint.drop_psnr;
   settings_.prune = prune;
   pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, state_.gaussians.size());
   ReleaseScratch();

@@ -111,8 +111,8 @@ class Trainer {
   StepReport Step();
 
   const TrainingState& state() const { return state_; }
-  // Takes these frames out of what is trained on from the next pass on (an empty list gives all
-  // back): evidence for choices made during the run (splat/budget.h).
+  // Takes these frames out of what is trained on (an empty list gives all back), and begins a new
+  // pass: evidence for choices made during the run (splat/budget.h).
   void HoldOut(std::vector<uint32_t> frames);
   // Mean PSNR of these frames as they stand, over the background of training (mid-grey where that
   // is random), pictures clamped to what bytes can show.
@@ -120,12 +120,14 @@ class Trainer {
   // The first step that the rule of pruning has a round after; 0 when there is none.
   int FirstPruneStep() const;
   // A point to go back to, and back. The rule of pruning starts anew with another target: it must
-  // be one that keeps nothing between rounds.
+  // be one that keeps nothing between rounds. Times go on: what was tried was paid for.
   struct Checkpoint {
     TrainingState state;
     std::any subject;
+    size_t ignored_gradients;
+    double drop_psnr;
   };
-  Checkpoint Save() const { return {state_, subject_.SaveState()}; }
+  Checkpoint Save() const { return {state_, subject_.SaveState(), ignored_gradients_, drop_psnr_}; }
   void Restore(const Checkpoint& checkpoint, const PruneSettings& prune);
   // The Gaussians with all that Adam has put off: what to save or judge in the middle of a run. A
   // copy, since making up for it in place would change the run's bits.

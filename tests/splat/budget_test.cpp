@@ -98,6 +98,23 @@ TEST(Trainer, GoingBackRepeatsTheRunBitForBit) {
   EXPECT_TRUE(SameBits(first, trainer.state()));
 }
 
+TEST(Trainer, GoingBackForgetsWhatTrialsDropped) {
+  SceneSubject subject(Frames(), 1);
+  TrainSettings settings = Settings();
+  settings.drop_bands = 0.02f;
+  Trainer trainer(settings, subject, FirstGaussians(300, 1));
+  for (int i = 0; i < 120; ++i) trainer.Step();
+  const Trainer::Checkpoint checkpoint = trainer.Save();
+  std::vector<double> dropped;
+  for (int trial = 0; trial < 2; ++trial) {
+    trainer.Restore(checkpoint, trainer.settings().prune);
+    while (trainer.state().iteration < kSteps) trainer.Step();
+    dropped.push_back(trainer.statistics().drop_psnr);
+  }
+  EXPECT_NE(dropped[0], 0);
+  EXPECT_EQ(dropped[0], dropped[1]);
+}
+
 TEST(Trainer, FramesHeldOutAreNotTrainedOn) {
   SceneSubject subject(Frames(), 1);
   Trainer trainer(ShortRun(kSteps, 1), subject, FirstGaussians(300, 1));
