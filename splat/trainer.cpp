@@ -24,6 +24,11 @@ void CheckSize(const TrainFrame& frame, size_t index) {
                   text(camera.width, camera.height));
 }
 
+void CheckSomeAreLeft(const Gaussians& gaussians, int iteration) {
+  if (gaussians.size() == 0)
+    throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+}
+
 }  // namespace
 
 Trainer::Trainer(const TrainSettings& settings, Subject& subject, Gaussians first)
@@ -211,12 +216,12 @@ void Trainer::ControlDensityAt(int iteration) {
     if (pruner_) pruner_->BeforeDensification();
     ControlDensity(
         settings_.density, iteration > schedule.size_prune_after, Everyone(), state_.rng);
+    CheckSomeAreLeft(state_.gaussians, iteration);
   }
   if (densifies || prunes) {
     if (settings_.prune.group_cap > 0 || prunes)
       Everyone().Prune(Rank(iteration), settings_.prune.group_cap, settings_.prune.group_floor);
-    if (state_.gaussians.size() == 0)
-      throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+    CheckSomeAreLeft(state_.gaussians, iteration);
     SortInSpace(Everyone());
     state_.statistics.Reset(state_.gaussians.size());
   }

@@ -301,12 +301,17 @@ TEST(Trainer, PruningEverythingIsAnError) {
   SceneSubject subject(Photographs(TrueScene(0, 2), Ring(1, 2.2f, 16)), 1);
   Gaussians g = TrueScene(0, 2);
   for (float& logit : g.values[kOpacityLogit]) logit = -9;
-  TrainSettings settings = ShortRun(300, 0);
+  TrainSettings settings = ShortRun(3, 0);
   settings.schedule.densify_from = 0;
+  settings.schedule.densify_until = 3;
   settings.schedule.densify_every = 2;
-  Trainer trainer(settings, subject, g);
-  trainer.Step();
-  ExpectError([&] { trainer.Step(); }, {"iteration 2", "pruned"});
+  // Also where a rule would rank those that are left.
+  for (const PruneRule rule : {PruneRule::kNone, PruneRule::kLp, PruneRule::kRandom}) {
+    settings.prune.rule = rule;
+    Trainer trainer(settings, subject, g);
+    trainer.Step();
+    ExpectError([&] { trainer.Step(); }, {"iteration 2", "pruned"});
+  }
 }
 
 TEST(Trainer, ABrokenGaussianIsRemovedAndTheRestTrains) {
