@@ -1,10 +1,10 @@
 // How many Gaussians a scene needs: `--budget auto`.
 //
-// Part of the training frames is held out. When densification is over the run is tried to its end
-// as it is, and from the same point with fewer and fewer Gaussians, by the rule of pruning; the
-// fewest that keep the held-out frames' PSNR within a tolerance of the unpruned run's are the
-// budget. Then the run goes back to that point, takes the held-out frames in, and ends within its
-// budget: what comes out is what a run told that count would have given.
+// Part of the training frames is held out. Before the first round of pruning the run is tried to
+// its end as it is, and from the same point with fewer and fewer Gaussians, by the rule of pruning;
+// the fewest that keep the held-out frames' PSNR within a tolerance of the unpruned run's are the
+// budget. Then the run goes back to that point, takes the held-out frames in, and goes on as one
+// that was told that count. Only until then it was trained without those frames.
 #pragma once
 
 #include <functional>
