@@ -39,11 +39,14 @@ std::vector<int> IntegersOf(const JsonField& object,
   const JsonField array = object[key];
   std::vector<int> numbers;
   for (size_t i = 0; i < array.size(); ++i) {
-    numbers.push_back(array[i].Integer());
-    if (numbers.back() < 0)
-      throw Error(array.file(),
-                  array[i].path(),
-                  "found " + std::to_string(numbers.back()) + ", expected a number >= 0");
+    const int number = array[i].Integer();
+    const auto fail = [&](const char* problem) {
+      throw Error(
+          array.file(), array[i].path(), "found " + std::to_string(number) + ", " + problem);
+    };
+    if (number < 0) fail("expected a number >= 0");
+    if (std::count(numbers.begin(), numbers.end(), number) > 0) fail("which is there already");
+    numbers.push_back(number);
   }
   return numbers;
 }
@@ -78,6 +81,22 @@ Defaults DefaultsOf(const JsonField& list) {
   return d;
 }
 
+// Where the data are, or how their head is made.
+void ReadSource(const JsonField& field, StudyData& data) {
+  if (!field.Has("make_head")) {
+    data.source = field["source"].String();
+    if (data.avatar) data.flame = field["flame"].String();
+    return;
+  }
+  const std::string path = field["make_head"].path();
+  if (!data.avatar) throw Error(field.file(), path, "is for avatars; this is a scene");
+  if (field.Has("source") || field.Has("flame"))
+    throw Error(field.file(), path, "stands in place of source and flame; there is one of them");
+  data.make_head = StringsOf(field, "make_head");
+  data.source = data.name;
+  data.flame = data.name + "/model.npz";
+}
+
 StudyData DataOf(const JsonField& field, const Defaults& defaults) {
   ExpectKeys(field,
              {"name",
@@ -95,14 +114,7 @@ StudyData DataOf(const JsonField& field, const Defaults& defaults) {
   if (kind != "scene" && kind != "avatar")
     throw Error(field.file(), field["kind"].path(), "found '" + kind + "': scene or avatar");
   data.avatar = kind == "avatar";
-  if (data.avatar && field.Has("make_head")) {
-    data.make_head = StringsOf(field, "make_head");
-    data.source = data.name;
-    data.flame = data.name + "/model.npz";
-  } else {
-    data.source = field["source"].String();
-    if (data.avatar) data.flame = field["flame"].String();
-  }
+  ReadSource(field, data);
   data.arguments = defaults.arguments;
   Append(StringsOf(field, "arguments"), data.arguments);
   data.checkpoints = IntegersOf(field, "checkpoints", defaults.checkpoints);
@@ -125,6 +137,10 @@ std::vector<StudyRun> Expand(const JsonField& field, const StudyRun& run) {
   };
   Strings values;
   const char* placeholder = uses(kCount) ? kCount : kValue;
+  if (uses(kCount) && (uses(kValue) || field.Has("values")))
+    throw Error(field.file(),
+                field["arguments"].path(),
+                std::string("has ") + kCount + ", which does not go with values");
   if (uses(kCount)) {
     for (const int count : run.data.counts) values.push_back(std::to_string(count));
     if (values.empty())

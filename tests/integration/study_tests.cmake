@@ -1,6 +1,7 @@
 set(apps ${PROJECT_SOURCE_DIR}/apps/cosplat)
 cosplat_test(study_parts
   SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/study_list_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/study_parts_test.cpp
     ${apps}/chart_scale.cpp
     ${apps}/progress_bar.cpp
