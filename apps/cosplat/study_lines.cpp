@@ -85,6 +85,16 @@ void ReadFileInto(const std::string& path, StudyLines& all) {
   }
 }
 
+// A full disk takes part of a text before it refuses the rest.
+bool WriteWhole(int file, const std::string& text) {
+  for (size_t done = 0; done < text.size();) {
+    const ssize_t written = write(file, text.data() + done, text.size() - done);
+    if (written <= 0) return false;
+    done += size_t(written);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string StudyLine::Id() const { return data + "/" + name + "/" + std::to_string(seed); }
@@ -117,10 +127,12 @@ StudyLog::StudyLog(const std::string& folder) : path_(folder + "/runs.jsonl") {
 StudyLog::~StudyLog() { close(file_); }
 
 void StudyLog::Append(const StudyLine& line) {
-  const std::string text = ToText(line);
-  const ssize_t written = write(file_, text.data(), text.size());
-  if (written != ssize_t(text.size()) || fsync(file_) != 0)
-    throw Error(path_, "", std::string("write failed: ") + std::strerror(errno));
+  const off_t end = lseek(file_, 0, SEEK_END);
+  if (WriteWhole(file_, ToText(line)) && fsync(file_) == 0) return;
+  std::string problem = std::string("write failed: ") + std::strerror(errno);
+  // What is there of the line would spoil the next one.
+  if (ftruncate(file_, end) != 0) problem += "; the line that was begun could not be removed";
+  throw Error(path_, "", problem);
 }
 
 }  // namespace cosplat

@@ -1,7 +1,9 @@
 // What `cosplat study` makes of lines and of figures, without training anything.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -94,6 +96,25 @@ TEST(StudyLines, LeavesOutALineThatWasCutAndGoesOn) {
   EXPECT_EQ(IdsIn(folder.path()), Strings{"fox/a/0"});
   StudyLog(folder.path()).Append(LineOf("b", 0, 31));
   EXPECT_EQ(IdsIn(folder.path()), both);
+}
+
+// As on a disk that is full when a run ends and is not when the next one does.
+TEST(StudyLines, ALineThatDoesNotFitLeavesNothing) {
+  const TemporaryFolder folder;
+  StudyLog log(folder.path());
+  log.Append(LineOf("a", 0, 30));
+  const auto size = std::filesystem::file_size(folder / "runs.jsonl");
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{rlim_t(size + 50), before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  ExpectError([&] { log.Append(LineOf("b", 0, 31)); }, {"runs.jsonl", "write failed"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(std::filesystem::file_size(folder / "runs.jsonl"), size);
+  log.Append(LineOf("c", 0, 32));
+  EXPECT_EQ(IdsIn(folder.path()), (Strings{"fox/a/0", "fox/c/0"}));
 }
 
 TEST(StudyLines, OfSeveralFilesAddUpAndTheLaterCounts) {
