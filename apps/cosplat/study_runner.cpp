@@ -19,15 +19,20 @@ namespace {
 
 constexpr double kMegabyte = 1e6;
 
-// Films the head, unless it is there as the list has it.
+// Films the head, unless it is there as the list has it. What is in a folder of that name and was
+// not made here stays.
 void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren& children) {
   const std::string folder = s.out + "/" + data.source, mark = folder + "/made_with.txt";
   const std::string with = ShellLine(*data.make_head);
   if (fs::exists(mark)) {
     const std::vector<char> before = ReadFile(mark);
     if (std::string(before.begin(), before.end()) == with) return;
+  } else if (fs::exists(folder)) {
+    throw Error(folder, "", "is there and no head that a study made: name the data differently");
   }
   fs::remove_all(folder);
+  MakeDirectories(folder);
+  WriteFileAtomically(mark, "unfinished\n");
   std::vector<std::string> film{"make-head", "-o", folder};
   film.insert(film.end(), data.make_head->begin(), data.make_head->end());
   children.Run(film);

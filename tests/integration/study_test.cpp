@@ -185,6 +185,21 @@ TEST(Study, GoesOnAfterARunThatFails) {
   EXPECT_TRUE(Has(lines, "\"good\""));
 }
 
+TEST(Study, LeavesAFolderAloneThatItDidNotMake) {
+  const TemporaryFolder folder;
+  const Json list{{"data", {{{"name", "head"}, {"kind", "avatar"}, {"make_head", Json::array()}}}},
+                  {"runs", {{{"name", "any"}}}}};
+  std::ofstream(folder / "list.json") << list;
+  const std::string notes = folder / "out/head/notes.txt";
+  fs::create_directories(folder / "out/head");
+  std::ofstream(notes) << "mine";
+  const CommandResult result =
+      Cosplat({"study", "--list", folder / "list.json", "--data", "data", "-o", folder / "out"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_TRUE(Has(result.err, "head/any/0: " + (folder / "out/head"))) << result.err;
+  EXPECT_EQ(Slurp(notes), "mine");
+}
+
 // While a run trains: as from a terminal, which reaches the run as well, and alone.
 TEST(Study, StopsAtOnceWhenInterrupted) {
   for (const std::string whom : {"-$!", "$!"}) {
