@@ -71,9 +71,11 @@ Image8 Ball(const F& color) {
   });
 }
 
-double LargestDifference(const Vec3& a, const Vec3& b) {
-  const Vec3 d = a - b;
-  return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+template <class T>
+double LargestDifference(const math::Vec3<T>& a, const math::Vec3<T>& b) {
+  const math::Vec3<T> d = a - b;
+  return LargerError(double(std::abs(d.x)),
+                     LargerError(double(std::abs(d.y)), double(std::abs(d.z))));
 }
 
 // Over steps of 1e-6 rad around the sphere's axis, at all heights, across u_x = 0 and elsewhere.
@@ -84,9 +86,10 @@ double LargestJump(const F& color) {
   for (int i = 1; i < 60; ++i)
     for (int k = 0; k < 16; ++k) {
       const double polar = M_PI * i / 60, turn = M_PI * k / 8;
-      largest = std::max(largest,
-                         LargestDifference(color(Rounded(DirectionAt(polar, turn - kStep / 2))),
-                                           color(Rounded(DirectionAt(polar, turn + kStep / 2)))));
+      largest =
+          LargerError(largest,
+                      LargestDifference(color(Rounded(DirectionAt(polar, turn - kStep / 2))),
+                                        color(Rounded(DirectionAt(polar, turn + kStep / 2)))));
     }
   return largest;
 }
@@ -119,10 +122,8 @@ StabilityCurve CurveFromPole(const std::string& name, const F& measure) {
   double polar = kFirstPolar;
   for (int i = 0; i < kPolars; ++i, polar *= kPerPolar) {
     double largest = 0;
-    for (int k = 0; k < kTurns; ++k) {
-      const double value = measure(DirectionAt(polar, 2 * M_PI * (k + 0.5) / kTurns));
-      largest = std::isfinite(value) ? std::max(largest, value) : INFINITY;
-    }
+    for (int k = 0; k < kTurns; ++k)
+      largest = LargerError(largest, measure(DirectionAt(polar, 2 * M_PI * (k + 0.5) / kTurns)));
     curve.points.push_back({polar, largest});
   }
   return curve;
@@ -137,7 +138,7 @@ double BasisError(const ExactDirection& direction, const Basis16& basis) {
   const ExactBasis exact = ExactBasisAt(direction);
   double largest = 0;
   for (int k = 0; k < kFunctions; ++k)
-    largest = std::max(largest, double(std::abs(basis[k] - exact[k])));
+    largest = LargerError(largest, double(std::abs(basis[k] - exact[k])));
   return largest;
 }
 
@@ -155,13 +156,12 @@ math::Vec3<T> GradientOfSum(const math::Vec3<T>& u, const F& vjp) {
 }
 template <class F>
 double GradientError(const ExactDirection& d, const F& vjp) {
-  const auto exact =
-      GradientOfSum(math::Vec3<long double>{d.x, d.y, d.z}, [](const auto& u, const auto* w) {
-        return math::EvaluateBasisVjp<kDegree>(u, Constants(), w);
-      });
+  using Exact = math::Vec3<long double>;
+  const Exact exact = GradientOfSum(Exact{d.x, d.y, d.z}, [](const auto& u, const auto* w) {
+    return math::EvaluateBasisVjp<kDegree>(u, Constants(), w);
+  });
   const Vec3 g = GradientOfSum(Rounded(d), vjp);
-  return double(
-      std::max({std::abs(g.x - exact.x), std::abs(g.y - exact.y), std::abs(g.z - exact.z)}));
+  return LargestDifference(Exact{g.x, g.y, g.z}, exact);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "splat/buffer.h"
 #include "splat/study/basis_samples.h"
 #include "splat/study/exact_basis.h"
+#include "splat/study/stability_case.h"
 
 namespace cosplat {
 namespace {
@@ -55,8 +56,7 @@ double LargestError(const SampleSet& set, int degree, const Buffer<float>& out) 
       long double color = 0.5L;
       for (int k = 0; k < CoefficientCount(degree); ++k)
         color += basis[k] * set.coefficients[(3 * k + c) * kStride + i];
-      const double error = double(std::abs(out[c * kCount + i] - std::max(color, 0.0L)));
-      largest = std::isnan(error) ? error : std::max(largest, error);
+      largest = LargerError(largest, double(std::abs(out[c * kCount + i] - std::max(color, 0.0L))));
     }
   }
   return largest;
@@ -75,7 +75,7 @@ BasisForm Measure(const std::string& name,
     BasisFormPoint point{degree, 0, 0};
     for (const SampleSet& set : sets) {
       evaluate(degree, set.View(), out.data());
-      point.error = std::max(point.error, LargestError(set, degree, out));
+      point.error = LargerError(point.error, LargestError(set, degree, out));
     }
     const BasisSamples samples = sets[0].View();
     if (batches > 0)

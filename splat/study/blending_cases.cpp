@@ -104,7 +104,7 @@ struct Change {
     double square = 0;
     for (size_t i = 0; i < now.data.size(); ++i)
       square += std::pow(double(now.data[i] - in_old_order.data[i]), 2);
-    const double apart = 255 * std::sqrt(square / double(now.data.size()));
+    const double apart = LargerError(0, 255 * std::sqrt(square / double(now.data.size())));
     if (apart <= levels) return;
     levels = apart;
     Image difference = now;

@@ -5,7 +5,9 @@
 // tests/*/stability_test.cpp hold them to their bounds, `cosplat study --stability` shows them.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,11 @@ struct StabilityCase {
 // Whether a value of the case's quantity is within its bound; one that is not a number is not.
 inline bool IsWithinBound(const StabilityCase& c, double value) {
   return c.at_least ? value >= c.bound : value <= c.bound;
+}
+
+// The larger of two errors; infinite where one is not a number, which std::max may pass over.
+inline double LargerError(double a, double b) {
+  return std::isnan(a) || std::isnan(b) ? INFINITY : std::max(a, b);
 }
 
 }  // namespace cosplat

@@ -62,6 +62,15 @@ TEST(Stability, ABoundIsKeptOrNot) {
   EXPECT_FALSE(IsWithinBound(s, NAN));
 }
 
+TEST(Stability, WhatIsNotANumberIsTheLargestError) {
+  EXPECT_EQ(LargerError(1, 2), 2);
+  EXPECT_EQ(LargerError(3, 2), 3);
+  for (const double other : {0.0, 5.0, double(NAN)}) {
+    EXPECT_EQ(LargerError(other, NAN), INFINITY);
+    EXPECT_EQ(LargerError(NAN, other), INFINITY);
+  }
+}
+
 TEST(Stability, ArctanJump) {
   const StabilityCase s = ArctanJump();
   ExpectHolds(s);
