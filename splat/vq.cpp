@@ -14,6 +14,13 @@ namespace {
 // A codebook has one row for at least so many splats: with fewer it costs more than it saves.
 constexpr size_t kSplatsPerRow = 4;
 
+// What has no finite number, such as a splat larger than any float, counts for nothing.
+std::vector<float> FiniteOrZero(View<const float> significance) {
+  std::vector<float> finite;
+  for (const float s : significance) finite.push_back(std::isfinite(s) ? s : 0);
+  return finite;
+}
+
 // 1 for the `count` least significant; of equal ones the first.
 std::vector<uint8_t> LeastSignificant(View<const float> significance, size_t count) {
   std::vector<uint32_t> order(significance.size());
@@ -94,8 +101,9 @@ QuantisedSplats Quantise(const Gaussians& g,
   splats.opacity_logit = copied(kOpacityLogit);
   for (size_t i = 0; i < n; ++i) splats.own_degree.push_back(uint8_t(HighestBand(g, i)));
   const size_t kept = std::min(n, size_t(std::lround(settings.keep * double(n))));
-  splats.quantised = LeastSignificant(significance, n - kept);
-  const std::vector<float> weights = Weights(significance);
+  const std::vector<float> finite = FiniteOrZero(significance);
+  splats.quantised = LeastSignificant(finite, n - kept);
+  const std::vector<float> weights = Weights(finite);
   for (int degree = 0; degree <= g.degree; ++degree)
     splats.colors[degree] = ColorsOfDegree(g, splats, degree, weights, settings);
   return splats;

@@ -16,8 +16,8 @@ struct VqSettings {
   uint64_t seed = 0;
 };
 
-// gaussians: in 3DGS's SH (Error otherwise). significance: [N] >= 0. Rotations become unit; one
-// without a direction the identity.
+// gaussians: in 3DGS's SH (Error otherwise). significance: [N] >= 0; one that is not finite counts
+// as 0. Rotations become unit; one without a direction the identity.
 QuantisedSplats Quantise(const Gaussians& gaussians,
                          View<const float> significance,
                          const VqSettings& settings);

@@ -189,6 +189,17 @@ TEST(Quantise, DegenerateInput) {
   ExpectError([&] { Quantise(g, std::vector<float>{0, 0, 0}, {}); }, {"basis", "dcsh", "sh"});
 }
 
+TEST(Quantise, WhatIsTooLargeToBeDrawnCountsForNothing) {
+  Gaussians g = InSh(40, 1);
+  g.at(kScaleLog, 7)[0] = 300;  // a finite number, but its volume is none
+  const std::vector<float> significance = SizeSignificance(g);
+  ASSERT_TRUE(std::isinf(significance[7]));
+  const QuantisedSplats some = Quantise(g, significance, {8, 0.5, 0});
+  EXPECT_EQ(some.quantised[7], 1);
+  const Gaussians back = Dequantise(Quantise(g, significance, {8, 0, 0}));
+  for (const float c : back.values[kColorRest]) ASSERT_TRUE(std::isfinite(c));
+}
+
 TEST(SizeSignificance, IsOpacityTimesMeanStandardDeviation) {
   Gaussians g = InSh(1, 0);
   *g.at(kOpacityLogit, 0) = 0;
