@@ -10,6 +10,14 @@ struct Contribution {
   float hits;         // sum of opacity T over the pixels that it reaches (LightGaussian's score)
   float sensitivity;  // sum of (d(red + green + blue)/d(falloff))^2 (Speedy-Splat's score)
   float change;       // sum of |Delta|^2 over the channels
+
+  Contribution& operator+=(const Contribution& other) {
+    weight += other.weight;
+    hits += other.hits;
+    sensitivity += other.sensitivity;
+    change += other.change;
+    return *this;
+  }
 };
 
 }  // namespace cosplat

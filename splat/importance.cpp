@@ -24,14 +24,7 @@ class ContributionSum {
            const RenderSettings& settings) {
     rasterizer_->Forward(world, basis, camera, settings, image_, *tape_);
     rasterizer_->Contributions(image_, *tape_, view_);
-    for (size_t i = 0; i < sum_.size(); ++i) {
-      Contribution& s = sum_[i];
-      const Contribution& v = view_[i];
-      s.weight += v.weight;
-      s.hits += v.hits;
-      s.sensitivity += v.sensitivity;
-      s.change += v.change;
-    }
+    for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += view_[i];
   }
   std::vector<Contribution> Take() { return std::move(sum_); }
 

@@ -3,6 +3,7 @@
 // as it is, with no gradient involved.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "splat/base/camera.h"

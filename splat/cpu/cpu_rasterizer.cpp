@@ -134,13 +134,8 @@ class CpuRasterizer : public Rasterizer {
     sums.assign(tape.splats.size(), Contribution{});
     tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
       Contribution& sum = sums[lists.order[k]];
-      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r) {
-        const Contribution& c = tape.contributions[r];
-        sum.weight += c.weight;
-        sum.hits += c.hits;
-        sum.sensitivity += c.sensitivity;
-        sum.change += c.change;
-      }
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r)
+        sum += tape.contributions[r];
     });
   }
 
