@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 
@@ -32,6 +33,57 @@ QuantisedSplats Splats(size_t count) {
 std::string Bytes(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
   return {bytes.begin(), bytes.end()};
+}
+
+// Of numbers that 16 bits hold: a splat of degree 1 that is kept, one of degree 0 and two of degree
+// 1 that are quantised.
+QuantisedSplats GoldenSplats() {
+  const auto numbers = [](size_t count) {
+    std::vector<float> values(count);
+    for (size_t i = 0; i < count; ++i) values[i] = 0.0625f * float(i + 1);
+    return values;
+  };
+  QuantisedSplats s;
+  s.degree = 2;
+  s.position = numbers(12);
+  s.rotation = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0.5f, 0.5f};
+  s.scale_log = numbers(12);
+  s.opacity_logit = {-2, 0, 0.5f, 3};
+  s.own_degree = {1, 0, 1, 1};
+  s.quantised = {0, 1, 1, 1};
+  s.colors[0] = {{}, {0}, numbers(3)};
+  s.colors[1] = {numbers(12), {1, 0}, numbers(24)};
+  s.more.Add("face", {2}, std::vector<int32_t>{7, -1});
+  return s;
+}
+
+// tests/golden/splats_v1.zip pins version 1 of the format. When the format changes on purpose, keep
+// it (old files must still be read), add splats_v2.zip beside it, and write that one by running
+//   COSPLAT_WRITE_GOLDEN=1 cosplat_test_vq --gtest_filter=*Golden*
+// Its numbers are compared, not its bytes: releases of zlib deflate differently.
+TEST(VqFile, GoldenNumbers) {
+  const std::string golden = std::string(COSPLAT_SOURCE_DIR) + "/tests/golden/splats_v1.zip";
+  const QuantisedSplats splats = GoldenSplats();
+  if (std::getenv("COSPLAT_WRITE_GOLDEN")) WriteVqFile(golden, splats);
+  ASSERT_TRUE(IsVqFile(golden));
+  const TemporaryFolder folder;
+  WriteVqFile(folder / "a.zip", splats);
+  const Npz written = Npz::Read(folder / "a.zip"), pinned = Npz::Read(golden);
+  EXPECT_EQ(written.Text("splats.json"), pinned.Text("splats.json"));
+  ASSERT_EQ(written.arrays().size(), pinned.arrays().size());
+  for (const auto& [name, array] : written.arrays()) {
+    EXPECT_EQ(pinned.Get(name).dtype, array.dtype) << name;
+    EXPECT_EQ(pinned.Get(name).shape, array.shape) << name;
+    EXPECT_EQ(pinned.Get(name).values, array.values) << name;
+  }
+  const QuantisedSplats read = ReadVqFile(golden);
+  EXPECT_EQ(read.position, splats.position);
+  EXPECT_EQ(read.rotation, splats.rotation);
+  EXPECT_EQ(read.colors[1].codebook, splats.colors[1].codebook);
+  const Gaussians g = ReadSplats(golden);
+  EXPECT_EQ(g.degrees, splats.own_degree);
+  EXPECT_EQ(g.at(kColorDc, 2)[0], splats.colors[1].codebook[12]);  // row 1
+  EXPECT_EQ(g.at(kColorRest, 3)[8], splats.colors[1].codebook[11]);
 }
 
 // docs/vq-file.md, member by member.
