@@ -29,6 +29,8 @@ bool SameBits(const T& a, const T& b) {
 uint8_t ToByte(float x) { return x > 0 ? uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : uint8_t(0); }
 
 void SortAvatar(AvatarModel& avatar) {
+  const size_t n = avatar.size();
+  if (avatar.triangle.size() != n || avatar.barycentric.size() != n) return;  // Bind says so
   const std::vector<uint32_t> order = SortByDegree(avatar.gaussians);
   if (order.empty()) return;
   const Embedding before = avatar;

@@ -70,6 +70,7 @@ class Player {
   void Render(const FlameParams& params, const Camera& camera, Image8& out);
   Image8 Render(const FlameParams& params, const Camera& camera);
 
+  // Its Gaussians in the order of their degrees (splat/degree_order.h).
   const AvatarModel& avatar() const { return avatar_; }
   // Posed vertices of the last frame of RenderOver or Render, [V, 3] metres.
   const std::vector<float>& vertices() const { return placed_.vertices(); }

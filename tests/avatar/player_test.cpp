@@ -121,6 +121,15 @@ TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
   EXPECT_TRUE(SameBits(expected.color, played.color));
 }
 
+// Of several degrees, whose order the player changes.
+TEST(Player, GaussiansWithoutATriangleAreAnError) {
+  AvatarModel model = Trained().Model();
+  std::fill_n(model.gaussians.at(kColorRest, 0), model.gaussians.width(kColorRest), 0.0f);
+  model.triangle = {};
+  PlacedAvatar placed;
+  ExpectError([&] { Player(model, Flame()).Place(Frame(0).params, placed); }, {"triangle"});
+}
+
 TEST(Player, ColoursOfTheWorldFrameDoNotTurnWithTheHead) {
   AvatarModel model = Trained().Model();
   model.bust = Bust{};  // at rest too
