@@ -5,9 +5,10 @@
 // (delta_u, delta_v, d), local rotation and scale -> the Gaussian in the posed frame's world
 // (avatar/released_binding.h).
 //
-//   b  = (u, v, 1 - u - v): du and dv have no part in it    w = b
-//   mu = sum b_i v_i + d * norm(sum b_i N_i)                q = norm(sum w_i q_i), signs as they
-//   come rotation = q (x) q_local                                log s = alpha * log s_local
+//   b = (u, v, 1 - u - v)                du and dv have no part in it
+//   mu = sum b_i v_i + d * norm(sum b_i N_i)
+//   rotation = q (x) q_local             q = norm(sum b_i q_i), signs as they come
+//   log s = alpha * log s_local          alpha and the unit of s: avatar/math/released.h
 #if defined(COSPLAT_AVATAR_MATH_RELEASED_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_MATH_RELEASED_EMBED_H_
 #undef COSPLAT_AVATAR_MATH_RELEASED_EMBED_H_

@@ -5,6 +5,7 @@
 
 #include "avatar/silhouette.h"
 #include "avatar/study/cases.h"
+#include "avatar/study/steps.h"
 #include "splat/base/image_io.h"
 
 namespace cosplat {
@@ -70,12 +71,10 @@ std::vector<float> FacingOf(const std::vector<float>& vertices,
                             const std::vector<std::array<int32_t, 3>>& faces,
                             const Camera& camera) {
   const std::array<float, 3> eye = camera.Center();
-  const auto at = [&](int32_t v) {
-    return Vec3<float>{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-  };
   std::vector<float> facing;
   for (const auto& f : faces) {
-    const Vec3<float> a = at(f[0]), out = math::AreaVector(a, at(f[1]), at(f[2]));
+    const Vec3<float> a = VertexAt(vertices, f[0]);
+    const Vec3<float> out = math::AreaVector(a, VertexAt(vertices, f[1]), VertexAt(vertices, f[2]));
     const Vec3<float> to_eye = Vec3<float>{eye[0], eye[1], eye[2]} - a;
     facing.push_back(Dot(math::Normalize(out), math::Normalize(to_eye)));
   }

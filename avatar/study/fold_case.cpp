@@ -7,6 +7,7 @@
 #include "avatar/binding.h"
 #include "avatar/study/cases.h"
 #include "avatar/study/sketch.h"
+#include "avatar/study/steps.h"
 
 namespace cosplat {
 namespace {
@@ -40,10 +41,6 @@ AvatarModel PlacesAcrossTheFold() {
     avatar.gaussians.at(kRotation, i)[0] = 1;
   }
   return avatar;
-}
-
-Vec3<float> VertexAt(const std::vector<float>& vertices, int v) {
-  return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
 }
 
 // Points [2 kAcross] of the sheet, and off it by each face's own normal.

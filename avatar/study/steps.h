@@ -1,12 +1,19 @@
-// Places and steps on the faces of a canonical mesh, for the walking cases.
+// Places and steps on the faces of a mesh.
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "avatar/surface.h"
 
 namespace cosplat {
 
+// vertices: [V, 3].
+inline math::Vec3<float> VertexAt(const std::vector<float>& vertices, int32_t v) {
+  return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
+}
+
+// On the canonical mesh, as the next two.
 inline math::Vec3<float> CornerAt(const Surface& surface, int32_t face, int corner) {
   return surface.canonical()[surface.faces()[face][corner]].position;
 }

@@ -1,8 +1,9 @@
-// The surface itself: rotations of opposite sign, faces without area, folds.
+// The surface itself: rotations of opposite sign, faces without area.
 #include <algorithm>
 #include <cmath>
 
 #include "avatar/study/cases.h"
+#include "avatar/study/steps.h"
 
 namespace cosplat {
 namespace {
@@ -45,10 +46,6 @@ AvatarModel OffTheSurface(AvatarModel avatar) {
   return avatar;
 }
 
-Vec3<float> PointOf(const std::vector<float>& vertices, int32_t v) {
-  return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-}
-
 // The surroundings of the mouth's left corner, brought to one point, or mirrored.
 std::vector<float> Spoiled(std::vector<float> vertices, bool mirrored) {
   constexpr float kRadius = 0.02f;  // metres
@@ -69,8 +66,8 @@ Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<fl
   const auto& faces = avatar.mesh.faces;
   std::vector<Vec3<float>> normals(vertices.size() / 3, {0, 0, 0});
   for (const auto& f : faces) {
-    const Vec3<float> n =
-        math::AreaVector(PointOf(vertices, f[0]), PointOf(vertices, f[1]), PointOf(vertices, f[2]));
+    const Vec3<float> n = math::AreaVector(
+        VertexAt(vertices, f[0]), VertexAt(vertices, f[1]), VertexAt(vertices, f[2]));
     for (const int32_t v : f) normals[v] += n;
   }
   for (Vec3<float>& n : normals) n = n * (1 / std::sqrt(Dot(n, n)));
@@ -81,7 +78,7 @@ Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<fl
     const float b[3] = {u, v, 1 - u - v};
     Vec3<float> p{0, 0, 0}, n{0, 0, 0};
     for (int c = 0; c < 3; ++c) {
-      p += PointOf(vertices, f[c]) * b[c];
+      p += VertexAt(vertices, f[c]) * b[c];
       n += normals[f[c]] * b[c];
     }
     p += n * (avatar.gaussians.at(kPosition, i)[2] / std::sqrt(Dot(n, n)));
@@ -98,8 +95,8 @@ std::vector<bool> Astray(const AvatarModel& avatar,
   for (size_t i = 0; i < avatar.size(); ++i) {
     const auto& f = avatar.mesh.faces[avatar.triangle[i]];
     const auto [u, v] = avatar.barycentric[i];
-    const Vec3<float> p = PointOf(vertices, f[0]) * u + PointOf(vertices, f[1]) * v +
-                          PointOf(vertices, f[2]) * (1 - u - v);
+    const Vec3<float> p = VertexAt(vertices, f[0]) * u + VertexAt(vertices, f[1]) * v +
+                          VertexAt(vertices, f[2]) * (1 - u - v);
     const Vec3<float> q{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
     const Vec3<float> off = q - p;
     astray[i] = !(std::sqrt(Dot(off, off)) <= 1.001f * kOffset);

@@ -31,11 +31,7 @@ constexpr size_t kGaussians = 1500;
 // In the system's temporary folder; disappears with the object.
 class TemporaryVideo {
  public:
-  TemporaryVideo() {
-    std::string pattern = (fs::temp_directory_path() / "cosplat_study_XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-      throw Error(fs::temp_directory_path().string(), "folder", "cannot make one in it");
-    folder_ = pattern;
+  TemporaryVideo() : TemporaryVideo(MakeFolder()) {  // so that it disappears if this throws
     MakeHeadOptions options;
     options.frames = kFrames;
     options.test_frames = kTestFrames;
@@ -59,6 +55,13 @@ class TemporaryVideo {
   const std::string& folder() const { return folder_; }
 
  private:
+  explicit TemporaryVideo(const std::string& folder) : folder_(folder) {}
+  static std::string MakeFolder() {
+    std::string pattern = (fs::temp_directory_path() / "cosplat_study_XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+      throw Error(fs::temp_directory_path().string(), "folder", "cannot make one in it");
+    return pattern;
+  }
   std::string folder_;
 };
 
