@@ -52,7 +52,9 @@ std::vector<StudyPoint> PointsOf(const std::vector<StudyLine>& lines) {
     };
     auto found = std::find_if(points.begin(), points.end(), same);
     if (found == points.end())
-      found = points.insert(points.end(), {line.data, line.name, line.label, line.groups, {}});
+      found = points.insert(points.end(), {line.data, line.name, "", {}, {}});
+    found->label = line.label;
+    found->groups = line.groups;
     found->lines.push_back(line);
   }
   return points;

@@ -21,7 +21,9 @@ Estimate EstimateOf(const std::vector<double>& values);
 
 // A setting on a data set, its seeds together.
 struct StudyPoint {
-  std::string data, name, label;
+  std::string data, name;
+  // Of the last line: the list may have changed since the first.
+  std::string label;
   std::vector<std::string> groups;
   std::vector<StudyLine> lines;  // one per seed
   // Over the seeds that have the figure at the checkpoint; -1: the finished model.

@@ -75,6 +75,17 @@ TEST(StudyStatistics, DifferencesArePairedBySeed) {
   EXPECT_EQ(points[0].Iterations(), (std::set<int>{10, 20}));
 }
 
+// A list that was changed between two seeds does not split a setting.
+TEST(StudyStatistics, APointIsShownAsItsLastLineSays) {
+  StudyLine later = LineOf("a", 1, 31);
+  later.label = "A";
+  later.groups = {"pruning"};
+  const std::vector<StudyPoint> points = PointsOf({LineOf("a", 0, 30), later});
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].label, "A");
+  EXPECT_EQ(points[0].groups, Strings{"pruning"});
+}
+
 Strings IdsIn(const std::string& folder) {
   Strings ids;
   for (const StudyLine& line : ReadStudyLines(folder).lines) ids.push_back(line.Id());
