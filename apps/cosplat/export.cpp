@@ -15,8 +15,6 @@
 namespace cosplat {
 namespace {
 
-constexpr int kStandardDegree = 3;  // of KHR_gaussian_splatting
-
 struct Options {
   ExportSource source;
   std::string vq, ply, glb;
@@ -40,7 +38,7 @@ void CheckGlb(const Options& o, const ExportSubject& subject) {
     throw Error(o.source.model,
                 "--glb",
                 "is for scenes; an avatar is in avatar.glb, which shows it at rest");
-  if (subject.gaussians().degree > kStandardDegree && !o.truncate_degree)
+  if (subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error(o.glb,
                 "degree",
                 "is 4, which standard glTF files do not hold: give --truncate-degree to leave band "

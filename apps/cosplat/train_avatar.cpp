@@ -18,11 +18,10 @@
 #include "splat/base/files.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
+#include "splat/io/scene_glb.h"
 
 namespace cosplat {
 namespace {
-
-constexpr int kStandardDegree = 3;  // of KHR_gaussian_splatting
 
 void Evaluate(const AvatarOptions& o,
               const FlameModel& flame,
@@ -121,7 +120,7 @@ void Save(const AvatarOptions& o,
 }
 
 void Train(AvatarOptions o, const std::string& config) {
-  if (o.sh_degree > kStandardDegree && !o.truncate_degree)
+  if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error("",
                 "--sh_degree " + std::to_string(o.sh_degree),
                 "does not fit standard glTF files: give --truncate-degree to leave band 4 out of "

@@ -11,11 +11,11 @@
 
 #include "splat/gaussians.h"
 #include "splat/io/glb.h"
+#include "splat/io/scene_glb.h"
 
 namespace cosplat {
 
 inline constexpr const char* kSplatExtension = "KHR_gaussian_splatting";
-constexpr int kMaxSplatFileDegree = 3;  // what KHR_gaussian_splatting has names for
 
 // "KHR_gaussian_splatting:SH_DEGREE_l_COEF_n" of coefficient k = l^2 + n.
 std::string SplatCoefficientName(int coefficient);
