@@ -319,6 +319,7 @@ Gaussians Trainer::CaughtUp() const {
 TrainingStatistics Trainer::statistics() const {
   TrainingStatistics s;
   s.iterations = state_.iteration;
+  s.steps = steps_;
   s.seconds = seconds_;
   s.cpu_seconds = cpu_seconds_;
   s.gaussians = state_.gaussians.size();

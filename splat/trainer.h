@@ -91,6 +91,7 @@ struct StepReport {
 // What a run cost: stats.json.
 struct TrainingStatistics {
   int iterations = 0;
+  size_t steps = 0;        // more than iterations where the run went back, as for a budget
   double seconds = 0;      // in the training loop: no loading, no evaluation
   double cpu_seconds = 0;  // processor time of all threads, likewise
   size_t gaussians = 0;

@@ -129,7 +129,7 @@ void WriteStatistics(const std::string& folder,
                      size_t skipped_frames) {
   Json phases = Json::object();
   for (size_t i = 0; i < kPhaseNames.size(); ++i)
-    phases[kPhaseNames[i]] = s.iterations ? 1e3 * s.times.seconds[i] / s.iterations : 0.0;
+    phases[kPhaseNames[i]] = s.steps ? 1e3 * s.times.seconds[i] / double(s.steps) : 0.0;
   const Json json{{"iterations", s.iterations},
                   {"seconds", s.seconds},
                   {"cpu_seconds", s.cpu_seconds},

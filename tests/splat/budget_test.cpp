@@ -49,6 +49,7 @@ TEST(Budget, TheFewestThatHoldAreChosen) {
   EXPECT_NEAR(double(report.chosen), double(fewest), 1);
   EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
   EXPECT_EQ(shown.back() + 1, report.trials.size());
+  EXPECT_EQ(trainer.statistics().steps, shown.size());
 
   // The run stands before its first round and ends within the budget.
   EXPECT_EQ(trainer.state().iteration, trainer.FirstPruneStep() - 1);
