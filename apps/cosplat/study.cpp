@@ -10,6 +10,7 @@
 #include "apps/cosplat/study_page.h"
 #include "apps/cosplat/study_runner.h"
 #include "splat/base/error.h"
+#include "splat/lpips.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -89,6 +90,7 @@ std::string Progress(const std::vector<StudyLine>& lines,
 // Returns how many failed.
 size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
   const StudyChildren children;
+  if (!o.lpips.empty()) Lpips net(o.lpips);  // a bad one is found now, not after a training
   StudyLog log(o.out);
   std::vector<StudyLine> lines = ReadStudyLines(o.out).lines;
   const std::vector<StudyRun> runs = UnfinishedOf(all, lines);

@@ -251,6 +251,9 @@ TEST(Study, RefusesBadInput) {
   ExpectRefused({"study", "--list", list, "--data", made.data, "-o", out}, {"bad.json"});
   ExpectRefused({"study", "--list", made.list, "--data", made.data, "-o", out, "--only", "fish"},
                 {"--only 'fish'", made.list});
+  const std::string net = made.folder / "net";
+  ExpectRefused({"study", "--list", made.list, "--data", made.data, "-o", out, "--lpips", net},
+                {net});
   std::ofstream(list) << R"({"data": [{"name": "a", "kind": "scene"}], "runs": []})";
   ExpectRefused({"study", "--list", list, "--data", made.data, "-o", out},
                 {"bad.json", "data[0].source", "missing"});
