@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "avatar/math/frame.h"
 #include "flame/topology.h"
 #include "splat/math/quat.h"
 
@@ -86,6 +87,18 @@ CanonicalMesh HeadMesh(const FlameModel& flame,
   return mesh;
 }
 
+// The joint that FLAME turns about, at rest.
+Vec3<float> RootJoint(const FlameModel& flame,
+                      const std::vector<float>& shape,
+                      const std::vector<float>& static_offset) {
+  const CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
+  Vec3<float> root{0, 0, 0};
+  for (int v = 0; v < flame.vertex_count; ++v)
+    root += Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]} *
+            flame.joint_regressor[v];
+  return root;
+}
+
 }  // namespace
 
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
@@ -117,10 +130,17 @@ AvatarPoser::AvatarPoser(const FlameModel& flame,
 }
 
 AvatarPoser::Frame AvatarPoser::FrameFor(const FlameParams& params) const {
-  Frame frame = FlamePoser<float>::FrameOf(params);
-  const size_t most = poser_.model().expression_count;
-  if (frame.expression.size() > most) frame.expression.resize(most);
+  Frame frame;
+  FrameFor(params, frame);
   return frame;
+}
+
+void AvatarPoser::FrameFor(const FlameParams& params, Frame& frame) const {
+  const size_t most = poser_.model().expression_count;
+  const auto begin = params.expression.begin();
+  frame.expression.assign(begin, begin + std::min(params.expression.size(), most));
+  frame.pose = params.pose;
+  frame.translation = params.translation;
 }
 
 void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) {
@@ -163,11 +183,7 @@ Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,
               const std::vector<FlameParams>& frames) {
-  const CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
-  Vec3<float> root{0, 0, 0};  // the joint that FLAME turns about
-  for (int v = 0; v < flame.vertex_count; ++v)
-    root += Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]} *
-            flame.joint_regressor[v];
+  const Vec3<float> root = RootJoint(flame, shape, static_offset);
   const FlameParams mean = MeanRoot(frames);
   const math::Mat3<float> rotation = math::RotationOf(QuatOfAxisAngle(mean.pose[0]));
   const Vec3<float> offset = root - rotation * root;
@@ -177,6 +193,23 @@ Bust MeanBust(const FlameModel& flame,
                       offset.y + mean.translation[1],
                       offset.z + mean.translation[2]};
   return bust;
+}
+
+FlameParams RestRoot(const AvatarModel& avatar, const FlameModel& flame) {
+  FlameParams rest;
+  if (avatar.bust) {
+    math::Mat3<float> rotation;
+    std::copy(avatar.bust->rotation.begin(), avatar.bust->rotation.end(), rotation.m);
+    const Vec3<float> root = RootJoint(flame, avatar.shape, avatar.static_offset);
+    const Vec3<float> offset = rotation * root - root;
+    const std::array<float, 3>& t = avatar.bust->translation;
+    rest.pose[0] = AxisAngleOf(math::QuatOfRotation(rotation));
+    rest.translation = {t[0] + offset.x, t[1] + offset.y, t[2] + offset.z};
+  } else if (avatar.canonical_frame) {
+    rest.pose[0] = avatar.canonical_frame->pose[0];
+    rest.translation = avatar.canonical_frame->translation;
+  }
+  return rest;
 }
 
 }  // namespace cosplat

@@ -36,6 +36,8 @@ class AvatarPoser {
 
   // The frame's parameters; expression coefficients beyond the model's are left out.
   Frame FrameFor(const FlameParams& params) const;
+  // The same, keeping the memory of `frame`.
+  void FrameFor(const FlameParams& params, Frame& frame) const;
   // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite; nothing is
   // written then. What did not change since the last call is not computed again.
   void Forward(const Frame& frame, std::vector<float>& vertices);
@@ -62,5 +64,9 @@ Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,
               const std::vector<FlameParams>& frames);
+
+// Where the head sits when nothing drives it, as root pose and translation: on its bust (the
+// inverse of MeanBust); without one, where the canonical mesh has it.
+FlameParams RestRoot(const AvatarModel& avatar, const FlameModel& flame);
 
 }  // namespace cosplat

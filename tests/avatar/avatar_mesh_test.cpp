@@ -177,5 +177,30 @@ TEST(MeanBust, StandsWhereTheHeadIsOnAverage) {
       EXPECT_NEAR(distance(posed, a, b), distance(mesh.vertices, a, b), 1e-4f) << a << " " << b;
 }
 
+TEST(RestRoot, IsTheRootThatTheBustWasMadeFor) {
+  AvatarModel avatar;
+  avatar.static_offset.assign(3 * size_t(Flame().vertex_count), 1e-3f);
+  for (const std::array<float, 3>& turn :
+       {std::array<float, 3>{0, 0, 0}, {0.1f, 0.5f, -0.3f}, {3.1f, 0, 0.2f}, {0, 3.14159265f, 0}}) {
+    const FlameParams root = Root(turn, {0.2f, -0.1f, 1});
+    avatar.bust = MeanBust(Flame(), avatar.shape, avatar.static_offset, {root});
+    const FlameParams rest = RestRoot(avatar, Flame());
+    ExpectSameRotation(rest.pose[0], root.pose[0]);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(rest.translation[k], root.translation[k], 1e-5f);
+    EXPECT_TRUE(rest.expression.empty());
+  }
+}
+
+TEST(RestRoot, WithoutABustIsWhereTheMeshIs) {
+  AvatarModel avatar;
+  EXPECT_EQ(RestRoot(avatar, Flame()).pose[0], (std::array<float, 3>{0, 0, 0}));
+  avatar.canonical_frame = Root({0.1f, 0.5f, 0}, {0.2f, 0, 1});
+  avatar.canonical_frame->expression = {1};
+  const FlameParams rest = RestRoot(avatar, Flame());
+  EXPECT_EQ(rest.pose, avatar.canonical_frame->pose);
+  EXPECT_EQ(rest.translation, avatar.canonical_frame->translation);
+  EXPECT_TRUE(rest.expression.empty());
+}
+
 }  // namespace
 }  // namespace cosplat::test
