@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "avatar/parallel_for.h"
+#include "avatar/picture_bytes.h"
 #include "avatar/preview.h"
 #include "splat/base/error.h"
 #include "splat/degree_order.h"
@@ -24,9 +24,6 @@ bool SameBits(const T& a, const T& b) {
   static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(float) == 0);
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
-
-// [0, 1] to [0, 255], rounded; what is not a number is 0.
-uint8_t ToByte(float x) { return x > 0 ? uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : uint8_t(0); }
 
 void SortAvatar(AvatarModel& avatar) {
   const size_t n = avatar.size();
@@ -64,7 +61,8 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
 
 void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   if (out.IsFor(params)) return;
-  poser_.Forward(poser_.FrameFor(params), out.vertices_);  // refuses before it writes
+  poser_.FrameFor(params, frame_);
+  poser_.Forward(frame_, out.vertices_);  // refuses before it writes
   out.id_ = 0;
   surface_.Pose(out.vertices_);
   Bind(avatar_, surface_, out.gaussians_);
@@ -119,17 +117,8 @@ void ToStraightAlphaBytes(const RenderedImage& image, Image8& out) {
   out.width = image.width;
   out.height = image.height;
   out.channels = 4;
-  const size_t plane = out.pixels();
-  out.data.resize(4 * plane);
-  constexpr size_t kPixelsPerTask = 8192;
-  ParallelForRanges(plane, kPixelsPerTask, [&](size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      const float alpha = 1 - image.transmittance[p];
-      for (size_t c = 0; c < 3; ++c)
-        out.data[4 * p + c] = ToByte(alpha > 0 ? image.color[c * plane + p] / alpha : 0.0f);
-      out.data[4 * p + 3] = ToByte(alpha);
-    }
-  });
+  out.data.resize(4 * out.pixels());
+  WritePicture(image, {}, out.data.data(), 4 * ptrdiff_t(out.width));
 }
 
 WorldGaussians PosedView(const Gaussians& gaussians,

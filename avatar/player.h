@@ -88,6 +88,7 @@ class Player {
   AvatarModel avatar_;
   PlayerSettings settings_;
   AvatarPoser poser_;
+  AvatarPoser::Frame frame_;  // of the last Place; keeps its memory
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;

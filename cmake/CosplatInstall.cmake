@@ -1,5 +1,6 @@
 # Installs the libraries with their headers and an exported config, so that another project can
-# find_package(cosplat) and link cosplat::render or what else it needs. apps/ installs its commands.
+# find_package(cosplat) and link cosplat::render or what else it needs; and libcosplat.so with
+# cosplat.h and a pkg-config file, for hosts in any language. apps/ installs its commands.
 include(CMakePackageConfigHelpers)
 
 # Headers that are not for others, by the beginning of their path: they are not installed, and apps/
@@ -9,6 +10,14 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/gather_rows.h
   avatar/io/
   avatar/parallel_for.h
+  avatar/plugin/boundary.h
+  avatar/plugin/coded_error.h
+  avatar/plugin/depth_pass.h
+  avatar/plugin/handle_table.h
+  avatar/plugin/host_camera.h
+  avatar/plugin/instance.h
+  avatar/plugin/live_parameters.h
+  avatar/plugin/struct_size.h
   avatar/released_binding.h
   avatar/study/cases.h
   avatar/study/naive_
@@ -41,7 +50,17 @@ set(COSPLAT_PRIVATE_HEADERS
 # Call it when every target exists.
 function(cosplat_install)
   get_property(libraries GLOBAL PROPERTY COSPLAT_LIBRARIES)
-  install(TARGETS ${libraries} EXPORT cosplatTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS ${libraries} cosplat_plugin EXPORT cosplatTargets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${PROJECT_SOURCE_DIR}/avatar/plugin/cosplat.h
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  # From the file's own folder, so that an installation may be moved.
+  file(RELATIVE_PATH prefix_from_pc
+    ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+  configure_file(
+    ${PROJECT_SOURCE_DIR}/cmake/cosplat.pc.in ${PROJECT_BINARY_DIR}/cosplat.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/cosplat.pc
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   list(JOIN COSPLAT_PRIVATE_HEADERS "|" private)
   string(REPLACE "." "\\." private "${private}")
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame ${PROJECT_SOURCE_DIR}/avatar

@@ -1,0 +1,21 @@
+// What goes wrong inside the plug-in, with the status that its caller gets.
+#pragma once
+
+#include <string>
+
+#include "avatar/plugin/cosplat.h"
+#include "splat/base/error.h"
+
+namespace cosplat::plugin {
+
+class CodedError : public Error {
+ public:
+  CodedError(cosplat_status status, const std::string& field, const std::string& problem)
+      : Error("", field, problem), status_(status) {}
+  cosplat_status status() const { return status_; }
+
+ private:
+  cosplat_status status_;
+};
+
+}  // namespace cosplat::plugin

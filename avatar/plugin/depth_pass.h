@@ -1,0 +1,30 @@
+// How far away what a picture shows is.
+//
+// PlacedAvatar + Camera -> DepthPass -> picture of depths -> WriteDepth (avatar/picture_bytes.h).
+// The Gaussians are drawn a second time by the same renderer, their depths for colours: each pixel
+// then has the mean of the depths, weighted as its colours are.
+#pragma once
+
+#include <memory>
+
+#include "avatar/player.h"
+#include "splat/rasterizer.h"
+
+namespace cosplat::plugin {
+
+class DepthPass {
+ public:
+  DepthPass();
+  // `placed` by a player of `avatar`. The picture, over black, stays until the next call.
+  const RenderedImage& Draw(const AvatarModel& avatar,
+                            const PlacedAvatar& placed,
+                            const Camera& camera);
+
+ private:
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<RenderTape> tape_;
+  Buffer<float> color_dc_;  // [N, 3] that makes the colour a depth
+  RenderedImage image_;
+};
+
+}  // namespace cosplat::plugin

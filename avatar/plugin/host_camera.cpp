@@ -1,0 +1,125 @@
+#include "avatar/plugin/host_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "avatar/plugin/coded_error.h"
+#include "splat/base/camera_pose.h"
+#include "splat/math/vec.h"
+
+namespace cosplat::plugin {
+namespace {
+
+using math::Vec3;
+
+constexpr uint64_t kMostPixels = uint64_t(1) << 26;
+// Beyond any lens and any room; far from where floats end.
+constexpr float kLargestCameraNumber = 1e7f;
+
+// The orbit's camera at zoom 1: a portrait lens (28 degrees across the shorter side) at the
+// distance where the head fills its share.
+constexpr float kFocalPerSide = 2, kHeadShare = 0.7f;
+constexpr float kMostElevation = 1.5f;  // short of the poles, where up is lost
+constexpr float kMostAzimuth = 1000;    // far beyond a turn; a float still tells degrees apart
+constexpr float kMostZoom = 100;
+
+void CheckBetween(float value, float least, float most, const char* field) {
+  if (!std::isfinite(value))
+    throw CodedError(COSPLAT_ERROR_NOT_FINITE, field, std::to_string(value) + " is not a number");
+  if (value < least || value > most)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     field,
+                     std::to_string(value) + " is not from " + std::to_string(least) + " to " +
+                         std::to_string(most));
+}
+
+}  // namespace
+
+void CheckSize(uint32_t width, uint32_t height, const char* name) {
+  if (width < 1 || height < 1 || width > COSPLAT_LARGEST_SIDE || height > COSPLAT_LARGEST_SIDE ||
+      uint64_t(width) * height > kMostPixels)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     std::string(name) + ".width, height",
+                     std::to_string(width) + "x" + std::to_string(height) +
+                         " pixels: sides are from 1 to " + std::to_string(COSPLAT_LARGEST_SIDE) +
+                         ", at most " + std::to_string(kMostPixels) + " pixels in all");
+}
+
+Camera ToCamera(const cosplat_camera& given) {
+  CheckSize(given.width, given.height, "camera");
+  const float least_focal = 1 / kLargestCameraNumber;
+  CheckBetween(given.fx, least_focal, kLargestCameraNumber, "camera.fx");
+  CheckBetween(given.fy, least_focal, kLargestCameraNumber, "camera.fy");
+  CheckBetween(given.cx, -kLargestCameraNumber, kLargestCameraNumber, "camera.cx");
+  CheckBetween(given.cy, -kLargestCameraNumber, kLargestCameraNumber, "camera.cy");
+  std::array<double, 9> rotation;
+  std::array<double, 3> translation;
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < 4; ++k) {
+      const float x = given.cam_from_world[4 * i + k];
+      CheckBetween(x, -kLargestCameraNumber, kLargestCameraNumber, "camera.cam_from_world");
+      (k < 3 ? rotation[3 * i + k] : translation[i]) = x;
+    }
+  }
+  Camera camera;
+  camera.width = int(given.width);
+  camera.height = int(given.height);
+  camera.fx = given.fx;
+  camera.fy = given.fy;
+  camera.cx = given.cx;
+  camera.cy = given.cy;
+  const PoseProblem problem = SetPose(rotation, translation, camera);
+  if (!problem.empty()) throw CodedError(COSPLAT_ERROR_ARGUMENT, "camera.cam_from_world", problem);
+  return camera;
+}
+
+cosplat_camera FromCamera(const Camera& camera) {
+  cosplat_camera out{};
+  out.width = uint32_t(camera.width);
+  out.height = uint32_t(camera.height);
+  out.fx = camera.fx;
+  out.fy = camera.fy;
+  out.cx = camera.cx;
+  out.cy = camera.cy;
+  for (size_t i = 0; i < 3; ++i) {
+    std::copy_n(&camera.rotation[3 * i], 3, &out.cam_from_world[4 * i]);
+    out.cam_from_world[4 * i + 3] = camera.translation[i];
+  }
+  return out;
+}
+
+Camera OrbitCamera(const OrbitTarget& target, uint32_t width, uint32_t height, const Orbit& orbit) {
+  CheckSize(width, height, "camera");
+  CheckBetween(orbit.azimuth, -kMostAzimuth, kMostAzimuth, "azimuth");
+  CheckBetween(orbit.elevation, -kMostElevation, kMostElevation, "elevation");
+  CheckBetween(orbit.zoom, 1 / kMostZoom, kMostZoom, "zoom");
+  math::Mat3<float> world_from_flame;
+  std::copy(target.rotation.begin(), target.rotation.end(), world_from_flame.m);
+  const float sa = std::sin(orbit.azimuth), ca = std::cos(orbit.azimuth);
+  const float se = std::sin(orbit.elevation), ce = std::cos(orbit.elevation);
+  // FLAME's y is up, its face looks along +z; the camera looks back at it.
+  const Vec3<float> back = world_from_flame * Vec3<float>{sa * ce, se, ca * ce};
+  const Vec3<float> right = world_from_flame * Vec3<float>{ca, 0, -sa};
+  const Vec3<float> down = world_from_flame * Vec3<float>{sa * se, -ce, ca * se};
+  const float side = float(std::min(width, height));
+  const float distance = kFocalPerSide * target.extent / kHeadShare;
+
+  Camera camera;
+  camera.width = int(width);
+  camera.height = int(height);
+  camera.fx = camera.fy = kFocalPerSide * side * orbit.zoom;
+  camera.cx = 0.5f * float(width);
+  camera.cy = 0.5f * float(height);
+  const Vec3<float> rows[3] = {right, down, back * -1.0f};
+  const Vec3<float> center{target.center[0], target.center[1], target.center[2]};
+  for (size_t i = 0; i < 3; ++i) {
+    camera.rotation[3 * i] = rows[i].x;
+    camera.rotation[3 * i + 1] = rows[i].y;
+    camera.rotation[3 * i + 2] = rows[i].z;
+    camera.translation[i] = -math::Dot(rows[i], center) + (i == 2 ? distance : 0);
+  }
+  return camera;
+}
+
+}  // namespace cosplat::plugin

@@ -1,0 +1,180 @@
+#include "avatar/plugin/instance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "avatar/avatar_file.h"
+#include "avatar/avatar_mesh.h"
+#include "avatar/picture_bytes.h"
+#include "avatar/plugin/coded_error.h"
+#include "flame/io/model_file.h"
+#include "flame/math/rodrigues.h"
+
+namespace cosplat::plugin {
+namespace {
+
+using Point = std::array<float, 3>;
+
+struct Box {
+  Point least{}, most{};
+};
+
+// Rows further apart than any picture needs: a stride that was never set.
+constexpr int64_t kLargestStride = int64_t(1) << 32;
+
+FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
+  if (!path || !*path)
+    throw CodedError(COSPLAT_ERROR_FLAME,
+                     "flame_path",
+                     "is needed: the model '" + avatar.flame_name + "'" +
+                         (avatar.flame_sha256.empty() ? "" : ", sha256 " + avatar.flame_sha256));
+  try {
+    return LoadFlameModel(path);
+  } catch (const Error& error) {
+    throw CodedError(COSPLAT_ERROR_FLAME, "", error.what());
+  }
+}
+
+Player MakePlayer(AvatarModel avatar, const FlameModel& flame) {
+  try {
+    AttachMesh(avatar, flame);
+    return Player(std::move(avatar), flame);
+  } catch (const Error& error) {
+    throw CodedError(COSPLAT_ERROR_FLAME, "", error.what());
+  }
+}
+
+void Extend(Box& box, const Point& p, bool first) {
+  for (size_t k = 0; k < 3; ++k) {
+    box.least[k] = first ? p[k] : std::min(box.least[k], p[k]);
+    box.most[k] = first ? p[k] : std::max(box.most[k], p[k]);
+  }
+}
+
+// rotation * p, or its transpose's.
+Point Turned(const std::array<float, 9>& rotation, const Point& p, bool back) {
+  Point out{};
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t k = 0; k < 3; ++k) out[i] += rotation[back ? 3 * k + i : 3 * i + k] * p[k];
+  return out;
+}
+
+OrbitTarget TargetOf(const std::vector<float>& vertices,
+                     const FlameModel& flame,
+                     const Point& root_pose) {
+  OrbitTarget target;
+  target.rotation = flame_math::Rodrigues(root_pose);
+  Box box;  // in FLAME's axes; of the head alone, whose vertices come before the bust's
+  for (size_t v = 0; v < size_t(flame.vertex_count); ++v) {
+    const Point p{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
+    Extend(box, Turned(target.rotation, p, true), v == 0);
+  }
+  Point middle{};
+  for (size_t k = 0; k < 3; ++k) middle[k] = 0.5f * (box.least[k] + box.most[k]);
+  target.center = Turned(target.rotation, middle, false);
+  target.extent = std::max(box.most[0] - box.least[0], box.most[1] - box.least[1]);
+  return target;
+}
+
+cosplat_info InfoOf(const AvatarModel& avatar, const FlameModel& flame, const PlacedAvatar& rest) {
+  cosplat_info info{};
+  info.gaussian_count = uint32_t(avatar.size());
+  info.triangle_count = uint32_t(avatar.mesh.faces.size());
+  info.expression_count = uint32_t(flame.expression_count);
+  info.joint_count = kFlameJoints;
+  const Buffer<float>& position = rest.gaussians().position;
+  Box box;
+  for (size_t i = 0; i < position.size(); i += 3)
+    Extend(box, {position[i], position[i + 1], position[i + 2]}, i == 0);
+  std::copy(box.least.begin(), box.least.end(), info.box_min);
+  std::copy(box.most.begin(), box.most.end(), info.box_max);
+  std::copy(avatar.background.begin(), avatar.background.end(), info.background);
+  return info;
+}
+
+// The stride that is meant; throws where it is less than a row or no multiple of `step`.
+ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char* field) {
+  const int64_t row = 4 * int64_t(width);
+  if (stride == 0) return ptrdiff_t(row);
+  if (stride < -kLargestStride || stride > kLargestStride || std::abs(stride) < row ||
+      stride % step != 0)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     field,
+                     std::to_string(stride) + " bytes: at least " + std::to_string(row) +
+                         " either way" + (step > 1 ? ", a multiple of 4" : ""));
+  return ptrdiff_t(stride);
+}
+
+void CheckChoice(uint32_t value, uint32_t most, const char* field) {
+  if (value > most)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     field,
+                     std::to_string(value) + " is not from 0 to " + std::to_string(most));
+}
+
+void CheckPicture(const cosplat_picture& picture) {
+  CheckSize(picture.width, picture.height, "picture");
+  CheckChoice(picture.format, COSPLAT_FORMAT_BGRA8, "picture.format");
+  CheckChoice(picture.alpha, COSPLAT_ALPHA_OPAQUE, "picture.alpha");
+  if (!picture.pixels) throw CodedError(COSPLAT_ERROR_ARGUMENT, "picture.pixels", "is NULL");
+  if (reinterpret_cast<uintptr_t>(picture.depth) % alignof(float) != 0)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT, "picture.depth", "is not aligned to 4 bytes");
+  if (picture.alpha != COSPLAT_ALPHA_OPAQUE) return;
+  for (const float x : picture.background)
+    if (!(x >= 0 && x <= 1))
+      throw CodedError(
+          COSPLAT_ERROR_ARGUMENT, "picture.background", std::to_string(x) + " is not from 0 to 1");
+}
+
+}  // namespace
+
+Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
+    : player_([&] {
+        AvatarModel avatar = ReadAvatarGlb(avatar_path);
+        flame_ = ReadFlame(options.flame_path, avatar);
+        return MakePlayer(std::move(avatar), flame_);
+      }()),
+      rest_(RestRoot(player_.avatar(), flame_)),
+      parameters_(size_t(flame_.expression_count), rest_) {
+  player_.Place(parameters_.current(), placed_);
+  info_ = InfoOf(player_.avatar(), flame_, placed_);
+  orbit_target_ = TargetOf(placed_.vertices(), flame_, rest_.pose[0]);
+  for (int i = 0; i < flame_.expression_count; ++i)
+    expression_names_.push_back("expression_" + std::to_string(i));
+}
+
+Camera Instance::CameraFor(const cosplat_picture& picture) const {
+  if (!camera_) return OrbitCamera(orbit_target_, picture.width, picture.height, {});
+  if (uint32_t(camera_->width) != picture.width || uint32_t(camera_->height) != picture.height)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     "picture.width, height",
+                     std::to_string(picture.width) + "x" + std::to_string(picture.height) +
+                         ", the camera has " + std::to_string(camera_->width) + "x" +
+                         std::to_string(camera_->height));
+  return *camera_;
+}
+
+void Instance::Render(const cosplat_picture& picture) {
+  CheckPicture(picture);
+  const ptrdiff_t stride = CheckedStride(picture.stride, picture.width, 1, "picture.stride");
+  const ptrdiff_t depth_stride =
+      CheckedStride(picture.depth_stride, picture.width, 4, "picture.depth_stride");
+  const Camera camera = CameraFor(picture);
+  std::array<float, 3> background{};
+  if (picture.alpha == COSPLAT_ALPHA_OPAQUE) std::copy_n(picture.background, 3, background.begin());
+
+  // Everything is drawn before anything is written.
+  player_.Place(parameters_.current(), placed_);
+  const RenderedImage& image = player_.Draw(placed_, camera, background);
+  if (picture.depth) {
+    if (!depth_) depth_.emplace();
+    const RenderedImage& depth = depth_->Draw(player_.avatar(), placed_, camera);
+    WriteDepth(depth, picture.depth, depth_stride);
+  }
+  const PixelLayout layout{static_cast<AlphaMode>(picture.alpha),
+                           picture.format == COSPLAT_FORMAT_BGRA8};
+  WritePicture(image, layout, static_cast<uint8_t*>(picture.pixels), stride);
+}
+
+}  // namespace cosplat::plugin

@@ -1,0 +1,62 @@
+// One open avatar of the plug-in: what a handle stands for. Not for two threads at once, except
+// where said.
+//
+// handle_table.h -> Instance -> Player, DepthPass -> the caller's memory. Throws CodedError, or
+// Error where the files are bad; api_*.cpp turn both into a status.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "avatar/player.h"
+#include "avatar/plugin/cosplat.h"
+#include "avatar/plugin/depth_pass.h"
+#include "avatar/plugin/host_camera.h"
+#include "avatar/plugin/live_parameters.h"
+
+namespace cosplat::plugin {
+
+class Instance {
+ public:
+  // options.device is the caller's to check.
+  Instance(const char* avatar_path, const cosplat_open_options& options);
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  const cosplat_info& info() const { return info_; }
+  const std::vector<std::string>& expression_names() const { return expression_names_; }
+  LiveParameters& parameters() { return parameters_; }
+  std::optional<Camera>& camera() { return camera_; }
+  const OrbitTarget& orbit_target() const { return orbit_target_; }
+
+  void Render(const cosplat_picture& picture);
+
+  // True for one thread at a time, until it calls Leave. For any thread.
+  bool TryEnter() { return !busy_.exchange(true, std::memory_order_acquire); }
+  void Leave() { busy_.store(false, std::memory_order_release); }
+
+  // Text of cosplat_last_error. Its last byte is always zero.
+  std::array<char, 512>& last_error() { return last_error_; }
+
+ private:
+  Camera CameraFor(const cosplat_picture& picture) const;
+
+  FlameModel flame_;
+  Player player_;
+  FlameParams rest_;
+  LiveParameters parameters_;
+  PlacedAvatar placed_;
+  std::optional<Camera> camera_;
+  std::optional<DepthPass> depth_;  // once a depth was asked for
+  cosplat_info info_{};
+  OrbitTarget orbit_target_;
+  std::vector<std::string> expression_names_;
+  std::array<char, 512> last_error_{};
+  std::atomic<bool> busy_ = false;
+};
+
+}  // namespace cosplat::plugin

@@ -1,0 +1,17 @@
+# LIBRARY shows the functions that HEADER declares, and nothing else. NM: the program.
+execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY}
+  OUTPUT_VARIABLE table RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${NM} failed on ${LIBRARY}")
+endif()
+string(REGEX REPLACE "[0-9a-f]+ . ([^\n]+)\n" "\\1;" shown "${table}")
+list(REMOVE_ITEM shown "")
+file(READ ${HEADER} text)
+string(REGEX MATCHALL "COSPLAT_API [^(;]*cosplat_[a-z_]+\\(" declared "${text}")
+list(TRANSFORM declared REPLACE ".*(cosplat_[a-z_]+)\\(" "\\1")
+list(SORT shown)
+list(SORT declared)
+list(LENGTH declared count)
+if(count LESS 20 OR NOT shown STREQUAL declared)
+  message(FATAL_ERROR "${LIBRARY} shows\n${shown}\nand ${HEADER} declares\n${declared}")
+endif()
