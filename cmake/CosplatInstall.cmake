@@ -40,6 +40,9 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/view_files.h
   splat/kernels/project
   splat/kernels/rows.h
+  splat/prune/learned_mask.h
+  splat/prune/rounds.h
+  splat/prune/rules.h
   splat/study/basis_samples.h
   splat/study/cases.h
   splat/study/exact_basis.h

@@ -25,7 +25,7 @@ size_t HeldBy(const Containers&... containers) {
 inline size_t HeldBy(const Gaussians& gaussians) {
   size_t bytes = 0;
   for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);
-  return bytes;
+  return bytes + HeldBy(gaussians.degrees);
 }
 
 }  // namespace cosplat

@@ -347,35 +347,12 @@ std::vector<MemoryPart> Trainer::Memory() const {
       {"groups of Adam", HeldBy(state_.adam.updated, groups_, needles_)},
       {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible, d.max_radius)},
       {"screen gradients", HeldBy(screen_)},
+      {"rule of pruning", pruner_ ? pruner_->Held() : 0},
       {"picture and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),
        MemoryOf::kPixels}};
   for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
   return parts;
-}
-
-SceneSubject::SceneSubject(std::vector<TrainFrame> frames, float extent)
-    : frames_(std::move(frames)), extent_(extent) {}
-
-std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
-                                        std::vector<SkippedFrame>& skipped) {
-  std::vector<TrainFrame> loaded(views.size());
-  std::vector<std::string> problems(views.size());
-  tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
-    problems[i] = Problem([&] { loaded[i] = {views[i].camera, LoadViewImage(views[i])}; });
-  });
-  std::vector<SceneView> usable;
-  std::vector<TrainFrame> frames;
-  for (size_t i = 0; i < views.size(); ++i) {
-    if (!problems[i].empty()) {
-      skipped.push_back({views[i].name, problems[i]});
-      continue;
-    }
-    usable.push_back(std::move(views[i]));
-    frames.push_back(std::move(loaded[i]));
-  }
-  views = std::move(usable);
-  return frames;
 }
 
 }  // namespace cosplat

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "splat/bands.h"
-#include "splat/dataset.h"
 #include "splat/density.h"
 #include "splat/loss.h"
 #include "splat/optimizer.h"
@@ -182,29 +181,5 @@ class Trainer {
   size_t ignored_gradients_ = 0;
   double drop_psnr_ = 0;
 };
-
-// A static scene: the Gaussians are where they are.
-class SceneSubject : public Subject {
- public:
-  SceneSubject(std::vector<TrainFrame> frames, float extent);
-  size_t frame_count() const override { return frames_.size(); }
-  const TrainFrame& frame(size_t i) const override { return frames_[i]; }
-  float extent() const override { return extent_; }
-  WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
-  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
-    WorldGradients view = GradientViewOf(gradients, screen);
-    view.drawn_groups_only = true;  // nothing but Adam reads them
-    return view;
-  }
-
- private:
-  std::vector<TrainFrame> frames_;
-  float extent_;
-};
-
-// Loads every view's picture, in parallel. Views whose picture cannot be used go from `views` to
-// `skipped`.
-std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
-                                        std::vector<SkippedFrame>& skipped);
 
 }  // namespace cosplat

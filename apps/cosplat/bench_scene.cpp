@@ -15,6 +15,7 @@
 #include "splat/initialize.h"
 #include "splat/loss.h"
 #include "splat/metrics.h"
+#include "splat/scene_subject.h"
 
 namespace cosplat {
 namespace {

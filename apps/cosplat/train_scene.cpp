@@ -14,6 +14,7 @@
 #include "splat/initialize.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
+#include "splat/scene_subject.h"
 #include "splat/trainer.h"
 
 namespace cosplat {

@@ -5,6 +5,7 @@
 
 #include "splat/bench/synthetic_view.h"
 #include "splat/phase_times.h"
+#include "splat/scene_subject.h"
 #include "splat/trainer.h"
 
 namespace cosplat {

@@ -1,8 +1,9 @@
 // Compact-3DGS (Lee et al. 2024, section 4.1): a mask 1[sigma(mu) > 0.01] on opacity and scale,
 // learned with a straight-through gradient; loss weight * mean sigma(mu). What it hides goes at
-// each densification and, afterwards, every 1,000 of 30,000 steps.
+// each densification and, afterwards, every 1,000 of 30,000 steps and at the end.
 #include <cmath>
 
+#include "splat/math/scalar.h"
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
@@ -14,8 +15,6 @@ constexpr float kThreshold = 0.01f, kFirst = 1, kRate = 0.01f;
 constexpr float kMaskWeight = 5e-4f;  // of photographs; 4e-3 for synthetic scenes
 constexpr float kHidden = -100;       // an opacity's logit
 
-float Sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
-
 class CompactPruner : public Pruner {
  public:
   CompactPruner(const PruneSettings& settings,
@@ -24,11 +23,12 @@ class CompactPruner : public Pruner {
                 size_t gaussians)
       : weight_(settings.mask_weight > 0 ? settings.mask_weight : kMaskWeight),
         schedule_(schedule),
+        iterations_(iterations),
         late_(PruneRounds::Scaled(iterations, 15000, 1000, 30000)),
         mask_(gaussians, kFirst, kRate) {}
 
   bool PrunesAt(int iteration) const override {
-    return schedule_.DensifiesAt(iteration) || late_.At(iteration);
+    return schedule_.DensifiesAt(iteration) || late_.At(iteration) || iteration == iterations_;
   }
 
   void BeforeDraw(const Gaussians& gaussians, WorldGaussians& world, Rng&) override {
@@ -48,7 +48,7 @@ class CompactPruner : public Pruner {
     const float share = weight_ / float(mask_.size());
     double sum = 0;
     for (size_t i = 0; i < mask_.size(); ++i) {
-      const float soft = Sigmoid(mask_[i]);
+      const float soft = math::Sigmoid(mask_[i]);
       sum += soft;
       float d = share;
       if (radii[i] > 0) {
@@ -64,6 +64,7 @@ class CompactPruner : public Pruner {
   }
 
   void Gather(const Reordering& order) override { mask_.Gather(order); }
+  size_t Held() const override { return mask_.Held() + HeldBy(opacity_logit_, d_mask_); }
 
   PruneRound Rank(const PruneContext&) override {
     PruneRound round;
@@ -75,10 +76,11 @@ class CompactPruner : public Pruner {
   }
 
  private:
-  bool Hides(size_t i) const { return Sigmoid(mask_[i]) <= kThreshold; }
+  bool Hides(size_t i) const { return math::Sigmoid(mask_[i]) <= kThreshold; }
 
   float weight_;
   Schedule schedule_;
+  int iterations_;
   PruneRounds late_;
   LearnedMask mask_;
   Buffer<float> opacity_logit_;

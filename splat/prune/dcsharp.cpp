@@ -1,19 +1,17 @@
 // DCSHARP: shape-aware pruning by plasticity. Score: the mean of |dL/ds| (s: the three standard
 // deviations) over the steps since the last densification in which the Gaussian was drawn. A
 // Gaussian whose shape the loss no longer moves is the least significant. At each densification.
-// The supplement keeps the Top-K; the share that goes, 2 %, is that of the released code.
+// The supplement keeps the Top-K.
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
 namespace cosplat {
 namespace {
 
-constexpr double kShare = 0.02;
-
 class DcsharpPruner : public Pruner {
  public:
   DcsharpPruner(const PruneSettings& settings, const Schedule& schedule)
-      : settings_(settings), rounds_{schedule, settings.target > 0} {}
+      : rounds_{schedule, settings.target} {}
 
   bool PrunesAt(int iteration) const override { return rounds_.At(iteration); }
 
@@ -25,14 +23,11 @@ class DcsharpPruner : public Pruner {
       round.score[i] = statistics.MeanPlasticity(i);
       round.exempt[i] = !(statistics.visible[i] > 0);  // new or unseen
     }
-    round.remove = settings_.target == 0
-                       ? ShareOf(kShare, n)
-                       : RemovalTowards(settings_.target, n, rounds_.LeftAfter(context.iteration));
+    round.remove = rounds_.Remove(n, context.iteration);
     return round;
   }
 
  private:
-  PruneSettings settings_;
   DensificationRounds rounds_;
 };
 

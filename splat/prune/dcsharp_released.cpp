@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "splat/memory_part.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
 namespace cosplat {
 namespace {
-
-constexpr double kShare = 0.02;
 
 class DcsharpReleasedPruner : public Pruner {
  public:
@@ -42,7 +41,7 @@ class DcsharpReleasedPruner : public Pruner {
       return mean[a] > mean[b];
     });
     marked_.assign(mean.size(), 0);
-    by_score.resize(ShareOf(kShare, mean.size()));
+    by_score.resize(ShareOf(DensificationRounds::kShare, mean.size()));
     for (const uint32_t i : by_score) marked_[i] = 1;
     marked_before_splitting_ = true;
   }
@@ -71,6 +70,8 @@ class DcsharpReleasedPruner : public Pruner {
     }
     return round;
   }
+
+  size_t Held() const override { return HeldBy(sum_, seen_, marked_); }
 
  private:
   Schedule schedule_;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "splat/density.h"
-#include "splat/math/scalar.h"
+#include "splat/memory_part.h"
 
 namespace cosplat {
 
@@ -14,6 +14,7 @@ class LearnedMask {
       : rate_(rate), value_(gaussians, first), m_(gaussians, 0.0f), v_(gaussians, 0.0f) {}
 
   size_t size() const { return value_.size(); }
+  size_t Held() const { return HeldBy(value_, m_, v_); }
   float operator[](size_t i) const { return value_[i]; }
   // One Adam step with these gradients; those that are not finite count as zero.
   void Step(const std::vector<float>& gradient);

@@ -1,7 +1,9 @@
 // By what the pictures lose. Score: the squared change of the training pictures when this Gaussian
 // alone is taken out (splat/contribution.h): exact, not a derivative. A few rounds once
 // densification is over, so that neighbours have time to take a Gaussian's place.
-#include "splat/importance.h"
+#include <algorithm>
+
+#include "splat/base/error.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
@@ -13,20 +15,20 @@ constexpr double kShare = 0.2;  // of each round, without a target
 
 class LeaveOneOutPruner : public Pruner {
  public:
-  LeaveOneOutPruner(const PruneSettings& settings, int iterations)
-      : settings_(settings), rounds_(PruneRounds::Scaled(iterations, 15000, 1500, 21000)) {}
+  // Five rounds over the first two fifths of what densification leaves of the run.
+  LeaveOneOutPruner(const PruneSettings& settings, int first, int iterations)
+      : settings_(settings) {
+    rounds_.first = first;
+    rounds_.every = std::max(1, (iterations - first) / 10);
+    rounds_.last = first + 4 * rounds_.every;
+  }
 
   bool PrunesAt(int iteration) const override { return rounds_.At(iteration); }
 
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    for (const Contribution& c : ContributionsToFrames(context.subject,
-                                                       context.frames,
-                                                       context.gaussians,
-                                                       context.degree,
-                                                       context.background,
-                                                       kMostFrames))
+    for (const Contribution& c : ContributionsIn(context, kMostFrames))
       round.score.push_back(c.change);
     round.remove = settings_.target == 0
                        ? ShareOf(kShare, n)
@@ -41,8 +43,16 @@ class LeaveOneOutPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings, int iterations) {
-  return std::make_unique<LeaveOneOutPruner>(settings, iterations);
+std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
+                                              const Schedule& schedule,
+                                              int iterations) {
+  const int first = std::max(1, schedule.densify_until);
+  if (first + 4 >= iterations)
+    throw Error("",
+                "--prune leave-one-out",
+                "densification until step " + std::to_string(schedule.densify_until) + " of " +
+                    std::to_string(iterations) + " leaves none to prune in");
+  return std::make_unique<LeaveOneOutPruner>(settings, first, iterations);
 }
 
 }  // namespace cosplat

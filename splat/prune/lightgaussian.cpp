@@ -1,7 +1,6 @@
 // LightGaussian (Fan et al. 2024): global significance, sum over views and pixels of
 // opacity T (V / V_90)^0.1. 66 % go at once, after which the rest is tuned: 25,000 of 30,000 steps
 // here, so that a run has the length of others'.
-#include "splat/importance.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
@@ -10,7 +9,6 @@ namespace {
 
 constexpr double kShare = 0.66;
 constexpr int kRound = 25000;  // of 30,000
-constexpr size_t kAllFrames = size_t(-1);
 
 class LightGaussianPruner : public Pruner {
  public:
@@ -22,13 +20,7 @@ class LightGaussianPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    round.score = Significance(context.gaussians,
-                               ContributionsToFrames(context.subject,
-                                                     context.frames,
-                                                     context.gaussians,
-                                                     context.degree,
-                                                     context.background,
-                                                     kAllFrames));
+    round.score = Significance(context.gaussians, ContributionsIn(context));
     round.remove =
         settings_.target == 0 ? ShareOf(kShare, n) : RemovalTowards(settings_.target, n, 0);
     return round;

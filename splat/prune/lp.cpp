@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/importance.h"
+#include "splat/math/scalar.h"
 #include "splat/prune/learned_mask.h"
-#include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
 namespace cosplat {
@@ -16,9 +15,7 @@ namespace {
 constexpr float kTemperature = 0.5f, kFirst = 1, kRate = 0.05f;
 constexpr float kMaskWeight = 5e-4f;
 constexpr float kLeast = 1e-6f;  // of a mask and of 1 - opacity: no division by zero
-constexpr size_t kAllFrames = size_t(-1);
 
-float Sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
 float Gumbel(Rng& rng) {
   return -std::log(-std::log(std::clamp(rng.Uniform(), 1e-7f, 0.9999999f)));
 }
@@ -27,22 +24,17 @@ class LpPruner : public Pruner {
  public:
   LpPruner(const PruneSettings& settings, int iterations)
       : weight_(settings.mask_weight > 0 ? settings.mask_weight : kMaskWeight),
-        rounds_(PruneRounds::Scaled(iterations, 19500, 500, 20000)) {}
+        begin_(std::max(1, int(int64_t(iterations) * 19500 / 30000))),
+        end_(std::max(begin_ + 1, int(int64_t(iterations) * 20000 / 30000))) {}
 
-  bool PrunesAt(int iteration) const override { return rounds_.At(iteration); }
+  bool PrunesAt(int iteration) const override { return iteration == begin_ || iteration == end_; }
 
   // The first round scores and begins to learn; the second takes away.
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round{std::vector<float>(n, 1.0f), {}, 0};
     if (!learning_) {
-      importance_ = Significance(context.gaussians,
-                                 ContributionsToFrames(context.subject,
-                                                       context.frames,
-                                                       context.gaussians,
-                                                       context.degree,
-                                                       context.background,
-                                                       kAllFrames));
+      importance_ = Significance(context.gaussians, ContributionsIn(context));
       const float most = *std::max_element(importance_.begin(), importance_.end());
       for (float& s : importance_) s /= std::max(most, 1e-30f);
       mu_ = LearnedMask(n, kFirst, kRate);
@@ -64,10 +56,11 @@ class LpPruner : public Pruner {
     mask_.resize(n);
     opacity_logit_.resize(n);
     for (size_t i = 0; i < n; ++i) {
-      const float x = mu_[i] * importance_[i] + Gumbel(rng) - Gumbel(rng);
-      mask_[i] = std::max(Sigmoid(x / kTemperature), kLeast);
+      const float g1 = Gumbel(rng), g2 = Gumbel(rng);
+      const float x = mu_[i] * importance_[i] + g1 - g2;
+      mask_[i] = std::max(math::Sigmoid(x / kTemperature), kLeast);
       const float dimmed =
-          std::min(mask_[i] * Sigmoid(gaussians.at(kOpacityLogit, i)[0]), 1 - kLeast);
+          std::min(mask_[i] * math::Sigmoid(gaussians.at(kOpacityLogit, i)[0]), 1 - kLeast);
       opacity_logit_[i] = std::log(dimmed / (1 - dimmed));
     }
     world.opacity_logit = opacity_logit_.data();
@@ -88,9 +81,9 @@ class LpPruner : public Pruner {
       float d_mask = share;
       if (radii[i] > 0) {
         float& d = gradients.at(kOpacityLogit, i)[0];
-        const float rest = 1 - Sigmoid(opacity_logit_[i]);
+        const float rest = 1 - math::Sigmoid(opacity_logit_[i]);
         d_mask += d / (m * std::max(rest, kLeast));
-        d *= (1 - Sigmoid(gaussians.at(kOpacityLogit, i)[0])) / std::max(rest, kLeast);
+        d *= (1 - math::Sigmoid(gaussians.at(kOpacityLogit, i)[0])) / std::max(rest, kLeast);
       }
       d_mu_[i] = d_mask * m * (1 - m) / kTemperature * importance_[i];
     }
@@ -106,9 +99,13 @@ class LpPruner : public Pruner {
     importance_ = std::move(gathered);
   }
 
+  size_t Held() const override {
+    return mu_.Held() + HeldBy(importance_, mask_, d_mu_, opacity_logit_);
+  }
+
  private:
   float weight_;
-  PruneRounds rounds_;
+  int begin_, end_;  // steps that learn
   bool learning_ = false;
   std::vector<float> importance_, mask_, d_mu_;  // [N]
   LearnedMask mu_{0, kFirst, kRate};

@@ -1,5 +1,6 @@
 #include "splat/prune/pruner.h"
 
+#include <algorithm>
 #include <array>
 
 #include "splat/base/error.h"
@@ -51,9 +52,11 @@ std::vector<std::string> PruneRuleNames() {
 bool LearnsMask(PruneRule rule) { return rule == PruneRule::kCompact || rule == PruneRule::kLp; }
 
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
-                                   const Schedule& schedule,
+                                   const Schedule& run_schedule,
                                    int iterations,
                                    size_t gaussians) {
+  Schedule schedule = run_schedule;
+  schedule.densify_until = std::min(schedule.densify_until, iterations);
   const std::string name = "--prune " + ToString(s.rule);
   const bool ranks =
       !LearnsMask(s.rule) && s.rule != PruneRule::kNone && s.rule != PruneRule::kDcsharpReleased;
@@ -65,7 +68,7 @@ std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
     case PruneRule::kNone:
       return nullptr;
     case PruneRule::kLeaveOneOut:
-      return MakeLeaveOneOutPruner(s, iterations);
+      return MakeLeaveOneOutPruner(s, schedule, iterations);
     case PruneRule::kDcsharp:
     case PruneRule::kDcsharpTriangle:
       return MakeDcsharpPruner(s, schedule);

@@ -65,6 +65,8 @@ class Pruner {
     return 0;
   }
   virtual void BeforeDensification() {}
+  // Bytes that the rule holds.
+  virtual size_t Held() const { return 0; }
   // The rule's own data per Gaussian follows.
   virtual void Gather(const Reordering& order) { (void)order; }
 };

@@ -5,12 +5,10 @@
 namespace cosplat {
 namespace {
 
-constexpr double kShare = 0.02;
-
 class RandomPruner : public Pruner {
  public:
   RandomPruner(const PruneSettings& settings, const Schedule& schedule)
-      : settings_(settings), rounds_{schedule, settings.target > 0} {}
+      : rounds_{schedule, settings.target} {}
 
   bool PrunesAt(int iteration) const override { return rounds_.At(iteration); }
 
@@ -18,14 +16,11 @@ class RandomPruner : public Pruner {
     const size_t n = context.gaussians.size();
     PruneRound round;
     for (size_t i = 0; i < n; ++i) round.score.push_back(context.rng.Uniform());
-    round.remove = settings_.target == 0
-                       ? ShareOf(kShare, n)
-                       : RemovalTowards(settings_.target, n, rounds_.LeftAfter(context.iteration));
+    round.remove = rounds_.Remove(n, context.iteration);
     return round;
   }
 
  private:
-  PruneSettings settings_;
   DensificationRounds rounds_;
 };
 

@@ -31,19 +31,6 @@ struct PruneRounds {
 
 // The rounds of DCSHARP: at each densification. To keep to a count there is one more when they are
 // over, since each adds Gaussians that cannot be judged yet.
-struct DensificationRounds {
-  Schedule schedule;
-  bool one_more = false;
-
-  bool At(int iteration) const {
-    return schedule.DensifiesAt(iteration) || (one_more && iteration == schedule.densify_until);
-  }
-  int LeftAfter(int iteration) const {
-    return schedule.DensificationsAfter(iteration) +
-           (one_more && iteration < schedule.densify_until);
-  }
-};
-
 // How many of `count` go so that the same ratio in each of the rounds left reaches the target.
 inline size_t RemovalTowards(size_t target, size_t count, int rounds_left) {
   if (count <= target) return 0;
@@ -57,5 +44,22 @@ inline size_t ShareOf(double share, size_t count) { return size_t(share * double
 inline size_t ShareDownTo(size_t target, double share, size_t count) {
   return std::min(ShareOf(share, count), count - std::min(target, count));
 }
+
+// The rounds of DCSHARP: at each densification, 2 % each. To keep to a count there is one more when
+// they are over, since each adds Gaussians that cannot be judged yet.
+struct DensificationRounds {
+  static constexpr double kShare = 0.02;  // DCSHARP's released code
+  Schedule schedule;
+  size_t target = 0;  // 0: no count to keep to
+
+  bool At(int iteration) const {
+    return schedule.DensifiesAt(iteration) || (target > 0 && iteration == schedule.densify_until);
+  }
+  size_t Remove(size_t count, int iteration) const {
+    if (target == 0) return ShareOf(kShare, count);
+    const bool one_more = iteration < schedule.densify_until;
+    return RemovalTowards(target, count, schedule.DensificationsAfter(iteration) + one_more);
+  }
+};
 
 }  // namespace cosplat

@@ -3,11 +3,21 @@
 
 #include <memory>
 
+#include "splat/importance.h"
 #include "splat/prune/pruner.h"
 
 namespace cosplat {
 
-std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings, int iterations);
+// ContributionsToFrames of what the context has; of all its frames, or of so many.
+inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
+                                                 size_t most_frames = size_t(-1)) {
+  return ContributionsToFrames(
+      c.subject, c.frames, c.gaussians, c.degree, c.background, most_frames);
+}
+
+std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
+                                              const Schedule& schedule,
+                                              int iterations);
 std::unique_ptr<Pruner> MakeDcsharpPruner(const PruneSettings& settings, const Schedule& schedule);
 std::unique_ptr<Pruner> MakeDcsharpReleasedPruner(const Schedule& schedule, size_t gaussians);
 std::unique_ptr<Pruner> MakeLightGaussianPruner(const PruneSettings& settings, int iterations);

@@ -2,7 +2,6 @@
 // views and pixels of (d(red + green + blue)/d(falloff))^2. From 6,000 of 30,000 steps every 3,000:
 // 80 % while densification fills up again (soft), 30 % afterwards (hard). With a target, the hard
 // rounds reach it.
-#include "splat/importance.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 
@@ -10,7 +9,6 @@ namespace cosplat {
 namespace {
 
 constexpr double kSoftShare = 0.8, kHardShare = 0.3;
-constexpr size_t kAllFrames = size_t(-1);
 
 class SpeedyPruner : public Pruner {
  public:
@@ -24,13 +22,7 @@ class SpeedyPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    for (const Contribution& c : ContributionsToFrames(context.subject,
-                                                       context.frames,
-                                                       context.gaussians,
-                                                       context.degree,
-                                                       context.background,
-                                                       kAllFrames))
-      round.score.push_back(c.sensitivity);
+    for (const Contribution& c : ContributionsIn(context)) round.score.push_back(c.sensitivity);
     if (!hard_.At(context.iteration))
       round.remove = ShareDownTo(settings_.target, kSoftShare, n);
     else if (settings_.target == 0)

@@ -11,6 +11,7 @@
 #include "splat/loss.h"
 #include "splat/math/blend.h"
 #include "splat/math/ssim.h"
+#include "splat/scene_subject.h"
 #include "splat/study/cases.h"
 #include "splat/study/naive_ssim.h"
 #include "splat/study/picture.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "splat/bands.h"
+#include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {

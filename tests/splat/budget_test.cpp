@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 

@@ -39,6 +39,7 @@
 #include "splat/cpu/launch.h"
 #include "splat/cpu/view_parameters.h"
 #include "splat/math/blend.h"
+#include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

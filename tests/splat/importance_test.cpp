@@ -8,6 +8,7 @@
 
 #include "splat/loss.h"
 #include "splat/rasterizer.h"
+#include "splat/scene_subject.h"
 #include "splat/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"

@@ -9,6 +9,7 @@
 
 #include "splat/loss.h"
 #include "splat/prune/rounds.h"
+#include "splat/scene_subject.h"
 #include "splat/trainer.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/splat/training_fixture.h"

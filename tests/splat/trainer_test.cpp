@@ -8,6 +8,7 @@
 #include <map>
 
 #include "splat/morton.h"
+#include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 

@@ -1,0 +1,36 @@
+// Static scenes in the training loop of splat/trainer.h.
+#pragma once
+
+#include <vector>
+
+#include "splat/dataset.h"
+#include "splat/rasterizer.h"
+#include "splat/subject.h"
+
+namespace cosplat {
+
+// A static scene: the Gaussians are where they are.
+class SceneSubject : public Subject {
+ public:
+  SceneSubject(std::vector<TrainFrame> frames, float extent);
+  size_t frame_count() const override { return frames_.size(); }
+  const TrainFrame& frame(size_t i) const override { return frames_[i]; }
+  float extent() const override { return extent_; }
+  WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
+  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
+    WorldGradients view = GradientViewOf(gradients, screen);
+    view.drawn_groups_only = true;  // nothing but Adam reads them
+    return view;
+  }
+
+ private:
+  std::vector<TrainFrame> frames_;
+  float extent_;
+};
+
+// Loads every view's picture, in parallel. Views whose picture cannot be used go from `views` to
+// `skipped`.
+std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
+                                        std::vector<SkippedFrame>& skipped);
+
+}  // namespace cosplat
