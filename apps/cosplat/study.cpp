@@ -108,7 +108,9 @@ size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
       log.Append(lines.back());
       say("  " + Progress(lines, runs, i + 1));
       if (!o.keep) fs::remove_all(StudyModelFolder(runs[i], o));
-    } catch (const Error& e) {
+    } catch (const StudyStopped&) {
+      throw;
+    } catch (const std::exception& e) {  // of the file system as well
       std::fprintf(stderr, "cosplat: study: %s: %s\n", runs[i].Id().c_str(), e.what());
       ++failed;
     }

@@ -54,7 +54,8 @@ void StudyChildren::Run(const std::vector<std::string>& arguments) const {
   const pid_t child = Spawn(arguments, before_);
   bool stopped = false;
   int status = 0;
-  while (waitpid(child, &status, stopped ? 0 : WNOHANG) == 0) {
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &status, stopped ? 0 : WNOHANG)) == 0) {
     stopped = IsStop(sigwaitinfo(&waited_for_, nullptr));
     if (stopped) kill(child, SIGTERM);
   }
@@ -62,6 +63,7 @@ void StudyChildren::Run(const std::vector<std::string>& arguments) const {
   const timespec at_once{};
   for (int signal; (signal = sigtimedwait(&waited_for_, nullptr, &at_once)) > 0;)
     stopped = stopped || IsStop(signal);
+  if (ended < 0) throw Error("study", "a run's process", "was lost");
   if (stopped) throw StudyStopped("study: stopped; the same command goes on from here");
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   const std::string how = WIFSIGNALED(status)

@@ -17,8 +17,9 @@ struct RunHooks {
   std::function<void()> evaluate;  // at --test_iterations and at the end; empty: nothing held out
 };
 
-// Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto), skipped_frames.json (where there are any),
-// results.json and per_view.json. Returns once all of it is on disk.
+// Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto),
+// skipped_frames.json (where there are any), results.json and per_view.json. Returns once all of it
+// is on disk.
 void RunTraining(const TrainOptions& options,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
