@@ -181,6 +181,27 @@ TEST_F(PluginRender, ParametersAtTheirLimitsDoNoHarm) {
   EXPECT_EQ(Render(COSPLAT_ALPHA_STRAIGHT), player_.Render(params_, camera_).data);
 }
 
+TEST_F(PluginRender, CamerasAtTheirLimitsDoNoHarm) {
+  const std::pair<uint32_t, uint32_t> sizes[] = {
+      {1, 1}, {17, 33}, {COSPLAT_LARGEST_SIDE, 1}, {1, COSPLAT_LARGEST_SIDE}};
+  std::vector<uint8_t> bytes;
+  for (const auto& [width, height] : sizes)
+    for (const float focal : {1e-7f, 1e3f, 1e7f})
+      for (const float middle : {-1e7f, 0.5f, 1e7f})
+        for (const float along : {-1e7f, 0.0f, 1e-3f, 1e7f}) {
+          cosplat_camera camera = SetOrbit(avatar_, width, height, 0.3f);
+          camera.fx = camera.fy = focal;
+          camera.cx = camera.cy = middle;
+          camera.cam_from_world[11] = along;
+          ASSERT_EQ(cosplat_set_camera(avatar_, &camera), COSPLAT_OK);
+          std::vector<float> depth(size_t(width) * height);
+          cosplat_picture picture = PictureInto(bytes, width, height);
+          picture.depth = depth.data();
+          ASSERT_EQ(cosplat_render(avatar_, &picture), COSPLAT_OK) << cosplat_last_error(avatar_);
+          for (const float d : depth) ASSERT_FALSE(std::isnan(d));
+        }
+}
+
 // Depth of a picture with rows `gap` floats longer than it is wide.
 std::vector<float> DepthOf(cosplat_avatar* avatar,
                            uint32_t width,
