@@ -347,10 +347,10 @@ std::vector<MemoryPart> Trainer::Memory() const {
       {"groups of Adam", HeldBy(state_.adam.updated, groups_, needles_)},
       {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible, d.max_radius)},
       {"screen gradients", HeldBy(screen_)},
-      {"rule of pruning", pruner_ ? pruner_->Held() : 0},
       {"picture and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),
        MemoryOf::kPixels}};
+  if (pruner_ && pruner_->Held() > 0) parts.push_back({"rule of pruning", pruner_->Held()});
   for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
   return parts;
 }

@@ -25,9 +25,8 @@ class CpuTape : public RenderTape {
   std::vector<MemoryPart> Memory() const override {
     return {{"projected splats", HeldBy(splats, radius)},
             {"tile lists", lists.HeldForGaussians()},
-            {"gradients per splat and tile", HeldBy(records)},
+            {"gradients per splat and tile", HeldBy(records, contributions)},
             {"gradients per splat", HeldBy(d_splats)},
-            {"contributions per splat and tile", HeldBy(contributions)},
             {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
   }
 
