@@ -10,39 +10,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Workshop& Made() { return Workshop::Get(); }
-
 class BasisCommand : public testing::Test {
  protected:
   CommandResult TrainScene(const std::string& out, const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"train-scene",
-                                       "-s",
-                                       Made().photos,
-                                       "-m",
-                                       folder_ / out,
-                                       "--iterations",
-                                       "60",
-                                       "--eval",
-                                       "--random_points",
-                                       "300"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Cosplat(arguments);
+    return TrainMadeScene(folder_ / out, 60, 300, more);
   }
   CommandResult TrainAvatar(const std::string& out, const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"train-avatar",
-                                       "-s",
-                                       Made().head,
-                                       "--flame",
-                                       Made().model,
-                                       "-m",
-                                       folder_ / out,
-                                       "--iterations",
-                                       "20",
-                                       "--gaussians",
-                                       "500",
-                                       "--eval"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Cosplat(arguments);
+    return TrainMadeAvatar(folder_ / out, 20, 500, more);
   }
   // Trained and judged, and one line says why it is not saved.
   void ExpectNotSaved(const CommandResult& trained, const std::string& folder) const {

@@ -9,23 +9,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Workshop& Made() { return Workshop::Get(); }
-
 class PruneCommand : public testing::Test {
  protected:
   CommandResult TrainScene(const std::string& out, const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"train-scene",
-                                       "-s",
-                                       Made().photos,
-                                       "-m",
-                                       folder_ / out,
-                                       "--iterations",
-                                       "150",
-                                       "--eval",
-                                       "--random_points",
-                                       "400"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Cosplat(arguments);
+    return TrainMadeScene(folder_ / out, 150, 400, more);
   }
   void ExpectBadScene(const std::vector<std::string>& more, const std::string& why) const {
     const CommandResult result = TrainScene("bad", more);
@@ -74,20 +61,8 @@ TEST_F(PruneCommand, WhatDoesNotFitIsAnError) {
 }
 
 TEST_F(PruneCommand, AvatarsPruneByTriangleAndFindTheirBudget) {
-  const auto train = [&](const std::string& out, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"train-avatar",
-                                       "-s",
-                                       Made().head,
-                                       "--flame",
-                                       Made().model,
-                                       "-m",
-                                       folder_ / out,
-                                       "--iterations",
-                                       "60",
-                                       "--gaussians",
-                                       "1500"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return Cosplat(arguments);
+  const auto train = [&](const std::string& out, const std::vector<std::string>& more) {
+    return TrainMadeAvatar(folder_ / out, 60, 1500, more);
   };
   ASSERT_EQ(train("triangle", {"--prune", "dcsharp-triangle", "--prune-to", "100"}).code, 0);
   EXPECT_GE(GaussiansOf("triangle"), 100);  // none of its triangles is left bare
