@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "flame/io/track_layouts.h"
@@ -136,6 +137,18 @@ TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& optio
     throw Error(path, "", "holds no frames to train on");
   HoldCameraStill(video);
   return video;
+}
+
+std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video) {
+  std::map<int, const TrackedFrame*> instants;
+  for (const auto* list : {&video.train, &video.test})
+    for (const TrackedFrame& frame : *list) {
+      const TrackedFrame*& kept = instants[frame.timestep];
+      if (!kept || frame.camera_index < kept->camera_index) kept = &frame;
+    }
+  std::vector<const TrackedFrame*> frames;
+  for (const auto& [timestep, frame] : instants) frames.push_back(frame);
+  return frames;
 }
 
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {

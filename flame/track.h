@@ -35,6 +35,7 @@ struct TrackedVideo {
   std::string layout;  // "imavatar", "vhap", "npz"
   std::string video_path;
   std::shared_ptr<VideoReader> video;  // of video_path, where there is one
+  double frames_per_second = 0;        // time steps per second; 0 where the layout does not say
   std::vector<float> shape;            // the subject's
   std::vector<float> static_offset;    // [V, 3] metres, or empty
   std::vector<TrackedFrame> train;
@@ -54,6 +55,10 @@ struct TrackOptions {
 // when more than a third of the frames cannot be used. Where one camera only ever moves without
 // turning, it is taken to stand still and the head to move instead.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
+
+// Both sets' frames in order of time; of several cameras' views of an instant the first camera's.
+// They point into `video`.
+std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video);
 
 // RGBA at the frame's camera size, or RGB when there is neither mask nor alpha.
 // Throws Error (naming the file) on a missing image or mask or one whose size disagrees.

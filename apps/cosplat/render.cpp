@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 
 #include "apps/cosplat/avatar_renderer.h"
@@ -168,22 +167,11 @@ void RenderAvatarOrbit(const Options& o,
   PlayInto(frames, player, o);
 }
 
-// A sequence's instants in order, as its first camera saw them.
-std::vector<FlameParams> InstantsOf(const TrackedVideo& sequence) {
-  std::map<int, const TrackedFrame*> instants;
-  for (const auto* list : {&sequence.train, &sequence.test})
-    for (const TrackedFrame& frame : *list) {
-      const TrackedFrame*& kept = instants[frame.timestep];
-      if (!kept || frame.camera_index < kept->camera_index) kept = &frame;
-    }
-  std::vector<FlameParams> params;
-  for (const auto& [timestep, frame] : instants) params.push_back(frame->params);
-  return params;
-}
-
 void RenderDriven(const Options& o, const JsonField& run, Player& player) {
-  std::vector<FlameParams> params =
-      Retarget(InstantsOf(LoadTrackedVideo(o.drive, {-1, 1, false})), ReferenceRoot(run));
+  const TrackedVideo sequence = LoadTrackedVideo(o.drive, {-1, 1, false});
+  std::vector<FlameParams> params;
+  for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
+  params = Retarget(std::move(params), ReferenceRoot(run));
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   std::vector<PlaybackFrame> frames;
   for (FlameParams& p : params) frames.push_back({std::move(p), camera, BackgroundOf(run)});

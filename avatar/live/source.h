@@ -14,7 +14,9 @@
 namespace cosplat {
 
 struct LiveFrame {
-  FlameParams params;     // expression, pose and translation; `shape` and `static_offset` are empty
+  // Expression, pose and translation, the root about LiveSourceOptions::rest; `shape` and
+  // `static_offset` are empty.
+  FlameParams params;
   uint64_t sequence = 0;  // the sender's number
   int64_t time_ns = 0;    // when it was so, by the clock that Poll is given
 };
@@ -45,6 +47,9 @@ class LiveSource {
 };
 
 struct LiveSourceOptions {
+  // Where the avatar's head rests, as root pose and translation (RestRoot of avatar/avatar_mesh.h):
+  // a recording turns about it as it did about its own mean, a tracker's root counts from it.
+  FlameParams rest;
   bool loop = false;             // recordings begin again at their end
   double frames_per_second = 0;  // of a recording; 0: its own, or 25 where it does not say
 };

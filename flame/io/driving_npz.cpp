@@ -1,5 +1,6 @@
 // Driving sequences as CAP4D (Taubner et al. 2025) publishes them: parameters and a camera only.
 #include <algorithm>
+#include <cmath>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/camera_pose.h"
@@ -24,15 +25,17 @@ PoseProblem SetDrivingPose(const Npz& npz, Camera& camera) {
   return SetPose(rotation, translation, camera);
 }
 
+// The array's first number, or `fallback` where there is no such array.
+double ScalarOr(const Npz& npz, const char* name, double fallback) {
+  if (!npz.Has(name)) return fallback;
+  const NpyArray& array = npz.Get(name);
+  if (array.size() == 0) throw Error(npz.path(), name, "is empty");
+  return array.values[0];
+}
+
 // The sequence's first camera. Without intrinsics: a long lens, in which a head a metre and a half
 // away fills the picture.
 Camera DrivingCamera(const Npz& npz, int resolution) {
-  const auto scalar = [&](const char* name, double fallback) {
-    if (!npz.Has(name)) return fallback;
-    const NpyArray& array = npz.Get(name);
-    if (array.size() == 0) throw Error(npz.path(), name, "is empty");
-    return array.values[0];
-  };
   constexpr int kDefaultSide = 512;
   Camera lens;
   lens.width = lens.height = kDefaultSide;
@@ -43,10 +46,10 @@ Camera DrivingCamera(const Npz& npz, int resolution) {
     lens.height = int(size.values[0]);
     lens.width = int(size.values[1]);
   }
-  lens.fx = float(scalar("fx", 5.0 * lens.width));
-  lens.fy = float(scalar("fy", lens.fx));
-  lens.cx = float(scalar("cx", lens.width / 2.0));
-  lens.cy = float(scalar("cy", lens.height / 2.0));
+  lens.fx = float(ScalarOr(npz, "fx", 5.0 * lens.width));
+  lens.fy = float(ScalarOr(npz, "fy", lens.fx));
+  lens.cx = float(ScalarOr(npz, "cx", lens.width / 2.0));
+  lens.cy = float(ScalarOr(npz, "cy", lens.height / 2.0));
   if (!(lens.fx > 0 && lens.fy > 0)) throw Error(npz.path(), "fx", "is not positive");
   const PoseProblem problem = SetDrivingPose(npz, lens);
   if (!problem.empty()) throw Error(npz.path(), "extr", problem);
@@ -93,6 +96,9 @@ void LoadDrivingNpz(const std::string& path, const TrackOptions& options, Tracke
   video.layout = "npz";
   const Npz npz = Npz::Read(path);
   const Camera camera = DrivingCamera(npz, options.resolution);
+  video.frames_per_second = ScalarOr(npz, "fps", 0);
+  if (!std::isfinite(video.frames_per_second) || video.frames_per_second < 0)
+    throw Error(npz.path(), "fps", "is negative or not finite");
   const size_t count = npz.Get("expr", {-1, -1}).shape[0];
   for (size_t i = 0; i < count; ++i) {
     TrackedFrame frame;

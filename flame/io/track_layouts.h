@@ -18,7 +18,8 @@ bool IsVhapTrack(const std::string& path);
 void LoadVhapTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video);
 
 // A driving sequence *.npz: expr [T, E], and of rot, neck_rot, jaw_rot, eye_rot, tra [T, 3], fx,
-// fy, cx, cy, resolutions (height, width), extr (cam_from_world, OpenGL axes) what there is.
+// fy, cx, cy, resolutions (height, width), extr (cam_from_world, OpenGL axes), fps what
+// there is.
 bool IsDrivingNpz(const std::string& path);
 void LoadDrivingNpz(const std::string& path, const TrackOptions& options, TrackedVideo& video);
 

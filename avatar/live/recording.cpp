@@ -1,0 +1,115 @@
+#include "avatar/live/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "avatar/avatar_mesh.h"
+#include "flame/track.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+// For IMavatar's and VHAP's tracks, which do not say: the rate of most published ones.
+constexpr double kDefaultFramesPerSecond = 25;
+
+std::string NumberText(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+double FrameRate(const TrackedVideo& video, const LiveSourceOptions& options) {
+  double rate = options.frames_per_second;
+  if (rate == 0) rate = video.frames_per_second;
+  if (rate == 0) rate = kDefaultFramesPerSecond;
+  if (!(rate >= 0.001 && rate <= 10'000))
+    throw Error(video.source, "frames per second", NumberText(rate) + ", expected 0.001 to 10000");
+  return rate;
+}
+
+class RecordedSource : public LiveSource {
+ public:
+  RecordedSource(Recording recording, bool loop) : recording_(std::move(recording)), loop_(loop) {}
+
+  bool Poll(int64_t now_ns, LiveFrame& out) override {
+    if (!started_) start_ns_ = now_ns;
+    started_ = true;
+    const uint64_t elapsed = now_ns > start_ns_ ? uint64_t(now_ns) - uint64_t(start_ns_) : 0;
+    const uint64_t step = StepAt(elapsed);
+    const uint64_t rounds = loop_ ? step / Length() : 0;
+    const uint64_t number = rounds * recording_.frames.size() + FrameAt(step - rounds * Length());
+    if (number < next_) return false;
+    const RecordedFrame& frame = recording_.frames[number % recording_.frames.size()];
+    counts_.replaced += number - next_;
+    ++counts_.frames;
+    next_ = number + 1;
+    const double began = double(rounds * Length() + uint64_t(frame.timestep)) * StepNs();
+    out.params = frame.params;
+    out.sequence = number;
+    out.time_ns = now_ns - int64_t(std::max(0.0, double(elapsed) - began));
+    return true;
+  }
+
+  bool Ended() const override { return !loop_ && next_ == recording_.frames.size(); }
+  LiveCounts Counts() const override { return counts_; }
+  std::string Description() const override {
+    return "recorded sequence " + std::filesystem::path(recording_.path).filename().string() +
+           ", " + std::to_string(recording_.frames.size()) + " frames at " +
+           NumberText(recording_.frames_per_second) + " per second";
+  }
+
+ private:
+  uint64_t Length() const { return uint64_t(recording_.frames.back().timestep) + 1; }
+  double StepNs() const { return 1e9 / recording_.frames_per_second; }
+
+  // A host that counts time in whole frames rounds it to nanoseconds: a time step begins a
+  // thousandth early, so that such a host sees every frame once.
+  uint64_t StepAt(uint64_t elapsed_ns) const {
+    return uint64_t(double(elapsed_ns) / StepNs() + 1e-3);
+  }
+
+  // The last frame that has begun at `step`.
+  uint64_t FrameAt(uint64_t step) const {
+    const auto after = std::upper_bound(
+        recording_.frames.begin(),
+        recording_.frames.end(),
+        step,
+        [](uint64_t s, const RecordedFrame& frame) { return s < uint64_t(frame.timestep); });
+    return uint64_t(after - recording_.frames.begin()) - 1;
+  }
+
+  Recording recording_;
+  bool loop_;
+  bool started_ = false;
+  int64_t start_ns_ = 0;
+  uint64_t next_ = 0;  // number of the frame after the last that was given; loops count on
+  LiveCounts counts_;
+};
+
+}  // namespace
+
+Recording LoadRecording(const std::string& path, const LiveSourceOptions& options) {
+  TrackOptions track;
+  track.need_images = false;
+  const TrackedVideo video = LoadTrackedVideo(path, track);
+  const std::vector<const TrackedFrame*> instants = InstantsOf(video);
+  Recording recording;
+  recording.path = path;
+  recording.frames_per_second = FrameRate(video, options);
+  std::vector<FlameParams> params;
+  for (const TrackedFrame* frame : instants) params.push_back(frame->params);
+  params = Retarget(std::move(params), options.rest);
+  for (size_t i = 0; i < instants.size(); ++i)
+    recording.frames.push_back({int64_t(instants[i]->timestep) - instants[0]->timestep, params[i]});
+  return recording;
+}
+
+std::unique_ptr<LiveSource> OpenRecording(const std::string& path,
+                                          const LiveSourceOptions& options) {
+  return std::make_unique<RecordedSource>(LoadRecording(path, options), options.loop);
+}
+
+}  // namespace cosplat

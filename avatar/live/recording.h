@@ -1,0 +1,33 @@
+// Recorded sequences as live sources: whatever LoadTrackedVideo reads, at its own pace.
+//
+// file or folder -> LoadRecording -> OpenRecording (by OpenLiveSource) -> LiveFrame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "avatar/live/source.h"
+
+namespace cosplat {
+
+struct RecordedFrame {
+  int64_t timestep = 0;  // from the first frame on; frames that cannot be used leave a gap
+  FlameParams params;
+};
+
+struct Recording {
+  std::string path;
+  double frames_per_second = 0;       // time steps per second
+  std::vector<RecordedFrame> frames;  // at least one
+};
+
+// Of several cameras the first. Throws Error as LoadTrackedVideo does, and when the frame rate is
+// not 0.001 to 10000.
+Recording LoadRecording(const std::string& path, const LiveSourceOptions& options);
+
+std::unique_ptr<LiveSource> OpenRecording(const std::string& path,
+                                          const LiveSourceOptions& options);
+
+}  // namespace cosplat

@@ -1,0 +1,3 @@
+cosplat_test(live
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/recording_test.cpp
+  LIBRARIES cosplat::live cosplat::player)
