@@ -40,6 +40,8 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/view_files.h
   splat/kernels/project
   splat/kernels/rows.h
+  splat/kernels/tile_range.h
+  splat/kernels/view_parameters.h
   splat/prune/learned_mask.h
   splat/prune/rounds.h
   splat/prune/rules.h

@@ -1,6 +1,8 @@
 // What one Gaussian does for one picture, summed over its pixels.
 #pragma once
 
+#include "splat/math/namespace.h"
+
 namespace cosplat {
 
 // With alpha and T (the transmittance before it) at a pixel, and Delta the change of the pixel's
@@ -11,7 +13,7 @@ struct Contribution {
   float sensitivity;  // sum of (d(red + green + blue)/d(falloff))^2 (Speedy-Splat's score)
   float change;       // sum of |Delta|^2 over the channels
 
-  Contribution& operator+=(const Contribution& other) {
+  COSPLAT_HD Contribution& operator+=(const Contribution& other) {
     weight += other.weight;
     hits += other.hits;
     sensitivity += other.sensitivity;

@@ -6,7 +6,7 @@
 
 #include "splat/config.h"
 #include "splat/cpu/launch.h"
-#include "splat/cpu/view_parameters.h"
+#include "splat/kernels/view_parameters.h"
 #include "splat/math/blend.h"
 #include "splat/optimizer.h"
 #include "splat/rasterizer.h"

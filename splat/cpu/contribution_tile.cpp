@@ -41,23 +41,21 @@ HWY_INLINE Contribution SumOfSplat(const ProjectedSplat& s,
   Pack sums[4] = {zero, zero, zero, zero};
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
     const Pack power = on.PowerOf(block, pack, grid);
-    const Pack t = LoadPack(px.t + at);
+    Pack t = LoadPack(px.t + at);
     const PackMask accept = Accepts(power, reject, t);
     if (!AnyTrue(accept)) return;
     const Pack falloff = Select(accept, FastExp<kMaxExpDegree>(power), zero);
-    const Pack alpha = AlphaOf(opacity, falloff), weight = alpha * t;
-    const Vec3<Pack> behind = LoadVec3At(px.behind, at) - color * weight;
-    const Vec3<Pack> loss = LossWithout(alpha, color, behind, t);
-    StorePack(t - weight, px.t + at);
+    Vec3<Pack> behind = LoadVec3At(px.behind, at);
+    const PixelContribution<Pack> c =
+        ContributionBehind(accept, opacity, falloff, color, behind, t);
+    StorePack(t, px.t + at);
     StorePack(behind.x, px.behind[0] + at);
     StorePack(behind.y, px.behind[1] + at);
     StorePack(behind.z, px.behind[2] + at);
-    // d(sum of channels)/d(falloff) = loss / falloff.
-    const Pack slope = Select(accept, (loss.x + loss.y + loss.z) / Max(falloff, Pack(1e-6f)), zero);
-    sums[0] += weight;
-    sums[1] += Select(accept, t, zero);
-    sums[2] += slope * slope;
-    sums[3] += Dot(loss, loss);
+    sums[0] += c.weight;
+    sums[1] += c.hits;
+    sums[2] += c.sensitivity;
+    sums[3] += c.change;
   });
   float sum[4];
   SumEach<4>(sums, sum);

@@ -3,15 +3,11 @@
 // Gaussian's gradient is the sum of its tiles' records in a fixed order.
 #include <tbb/parallel_for.h>
 
-#include <cmath>
-#include <string>
-
-#include "splat/base/error.h"
 #include "splat/config.h"
 #include "splat/cpu/blend_tile.h"
 #include "splat/cpu/contribution_tile.h"
 #include "splat/cpu/launch.h"
-#include "splat/cpu/view_parameters.h"
+#include "splat/kernels/view_parameters.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
@@ -52,19 +48,7 @@ class CpuRasterizer : public Rasterizer {
                RenderedImage& image,
                RenderTape& base_tape) override {
     auto& tape = static_cast<CpuTape&>(base_tape);
-    if (camera.width < 1 || camera.height < 1)
-      throw Error("",
-                  "camera",
-                  "image of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                      " pixels");
-    if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
-        settings.degree > kMaxTrainedDegree)
-      throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");
-    if (settings.exp_degree < kMinExpDegree || settings.exp_degree > kMaxExpDegree)
-      throw Error("",
-                  "exp_degree",
-                  std::to_string(settings.exp_degree) + " is not from " +
-                      std::to_string(kMinExpDegree) + " to " + std::to_string(kMaxExpDegree));
+    CheckArguments(gaussians, camera, settings);
     tape.view = ViewOfCamera(camera, basis, settings.degree);
     tape.settings = settings;
     {
@@ -159,18 +143,8 @@ class CpuRasterizer : public Rasterizer {
     const TileLists& lists = tape.lists;
     tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
       SplatGradient sum{};
-      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r) {
-        const SplatGradient& d = tape.records[r];
-        sum.x += d.x;
-        sum.y += d.y;
-        sum.power_xx += d.power_xx;
-        sum.power_xy += d.power_xy;
-        sum.power_yy += d.power_yy;
-        sum.opacity += d.opacity;
-        sum.r += d.r;
-        sum.g += d.g;
-        sum.b += d.b;
-      }
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r)
+        sum += tape.records[r];
       tape.d_splats[lists.order[k]] = sum;
     });
   }

@@ -10,6 +10,7 @@
 
 #include "splat/cpu/ssim_window.h"
 #include "splat/math/photograph.h"
+#include "splat/math/photometric.h"
 
 COSPLAT_MATH_BEGIN
 
@@ -45,15 +46,6 @@ HWY_INLINE void StoreFirst(const Pack& a, float* p, int n) {
   alignas(64) float lanes[kLanes];
   StorePack(a, lanes);
   std::memcpy(p, lanes, n * sizeof(float));
-}
-
-// l1 |e| + mse e^2, and its derivative.
-HWY_INLINE Pack Pointwise(const ValueWeights& w, const Pack& e) {
-  return Pack(w.l1) * Max(e, -e) + Pack(w.mse) * e * e;
-}
-HWY_INLINE Pack PointwiseVjp(const ValueWeights& w, const Pack& e) {
-  const Pack zero(0.0f), l1(w.l1);
-  return Select(e > zero, l1, Select(e < zero, -l1, zero)) + Pack(2 * w.mse) * e;
 }
 
 // Three stages a group of rows apart: rows enter and their moments are summed along them; moments
@@ -211,7 +203,7 @@ class BandLoop {
     const Pack zero(0.0f), factor(-weights_.dssim), two(2.0f);
     Pack sums[kGroup] = {zero, zero, zero, zero, zero};
     const int rows = std::min(kGroup, band_.row_end - RowAt(group, 0));
-    const ValueWeights weights = weights_;
+    const Pack l1(weights_.l1), mse(weights_.mse), two_mse(2 * weights_.mse);
     const float *u_row = SumRow(group, 0), *v_row = DifferenceRow(group, 0);
     float* d_x = d_x_ + size_t(RowAt(group, 0)) * band_.width;
     for (int i = 0; i < band_.width; i += int(kLanes)) {
@@ -219,8 +211,8 @@ class BandLoop {
       if constexpr (kWithSsim) columns.Next(c);
       for (int j = 0; j < rows; ++j) {
         const Pack v = LoadPack(v_row + j * stride_ + i);
-        sums[j] += Pointwise(weights, v);
-        Pack d = PointwiseVjp(weights, v);
+        sums[j] += Pointwise(l1, mse, v);
+        Pack d = PointwiseVjp(l1, two_mse, v);
         if constexpr (kWithSsim) {
           const Pack u = LoadPack(u_row + j * stride_ + i);
           d += factor * (c[0][j] + two * (u * c[1][j] + v * c[2][j]));

@@ -10,8 +10,6 @@
 #define COSPLAT_SPLAT_CPU_SSIM_WINDOW_H_
 #endif
 
-#include <cmath>
-
 #include "splat/cpu/pack.h"
 #include "splat/math/ssim.h"
 
@@ -23,16 +21,12 @@ constexpr int kRingRows = 3 * kGroup;
 constexpr size_t kLineFloats = 16;  // a cache line of 64 bytes; every pack is a part of one
 static_assert(kSsimRadius == 5 && kLineFloats % kLanes == 0);
 
-// One axis of the window, which is symmetric: w[k] weighs both taps k away from the middle.
 struct Window {
   Pack w[kSsimRadius + 1];
   Window() {
-    float weights[kSsimRadius + 1], sum = 0;
-    for (int k = 0; k <= kSsimRadius; ++k) {
-      weights[k] = std::exp(-float(k * k) / (2 * kSsimSigma * kSsimSigma));
-      sum += k == 0 ? weights[k] : 2 * weights[k];
-    }
-    for (int k = 0; k <= kSsimRadius; ++k) w[k] = Pack(weights[k] / sum);
+    float weights[kSsimRadius + 1];
+    SsimWindow(weights);
+    for (int k = 0; k <= kSsimRadius; ++k) w[k] = Pack(weights[k]);
   }
 };
 

@@ -8,14 +8,12 @@
 #include <utility>
 
 #include "splat/base/error.h"
-#include "splat/config.h"
-#include "splat/math/blend.h"
+#include "splat/kernels/tile_range.h"
 
 namespace cosplat {
 namespace {
 
-constexpr uint64_t kInstanceLimit = uint64_t(1) << 31;  // indices are 32 bits
-constexpr int kDigitBits = 11;                          // of the radix sort: three passes
+constexpr int kDigitBits = 11;  // of the radix sort: three passes
 constexpr size_t kDigits = size_t(1) << kDigitBits;
 
 constexpr size_t kPrefetch = 8;  // Gaussians ahead
@@ -34,37 +32,6 @@ void ForChunks(size_t n, const F& f) {
       size_t(0), chunks, [&](size_t c) { f(c, n * c / chunks, n * (c + 1) / chunks); });
 }
 
-struct TileRange {
-  int x0, x1, y0, y1;  // half open
-  size_t size() const { return size_t(std::max(x1 - x0, 0)) * std::max(y1 - y0, 0); }
-};
-
-// Tiles with a pixel centre in the splat's box; may be empty.
-TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) {
-  // Clamped as floats: a huge splat's extent does not fit an int. Not negative, so that converting
-  // rounds down.
-  const auto tile = [](float px, int limit) {
-    return int(std::min(std::max(px * (1.0f / kTileSize), 0.0f), float(limit)));
-  };
-  constexpr float kToLast = kTileSize - 0.5f;  // from a tile's edge to its last pixel centre
-  return {tile(s.x - s.half_x + kTileSize - kToLast, tiles_x),
-          tile(s.x + s.half_x + kToLast, tiles_x),
-          tile(s.y - s.half_y + kTileSize - kToLast, tiles_y),
-          tile(s.y + s.half_y + kToLast, tiles_y)};
-}
-
-// Whether a pixel centre of the tile can reach the splat's rejection level.
-bool Touches(const ProjectedSplat& s, int tile_x, int tile_y) {
-  const float x = tile_x * kTileSize + 0.5f - s.x, y = tile_y * kTileSize + 0.5f - s.y;
-  const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
-  return LargestPowerIn(form,
-                        math::PowerRidges<float>{s.x_per_y, s.y_per_x},
-                        x,
-                        x + (kTileSize - 1),
-                        y,
-                        y + (kTileSize - 1)) >= s.reject_below;
-}
-
 }  // namespace
 
 // Indices and depths of the splats that are drawn, by index. Counts whole boxes on the way, which
@@ -76,7 +43,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
     chunks_[c].covered = 0;
     for (size_t i = begin; i < end; ++i) {
       if (!(radii[i] > 0)) continue;
-      const TileRange r = RangeOf(splats[i], tiles_x, tiles_y);
+      const math::TileRange r = math::RangeOf(splats[i], tiles_x, tiles_y);
       ++chunks_[c].drawn;
       chunks_[c].covered += r.size();
     }
@@ -87,7 +54,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
     covered += chunks_[c].covered;
     drawn += std::exchange(chunks_[c].drawn, drawn);
   }
-  if (covered >= kInstanceLimit)
+  if (covered >= math::kInstanceLimit)
     throw Error("", "rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
   Refill(order, drawn);
   Refill(keys_, drawn);
@@ -142,19 +109,18 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
   for (size_t k = begin; k < end; ++k) {
     if (k + kPrefetch < end) __builtin_prefetch(&splats[order[k + kPrefetch]]);
     const ProjectedSplat& s = splats[order[k]];
-    const TileRange range = RangeOf(s, tiles_x, tiles_y);
+    const math::TileRange range = math::RangeOf(s, tiles_x, tiles_y);
     const size_t most = count + range.size();
     if (tiles.size() < most) {
       tiles.reserve(most + most / kHeadRoom);
       tiles.resize(tiles.capacity());
     }
     const uint32_t before = count;
-    // A box within one tile is worth no test.
-    const bool test = range.x1 - range.x0 > 1 || range.y1 - range.y0 > 1;
+    const bool test = NeedsTileTest(range);
     for (int ty = range.y0; ty < range.y1; ++ty)
       for (int tx = range.x0; tx < range.x1; ++tx) {
         // Without a branch: which tiles of a box are reached cannot be predicted.
-        const uint32_t touched = !test || Touches(s, tx, ty);
+        const uint32_t touched = !test || math::TouchesTile(s, tx, ty);
         const uint32_t tile = uint32_t(ty) * tiles_x + tx;
         tiles[count] = tile;
         count += touched;
@@ -179,8 +145,8 @@ void TileLists::Build(View<const ProjectedSplat> splats,
                       View<const float> radii,
                       int width,
                       int height) {
-  tiles_x = (width + kTileSize - 1) / kTileSize;
-  tiles_y = (height + kTileSize - 1) / kTileSize;
+  tiles_x = math::TilesAcross(width);
+  tiles_y = math::TilesAcross(height);
   const size_t tiles = size_t(tiles_x) * tiles_y;
   chunks_.resize(std::max(chunks_.size(), ChunkCount(splats.size())));
   CollectDrawn(splats, radii);

@@ -3,6 +3,8 @@
 // one that was not may hold anything.
 #pragma once
 
+#include "splat/math/namespace.h"
+
 namespace cosplat {
 
 // 64 bytes: one cache line. Lengths in px, pixel centres at +0.5.
@@ -26,6 +28,19 @@ struct SplatGradient {
   float power_xx, power_xy, power_yy;
   float opacity;
   float r, g, b;
+
+  COSPLAT_HD SplatGradient& operator+=(const SplatGradient& d) {
+    x += d.x;
+    y += d.y;
+    power_xx += d.power_xx;
+    power_xy += d.power_xy;
+    power_yy += d.power_yy;
+    opacity += d.opacity;
+    r += d.r;
+    g += d.g;
+    b += d.b;
+    return *this;
+  }
 };
 
 }  // namespace cosplat

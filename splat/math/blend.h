@@ -185,5 +185,24 @@ COSPLAT_HD Vec3<T> LossWithout(T alpha,
   return (color * transmittance - behind * (T(1) / (T(1) - alpha))) * alpha;
 }
 
+// The parts of one pixel in a splat's Contribution (splat/contribution.h), its opacity left out of
+// `hits`; all zero where it is not accepted. `falloff`: 0 there. Takes the pixel on: `behind` loses
+// the splat and `transmittance` what it hides.
+template <class T>
+struct PixelContribution {
+  T weight, hits, sensitivity, change;
+};
+template <class T, class Mask>
+COSPLAT_HD PixelContribution<T> ContributionBehind(
+    Mask accept, T opacity, T falloff, const Vec3<T>& color, Vec3<T>& behind, T& transmittance) {
+  const T alpha = AlphaOf(opacity, falloff), weight = alpha * transmittance, t = transmittance;
+  behind = behind - color * weight;
+  transmittance = t - weight;
+  const Vec3<T> loss = LossWithout(alpha, color, behind, t);
+  // d(sum of channels)/d(falloff) = loss / falloff.
+  const T slope = Select(accept, (loss.x + loss.y + loss.z) / Max(falloff, T(1e-6f)), T(0));
+  return {weight, Select(accept, t, T(0)), slope * slope, Dot(loss, loss)};
+}
+
 COSPLAT_MATH_END
 #endif

@@ -21,6 +21,16 @@ constexpr float kSsimSigma = 1.5f;
 constexpr float kSsimC1 = 0.01f * 0.01f;
 constexpr float kSsimC2 = 0.03f * 0.03f;
 
+// One axis of the window, which is symmetric: weights[k] weighs both taps k away from the middle.
+COSPLAT_HD void SsimWindow(float (&weights)[kSsimRadius + 1]) {
+  float sum = 0;
+  for (int k = 0; k <= kSsimRadius; ++k) {
+    weights[k] = Exp(-float(k * k) / (2 * kSsimSigma * kSsimSigma));
+    sum += k == 0 ? weights[k] : 2 * weights[k];
+  }
+  for (float& w : weights) w /= sum;
+}
+
 // Windowed means of u, v, u^2 and v^2.
 template <class T>
 struct SsimMoments {

@@ -5,7 +5,7 @@
 
 #include "splat/basis_constants.h"
 #include "splat/cpu/launch.h"
-#include "splat/cpu/view_parameters.h"
+#include "splat/kernels/view_parameters.h"
 #include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 

@@ -37,7 +37,7 @@
 #include "splat/base/error.h"
 #include "splat/config.h"
 #include "splat/cpu/launch.h"
-#include "splat/cpu/view_parameters.h"
+#include "splat/kernels/view_parameters.h"
 #include "splat/math/blend.h"
 #include "splat/scene_subject.h"
 #include "tests/splat/training_fixture.h"

@@ -1,0 +1,25 @@
+// The pointwise terms of the photometric loss (splat/loss.h).
+#if defined(COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
+#undef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
+#else
+#define COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
+#endif
+
+#include "splat/math/scalar.h"
+
+COSPLAT_MATH_BEGIN
+
+// l1 |e| + mse e^2 of a value's error e = x - y.
+template <class T>
+COSPLAT_HD T Pointwise(T l1, T mse, const T& e) {
+  return l1 * Max(e, -e) + mse * e * e;
+}
+// d_e; 0 at e = 0.
+template <class T>
+COSPLAT_HD T PointwiseVjp(T l1, T two_mse, const T& e) {
+  return Select(e > T(0), l1, Select(e < T(0), -l1, T(0))) + two_mse * e;
+}
+
+COSPLAT_MATH_END
+#endif
