@@ -11,29 +11,14 @@
 #include "splat/base/error.h"
 
 namespace cosplat {
-namespace {
 
 std::string SizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// More than a pixel between a size and another one scaled to the same height.
 bool ProportionsDiffer(int width, int height, int other_width, int other_height) {
   return std::abs(double(other_width) * height / other_height - width) > 1;
 }
-
-Image8 ReadPicture(const TrackedVideo& video, const TrackedFrame& frame) {
-  if (!frame.image_path.empty()) return ReadImage(frame.image_path);
-  if (!video.video || frame.video_frame < 0)
-    throw Error(video.source, "frame " + frame.name, "has no image");
-  return video.video->ReadFrame(frame.video_frame);
-}
-
-std::string PictureName(const TrackedVideo& video, const TrackedFrame& frame) {
-  return frame.image_path.empty() ? video.video_path : frame.image_path;
-}
-
-}  // namespace
 
 Camera CameraAt(const Camera& lens, int width, int height, int resolution, const Camera& pose) {
   const auto divided = [&](int side) {
@@ -45,19 +30,21 @@ Camera CameraAt(const Camera& lens, int width, int height, int resolution, const
   return camera;
 }
 
-std::string FinishTrackedFrame(const Camera& lens, int resolution, TrackedFrame& frame) {
+std::string FinishTrackedFrame(const Camera& lens,
+                               const TrackRequest& request,
+                               TrackedFrame& frame) {
   ImageInfo info{lens.width, lens.height, 0};
-  if (!frame.image_path.empty()) info = ReadImageInfo(frame.image_path);
+  if (!frame.image_path.empty()) info = request.pictures->Info(frame.image_path);
   if (ProportionsDiffer(info.width, info.height, lens.width, lens.height))
     return "image " + frame.image_path + " is " + SizeText(info.width, info.height) +
            ", its camera " + SizeText(lens.width, lens.height);
   if (!frame.mask_path.empty()) {
-    const ImageInfo mask = ReadImageInfo(frame.mask_path);
+    const ImageInfo mask = request.pictures->Info(frame.mask_path);
     if (mask.width != info.width || mask.height != info.height)
       return "mask " + frame.mask_path + " is " + SizeText(mask.width, mask.height) +
              ", its image " + SizeText(info.width, info.height);
   }
-  frame.camera = CameraAt(lens, info.width, info.height, resolution, frame.camera);
+  frame.camera = CameraAt(lens, info.width, info.height, request.options.resolution, frame.camera);
   return "";
 }
 
@@ -113,19 +100,20 @@ void HoldCameraStill(TrackedVideo& video) {
   }
 }
 
-TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options) {
-  if (options.resolution < 1)
-    throw Error("", "resolution", std::to_string(options.resolution) + " is not positive");
+TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
+  const int resolution = request.options.resolution;
+  if (resolution < 1)
+    throw Error("", "resolution", std::to_string(resolution) + " is not positive");
   if (!std::filesystem::exists(path)) throw Error(path, "", "does not exist");
   TrackedVideo video;
   video.source = path;
   if (IsDrivingNpz(path)) {
-    if (options.need_images) throw Error(path, "", "has parameters but no images to train on");
-    LoadDrivingNpz(path, options, video);
+    if (request.pictures) throw Error(path, "", "has parameters but no images to train on");
+    LoadDrivingNpz(path, video);
   } else if (IsImavatarTrack(path)) {
-    LoadImavatarTrack(path, options, video);
+    LoadImavatarTrack(path, request, video);
   } else if (IsVhapTrack(path)) {
-    LoadVhapTrack(path, options, video);
+    LoadVhapTrack(path, request, video);
   } else {
     throw Error(path,
                 "",
@@ -139,6 +127,8 @@ TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& optio
   return video;
 }
 
+TrackedVideo LoadDrivingSequence(const std::string& path) { return LoadTrack(path, {}); }
+
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video) {
   std::map<int, const TrackedFrame*> instants;
   for (const auto* list : {&video.train, &video.test})
@@ -149,33 +139,6 @@ std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video) {
   std::vector<const TrackedFrame*> frames;
   for (const auto& [timestep, frame] : instants) frames.push_back(frame);
   return frames;
-}
-
-Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
-  const Image8 picture = ReadPicture(video, frame);
-  const Camera& camera = frame.camera;
-  if (ProportionsDiffer(camera.width, camera.height, picture.width, picture.height))
-    throw Error(PictureName(video, frame),
-                "",
-                "image is " + SizeText(picture.width, picture.height) + ", its camera " +
-                    SizeText(camera.width, camera.height));
-  Image8 mask;
-  if (!frame.mask_path.empty()) mask = ReadImage(frame.mask_path);
-  if (!mask.empty() && (mask.width != picture.width || mask.height != picture.height))
-    throw Error(frame.mask_path,
-                "",
-                "mask is " + SizeText(mask.width, mask.height) + ", its image " +
-                    SizeText(picture.width, picture.height));
-  if (mask.empty() && picture.channels == 3)
-    return ResizeByArea(picture, camera.width, camera.height);
-  Image8 rgba(picture.width, picture.height, 4, 255);
-  const int n = picture.channels;
-  for (size_t i = 0; i < picture.pixels(); ++i) {
-    for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = picture.data[n * i + (n == 1 ? 0 : c)];
-    if (n == 4) rgba.data[4 * i + 3] = picture.data[4 * i + 3];
-    if (!mask.empty()) rgba.data[4 * i + 3] = mask.data[i * mask.channels];
-  }
-  return ResizeByArea(rgba, camera.width, camera.height);
 }
 
 }  // namespace cosplat

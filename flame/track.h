@@ -44,17 +44,20 @@ struct TrackedVideo {
 };
 
 struct TrackOptions {
-  int test_frames = -1;     // last N frames are the test set; -1: the layout's own split, or 20 %
-  int resolution = 1;       // -r: cameras and images are divided by this
-  bool need_images = true;  // false: a driving sequence; nothing about images is looked at
+  int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
+  int resolution = 1;    // -r: cameras and images are divided by this
 };
 
 // Finds the layout by what `path` is: a folder with flame_params.json (IMavatar) or
-// transforms_train.json (VHAP, GaussianAvatars), or a driving sequence *.npz, whose frames are all
-// in `test` and have no images. Throws Error when there is none of these, when the set is empty or
-// when more than a third of the frames cannot be used. Where one camera only ever moves without
-// turning, it is taken to stand still and the head to move instead.
+// transforms_train.json (VHAP, GaussianAvatars). Throws Error when there is none of these, when the
+// set is empty or when more than a third of the frames cannot be used. Where one camera only ever
+// moves without turning, it is taken to stand still and the head to move instead.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
+
+// The same for parameters and cameras alone, of such a folder or of a driving sequence *.npz, whose
+// frames are all in `test`. Nothing about images is looked at, and a program that calls only this
+// links no decoder of images.
+TrackedVideo LoadDrivingSequence(const std::string& path);
 
 // Both sets' frames in order of time; of several cameras' views of an instant the first camera's.
 // They point into `video`.

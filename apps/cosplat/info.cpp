@@ -111,7 +111,7 @@ void FlameInfo(const std::string& path) {
 }
 
 void TrackInfo(const std::string& path, bool need_images) {
-  const TrackedVideo v = LoadTrackedVideo(path, {-1, 1, need_images});
+  const TrackedVideo v = need_images ? LoadTrackedVideo(path, {}) : LoadDrivingSequence(path);
   const TrackedFrame& f = v.train.empty() ? v.test.at(0) : v.train[0];
   std::printf("tracked video (%s): %zu training and %zu test frames of %dx%d, %zu skipped\n",
               v.layout.c_str(),

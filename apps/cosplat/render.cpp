@@ -168,7 +168,7 @@ void RenderAvatarOrbit(const Options& o,
 }
 
 void RenderDriven(const Options& o, const JsonField& run, Player& player) {
-  const TrackedVideo sequence = LoadTrackedVideo(o.drive, {-1, 1, false});
+  const TrackedVideo sequence = LoadDrivingSequence(o.drive);
   std::vector<FlameParams> params;
   for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
   params = Retarget(std::move(params), ReferenceRoot(run));

@@ -29,7 +29,7 @@ SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
 }
 
 TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split) {
-  TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, true});
+  TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution});
   if (split.fold) {
     const size_t held = video.train.size() / 5;
     const auto first = video.train.end() - std::ptrdiff_t(held);

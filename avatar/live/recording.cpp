@@ -92,9 +92,7 @@ class RecordedSource : public LiveSource {
 }  // namespace
 
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options) {
-  TrackOptions track;
-  track.need_images = false;
-  const TrackedVideo video = LoadTrackedVideo(path, track);
+  const TrackedVideo video = LoadDrivingSequence(path);
   const std::vector<const TrackedFrame*> instants = InstantsOf(video);
   Recording recording;
   recording.path = path;

@@ -54,7 +54,7 @@ struct LiveSourceOptions {
   double frames_per_second = 0;  // of a recording; 0: its own, or 25 where it does not say
 };
 
-// drive: a file or folder that LoadTrackedVideo reads, or "stdin:", "udp://HOST:PORT" (FLAME
+// drive: a file or folder that LoadDrivingSequence reads, or "stdin:", "udp://HOST:PORT" (FLAME
 // parameters as JSON lines), "vmc://HOST:PORT?matrix=FILE" (blendshapes over OSC). HOST may be left
 // out: loopback. Throws Error naming the drive and what is wrong with it.
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,

@@ -35,7 +35,7 @@ double ScalarOr(const Npz& npz, const char* name, double fallback) {
 
 // The sequence's first camera. Without intrinsics: a long lens, in which a head a metre and a half
 // away fills the picture.
-Camera DrivingCamera(const Npz& npz, int resolution) {
+Camera DrivingCamera(const Npz& npz) {
   constexpr int kDefaultSide = 512;
   Camera lens;
   lens.width = lens.height = kDefaultSide;
@@ -53,7 +53,7 @@ Camera DrivingCamera(const Npz& npz, int resolution) {
   if (!(lens.fx > 0 && lens.fy > 0)) throw Error(npz.path(), "fx", "is not positive");
   const PoseProblem problem = SetDrivingPose(npz, lens);
   if (!problem.empty()) throw Error(npz.path(), "extr", problem);
-  return CameraAt(lens, lens.width, lens.height, resolution, lens);
+  return lens;
 }
 
 std::string RowProblem(const std::string& name,
@@ -92,10 +92,10 @@ std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& param
 
 bool IsDrivingNpz(const std::string& path) { return path.ends_with(".npz"); }
 
-void LoadDrivingNpz(const std::string& path, const TrackOptions& options, TrackedVideo& video) {
+void LoadDrivingNpz(const std::string& path, TrackedVideo& video) {
   video.layout = "npz";
   const Npz npz = Npz::Read(path);
-  const Camera camera = DrivingCamera(npz, options.resolution);
+  const Camera camera = DrivingCamera(npz);
   video.frames_per_second = ScalarOr(npz, "fps", 0);
   if (!std::isfinite(video.frames_per_second) || video.frames_per_second < 0)
     throw Error(npz.path(), "fps", "is negative or not finite");

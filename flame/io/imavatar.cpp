@@ -23,8 +23,10 @@ constexpr double kDefaultTestPart = 0.2;
 
 // Where the pictures are.
 struct Sources {
-  std::string image_folder;  // or empty: a video, or nothing
-  std::string mask_folder;   // or empty
+  const PictureFiles* pictures = nullptr;
+  std::string image_folder;   // or empty: a video, or nothing
+  std::string mask_folder;    // or empty
+  PictureFiles::Video video;  // or none
 };
 
 std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names) {
@@ -33,16 +35,18 @@ std::string FirstThatExists(const std::string& folder, const std::vector<std::st
   return "";
 }
 
-Sources FindSources(const std::string& path, bool need_images, TrackedVideo& video) {
+Sources FindSources(const std::string& path, const PictureFiles* pictures, TrackedVideo& video) {
   Sources sources;
-  if (!need_images) return sources;
+  sources.pictures = pictures;
+  if (!pictures) return sources;
   sources.image_folder = FirstThatExists(path, {"images", "image"});
   sources.mask_folder = FirstThatExists(path, {"mask", "masks"});
   if (!sources.image_folder.empty()) return sources;
   video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
   if (video.video_path.empty())
     throw Error(path, "", "has no folder image or images and no video.mp4, .avi or .mkv");
-  video.video = std::make_shared<VideoReader>(video.video_path);
+  sources.video = pictures->OpenVideo(video.video_path);
+  video.video = sources.video.reader;
   return sources;
 }
 
@@ -97,27 +101,27 @@ std::string SetParams(const JsonField& frame, size_t expression_count, FlamePara
 }
 
 // Frames of a video count from 0, the layout's names from 1.
-std::string FindVideoFrame(const TrackedVideo& video, TrackedFrame& frame) {
+std::string FindVideoFrame(const Sources& sources, const TrackedVideo& video, TrackedFrame& frame) {
   int number = 0;
   const char* end = frame.name.data() + frame.name.size();
   const auto [last, code] = std::from_chars(frame.name.data(), end, number);
   if (code != std::errc() || last != end) return "its name is not the number of a video frame";
   frame.video_frame = number - 1;
-  if (number >= 1 && number <= video.video->frame_count()) return "";
-  return video.video_path + " has " + std::to_string(video.video->frame_count()) + " frames";
+  if (number >= 1 && number <= sources.video.frame_count) return "";
+  return video.video_path + " has " + std::to_string(sources.video.frame_count) + " frames";
 }
 
 // Sets the paths of image and mask; returns what is missing.
 std::string FindFiles(const Sources& sources, const TrackedVideo& video, TrackedFrame& frame) {
   if (video.video) {
-    const std::string problem = FindVideoFrame(video, frame);
+    const std::string problem = FindVideoFrame(sources, video, frame);
     if (!problem.empty()) return problem;
   } else {
     const std::vector<std::string> names{frame.name + ".png", frame.name + ".jpg"};
     frame.image_path = FirstThatExists(sources.image_folder, names);
     if (frame.image_path.empty())
       return "image " + sources.image_folder + "/" + frame.name + ".png is missing";
-    if (ReadImageInfo(frame.image_path).channels == 4) return "";
+    if (sources.pictures->Info(frame.image_path).channels == 4) return "";
   }
   if (sources.mask_folder.empty()) return "";
   frame.mask_path =
@@ -128,16 +132,13 @@ std::string FindFiles(const Sources& sources, const TrackedVideo& video, Tracked
 }
 
 // Size of the first picture there is: intrinsics are fractions of it.
-ImageInfo PictureSize(const Sources& sources, const TrackedVideo& video, const JsonField& frames) {
-  if (video.video) {
-    const Image8 first = video.video->ReadFrame(0);
-    return {first.width, first.height, first.channels};
-  }
+ImageInfo PictureSize(const Sources& sources, const JsonField& frames) {
+  if (sources.video.reader) return sources.video.size;
   for (size_t i = 0; !sources.image_folder.empty() && i < frames.size(); ++i) {
     const std::string name = fs::path(frames[i]["file_path"].String()).stem().string();
     const std::string path = FirstThatExists(sources.image_folder, {name + ".png", name + ".jpg"});
     ImageInfo info;
-    if (!path.empty() && Problem([&] { info = ReadImageInfo(path); }).empty()) return info;
+    if (!path.empty() && Problem([&] { info = sources.pictures->Info(path); }).empty()) return info;
   }
   return {kDefaultSide, kDefaultSide, 0};
 }
@@ -154,15 +155,15 @@ bool IsImavatarTrack(const std::string& path) {
   return fs::is_regular_file(path + "/flame_params.json");
 }
 
-void LoadImavatarTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video) {
+void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
   video.layout = "imavatar";
   const std::string json_path = path + "/flame_params.json";
   const Json json = ReadJson(json_path);
   const JsonField file(json_path, json);
   const JsonField frames = file["frames"];
   video.shape = file["shape_params"].Numbers();
-  const Sources sources = FindSources(path, options.need_images, video);
-  const ImageInfo size = PictureSize(sources, video, frames);
+  const Sources sources = FindSources(path, request.pictures, video);
+  const ImageInfo size = PictureSize(sources, frames);
   const Camera lens = LensOf(file["intrinsics"], size.width, size.height);
   const size_t expression_count = frames.size() > 0 ? frames[0]["expression"].size() : 0;
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -170,13 +171,13 @@ void LoadImavatarTrack(const std::string& path, const TrackOptions& options, Tra
     TrackedFrame frame;
     frame.name = fs::path(field["file_path"].String()).stem().string();
     frame.timestep = int(i);
-    frame.has_image = options.need_images;
+    frame.has_image = request.pictures != nullptr;
     std::string problem = SetImavatarPose(field["world_mat"], frame.camera);
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
     if (problem.empty()) {
       const std::string broken = Problem([&] {
-        if (options.need_images) problem = FindFiles(sources, video, frame);
-        if (problem.empty()) problem = FinishTrackedFrame(lens, options.resolution, frame);
+        if (request.pictures) problem = FindFiles(sources, video, frame);
+        if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
       });
       if (problem.empty()) problem = broken;
     }
@@ -187,7 +188,7 @@ void LoadImavatarTrack(const std::string& path, const TrackOptions& options, Tra
     }
   }
   CheckSkipped(path, video.train.size(), video.skipped);
-  SplitLastFrames(TestFrameCount(file, options, video.train.size()), video);
+  SplitLastFrames(TestFrameCount(file, request.options, video.train.size()), video);
 }
 
 }  // namespace cosplat

@@ -99,11 +99,14 @@ std::string SetVhapPose(const JsonField& field, Camera& camera) {
   return SetPoseFromOpenGlWorldFromCam(matrix, camera);
 }
 
-std::string FindFiles(const JsonField& field, const fs::path& folder, TrackedFrame& frame) {
+std::string FindFiles(const JsonField& field,
+                      const fs::path& folder,
+                      const PictureFiles& pictures,
+                      TrackedFrame& frame) {
   const std::string image = (folder / field["file_path"].String()).string();
   if (!fs::is_regular_file(image)) return "image " + image + " is missing";
   frame.image_path = image;
-  if (ReadImageInfo(image).channels == 4 || !field.Has("fg_mask_path")) return "";
+  if (pictures.Info(image).channels == 4 || !field.Has("fg_mask_path")) return "";
   frame.mask_path = (folder / field["fg_mask_path"].String()).string();
   return fs::is_regular_file(frame.mask_path) ? "" : "mask " + frame.mask_path + " is missing";
 }
@@ -111,7 +114,7 @@ std::string FindFiles(const JsonField& field, const fs::path& folder, TrackedFra
 // Fills `frame`; returns why it cannot be used.
 std::string LoadFrame(const JsonField& file,
                       const JsonField& field,
-                      const TrackOptions& options,
+                      const TrackRequest& request,
                       TrackedFrame& frame) {
   const fs::path folder = fs::path(file.file()).parent_path();
   std::string problem = SetVhapPose(field["transform_matrix"], frame.camera);
@@ -120,8 +123,9 @@ std::string LoadFrame(const JsonField& file,
   const std::string params = (folder / field["flame_param_path"].String()).string();
   try {
     problem = ReadParams(params, frame.params);
-    if (problem.empty() && options.need_images) problem = FindFiles(field, folder, frame);
-    if (problem.empty()) problem = FinishTrackedFrame(lens, options.resolution, frame);
+    if (problem.empty() && request.pictures)
+      problem = FindFiles(field, folder, *request.pictures, frame);
+    if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
   } catch (const Error& error) {  // a broken file of one frame costs that frame
     problem = error.what();
   }
@@ -129,7 +133,7 @@ std::string LoadFrame(const JsonField& file,
 }
 
 void LoadSplit(const std::string& json_path,
-               const TrackOptions& options,
+               const TrackRequest& request,
                std::vector<TrackedFrame>& frames,
                TrackedVideo& video) {
   const Json json = ReadJson(json_path);
@@ -141,8 +145,8 @@ void LoadSplit(const std::string& json_path,
     frame.name = fs::path(field["file_path"].String()).stem().string();
     frame.timestep = int(field.NumberOr("timestep_index", double(i)));
     frame.camera_index = int(field.NumberOr("camera_index", 0));
-    frame.has_image = options.need_images;
-    const std::string problem = LoadFrame(file, field, options, frame);
+    frame.has_image = request.pictures != nullptr;
+    const std::string problem = LoadFrame(file, field, request, frame);
     if (problem.empty()) {
       frames.push_back(std::move(frame));
     } else {
@@ -166,24 +170,24 @@ bool IsVhapTrack(const std::string& path) {
   return fs::is_regular_file(path + "/transforms_train.json");
 }
 
-void LoadVhapTrack(const std::string& path, const TrackOptions& options, TrackedVideo& video) {
+void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
   video.layout = "vhap";
-  LoadSplit(path + "/transforms_train.json", options, video.train, video);
+  LoadSplit(path + "/transforms_train.json", request, video.train, video);
   for (const char* name : {"/transforms_test.json", "/transforms_val.json"}) {
     if (!fs::exists(path + name)) continue;
-    LoadSplit(path + name, options, video.test, video);
+    LoadSplit(path + name, request, video.test, video);
     break;
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   ReadSubject(SubjectFile(path), video);
-  if (options.test_frames < 0) return;
+  if (request.options.test_frames < 0) return;
   video.train.insert(video.train.end(), video.test.begin(), video.test.end());
   video.test.clear();
   std::stable_sort(
       video.train.begin(), video.train.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
         return a.timestep < b.timestep;
       });
-  SplitLastFrames(options.test_frames, video);
+  SplitLastFrames(request.options.test_frames, video);
 }
 
 }  // namespace cosplat

@@ -256,7 +256,7 @@ class BadFrames : public testing::Test {
   BadFrames() {
     fs::copy(SmallVideo::Get().folder.path(), folder_.path(), fs::copy_options::recursive);
   }
-  TrackedVideo Load() const { return LoadTrackedVideo(folder_.path(), {-1, 2, true}); }
+  TrackedVideo Load() const { return LoadTrackedVideo(folder_.path(), {-1, 2}); }
   // NaN (null, as JSON has it) in the expression of every `every`-th frame.
   void SpoilTrack(int every) {
     Json json = ReadJson(folder_ / "flame_params.json");

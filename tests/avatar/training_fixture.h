@@ -34,7 +34,7 @@ struct SmallVideo {
 
 // The first `frames` training frames at 96 / resolution pixels.
 inline TrackedVideo LoadSmallVideo(size_t frames, int resolution) {
-  TrackedVideo video = LoadTrackedVideo(SmallVideo::Get().folder.path(), {-1, resolution, true});
+  TrackedVideo video = LoadTrackedVideo(SmallVideo::Get().folder.path(), {-1, resolution});
   if (video.train.size() > frames) video.train.resize(frames);
   return video;
 }

@@ -52,7 +52,7 @@ TEST_F(RealTrack, BothLayoutsShowTheSameMesh) {
   const FlameModel model = LoadFlameModel(kData + "tracked/flame_for_tracks.npz");
   const TrackedVideo a = LoadTrackedVideo(kData + "tracked/wojtek_imavatar", {});
   // The second layout's images are links into the first, which copies of the data may have lost.
-  const TrackedVideo b = LoadTrackedVideo(kData + "tracked/wojtek_vhap", {.need_images = false});
+  const TrackedVideo b = LoadDrivingSequence(kData + "tracked/wojtek_vhap");
   EXPECT_EQ(a.train.size(), 160u);
   EXPECT_EQ(a.test.size(), 40u);
   EXPECT_EQ(b.train.size(), 170u);
@@ -93,8 +93,7 @@ TEST_F(RealTrack, TheMeshLiesInsideTheMask) {
 
 TEST_F(RealTrack, ADrivingSequenceIsInView) {
   const FlameModel model = LoadFlameModel(kData + "tracked/flame_for_tracks.npz");
-  const TrackedVideo video =
-      LoadTrackedVideo(kData + "flame/cap4d_sequence_00.npz", {.need_images = false});
+  const TrackedVideo video = LoadDrivingSequence(kData + "flame/cap4d_sequence_00.npz");
   ASSERT_EQ(video.test.size(), 384u);
   EXPECT_EQ(video.test[0].params.expression.size(), 65u);
   TrackedFrame frame = video.test[0];

@@ -75,9 +75,12 @@ struct Imavatar {
       WriteImage(folder / ("mask/" + std::to_string(i) + ".png"), Mask());
   }
 
-  TrackedVideo Load(const TrackOptions& options = {}) const {
+  const std::string& Write() const {
     WriteFileAtomically(folder / "flame_params.json", json.dump());
-    return LoadTrackedVideo(folder.path(), options);
+    return folder.path();
+  }
+  TrackedVideo Load(const TrackOptions& options = {}) const {
+    return LoadTrackedVideo(Write(), options);
   }
 };
 
@@ -136,12 +139,15 @@ struct Vhap {
     npz.Add("static_offset", {1, 5143, 3}, std::vector<float>(5143 * 3, 0.f));
   }
 
-  TrackedVideo Load(const TrackOptions& options = {}) const {
+  const std::string& Write() const {
     WriteFileAtomically(folder / "transforms_train.json", train.dump());
     WriteFileAtomically(folder / "transforms_test.json", test.dump());
     for (const auto& [i, npz] : params)
       npz.Write(folder / ("flame_param/" + std::to_string(i) + ".npz"));
-    return LoadTrackedVideo(folder.path(), options);
+    return folder.path();
+  }
+  TrackedVideo Load(const TrackOptions& options = {}) const {
+    return LoadTrackedVideo(Write(), options);
   }
 };
 
@@ -332,7 +338,7 @@ TEST(TrackedVideo, SizesThatDisagree) {
 
 TEST(TrackedVideo, DrivingNeedsNoImages) {
   const Imavatar imavatar;
-  const TrackedVideo video = imavatar.Load({.need_images = false});
+  const TrackedVideo video = LoadDrivingSequence(imavatar.Write());
   EXPECT_EQ(video.train.size() + video.test.size(), 10u);
   EXPECT_FALSE(video.train[0].has_image);
   EXPECT_EQ(video.train[0].camera.width, 512);
@@ -340,7 +346,7 @@ TEST(TrackedVideo, DrivingNeedsNoImages) {
   ExpectError([&] { imavatar.Load(); }, {imavatar.folder.path(), "image", "video.mp4"});
   const Vhap vhap;
   std::filesystem::remove_all(vhap.folder / "images");
-  EXPECT_EQ(vhap.Load({.need_images = false}).train.size(), 8u);
+  EXPECT_EQ(LoadDrivingSequence(vhap.Write()).train.size(), 8u);
   ExpectError([&] { vhap.Load(); }, {"10 of 10", "images/0.png is missing"});
 }
 
@@ -446,19 +452,20 @@ TEST(TrackedVideo, DrivingSequences) {
   npz.Add("eye_rot", {4, 3}, std::vector<float>{0, 0, 0, .4f, .5f, 0, 0, 0, 0, 0, 0, 0});
   npz.Add("fx", {1, 1}, std::vector<float>{900});
   npz.Add("resolutions", {1, 2}, std::vector<int32_t>{300, 200});
+  npz.Add("fps", {}, std::vector<float>{30});
   npz.Write(folder / "s.npz");
-  const TrackOptions driving{.resolution = 2, .need_images = false};
-  const TrackedVideo video = LoadTrackedVideo(folder / "s.npz", driving);
+  const TrackedVideo video = LoadDrivingSequence(folder / "s.npz");
   EXPECT_EQ(video.layout, "npz");
+  EXPECT_EQ(video.frames_per_second, 30);
   EXPECT_TRUE(video.train.empty());
   ASSERT_EQ(video.test.size(), 3u);
   ASSERT_EQ(video.skipped.size(), 1u);
   EXPECT_EQ(video.skipped[0].name, "2");
   const TrackedFrame& frame = video.test[1];
-  EXPECT_EQ(frame.camera.width, 100);
-  EXPECT_EQ(frame.camera.height, 150);
-  EXPECT_FLOAT_EQ(frame.camera.fx, 450);
-  EXPECT_FLOAT_EQ(frame.camera.cx, 50);
+  EXPECT_EQ(frame.camera.width, 200);
+  EXPECT_EQ(frame.camera.height, 300);
+  EXPECT_FLOAT_EQ(frame.camera.fx, 900);
+  EXPECT_FLOAT_EQ(frame.camera.cx, 100);
   EXPECT_FLOAT_EQ(frame.camera.rotation[8], -1);  // OpenGL's camera looks along -z
   EXPECT_FALSE(frame.has_image);
   EXPECT_EQ(frame.params.expression, (std::vector<float>{3, 4}));
@@ -469,15 +476,15 @@ TEST(TrackedVideo, DrivingSequences) {
   ExpectError([&] { LoadTrackedVideo(folder / "s.npz", {}); }, {"s.npz", "no images"});
   npz.Add("rot", {3, 3}, std::vector<float>(9, 0.f));
   npz.Write(folder / "s.npz");
-  ExpectError([&] { LoadTrackedVideo(folder / "s.npz", driving); }, {"rot", "[3, 3]", "[4, 3]"});
+  ExpectError([&] { LoadDrivingSequence(folder / "s.npz"); }, {"rot", "[3, 3]", "[4, 3]"});
   Npz empty;
   empty.Add("expr", {0, 65}, std::vector<float>{});
   empty.Write(folder / "e.npz");
-  ExpectError([&] { LoadTrackedVideo(folder / "e.npz", driving); }, {"e.npz", "no frames"});
+  ExpectError([&] { LoadDrivingSequence(folder / "e.npz"); }, {"e.npz", "no frames"});
   Npz other;
   other.Add("shape", {1}, std::vector<float>{1});
   other.Write(folder / "o.npz");
-  ExpectError([&] { LoadTrackedVideo(folder / "o.npz", driving); }, {"o.npz", "expr", "missing"});
+  ExpectError([&] { LoadDrivingSequence(folder / "o.npz"); }, {"o.npz", "expr", "missing"});
 }
 
 TEST(TrackedVideo, NothingThereIsAnError) {
