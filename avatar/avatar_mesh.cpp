@@ -4,13 +4,16 @@
 #include <cmath>
 
 #include "avatar/math/frame.h"
+#include "avatar/math/turn.h"
 #include "flame/topology.h"
 #include "splat/math/quat.h"
 
 namespace cosplat {
 namespace {
 
+using math::AxisAngleOf;
 using math::Quat;
+using math::QuatOfAxisAngle;
 using math::Vec3;
 
 // The sheet, relative to the neck's opening and in units of the neck's mean radius: about 60 cm
@@ -22,18 +25,6 @@ constexpr float kHeight = 6.5f;     // from the collar down
 constexpr float kSlope = 1.6f;      // how far the shoulders' ends lie below the collar
 constexpr float kBulge = 1.8f;      // how far the chest stands out in front of its sides
 constexpr float kOverlap = 0.4f;    // how far the collar reaches up over the neck's rim
-
-Quat<float> QuatOfAxisAngle(const std::array<float, 3>& r) {
-  const float angle = std::hypot(r[0], r[1], r[2]);
-  const float s = angle > 1e-6f ? std::sin(angle / 2) / angle : 0.5f;
-  return {std::cos(angle / 2), r[0] * s, r[1] * s, r[2] * s};
-}
-
-std::array<float, 3> AxisAngleOf(const Quat<float>& q) {
-  const float sine = std::hypot(q.x, q.y, q.z);
-  const float s = sine > 1e-6f ? 2 * std::atan2(sine, q.w) / sine : 2.0f;
-  return {q.x * s, q.y * s, q.z * s};
-}
 
 struct NeckRim {
   Vec3<float> center{0, 0, 0};

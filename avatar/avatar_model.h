@@ -47,6 +47,12 @@ struct Embedding {
   std::optional<ReleasedRule> released{};  // nothing: avatar/math/embed.h
 };
 
+// The faces that training frames made: beyond them an avatar was never seen.
+struct TrainedRange {
+  std::vector<float> expression_least, expression_most;  // [E] each
+  std::array<float, kFlameJoints> angle{};               // radians, the largest of each joint
+};
+
 struct AvatarModel : Embedding {
   CanonicalMesh mesh;
   // What `mesh` is posed by where it is not at rest: expression, pose and translation alone count.
@@ -64,6 +70,7 @@ struct AvatarModel : Embedding {
   std::vector<float> shape;                  // the subject's coefficients
   std::vector<float> static_offset;          // [V, 3] metres, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB that it was evaluated on
+  std::optional<TrainedRange> trained_range;
 
   size_t size() const { return gaussians.size(); }
 };

@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, COSPLAT_JOINT_COUNT> kJointNames = {
     "root", "neck", "jaw", "left_eye", "right_eye"};
 
 // By the number of the status.
-constexpr std::array<const char*, 12> kStatusTexts = {"ok",
+constexpr std::array<const char*, 13> kStatusTexts = {"ok",
                                                       "bad argument",
                                                       "not an open avatar",
                                                       "in use by another thread",
@@ -29,7 +29,8 @@ constexpr std::array<const char*, 12> kStatusTexts = {"ok",
                                                       "bad FLAME model",
                                                       "no such device in this library",
                                                       "not enough memory",
-                                                      "internal fault"};
+                                                      "internal fault",
+                                                      "bad drive"};
 
 void RequirePointer(const void* pointer, const char* name) {
   if (!pointer) throw CodedError(COSPLAT_ERROR_ARGUMENT, name, "is NULL");

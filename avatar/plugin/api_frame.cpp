@@ -7,7 +7,8 @@ using namespace cosplat::plugin;  // NOLINT: this file is the outside of that na
 cosplat_status cosplat_set_parameters(cosplat_avatar* avatar,
                                       const cosplat_parameters* parameters) {
   return WithAvatar(avatar, [&](Instance& instance) {
-    instance.parameters().Set(ReadStruct(parameters, "parameters"));
+    const cosplat_parameters given = ReadStruct(parameters, "parameters");
+    instance.ChangeParameters([&](LiveParameters& live) { live.Set(given); });
   });
 }
 
@@ -18,7 +19,7 @@ cosplat_status cosplat_get_parameters(cosplat_avatar* avatar, cosplat_parameters
 }
 
 cosplat_status cosplat_reset_parameters(cosplat_avatar* avatar) {
-  return WithAvatar(avatar, [](Instance& instance) { instance.parameters().Reset(); });
+  return WithAvatar(avatar, [](Instance& instance) { instance.ResetParameters(); });
 }
 
 cosplat_status cosplat_set_expression(cosplat_avatar* avatar,
@@ -26,7 +27,8 @@ cosplat_status cosplat_set_expression(cosplat_avatar* avatar,
                                       float value,
                                       int64_t time_ns) {
   return WithAvatar(avatar, [&](Instance& instance) {
-    instance.parameters().SetExpression(expression, value, time_ns);
+    instance.ChangeParameters(
+        [&](LiveParameters& live) { live.SetExpression(expression, value, time_ns); });
   });
 }
 
@@ -35,7 +37,8 @@ cosplat_status cosplat_set_joint(cosplat_avatar* avatar,
                                  const float axis_angle[3],
                                  int64_t time_ns) {
   return WithAvatar(avatar, [&](Instance& instance) {
-    instance.parameters().SetJoint(joint, axis_angle, time_ns);
+    instance.ChangeParameters(
+        [&](LiveParameters& live) { live.SetJoint(joint, axis_angle, time_ns); });
   });
 }
 
@@ -43,7 +46,8 @@ cosplat_status cosplat_set_translation(cosplat_avatar* avatar,
                                        const float translation[3],
                                        int64_t time_ns) {
   return WithAvatar(avatar, [&](Instance& instance) {
-    instance.parameters().SetTranslation(translation, time_ns);
+    instance.ChangeParameters(
+        [&](LiveParameters& live) { live.SetTranslation(translation, time_ns); });
   });
 }
 

@@ -35,7 +35,7 @@ extern "C" {
 /* Semantic version. While the major number is 0, a new minor number may break what was built for
  * the one before; the library's soname has both. */
 #define COSPLAT_VERSION_MAJOR 0
-#define COSPLAT_VERSION_MINOR 1
+#define COSPLAT_VERSION_MINOR 2
 #define COSPLAT_VERSION_PATCH 0
 #define COSPLAT_MAKE_VERSION(major, minor, patch) \
   (((uint32_t)(major) << 16) | ((uint32_t)(minor) << 8) | (uint32_t)(patch))
@@ -44,7 +44,7 @@ extern "C" {
 
 /* Of the library that runs, to compare with COSPLAT_VERSION. */
 COSPLAT_API uint32_t cosplat_version(void);
-COSPLAT_API const char* cosplat_version_text(void); /* "0.1.0" */
+COSPLAT_API const char* cosplat_version_text(void); /* "0.2.0" */
 
 typedef int32_t cosplat_status;
 enum {
@@ -59,7 +59,8 @@ enum {
   COSPLAT_ERROR_FLAME = 8,      /* the FLAME model is needed, cannot be read or is another one */
   COSPLAT_ERROR_DEVICE = 9,     /* this library was built without it */
   COSPLAT_ERROR_MEMORY = 10,    /* there is not enough */
-  COSPLAT_ERROR_INTERNAL = 11   /* a fault of the library's own; please report it */
+  COSPLAT_ERROR_INTERNAL = 11,  /* a fault of the library's own; please report it */
+  COSPLAT_ERROR_DRIVE = 12      /* cannot be opened: no such file or address, or a bad one */
 };
 COSPLAT_API const char* cosplat_status_text(cosplat_status status); /* "not found" */
 
@@ -140,8 +141,8 @@ COSPLAT_API cosplat_status cosplat_find_joint(cosplat_avatar* avatar,
 /* --- Parameters ------------------------------------------------------------------------------- */
 
 /* One moment of a face. Numbers must be finite and within COSPLAT_LARGEST_PARAMETER of zero, which
- * is far beyond any face and far from where floats end. */
-#define COSPLAT_LARGEST_PARAMETER 10000
+ * is far beyond any face. */
+#define COSPLAT_LARGEST_PARAMETER 100
 typedef struct cosplat_parameters {
   uint32_t struct_size; /* sizeof(cosplat_parameters) */
   /* Coefficients given: missing ones are zero, those that the model lacks are left out. */
@@ -160,7 +161,7 @@ COSPLAT_API cosplat_status cosplat_set_parameters(cosplat_avatar* avatar,
 /* What is set. `expression` stays until the next call with the handle, to which it may be given. */
 COSPLAT_API cosplat_status cosplat_get_parameters(cosplat_avatar* avatar,
                                                   cosplat_parameters* parameters);
-/* Back to rest, as after cosplat_open; any time is new again. */
+/* Back to rest, as after cosplat_open; any time is new again. A drive stays. */
 COSPLAT_API cosplat_status cosplat_reset_parameters(cosplat_avatar* avatar);
 
 /* One at a time; numbers by cosplat_find_... */
@@ -175,6 +176,74 @@ COSPLAT_API cosplat_status cosplat_set_joint(cosplat_avatar* avatar,
 COSPLAT_API cosplat_status cosplat_set_translation(cosplat_avatar* avatar,
                                                    const float translation[3],
                                                    int64_t time_ns);
+
+/* --- Live ------------------------------------------------------------------------------------- */
+
+/* A host that advances its avatar gets a face that is never wrong for long: frames that are bad are
+ * refused, the last good one is held, then the face eases to rest, and back when frames come again.
+ * Parameters that are set show after the next cosplat_advance; cosplat_render draws the face as it
+ * is at `now_ns`, by the clock of the parameters' times. An earlier `now_ns` than before is
+ * COSPLAT_ERROR_LATE. A host that never advances draws what it sets. */
+COSPLAT_API cosplat_status cosplat_advance(cosplat_avatar* avatar, int64_t now_ns);
+
+/* Where frames come from besides cosplat_set_...: cosplat_advance takes the newest. A recording
+ * (.npz or the folder of a tracked video), "stdin:", "udp://HOST:PORT" or
+ * "vmc://HOST:PORT?matrix=FILE" (docs/live-input.md). NULL: none. A recording begins at the next
+ * cosplat_advance. On failure (COSPLAT_ERROR_DRIVE) the drive before stays. */
+COSPLAT_API cosplat_status cosplat_set_drive(cosplat_avatar* avatar, const char* drive);
+
+enum {
+  COSPLAT_RANGE_SOFT = 0, /* what training never saw is brought back softly */
+  COSPLAT_RANGE_FREE = 1
+};
+enum { COSPLAT_SMOOTHING_NONE = 0, COSPLAT_SMOOTHING_ONE_EURO = 1 };
+
+/* Fields that are zero mean what stands behind them; so does a policy that was never set. */
+typedef struct cosplat_policy {
+  uint32_t struct_size;    /* sizeof(cosplat_policy) */
+  float hold_s;            /* 0.25: the last good frame stays so long */
+  float decay_s;           /* 1: then the face goes to rest within this */
+  float blend_in_s;        /* 0.2: and comes back within this; from 1e-6 to 1e6, as those above */
+  uint32_t range;          /* COSPLAT_RANGE_... */
+  uint32_t smoothing;      /* COSPLAT_SMOOTHING_...: costs a delay, docs/plugin.md */
+  float min_cutoff_hz;     /* 2: of the one-euro filter at rest */
+  float beta;              /* 1: Hz more per unit of speed (a coefficient, 0.1 rad, 0.02 m per s) */
+  uint32_t loop;           /* 1: recordings begin again at their end; of drives set afterwards */
+  float frames_per_second; /* of recordings, likewise: their own, or 25 */
+} cosplat_policy;
+COSPLAT_API cosplat_status cosplat_set_policy(cosplat_avatar* avatar, const cosplat_policy* policy);
+
+enum {
+  COSPLAT_FACE_REST = 0,     /* no frame came, or none for long */
+  COSPLAT_FACE_LIVE = 1,     /* the last good frame, at most hold_s old */
+  COSPLAT_FACE_DECAYING = 2, /* on its way to rest */
+  COSPLAT_FACE_RETURNING = 3 /* and back */
+};
+
+/* Counted since cosplat_open; the drive's part since cosplat_set_drive. */
+typedef struct cosplat_health {
+  uint32_t struct_size;    /* sizeof(cosplat_health); the rest is written */
+  uint32_t face;           /* COSPLAT_FACE_... after the last cosplat_advance */
+  double age_s;            /* then, since a new frame was shown; -1 if none was */
+  uint64_t accepted;       /* frames shown */
+  uint64_t replaced;       /* good, but a newer one came before the next cosplat_advance */
+  uint64_t late;           /* refused: older than one before */
+  uint64_t not_finite;     /* refused */
+  uint64_t out_of_range;   /* refused: beyond COSPLAT_LARGEST_PARAMETER */
+  uint64_t wrong_size;     /* refused: too many coefficients, or NULL */
+  uint64_t softened;       /* frames shown that were partly out of the soft range */
+  uint64_t held;           /* calls of cosplat_advance with no new frame, the last one held */
+  uint64_t decayed;        /* likewise, the face on its way to rest or there */
+  uint64_t returned;       /* how often frames came (again) to a face at rest or on its way */
+  uint64_t drive_frames;   /* that the drive gave */
+  uint64_t drive_replaced; /* good, but a newer one came before the next cosplat_advance */
+  uint64_t drive_reordered, drive_malformed, drive_oversize, drive_flooded; /* that it dropped */
+  uint32_t drive_ended;      /* 1: nothing will come any more */
+  uint32_t reserved;         /* 0 */
+  const char* drive;         /* for people, "" if there is none; both stay until the next call */
+  const char* drive_problem; /* one line about what it dropped last, "" if nothing */
+} cosplat_health;
+COSPLAT_API cosplat_status cosplat_get_health(cosplat_avatar* avatar, cosplat_health* health);
 
 /* --- Camera ----------------------------------------------------------------------------------- */
 

@@ -136,7 +136,8 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
         return MakePlayer(std::move(avatar), flame_);
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),
-      parameters_(size_t(flame_.expression_count), rest_) {
+      parameters_(size_t(flame_.expression_count), rest_),
+      face_(parameters_.rest(), player_.avatar().trained_range) {
   player_.Place(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, placed_);
   orbit_target_ = TargetOf(placed_.vertices(), flame_, rest_.pose[0]);
@@ -155,6 +156,16 @@ Camera Instance::CameraFor(const cosplat_picture& picture) const {
   return *camera_;
 }
 
+void Instance::ResetParameters() {
+  parameters_.Reset();
+  face_.Reset();
+}
+
+void Instance::SetDrive(const char* drive) {
+  face_.SetDrive(drive);
+  parameters_.ForgetTime();
+}
+
 void Instance::Render(const cosplat_picture& picture) {
   CheckPicture(picture);
   const ptrdiff_t stride = CheckedStride(picture.stride, picture.width, 1, "picture.stride");
@@ -165,7 +176,7 @@ void Instance::Render(const cosplat_picture& picture) {
   if (picture.alpha == COSPLAT_ALPHA_OPAQUE) std::copy_n(picture.background, 3, background.begin());
 
   // Everything is drawn before anything is written.
-  player_.Place(parameters_.current(), placed_);
+  player_.Place(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
   const RenderedImage& image = player_.Draw(placed_, camera, background);
   if (picture.depth) {
     if (!depth_) depth_.emplace();

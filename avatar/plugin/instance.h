@@ -16,6 +16,7 @@
 #include "avatar/plugin/cosplat.h"
 #include "avatar/plugin/depth_pass.h"
 #include "avatar/plugin/host_camera.h"
+#include "avatar/plugin/live_face.h"
 #include "avatar/plugin/live_parameters.h"
 
 namespace cosplat::plugin {
@@ -29,10 +30,25 @@ class Instance {
 
   const cosplat_info& info() const { return info_; }
   const std::vector<std::string>& expression_names() const { return expression_names_; }
-  LiveParameters& parameters() { return parameters_; }
+  const LiveParameters& parameters() const { return parameters_; }
+  LiveFace& face() { return face_; }
   std::optional<Camera>& camera() { return camera_; }
   const OrbitTarget& orbit_target() const { return orbit_target_; }
 
+  // change(LiveParameters&): a call of the host's that sets some. What is refused is counted.
+  template <class Change>
+  void ChangeParameters(const Change& change) {
+    try {
+      change(parameters_);
+    } catch (const BadFrame& refused) {
+      face_.CountRefused(refused.verdict());
+      throw;
+    }
+    face_.Offer(parameters_);
+  }
+  void ResetParameters();
+  void SetDrive(const char* drive);
+  void Advance(int64_t now_ns) { face_.Advance(now_ns, parameters_); }
   void Render(const cosplat_picture& picture);
 
   // True for one thread at a time, until it calls Leave. For any thread.
@@ -49,6 +65,7 @@ class Instance {
   Player player_;
   FlameParams rest_;
   LiveParameters parameters_;
+  LiveFace face_;
   PlacedAvatar placed_;
   std::optional<Camera> camera_;
   std::optional<DepthPass> depth_;  // once a depth was asked for

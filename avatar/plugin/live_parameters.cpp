@@ -5,26 +5,30 @@
 #include <cstring>
 #include <string>
 
-#include "avatar/plugin/coded_error.h"
+#include "avatar/live/face_blend.h"
 
 namespace cosplat::plugin {
 namespace {
 
 static_assert(COSPLAT_JOINT_COUNT == kFlameJoints);
 
-// More coefficients than any model has: the count was never set.
-constexpr uint32_t kMostExpressions = 65536;
-
 void CheckNumber(float value, const char* field, size_t index) {
   const auto name = [&] { return std::string(field) + "[" + std::to_string(index) + "]"; };
   if (!std::isfinite(value))
-    throw CodedError(COSPLAT_ERROR_NOT_FINITE, name(), std::to_string(value) + " is not a number");
+    throw BadFrame(Verdict::kNotFinite,
+                   COSPLAT_ERROR_NOT_FINITE,
+                   name(),
+                   std::to_string(value) + " is not a number");
   if (std::abs(value) > COSPLAT_LARGEST_PARAMETER)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT, name(), std::to_string(value) + " is too large");
+    throw BadFrame(Verdict::kOutOfRange,
+                   COSPLAT_ERROR_ARGUMENT,
+                   name(),
+                   std::to_string(value) + " is too large");
 }
 
 void CheckNumbers(const float* values, size_t count, const char* field) {
-  if (!values && count > 0) throw CodedError(COSPLAT_ERROR_ARGUMENT, field, "is NULL");
+  if (!values && count > 0)
+    throw BadFrame(Verdict::kWrongSize, COSPLAT_ERROR_ARGUMENT, field, "is NULL");
   for (size_t i = 0; i < count; ++i) CheckNumber(values[i], field, i);
 }
 
@@ -40,9 +44,15 @@ void LiveParameters::Reset() {
   time_ns_ = kNoTime;
 }
 
+void LiveParameters::Keep(const FlameParams& params, int64_t time_ns) {
+  CopyFace(params, current_);
+  time_ns_ = time_ns;
+}
+
 void LiveParameters::CheckTime(int64_t time_ns) const {
   if (time_ns < time_ns_)
-    throw CodedError(
+    throw BadFrame(
+        Verdict::kLate,
         COSPLAT_ERROR_LATE,
         "time_ns",
         std::to_string(time_ns) + " is earlier than what is set, of " + std::to_string(time_ns_));
@@ -50,10 +60,11 @@ void LiveParameters::CheckTime(int64_t time_ns) const {
 
 void LiveParameters::Set(const cosplat_parameters& given) {
   if (given.expression_count > kMostExpressions)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     "parameters.expression_count",
-                     std::to_string(given.expression_count) + " is more than " +
-                         std::to_string(kMostExpressions));
+    throw BadFrame(Verdict::kWrongSize,
+                   COSPLAT_ERROR_ARGUMENT,
+                   "parameters.expression_count",
+                   std::to_string(given.expression_count) + " is more than " +
+                       std::to_string(kMostExpressions));
   CheckNumbers(given.expression, given.expression_count, "parameters.expression");
   CheckNumbers(given.joints[0], 3 * kFlameJoints, "parameters.joints");
   CheckNumbers(given.translation, 3, "parameters.translation");

@@ -28,9 +28,9 @@ TEST(PluginVersion, IsTheProjects) {
 }
 
 TEST(PluginStatus, EachHasAText) {
-  for (cosplat_status s = COSPLAT_OK; s <= COSPLAT_ERROR_INTERNAL; ++s)
+  for (cosplat_status s = COSPLAT_OK; s <= COSPLAT_ERROR_DRIVE; ++s)
     EXPECT_STRNE(cosplat_status_text(s), "unknown status") << s;
-  for (const cosplat_status s : {-1, COSPLAT_ERROR_INTERNAL + 1, 1000000})
+  for (const cosplat_status s : {-1, COSPLAT_ERROR_DRIVE + 1, 1000000})
     EXPECT_STREQ(cosplat_status_text(s), "unknown status");
   EXPECT_STREQ(cosplat_status_text(COSPLAT_ERROR_INTERNAL), "internal fault");
 }

@@ -1,0 +1,65 @@
+#include "avatar/live/smoother.h"
+
+#include <cmath>
+
+#include "avatar/live/face_blend.h"
+
+namespace cosplat {
+namespace {
+
+// A usual motion of the channel: what its speed is measured in.
+constexpr float kCoefficient = 1, kTurn = 0.1f, kShift = 0.02f;  // -, rad, m
+
+// Filters the speed of a step towards it; the filtered speed's size.
+float StepSpeed(float gain, const std::array<float, 3>& step, float per, std::array<float, 3>& v) {
+  for (size_t k = 0; k < 3; ++k) v[k] += gain * (step[k] / per - v[k]);
+  return std::hypot(v[0], v[1], v[2]);
+}
+
+}  // namespace
+
+FaceSmoother::FaceSmoother(size_t expression_count) : expression_speed_(expression_count) {
+  sample_.expression.resize(expression_count);
+  value_.expression.resize(expression_count);
+}
+
+void FaceSmoother::Smooth(const math::OneEuro& filter, float dt, FlameParams& face) {
+  if (!started_) {
+    started_ = true;
+    CopyFace(face, sample_);
+    CopyFace(face, value_);
+    expression_speed_.assign(expression_speed_.size(), 0.0f);
+    turn_speed_ = {};
+    translation_speed_ = {};
+    return;
+  }
+  if (dt > 0) {
+    const float speed_gain = math::LowPassGain(filter.speed_cutoff, dt);
+    for (size_t i = 0; i < expression_speed_.size(); ++i) {
+      float& speed = expression_speed_[i];
+      const float step = face.expression[i] - sample_.expression[i];
+      speed += speed_gain * (step / (kCoefficient * dt) - speed);
+      value_.expression[i] +=
+          math::OneEuroGain(filter, speed, dt) * (face.expression[i] - value_.expression[i]);
+    }
+    for (size_t j = 0; j < kFlameJoints; ++j) {
+      const auto from = math::QuatOfAxisAngle(sample_.pose[j]);
+      const auto to = math::QuatOfAxisAngle(face.pose[j]);
+      const auto step =
+          math::AxisAngleOf(math::ShorterWay(math::Multiply(to, math::Conjugate(from))));
+      const float speed = StepSpeed(speed_gain, step, kTurn * dt, turn_speed_[j]);
+      value_.pose[j] = math::AxisAngleOf(math::ShorterWay(math::Between(
+          math::QuatOfAxisAngle(value_.pose[j]), to, math::OneEuroGain(filter, speed, dt))));
+    }
+    Vector step;
+    for (size_t k = 0; k < 3; ++k) step[k] = face.translation[k] - sample_.translation[k];
+    const float speed = StepSpeed(speed_gain, step, kShift * dt, translation_speed_);
+    const float gain = math::OneEuroGain(filter, speed, dt);
+    for (size_t k = 0; k < 3; ++k)
+      value_.translation[k] += gain * (face.translation[k] - value_.translation[k]);
+    CopyFace(face, sample_);
+  }
+  CopyFace(value_, face);
+}
+
+}  // namespace cosplat
