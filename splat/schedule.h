@@ -54,6 +54,12 @@ struct Schedule {
   int DensificationsAfter(int iteration) const {
     return std::max(0, (densify_until - 1) / densify_every - iteration / densify_every);
   }
+  // The last rate of positions in a run that keeps proportions: 3DGS's hundredth of the first is
+  // for 30,000 steps. The way that a Gaussian can still go is rate times steps, so the share grows
+  // as a run gets shorter (measured in docs/design.md).
+  static float LastPositionRate(float first, int iterations) {
+    return first * std::clamp(300.0f / float(iterations), 0.01f, 1.0f);
+  }
   // Log-linear from `first` to `last` (Plenoxels, 3DGS).
   float PositionRate(int iteration, float first, float last) const {
     if (first <= 0 || last <= 0) return std::max(first, 0.0f);  // no logarithm: the first one stays

@@ -38,6 +38,7 @@ struct TrainOptions {
   // Steps; -1: by the schedule.
   int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
   LearningRates rates;
+  float position_lr_final = 0;  // 0: Schedule::LastPositionRate
   bool quiet = false;
 
   // Declares them on a sub-command; defaults are the values at the time of the call.

@@ -48,6 +48,7 @@ TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
     EXPECT_FLOAT_EQ(s.loss.dssim, 0.2f);
     EXPECT_EQ(s.loss.mse, 0);
     EXPECT_FLOAT_EQ(s.rates.position_first, 6.4e-4f);
+    EXPECT_FLOAT_EQ(s.rates.position_last, 3.2e-5f);
     EXPECT_EQ(s.schedule.densify_from, 100);
     EXPECT_EQ(s.schedule.densify_until, 3000);
     EXPECT_EQ(s.prune.group_cap, 64);

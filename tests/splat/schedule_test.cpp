@@ -83,5 +83,12 @@ TEST(Schedule, ThePositionsRateFallsLogLinearly) {
   EXPECT_NEAR(s.PositionRate(90000, 1.6e-4f, 1.6e-6f), 1.6e-6, 1e-11);
 }
 
+TEST(Schedule, LastPositionRateGrowsAsARunGetsShorter) {
+  EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 30000), 1.6e-6f);
+  EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 90000), 1.6e-6f);
+  EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 3000), 1.6e-5f);
+  EXPECT_FLOAT_EQ(Schedule::LastPositionRate(1.6e-4f, 10), 1.6e-4f);
+}
+
 }  // namespace
 }  // namespace cosplat
