@@ -170,6 +170,13 @@ std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlamePa
   return frames;
 }
 
+void PutOnRest(const FlameParams& rest, FlameParams& frame) {
+  for (int k = 0; k < 3; ++k) frame.translation[k] += rest.translation[k];
+  if (rest.pose[0] == std::array<float, 3>{}) return;  // keeps the turn's very bits
+  const Quat<float> turn = QuatOfAxisAngle(frame.pose[0]);
+  frame.pose[0] = AxisAngleOf(math::Multiply(turn, QuatOfAxisAngle(rest.pose[0])));
+}
+
 Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,

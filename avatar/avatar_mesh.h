@@ -59,6 +59,10 @@ FlameParams MeanRoot(const std::vector<FlameParams>& frames);
 // about its own mean; expression, neck, jaw and eyes stay. rest: the avatar's mean root.
 std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest);
 
+// A root that is counted from the avatar's rest, on that rest: its turn comes after the rest's, its
+// translation is added.
+void PutOnRest(const FlameParams& rest, FlameParams& frame);
+
 // Where the bust stands: the frames' mean root transform.
 Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,

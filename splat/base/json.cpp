@@ -73,16 +73,19 @@ std::vector<double> NumbersOf(const JsonField& field, size_t count, bool null_is
 
 Json ReadJson(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
-  std::string text(bytes.begin(), bytes.end());
+  return ParseJson(path, {bytes.begin(), bytes.end()});
+}
+
+Json ParseJson(const std::string& source, std::string text) {
   ReplaceNonFiniteTokens(text);
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
     const size_t offset = error.byte > 0 ? error.byte - 1 : 0;
-    const std::string found = offset < text.size() ? "unexpected text" : "the file ends too early";
-    throw Error(path, LineAndColumn(text, offset), "not valid JSON: " + found);
+    const std::string found = offset < text.size() ? "unexpected text" : "it ends too early";
+    throw Error(source, LineAndColumn(text, offset), "not valid JSON: " + found);
   } catch (const Json::exception& error) {  // a number outside double's range
-    throw Error(path, "", std::string("not valid JSON: ") + error.what());
+    throw Error(source, "", std::string("not valid JSON: ") + error.what());
   }
 }
 

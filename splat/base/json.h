@@ -12,6 +12,10 @@ using Json = nlohmann::json;
 // Parses a file; Error names the file and the line and column of a syntax error.
 Json ReadJson(const std::string& path);
 
+// Parses a text; Error names `source` and the line and column of a syntax error. NaN and Infinity,
+// which Python writes, become null.
+Json ParseJson(const std::string& source, std::string text);
+
 // A value with where it came from. Every accessor throws Error(file, "a.b[3].c", found/expected).
 class JsonField {
  public:

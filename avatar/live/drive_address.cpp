@@ -1,0 +1,50 @@
+#include "avatar/live/drive_address.h"
+
+#include <charconv>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+int ParsePort(const std::string& drive, const std::string& text) {
+  int port = -1;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (code != std::errc() || end != text.data() + text.size() || port < 0 || port > 65535)
+    throw Error(drive, "port", "found '" + text + "', expected 0 to 65535");
+  return port;
+}
+
+}  // namespace
+
+DriveAddress ParseDriveAddress(const std::string& drive) {
+  const size_t scheme_end = drive.find("://");
+  if (scheme_end == std::string::npos) throw Error(drive, "", "expected SCHEME://HOST:PORT");
+  DriveAddress address;
+  address.drive = drive;
+  address.scheme = drive.substr(0, scheme_end);
+  std::string rest = drive.substr(scheme_end + 3);
+  if (const size_t mark = rest.find('?'); mark != std::string::npos) {
+    address.query = rest.substr(mark + 1);
+    rest.resize(mark);
+  }
+  const size_t colon = rest.rfind(':');
+  const size_t bracket = rest.rfind(']');
+  if (colon == std::string::npos || (bracket != std::string::npos && colon < bracket))
+    throw Error(drive, "port", "is missing: expected " + address.scheme + "://HOST:PORT");
+  address.port = ParsePort(drive, rest.substr(colon + 1));
+  address.host = rest.substr(0, colon);
+  if (address.host.starts_with('[') && address.host.ends_with(']'))
+    address.host = address.host.substr(1, address.host.size() - 2);
+  else if (address.host.find(':') != std::string::npos)
+    throw Error(drive, "host", "IPv6 addresses are written in brackets: [::1]:9500");
+  if (address.host.empty()) address.host = "127.0.0.1";
+  return address;
+}
+
+std::string HostAndPort(const std::string& host, int port) {
+  const bool ipv6 = host.find(':') != std::string::npos;
+  return (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,111 @@
+#include "avatar/live/json_frame.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "avatar/live/guard.h"
+#include "splat/base/error.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kMostSeconds = 9e9;  // fits 64 bits of nanoseconds
+
+std::vector<float> NumbersOf(const JsonField& field, size_t count) {
+  std::vector<float> numbers = field.Numbers(count);
+  for (size_t i = 0; i < numbers.size(); ++i)
+    if (std::abs(numbers[i]) > kLargestParameter)
+      throw Error(field.file(),
+                  field.path() + "[" + std::to_string(i) + "]",
+                  "is " + std::to_string(numbers[i]) + ", expected -100 to 100");
+  return numbers;
+}
+
+void ReadVector(const JsonField& field, std::array<float, 3>& out) {
+  const std::vector<float> numbers = NumbersOf(field, 3);
+  std::copy(numbers.begin(), numbers.end(), out.begin());
+}
+
+// Three numbers turn both eyes alike, six are the left and the right.
+void ReadEyes(const JsonField& field, FlameParams& params) {
+  const std::vector<float> numbers = NumbersOf(field, field.size() == 3 ? 3 : 6);
+  std::copy_n(numbers.begin(), 3, params.pose[3].begin());
+  std::copy_n(numbers.end() - 3, 3, params.pose[4].begin());
+}
+
+uint64_t SequenceOf(const JsonField& field) {
+  if (!field.raw().is_number_unsigned())
+    throw Error(field.file(), field.path(), "is not a whole number from 0 on");
+  return field.raw().get<uint64_t>();
+}
+
+double TimeOf(const JsonField& field) {
+  const double time = field.Number();
+  if (std::abs(time) > kMostSeconds)
+    throw Error(field.file(), field.path(), "is beyond 9e9 seconds");
+  return time;
+}
+
+// A name as an error shows it: short and on one line, whatever it holds.
+std::string Quoted(const std::string& name) {
+  const std::string text =
+      Json(name.substr(0, 40)).dump(-1, ' ', true, Json::error_handler_t::ignore);
+  return name.size() > 40 ? text + "..." : text;
+}
+
+void ReadMember(const JsonField& json, const std::string& name, JsonFrame& frame) {
+  FlameParams& p = frame.params;
+  if (name == "seq") return void(frame.sequence = SequenceOf(json[name]));
+  if (name == "time") return void(frame.time = TimeOf(json[name]));
+  if (name == "expression") return void(p.expression = NumbersOf(json[name], 0));
+  if (name == "pose") return ReadVector(json[name], p.pose[0]);
+  if (name == "neck") return ReadVector(json[name], p.pose[1]);
+  if (name == "jaw") return ReadVector(json[name], p.pose[2]);
+  if (name == "eyes") return ReadEyes(json[name], p);
+  if (name == "translation") return ReadVector(json[name], p.translation);
+  throw Error(json.file(), Quoted(name), "is no field of a frame");
+}
+
+void AppendNumbers(const char* name, const float* begin, size_t count, std::string& line) {
+  line += std::string(", \"") + name + "\": [";
+  for (size_t i = 0; i < count; ++i) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof(text), begin[i]).ptr;
+    line.append(i ? ", " : "").append(text, end);
+  }
+  line += "]";
+}
+
+}  // namespace
+
+JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
+  const Json json = ParseJson(source, line);
+  const JsonField object(source, json);
+  JsonFrame frame;
+  frame.sequence = SequenceOf(object["seq"]);  // also an error when it is no object
+  for (const auto& [name, value] : json.items()) ReadMember(object, name, frame);
+  return frame;
+}
+
+std::string WriteJsonFrame(const JsonFrame& frame) {
+  std::string line = "{\"seq\": " + std::to_string(frame.sequence);
+  if (frame.time) {
+    char text[40];
+    line += ", \"time\": ";
+    line.append(text, std::to_chars(text, text + sizeof(text), *frame.time).ptr);
+  }
+  const FlameParams& p = frame.params;
+  std::array<float, 6> eyes;
+  std::copy(p.pose[3].begin(), p.pose[3].end(), eyes.begin());
+  std::copy(p.pose[4].begin(), p.pose[4].end(), eyes.begin() + 3);
+  AppendNumbers("expression", p.expression.data(), p.expression.size(), line);
+  AppendNumbers("pose", p.pose[0].data(), 3, line);
+  AppendNumbers("neck", p.pose[1].data(), 3, line);
+  AppendNumbers("jaw", p.pose[2].data(), 3, line);
+  AppendNumbers("eyes", eyes.data(), 6, line);
+  AppendNumbers("translation", p.translation.data(), 3, line);
+  return line + "}";
+}
+
+}  // namespace cosplat

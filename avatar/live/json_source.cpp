@@ -1,0 +1,76 @@
+#include "avatar/live/json_source.h"
+
+#include <cmath>
+#include <optional>
+
+#include "avatar/avatar_mesh.h"
+#include "avatar/live/json_frame.h"
+#include "avatar/live/sender_clock.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+// Of one poll. Ten times a sender of 120 frames per second polled 40 times; parsing that many of
+// the largest packets takes some milliseconds.
+constexpr size_t kMostPackets = 32;
+
+class JsonSource : public LiveSource {
+ public:
+  JsonSource(std::unique_ptr<PacketInput> input, const FlameParams& rest)
+      : input_(std::move(input)), rest_(rest) {}
+
+  bool Poll(int64_t now_ns, LiveFrame& out) override {
+    packets_.Clear();
+    input_->Receive(packets_, counts_);
+    std::optional<JsonFrame> newest;
+    for (size_t i = 0; i < packets_.size(); ++i) {
+      try {
+        JsonFrame frame = ParseJsonFrame(Description(), packets_[i]);
+        if (!IsNewer(frame, now_ns)) continue;
+        if (newest) ++counts_.replaced;
+        newest = std::move(frame);
+      } catch (const Error& error) {
+        ++counts_.malformed;
+        counts_.last_problem = error.what();
+      }
+    }
+    if (!newest) return false;
+    ++counts_.frames;
+    out.params = std::move(newest->params);
+    PutOnRest(rest_, out.params);
+    out.sequence = newest->sequence;
+    out.time_ns =
+        newest->time ? clock_.Received(std::llround(*newest->time * 1e9), now_ns) : now_ns;
+    return true;
+  }
+
+  bool Ended() const override { return input_->Ended(); }
+  LiveCounts Counts() const override { return counts_; }
+  std::string Description() const override { return input_->Description(); }
+
+ private:
+  bool IsNewer(const JsonFrame& frame, int64_t now_ns) {
+    if (order_.Accept(frame.sequence, now_ns)) return true;
+    ++counts_.reordered;
+    counts_.last_problem =
+        Description() + ": seq: " + std::to_string(frame.sequence) + " is not newer than the last";
+    return false;
+  }
+
+  std::unique_ptr<PacketInput> input_;
+  FlameParams rest_;
+  NewestPackets packets_{kMostPackets};
+  SequenceFilter order_;
+  SenderClock clock_;
+  LiveCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
+                                           const LiveSourceOptions& options) {
+  return std::make_unique<JsonSource>(std::move(input), options.rest);
+}
+
+}  // namespace cosplat

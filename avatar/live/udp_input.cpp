@@ -1,0 +1,44 @@
+#include <array>
+
+#include "avatar/live/packet_input.h"
+#include "avatar/live/udp_socket.h"
+
+namespace cosplat {
+namespace {
+
+// Some milliseconds at most. What lies behind waits in the system's buffer, or is lost there.
+constexpr int kMostReadPerCall = 4096;
+
+class UdpInput : public PacketInput {
+ public:
+  explicit UdpInput(const DriveAddress& address)
+      : socket_(UdpSocket::Listen(address)),
+        description_(address.scheme + "://" + socket_.LocalAddress()) {}
+
+  void Receive(NewestPackets& packets, LiveCounts& counts) override {
+    for (int i = 0; i < kMostReadPerCall; ++i) {
+      const long size = socket_.Receive(buffer_.data(), buffer_.size());
+      if (size < 0) return;
+      if (size_t(size) > buffer_.size()) {
+        CountOversize(description_, size_t(size), counts);
+      } else if (!packets.Push({buffer_.data(), size_t(size)})) {
+        CountFlooded(description_, counts);
+      }
+    }
+  }
+  bool Ended() const override { return false; }
+  std::string Description() const override { return description_; }
+
+ private:
+  UdpSocket socket_;
+  std::string description_;
+  std::array<char, kMostPacketBytes> buffer_;
+};
+
+}  // namespace
+
+std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address) {
+  return std::make_unique<UdpInput>(address);
+}
+
+}  // namespace cosplat

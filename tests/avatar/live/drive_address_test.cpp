@@ -1,0 +1,52 @@
+#include "avatar/live/drive_address.h"
+
+#include <gtest/gtest.h>
+
+#include "avatar/live/packet_input.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+using test::ExpectError;
+
+TEST(DriveAddress, IsTakenApart) {
+  const DriveAddress told = ParseDriveAddress("vmc://0.0.0.0:39539?matrix=a?b=c.npz");
+  EXPECT_EQ(told.scheme, "vmc");
+  EXPECT_EQ(told.host, "0.0.0.0");
+  EXPECT_EQ(told.port, 39539);
+  EXPECT_EQ(told.query, "matrix=a?b=c.npz");
+  EXPECT_EQ(ParseDriveAddress("udp://[::1]:9500").host, "::1");
+  EXPECT_EQ(HostAndPort("::1", 9500), "[::1]:9500");
+}
+
+TEST(DriveAddress, IsLoopbackUnlessToldOtherwise) {
+  EXPECT_EQ(ParseDriveAddress("udp://:9500").host, "127.0.0.1");
+  const std::string description = OpenUdpInput(ParseDriveAddress("udp://:0"))->Description();
+  EXPECT_EQ(description.rfind("udp://127.0.0.1:", 0), 0u) << description;
+}
+
+TEST(DriveAddress, ErrorsNameTheDrive) {
+  const auto expect = [](const std::string& drive, const std::string& problem) {
+    ExpectError([&] { OpenLiveSource(drive); }, {drive, problem});
+  };
+  expect("udp://", "port");
+  expect("udp://localhost", "port");
+  expect("udp://[::1]", "port");
+  expect("udp://:65536", "65536");
+  expect("udp://:-1", "-1");
+  expect("udp://:12x", "12x");
+  expect("udp://::1:9500", "brackets");
+  expect("udp://no such host:9500", "no such host");
+  expect("udp://192.0.2.1:9500", "cannot listen");  // an address that no machine has (RFC 5737)
+  expect("tcp://localhost:9500", "udp://HOST:PORT");
+}
+
+TEST(DriveAddress, APortThatIsTakenIsSaid) {
+  const std::string taken = OpenUdpInput(ParseDriveAddress("udp://:0"))->Description();
+  const auto first = OpenLiveSource(taken);
+  ExpectError([&] { OpenLiveSource(taken); }, {taken, "already in use"});
+}
+
+}  // namespace
+}  // namespace cosplat
