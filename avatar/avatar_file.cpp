@@ -31,6 +31,26 @@ void CheckArray(const std::string& path,
           "number " + std::to_string(i) + " is not finite (" + std::to_string(values[i]) + ")");
 }
 
+void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
+  if (model.bust) {
+    CheckArray(path, "bust rotation", model.bust->rotation, 9);
+    CheckArray(path, "bust translation", model.bust->translation, 3);
+  }
+  if (const auto& range = model.trained_range) {
+    CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
+    CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
+    CheckArray(path, "trained angle", range->angle, kFlameJoints);
+  }
+  if (model.released && !(model.released->unit > 0 && std::isfinite(model.released->unit)))
+    throw Error(path, "rule unit", "is " + std::to_string(model.released->unit));
+  if (model.canonical_frame) {
+    const FlameParams& frame = *model.canonical_frame;
+    CheckArray(path, "canonical expression", frame.expression, frame.expression.size());
+    for (const auto& joint : frame.pose) CheckArray(path, "canonical pose", joint, 3);
+    CheckArray(path, "canonical translation", frame.translation, 3);
+  }
+}
+
 void CheckModel(const std::string& path, const AvatarModel& model) {
   constexpr std::array<const char*, kAttributeCount> kNames{
       "offset", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest"};
@@ -51,18 +71,7 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
     throw Error(path, "mesh", "is empty: attach it from the FLAME model first");
   CheckArray(path, "shape", model.shape, model.shape.size());
   CheckArray(path, "background", model.background, 3);
-  if (model.bust) {
-    CheckArray(path, "bust rotation", model.bust->rotation, 9);
-    CheckArray(path, "bust translation", model.bust->translation, 3);
-  }
-  if (model.released && !(model.released->unit > 0 && std::isfinite(model.released->unit)))
-    throw Error(path, "rule unit", "is " + std::to_string(model.released->unit));
-  if (model.canonical_frame) {
-    const FlameParams& frame = *model.canonical_frame;
-    CheckArray(path, "canonical expression", frame.expression, frame.expression.size());
-    for (const auto& joint : frame.pose) CheckArray(path, "canonical pose", joint, 3);
-    CheckArray(path, "canonical translation", frame.translation, 3);
-  }
+  CheckOptionalParts(path, model);
   // With a bust the mesh goes on behind FLAME's vertices, which alone have an offset.
   const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
   const bool shorter = model.bust && offsets < most && offsets % 3 == 0;

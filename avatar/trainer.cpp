@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "avatar/player.h"
+#include "avatar/trained_range.h"
 #include "splat/math/adam.h"
 
 namespace cosplat {
@@ -50,6 +51,7 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   model.flame_sha256 = flame_.sha256;
   model.shape = video_.shape;
   model.static_offset = video_.static_offset;
+  model.trained_range = RangeOf(RefinedTrack());
   return model;
 }
 

@@ -76,6 +76,22 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
   FillNumbers(field["translation"], frame.translation);
 }
 
+void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
+  TrainedRange& range = model.trained_range.emplace();
+  range.expression_least = field["expressionLeast"].Numbers();
+  range.expression_most = field["expressionMost"].Numbers();
+  if (range.expression_most.size() != range.expression_least.size())
+    Fail(field["expressionMost"],
+         "has " + std::to_string(range.expression_most.size()) + " numbers, expected " +
+             std::to_string(range.expression_least.size()));
+  for (size_t i = 0; i < range.expression_least.size(); ++i)
+    if (range.expression_least[i] > range.expression_most[i])
+      Fail(field["expressionMost"][i],
+           "is " + std::to_string(range.expression_most[i]) + ", less than the least, " +
+               std::to_string(range.expression_least[i]));
+  FillNumbers(field["angle"], range.angle);
+}
+
 // Everything of the binding that is no accessor.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
   const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
@@ -90,6 +106,7 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   model.flame_name = binding["flame"]["name"].String();
   model.flame_sha256 = binding["flame"]["sha256"].String();
   FillNumbers(binding["background"], model.background);
+  if (binding.Has("trainedRange")) ReadTrainedRange(binding["trainedRange"], model);
   if (!binding.Has("bust")) return;
   model.bust.emplace();
   FillNumbers(binding["bust"]["rotation"], model.bust->rotation);

@@ -99,6 +99,10 @@ Json AddBinding(GlbDocument& document,
   if (model.bust)
     binding["bust"] = {{"rotation", Numbers(model.bust->rotation)},
                        {"translation", Numbers(model.bust->translation)}};
+  if (model.trained_range)
+    binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},
+                               {"expressionMost", Numbers(model.trained_range->expression_most)},
+                               {"angle", Numbers(model.trained_range->angle)}};
   binding["canonicalMesh"] = {{"vertexCount", model.mesh.vertices.size() / 3},
                               {"faceCount", model.mesh.faces.size()}};
   if (mesh >= 0) binding["canonicalMesh"]["mesh"] = mesh;

@@ -4,6 +4,7 @@ add_executable(cosplat_test_avatar
   ${CMAKE_CURRENT_LIST_DIR}/avatar_mesh_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/player_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/silhouette_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/trained_range_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/trainer_density_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/trainer_system_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/trainer_test.cpp
