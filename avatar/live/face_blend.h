@@ -9,19 +9,20 @@
 namespace cosplat {
 
 // Expression, pose and translation that are the share w of the way from a to b, joints by the
-// shorter way round; exactly b's at 1. The expressions of both and of `out` have equal sizes; shape
-// and static offset are left alone. `out` may be either.
+// shorter way round; exactly a's at 0 and b's at 1. The expressions of both and of `out` have equal
+// sizes; shape and static offset are left alone. `out` may be either.
 inline void BlendFaces(const FlameParams& a, const FlameParams& b, float w, FlameParams& out) {
   const auto between = [w](float x, float y) { return w >= 1 ? y : x + w * (y - x); };
   for (size_t i = 0; i < out.expression.size(); ++i)
     out.expression[i] = between(a.expression[i], b.expression[i]);
   for (size_t k = 0; k < 3; ++k) out.translation[k] = between(a.translation[k], b.translation[k]);
   for (size_t j = 0; j < kFlameJoints; ++j) {
-    if (w >= 1 || a.pose[j] == b.pose[j])
-      out.pose[j] = b.pose[j];
+    const math::AxisAngle from = a.pose[j], to = b.pose[j];
+    if (w <= 0 || w >= 1 || from == to)
+      out.pose[j] = w <= 0 ? from : to;
     else
       out.pose[j] = math::AxisAngleOf(math::ShorterWay(
-          math::Between(math::QuatOfAxisAngle(a.pose[j]), math::QuatOfAxisAngle(b.pose[j]), w)));
+          math::Between(math::QuatOfAxisAngle(from), math::QuatOfAxisAngle(to), w)));
   }
 }
 

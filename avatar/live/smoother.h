@@ -25,6 +25,11 @@ class FaceSmoother {
  private:
   using Vector = std::array<float, 3>;
 
+  void Start(const FlameParams& face);
+  void StepExpression(const math::OneEuro& filter, float dt, const FlameParams& face);
+  void StepJoint(const math::OneEuro& filter, float dt, const FlameParams& face, size_t joint);
+  void StepTranslation(const math::OneEuro& filter, float dt, const FlameParams& face);
+
   bool started_ = false;
   FlameParams sample_;  // the last that came in
   FlameParams value_;   // the last that went out

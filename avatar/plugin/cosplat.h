@@ -7,9 +7,8 @@
  * given; a function that fails changes nothing. cosplat_last_error says in words what was wrong.
  *
  * Threads. One thread at a time uses a handle: a call that finds it in use returns
- * COSPLAT_ERROR_BUSY at once. Handles are independent of each other, so that any number of threads
- * may each use its own. A handle is not bound to the thread that opened it. Pictures have the same
- * bits whatever else is drawn meanwhile.
+ * COSPLAT_ERROR_BUSY at once. Handles are independent, so that any number of threads may each use
+ * its own, whoever opened it. Pictures have the same bits whatever else is drawn meanwhile.
  *
  * Axes. The world is that of the data that the avatar was trained on: right-handed, metres; FLAME's
  * own is y up, the face towards +z, +x to the subject's left. A camera looks along +z, x to the
@@ -74,11 +73,8 @@ COSPLAT_API const char* cosplat_last_error(cosplat_avatar* avatar);
 
 /* --- Opening ---------------------------------------------------------------------------------- */
 
-enum {
-  COSPLAT_DEVICE_AUTO = 0, /* the fastest that the library has and the machine can */
-  COSPLAT_DEVICE_CPU = 1,
-  COSPLAT_DEVICE_CUDA = 2
-};
+/* AUTO: the fastest that the library has and the machine can. */
+enum { COSPLAT_DEVICE_AUTO = 0, COSPLAT_DEVICE_CPU = 1, COSPLAT_DEVICE_CUDA = 2 };
 
 typedef struct cosplat_open_options {
   uint32_t struct_size; /* sizeof(cosplat_open_options) */
@@ -106,9 +102,8 @@ typedef struct cosplat_info {
   uint32_t triangle_count; /* of the mesh that carries them */
   uint32_t expression_count;
   uint32_t joint_count;
-  float box_min[3]; /* metres: the Gaussians' centres at rest, world */
-  float box_max[3];
-  float background[3]; /* sRGB from 0 to 1: what the avatar was trained on */
+  float box_min[3], box_max[3]; /* metres: the Gaussians' centres at rest, world */
+  float background[3];          /* sRGB from 0 to 1: what the avatar was trained on */
 } cosplat_info;
 
 COSPLAT_API cosplat_status cosplat_get_info(cosplat_avatar* avatar, cosplat_info* info);
@@ -140,8 +135,7 @@ COSPLAT_API cosplat_status cosplat_find_joint(cosplat_avatar* avatar,
 
 /* --- Parameters ------------------------------------------------------------------------------- */
 
-/* One moment of a face. Numbers must be finite and within COSPLAT_LARGEST_PARAMETER of zero, which
- * is far beyond any face. */
+/* One moment of a face. Numbers must be finite and within COSPLAT_LARGEST_PARAMETER of zero. */
 #define COSPLAT_LARGEST_PARAMETER 100
 typedef struct cosplat_parameters {
   uint32_t struct_size; /* sizeof(cosplat_parameters) */
@@ -179,11 +173,10 @@ COSPLAT_API cosplat_status cosplat_set_translation(cosplat_avatar* avatar,
 
 /* --- Live ------------------------------------------------------------------------------------- */
 
-/* A host that advances its avatar gets a face that is never wrong for long: frames that are bad are
- * refused, the last good one is held, then the face eases to rest, and back when frames come again.
- * Parameters that are set show after the next cosplat_advance; cosplat_render draws the face as it
- * is at `now_ns`, by the clock of the parameters' times. An earlier `now_ns` than before is
- * COSPLAT_ERROR_LATE. A host that never advances draws what it sets. */
+/* A host that never advances draws what it sets. For one that does, cosplat_render draws the face
+ * at `now_ns`, by the clock of the parameters' times: bad frames are refused, the last good one is
+ * held, then the face eases to rest, and back when frames come again. Parameters that are set show
+ * from the next cosplat_advance on. COSPLAT_ERROR_LATE if `now_ns` is earlier than before. */
 COSPLAT_API cosplat_status cosplat_advance(cosplat_avatar* avatar, int64_t now_ns);
 
 /* Where frames come from besides cosplat_set_...: cosplat_advance takes the newest. A recording
@@ -192,10 +185,8 @@ COSPLAT_API cosplat_status cosplat_advance(cosplat_avatar* avatar, int64_t now_n
  * cosplat_advance. On failure (COSPLAT_ERROR_DRIVE) the drive before stays. */
 COSPLAT_API cosplat_status cosplat_set_drive(cosplat_avatar* avatar, const char* drive);
 
-enum {
-  COSPLAT_RANGE_SOFT = 0, /* what training never saw is brought back softly */
-  COSPLAT_RANGE_FREE = 1
-};
+/* Soft: faces that training never saw are brought back to those that it did. */
+enum { COSPLAT_RANGE_SOFT = 0, COSPLAT_RANGE_FREE = 1 };
 enum { COSPLAT_SMOOTHING_NONE = 0, COSPLAT_SMOOTHING_ONE_EURO = 1 };
 
 /* Fields that are zero mean what stands behind them; so does a policy that was never set. */
@@ -220,17 +211,15 @@ enum {
   COSPLAT_FACE_RETURNING = 3 /* and back */
 };
 
-/* Counted since cosplat_open; the drive's part since cosplat_set_drive. */
+/* Counts are since cosplat_open; the drive's since cosplat_set_drive. */
 typedef struct cosplat_health {
-  uint32_t struct_size;    /* sizeof(cosplat_health); the rest is written */
-  uint32_t face;           /* COSPLAT_FACE_... after the last cosplat_advance */
-  double age_s;            /* then, since a new frame was shown; -1 if none was */
-  uint64_t accepted;       /* frames shown */
-  uint64_t replaced;       /* good, but a newer one came before the next cosplat_advance */
-  uint64_t late;           /* refused: older than one before */
-  uint64_t not_finite;     /* refused */
-  uint64_t out_of_range;   /* refused: beyond COSPLAT_LARGEST_PARAMETER */
-  uint64_t wrong_size;     /* refused: too many coefficients, or NULL */
+  uint32_t struct_size; /* sizeof(cosplat_health); the rest is written */
+  uint32_t face;        /* COSPLAT_FACE_... after the last cosplat_advance */
+  float age_s;          /* then, since a new frame was shown; -1 if none was */
+  uint32_t drive_ended; /* 1: nothing will come any more */
+  uint64_t accepted;    /* frames shown */
+  uint64_t replaced;    /* good, but a newer one came before the next cosplat_advance */
+  uint64_t late, not_finite, out_of_range, wrong_size; /* refused */
   uint64_t softened;       /* frames shown that were partly out of the soft range */
   uint64_t held;           /* calls of cosplat_advance with no new frame, the last one held */
   uint64_t decayed;        /* likewise, the face on its way to rest or there */
@@ -238,8 +227,6 @@ typedef struct cosplat_health {
   uint64_t drive_frames;   /* that the drive gave */
   uint64_t drive_replaced; /* good, but a newer one came before the next cosplat_advance */
   uint64_t drive_reordered, drive_malformed, drive_oversize, drive_flooded; /* that it dropped */
-  uint32_t drive_ended;      /* 1: nothing will come any more */
-  uint32_t reserved;         /* 0 */
   const char* drive;         /* for people, "" if there is none; both stay until the next call */
   const char* drive_problem; /* one line about what it dropped last, "" if nothing */
 } cosplat_health;

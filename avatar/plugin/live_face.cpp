@@ -102,7 +102,7 @@ cosplat_health LiveFace::Health() {
   const GuardCounts& face = guard_.counts();
   cosplat_health out{};
   out.face = uint32_t(guard_.state());
-  out.age_s = guard_.Age();
+  out.age_s = float(guard_.Age());
   out.accepted = face.accepted;
   out.replaced = face.replaced;
   out.late = face.late;

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "tests/plugin/plugin_fixture.h"
+#include "tests/plugin/restless_sequence.h"
 #include "tests/support/restless_params.h"
 
 namespace {
@@ -67,6 +68,34 @@ TEST(PluginAllocation, NoneAfterTheFirstFrame) {
     picture.alpha = uint32_t(frame % 3);
     ASSERT_EQ(cosplat_render(avatar, &picture), COSPLAT_OK);
     EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+  }
+}
+
+// Held, gone to rest, come back and smoothed, by frames that are set and by those of a drive.
+TEST(PluginAllocation, NoneWhileTimeGoesOn) {
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const OpenAvatar avatar;
+  cosplat_policy policy = Zeroed<cosplat_policy>();
+  policy.smoothing = COSPLAT_SMOOTHING_ONE_EURO;
+  policy.loop = 1;
+  ASSERT_EQ(cosplat_set_policy(avatar, &policy), COSPLAT_OK);
+  ASSERT_EQ(cosplat_set_drive(avatar, WriteSequence("loop.npz", 5).c_str()), COSPLAT_OK);
+  std::vector<uint8_t> bytes;
+  const cosplat_picture picture = PictureInto(bytes, 64, 64);
+  for (int frame = 0; frame < 60; ++frame) {
+    const int64_t now_ns = frame * int64_t(40'000'000);
+    const FlameParams params = RestlessParams(PluginFiles::Get().flame, frame);
+    const cosplat_parameters set = ParametersOf(params, now_ns);
+    const size_t before = allocations;
+    if (frame >= 50) {
+      ASSERT_EQ(cosplat_set_parameters(avatar, &set), COSPLAT_OK);
+    }
+    ASSERT_EQ(cosplat_advance(avatar, now_ns), COSPLAT_OK);
+    ASSERT_EQ(cosplat_render(avatar, &picture), COSPLAT_OK);
+    if (frame > 0) {
+      EXPECT_EQ(allocations - before, 0u) << "frame " << frame;
+    }
+    if (frame == 10) cosplat_set_drive(avatar, nullptr);  // rest from frame 42 on
   }
 }
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "splat/base/npz.h"
 #include "tests/plugin/plugin_fixture.h"
+#include "tests/plugin/restless_sequence.h"
 #include "tests/support/restless_params.h"
 
 namespace cosplat::test {
@@ -49,27 +49,6 @@ Bytes Resting() {
   return Render(avatar);
 }
 
-// The frames of RestlessParams as a driving sequence, 10 per second.
-std::string WriteSequence(const char* name, size_t frames) {
-  const PluginFiles& files = PluginFiles::Get();
-  std::vector<float> expression, joints[4], translation;
-  for (size_t f = 0; f < frames; ++f) {
-    const FlameParams p = RestlessParams(files.flame, int(f));
-    expression.insert(expression.end(), p.expression.begin(), p.expression.end());
-    for (size_t j = 0; j < 4; ++j)
-      joints[j].insert(joints[j].end(), p.pose[j].begin(), p.pose[j].end());
-    translation.insert(translation.end(), p.translation.begin(), p.translation.end());
-  }
-  Npz npz(files.folder / name);
-  npz.Add("expr", {frames, size_t(files.flame.expression_count)}, expression);
-  const char* names[4] = {"rot", "neck_rot", "jaw_rot", "eye_rot"};
-  for (size_t j = 0; j < 4; ++j) npz.Add(names[j], {frames, 3}, joints[j]);
-  npz.Add("tra", {frames, 3}, translation);
-  npz.Add("fps", {}, std::vector<float>{10});
-  npz.Write(npz.path());
-  return npz.path();
-}
-
 TEST(PluginLive, WithoutTimeWhatIsSetIsDrawn) {
   const OpenAvatar avatar;
   for (const int motion : {1, 2, 1}) {
@@ -97,7 +76,7 @@ TEST(PluginLive, HoldsDecaysAndReturns) {
   EXPECT_EQ(HealthOf(avatar).face, uint32_t(COSPLAT_FACE_DECAYING));
   EXPECT_EQ(RenderAt(avatar, 2290), Resting());
   EXPECT_EQ(HealthOf(avatar).face, uint32_t(COSPLAT_FACE_REST));
-  EXPECT_NEAR(HealthOf(avatar).age_s, 1.25, 1e-9);
+  EXPECT_NEAR(HealthOf(avatar).age_s, 1.25f, 1e-6f);
   ASSERT_EQ(Set(avatar, 3, 2500), COSPLAT_OK);
   EXPECT_EQ(RenderAt(avatar, 2500), Resting()) << "not cut to";
   EXPECT_EQ(HealthOf(avatar).face, uint32_t(COSPLAT_FACE_RETURNING));

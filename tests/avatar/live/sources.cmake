@@ -7,3 +7,9 @@ cosplat_test(live
     ${CMAKE_CURRENT_LIST_DIR}/recording_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/sender_clock_test.cpp
   LIBRARIES cosplat::live cosplat::player)
+cosplat_test(guard
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/guard_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/smoother_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/soft_range_test.cpp
+  LIBRARIES cosplat::live)
