@@ -9,6 +9,14 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/embed_packs.h
   avatar/gather_rows.h
   avatar/io/
+  avatar/live/arkit.h
+  avatar/live/blendshape_matrix.h
+  avatar/live/json_source.h
+  avatar/live/newest_packets.h
+  avatar/live/osc.h
+  avatar/live/packet_input.h
+  avatar/live/sender_clock.h
+  avatar/live/vmc_source.h
   avatar/parallel_for.h
   avatar/plugin/boundary.h
   avatar/plugin/coded_error.h

@@ -4,9 +4,21 @@
 
 #include "avatar/live/json_source.h"
 #include "avatar/live/recording.h"
+#include "avatar/live/vmc_source.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
+namespace {
+
+std::unique_ptr<LiveSource> OpenVmc(const DriveAddress& address, const LiveSourceOptions& options) {
+  constexpr std::string_view kMatrix = "matrix=";
+  if (!address.query.starts_with(kMatrix) || address.query.size() == kMatrix.size())
+    throw Error(address.drive, "matrix", "is missing: expected vmc://HOST:PORT?matrix=FILE");
+  BlendshapeMatrix matrix = BlendshapeMatrix::Read(address.query.substr(kMatrix.size()));
+  return OpenVmcSource(OpenUdpInput(address), std::move(matrix), options);
+}
+
+}  // namespace
 
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
@@ -15,6 +27,7 @@ std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
   if (address.scheme == "udp") return OpenJsonSource(OpenUdpInput(address), options);
+  if (address.scheme == "vmc") return OpenVmc(address, options);
   throw Error(drive,
               "",
               "expected a file, a folder, stdin:, udp://HOST:PORT or "

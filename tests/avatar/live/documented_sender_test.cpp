@@ -5,11 +5,13 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "avatar/live/source.h"
 #include "splat/base/files.h"
+#include "splat/base/npz.h"
 #include "tests/support/temporary_folder.h"
 
 extern char** environ;
@@ -60,24 +62,53 @@ bool WaitForFrame(LiveSource& source, LiveFrame& frame) {
   return false;
 }
 
-TEST(DocumentedSender, OfJsonWorksAsItStands) {
-  const std::string text = DocumentedPython("json.dumps");
-  ASSERT_FALSE(text.empty());
-  const TemporaryFolder folder;
-  WriteFileAtomically(folder / "sender.py", text);
-  const auto source = OpenLiveSource("udp://:0");
-  const std::string description = source->Description();
-  const Child sender(
-      {"python3", folder / "sender.py", description.substr(description.rfind(':') + 1)});
-  if (!sender.started()) GTEST_SKIP() << "no python3";
-  LiveFrame frame;
-  for (uint64_t i = 0; i < 3; ++i) {
-    ASSERT_TRUE(WaitForFrame(*source, frame)) << source->Counts().last_problem;
-    EXPECT_GE(frame.sequence, i);
-    EXPECT_GE(frame.params.pose[2][0], 0);
-    EXPECT_LE(frame.params.pose[2][0], 0.2f);
+// Runs the page's sender that contains a word, its argument the port that `source` listens to.
+class DocumentedSender : public testing::Test {
+ protected:
+  void Start(const std::string& word, const LiveSource& source) {
+    const std::string text = DocumentedPython(word);
+    ASSERT_FALSE(text.empty());
+    WriteFileAtomically(folder_ / "sender.py", text);
+    const std::string description = source.Description();
+    const std::string port = description.substr(description.rfind(':') + 1);
+    sender_ =
+        std::make_unique<Child>(std::vector<std::string>{"python3", folder_ / "sender.py", port});
+    if (!sender_->started()) GTEST_SKIP() << "no python3";
   }
-  EXPECT_EQ(source->Counts().last_problem, "");
+  // Three frames, with the jaw between shut and open.
+  void ExpectFrames(LiveSource& source, float open) {
+    LiveFrame frame;
+    for (uint64_t i = 0; i < 3 && !IsSkipped(); ++i) {
+      ASSERT_TRUE(WaitForFrame(source, frame)) << source.Counts().last_problem;
+      EXPECT_GE(frame.sequence, i);
+      EXPECT_GE(frame.params.pose[2][0], 0);
+      EXPECT_LE(frame.params.pose[2][0], open);
+    }
+    EXPECT_EQ(source.Counts().last_problem, "");
+  }
+
+  const TemporaryFolder folder_;
+
+ private:
+  std::unique_ptr<Child> sender_;
+};
+
+TEST_F(DocumentedSender, OfJsonWorksAsItStands) {
+  const auto source = OpenLiveSource("udp://:0");
+  Start("json.dumps", *source);
+  ExpectFrames(*source, 0.2f);
+}
+
+TEST_F(DocumentedSender, OfVmcWorksAsItStands) {
+  std::vector<float> jaw(52 * 3);
+  jaw[17 * 3] = 0.3f;
+  Npz npz(folder_ / "jaw.npz");
+  npz.Add("expression", {52, 50}, std::vector<float>(52 * 50));
+  npz.Add("jaw", {52, 3}, jaw);
+  npz.Write(npz.path());
+  const auto source = OpenLiveSource("vmc://:0?matrix=" + npz.path());
+  Start("/VMC/", *source);
+  ExpectFrames(*source, 0.3f);
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+#include "avatar/live/osc.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace cosplat {
+namespace {
+
+constexpr std::string_view kBundle("#bundle\0", 8);
+
+// Takes values off the front of some bytes. After something was missing everything fails.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+
+  bool ok() const { return ok_; }
+  bool empty() const { return bytes_.empty(); }
+
+  std::string_view Bytes(size_t count) {
+    ok_ = ok_ && count <= bytes_.size();
+    if (!ok_) return {};
+    const std::string_view taken = bytes_.substr(0, count);
+    bytes_.remove_prefix(count);
+    return taken;
+  }
+
+  uint32_t Word() {
+    uint32_t word = 0;
+    for (const char c : Bytes(4)) word = word << 8 | uint8_t(c);
+    return word;
+  }
+
+  uint64_t DoubleWord() {
+    const uint64_t high = Word();
+    return high << 32 | Word();
+  }
+
+  // Ends with a zero byte and is filled to a multiple of four.
+  std::string_view Text() {
+    const size_t size = bytes_.find('\0');
+    ok_ = ok_ && size != bytes_.npos;
+    return Bytes(ok_ ? size / 4 * 4 + 4 : 0).substr(0, ok_ ? size : 0);
+  }
+
+  // A count of bytes, then these, filled likewise.
+  void SkipBlob() {
+    const uint64_t size = Word();
+    Bytes((size + 3) / 4 * 4);
+  }
+
+ private:
+  std::string_view bytes_;
+  bool ok_ = true;
+};
+
+// Reads what belongs to `argument.type`; false for types that OSC does not have.
+bool ReadArgument(Reader& reader, OscArgument& argument) {
+  switch (argument.type) {
+    case 'i':
+      argument.number = int32_t(reader.Word());
+      return true;
+    case 'f':
+      argument.number = std::bit_cast<float>(reader.Word());
+      return true;
+    case 'h':
+      argument.number = double(int64_t(reader.DoubleWord()));
+      return true;
+    case 'd':
+      argument.number = std::bit_cast<double>(reader.DoubleWord());
+      return true;
+    case 's':
+    case 'S':
+      argument.text = reader.Text();
+      return true;
+    case 'b':
+      reader.SkipBlob();
+      return true;
+    case 't':  // a time tag
+      reader.DoubleWord();
+      return true;
+    case 'c':  // a character, a colour, a MIDI message
+    case 'r':
+    case 'm':
+      reader.Word();
+      return true;
+    case 'T':
+      argument.number = 1;
+      return true;
+    case 'F':
+    case 'N':
+    case 'I':
+    case '[':
+    case ']':
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::string ParseMessage(std::string_view bytes, OscMessage& message) {
+  Reader reader(bytes);
+  message.address = reader.Text();
+  if (!reader.ok() || !message.address.starts_with('/')) return "has no OSC address";
+  if (reader.empty()) return "";  // old senders leave the types out where there are no arguments
+  std::string_view types = reader.Text();
+  if (!types.starts_with(',')) return "has no OSC type tags";
+  types.remove_prefix(1);
+  if (types.size() > kMostOscArguments)
+    return "has " + std::to_string(types.size()) + " arguments, at most " +
+           std::to_string(kMostOscArguments) + " are taken";
+  for (const char type : types) {
+    OscArgument& argument = message.arguments.emplace_back();
+    argument.type = type;
+    if (!ReadArgument(reader, argument)) return "has an argument of an unknown OSC type";
+  }
+  if (!reader.ok()) return "ends within its arguments";
+  return reader.empty() ? "" : "is longer than its OSC types say";
+}
+
+std::string ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& messages) {
+  if (!bytes.starts_with(kBundle)) return ParseMessage(bytes, messages.emplace_back());
+  if (bundles == kMostOscBundles) return "has too many OSC bundles inside each other";
+  Reader reader(bytes);
+  reader.Text();
+  reader.DoubleWord();  // when it shall count: always now
+  while (reader.ok() && !reader.empty()) {
+    const std::string_view element = reader.Bytes(reader.Word());
+    if (!reader.ok()) break;
+    const std::string problem = ParseElement(element, bundles + 1, messages);
+    if (!problem.empty()) return problem;
+  }
+  return reader.ok() ? "" : "ends within an OSC bundle";
+}
+
+}  // namespace
+
+bool OscArgument::IsNumber() const {
+  return std::string_view("ihfdTF").find(type) != std::string_view::npos && std::isfinite(number);
+}
+
+std::string ParseOsc(std::string_view packet, std::vector<OscMessage>& messages) {
+  messages.clear();
+  return ParseElement(packet, 0, messages);
+}
+
+}  // namespace cosplat

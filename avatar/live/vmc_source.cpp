@@ -1,0 +1,132 @@
+#include "avatar/live/vmc_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/avatar_mesh.h"
+#include "avatar/live/osc.h"
+#include "avatar/math/turn.h"
+
+namespace cosplat {
+namespace {
+
+using math::AxisAngle;
+
+// Of one poll: four frames that come as a datagram per blendshape and bone.
+constexpr size_t kMostPackets = 512;
+
+constexpr std::string_view kValue = "/VMC/Ext/Blend/Val";
+constexpr std::string_view kApply = "/VMC/Ext/Blend/Apply";
+constexpr std::string_view kBone = "/VMC/Ext/Bone/Pos";
+
+// What was sent last; a frame is a copy of it.
+struct VmcState {
+  BlendshapeWeights weights{};
+  AxisAngle neck{}, head{};
+};
+
+// Of a bone's message: name, three of position, then x, y, z, w.
+math::Quat<float> BoneRotation(const OscMessage& message) {
+  const auto number = [&](size_t i) { return float(message.arguments[i].number); };
+  return {number(7), number(4), number(5), number(6)};
+}
+
+// What is wrong with a message that is looked at, or "".
+std::string ProblemOf(const OscMessage& message) {
+  const bool bone = message.address == kBone;
+  if (!bone && message.address != kValue) return "";
+  const std::vector<OscArgument>& arguments = message.arguments;
+  bool good = arguments.size() == (bone ? 8 : 2) && arguments[0].IsText();
+  for (size_t i = 1; good && i < arguments.size(); ++i) good = arguments[i].IsNumber();
+  if (!good)
+    return std::string(message.address) + ": expected a name and " + (bone ? "7" : "1") +
+           " finite number" + (bone ? "s" : "");
+  if (!bone) return "";
+  const math::Quat<float> q = BoneRotation(message);
+  const float length = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
+  if (length > 0.5f && length < 2) return "";
+  return std::string(message.address) + ": its rotation is no unit quaternion";
+}
+
+// Unity's axes are left-handed, x to the subject's right; FLAME's x goes to the left: mirrored.
+AxisAngle FlameTurn(const OscMessage& message) {
+  const math::Quat<float> q = math::Normalize(BoneRotation(message));
+  return math::AxisAngleOf(math::ShorterWay(math::Quat<float>{q.w, q.x, -q.y, -q.z}));
+}
+
+// True for the message that ends a frame.
+bool Take(const OscMessage& message, VmcState& state) {
+  if (message.address == kValue) {
+    const int blendshape = FindArkitBlendshape(message.arguments[0].text);
+    if (blendshape >= 0)
+      state.weights[blendshape] = float(std::clamp(message.arguments[1].number, 0.0, 1.0));
+  } else if (message.address == kBone) {
+    if (message.arguments[0].text == "Neck") state.neck = FlameTurn(message);
+    if (message.arguments[0].text == "Head") state.head = FlameTurn(message);
+  }
+  return message.address == kApply;
+}
+
+class VmcSource : public LiveSource {
+ public:
+  VmcSource(std::unique_ptr<PacketInput> input, BlendshapeMatrix matrix, const FlameParams& rest)
+      : input_(std::move(input)), matrix_(std::move(matrix)), rest_(rest) {}
+
+  bool Poll(int64_t now_ns, LiveFrame& out) override {
+    packets_.Clear();
+    input_->Receive(packets_, counts_);
+    const uint64_t before = applied_;
+    for (size_t i = 0; i < packets_.size(); ++i) TakePacket(packets_[i]);
+    if (applied_ == before) return false;
+    counts_.replaced += applied_ - before - 1;
+    ++counts_.frames;
+    out.params.translation = {};
+    out.params.pose = {frame_.neck, frame_.head};
+    matrix_.Apply(frame_.weights, out.params);
+    PutOnRest(rest_, out.params);
+    out.sequence = applied_ - 1;
+    out.time_ns = now_ns;
+    return true;
+  }
+
+  bool Ended() const override { return input_->Ended(); }
+  LiveCounts Counts() const override { return counts_; }
+  std::string Description() const override { return input_->Description(); }
+
+ private:
+  // All of a packet's messages or, where one is bad, none.
+  void TakePacket(const std::string& packet) {
+    std::string problem = ParseOsc(packet, messages_);
+    for (size_t i = 0; problem.empty() && i < messages_.size(); ++i)
+      problem = ProblemOf(messages_[i]);
+    if (!problem.empty()) {
+      ++counts_.malformed;
+      counts_.last_problem = Description() + ": " + problem;
+      return;
+    }
+    for (const OscMessage& message : messages_) {
+      if (!Take(message, state_)) continue;
+      frame_ = state_;
+      ++applied_;
+    }
+  }
+
+  std::unique_ptr<PacketInput> input_;
+  BlendshapeMatrix matrix_;
+  FlameParams rest_;
+  NewestPackets packets_{kMostPackets};
+  std::vector<OscMessage> messages_;
+  VmcState state_, frame_;  // as sent so far; as the last frame ended
+  uint64_t applied_ = 0;    // frames that have ended
+  LiveCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<LiveSource> OpenVmcSource(std::unique_ptr<PacketInput> input,
+                                          BlendshapeMatrix matrix,
+                                          const LiveSourceOptions& options) {
+  return std::make_unique<VmcSource>(std::move(input), std::move(matrix), options.rest);
+}
+
+}  // namespace cosplat
