@@ -14,34 +14,19 @@
 #include "avatar/playback.h"
 #include "avatar/study/painted_avatar.h"
 #include "flame/procedural/motion.h"
-#include "flame/procedural_head.h"
-#include "splat/base/rng.h"
 #include "splat/loss.h"
+#include "tests/bench/bench_head.h"
 #include "tests/support/restless_params.h"
 
 namespace cosplat {
 namespace {
 
 constexpr int kSize = 512, kFrames = 24, kRepeats = 5;
-constexpr int kExpressions = 100;  // as in FLAME 2023, so that blend shapes cost what they do there
-constexpr float kNoise = 2e-5f;    // metres: size of the directions that the made head lacks
 constexpr float kDistance = 0.80f;  // metres: the head covers two fifths of the picture
 
 using Clock = std::chrono::steady_clock;
 double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-ProceduralHead BenchHead() {
-  ProceduralHead head = MakeProceduralHeadParts();
-  FlameModel& model = head.model;
-  Rng rng{3};
-  const size_t own = model.expression_directions.size();
-  model.expression_directions.resize(size_t(3) * model.vertex_count * kExpressions);
-  for (size_t i = own; i < model.expression_directions.size(); ++i)
-    model.expression_directions[i] = kNoise * rng.Normal();
-  model.expression_count = kExpressions;
-  return head;
 }
 
 // Milliseconds per stage: of each frame the least of several runs, then the mean over the frames.
