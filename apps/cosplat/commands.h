@@ -13,6 +13,7 @@ void AddMakeHead(CLI::App& app);
 void AddMetrics(CLI::App& app);
 void AddRender(CLI::App& app);
 void AddReport(CLI::App& app);
+void AddSend(CLI::App& app);
 void AddStudy(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);

@@ -47,6 +47,7 @@ int Run(int argc, char** argv) {
   cosplat::AddExport(app);
   cosplat::AddReport(app);
   cosplat::AddInfo(app);
+  cosplat::AddSend(app);
   cosplat::AddBench(app);
   cosplat::AddStudy(app);
   try {
