@@ -46,6 +46,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"avatar/", {"avatar/", "flame/", "splat/"}},
       {"apps/hosts/", {"apps/hosts/"}},  // and <cosplat.h>, as those below
       {"apps/gstreamer/", {"apps/gstreamer/", "apps/hosts/"}},
+      {"apps/obs/", {"apps/obs/", "apps/hosts/"}},
       {"apps/", {"apps/", "avatar/", "flame/", "splat/"}},
       {"tests/", {"tests/", "apps/", "avatar/", "flame/", "splat/"}},
   };

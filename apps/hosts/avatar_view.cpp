@@ -97,7 +97,7 @@ void AvatarView::Draw(const Orbit& orbit,
   const bool transparent = background.kind == Background::Kind::kTransparent;
   picture.alpha = transparent ? alpha : uint32_t(COSPLAT_ALPHA_OPAQUE);
   const bool own = background.kind == Background::Kind::kAvatar;
-  std::copy_n(own ? info_.background : background.color, 3, picture.background);
+  std::copy_n(own ? info_.background : background.color.data(), 3, picture.background);
   Check(cosplat_render(avatar_.get(), &picture));
 }
 

@@ -6,6 +6,7 @@
 
 #include <cosplat.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -47,8 +48,9 @@ inline constexpr double kLargestZoom = 100;
 
 struct Background {
   enum class Kind { kAvatar, kTransparent, kColor };
-  Kind kind = Kind::kAvatar;  // the one that the avatar was trained on
-  float color[3] = {};        // of kColor; sRGB from 0 to 1
+  Kind kind = Kind::kAvatar;        // the one that the avatar was trained on
+  std::array<float, 3> color = {};  // of kColor; sRGB from 0 to 1
+  bool operator==(const Background&) const = default;
 };
 // "avatar", "transparent" or "#rrggbb"; nothing if it is none of them.
 std::optional<Background> ParseBackground(const std::string& text);
