@@ -44,10 +44,9 @@ std::vector<float> UnitRotations(const Gaussians& g) {
   return rotations;
 }
 
-void AppendColor(const Gaussians& g, size_t i, int degree, std::vector<float>& colors) {
-  const float *dc = g.at(kColorDc, i), *rest = g.at(kColorRest, i);
-  colors.insert(colors.end(), dc, dc + 3);
-  colors.insert(colors.end(), rest, rest + 3 * (CoefficientCount(degree) - 1));
+void AppendBands(const Gaussians& g, size_t i, int degree, std::vector<float>& bands) {
+  const float* rest = g.at(kColorRest, i);
+  bands.insert(bands.end(), rest, rest + 3 * (CoefficientCount(degree) - 1));
 }
 
 // How much a splat pulls at its row of the codebook: its significance, kept above 0. On a fox of
@@ -61,25 +60,25 @@ std::vector<float> Weights(View<const float> significance) {
   return weights;
 }
 
-QuantisedColors ColorsOfDegree(const Gaussians& g,
-                               const QuantisedSplats& splats,
-                               int degree,
-                               View<const float> weights,
-                               const VqSettings& settings) {
-  QuantisedColors colors;
+QuantisedBands BandsOfDegree(const Gaussians& g,
+                             const QuantisedSplats& splats,
+                             int degree,
+                             View<const float> weights,
+                             const VqSettings& settings) {
+  QuantisedBands bands;
   std::vector<float> rows, weight;
   for (size_t i = 0; i < g.size(); ++i) {
     if (splats.own_degree[i] != degree) continue;
-    AppendColor(g, i, degree, splats.quantised[i] ? rows : colors.kept);
+    AppendBands(g, i, degree, splats.quantised[i] ? rows : bands.kept);
     if (splats.quantised[i]) weight.push_back(weights[i]);
   }
   KMeansSettings k_means;
   k_means.centers = std::clamp<size_t>(weight.size() / kSplatsPerRow, 1, size_t(settings.codebook));
   k_means.seed = settings.seed;
-  const Clusters clusters = KMeans(rows, 3 * size_t(CoefficientCount(degree)), weight, k_means);
-  colors.codebook.assign(clusters.centers.begin(), clusters.centers.end());
-  colors.index.assign(clusters.nearest.begin(), clusters.nearest.end());
-  return colors;
+  const Clusters clusters = KMeans(rows, 3 * size_t(CoefficientCount(degree) - 1), weight, k_means);
+  bands.codebook.assign(clusters.centers.begin(), clusters.centers.end());
+  bands.index.assign(clusters.nearest.begin(), clusters.nearest.end());
+  return bands;
 }
 
 }  // namespace
@@ -99,13 +98,17 @@ QuantisedSplats Quantise(const Gaussians& g,
   splats.rotation = UnitRotations(g);
   splats.scale_log = copied(kScaleLog);
   splats.opacity_logit = copied(kOpacityLogit);
+  splats.color_dc = copied(kColorDc);
   for (size_t i = 0; i < n; ++i) splats.own_degree.push_back(uint8_t(HighestBand(g, i)));
   const size_t kept = std::min(n, size_t(std::lround(settings.keep * double(n))));
   const std::vector<float> finite = FiniteOrZero(significance);
   splats.quantised = LeastSignificant(finite, n - kept);
+  // Without bands there is nothing to share.
+  for (size_t i = 0; i < n; ++i)
+    if (splats.own_degree[i] == 0) splats.quantised[i] = 0;
   const std::vector<float> weights = Weights(finite);
-  for (int degree = 0; degree <= g.degree; ++degree)
-    splats.colors[degree] = ColorsOfDegree(g, splats, degree, weights, settings);
+  for (int degree = 1; degree <= g.degree; ++degree)
+    splats.bands[degree] = BandsOfDegree(g, splats, degree, weights, settings);
   return splats;
 }
 

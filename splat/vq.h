@@ -1,8 +1,10 @@
-// Vector quantisation of colours: the splats that matter least share the colours of a codebook.
+// Vector quantisation of colours: the splats that matter least share the bands of a codebook.
 //
-// Gaussians, significance -> Quantise -> QuantisedSplats -> splat/io/vq_file.h. DC and rest are
-// quantised together. In 3DGS's SH, which is orthonormal, the distance of two rows of coefficients
-// is that of the colours over the sphere. Source: LightGaussian (Fan et al. 2024).
+// Gaussians, significance -> Quantise -> QuantisedSplats -> splat/io/vq_file.h. Each splat keeps
+// its constant colour; bands 1 and up are quantised. In 3DGS's SH, which is orthonormal, the
+// distance of two rows of coefficients is that of the colours over the sphere. Source:
+// LightGaussian (Fan et al. 2024), which quantises the constant colour with them: 6 bytes less a
+// splat, for more than they are worth (docs/vq-file.md).
 #pragma once
 
 #include "splat/gaussians.h"
@@ -12,7 +14,7 @@ namespace cosplat {
 
 struct VqSettings {
   int codebook = 8192;  // rows at most, per degree in use; 1 to 65536
-  double keep = 0.4;    // share of the splats, the most significant ones, with colours of their own
+  double keep = 0.4;    // share of the splats, the most significant ones, with bands of their own
   uint64_t seed = 0;
 };
 

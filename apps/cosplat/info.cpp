@@ -23,22 +23,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of quantised splats: those of each degree, how many of them have colours of their own, and the
+// Of quantised splats: those of each degree, how many of them have bands of their own, and the
 // codebook for the rest.
 void CodebookInfo(const QuantisedSplats& splats) {
   std::printf("quantised splats, %s: %s Gaussians, SH degree %d\n",
               splats.kind.c_str(),
               WithThousands(splats.size()).c_str(),
               splats.degree);
-  for (int degree = 0; degree <= splats.degree; ++degree) {
-    const QuantisedColors& colors = splats.colors[degree];
-    const size_t width = 3 * size_t(CoefficientCount(degree)), kept = colors.kept.size() / width;
-    if (kept + colors.index.size() == 0) continue;
-    std::printf("degree %d: %s with colours of their own, %s with those of a codebook of %s\n",
+  const auto flat = std::count(splats.own_degree.begin(), splats.own_degree.end(), uint8_t(0));
+  if (flat > 0) std::printf("degree 0: %s\n", WithThousands(size_t(flat)).c_str());
+  for (int degree = 1; degree <= splats.degree; ++degree) {
+    const QuantisedBands& bands = splats.bands[degree];
+    const size_t width = 3 * size_t(CoefficientCount(degree) - 1), kept = bands.kept.size() / width;
+    if (kept + bands.index.size() == 0) continue;
+    std::printf("degree %d: %s with bands of their own, %s with those of a codebook of %s\n",
                 degree,
                 WithThousands(kept).c_str(),
-                WithThousands(colors.index.size()).c_str(),
-                WithThousands(colors.codebook.size() / width).c_str());
+                WithThousands(bands.index.size()).c_str(),
+                WithThousands(bands.codebook.size() / width).c_str());
   }
 }
 

@@ -110,21 +110,21 @@ long CountOf(const QuantisedSplats& splats, int degree, uint8_t quantised) {
   return count;
 }
 
-QuantisedColors ReadColors(Members& members, const QuantisedSplats& splats, int degree) {
+QuantisedBands ReadBands(Members& members, const QuantisedSplats& splats, int degree) {
   const long kept = CountOf(splats, degree, 0), quantised = CountOf(splats, degree, 1);
-  QuantisedColors colors;
-  if (kept + quantised == 0) return colors;
-  const long coefficients = CoefficientCount(degree);
-  colors.kept = members.Floats(OfDegree("kept", degree), {kept, coefficients, 3});
+  QuantisedBands bands;
+  if (kept + quantised == 0) return bands;
+  const long coefficients = CoefficientCount(degree) - 1;
+  bands.kept = members.Floats(OfDegree("kept", degree), {kept, coefficients, 3});
   const std::string codebook = OfDegree("codebook", degree);
-  colors.codebook = members.Floats(codebook, {-1, coefficients, 3});
-  const size_t entries = colors.codebook.size() / size_t(3 * coefficients);
-  colors.index =
+  bands.codebook = members.Floats(codebook, {-1, coefficients, 3});
+  const size_t entries = bands.codebook.size() / size_t(3 * coefficients);
+  bands.index =
       members.Integers<uint16_t>(OfDegree("index", degree),
                                  {quantised},
                                  entries,
                                  "a row of the " + std::to_string(entries) + " of " + codebook);
-  return colors;
+  return bands;
 }
 
 }  // namespace
@@ -141,19 +141,20 @@ Gaussians Dequantise(const QuantisedSplats& splats) {
   copy(kRotation, splats.rotation);
   copy(kScaleLog, splats.scale_log);
   copy(kOpacityLogit, splats.opacity_logit);
+  copy(kColorDc, splats.color_dc);
   struct Next {
     size_t kept = 0, quantised = 0;
   };
   std::array<Next, kMaxTrainedDegree + 1> next;
   for (size_t i = 0; i < g.size(); ++i) {
     const int degree = splats.own_degree[i];
-    const QuantisedColors& colors = splats.colors[degree];
-    const size_t width = 3 * size_t(CoefficientCount(degree));
-    const float* color = splats.quantised[i]
-                             ? &colors.codebook[colors.index[next[degree].quantised++] * width]
-                             : &colors.kept[next[degree].kept++ * width];
-    std::copy_n(color, 3, g.at(kColorDc, i));
-    std::copy_n(color + 3, width - 3, g.at(kColorRest, i));
+    if (degree == 0) continue;
+    const QuantisedBands& bands = splats.bands[degree];
+    const size_t width = 3 * size_t(CoefficientCount(degree) - 1);
+    const float* own = splats.quantised[i]
+                           ? &bands.codebook[bands.index[next[degree].quantised++] * width]
+                           : &bands.kept[next[degree].kept++ * width];
+    std::copy_n(own, width, g.at(kColorRest, i));
   }
   return g;
 }
@@ -175,13 +176,14 @@ void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
   npz.AddHalf("rotation", {n, 4}, s.rotation);
   npz.AddHalf("scale_log", {n, 3}, s.scale_log);
   npz.AddHalf("opacity_logit", {n}, s.opacity_logit);
+  npz.AddHalf("color_dc", {n, 3}, s.color_dc);
   npz.Add("degree", {n}, s.own_degree);
   npz.Add("quantised", {n}, s.quantised);
-  for (int degree = 0; degree <= kMaxTrainedDegree; ++degree) {
+  for (int degree = 1; degree <= kMaxTrainedDegree; ++degree) {
     const size_t kept = size_t(CountOf(s, degree, 0)), quantised = size_t(CountOf(s, degree, 1));
     if (kept + quantised == 0) continue;
-    const size_t coefficients = size_t(CoefficientCount(degree));
-    const QuantisedColors& c = s.colors[degree];
+    const size_t coefficients = size_t(CoefficientCount(degree) - 1);
+    const QuantisedBands& c = s.bands[degree];
     npz.AddHalf(OfDegree("kept", degree), {kept, coefficients, 3}, c.kept);
     npz.Add(OfDegree("index", degree), {quantised}, c.index);
     const size_t entries = c.codebook.size() / (3 * coefficients);
@@ -201,10 +203,11 @@ QuantisedSplats ReadVqFile(const std::string& path) {
   splats.rotation = members.Floats("rotation", {n, 4});
   splats.scale_log = members.Floats("scale_log", {n, 3});
   splats.opacity_logit = members.Floats("opacity_logit", {n});
+  splats.color_dc = members.Floats("color_dc", {n, 3});
   splats.own_degree = members.Integers<uint8_t>(
       "degree", {n}, size_t(degree) + 1, "0 to " + std::to_string(degree));
   splats.quantised = members.Integers<uint8_t>("quantised", {n}, 2, "0 or 1");
-  for (int d = 0; d <= degree; ++d) splats.colors[d] = ReadColors(members, splats, d);
+  for (int d = 1; d <= degree; ++d) splats.bands[d] = ReadBands(members, splats, d);
   splats.more = members.Rest();
   return splats;
 }

@@ -1,4 +1,4 @@
-// Splats with vector-quantised colours, and the file that holds them.
+// Splats with vector-quantised bands of colour, and the file that holds them.
 //
 // Gaussians -> Quantise (splat/vq.h) -> QuantisedSplats -> WriteVqFile -> file -> ReadVqFile ->
 // Dequantise -> Gaussians. The file is a zip of .npy arrays (.npz) and a JSON header;
@@ -15,12 +15,12 @@
 
 namespace cosplat {
 
-// Colours of the splats that have one degree, in their order: coefficients of 3DGS's SH,
-// [(degree+1)^2, 3] of each.
-struct QuantisedColors {
-  std::vector<float> kept;      // [P, (degree+1)^2, 3] of those that are not quantised
+// Bands from 1 on of the splats that have one degree d >= 1, in their order: B = (d+1)^2 - 1
+// coefficients of 3DGS's SH.
+struct QuantisedBands {
+  std::vector<float> kept;      // [P, B, 3] of those that are not quantised
   std::vector<uint16_t> index;  // [Q] row of the codebook of those that are
-  std::vector<float> codebook;  // [K, (degree+1)^2, 3]
+  std::vector<float> codebook;  // [K, B, 3]
 };
 
 struct QuantisedSplats {
@@ -32,9 +32,10 @@ struct QuantisedSplats {
   std::vector<float> rotation;       // [N, 4] wxyz, unit
   std::vector<float> scale_log;      // [N, 3] log(world units)
   std::vector<float> opacity_logit;  // [N] inverse logistic
+  std::vector<float> color_dc;       // [N, 3] coefficient of the constant function
   std::vector<uint8_t> own_degree;   // [N] highest band with a coefficient that is not zero
-  std::vector<uint8_t> quantised;    // [N] 1: colour from the codebook of its degree
-  std::array<QuantisedColors, kMaxTrainedDegree + 1> colors;  // by own degree
+  std::vector<uint8_t> quantised;    // [N] 1: bands from the codebook of its degree
+  std::array<QuantisedBands, kMaxTrainedDegree + 1> bands;  // by own degree; the first is empty
 
   Npz more;  // further arrays of the file, as they are
 

@@ -35,8 +35,8 @@ std::string Bytes(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Of numbers that 16 bits hold: a splat of degree 1 that is kept, one of degree 0 and two of degree
-// 1 that are quantised.
+// Of numbers that 16 bits hold: a splat of degree 1 that is kept, one of degree 0, which has no
+// bands, and two of degree 1 that are quantised.
 QuantisedSplats GoldenSplats() {
   const auto numbers = [](size_t count) {
     std::vector<float> values(count);
@@ -49,10 +49,10 @@ QuantisedSplats GoldenSplats() {
   s.rotation = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0.5f, 0.5f};
   s.scale_log = numbers(12);
   s.opacity_logit = {-2, 0, 0.5f, 3};
+  s.color_dc = numbers(12);
   s.own_degree = {1, 0, 1, 1};
-  s.quantised = {0, 1, 1, 1};
-  s.colors[0] = {{}, {0}, numbers(3)};
-  s.colors[1] = {numbers(12), {1, 0}, numbers(24)};
+  s.quantised = {0, 0, 1, 1};
+  s.bands[1] = {numbers(9), {1, 0}, numbers(18)};
   s.more.Add("face", {2}, std::vector<int32_t>{7, -1});
   return s;
 }
@@ -79,11 +79,13 @@ TEST(VqFile, GoldenNumbers) {
   const QuantisedSplats read = ReadVqFile(golden);
   EXPECT_EQ(read.position, splats.position);
   EXPECT_EQ(read.rotation, splats.rotation);
-  EXPECT_EQ(read.colors[1].codebook, splats.colors[1].codebook);
+  EXPECT_EQ(read.color_dc, splats.color_dc);
+  EXPECT_EQ(read.bands[1].codebook, splats.bands[1].codebook);
   const Gaussians g = ReadSplats(golden);
   EXPECT_EQ(g.degrees, splats.own_degree);
-  EXPECT_EQ(g.at(kColorDc, 2)[0], splats.colors[1].codebook[12]);  // row 1
-  EXPECT_EQ(g.at(kColorRest, 3)[8], splats.colors[1].codebook[11]);
+  EXPECT_EQ(g.at(kColorDc, 1)[2], splats.color_dc[5]);
+  EXPECT_EQ(g.at(kColorRest, 2)[0], splats.bands[1].codebook[9]);  // row 1
+  EXPECT_EQ(g.at(kColorRest, 3)[8], splats.bands[1].codebook[8]);
 }
 
 // docs/vq-file.md, member by member.
@@ -101,14 +103,15 @@ TEST(VqFile, HasTheMembersThatAreDocumented) {
                  {"rotation", "<f2", {300, 4}},
                  {"scale_log", "<f2", {300, 3}},
                  {"opacity_logit", "<f2", {300}},
+                 {"color_dc", "<f2", {300, 3}},
                  {"degree", "|u1", {300}},
                  {"quantised", "|u1", {300}},
-                 {"kept_1", "<f2", {-1, 4, 3}},
+                 {"kept_1", "<f2", {-1, 3, 3}},
                  {"index_1", "<u2", {-1}},
-                 {"codebook_1", "<f2", {-1, 4, 3}},
-                 {"kept_2", "<f2", {-1, 9, 3}},
+                 {"codebook_1", "<f2", {-1, 3, 3}},
+                 {"kept_2", "<f2", {-1, 8, 3}},
                  {"index_2", "<u2", {-1}},
-                 {"codebook_2", "<f2", {31, 9, 3}}};
+                 {"codebook_2", "<f2", {31, 8, 3}}};
   EXPECT_EQ(npz.arrays().size(), std::size(members));
   for (const auto& member : members)
     EXPECT_EQ(npz.Get(member.name, member.shape).dtype, member.dtype) << member.name;
@@ -134,10 +137,11 @@ TEST(VqFile, ReadsBackWhatSixteenBitsHold) {
   expect_half(read.rotation, written.rotation);
   expect_half(read.scale_log, written.scale_log);
   expect_half(read.opacity_logit, written.opacity_logit);
+  expect_half(read.color_dc, written.color_dc);
   for (int degree = 0; degree <= kMaxTrainedDegree; ++degree) {
-    EXPECT_EQ(read.colors[degree].index, written.colors[degree].index);
-    expect_half(read.colors[degree].kept, written.colors[degree].kept);
-    expect_half(read.colors[degree].codebook, written.colors[degree].codebook);
+    EXPECT_EQ(read.bands[degree].index, written.bands[degree].index);
+    expect_half(read.bands[degree].kept, written.bands[degree].kept);
+    expect_half(read.bands[degree].codebook, written.bands[degree].codebook);
   }
   WriteVqFile(folder / "b.zip", read);
   EXPECT_EQ(Bytes(folder / "a.zip"), Bytes(folder / "b.zip"));
@@ -166,9 +170,10 @@ TEST(VqFile, IsOfTheDocumentedSize) {
   const TemporaryFolder folder;
   const Gaussians g = test::RandomGaussians(4000, 3, Basis::kSh, 9);
   WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), {128, 0.4, 0}));
-  // Position 12 bytes, rotation, scale and opacity 16, own colours 96, index, degree, flag 4.
+  // Position 12 bytes, rotation, scale and opacity 16, constant colour 6, own bands 90, index,
+  // degree, flag 4.
   EXPECT_LT(std::filesystem::file_size(folder / "a.zip"),
-            size_t(4000 * (12 + 16 + 0.4 * 96 + 4) + 128 * 96 + 4096));
+            size_t(4000 * (12 + 16 + 6 + 0.4 * 90 + 4) + 128 * 90 + 4096));
 }
 
 TEST(VqFile, IsToldByItsFirstBytes) {
@@ -281,8 +286,8 @@ TEST(VqFile, BadMembersAreNamed) {
     };
   };
   expect(shape("opacity_logit", {60, 1}), {"opacity_logit", "[60, 1]", "[60]"});
-  expect(shape("codebook_2", {0, 9, 3}), {"index_2", "the 0 of codebook_2"});
-  expect(shape("kept_2", {1, 9, 3}), {"kept_2", "[1, 9, 3]"});
+  expect(shape("codebook_2", {0, 8, 3}), {"index_2", "the 0 of codebook_2"});
+  expect(shape("kept_2", {1, 8, 3}), {"kept_2", "[1, 8, 3]"});
   Npz empty;
   empty.AddText("splats.json",
                 ours + "\"version\": 1, \"count\": 0, \"degree\": 0, \"kind\": \"scene\"}");
