@@ -116,8 +116,8 @@ COSPLAT_HD Vec3<T> EvaluateColor(const Vec3<T>& u,
   for (int i = 0; i < 3; ++i) c[i] = T(0.5f) + basis[0] * dc[i];
   for (int k = 1; k < (kDegree + 1) * (kDegree + 1); ++k)
     for (int i = 0; i < 3; ++i) c[i] += basis[k] * rest[3 * (k - 1) + i];
-  // Written so that a NaN stays one and is seen, not turned into black.
-  for (T& x : c) x = Select(x < T(0), T(0), x);
+  // Written so that a NaN stays one and is seen, not turned into black; and minus infinity is one.
+  for (T& x : c) x = Select(x < T(0), x - x, x);
   return {c[0], c[1], c[2]};
 }
 

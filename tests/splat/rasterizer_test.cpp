@@ -259,6 +259,19 @@ TEST(Rasterizer, NanGaussiansAreNotDrawn) {
     }
 }
 
+// Whatever the sign of the basis function: minus infinity is no black.
+TEST(Rasterizer, InfiniteColoursAreNotDrawn) {
+  for (const float poison : {INFINITY, -INFINITY})
+    for (int k = 0; k < 9; ++k) {
+      Gaussians g = RandomGaussians(20, 1, 4);
+      for (size_t i = 0; i < g.size(); ++i) g.at(kColorRest, i)[k] = poison;
+      const Rendering r = Render(g, TestCamera(40, 40));
+      for (const float t : r.image.transmittance) ASSERT_EQ(t, 1) << k << ' ' << poison;
+      for (int a = 0; a < kAttributeCount; ++a)
+        for (const float v : r.gradients.values[a]) ASSERT_EQ(v, 0) << k << ' ' << poison;
+    }
+}
+
 TEST(Rasterizer, GroupsThatAreNotDrawnMayKeepTheirGradients) {
   Gaussians g = RandomGaussians(70, 2, 5);
   for (size_t i = 16; i < 48; ++i) g.at(kPosition, i)[2] -= 50;
