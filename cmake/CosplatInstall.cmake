@@ -41,6 +41,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/base/npy.h
   splat/base/opencv_quiet.h
   splat/cpu/
+  splat/cuda/
   splat/io/colmap_model.h
   splat/io/glb
   splat/io/ply_

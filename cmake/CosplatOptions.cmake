@@ -6,8 +6,9 @@ set(COSPLAT_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,und
 add_library(cosplat_options INTERFACE)
 add_library(cosplat::options ALIAS cosplat_options)
 target_include_directories(cosplat_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
-target_compile_options(cosplat_options INTERFACE -Wall -Wextra -Wno-unknown-pragmas
-                       $<$<BOOL:${COSPLAT_WERROR}>:-Werror>)
+target_compile_options(cosplat_options INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wno-unknown-pragmas>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${COSPLAT_WERROR}>>:-Werror>)
 if(COSPLAT_SANITIZE)
   target_compile_options(cosplat_options INTERFACE -fsanitize=${COSPLAT_SANITIZE}
                          -fno-omit-frame-pointer)

@@ -22,16 +22,14 @@ std::array<AdamArray, kAttributeCount> ArraysOf(const AdamSettings& settings,
                                                 View<const float> position_rate_scale,
                                                 Gaussians& values,
                                                 AdamState& state) {
-  const math::AdamStep defaults;
-  const double correction1 = 1 - std::pow(double(defaults.beta1), double(state.step));
-  const double correction2 = std::sqrt(1 - std::pow(double(defaults.beta2), double(state.step)));
   std::array<AdamArray, kAttributeCount> arrays;
   for (int a = 0; a < kAttributeCount; ++a) {
+    const math::AdamStep step = StepOf(settings, a, state.step);
     arrays[a].width = values.width(a);
-    arrays[a].beta1 = defaults.beta1;
-    arrays[a].beta2 = defaults.beta2;
-    arrays[a].step_size = float(settings.rate[a] * correction2 / correction1);
-    arrays[a].scaled_eps = float(settings.eps[a] * correction2);
+    arrays[a].beta1 = step.beta1;
+    arrays[a].beta2 = step.beta2;
+    arrays[a].step_size = step.step_size;
+    arrays[a].scaled_eps = step.scaled_eps;
     arrays[a].gradient = gradients ? gradients->values[a].data() : nullptr;
     arrays[a].value = values.values[a].data();
     arrays[a].m = state.m.values[a].data();
@@ -66,6 +64,15 @@ size_t Update(const std::array<AdamArray, kAttributeCount>& arrays,
 }
 
 }  // namespace
+
+math::AdamStep StepOf(const AdamSettings& settings, int attribute, int64_t step) {
+  math::AdamStep s;
+  const double correction1 = 1 - std::pow(double(s.beta1), double(step));
+  const double correction2 = std::sqrt(1 - std::pow(double(s.beta2), double(step)));
+  s.step_size = float(settings.rate[attribute] * correction2 / correction1);
+  s.scaled_eps = float(settings.eps[attribute] * correction2);
+  return s;
+}
 
 AdamState::AdamState(const Gaussians& gaussians)
     : m(gaussians.ZerosLike()),

@@ -7,6 +7,7 @@
 
 #include "splat/gaussians.h"
 #include "splat/kernels/world_gaussians.h"
+#include "splat/math/adam.h"
 
 namespace cosplat {
 
@@ -14,6 +15,9 @@ struct AdamSettings {
   std::array<float, kAttributeCount> rate{};
   std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
 };
+
+// The constants of step `step`, counted from 1, for one attribute.
+math::AdamStep StepOf(const AdamSettings& settings, int attribute, int64_t step);
 
 // Gaussians are updated in groups of kGaussianGroup: their numbers fill whole SIMD registers.
 inline size_t AdamGroupCount(size_t gaussians) {

@@ -21,7 +21,10 @@ bool StartsWithAny(const std::string& text, const std::vector<std::string>& pref
   return std::any_of(
       prefixes.begin(), prefixes.end(), [&](const auto& p) { return StartsWith(text, p); });
 }
-bool IsHeader(const std::string& path) { return fs::path(path).extension() == ".h"; }
+bool IsHeader(const std::string& path) {
+  const fs::path extension = fs::path(path).extension();
+  return extension == ".h" || extension == ".cuh";
+}
 
 // By the beginning of the path, ends in '/' for folders; from cmake/CosplatInstall.cmake.
 std::vector<std::string> PrivateHeaders() {
@@ -70,6 +73,7 @@ const std::vector<LibraryRule>& LibraryRules() {
       {"tinygltf", std::regex("(.*/)?tiny_gltf\\.h"), "", false, false, true},
       {"oneTBB", std::regex("(tbb|oneapi)/.*"), "", false, true, false},
       {"Highway", std::regex("hwy/.*"), "", false, true, false},
+      {"CUDA", std::regex("cuda_runtime.*|cub/.*|thrust/.*"), "splat/cuda/", false, false, false},
   };
   return rules;
 }
@@ -140,7 +144,7 @@ std::vector<Source> AllSources() {
   for (const char* folder : {"splat", "flame", "avatar", "apps", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp") continue;
+      if (!IsHeader(entry.path()) && extension != ".cpp" && extension != ".cu") continue;
       std::ifstream file(entry.path());
       std::ostringstream text;
       text << file.rdbuf();
@@ -202,9 +206,12 @@ TEST(Layering, CheckSeesWhatIsForbidden) {
   EXPECT_TRUE(breaks("avatar/surface.h", "<OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>"));
   EXPECT_TRUE(breaks("avatar/avatar_file.h", "<tiny_gltf.h>"));
   EXPECT_TRUE(breaks("splat/rasterizer.h", "<tbb/parallel_for.h>"));
+  EXPECT_TRUE(breaks("splat/trainer.cpp", "<cuda_runtime.h>"));
+  EXPECT_TRUE(breaks("splat/cuda/sort.cu", "\"tests/support/near.h\""));
   EXPECT_FALSE(breaks("flame/pose.cpp", "<Eigen/Core>"));
   EXPECT_FALSE(breaks("apps/gstreamer/cosplat_src.cpp", "<cosplat.h>"));
   EXPECT_FALSE(breaks("splat/math/vec.h", "<cmath>"));
+  EXPECT_FALSE(breaks("splat/cuda/check.h", "<cuda_runtime.h>"));
   EXPECT_FALSE(breaks("tests/avatar/walk_test.cpp", "\"splat/cpu/pack.h\""));
 }
 

@@ -42,8 +42,9 @@ COSPLAT_HD TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) 
 }
 
 // Whether a pixel centre of the rectangle of width x height pixels from (x0, y0) on can reach the
-// splat's rejection level.
-COSPLAT_HD bool TouchesRectangle(const ProjectedSplat& s, int x0, int y0, int width, int height) {
+// splat's rejection level. Splat: has ProjectedSplat's members.
+template <class Splat>
+COSPLAT_HD bool TouchesRectangle(const Splat& s, int x0, int y0, int width, int height) {
   const float x = x0 + 0.5f - s.x, y = y0 + 0.5f - s.y;
   const PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
   return LargestPowerIn(form,

@@ -1,0 +1,20 @@
+# cosplat::cuda: the CUDA back end. Tests compile the same files for the host (tests/cuda).
+set(COSPLAT_CUDA_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/adam.cu
+  ${CMAKE_CURRENT_LIST_DIR}/blend_backward.cu
+  ${CMAKE_CURRENT_LIST_DIR}/blend_forward.cu
+  ${CMAKE_CURRENT_LIST_DIR}/cuda_rasterizer.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_gaussians.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/loss.cu
+  ${CMAKE_CURRENT_LIST_DIR}/memory.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/renderer.cu
+  ${CMAKE_CURRENT_LIST_DIR}/sort.cu
+  ${CMAKE_CURRENT_LIST_DIR}/tile_lists.cu
+  ${CMAKE_CURRENT_LIST_DIR}/world_arrays.cpp)
+set_property(GLOBAL PROPERTY COSPLAT_CUDA_SOURCES ${COSPLAT_CUDA_SOURCES})
+if(COSPLAT_HAS_CUDA)
+  cosplat_library(cuda ${COSPLAT_CUDA_SOURCES})
+  target_link_libraries(cosplat_cuda PUBLIC cosplat::render CUDA::cudart_static)
+  target_compile_options(cosplat_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+endif()

@@ -1,0 +1,264 @@
+#include <bit>
+#include <string>
+
+#include "splat/cuda/launch.cuh"
+#include "splat/cuda/tile_lists.h"
+#include "splat/kernels/tile_range.h"
+#include "splat/memory_part.h"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr uint32_t kNotDrawn = 0xffffffffu;  // behind every depth
+// Splats over more tiles than this are looked at by a whole warp together.
+constexpr uint64_t kFewTiles = 4;
+
+__device__ uint32_t BitsOf(float x) {
+  union {
+    float value;
+    uint32_t bits;
+  } u{x};
+  return u.bits;
+}
+
+// Depths are positive: their bits order as values.
+struct DepthKey {
+  DeviceView<const ProjectedSplat> splats;
+  DeviceView<const float> radii;
+  DeviceView<uint32_t> keys, gaussians;
+  __device__ void operator()(size_t i) const {
+    keys[i] = radii[i] > 0 ? BitsOf(splats[i].depth) : kNotDrawn;
+    gaussians[i] = uint32_t(i);
+  }
+};
+
+// For every Gaussian in depth order, its tiles row by row; a warp has 32 neighbours. Calls
+// visit(k, tile, n): tile `tile` is the n-th that Gaussian k of the order touches. Returns how many
+// the lane's own one touches. Counting and storing must not disagree: both are this.
+struct TileVisitor {
+  DeviceView<const ProjectedSplat> splats;
+  DeviceView<const uint32_t> keys, gaussians;
+  int tiles_x, tiles_y;
+
+  template <class Visit>
+  __device__ uint64_t Run(size_t k, const Visit& visit) const {
+    const bool drawn = k < keys.count && keys[k] != kNotDrawn;
+    const uint32_t i = drawn ? gaussians[k] : 0;
+    math::TileRange range{0, 0, 0, 0};
+    if (drawn) range = math::RangeOf(splats[i], tiles_x, tiles_y);
+    const bool many = range.size() > kFewTiles;
+    uint64_t touched = 0;
+    if (!many) touched = Alone(k, i, range, visit);
+    for (unsigned left = __ballot_sync(kAllLanes, many); left != 0; left &= left - 1) {
+      const int owner = __ffs(left) - 1;
+      const uint64_t n = Together(k - Lane() + owner, __shfl_sync(kAllLanes, i, owner), visit);
+      if (int(Lane()) == owner) touched = n;
+    }
+    return touched;
+  }
+
+ private:
+  template <class Visit>
+  __device__ uint64_t
+  Alone(size_t k, uint32_t i, const math::TileRange& range, const Visit& visit) const {
+    uint64_t touched = 0;
+    const bool test = NeedsTileTest(range);
+    for (int y = range.y0; y < range.y1; ++y)
+      for (int x = range.x0; x < range.x1; ++x)
+        if (!test || math::TouchesTile(splats[i], x, y))
+          visit(k, uint32_t(y) * tiles_x + x, touched++);
+    return touched;
+  }
+
+  // All lanes: a tile each at a time.
+  template <class Visit>
+  __device__ uint64_t Together(size_t k, uint32_t i, const Visit& visit) const {
+    const ProjectedSplat& splat = splats[i];
+    const math::TileRange range = math::RangeOf(splat, tiles_x, tiles_y);
+    const uint64_t size = range.size();
+    uint64_t touched = 0;
+    for (uint64_t first = 0; first < size; first += kWarp) {
+      const uint64_t at = first + Lane();
+      const int x = range.x0 + int(at % range.columns()), y = range.y0 + int(at / range.columns());
+      const bool touches = at < size && math::TouchesTile(splat, x, y);
+      const unsigned votes = __ballot_sync(kAllLanes, touches);
+      const unsigned before = votes & ((1u << Lane()) - 1);
+      if (touches) visit(k, uint32_t(y) * tiles_x + x, touched + __popc(before));
+      touched += __popc(votes);
+    }
+    return touched;
+  }
+};
+
+struct CountTiles {
+  static constexpr unsigned kThreads = 256;
+  TileVisitor visitor;
+  DeviceView<uint64_t> counts;   // [keys + 1]; the last is 0
+  DeviceView<uint64_t> visible;  // [1]: 0 at first
+  __device__ void operator()() const {
+    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
+    const uint64_t n = visitor.Run(k, [](size_t, uint32_t, uint64_t) {});
+    const size_t last = visitor.keys.count;
+    if (k <= last) counts[k] = n;
+    if (k < last && visitor.keys[k] != kNotDrawn &&
+        (k + 1 == last || visitor.keys[k + 1] == kNotDrawn))
+      visible[0] = k + 1;
+  }
+};
+
+struct EmitInstances {
+  static constexpr unsigned kThreads = 256;
+  TileVisitor visitor;
+  DeviceView<const uint64_t> record_begin;
+  DeviceView<uint32_t> tiles, records, of_record;
+  __device__ void operator()() const {
+    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
+    const EmitInstances& self = *this;
+    visitor.Run(k, [&self](size_t owner, uint32_t tile, uint64_t n) {
+      const uint64_t r = self.record_begin[owner] + n;
+      self.tiles[r] = tile;
+      self.records[r] = uint32_t(r);
+      self.of_record[r] = self.visitor.gaussians[owner];
+    });
+  }
+};
+
+struct GatherGaussians {
+  DeviceView<const uint32_t> records, of_record;
+  DeviceView<uint32_t> gaussian;
+  __device__ void operator()(size_t k) const { gaussian[k] = of_record[records[k]]; }
+};
+
+// Where each tile begins among the sorted keys: the first that is not less.
+struct FindTileBegin {
+  DeviceView<const uint32_t> tiles;
+  DeviceView<uint32_t> tile_begin;
+  __device__ void operator()(size_t t) const {
+    uint32_t low = 0, high = uint32_t(tiles.count);
+    while (low < high) {
+      const uint32_t middle = low + (high - low) / 2;
+      if (tiles[middle] < t)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    tile_begin[t] = low;
+  }
+};
+
+struct CountBuckets {
+  DeviceView<const uint32_t> tile_begin;
+  DeviceView<uint64_t> buckets;
+  __device__ void operator()(size_t t) const {
+    const bool last = t + 1 == tile_begin.count;
+    buckets[t] = last ? 0 : (tile_begin[t + 1] - tile_begin[t] + kBucket - 1) / kBucket;
+  }
+};
+
+size_t BlocksOf(size_t n, unsigned threads) { return (n + threads - 1) / threads; }
+
+}  // namespace
+
+void TileLists::SortByDepth(DeviceView<const ProjectedSplat> splats,
+                            DeviceView<const float> radii,
+                            cudaStream_t stream) {
+  const size_t n = splats.count;
+  by_depth_.Refill(n);
+  ForEach(n, stream, DepthKey{splats, radii, by_depth_.keys.view(), by_depth_.values.view()});
+  sorter_.Sort(by_depth_, 32, stream);
+}
+
+void TileLists::Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
+  const size_t n = splats.count;
+  record_begin_.Refill(n + 1);
+  counts_.Refill(1);
+  counts_.FillWithZeros(stream);
+  const DeviceView<uint64_t> visible{&counts_.data()->visible, 1};
+  const TileVisitor visitor{splats,
+                            std::as_const(by_depth_.keys).view(),
+                            std::as_const(by_depth_.values).view(),
+                            tiles_x_,
+                            tiles_y_};
+  ForBlocks(BlocksOf(n + 1, CountTiles::kThreads),
+            stream,
+            CountTiles{visitor, record_begin_.view(), visible});
+  sorter_.ExclusiveSum(record_begin_, stream);
+  Check(cudaMemcpyAsync(&counts_.data()->instances,
+                        record_begin_.data() + n,
+                        sizeof(uint64_t),
+                        cudaMemcpyDeviceToDevice,
+                        stream),
+        "cudaMemcpyAsync");
+  const Counts& counts = readback_.Get(counts_.data(), stream);
+  if (counts.instances >= math::kInstanceLimit)
+    throw Error("",
+                "rasterizer",
+                std::to_string(counts.instances) + " splat-tile pairs; the limit is 2^31");
+  instances_ = counts.instances;
+  visible_ = counts.visible;
+}
+
+void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
+  by_tile_.Refill(instances_);
+  of_record_.Refill(instances_);
+  gaussian_.Refill(instances_);
+  const DeviceView<const uint32_t> keys{by_depth_.keys.data(), visible_};
+  const TileVisitor visitor{
+      splats, keys, std::as_const(by_depth_.values).view(), tiles_x_, tiles_y_};
+  ForBlocks(BlocksOf(visible_, EmitInstances::kThreads),
+            stream,
+            EmitInstances{visitor,
+                          std::as_const(record_begin_).view(),
+                          by_tile_.keys.view(),
+                          by_tile_.values.view(),
+                          of_record_.view()});
+  sorter_.Sort(by_tile_, std::bit_width(tiles()), stream);
+  ForEach(instances_,
+          stream,
+          GatherGaussians{std::as_const(by_tile_.values).view(),
+                          std::as_const(of_record_).view(),
+                          gaussian_.view()});
+}
+
+void TileLists::FindTiles(cudaStream_t stream) {
+  tile_begin_.Refill(tiles() + 1);
+  bucket_begin_.Refill(tiles() + 1);
+  ForEach(
+      tiles() + 1, stream, FindTileBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
+  ForEach(
+      tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
+  sorter_.ExclusiveSum(bucket_begin_, stream);
+}
+
+void TileLists::Build(DeviceView<const ProjectedSplat> splats,
+                      DeviceView<const float> radii,
+                      int width,
+                      int height,
+                      cudaStream_t stream) {
+  tiles_x_ = math::TilesAcross(width);
+  tiles_y_ = math::TilesAcross(height);
+  SortByDepth(splats, radii, stream);
+  Count(splats, stream);
+  Emit(splats, stream);
+  FindTiles(stream);
+}
+
+TileListsView TileLists::view() const {
+  return {tiles_x_,
+          tiles_y_,
+          gaussian_.view(),
+          by_tile_.values.view(),
+          tile_begin_.view(),
+          bucket_begin_.view(),
+          {by_depth_.values.data(), visible_},
+          {record_begin_.data(), visible_ + 1}};
+}
+
+size_t TileLists::HeldForGaussians() const {
+  return by_depth_.held() + by_tile_.held() + sorter_.held() +
+         HeldBy(record_begin_, of_record_, gaussian_);
+}
+
+size_t TileLists::HeldForTiles() const { return HeldBy(tile_begin_, bucket_begin_); }
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,132 @@
+#include "tests/support/cuda_on_host/runtime.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "tests/support/cuda_on_host/execution.h"
+
+namespace cuda_on_host {
+namespace {
+
+constexpr int kPoison = 0xff;
+constexpr size_t kAlignment = 16;  // and whatever the size is a multiple of
+
+struct Allocation {
+  char* pages = nullptr;
+  size_t page_bytes = 0;  // without the guard
+  size_t bytes = 0;
+};
+std::map<void*, Allocation> on_device;
+std::map<const void*, size_t> pinned;
+std::deque<std::function<void()>> queue;
+std::exception_ptr problem;  // of work that was done where nobody could be told
+size_t free_bytes = size_t(1) << 40;
+
+size_t PageBytes() { return size_t(sysconf(_SC_PAGESIZE)); }
+
+void Protect(int access) {
+  for (const auto& [p, a] : on_device)
+    if (a.page_bytes != 0 && mprotect(a.pages, a.page_bytes, access) != 0)
+      throw Fault("mprotect failed");
+}
+
+// Where memory is given back: in destructors, which must not throw.
+void FinishQuietly() {
+  try {
+    Finish();
+  } catch (...) {
+    problem = std::current_exception();
+  }
+}
+
+// While the device works.
+struct DeviceWorks {
+  DeviceWorks() { Protect(PROT_READ | PROT_WRITE); }
+  ~DeviceWorks() { Protect(PROT_NONE); }
+};
+
+}  // namespace
+
+void SetFreeMemory(size_t bytes) { free_bytes = bytes; }
+size_t FreeMemory() { return free_bytes; }
+
+void* AllocateOnDevice(size_t bytes) {
+  if (bytes > free_bytes) return nullptr;
+  const size_t page = PageBytes(), used = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  Allocation a;
+  a.bytes = bytes;
+  a.page_bytes = (used + page - 1) / page * page;
+  void* pages = mmap(
+      nullptr, a.page_bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (pages == MAP_FAILED) return nullptr;
+  a.pages = static_cast<char*>(pages);
+  std::memset(a.pages, kPoison, a.page_bytes);
+  mprotect(a.pages, a.page_bytes + page, PROT_NONE);
+  free_bytes -= bytes;
+  char* p = a.pages + a.page_bytes - used;
+  on_device[p] = a;
+  return p;
+}
+
+bool FreeOnDevice(void* p) {
+  FinishQuietly();
+  const auto at = on_device.find(p);
+  if (at == on_device.end()) return false;
+  free_bytes += at->second.bytes;
+  munmap(at->second.pages, at->second.page_bytes + PageBytes());
+  on_device.erase(at);
+  return true;
+}
+
+void* AllocatePinned(size_t bytes) {
+  void* p = ::operator new(bytes);
+  std::memset(p, kPoison, bytes);
+  pinned[p] = bytes;
+  return p;
+}
+
+bool FreePinned(void* p) {
+  FinishQuietly();
+  if (pinned.erase(p) == 0) return false;
+  ::operator delete(p);
+  return true;
+}
+
+bool IsPinned(const void* p) {
+  const auto after = pinned.upper_bound(p);
+  if (after == pinned.begin()) return false;
+  const auto at = std::prev(after);
+  return static_cast<const char*>(p) < static_cast<const char*>(at->first) + at->second;
+}
+
+void Enqueue(std::function<void()> work) { queue.push_back(std::move(work)); }
+
+void Finish() {
+  if (problem) std::rethrow_exception(std::exchange(problem, nullptr));
+  if (queue.empty()) return;
+  const DeviceWorks open;
+  std::deque<std::function<void()>> work;
+  work.swap(queue);
+  for (const auto& f : work) f();
+}
+
+void Copy(void* to, const void* from, size_t bytes, bool to_host, bool from_host) {
+  if (from_host && !IsPinned(from)) {
+    const char* first = static_cast<const char*>(from);
+    const auto kept = std::make_shared<std::vector<char>>(first, first + bytes);
+    Enqueue([=] { std::memcpy(to, kept->data(), bytes); });
+  } else {
+    Enqueue([=] { std::memmove(to, from, bytes); });
+  }
+  if (to_host && !IsPinned(to)) Finish();
+}
+
+}  // namespace cuda_on_host

@@ -1,0 +1,61 @@
+// A training step of one view on the device, with nothing coming back.
+#pragma once
+
+#include "splat/cuda/adam.h"
+#include "splat/cuda/loss.h"
+#include "splat/cuda/renderer.h"
+
+namespace cosplat::test {
+
+class DeviceStep {
+ public:
+  DeviceStep(const Gaussians& start,
+             const Camera& camera,
+             const Image8& photograph,
+             const RenderSettings& settings,
+             const AdamSettings& rates,
+             cuda::SumOrder order)
+      : renderer(order), basis_(start.basis), camera_(camera), settings_(settings), rates_(rates) {
+    gaussians.Upload(start, stream());
+    gradients.ResizeLike(gaussians);
+    target_.Upload(photograph, stream());
+    adam.Start(gaussians, stream());
+  }
+
+  void Draw() { renderer.Forward(gaussians.View(), basis_, camera_, settings_, true, image, tape); }
+  void Compare() {
+    loss.Evaluate({}, image.color.data(), target_, settings_.background, d_color_, stream());
+  }
+  void GoBack() {
+    WorldGradients out = gradients.GradientView(screen_);
+    out.drawn_groups_only = true;  // Adam reads no others
+    renderer.Backward(gaussians.View(), image, d_color_.data(), tape, out);
+  }
+  void Update() {
+    adam.Step(rates_, gradients, std::as_const(tape.radii).view(), nullptr, gaussians, stream());
+  }
+  void Run() {
+    Draw();
+    Compare();
+    GoBack();
+    Update();
+  }
+  cudaStream_t stream() const { return renderer.stream().get(); }
+
+  cuda::Renderer renderer;
+  cuda::DeviceGaussians gaussians, gradients;
+  cuda::Tape tape;
+  cuda::DeviceImage image;
+  cuda::PhotometricLoss loss;
+  cuda::Adam adam;
+
+ private:
+  Basis basis_;
+  Camera camera_;
+  RenderSettings settings_;
+  AdamSettings rates_;
+  cuda::DeviceTarget target_;
+  cuda::DeviceBuffer<float> d_color_, screen_;
+};
+
+}  // namespace cosplat::test
