@@ -3,6 +3,8 @@
 #include <thread>
 
 #include "tests/plugin/plugin_fixture.h"
+#include "tests/plugin/restless_sequence.h"
+#include "tests/support/live_story.h"
 #include "tests/support/restless_params.h"
 
 namespace cosplat::test {
@@ -41,6 +43,35 @@ TEST(PluginThreads, AvatarsBesideEachOtherAreAsOneAfterTheOther) {
     threads.emplace_back([&, a] { beside[size_t(a)] = Play(10 * a); });
   for (std::thread& thread : threads) thread.join();
   for (int a = 0; a < kAvatars; ++a) EXPECT_EQ(beside[size_t(a)], alone[size_t(a)]) << a;
+}
+
+// Bad and late frames, a drive besides, and time.
+Film PlayLive(const std::string& drive) {
+  const OpenAvatar avatar;
+  EXPECT_EQ(cosplat_set_drive(avatar, drive.c_str()), COSPLAT_OK);
+  LiveStory story(PluginFiles::Get().flame);
+  Film film;
+  for (int f = 0; f < 5 * kFrames; ++f) {
+    story.Feed(avatar, f);
+    EXPECT_EQ(cosplat_advance(avatar, f * LiveStory::kStepNs), COSPLAT_OK);
+    cosplat_health health = Zeroed<cosplat_health>();
+    EXPECT_EQ(cosplat_get_health(avatar, &health), COSPLAT_OK);
+    std::vector<uint8_t> bytes;
+    const cosplat_picture picture = PictureInto(bytes, 40, 40);
+    EXPECT_EQ(cosplat_render(avatar, &picture), COSPLAT_OK);
+    film.push_back(bytes);
+  }
+  return film;
+}
+
+TEST(PluginThreads, LiveAvatarsBesideEachOtherAreAsOneAfterTheOther) {
+  const std::string drive = WriteSequence("beside.npz", 4);
+  const Film alone = PlayLive(drive);
+  std::vector<Film> beside(4);
+  std::vector<std::thread> threads;
+  for (Film& film : beside) threads.emplace_back([&] { film = PlayLive(drive); });
+  for (std::thread& thread : threads) thread.join();
+  for (const Film& film : beside) EXPECT_EQ(film, alone);
 }
 
 TEST(PluginThreads, AvatarsInTurnDoNotSeeEachOther) {
