@@ -153,27 +153,6 @@ void WriteImage(const std::string& path, const Image8& image) {
 
 void WriteImage(const std::string& path, const Image& image) { WriteImage(path, ToBytes(image)); }
 
-Image8 ToBytes(const Image& image) {
-  Image8 bytes(image.width, image.height, image.channels);
-  for (size_t i = 0; i < image.data.size(); ++i) {
-    if (std::isnan(image.data[i])) {
-      const size_t pixel = i / image.channels;
-      throw Error("",
-                  "image",
-                  "pixel (" + std::to_string(pixel % image.width) + ", " +
-                      std::to_string(pixel / image.width) + ") is not a number");
-    }
-    bytes.data[i] = uint8_t(std::clamp(image.data[i], 0.f, 1.f) * 255 + 0.5f);
-  }
-  return bytes;
-}
-
-Image ToFloat(const Image8& image) {
-  Image result(image.width, image.height, image.channels);
-  for (size_t i = 0; i < image.data.size(); ++i) result.data[i] = image.data[i] / 255.f;
-  return result;
-}
-
 Image8 ResizeByArea(const Image8& image, int width, int height) {
   if (width == image.width && height == image.height) return image;
   if (width < 1 || height < 1 || image.empty())

@@ -2,6 +2,7 @@
 cosplat_library(base
   ${CMAKE_CURRENT_LIST_DIR}/camera_pose.cpp
   ${CMAKE_CURRENT_LIST_DIR}/files.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/image_bytes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/image_header.cpp
   ${CMAKE_CURRENT_LIST_DIR}/image_io.cpp
   ${CMAKE_CURRENT_LIST_DIR}/json.cpp

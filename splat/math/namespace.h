@@ -3,6 +3,8 @@
 // Ordinarily they are in cosplat::math. A file that Highway re-includes once per instruction set
 // (HWY_TARGET_INCLUDE) gets them once per target, compiled inside that target's pragma, in
 // cosplat::math::<target>: g++ inlines across functions only when their target options agree.
+#undef COSPLAT_MATH_BEGIN
+#undef COSPLAT_MATH_END
 #if defined(HWY_NAMESPACE)
 #define COSPLAT_MATH_BEGIN \
   HWY_BEFORE_NAMESPACE();  \

@@ -1,0 +1,27 @@
+# The lean build (COSPLAT_LEAN, preset `gpu-tests`): the renderer on the CPU and on CUDA, losses, Adam,
+# their parity tests and benchmark, from nvcc, CMake, a C++ compiler and what COSPLAT_CARRIED holds:
+# Highway's headers (include/hwy) and GoogleTest's sources (googletest/src and googletest/include).
+# For a machine with a card and nothing else; tests/gpu/run.sh drives it.
+set(COSPLAT_CARRIED "/usr" CACHE PATH "Folder with include/hwy and googletest")
+find_path(COSPLAT_HIGHWAY hwy/highway.h PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
+find_path(COSPLAT_GOOGLETEST src/gtest-all.cc NO_DEFAULT_PATH REQUIRED
+  PATHS ${COSPLAT_CARRIED}/googletest ${COSPLAT_CARRIED}/src/googletest/googletest)
+find_package(Threads REQUIRED)
+
+# One instruction set, this machine's: the library that chooses when a program starts is not needed.
+add_library(hwy::hwy INTERFACE IMPORTED)
+target_include_directories(hwy::hwy SYSTEM INTERFACE ${COSPLAT_HIGHWAY})
+target_compile_definitions(hwy::hwy INTERFACE HWY_COMPILE_ONLY_STATIC)
+add_library(TBB::tbb INTERFACE IMPORTED)
+target_include_directories(TBB::tbb INTERFACE ${PROJECT_SOURCE_DIR}/cmake/lean)
+target_link_libraries(TBB::tbb INTERFACE Threads::Threads)
+add_library(cosplat_gtest STATIC
+  ${COSPLAT_GOOGLETEST}/src/gtest-all.cc ${COSPLAT_GOOGLETEST}/src/gtest_main.cc)
+target_include_directories(cosplat_gtest SYSTEM PUBLIC ${COSPLAT_GOOGLETEST}/include
+  PRIVATE ${COSPLAT_GOOGLETEST})
+target_link_libraries(cosplat_gtest PUBLIC Threads::Threads)
+add_library(GTest::gtest_main ALIAS cosplat_gtest)
+
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-march=native>)
+add_subdirectory(splat)
+add_subdirectory(tests/gpu)

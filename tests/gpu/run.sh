@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# Everything that needs a card, in one command, for a machine that has one and little else (nvcc,
+# CMake, ninja, a C++ compiler): builds the lean configuration, runs the parity tests, which fail
+# where there is no device, compute-sanitizer's tools over small cases, the tests over and over, and
+# the benchmark. Writes summary.json, bench.json, picture.ppm and the logs. Prints a table at the
+# end; exits with 0 only if all of it passed.
+set -uo pipefail
+
+show_help() {
+  cat <<'TEXT'
+tests/gpu/run.sh [--out DIR] [--build DIR] [--carried DIR] [--minutes N] [--dry-run]
+  --out DIR      where results go: $OUT, or out/gpu
+  --build DIR    where to build: build/gpu-tests
+  --carried DIR  what tests/gpu/carry.sh gathered: build/gpu-carried, or the system's where that is
+                 not there
+  --minutes N    for all of it, at most: 8
+  --dry-run      checks what can be checked without a card and says what would be run
+TEXT
+}
+
+root=$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/../..")
+out=${OUT:-$root/out/gpu}
+build=$root/build/gpu-tests
+carried=$root/build/gpu-carried
+minutes=8
+dry=false
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --out | --build | --carried | --minutes)
+      [[ $# -ge 2 ]] || { echo "run.sh: $1 needs a value" >&2; exit 2; }
+      declare "${1#--}=$2"
+      shift 2
+      ;;
+    --dry-run) dry=true; shift ;;
+    -h | --help) show_help; exit 0 ;;
+    *) show_help >&2; echo "run.sh: there is no '$1'" >&2; exit 2 ;;
+  esac
+done
+[[ $minutes =~ ^[0-9]+$ ]] || { echo "run.sh: --minutes $minutes is no number" >&2; exit 2; }
+[[ -d $carried ]] || carried=/usr
+export PATH=$PATH:/usr/local/cuda/bin
+export COSPLAT_REQUIRE_DEVICE=1
+tests=$build/tests/gpu/cosplat_test_parity
+bench=$build/tests/gpu/cosplat_bench_cuda
+
+names=() results=() seconds=()
+
+# step NAME LIMIT_S COMMAND...: runs it within its limit and what is left of all; its output goes
+# to NAME.log.
+step() {
+  local name=$1 limit=$2 left=$((minutes * 60 - SECONDS)) begin=$SECONDS result
+  shift 2
+  [[ $left -lt $limit ]] && limit=$left
+  if $dry; then
+    echo "$name: $*"
+    result=planned
+  elif [[ $limit -lt 5 ]]; then
+    result="no time left"
+  elif timeout "$limit" "$@" >"$out/$name.log" 2>&1; then
+    result=passed
+  else
+    result="failed ($?)"
+    echo "--- $name: the end of $out/$name.log" >&2
+    tail -n 15 "$out/$name.log" >&2
+  fi
+  names+=("$name") results+=("$result") seconds+=("$((SECONDS - begin))")
+  [[ $result == passed || $result == planned ]]
+}
+
+# The card's architecture; without a card nvcc's usual one.
+architecture() {
+  local capability
+  capability=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | head -n 1)
+  echo "${capability:-9.0}" | tr -d '. '
+}
+
+check_tools() {
+  local tool missing=()
+  for tool in nvcc cmake ninja c++; do
+    command -v "$tool" >/dev/null || missing+=("$tool")
+  done
+  [[ ${#missing[@]} -eq 0 ]] || { echo "run.sh: not found: ${missing[*]}" >&2; exit 2; }
+}
+
+# Small cases: the tools slow a program down a hundredfold.
+sanitize() {
+  local tool=$1
+  shift
+  step "$tool" 100 compute-sanitizer --tool "$tool" --error-exitcode 9 "$@" "$tests" \
+    --gtest_filter='RasterizerParity.*:LossParity.OnConstant*:OptimizerParity.*:DeviceSort.*:StepParity.*'
+}
+
+write_summary() {
+  local i card
+  card=$(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader 2>/dev/null | head -n 1)
+  {
+    echo "{\"card\": \"${card}\", \"nvcc\": \"$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')\","
+    echo " \"steps\": ["
+    for i in "${!names[@]}"; do
+      [[ $i -eq 0 ]] || echo ","
+      printf '  {"name": "%s", "result": "%s", "seconds": %s}' \
+        "${names[$i]}" "${results[$i]}" "${seconds[$i]}"
+    done
+    echo "]}"
+  } >"$out/summary.json.part"
+  mv "$out/summary.json.part" "$out/summary.json"
+}
+
+finish() {
+  local i failed=0
+  $dry || write_summary
+  for i in "${!names[@]}"; do
+    printf '%-14s %-14s %4s s\n' "${names[$i]}" "${results[$i]}" "${seconds[$i]}"
+    [[ ${results[$i]} == passed || ${results[$i]} == planned ]] || failed=1
+  done
+  exit $failed
+}
+
+check_tools
+$dry || mkdir -p "$out"
+configure=(cmake --preset gpu-tests -S "$root" -B "$build" "-DCOSPLAT_CARRIED=$carried"
+  "-DCMAKE_CUDA_ARCHITECTURES=$(architecture)")
+if $dry; then
+  # Configuring needs no card, and finds what is missing.
+  (cd "$root" && "${configure[@]}") >/dev/null || exit 1
+fi
+cd "$root" || exit 1
+step configure 60 "${configure[@]}" || finish
+step build 240 cmake --build "$build" --parallel "$(nproc)" || finish
+step parity 60 "$tests"
+step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
+  --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
+step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
+if $dry || command -v compute-sanitizer >/dev/null; then
+  sanitize memcheck --leak-check full
+  sanitize initcheck
+  sanitize racecheck
+else
+  names+=(sanitizer) results+=("not found") seconds+=(0)
+fi
+finish
