@@ -51,7 +51,10 @@ class JsonSource : public LiveSource {
 
  private:
   bool IsNewer(const JsonFrame& frame, int64_t now_ns) {
-    if (order_.Accept(frame.sequence, now_ns)) return true;
+    if (order_.Accept(frame.sequence, now_ns)) {
+      if (order_.began_again()) clock_ = {};  // whose clock may have begun again as well
+      return true;
+    }
     ++counts_.reordered;
     counts_.last_problem =
         Description() + ": seq: " + std::to_string(frame.sequence) + " is not newer than the last";

@@ -11,9 +11,10 @@ int64_t Elapsed(int64_t from_ns, int64_t to_ns) {
 }  // namespace
 
 bool SequenceFilter::Accept(uint64_t sequence, int64_t now_ns) {
-  const bool begins_again = Elapsed(accepted_ns_, now_ns) >= kRestartPauseNs;
-  if (any_ && sequence <= newest_ && !begins_again) return false;
+  const bool older = any_ && sequence <= newest_;
+  if (older && Elapsed(accepted_ns_, now_ns) < kRestartPauseNs) return false;
   any_ = true;
+  began_again_ = older;
   newest_ = sequence;
   accepted_ns_ = now_ns;
   return true;

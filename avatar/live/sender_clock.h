@@ -12,9 +12,11 @@ class SequenceFilter {
   static constexpr int64_t kRestartPauseNs = 500'000'000;
 
   bool Accept(uint64_t sequence, int64_t now_ns);
+  // Whether the last frame that was accepted is of a sender that began again.
+  bool began_again() const { return began_again_; }
 
  private:
-  bool any_ = false;
+  bool any_ = false, began_again_ = false;
   uint64_t newest_ = 0;
   int64_t accepted_ns_ = 0;
 };

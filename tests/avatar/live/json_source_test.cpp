@@ -93,6 +93,18 @@ TEST(JsonSource, ASenderThatRestartsIsTakenUpAgain) {
   EXPECT_EQ(frame.sequence, 1u);
 }
 
+TEST(JsonSource, SoIsItsClock) {
+  Connection connection;
+  LiveFrame frame;
+  connection.Send(R"({"seq": 0, "time": 0})");
+  ASSERT_TRUE(connection.source->Poll(0, frame));
+  connection.Send(R"({"seq": 25, "time": 1})");
+  ASSERT_TRUE(connection.source->Poll(1000 * kMillisecond, frame));
+  connection.Send(R"({"seq": 0, "time": 0})");  // by the old clock more than a second ago
+  ASSERT_TRUE(connection.source->Poll(1600 * kMillisecond, frame));
+  EXPECT_EQ(frame.time_ns, 1600 * kMillisecond);
+}
+
 TEST(JsonSource, TimestampsAreBroughtToThePollersClock) {
   Connection connection;
   LiveFrame frame;

@@ -17,7 +17,9 @@ TEST(SequenceFilter, OnlyNewerFramesUntilAPause) {
   EXPECT_FALSE(filter.Accept(4, 2));
   EXPECT_TRUE(filter.Accept(9, 3));
   EXPECT_FALSE(filter.Accept(0, 3 + SequenceFilter::kRestartPauseNs - 1));
+  EXPECT_FALSE(filter.began_again());
   EXPECT_TRUE(filter.Accept(0, 3 + SequenceFilter::kRestartPauseNs));
+  EXPECT_TRUE(filter.began_again());
   EXPECT_TRUE(filter.Accept(1, 4 + SequenceFilter::kRestartPauseNs));
 }
 
