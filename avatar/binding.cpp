@@ -1,19 +1,17 @@
 #include "avatar/binding.h"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <string>
 
 #include "avatar/embed_packs.h"
+#include "avatar/kernels/embed.h"
 #include "avatar/parallel_for.h"
 #include "avatar/released_binding.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
-
-using Corners = std::array<SurfaceVertex, 3>;
 
 void CheckSize(const char* field, size_t found, size_t expected) {
   if (found != expected)
@@ -46,12 +44,13 @@ void CheckModel(const Gaussians& gaussians, const Embedding& embedding, const Su
 EmbedJob JobOf(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
   EmbedJob job;
   job.count = gaussians.size();
+  if (job.count == 0) return job;
   job.triangle = embedding.triangle.data();
-  job.barycentric = embedding.barycentric.data();
+  job.barycentric = embedding.barycentric.data()->data();
   job.offset = gaussians.values[kPosition].data();
   job.rotation = gaussians.values[kRotation].data();
   job.scale_log = gaussians.values[kScaleLog].data();
-  job.faces = surface.faces().data();
+  job.faces = surface.faces().data()->data();
   job.vertices = &surface.vertices().data()->position.x;
   job.canonical_areas = surface.canonical_areas().data();
   return job;
@@ -72,29 +71,6 @@ FaceLists GroupByFace(const std::vector<int32_t>& triangle, size_t face_count) {
   std::vector<uint32_t> next(lists.begin.begin(), lists.begin.end() - 1);
   for (size_t i = 0; i < triangle.size(); ++i) lists.index[next[triangle[i]]++] = uint32_t(i);
   return lists;
-}
-
-void AddTo(SurfaceVertex& sum, const SurfaceVertex& d) {
-  sum.position += d.position;
-  sum.normal += d.normal;
-  sum.rotation = sum.rotation + d.rotation;
-  sum.area += d.area;
-}
-
-// Adds what the Gaussians around vertex v have for it, in the order of its faces, then theirs.
-SurfaceVertex GatherVertex(const Surface& surface,
-                           const FaceLists& lists,
-                           const Corners* d_triangles,
-                           size_t v) {
-  const MeshTopology& topology = surface.topology();
-  SurfaceVertex sum{};
-  for (int32_t k = topology.vertex_face_begin[v]; k < topology.vertex_face_begin[v + 1]; ++k) {
-    const int32_t f = topology.vertex_faces[k];
-    const int corner = CornerOf(surface.faces()[f], v);
-    for (uint32_t j = lists.begin[f]; j < lists.begin[f + 1]; ++j)
-      AddTo(sum, d_triangles[lists.index[j]][corner]);
-  }
-  return sum;
 }
 
 }  // namespace
@@ -137,9 +113,10 @@ void BindBackward(const Gaussians& gaussians,
       throw Error("avatar", "mesh", "has no gradient by the rule of the released SplattingAvatar");
     return BindReleasedBackward(gaussians, embedding, surface, d_posed, d_gaussians);
   }
-  // [N] of each Gaussian's triangle. Every number is written: clearing them first would take as
-  // long as using them.
-  const auto d_triangles = std::make_unique_for_overwrite<Corners[]>(d_vertices ? n : 0);
+  // Of each Gaussian's triangle. Every number is written: clearing them first would take as long as
+  // using them.
+  const auto d_corners =
+      std::make_unique_for_overwrite<float[]>(d_vertices ? 3 * kSurfaceVertexFloats * n : 0);
   LaunchEmbedVjp(JobOf(gaussians, embedding, surface),
                  {d_posed.position.data(),
                   d_posed.rotation.data(),
@@ -148,12 +125,15 @@ void BindBackward(const Gaussians& gaussians,
                  {d_gaussians.values[kPosition].data(),
                   d_gaussians.values[kRotation].data(),
                   d_gaussians.values[kScaleLog].data(),
-                  d_vertices && n > 0 ? &d_triangles[0][0].position.x : nullptr});
+                  d_vertices ? d_corners.get() : nullptr});
   if (!d_vertices) return;
   const FaceLists lists = GroupByFace(embedding.triangle, surface.faces().size());
   Buffer<SurfaceVertex> d_surface(surface.vertex_count());
-  ParallelFor(d_surface.size(),
-              [&](size_t v) { d_surface[v] = GatherVertex(surface, lists, d_triangles.get(), v); });
+  const math::SumAtVertexKernel sum{surface.Arrays(),
+                                    {lists.begin.data(), lists.index.data()},
+                                    d_corners.get(),
+                                    &d_surface.data()->position.x};
+  ParallelFor(d_surface.size(), [&](size_t v) { sum.Run(v); });
   surface.Backward(d_surface, *d_vertices);
 }
 

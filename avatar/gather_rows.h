@@ -1,5 +1,5 @@
 // Rows of arrays into SIMD packs, each lane's from its own place (splat/cpu/pack_rows.h has those
-// that follow each other). Re-included per Highway target.
+// that follow each other), and kernels run on packs. Re-included per Highway target.
 #if defined(COSPLAT_AVATAR_GATHER_ROWS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_GATHER_ROWS_H_
 #undef COSPLAT_AVATAR_GATHER_ROWS_H_
@@ -7,20 +7,18 @@
 #define COSPLAT_AVATAR_GATHER_ROWS_H_
 #endif
 
-#include <array>
+#include <algorithm>
 
+#include "avatar/kernels/gather.h"
 #include "splat/cpu/pack_rows.h"
 
 COSPLAT_MATH_BEGIN
 
-// Index of a row per lane; lanes beyond the rows repeat the first.
-using LaneRows = std::array<int32_t, kLanes>;
-template <class F>
-HWY_INLINE LaneRows RowPerLane(const Rows& rows, const F& row_of) {
-  LaneRows r;
-  for (size_t l = 0; l < kLanes; ++l) r[l] = row_of(rows.first + (l < rows.count ? l : 0));
-  return r;
-}
+template <>
+inline constexpr size_t kLaneCount<Pack> = kLanes;
+
+HWY_INLINE Pack FromLanes(const PerLane<float, Pack>& lanes) { return LoadPack(lanes.lane); }
+HWY_INLINE void ToLanes(const Pack& x, PerLane<float, Pack>& lanes) { StorePack(x, lanes.lane); }
 
 #if HWY_TARGET != HWY_SCALAR
 // Like LoadBlocks, of the rows rows[0], rows[4], ...
@@ -37,19 +35,29 @@ HWY_INLINE hn::Vec<D> GatherBlocks(D d, const float* array, size_t width, const 
 }
 #endif
 
-// out[k]: number k of each row; 4 <= kUsed <= width.
+// As for a float.
 template <int kUsed>
-HWY_INLINE void GatherRows(const float* array, size_t width, const LaneRows& rows, Pack* out) {
+HWY_INLINE void GatherRows(const float* array,
+                           size_t width,
+                           const LaneRows<Pack>& rows,
+                           Pack* out) {
 #if HWY_TARGET != HWY_SCALAR
   for (int k = 0; k < kUsed; k += 4) {
     const int from = FourFrom<kUsed>(k);
     for (int r = 0; r < 4; ++r)
-      out[from + r] = Pack(GatherBlocks(Lanes(), array + from, width, rows.data() + r));
+      out[from + r] = Pack(GatherBlocks(Lanes(), array + from, width, rows.lane + r));
     Transpose4x4(Lanes(), out[from].v, out[from + 1].v, out[from + 2].v, out[from + 3].v);
   }
 #else
   for (int k = 0; k < kUsed; ++k) out[k] = Pack(array[width * size_t(rows[0]) + k]);
 #endif
+}
+
+// A kernel's rows [begin, end).
+template <class Kernel>
+void RunRange(const Kernel& kernel, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; i += kLanes)
+    kernel.template Run<Pack>(Rows{i, std::min(kLanes, end - i)});
 }
 
 COSPLAT_MATH_END

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "avatar/kernels/surface.h"
 #include "avatar/parallel_for.h"
 #include "avatar/surface_packs.h"
 #include "splat/base/error.h"
@@ -62,7 +63,7 @@ Surface::Surface(const CanonicalMesh& mesh)
   for (size_t v = 0; v < vertices_.size(); ++v)
     for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
       const size_t f = topology_.vertex_faces[k];
-      corner_places_[3 * f + CornerOf(faces_[f], v)] = k;
+      corner_places_[3 * f + CornerOf(faces_[f].data(), v)] = k;
     }
   Pose(mesh.vertices);
   canonical_ = vertices_;
@@ -75,7 +76,7 @@ SurfaceArrays Surface::Arrays() const {
   SurfaceArrays arrays;
   arrays.face_count = faces_.size();
   arrays.vertex_count = vertices_.size();
-  arrays.faces = faces_.data();
+  arrays.faces = faces_.data()->data();
   arrays.vertex_face_begin = topology_.vertex_face_begin.data();
   arrays.vertex_faces = topology_.vertex_faces.data();
   arrays.corner_places = corner_places_.data();
@@ -97,22 +98,13 @@ void Surface::Pose(const std::vector<float>& vertices) {
 void Surface::Backward(const Buffer<SurfaceVertex>& d_surface,
                        std::vector<float>& d_vertices) const {
   Buffer<SurfaceVertex> d_sums(vertices_.size());
-  std::vector<std::array<Vec3<float>, 3>> d_corners(faces_.size());
-  LaunchPoseSurfaceVjp(Arrays(),
-                       &d_surface.data()->position.x,
-                       &d_sums.data()->position.x,
-                       &d_corners.data()->front().x);
+  Buffer<float> d_corners(9 * faces_.size());
+  LaunchPoseSurfaceVjp(
+      Arrays(), &d_surface.data()->position.x, &d_sums.data()->position.x, d_corners.data());
   d_vertices.resize(3 * vertices_.size());
-  ParallelFor(vertices_.size(), [&](size_t v) {
-    Vec3<float> sum = d_sums[v].position;
-    for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
-      const int32_t f = topology_.vertex_faces[k];
-      sum += d_corners[f][CornerOf(faces_[f], v)];
-    }
-    d_vertices[3 * v] = sum.x;
-    d_vertices[3 * v + 1] = sum.y;
-    d_vertices[3 * v + 2] = sum.z;
-  });
+  const math::SumCornersKernel sum{
+      Arrays(), &d_sums.data()->position.x, d_corners.data(), d_vertices.data()};
+  ParallelFor(vertices_.size(), [&](size_t v) { sum.Run(v); });
 }
 
 double FaceArea(const CanonicalMesh& mesh, size_t face) {

@@ -15,7 +15,7 @@
 
 namespace cosplat {
 
-struct SurfaceArrays;  // avatar/surface_packs.h
+struct SurfaceArrays;  // avatar/kernels/arrays.h
 using SurfaceVertex = math::SurfaceVertex<float>;
 
 // A place on a mesh: a face and the weights (u, v) of its vertices 0 and 1; 1 - u - v is that of
@@ -24,11 +24,6 @@ struct SurfacePoint {
   int32_t triangle = 0;
   std::array<float, 2> barycentric{};
 };
-
-// Which corner of `face` the vertex is; it must be one.
-inline int CornerOf(const std::array<int32_t, 3>& face, size_t vertex) {
-  return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
-}
 
 // Points that a search or a walk has moved keep each weight at least this: float's rounding of
 // 1 - u - v is 1.2e-7.
@@ -58,18 +53,17 @@ class Surface {
   const Buffer<SurfaceVertex>& canonical() const { return canonical_; }  // [V]
   // [F, 4] of canonical(): its area at the face's corners; the fourth number is unused.
   const Buffer<float>& canonical_areas() const { return canonical_areas_; }
-
- private:
-  // The arrays of the mesh and of its last pose. Only Pose lets the latter be written.
+  // The mesh and its last pose as kernels take them, which Pose alone may write to.
   SurfaceArrays Arrays() const;
 
+ private:
   std::vector<std::array<int32_t, 3>> faces_;
   MeshTopology topology_;
   std::vector<int32_t> corner_places_;          // [F, 3] where vertex_faces lists the corner
   Buffer<math::Mat3<float>> canonical_frames_;  // [F]
   Buffer<SurfaceVertex> canonical_;             // [V]
   Buffer<float> canonical_areas_;
-  // The last pose, as avatar/surface_packs.h lays it out.
+  // The last pose, as avatar/kernels/arrays.h lays it out.
   Buffer<SurfaceVertex> vertices_;
   Buffer<float> posed_faces_, sums_, signs_;
 };

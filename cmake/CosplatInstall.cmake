@@ -9,6 +9,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/embed_packs.h
   avatar/gather_rows.h
   avatar/io/
+  avatar/kernels/
   avatar/live/arkit.h
   avatar/live/blendshape_matrix.h
   avatar/live/json_source.h
