@@ -3,12 +3,10 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "splat/base/files.h"
 #include "splat/base/sha256.h"
-#include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
@@ -244,27 +242,6 @@ TEST(PointsPly, ReadsBack) {
   EXPECT_EQ(read_points, points);
   EXPECT_EQ(read_colors, colors);
   ExpectError([&] { WritePointsPly(folder / "q.ply", points, {1, 2, 3}); }, {"q.ply", "6", "3"});
-}
-
-TEST(CamerasJson, HasTheFieldsThatViewersRead) {
-  const TemporaryFolder folder;
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500;
-  camera.fy = 510;
-  camera.rotation = {0, 1, 0, -1, 0, 0, 0, 0, 1};
-  camera.translation = {1, 2, 3};
-  WriteCamerasJson(folder / "cameras.json", {{"a", camera}, {"b", camera}});
-  const auto json = nlohmann::json::parse(Text(folder / "cameras.json"));
-  ASSERT_EQ(json.size(), 2u);
-  EXPECT_EQ(json[1]["id"], 1);
-  EXPECT_EQ(json[1]["img_name"], "b");
-  EXPECT_EQ(json[0]["width"], 640);
-  EXPECT_EQ(json[0]["fy"], 510);
-  // world_from_cam: the transpose, and -R^T t.
-  EXPECT_EQ(json[0]["rotation"], (nlohmann::json{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}));
-  EXPECT_EQ(json[0]["position"], (nlohmann::json{2, -1, -3}));
 }
 
 }  // namespace
