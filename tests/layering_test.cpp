@@ -50,6 +50,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"apps/hosts/", {"apps/hosts/"}},  // and <cosplat.h>, as those below
       {"apps/gstreamer/", {"apps/gstreamer/", "apps/hosts/"}},
       {"apps/obs/", {"apps/obs/", "apps/hosts/"}},
+      {"apps/viewer/", {"apps/viewer/", "avatar/", "flame/", "splat/"}},
       {"apps/", {"apps/", "avatar/", "flame/", "splat/"}},
       {"tests/", {"tests/", "apps/", "avatar/", "flame/", "splat/"}},
   };
@@ -74,6 +75,8 @@ const std::vector<LibraryRule>& LibraryRules() {
       {"oneTBB", std::regex("(tbb|oneapi)/.*"), "", false, true, false},
       {"Highway", std::regex("hwy/.*"), "", false, true, false},
       {"CUDA", std::regex("cuda_runtime.*|cub/.*|thrust/.*"), "splat/cuda/", false, false, false},
+      {"GLFW", std::regex("GLFW/.*"), "apps/viewer/", false, false, false},
+      {"Dear ImGui", std::regex("(.*/)?imgui.*"), "apps/viewer/", false, false, false},
   };
   return rules;
 }
@@ -200,6 +203,9 @@ TEST(Layering, CheckSeesWhatIsForbidden) {
   EXPECT_TRUE(breaks("apps/cosplat/main.cpp", "\"splat/cpu/launch.h\""));
   EXPECT_TRUE(breaks("apps/hosts/avatar_view.cpp", "\"avatar/player.h\""));
   EXPECT_TRUE(breaks("apps/gstreamer/cosplat_src.cpp", "\"splat/base/error.h\""));
+  EXPECT_TRUE(breaks("apps/viewer/stage.cpp", "\"apps/cosplat/run_data.h\""));
+  EXPECT_TRUE(breaks("apps/viewer/window.h", "<GLFW/glfw3.h>"));
+  EXPECT_TRUE(breaks("apps/cosplat/play.cpp", "<imgui.h>"));
   EXPECT_TRUE(breaks("splat/loss.h", "<Eigen/Core>"));
   EXPECT_TRUE(breaks("splat/loss.cpp", "<opencv2/core.hpp>"));
   EXPECT_TRUE(breaks("splat/base/image_io.h", "<opencv2/core.hpp>"));

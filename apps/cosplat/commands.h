@@ -11,6 +11,7 @@ void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
 void AddMakeHead(CLI::App& app);
 void AddMetrics(CLI::App& app);
+void AddPlay(CLI::App& app);
 void AddRender(CLI::App& app);
 void AddReport(CLI::App& app);
 void AddSend(CLI::App& app);

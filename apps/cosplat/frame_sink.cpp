@@ -22,21 +22,21 @@ FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(EndsI
   if (!is_video_) MakeDirectories(path_);
 }
 
-void FrameSink::Write(const Image8& rgb) {
+void FrameSink::Write(const Image8& image) {
   if (is_video_) {
-    const int width = rgb.width & ~1, height = rgb.height & ~1;
+    const int width = image.width & ~1, height = image.height & ~1;
     if (width == 0 || height == 0)
       throw Error(path_, "frame", "is too small for a video: one pixel");
     if (!video_) video_ = std::make_unique<VideoWriter>(path_, width, height, kFramesPerSecond);
     Image8 even(width, height, 3);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) even.at(x, y, c) = rgb.at(x, y, c);
+        for (int c = 0; c < 3; ++c) even.at(x, y, c) = image.at(x, y, c);
     video_->Write(even);
   } else {
     char name[16];
     std::snprintf(name, sizeof name, "/%05d.png", count_);
-    WriteImage(path_ + name, rgb);
+    WriteImage(path_ + name, image);
   }
   ++count_;
 }

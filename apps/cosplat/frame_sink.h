@@ -14,8 +14,10 @@ class FrameSink {
  public:
   // A path that ends in .mp4 is a video; anything else a folder.
   explicit FrameSink(std::string path);
-  // RGB. Video codecs want even sides: an odd last row or column is left out there.
-  void Write(const Image8& rgb);
+  bool is_video() const { return is_video_; }
+  // RGB; into a folder RGBA too. Video codecs want even sides: an odd last row or column is left
+  // out there.
+  void Write(const Image8& image);
   void Finish();
   int count() const { return count_; }
 

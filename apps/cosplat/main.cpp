@@ -43,6 +43,7 @@ int Run(int argc, char** argv) {
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
   cosplat::AddRender(app);
+  cosplat::AddPlay(app);
   cosplat::AddMetrics(app);
   cosplat::AddExport(app);
   cosplat::AddReport(app);

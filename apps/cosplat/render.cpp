@@ -130,15 +130,6 @@ void RenderScene(const Options& o, const JsonField& run) {
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }
 
-FlameParams ReferenceRoot(const JsonField& run) {
-  FlameParams p;
-  const std::vector<float> r = run["reference"]["rotation"].Numbers(3);
-  const std::vector<float> t = run["reference"]["translation"].Numbers(3);
-  std::copy(r.begin(), r.end(), p.pose[0].begin());
-  std::copy(t.begin(), t.end(), p.translation.begin());
-  return p;
-}
-
 // The centre of the posed head and its own upward direction.
 void HeadFrame(const PlacedAvatar& placed,
                const FlameModel& flame,

@@ -49,4 +49,13 @@ std::array<float, 3> BackgroundOf(const JsonField& run) {
   return {c[0], c[1], c[2]};
 }
 
+FlameParams ReferenceRoot(const JsonField& run) {
+  FlameParams p;
+  const std::vector<float> r = run["reference"]["rotation"].Numbers(3);
+  const std::vector<float> t = run["reference"]["translation"].Numbers(3);
+  std::copy(r.begin(), r.end(), p.pose[0].begin());
+  std::copy(t.begin(), t.end(), p.translation.begin());
+  return p;
+}
+
 }  // namespace cosplat

@@ -31,4 +31,7 @@ TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split);
 // Colour behind held-out pictures, as run.json has it.
 std::array<float, 3> BackgroundOf(const JsonField& run);
 
+// An avatar's head where it is on average: root pose and translation, all else zero.
+FlameParams ReferenceRoot(const JsonField& run);
+
 }  // namespace cosplat

@@ -1,0 +1,140 @@
+#include "apps/cosplat/play_content.h"
+
+#include <filesystem>
+
+#include "apps/cosplat/run_data.h"
+#include "apps/cosplat/run_folder.h"
+#include "apps/viewer/framing.h"
+#include "avatar/avatar_file.h"
+#include "avatar/live/recording.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
+#include "splat/io/cameras_json.h"
+#include "splat/io/splat_file.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+using viewer::Content;
+using viewer::Session;
+using viewer::StartView;
+
+namespace {
+
+std::vector<float> HeadVertices(const Content::Avatar& avatar) {
+  const AvatarModel& model = avatar.model;
+  AvatarPoser poser(avatar.flame, model.shape, model.static_offset, model.bust);
+  std::vector<float> vertices;
+  poser.Forward(poser.FrameFor(avatar.rest), vertices);
+  vertices.resize(3 * size_t(avatar.flame.vertex_count));  // the bust's come last
+  return vertices;
+}
+
+// The first training frame's camera, looking at the middle of the head.
+StartView AsFilmed(const Content::Avatar& avatar, const JsonField& run) {
+  const StartView front = viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
+  const Camera camera = CameraFromJson(run["reference"]["camera"]);
+  const std::array<float, 9>& r = camera.rotation;
+  return {camera, front.center, {-r[3], -r[4], -r[5]}};
+}
+
+// run: of the folder that it lies in, or null.
+Content LoadAvatar(const std::string& glb, const JsonField* run, const std::string& flame) {
+  Content content;
+  content.avatar.emplace();
+  Content::Avatar& avatar = *content.avatar;
+  avatar.model = ReadAvatarGlb(glb);
+  if (flame.empty() && !run)
+    throw Error(glb,
+                "--flame",
+                "is needed: the FLAME model '" + avatar.model.flame_name + "', sha256 " +
+                    avatar.model.flame_sha256);
+  avatar.flame = LoadFlameModel(flame.empty() ? (*run)["flame"].String() : flame);
+  AttachMesh(avatar.model, avatar.flame);
+  content.background = avatar.model.background;
+  avatar.rest = run ? ReferenceRoot(*run) : RestRoot(avatar.model, avatar.flame);
+  content.start =
+      run ? AsFilmed(avatar, *run) : viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
+  return content;
+}
+
+Content LoadSplatsOf(const std::string& path) {
+  Content content;
+  content.scene = ReadSplats(path);
+  content.background = {0, 0, 0};
+  content.start = viewer::BeforeSplats(path, content.scene);
+  return content;
+}
+
+Content LoadRunScene(const std::string& folder, const JsonField& run) {
+  Content content = LoadSplatsOf(SplatPath(folder, SavedIteration(folder, run)));
+  content.background = BackgroundOf(run);
+  std::vector<Camera> cameras;
+  if (fs::exists(folder + "/cameras.json"))
+    for (const NamedCamera& named : ReadCamerasJson(folder + "/cameras.json"))
+      cameras.push_back(named.camera);
+  if (!cameras.empty()) content.start = viewer::AtCamera(cameras);
+  return content;
+}
+
+Content LoadRunContent(const std::string& folder, const std::string& flame) {
+  const Json json = ReadRun(folder);
+  const JsonField run(folder + "/run.json", json);
+  RequireSplats(run);
+  if (run["kind"].String() == "avatar") return LoadAvatar(folder + "/avatar.glb", &run, flame);
+  return LoadRunScene(folder, run);
+}
+
+Content LoadFile(const std::string& path, const std::string& flame) {
+  if (fs::path(path).extension() != ".glb") return LoadSplatsOf(path);
+  const std::string folder = fs::absolute(path).parent_path().string();
+  if (!fs::exists(folder + "/run.json")) return LoadAvatar(path, nullptr, flame);
+  const Json json = ReadRun(folder);
+  const JsonField run(folder + "/run.json", json);
+  return LoadAvatar(path, &run, flame);
+}
+
+// A face per time step: where the recording has none, that before stays.
+std::vector<FlameParams> FacesOf(const Recording& recording) {
+  std::vector<FlameParams> faces;
+  for (const RecordedFrame& frame : recording.frames) {
+    while (int64_t(faces.size()) < frame.timestep) faces.push_back(faces.back());
+    faces.push_back(frame.params);
+  }
+  return faces;
+}
+
+}  // namespace
+
+Content LoadContent(const std::string& model, const std::string& flame) {
+  Content content = fs::is_directory(model) ? LoadRunContent(model, flame) : LoadFile(model, flame);
+  if (!content.avatar && !flame.empty())
+    throw Error(model, "--flame", "is for avatars; this is a scene");
+  const fs::path path = fs::absolute(model).lexically_normal();
+  content.title = (path.has_filename() ? path : path.parent_path()).filename().string();
+  return content;
+}
+
+bool IsLiveDrive(const std::string& drive) {
+  return drive == "stdin:" || drive.find("://") != std::string::npos;
+}
+
+void DriveSession(Session& session, const Content& content, const std::string& drive, double fps) {
+  if (!content.avatar) throw Error(content.title, "--drive", "is for avatars; this is a scene");
+  const Content::Avatar& avatar = *content.avatar;
+  LiveSourceOptions options;
+  options.rest = avatar.rest;
+  options.frames_per_second = fps;
+  if (IsLiveDrive(drive)) {
+    FlameParams rest = avatar.rest;
+    rest.expression.assign(size_t(avatar.flame.expression_count), 0);
+    session.SetLive(std::make_unique<viewer::LiveFace>(
+        OpenLiveSource(drive, options), std::move(rest), avatar.model.trained_range));
+  } else {
+    const Recording recording = LoadRecording(drive, options);
+    session.SetSequence(
+        fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
+  }
+}
+
+}  // namespace cosplat

@@ -1,0 +1,136 @@
+#include "apps/viewer/ellipsoid_view.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "splat/basis_constants.h"
+#include "splat/config.h"
+#include "splat/math/gaussian.h"
+
+namespace cosplat::viewer {
+namespace {
+
+using math::Mat3;
+using math::Vec3;
+
+constexpr float kFaintestLogit = -2.1972246f;  // of an opacity of 0.1
+
+// An ellipsoid in the camera's axes and its box in the picture, samples.
+struct Ellipsoid {
+  Mat3<float> sphere_from_cam;  // p -> unit sphere around the centre
+  Vec3<float> center;           // of it, by sphere_from_cam
+  float least_x, most_x, least_y, most_y;
+  float nearest;  // depth
+  Rgb color;
+};
+
+// Slopes along axis k (0: x, 1: y) of the planes through the eye that touch the ellipsoid: the
+// roots of (Szz - z^2) u^2 - 2 (Skz - k z) u + (Skk - k^2) = 0, with the discriminant multiplied
+// out, as its squares of k and z would drown S.
+struct Slopes {
+  float least, most;
+};
+Slopes TouchingSlopes(float skk, float skz, float szz, float k, float z) {
+  const float square = z * z * skk - 2 * k * z * skz + k * k * szz - (skk * szz - skz * skz);
+  const float root = std::sqrt(std::max(square, 0.0f)), over = z * z - szz;
+  return {(k * z - skz - root) / over, (k * z - skz + root) / over};
+}
+
+// `axes`: columns are its half axes. False where it reaches behind the camera or beside the
+// picture.
+bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, Ellipsoid& e) {
+  const auto entry = [&](int i, int k) {
+    return axes(i, 0) * axes(k, 0) + axes(i, 1) * axes(k, 1) + axes(i, 2) * axes(k, 2);
+  };
+  const float szz = entry(2, 2);
+  e.nearest = c.z - std::sqrt(szz);
+  if (!(e.nearest > kNearPlane)) return false;
+  const Slopes x = TouchingSlopes(entry(0, 0), entry(0, 2), szz, c.x, c.z);
+  const Slopes y = TouchingSlopes(entry(1, 1), entry(1, 2), szz, c.y, c.z);
+  e.least_x = camera.fx * x.least + camera.cx;
+  e.most_x = camera.fx * x.most + camera.cx;
+  e.least_y = camera.fy * y.least + camera.cy;
+  e.most_y = camera.fy * y.most + camera.cy;
+  return e.most_x > 0 && e.most_y > 0 && e.least_x < float(camera.width) &&
+         e.least_y < float(camera.height);
+}
+
+Rgb MeanColor(const float* dc) {
+  const float constant = BasisConstants(Basis::kSh)[0];  // that of every basis
+  Rgb rgb;
+  for (size_t k = 0; k < 3; ++k)
+    rgb[k] = uint8_t(255 * std::clamp(0.5f + constant * dc[k], 0.0f, 1.0f) + 0.5f);
+  return rgb;
+}
+
+// False where nothing of it is to be drawn.
+bool Place(const WorldGaussians& g, size_t i, const Camera& camera, Ellipsoid& e) {
+  const float *p = g.position + 3 * i, *q = g.rotation + 4 * i, *s = g.scale_log + 3 * i;
+  if (!(g.opacity_logit[i] >= kFaintestLogit)) return false;
+  Mat3<float> cam_from_world;
+  std::copy(camera.rotation.begin(), camera.rotation.end(), cam_from_world.m);
+  const Vec3<float> scale{std::exp(s[0]), std::exp(s[1]), std::exp(s[2])};
+  const Mat3<float> turn =
+      cam_from_world * math::RotationOf(math::Normalize(math::Quat<float>{q[0], q[1], q[2], q[3]}));
+  const Vec3<float> c =
+      cam_from_world * Vec3<float>{p[0], p[1], p[2]} +
+      Vec3<float>{camera.translation[0], camera.translation[1], camera.translation[2]};
+  if (!BoxOf(math::ScaleColumns(turn, scale), c, camera, e)) return false;
+  e.sphere_from_cam =
+      math::Transpose(math::ScaleColumns(turn, Vec3<float>{1 / scale.x, 1 / scale.y, 1 / scale.z}));
+  e.center = e.sphere_from_cam * c;
+  e.color = MeanColor(g.color_dc + 3 * i);
+  return std::isfinite(math::Dot(e.center, e.center));
+}
+
+// The ray through a sample, d z, meets the unit sphere around m where |d z - m| = 1. Its
+// discriminant is written with d x m, as (d m)^2 - d^2 (m^2 - 1) cancels where m is far away.
+void FillRow(const Ellipsoid& e, int y, const Camera& camera, SurfaceBuffer& buffer) {
+  const int begin = std::max(0, int(std::floor(e.least_x)));
+  const int end = std::min(buffer.width, int(std::ceil(e.most_x)));
+  const float* depth = &buffer.depth[size_t(y) * size_t(buffer.width)];
+  const float slope_y = (float(y) + 0.5f - camera.cy) / camera.fy, per_x = 1 / camera.fx;
+  const Vec3<float> row = e.sphere_from_cam * Vec3<float>{0, slope_y, 1};
+  const Vec3<float> right = e.sphere_from_cam * Vec3<float>{1, 0, 0};
+  for (int x = begin; x < end; ++x) {
+    if (depth[x] <= e.nearest) continue;
+    const Vec3<float> d = row + right * ((float(x) + 0.5f - camera.cx) * per_x);
+    const Vec3<float> miss = math::Cross(d, e.center);
+    const float a = math::Dot(d, d), square = a - math::Dot(miss, miss);
+    if (!(square >= 0)) continue;
+    const float z = (math::Dot(d, e.center) - std::sqrt(square)) / a;
+    if (!(z < depth[x])) continue;
+    const Vec3<float> n =
+        math::Normalize(math::TransposeTimes(e.sphere_from_cam, d * z - e.center));
+    buffer.Put(x, y, z, Lit(e.color, {n.x, n.y, n.z}));
+  }
+}
+
+}  // namespace
+
+void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, SurfaceBuffer& buffer) {
+  const Camera samples = SampleCamera(camera);
+  std::vector<Ellipsoid> all(gaussians.count), drawn;
+  std::vector<uint8_t> seen(gaussians.count);
+  tbb::parallel_for(size_t(0), gaussians.count, [&](size_t i) {
+    seen[i] = Place(gaussians, i, samples, all[i]);
+  });
+  for (size_t i = 0; i < all.size(); ++i)
+    if (seen[i]) drawn.push_back(all[i]);
+  // From the front, so that most of what is hidden ends at a comparison.
+  std::stable_sort(drawn.begin(), drawn.end(), [](const Ellipsoid& a, const Ellipsoid& b) {
+    return a.nearest < b.nearest;
+  });
+  ForBands(buffer, [&](int first, int end) {
+    for (const Ellipsoid& e : drawn) {
+      const int from = std::max(first, int(std::floor(std::max(e.least_y, 0.0f))));
+      const int to = std::min(end, int(std::ceil(std::min(e.most_y, float(buffer.height)))));
+      for (int y = from; y < to; ++y) FillRow(e, y, samples, buffer);
+    }
+  });
+}
+
+}  // namespace cosplat::viewer

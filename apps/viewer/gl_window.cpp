@@ -1,0 +1,151 @@
+#include "apps/viewer/gl_window.h"
+
+// ImGui's backends know no order of including; GLFW brings OpenGL's own header.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "apps/viewer/screen.h"
+#include "splat/base/error.h"
+
+namespace cosplat::viewer {
+namespace {
+
+constexpr int kWidth = 1280, kHeight = 800;  // at scale 1
+constexpr float kMostOfScreen = 0.92f;
+
+[[noreturn]] void ThrowNoWindow(const char* what) {
+  const char* reason = nullptr;
+  glfwGetError(&reason);
+  throw Error("",
+              what,
+              std::string(reason ? reason : "cannot be had") +
+                  "; --headless -o OUT draws to files without a window");
+}
+
+GLFWwindow* Open(const std::string& title, float& scale) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  int width = kWidth, height = kHeight;
+  if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) {
+    float across = 1, down = 1;
+    glfwGetMonitorContentScale(monitor, &across, &down);
+    if (scale <= 0) scale = across;
+    int x = 0, y = 0, most_width = 0, most_height = 0;
+    glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
+    width = std::min(int(kWidth * scale), int(kMostOfScreen * float(most_width)));
+    height = std::min(int(kHeight * scale), int(kMostOfScreen * float(most_height)));
+  }
+  if (scale <= 0) scale = 1;
+  return glfwCreateWindow(
+      std::max(width, 320), std::max(height, 240), title.c_str(), nullptr, nullptr);
+}
+
+}  // namespace
+
+GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
+  if (!glfwInit()) ThrowNoWindow("display");
+  window_ = Open(title, scale_);
+  if (!window_) {
+    try {
+      ThrowNoWindow("OpenGL 3.3 window");
+    } catch (...) {
+      glfwTerminate();
+      throw;
+    }
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind
+  SetUpStyle(scale_);
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  MakeTexture();
+}
+
+GlWindow::~GlWindow() {
+  glDeleteTextures(1, &texture_);
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void GlWindow::MakeTexture() {
+  glGenTextures(1, &texture_);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void GlWindow::BeginFrame(double seconds) {
+  glfwWaitEventsTimeout(seconds);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void GlWindow::EndFrame() {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void GlWindow::Show() { glfwSwapBuffers(window_); }
+
+Image8 GlWindow::Read() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  Image8 bottom_up(width, height, 3), image(width, height, 3);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data.data());
+  const auto row = std::ptrdiff_t(3) * width;
+  for (int y = 0; y < height; ++y)
+    std::copy_n(bottom_up.data.begin() + row * (height - 1 - y), row, image.data.begin() + row * y);
+  return image;
+}
+
+void GlWindow::Upload(const Image8& image) {
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (image.width == texture_width_ && image.height == texture_height_) {
+    glTexSubImage2D(GL_TEXTURE_2D,
+                    0,
+                    0,
+                    0,
+                    image.width,
+                    image.height,
+                    GL_RGBA,
+                    GL_UNSIGNED_BYTE,
+                    image.data.data());
+    return;
+  }
+  glTexImage2D(GL_TEXTURE_2D,
+               0,
+               GL_RGBA8,
+               image.width,
+               image.height,
+               0,
+               GL_RGBA,
+               GL_UNSIGNED_BYTE,
+               image.data.data());
+  texture_width_ = image.width;
+  texture_height_ = image.height;
+}
+
+void GlWindow::Wake() { glfwPostEmptyEvent(); }
+
+}  // namespace cosplat::viewer

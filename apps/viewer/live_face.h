@@ -1,0 +1,44 @@
+// A live source as the viewer draws it: what comes in, under the rule for bad frames.
+//
+// LiveSource (avatar/live/source.h) -> FaceGuard (avatar/live/guard.h) -> LiveFace -> Session ->
+// Shot.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "avatar/live/guard.h"
+#include "avatar/live/source.h"
+
+namespace cosplat::viewer {
+
+class LiveFace {
+ public:
+  // rest: where the face is without frames; its expression has as many coefficients as the model.
+  LiveFace(std::unique_ptr<LiveSource> source,
+           FlameParams rest,
+           const std::optional<TrainedRange>& trained);
+
+  // Takes what came in by `now_ns`.
+  void Advance(int64_t now_ns);
+  const FlameParams& Face() const { return face_; }
+  // When the face was so: the last good frame's own time while frames come, else that of the last
+  // Advance.
+  int64_t input_ns() const;
+
+  bool Ended() const { return source_->Ended(); }
+  LiveCounts Counts() const { return source_->Counts(); }
+  const FaceGuard& guard() const { return guard_; }
+  std::string Description() const { return source_->Description(); }
+
+ private:
+  std::unique_ptr<LiveSource> source_;
+  FaceGuard guard_;
+  LiveFrame frame_;
+  FlameParams face_;
+  int64_t now_ns_ = 0, frame_ns_ = 0;
+};
+
+}  // namespace cosplat::viewer

@@ -1,0 +1,50 @@
+// The camera that the mouse moves: it looks at a point, circles it, shifts and nears it.
+//
+// StartView -> OrbitCamera -> At(size) -> Shot (apps/viewer/stage.h).
+#pragma once
+
+#include <array>
+
+#include "splat/base/camera.h"
+#include "splat/math/vec.h"
+
+namespace cosplat::viewer {
+
+// Where the viewer begins. World units.
+struct StartView {
+  Camera camera;
+  std::array<float, 3> center{};      // what it looks at, roughly
+  std::array<float, 3> up{0, -1, 0};  // unit length
+};
+
+class OrbitCamera {
+ public:
+  // Begins exactly at start.camera. It circles the point of that camera's axis that is nearest to
+  // start.center.
+  explicit OrbitCamera(const StartView& start);
+
+  // Radians. Positive: the camera goes to its right and upwards, short of the poles.
+  void Orbit(float right, float upwards);
+  // Shares of the picture's height by which what is seen moves.
+  void Pan(float right, float down);
+  // Each step brings it a tenth nearer.
+  void Zoom(float steps);
+  void Reset();
+
+  // At the start's size, until it is moved, start.camera to rounding; at another its whole picture
+  // and what lies beside it.
+  Camera At(int width, int height) const;
+
+ private:
+  struct Pose {
+    math::Mat3<float> cam_from_world;
+    math::Vec3<float> target;  // on the camera's axis
+    float distance;            // of the camera from it, > 0
+  };
+
+  Camera lens_;
+  math::Vec3<float> up_;
+  Pose home_, pose_;
+};
+
+}  // namespace cosplat::viewer

@@ -1,0 +1,59 @@
+// Draws beside the window, so that it answers while a picture is being made.
+//
+// Shot -> Start -> (thread) Stage::Draw -> Take -> texture. What is asked for last counts: a shot
+// that has not begun when the next comes is not drawn.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "apps/viewer/stage.h"
+
+namespace cosplat::viewer {
+
+struct RenderJob {
+  Shot shot;
+  int divisor = 1;       // of the sides of the picture that was wanted
+  int64_t input_ns = 0;  // when what it shows came in
+};
+
+struct FinishedPicture {
+  RenderJob job;
+  Image8 image;  // empty where `problem` says why
+  std::string problem;
+  double milliseconds = 0;  // that drawing took
+};
+
+class RenderWorker {
+ public:
+  // Keeps a reference to `stage`, which is its own from now on. `on_finished` is called in its
+  // thread after each picture.
+  RenderWorker(Stage& stage, std::function<void()> on_finished);
+  ~RenderWorker();  // waits for the picture that is being drawn
+
+  void Start(RenderJob job);
+  // Whether a job is drawn or waits.
+  bool Busy() const;
+  // The newest picture since the last call, into `out`, whose memory is used again. False where
+  // there is none.
+  bool Take(FinishedPicture& out);
+
+ private:
+  void Run();
+
+  Stage& stage_;
+  std::function<void()> on_finished_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<RenderJob> waiting_;
+  FinishedPicture finished_;
+  bool drawing_ = false, has_finished_ = false, stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace cosplat::viewer

@@ -1,0 +1,130 @@
+#include "apps/viewer/session.h"
+
+#include <algorithm>
+
+namespace cosplat::viewer {
+namespace {
+
+FaceControls ControlsOf(const Content& content) {
+  if (!content.avatar) return {};
+  const Content::Avatar& avatar = *content.avatar;
+  return {avatar.flame.expression_count, avatar.rest, avatar.model.trained_range};
+}
+
+int MostPerFace(const Content& content) {
+  if (!content.avatar) return 0;
+  const AvatarModel& model = content.avatar->model;
+  const std::vector<int> counts = CountPerFace(model.triangle, model.mesh.faces.size());
+  return *std::max_element(counts.begin(), counts.end());
+}
+
+}  // namespace
+
+Session::Session(const Content& content)
+    : camera(content.start),
+      face(ControlsOf(content)),
+      background(content.background),
+      title_(content.title),
+      is_avatar_(content.avatar.has_value()),
+      gaussian_count_(content.gaussian_count()),
+      most_per_face_(MostPerFace(content)) {}
+
+void Session::SetSequence(const std::string& name,
+                          std::vector<FlameParams> faces,
+                          double frames_per_second) {
+  sequence_name_ = name;
+  sequence_ = std::move(faces);
+  timeline = Timeline(int(sequence_.size()), frames_per_second);
+  timeline.Play();
+  driver = Driver::kSequence;
+}
+
+void Session::SetLive(std::unique_ptr<LiveFace> live) {
+  live_ = std::move(live);
+  driver = Driver::kLive;
+}
+
+void Session::Advance(int64_t now_ns) {
+  const int64_t passed = advanced_ ? now_ns - now_ns_ : 0;
+  now_ns_ = now_ns;
+  advanced_ = true;
+  if (driver == Driver::kSequence) timeline.Advance(1e-9 * double(passed));
+  if (live_) live_->Advance(now_ns);
+}
+
+void Session::TakeSliders() {
+  if (driver == Driver::kSliders) return;
+  face.Take(Face());
+  timeline.Pause();
+  driver = Driver::kSliders;
+}
+
+void Session::SetView(View view) {
+  if (is_avatar_ || !NeedsMesh(view)) view_ = view;
+}
+
+void Session::Do(Action action) {
+  const bool sequence = has_sequence();
+  switch (action) {
+    case Action::kTogglePlay:
+    case Action::kStepBack:
+    case Action::kStepForward:
+    case Action::kToStart:
+      if (!sequence) return;
+      driver = Driver::kSequence;
+      if (action == Action::kTogglePlay) timeline.Toggle();
+      if (action == Action::kStepBack) timeline.Step(-1);
+      if (action == Action::kStepForward) timeline.Step(1);
+      if (action == Action::kToStart) timeline.Seek(0);
+      return;
+    case Action::kToggleLoop:
+      timeline.loops = !timeline.loops;
+      return;
+    case Action::kResetView:
+      return camera.Reset();
+    case Action::kNeutralFace:
+      TakeSliders();
+      return face.SetNeutral();
+    case Action::kRandomFace:
+      TakeSliders();
+      return face.SetRandom(random_);
+    case Action::kViewSplats:
+    case Action::kViewEllipsoids:
+    case Action::kViewTriangles:
+    case Action::kViewWire:
+      return SetView(View(int(action) - int(Action::kViewSplats)));
+    case Action::kToggleTransparent:
+      transparent = !transparent;
+      return;
+    case Action::kTogglePanels:
+      panels_open = !panels_open;
+      return;
+    case Action::kToggleHelp:
+      help_open = !help_open;
+      return;
+    case Action::kScreenshot:
+    case Action::kToggleRecording:
+    case Action::kQuit:
+      return;
+  }
+}
+
+FlameParams Session::Face() const {
+  if (driver == Driver::kSequence) return sequence_[size_t(timeline.frame())];
+  if (driver == Driver::kLive) return live_->Face();
+  return face.Face();
+}
+
+Shot Session::ShotFor(int width, int height) const {
+  Shot shot;
+  shot.view = view_;
+  if (is_avatar_) shot.face = Face();
+  shot.camera = camera.At(width, height);
+  shot.background = background;
+  shot.transparent = transparent;
+  return shot;
+}
+
+int64_t Session::input_ns() const { return driver == Driver::kLive ? live_->input_ns() : now_ns_; }
+
+}  // namespace cosplat::viewer

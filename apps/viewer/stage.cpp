@@ -1,0 +1,96 @@
+#include "apps/viewer/stage.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/viewer/ellipsoid_view.h"
+#include "avatar/picture_bytes.h"
+#include "splat/base/error.h"
+#include "splat/degree_order.h"
+
+namespace cosplat::viewer {
+namespace {
+
+constexpr std::array<float, 3> kNoBackground{0, 0, 0};
+
+bool SameCamera(const Camera& a, const Camera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.rotation == b.rotation && a.translation == b.translation;
+}
+
+}  // namespace
+
+View ViewFromString(const std::string& text, const std::string& field) {
+  const auto found = std::find(kViewNames.begin(), kViewNames.end(), text);
+  if (found != kViewNames.end()) return View(found - kViewNames.begin());
+  throw Error("", field, "is '" + text + "', expected splats, ellipsoids, triangles or wire");
+}
+
+bool SameShot(const Shot& a, const Shot& b) {
+  return a.view == b.view && a.transparent == b.transparent && a.background == b.background &&
+         SameCamera(a.camera, b.camera) && a.face.expression == b.face.expression &&
+         a.face.pose == b.face.pose && a.face.translation == b.face.translation;
+}
+
+Stage::Stage(Content content) : content_(std::move(content)) {
+  if (content_.avatar) {
+    Content::Avatar& avatar = *content_.avatar;
+    player_ = std::make_unique<Player>(std::move(avatar.model), avatar.flame);
+    const size_t faces = player_->avatar().mesh.faces.size();
+    counts_ = {CountColors(CountPerFace(player_->avatar().triangle, faces)), false};
+    wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
+  } else {
+    SortByDegree(content_.scene);
+    rasterizer_ = MakeCpuRasterizer();
+    tape_ = rasterizer_->MakeTape();
+  }
+}
+
+WorldGaussians Stage::Posed() const {
+  if (!player_) return ViewOf(content_.scene);
+  const AvatarModel& model = player_->avatar();
+  return PosedView(model.gaussians, placed_.gaussians(), model.color_frame);
+}
+
+const RenderedImage& Stage::Splats(const Shot& shot) {
+  const std::array<float, 3>& background = shot.transparent ? kNoBackground : shot.background;
+  if (player_) return player_->Draw(placed_, shot.camera, background);
+  const Gaussians& scene = content_.scene;
+  rasterizer_->Forward(
+      ViewOf(scene), scene.basis, shot.camera, {background, scene.degree}, image_, *tape_);
+  return image_;
+}
+
+void Stage::Surfaces(const Shot& shot, Image8& out) {
+  buffer_.Clear(shot.camera.width, shot.camera.height);
+  if (shot.view == View::kEllipsoids) {
+    DrawEllipsoids(Posed(), shot.camera, buffer_);
+  } else {
+    DrawMesh(placed_.vertices(),
+             player_->avatar().mesh.faces,
+             shot.view == View::kWire ? wire_ : counts_,
+             shot.camera,
+             buffer_);
+  }
+  Resolve(buffer_, shot.transparent ? nullptr : &shot.background, out);
+}
+
+void Stage::Draw(const Shot& shot, Image8& out) {
+  if (shot.camera.width < 1 || shot.camera.height < 1)
+    throw Error(content_.title, "picture", "has no pixels");
+  if (NeedsMesh(shot.view) && !player_)
+    throw Error(content_.title,
+                "view",
+                std::string(kViewNames[size_t(shot.view)]) + " is of avatars; this is a scene");
+  if (player_) player_->Place(shot.face, placed_);
+  if (shot.view != View::kSplats) return Surfaces(shot, out);
+  const RenderedImage& image = Splats(shot);
+  out.width = image.width;
+  out.height = image.height;
+  out.channels = 4;
+  out.data.resize(4 * out.pixels());
+  const PixelLayout layout{shot.transparent ? AlphaMode::kStraight : AlphaMode::kOpaque};
+  WritePicture(image, layout, out.data.data(), 4 * ptrdiff_t(out.width));
+}
+
+}  // namespace cosplat::viewer

@@ -1,0 +1,49 @@
+// Opaque surfaces that the viewer draws itself: the nearest colour per sample, four samples a
+// pixel.
+//
+// mesh_view.h, ellipsoid_view.h -> SurfaceBuffer -> Resolve -> picture.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "apps/viewer/color_scale.h"
+#include "splat/base/camera.h"
+#include "splat/base/image.h"
+
+namespace cosplat::viewer {
+
+constexpr int kSamplesPerSide = 2;
+
+struct SurfaceBuffer {
+  int width = 0;             // samples
+  int height = 0;            // samples
+  std::vector<float> depth;  // [height, width], world units along the camera's axis; infinity
+  std::vector<Rgb> color;    // [height, width]
+
+  // Nothing drawn, for a picture of this size; keeps its memory.
+  void Clear(int picture_width, int picture_height);
+  void Put(int x, int y, float z, const Rgb& rgb) {
+    const size_t i = size_t(y) * size_t(width) + size_t(x);
+    if (!(z < depth[i])) return;
+    depth[i] = z;
+    color[i] = rgb;
+  }
+};
+
+// The camera whose pixels are a buffer's samples.
+Camera SampleCamera(const Camera& camera);
+
+// Calls draw(first_row, end_row) for bands of rows, several at once. Each sample is in one band, so
+// that the bits do not depend on the number of threads.
+void ForBands(const SurfaceBuffer& buffer, const std::function<void(int, int)>& draw);
+
+// RGBA, straight alpha: over `background`, with alpha 255 everywhere, or over nothing.
+void Resolve(const SurfaceBuffer& buffer, const std::array<float, 3>* background, Image8& out);
+
+// `rgb` in the light of a lamp beside the camera. normal: unit length, in the camera's axes, of
+// either sign.
+Rgb Lit(const Rgb& rgb, const std::array<float, 3>& normal);
+
+}  // namespace cosplat::viewer

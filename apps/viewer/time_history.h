@@ -1,0 +1,41 @@
+// The last durations of something, for a graph.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace cosplat::viewer {
+
+class TimeHistory {
+ public:
+  static constexpr size_t kLength = 150;
+
+  void Add(float milliseconds) {
+    values_[next_] = milliseconds;
+    next_ = (next_ + 1) % kLength;
+    count_ = std::min(count_ + 1, kLength);
+  }
+  // Oldest first.
+  std::vector<float> Values() const {
+    std::vector<float> values;
+    for (size_t i = kLength - count_; i < kLength; ++i)
+      values.push_back(values_[(next_ + i) % kLength]);
+    return values;
+  }
+  // 0 where there is none.
+  float Median() const {
+    std::vector<float> values = Values();
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+ private:
+  std::array<float, kLength> values_{};
+  size_t next_ = 0, count_ = 0;
+};
+
+}  // namespace cosplat::viewer

@@ -1,0 +1,20 @@
+// What the viewer draws of a model.
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace cosplat::viewer {
+
+enum class View { kSplats, kEllipsoids, kTriangles, kWire };
+constexpr int kViewCount = 4;
+constexpr std::array<const char*, kViewCount> kViewNames{
+    "splats", "ellipsoids", "triangles", "wire"};  // in the order of View
+
+// Triangles and wire are of a mesh, which scenes have not.
+constexpr bool NeedsMesh(View view) { return view == View::kTriangles || view == View::kWire; }
+
+// Throws Error, with `field`, on what is not one of the names.
+View ViewFromString(const std::string& text, const std::string& field);
+
+}  // namespace cosplat::viewer

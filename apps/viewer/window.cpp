@@ -1,0 +1,193 @@
+#include "apps/viewer/window.h"
+
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "apps/viewer/capture.h"
+#include "apps/viewer/detail.h"
+#include "apps/viewer/gl_window.h"
+#include "apps/viewer/render_worker.h"
+#include "apps/viewer/screen.h"
+
+namespace cosplat::viewer {
+namespace {
+
+// Between turns, seconds: while something moves, and while nothing does. Events and finished
+// pictures end them.
+constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
+constexpr double kNoticeSeconds = 6;
+constexpr int kSmallestSide = 16;
+
+int64_t NowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+struct ViewerWindow::Impl {
+  Impl(Session& session, Stage& stage, const WindowSettings& settings)
+      : session(session),
+        folder(settings.folder),
+        gl("CoSplat - " + session.title(), settings.scale),
+        worker(stage, &GlWindow::Wake) {
+    state.scale = gl.scale();
+  }
+
+  void TakePicture();
+  void Ask(const ScreenResult& result);
+  void Capture(const ScreenResult& result);
+  void StartRecording();
+  void StopRecording();
+  void OfferToRecording();
+  void Notice(const std::string& text, bool problem);
+  double TurnSeconds() const;
+
+  Session& session;
+  std::string folder;
+  GlWindow gl;
+  ScreenState state;
+  ScreenResult last;
+  Detail detail;
+  FinishedPicture picture;
+  bool picture_is_new = false, read_back = false;
+  RenderJob asked;
+  Image8 window_pixels;
+  std::unique_ptr<VideoRecorder> recorder;
+  int64_t recording_start_ns = 0;
+  bool screenshot_wanted = false;
+  double notice_end = 0;  // glfwGetTime
+  RenderWorker worker;    // last: it ends before what it wakes is gone
+};
+
+void ViewerWindow::Impl::Notice(const std::string& text, bool problem) {
+  state.notice = text;
+  state.notice_is_problem = problem;
+  notice_end = glfwGetTime() + kNoticeSeconds;
+}
+
+double ViewerWindow::Impl::TurnSeconds() const {
+  const bool plays = session.driver == Driver::kSequence && session.timeline.playing();
+  const bool live = session.driver == Driver::kLive && !session.live()->Ended();
+  return plays || live || last.dragging || recorder || screenshot_wanted ? kMovingTurn
+                                                                         : kRestingTurn;
+}
+
+void ViewerWindow::Impl::TakePicture() {
+  if (!worker.Take(picture)) return;
+  if (!picture.problem.empty()) return Notice(picture.problem, true);
+  gl.Upload(picture.image);
+  state.texture = intptr_t(gl.texture());
+  state.width = picture.image.width;
+  state.height = picture.image.height;
+  state.divisor = picture.job.divisor;
+  state.drawing.Add(float(picture.milliseconds));
+  detail.Drawn(picture.job.divisor, picture.milliseconds);
+  picture_is_new = true;
+}
+
+// Asks for what the session shows now, unless that was the last that was asked for.
+void ViewerWindow::Impl::Ask(const ScreenResult& result) {
+  const int divisor = recorder ? 1 : detail.Divisor(result.dragging);
+  const int width = recorder ? recorder->width() : std::max(kSmallestSide, result.width / divisor);
+  const int height =
+      recorder ? recorder->height() : std::max(kSmallestSide, result.height / divisor);
+  RenderJob job{session.ShotFor(width, height), divisor, session.input_ns()};
+  if (recorder) job.shot.transparent = false;
+  if (SameShot(job.shot, asked.shot)) return;
+  asked = job;
+  worker.Start(std::move(job));
+}
+
+void ViewerWindow::Impl::StartRecording() {
+  recorder = std::make_unique<VideoRecorder>(CapturePath(folder, ".mp4"), last.width, last.height);
+  recording_start_ns = NowNs();
+}
+
+void ViewerWindow::Impl::StopRecording() {
+  const std::unique_ptr<VideoRecorder> done = std::move(recorder);
+  state.recorded_seconds = -1;
+  done->Finish();
+  Notice("Saved " + done->path(), false);
+}
+
+void ViewerWindow::Impl::OfferToRecording() {
+  const double seconds = 1e-9 * double(NowNs() - recording_start_ns);
+  state.recorded_seconds = seconds;
+  const bool fits = picture.image.width == recorder->width() &&
+                    picture.image.height == recorder->height() && !picture.job.shot.transparent;
+  if (fits) recorder->Offer(picture.image, seconds);
+}
+
+void ViewerWindow::Impl::Capture(const ScreenResult& result) {
+  try {
+    for (const Action action : result.actions) {
+      if (action == Action::kScreenshot) screenshot_wanted = true;
+      if (action == Action::kToggleRecording) recorder ? StopRecording() : StartRecording();
+      if (action == Action::kQuit) glfwSetWindowShouldClose(gl.handle(), GLFW_TRUE);
+    }
+    if (recorder) OfferToRecording();
+    if (screenshot_wanted && picture.job.divisor == 1 && !picture.image.empty()) {
+      screenshot_wanted = false;
+      const std::string path = CapturePath(folder, ".png");
+      WriteImage(path, picture.image);
+      Notice("Saved " + path, false);
+    }
+  } catch (const std::exception& problem) {
+    recorder.reset();
+    state.recorded_seconds = -1;
+    screenshot_wanted = false;
+    Notice(problem.what(), true);
+  }
+}
+
+ViewerWindow::ViewerWindow(Session& session, Stage& stage, const WindowSettings& settings)
+    : impl_(std::make_unique<Impl>(session, stage, settings)) {}
+
+ViewerWindow::~ViewerWindow() = default;
+
+bool ViewerWindow::Step() {
+  Impl& impl = *impl_;
+  impl.gl.BeginFrame(impl.TurnSeconds());
+  impl.session.Advance(NowNs());
+  impl.TakePicture();
+  if (glfwGetTime() > impl.notice_end) impl.state.notice.clear();
+  const ScreenResult result = DrawScreen(impl.session, impl.state);
+  impl.Ask(result);
+  impl.Capture(result);
+  impl.last = result;
+  impl.gl.EndFrame();
+  if (impl.read_back) impl.window_pixels = impl.gl.Read();
+  impl.gl.Show();
+  if (impl.picture_is_new)
+    impl.state.latency.Add(float(1e-6 * double(NowNs() - impl.picture.job.input_ns)));
+  impl.picture_is_new = false;
+  return !glfwWindowShouldClose(impl.gl.handle());
+}
+
+void ViewerWindow::Run() {
+  while (Step()) {
+  }
+  if (impl_->recorder) impl_->StopRecording();
+}
+
+GLFWwindow* ViewerWindow::handle() const { return impl_->gl.handle(); }
+
+bool ViewerWindow::UpToDate() const {
+  const Impl& impl = *impl_;
+  return !impl.picture.image.empty() && !impl.worker.Busy() &&
+         SameShot(impl.picture.job.shot, impl.asked.shot);
+}
+
+Image8 ViewerWindow::ReadPixels() {
+  impl_->read_back = true;
+  Step();
+  impl_->read_back = false;
+  return std::move(impl_->window_pixels);
+}
+
+}  // namespace cosplat::viewer
