@@ -66,8 +66,11 @@ set(COSPLAT_PRIVATE_HEADERS
 # Call it when every target exists.
 function(cosplat_install)
   get_property(libraries GLOBAL PROPERTY COSPLAT_LIBRARIES)
-  install(TARGETS ${libraries} cosplat_plugin EXPORT cosplatTargets
-          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS ${libraries} EXPORT cosplatTargets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  # By itself, since a host in C has none of the packages that the libraries need.
+  install(TARGETS cosplat_plugin EXPORT cosplatPluginTargets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(FILES ${PROJECT_SOURCE_DIR}/avatar/plugin/cosplat.h
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   # From the file's own folder, so that an installation may be moved.
@@ -84,7 +87,9 @@ function(cosplat_install)
           FILES_MATCHING PATTERN "*.h" REGEX "/(${private})" EXCLUDE)
 
   set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cosplat)
-  install(EXPORT cosplatTargets NAMESPACE cosplat:: DESTINATION ${config_folder})
+  foreach(targets cosplatTargets cosplatPluginTargets)
+    install(EXPORT ${targets} NAMESPACE cosplat:: DESTINATION ${config_folder})
+  endforeach()
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/cmake/cosplatConfig.cmake.in ${PROJECT_BINARY_DIR}/cosplatConfig.cmake
     INSTALL_DESTINATION ${config_folder})
