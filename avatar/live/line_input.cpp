@@ -50,8 +50,8 @@ class LineInput : public PacketInput {
   void FinishLine(NewestPackets& packets, LiveCounts& counts) {
     if (line_bytes_ > kMostPacketBytes) {
       CountOversize(description_, line_bytes_, counts);
-    } else if (line_.find_first_not_of(" \t\r") != std::string::npos && !packets.Push(line_)) {
-      CountFlooded(description_, counts);
+    } else if (line_.find_first_not_of(" \t\r") != std::string::npos) {
+      CountFlooded(description_, packets.Push(line_), counts);
     }
     line_.clear();
     line_bytes_ = 0;

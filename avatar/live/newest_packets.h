@@ -15,21 +15,33 @@ class NewestPackets {
  public:
   explicit NewestPackets(size_t most) : slots_(most) {}
 
-  // False when that pushed out the oldest.
-  bool Push(std::string_view packet) {
-    const bool full = count_ == slots_.size();
-    if (full) first_ = (first_ + 1) % slots_.size();
-    if (!full) ++count_;
-    slots_[(first_ + count_ - 1) % slots_.size()].assign(packet);
-    return !full;
+  // Returns how many older ones that pushed out.
+  size_t Push(std::string_view packet) {
+    size_t pushed_out = 0;
+    for (; count_ > 0 && (count_ == slots_.size() || bytes_ + packet.size() > kMostBytes);
+         ++pushed_out)
+      PopOldest();
+    slots_[(first_ + count_) % slots_.size()].assign(packet);
+    ++count_;
+    bytes_ += packet.size();
+    return pushed_out;
   }
   size_t size() const { return count_; }
   const std::string& operator[](size_t i) const { return slots_[(first_ + i) % slots_.size()]; }
-  void Clear() { count_ = 0; }
+  void Clear() { count_ = bytes_ = 0; }
 
  private:
+  // Of all together: what a parser gets through in some milliseconds.
+  static constexpr size_t kMostBytes = 512 * 1024;
+
+  void PopOldest() {
+    bytes_ -= slots_[first_].size();
+    first_ = (first_ + 1) % slots_.size();
+    --count_;
+  }
+
   std::vector<std::string> slots_;  // keep their memory
-  size_t first_ = 0, count_ = 0;
+  size_t first_ = 0, count_ = 0, bytes_ = 0;
 };
 
 }  // namespace cosplat

@@ -8,8 +8,9 @@ void CountOversize(const std::string& description, size_t bytes, LiveCounts& cou
                         " bytes, at most " + std::to_string(kMostPacketBytes) + " are taken";
 }
 
-void CountFlooded(const std::string& description, LiveCounts& counts) {
-  ++counts.flooded;
+void CountFlooded(const std::string& description, size_t packets, LiveCounts& counts) {
+  if (packets == 0) return;
+  counts.flooded += packets;
   counts.last_problem = description + ": more packets at once than are looked at";
 }
 

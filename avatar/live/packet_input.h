@@ -28,7 +28,7 @@ class PacketInput {
 
 // Counts and describes a packet that is dropped.
 void CountOversize(const std::string& description, size_t bytes, LiveCounts& counts);
-void CountFlooded(const std::string& description, LiveCounts& counts);
+void CountFlooded(const std::string& description, size_t packets, LiveCounts& counts);
 
 // A packet per datagram. Reads at most 4096 per call. Throws Error when it cannot listen there.
 std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address);

@@ -21,8 +21,8 @@ class UdpInput : public PacketInput {
       if (size < 0) return;
       if (size_t(size) > buffer_.size()) {
         CountOversize(description_, size_t(size), counts);
-      } else if (!packets.Push({buffer_.data(), size_t(size)})) {
-        CountFlooded(description_, counts);
+      } else {
+        CountFlooded(description_, packets.Push({buffer_.data(), size_t(size)}), counts);
       }
     }
   }

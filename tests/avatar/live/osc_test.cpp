@@ -12,6 +12,7 @@ using test::OscFloat;
 using test::OscText;
 using test::OscWord;
 
+// The packet must outlive its messages, which point into it.
 std::vector<OscMessage> Parse(const std::string& packet) {
   std::vector<OscMessage> messages;
   EXPECT_EQ(ParseOsc(packet, messages), "");
@@ -50,7 +51,8 @@ TEST(Osc, EveryTypeOfArgument) {
 TEST(Osc, MessagesOfBundlesInOrder) {
   const std::string a = OscText("/a") + OscText(",");
   const std::string no_types = OscText("/old");  // as senders before OSC 1.0 wrote them
-  const std::vector<OscMessage> messages = Parse(OscBundle({a, OscBundle({no_types, a}), a}));
+  const std::string packet = OscBundle({a, OscBundle({no_types, a}), a});
+  const std::vector<OscMessage> messages = Parse(packet);
   ASSERT_EQ(messages.size(), 4u);
   EXPECT_EQ(messages[1].address, "/old");
   EXPECT_TRUE(messages[1].arguments.empty());

@@ -4,6 +4,7 @@ cosplat_test(live
     ${CMAKE_CURRENT_LIST_DIR}/drive_address_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/json_frame_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/json_source_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/newest_packets_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/osc_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/recording_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/sender_clock_test.cpp
