@@ -1,5 +1,6 @@
 #include "avatar/live/json_frame.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -11,6 +12,7 @@ namespace cosplat {
 namespace {
 
 constexpr double kMostSeconds = 9e9;  // fits 64 bits of nanoseconds
+constexpr long kMostArrays = 64;      // thousands cost five times what as many bytes of numbers do
 
 std::vector<float> NumbersOf(const JsonField& field, size_t count) {
   std::vector<float> numbers = field.Numbers(count);
@@ -80,6 +82,10 @@ void AppendNumbers(const char* name, const float* begin, size_t count, std::stri
 }  // namespace
 
 JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
+  const auto arrays = std::count(line.begin(), line.end(), '[');
+  if (arrays + std::count(line.begin(), line.end(), '{') > kMostArrays)
+    throw Error(
+        source, "", "holds more than " + std::to_string(kMostArrays) + " arrays and objects");
   const Json json = ParseJson(source, line);
   const JsonField object(source, json);
   JsonFrame frame;
