@@ -21,26 +21,6 @@ void CheckSize(const char* field, size_t found, size_t expected) {
         std::to_string(found) + " numbers where " + std::to_string(expected) + " are expected");
 }
 
-void CheckModel(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
-  const size_t n = gaussians.size();
-  const auto& values = gaussians.values;
-  CheckSize("position", values[kPosition].size(), 3 * n);
-  CheckSize("rotation", values[kRotation].size(), 4 * n);
-  CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
-  CheckSize("triangle", embedding.triangle.size(), n);
-  CheckSize("barycentric", embedding.barycentric.size(), n);
-  // The largest of all, without a branch for each: negative numbers become large ones.
-  const uint32_t face_count = uint32_t(surface.faces().size());
-  uint32_t largest = 0;
-  for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
-  if (largest < face_count || n == 0) return;
-  for (size_t i = 0; i < n; ++i)
-    if (uint32_t(embedding.triangle[i]) >= face_count)
-      throw Error("avatar",
-                  "triangle[" + std::to_string(i) + "]",
-                  std::to_string(embedding.triangle[i]) + " of " + std::to_string(face_count));
-}
-
 EmbedJob JobOf(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
   EmbedJob job;
   job.count = gaussians.size();
@@ -75,6 +55,25 @@ FaceLists GroupByFace(const std::vector<int32_t>& triangle, size_t face_count) {
 
 }  // namespace
 
+void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size_t face_count) {
+  const size_t n = gaussians.size();
+  const auto& values = gaussians.values;
+  CheckSize("position", values[kPosition].size(), 3 * n);
+  CheckSize("rotation", values[kRotation].size(), 4 * n);
+  CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
+  CheckSize("triangle", embedding.triangle.size(), n);
+  CheckSize("barycentric", embedding.barycentric.size(), n);
+  // The largest of all, without a branch for each: negative numbers become large ones.
+  uint32_t largest = 0;
+  for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
+  if (largest < face_count || n == 0) return;
+  for (size_t i = 0; i < n; ++i)
+    if (uint32_t(embedding.triangle[i]) >= face_count)
+      throw Error("avatar",
+                  "triangle[" + std::to_string(i) + "]",
+                  std::to_string(embedding.triangle[i]) + " of " + std::to_string(face_count));
+}
+
 void PosedGaussians::Resize(size_t n) {
   position.resize(3 * n);
   rotation.resize(4 * n);
@@ -86,7 +85,7 @@ void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
           PosedGaussians& out) {
-  CheckModel(gaussians, embedding, surface);
+  CheckEmbedding(gaussians, embedding, surface.faces().size());
   out.Resize(gaussians.size());
   if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
   LaunchEmbed(JobOf(gaussians, embedding, surface),
@@ -99,7 +98,7 @@ void BindBackward(const Gaussians& gaussians,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
                   std::vector<float>* d_vertices) {
-  CheckModel(gaussians, embedding, surface);
+  CheckEmbedding(gaussians, embedding, surface.faces().size());
   const size_t n = gaussians.size();
   CheckSize("d_position", d_posed.position.size(), 3 * n);
   CheckSize("d_rotation", d_posed.rotation.size(), 4 * n);

@@ -24,8 +24,10 @@ struct PosedGaussians {
   void Resize(size_t n);
 };
 
-// Writes all of `out`, resizing it. Throws Error when an array has a wrong size or a triangle does
-// not exist.
+// Throws Error when an array has a wrong size or a triangle does not exist.
+void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size_t face_count);
+
+// Writes all of `out`, resizing it. Throws as CheckEmbedding does.
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,

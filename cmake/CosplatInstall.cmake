@@ -6,6 +6,7 @@ include(CMakePackageConfigHelpers)
 # Headers that are not for others, by the beginning of their path: they are not installed, and apps/
 # may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
 set(COSPLAT_PRIVATE_HEADERS
+  avatar/cuda/
   avatar/embed_packs.h
   avatar/gather_rows.h
   avatar/io/

@@ -1,0 +1,74 @@
+// Embedded Gaussians -> posed Gaussians and back on the device: avatar/binding.h there, by the same
+// bodies.
+//
+// DeviceGaussians, DeviceEmbedding + DeviceSurface (posed) -> Bind -> DevicePosed -> Renderer;
+// back: BindBackward -> gradients of the embedded parameters and, if wanted, of the posed vertices.
+// Every sum has one order.
+#pragma once
+
+#include "avatar/avatar_model.h"
+#include "avatar/cuda/device_surface.h"
+#include "splat/cuda/device_gaussians.h"
+#include "splat/cuda/sort.h"
+
+namespace cosplat::cuda {
+
+// PosedGaussians (avatar/binding.h), or its gradients.
+struct DevicePosed {
+  DeviceBuffer<float> position, rotation, scale_log, frame;
+
+  size_t size() const { return position.size() / 3; }
+  void Refill(size_t n);
+  // `gaussians` with these numbers in place of its own.
+  WorldGaussians View(const DeviceGaussians& gaussians, ColorFrame color_frame) const;
+};
+
+// Where on the mesh each Gaussian is.
+class DeviceEmbedding {
+ public:
+  // Throws Error where it has the released rule (avatar/released_binding.h), which the device does
+  // not. The triangles must exist (CheckEmbedding, avatar/binding.h).
+  void Upload(const Embedding& embedding, size_t face_count, cudaStream_t stream);
+
+  size_t size() const { return triangle_.size(); }
+  const int32_t* triangle() const { return triangle_.data(); }
+  const float* barycentric() const { return barycentric_.data(); }
+  // Gaussians by face; sorted when first asked for after Upload.
+  FaceListArrays Lists(cudaStream_t stream);
+  size_t held() const;  // bytes
+
+ private:
+  size_t face_count_ = 0;
+  bool listed_ = false;
+  DeviceBuffer<int32_t> triangle_;
+  DeviceBuffer<float> barycentric_;  // [N, 2]
+  KeyedValues by_face_;
+  DeviceBuffer<uint32_t> begin_;
+  Sorter sorter_;
+};
+
+// As Bind and BindBackward (avatar/binding.h), with every array on the device.
+class DeviceBinding {
+ public:
+  void Bind(const DeviceGaussians& gaussians,
+            const DeviceEmbedding& embedding,
+            const DeviceSurface& surface,
+            DevicePosed& out,
+            cudaStream_t stream) const;
+  // An empty d_posed.frame counts as zero. d_vertices: [V, 3] overwritten, or null: then its cost
+  // is saved.
+  void Backward(const DeviceGaussians& gaussians,
+                DeviceEmbedding& embedding,
+                DeviceSurface& surface,
+                const DevicePosed& d_posed,
+                DeviceGaussians& d_gaussians,
+                DeviceBuffer<float>* d_vertices,
+                cudaStream_t stream);
+  size_t held() const { return HeldBy(d_corners_, d_surface_); }
+
+ private:
+  DeviceBuffer<float> d_corners_;  // [N, 3, kSurfaceVertexFloats]; only for d_vertices
+  DeviceBuffer<float> d_surface_;  // [V, kSurfaceVertexFloats]
+};
+
+}  // namespace cosplat::cuda

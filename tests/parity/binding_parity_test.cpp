@@ -1,0 +1,260 @@
+// The posed surface and the embedding on the device against the CPU's, forward and back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <random>
+
+#include "avatar/binding.h"
+#include "avatar/cuda/device_binding.h"
+#include "avatar/cuda/posed_vertices.h"
+#include "splat/cuda/stream.h"
+#include "tests/avatar/meshes.h"
+#include "tests/parity/compare.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+class BindingParity : public test::DeviceTest {};
+
+struct BindingCase {
+  std::string name;
+  AvatarModel avatar;
+  std::vector<float> posed;  // [V, 3]
+};
+
+std::vector<float> Wavy(const CanonicalMesh& mesh) {
+  auto vertices = test::Turned(mesh.vertices, {0, 0.6f, 0.8f}, 2.3);
+  for (size_t i = 0; i < vertices.size(); ++i) vertices[i] += 0.04f * std::sin(float(3 * i));
+  return vertices;
+}
+
+BindingCase CaseOn(const std::string& name, const CanonicalMesh& mesh, size_t count) {
+  return {name, test::RandomAvatar(mesh, count, unsigned(count + 1)), Wavy(mesh)};
+}
+
+// Vertices of face f at one place.
+void Collapse(const CanonicalMesh& mesh, size_t f, std::vector<float>& vertices) {
+  for (int c = 1; c < 3; ++c)
+    for (int k = 0; k < 3; ++k)
+      vertices[3 * mesh.faces[f][c] + k] = vertices[3 * mesh.faces[f][0] + k];
+}
+
+std::vector<BindingCase> Cases() {
+  const CanonicalMesh ball = test::SphereMesh(2), sheet = test::SheetMesh(5, 1, 0.2f, 3);
+  std::vector<BindingCase> cases;
+  cases.push_back(CaseOn("closed", ball, 300));
+  cases.push_back(CaseOn("with a boundary", sheet, 300));
+  cases.push_back(CaseOn("two parts", test::Joined(ball, sheet), 100));
+  cases.push_back(CaseOn("of a head's size", test::Scaled(ball, 0.1f), 200));
+  cases.push_back(CaseOn("one Gaussian", ball, 1));
+  cases.push_back(CaseOn("none", ball, 0));
+  cases.push_back(CaseOn("all on one face", ball, 200));
+  std::fill(cases.back().avatar.triangle.begin(), cases.back().avatar.triangle.end(), 7);
+  cases.push_back(CaseOn("collapsed faces", ball, 300));
+  for (size_t f = 0; f < 20; f += 5) Collapse(ball, f, cases.back().posed);
+  cases.push_back(CaseOn("all in one place", ball, 50));
+  std::fill(cases.back().posed.begin(), cases.back().posed.end(), 0.25f);
+  cases.push_back(CaseOn("grown beyond the limit", ball, 50));
+  for (float& x : cases.back().posed) x *= 40;
+  return cases;
+}
+
+// Both back ends of one case, with the same random gradients.
+struct Results {
+  PosedGaussians posed;
+  Gaussians d_gaussians;
+  std::vector<float> d_vertices;
+};
+
+PosedGaussians RandomGradients(size_t n) {
+  std::mt19937 rng(4);
+  std::normal_distribution<float> normal(0, 0.3f);
+  PosedGaussians d;
+  d.Resize(n);
+  for (Buffer<float>* b : {&d.position, &d.rotation, &d.scale_log, &d.frame})
+    for (float& x : *b) x = normal(rng);
+  return d;
+}
+
+Results OnCpu(const BindingCase& c, bool with_frame = true) {
+  Surface surface(c.avatar.mesh);
+  surface.Pose(c.posed);
+  Results r;
+  Bind(c.avatar, surface, r.posed);
+  PosedGaussians d = RandomGradients(c.avatar.size());
+  if (!with_frame) d.frame.clear();
+  BindBackward(c.avatar, surface, d, r.d_gaussians, &r.d_vertices);
+  return r;
+}
+
+// On the device; it is made new for each case.
+struct OnDevice {
+  explicit OnDevice(const BindingCase& c) : c(c), surface(Surface(c.avatar.mesh), stream.get()) {
+    gaussians.Upload(c.avatar.gaussians, stream.get());
+    embedding.Upload(c.avatar, surface.face_count(), stream.get());
+    d_gaussians.ResizeLike(gaussians);
+    vertices.Upload(c.posed.data(), c.posed.size(), stream.get());
+  }
+
+  Results Run(bool with_frame = true) {
+    const size_t n = c.avatar.size();
+    surface.Pose(vertices.data(), stream.get());
+    binding.Bind(gaussians, embedding, surface, posed, stream.get());
+    const PosedGaussians d = RandomGradients(n);
+    d_posed.Refill(n);
+    d_posed.position.Upload(d.position.data(), 3 * n, stream.get());
+    d_posed.rotation.Upload(d.rotation.data(), 4 * n, stream.get());
+    d_posed.scale_log.Upload(d.scale_log.data(), 3 * n, stream.get());
+    d_posed.frame.Upload(d.frame.data(), with_frame ? 4 * n : 0, stream.get());
+    binding.Backward(
+        gaussians, embedding, surface, d_posed, d_gaussians, &d_vertices, stream.get());
+    return Downloaded();
+  }
+
+  Results Downloaded() {
+    Results r;
+    const size_t n = c.avatar.size();
+    r.posed.Resize(n);
+    for (const int a : {kPosition, kRotation, kScaleLog})
+      r.d_gaussians.values[a].resize(c.avatar.gaussians.values[a].size());
+    r.d_vertices.resize(d_vertices.size());
+    posed.position.Download(r.posed.position.data(), stream.get());
+    posed.rotation.Download(r.posed.rotation.data(), stream.get());
+    posed.scale_log.Download(r.posed.scale_log.data(), stream.get());
+    posed.frame.Download(r.posed.frame.data(), stream.get());
+    d_gaussians.values[kPosition].Download(r.d_gaussians.values[kPosition].data(), stream.get());
+    d_gaussians.values[kRotation].Download(r.d_gaussians.values[kRotation].data(), stream.get());
+    d_gaussians.values[kScaleLog].Download(r.d_gaussians.values[kScaleLog].data(), stream.get());
+    d_vertices.Download(r.d_vertices.data(), stream.get());
+    stream.Wait();
+    return r;
+  }
+
+  const BindingCase& c;
+  cuda::Stream stream;
+  cuda::DeviceSurface surface;
+  cuda::DeviceGaussians gaussians, d_gaussians;
+  cuda::DeviceEmbedding embedding;
+  cuda::DeviceBinding binding;
+  cuda::DevicePosed posed, d_posed;
+  cuda::DeviceBuffer<float> vertices, d_vertices;
+};
+
+// Of numbers of order 1 that go through some dozens of operations (the packs' own tests have the
+// same bound).
+void ExpectNear(View<const float> cpu, View<const float> device, const std::string& what) {
+  ASSERT_EQ(cpu.size(), device.size()) << what;
+  for (size_t i = 0; i < cpu.size(); ++i)
+    ASSERT_NEAR(cpu[i], device[i], 4e-6f * (1 + std::abs(cpu[i]))) << what << " at " << i;
+}
+
+// Derivatives of blends that nearly cancel are worse off, few as they are.
+const test::ParityTolerance kGradients = [] {
+  test::ParityTolerance tolerance;
+  tolerance.relative = 1e-4;
+  return tolerance;
+}();
+
+// At vertices of faces whose area is rounding, so is the gradient: the direction of a cross product
+// of two equal edges, which is zero or not as a compiler fuses it. It is finite, and not compared.
+void ForgetCollapsedFaces(const BindingCase& c, std::vector<float>& d_vertices) {
+  CanonicalMesh mesh = c.avatar.mesh;
+  mesh.vertices = c.posed;
+  for (const float x : d_vertices) ASSERT_TRUE(std::isfinite(x));
+  for (size_t f = 0; f < mesh.faces.size(); ++f)
+    if (FaceArea(mesh, f) < 1e-6)
+      for (const int32_t v : mesh.faces[f]) std::fill_n(d_vertices.begin() + 3 * v, 3, 0.0f);
+}
+
+void ExpectSame(const Results& cpu, const Results& device) {
+  ExpectNear(cpu.posed.position, device.posed.position, "position");
+  ExpectNear(cpu.posed.rotation, device.posed.rotation, "rotation");
+  ExpectNear(cpu.posed.scale_log, device.posed.scale_log, "scale");
+  ExpectNear(cpu.posed.frame, device.posed.frame, "frame");
+  const char* names[] = {"d_offset", "d_rotation", "d_scale"};
+  const int attributes[] = {kPosition, kRotation, kScaleLog};
+  for (int k = 0; k < 3; ++k)
+    ExpectSameGradients(cpu.d_gaussians.values[attributes[k]],
+                        device.d_gaussians.values[attributes[k]],
+                        kGradients,
+                        names[k]);
+  ExpectSameGradients(cpu.d_vertices, device.d_vertices, kGradients, "d_vertices");
+}
+
+TEST_F(BindingParity, ForwardAndBack) {
+  for (const BindingCase& c : Cases()) {
+    SCOPED_TRACE(c.name);
+    Results cpu = OnCpu(c), device = OnDevice(c).Run();
+    ForgetCollapsedFaces(c, cpu.d_vertices);
+    ForgetCollapsedFaces(c, device.d_vertices);
+    ExpectSame(cpu, device);
+  }
+}
+
+TEST_F(BindingParity, WithoutAGradientOfTheFrame) {
+  const BindingCase c = CaseOn("closed", test::SphereMesh(2), 100);
+  ExpectSame(OnCpu(c, false), OnDevice(c).Run(false));
+}
+
+// No sum depends on the order of blocks, and memory that is used again leaves no trace.
+TEST_F(BindingParity, GivesTheSameBits) {
+  const BindingCase c = CaseOn("closed", test::SphereMesh(2), 300);
+  OnDevice device(c);
+  const Results first = device.Run();
+  for (int run = 0; run < 4; ++run) {
+    const Results again = device.Run();
+    EXPECT_EQ(first.posed.position, again.posed.position);
+    EXPECT_EQ(first.d_vertices, again.d_vertices);
+    for (const int a : {kPosition, kRotation, kScaleLog})
+      EXPECT_EQ(first.d_gaussians.values[a], again.d_gaussians.values[a]);
+  }
+}
+
+// What walking and density control leave: other triangles, another count.
+TEST_F(BindingParity, FollowsAnEmbeddingThatChanges) {
+  BindingCase c = CaseOn("closed", test::SphereMesh(2), 300);
+  OnDevice device(c);
+  device.Run();
+  c = CaseOn("fewer", test::SphereMesh(2), 120);
+  device.gaussians.Upload(c.avatar.gaussians, device.stream.get());
+  device.d_gaussians.ResizeLike(device.gaussians);
+  device.embedding.Upload(c.avatar, device.surface.face_count(), device.stream.get());
+  ExpectSame(OnCpu(c), device.Run());
+}
+
+TEST_F(BindingParity, RefusesTheReleasedRule) {
+  const cuda::Stream stream;
+  cuda::DeviceEmbedding embedding;
+  Embedding released;
+  released.released.emplace();
+  test::ExpectError([&] { embedding.Upload(released, 8, stream.get()); }, {"released", "CPU"});
+}
+
+// Frames within the limit are posed once, those beyond each time.
+TEST_F(BindingParity, KeepsPosedVerticesWithinALimit) {
+  constexpr size_t kVertices = 5, kFrames = 4, kFrameBytes = 3 * kVertices * sizeof(float);
+  const cuda::Stream stream;
+  cuda::PosedVertices posed(kFrames, kVertices, 2 * kFrameBytes + 1);
+  EXPECT_EQ(posed.kept_frames(), 2u);
+  std::vector<int> calls(kFrames);
+  for (int pass = 0; pass < 3; ++pass)
+    for (size_t frame = 0; frame < kFrames; ++frame) {
+      std::vector<float> vertices(3 * kVertices, float(frame));
+      const auto pose = [&]() -> const std::vector<float>& {
+        ++calls[frame];
+        return vertices;
+      };
+      const float* row = posed.Of(frame, pose, stream.get());
+      cuda::Readback<float> last;
+      EXPECT_EQ(last.Get(row + 3 * kVertices - 1, stream.get()), float(frame));
+    }
+  EXPECT_EQ(calls, (std::vector<int>{1, 1, 3, 3}));
+  EXPECT_GE(posed.held(), 3 * kFrameBytes);
+}
+
+}  // namespace
+}  // namespace cosplat
