@@ -20,6 +20,13 @@ bool WideButton(const char* label, float share) {
   return ImGui::Button(label, {share * (line + spacing) - spacing, 0});
 }
 
+// "1 234 567".
+std::string WithSpaces(size_t number) {
+  std::string text = std::to_string(number);
+  for (size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, " ");
+  return text;
+}
+
 void DrawViewPanel(Session& session) {
   if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
   constexpr const char* kLabels[] = {"Splats", "Ellipsoids", "Triangles by count", "Wire mesh"};
@@ -178,8 +185,9 @@ void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenR
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::Begin("panels", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
   ImGui::TextUnformatted(session.title().c_str());
-  ImGui::TextDisabled(
-      "%s, %zu Gaussians", session.is_avatar() ? "Avatar" : "Scene", session.gaussian_count());
+  ImGui::TextDisabled("%s, %s Gaussians",
+                      session.is_avatar() ? "Avatar" : "Scene",
+                      WithSpaces(session.gaussian_count()).c_str());
   DrawCapturePanel(state, result);
   DrawViewPanel(session);
   DrawTimesPanel(state);

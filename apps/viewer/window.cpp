@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <optional>
 
 #include "apps/viewer/capture.h"
@@ -43,6 +44,7 @@ struct ViewerWindow::Impl {
   void Capture(const ScreenResult& result);
   void StartRecording();
   void StopRecording();
+  void FinishSaving(bool wait);
   void OfferToRecording();
   void Notice(const std::string& text, bool problem);
   double TurnSeconds() const;
@@ -59,6 +61,7 @@ struct ViewerWindow::Impl {
   Image8 window_pixels;
   std::unique_ptr<VideoRecorder> recorder;
   int64_t recording_start_ns = 0;
+  std::future<std::string> saving;  // the path of the video before
   bool screenshot_wanted = false;
   double notice_end = 0;  // glfwGetTime
   RenderWorker worker;    // last: it ends before what it wakes is gone
@@ -73,8 +76,9 @@ void ViewerWindow::Impl::Notice(const std::string& text, bool problem) {
 double ViewerWindow::Impl::TurnSeconds() const {
   const bool plays = session.driver == Driver::kSequence && session.timeline.playing();
   const bool live = session.driver == Driver::kLive && !session.live()->Ended();
-  return plays || live || last.dragging || recorder || screenshot_wanted ? kMovingTurn
-                                                                         : kRestingTurn;
+  return plays || live || last.dragging || recorder || saving.valid() || screenshot_wanted
+             ? kMovingTurn
+             : kRestingTurn;
 }
 
 void ViewerWindow::Impl::TakePicture() {
@@ -104,15 +108,24 @@ void ViewerWindow::Impl::Ask(const ScreenResult& result) {
 }
 
 void ViewerWindow::Impl::StartRecording() {
+  FinishSaving(true);
   recorder = std::make_unique<VideoRecorder>(CapturePath(folder, ".mp4"), last.width, last.height);
   recording_start_ns = NowNs();
 }
 
+// The file is looked through before it gets its name, which takes a while after a long video.
 void ViewerWindow::Impl::StopRecording() {
-  const std::unique_ptr<VideoRecorder> done = std::move(recorder);
   state.recorded_seconds = -1;
-  done->Finish();
-  Notice("Saved " + done->path(), false);
+  saving = std::async(std::launch::async, [done = std::move(recorder)] {
+    done->Finish();
+    return done->path();
+  });
+}
+
+void ViewerWindow::Impl::FinishSaving(bool wait) {
+  if (!saving.valid()) return;
+  if (!wait && saving.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  Notice("Saved " + saving.get(), false);
 }
 
 void ViewerWindow::Impl::OfferToRecording() {
@@ -125,6 +138,7 @@ void ViewerWindow::Impl::OfferToRecording() {
 
 void ViewerWindow::Impl::Capture(const ScreenResult& result) {
   try {
+    FinishSaving(false);
     for (const Action action : result.actions) {
       if (action == Action::kScreenshot) screenshot_wanted = true;
       if (action == Action::kToggleRecording) recorder ? StopRecording() : StartRecording();
@@ -173,6 +187,7 @@ void ViewerWindow::Run() {
   while (Step()) {
   }
   if (impl_->recorder) impl_->StopRecording();
+  impl_->FinishSaving(true);
 }
 
 GLFWwindow* ViewerWindow::handle() const { return impl_->gl.handle(); }

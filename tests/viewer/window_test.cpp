@@ -45,10 +45,10 @@ class Window : public testing::Test {
   // Until what is asked for is on the screen, and some more for what follows from it.
   void Settle() {
     int turns = 0;
-    for (int rest = 4; rest > 0; ++turns) {
+    for (int rest = 2; rest > 0; ++turns) {
       ASSERT_TRUE(window->Step());
       ASSERT_LT(turns, 1000);
-      rest = window->UpToDate() ? rest - 1 : 4;
+      rest = window->UpToDate() ? rest - 1 : 2;
     }
   }
   void Press(int key) {
@@ -96,7 +96,8 @@ class Window : public testing::Test {
   std::vector<std::string> Captures() const {
     std::vector<std::string> paths;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "captures"))
-      paths.push_back(entry.path().string());
+      if (entry.path().string().find("tmp.") == std::string::npos)  // not while it is written
+        paths.push_back(entry.path().string());
     return paths;
   }
 
@@ -148,6 +149,7 @@ TEST_F(Window, PlaysStepsAndCaptures) {
   Press(GLFW_KEY_V);
   for (int i = 0; i < 10; ++i) window->Step();
   Press(GLFW_KEY_V);
+  for (int i = 0; i < 500 && Captures().empty(); ++i) window->Step();
   ASSERT_EQ(Captures().size(), 1u);
   EXPECT_GE(VideoReader(Captures()[0]).frame_count(), 1);
   std::filesystem::remove(Captures()[0]);
