@@ -3,7 +3,7 @@
 // tests/cuda builds.
 #pragma once
 
-#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -49,7 +49,7 @@ T FromBits(uint64_t bits) {
 }
 template <class T>
 T ValueOfLane(unsigned mask, T value, unsigned lane, const Place& where) {
-  return FromBits<T>(MeetWarp(mask, ToBits(value), where)[lane]);
+  return FromBits<T>(MeetWarp(mask, ToBits(value), MemoryOrder::kNone, where)[lane]);
 }
 }  // namespace cuda_on_host
 
@@ -62,7 +62,7 @@ inline int __syncthreads_count(int value,
 }
 inline void __syncwarp(unsigned mask = ~0u,
                        cuda_on_host::Place where = cuda_on_host::Place::current()) {
-  cuda_on_host::MeetWarp(mask, 0, where);
+  cuda_on_host::MeetWarp(mask, 0, cuda_on_host::MemoryOrder::kOrdered, where);
 }
 template <class T>
 T __shfl_sync(unsigned mask,
@@ -90,7 +90,8 @@ T __shfl_down_sync(unsigned mask,
 inline unsigned __ballot_sync(unsigned mask,
                               int predicate,
                               cuda_on_host::Place where = cuda_on_host::Place::current()) {
-  const uint64_t* votes = cuda_on_host::MeetWarp(mask, predicate != 0, where);
+  const uint64_t* votes =
+      cuda_on_host::MeetWarp(mask, predicate != 0, cuda_on_host::MemoryOrder::kNone, where);
   unsigned bits = 0;
   for (unsigned l = 0; l < 32; ++l) bits |= unsigned(votes[l]) << l;
   return bits;
@@ -105,15 +106,7 @@ inline int __ffs(unsigned x) { return x == 0 ? 0 : std::countr_zero(x) + 1; }
 inline float __expf(float x) { return std::exp(x); }
 template <class T>
 T atomicAdd(T* p, std::type_identity_t<T> value) {
-  const T before = *p;
-  *p += value;
-  return before;
-}
-template <class T>
-T atomicMax(T* p, std::type_identity_t<T> value) {
-  const T before = *p;
-  *p = std::max(*p, value);
-  return before;
+  return std::atomic_ref<T>(*p).fetch_add(value, std::memory_order_relaxed);
 }
 
 namespace cosplat::cuda {

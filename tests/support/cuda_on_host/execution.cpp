@@ -6,11 +6,12 @@
 #include <array>
 #include <cstring>
 #include <exception>
-#include <map>
+#include <new>
 #include <numeric>
 #include <vector>
 
 #include "splat/base/rng.h"
+#include "tests/support/cuda_on_host/races.h"
 
 // Saves what a called function must keep and the stack pointer, and goes on where `to` was saved.
 extern "C" void cosplat_switch_fiber(void** from, void* to);
@@ -42,7 +43,8 @@ namespace {
 
 constexpr size_t kStackBytes = 64 * 1024;
 constexpr unsigned kMostThreads = 1024;
-constexpr int kPoison = 0xff;  // four of them are a NaN
+constexpr int kPoison = 0xff;      // four of them are a NaN
+constexpr size_t kMostShared = 8;  // variables of a block
 
 using Place = std::source_location;
 std::string ToString(const Place& p) {
@@ -64,6 +66,7 @@ struct Fiber {
   void* stack_pointer = nullptr;
   const Meeting* waits_at = nullptr;
   bool done = false;
+  void* race_context = nullptr;
 };
 
 // The block that runs.
@@ -76,18 +79,24 @@ struct Block {
   Meeting barrier;
   std::vector<unsigned> ready;
   void* scheduler = nullptr;  // its stack pointer
+  void* scheduler_race_context = nullptr;
+  const char grid_begin = 0, grid_end = 0;  // what races are ordered by (races.h)
   std::exception_ptr problem;
-  alignas(64) std::array<unsigned char, kSharedBytes> shared;
-  std::map<const void*, size_t> shared_at;
-  size_t shared_used = 0;
+  struct {
+    const void* key;
+    size_t at;
+  } shared[kMostShared];
+  size_t shared_count = 0, shared_used = 0;
 };
 Block run;
 cosplat::Rng order;
 
-char* Stacks() {
-  static char* const stacks = [] {
+// The block's shared memory, and behind it its threads' stacks. What is used of it is mapped anew
+// for each block, so that what the sanitizer knows of accesses to it (races.h) is of this block.
+char* Memory() {
+  static char* const memory = [] {
     void* p = mmap(nullptr,
-                   kMostThreads * kStackBytes,
+                   kSharedBytes + kMostThreads * kStackBytes,
                    PROT_READ | PROT_WRITE,
                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
                    -1,
@@ -95,36 +104,63 @@ char* Stacks() {
     if (p == MAP_FAILED) throw std::bad_alloc();
     return static_cast<char*>(p);
   }();
-  return stacks;
+  return memory;
+}
+char* StackOf(unsigned t) { return Memory() + kSharedBytes + t * kStackBytes; }
+
+void RenewMemory() {
+  const void* p = mmap(Memory(),
+                       kSharedBytes + run.count * kStackBytes,
+                       PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED,
+                       -1,
+                       0);
+  if (p == MAP_FAILED) throw std::bad_alloc();
+  std::memset(Memory(), kPoison, kSharedBytes);
 }
 
 // Leaves the running thread, whose state goes to *from, for one that can run, or for the scheduler.
 void SwitchToNext(void** from) {
-  if (run.ready.empty() || run.problem) return cosplat_switch_fiber(from, run.scheduler);
+  if (run.ready.empty() || run.problem) {
+    SwitchRaceContext(run.scheduler_race_context);
+    return cosplat_switch_fiber(from, run.scheduler);
+  }
   const size_t k = order.Below(run.ready.size());
   std::swap(run.ready[k], run.ready.back());
   run.current = run.ready.back();
   run.ready.pop_back();
   threadIdx = run.index[run.current];
+  SwitchRaceContext(run.fibers[run.current].race_context);
   cosplat_switch_fiber(from, run.fibers[run.current].stack_pointer);
 }
 
 [[noreturn]] void Thread() {
+  Follow(&run.grid_begin);
   try {
     (*run.thread)();
   } catch (...) {
     run.problem = std::current_exception();
   }
+  Precede(&run.grid_end);
   run.fibers[run.current].done = true;
   SwitchToNext(&run.fibers[run.current].stack_pointer);
   std::terminate();  // a thread that is done is not run again
 }
 
-void Start(unsigned t) {
-  void** top = reinterpret_cast<void**>(Stacks() + (t + 1) * kStackBytes);
+// Of thread t: blocks that follow each other have different ones, or their threads of one number
+// would be ordered.
+void* RaceContextOf(unsigned t, bool odd_block) {
+  static std::array<std::array<void*, kMostThreads>, 2> contexts{};
+  void*& context = contexts[odd_block][t];
+  if (!context) context = NewRaceContext();
+  return context;
+}
+
+void Start(unsigned t, bool odd_block) {
+  void** top = reinterpret_cast<void**>(StackOf(t + 1));
   top[-2] = reinterpret_cast<void*>(&Thread);
   std::fill(top - 8, top - 2, nullptr);  // six registers
-  run.fibers[t] = {top - 8, nullptr, false};
+  run.fibers[t] = {top - 8, nullptr, false, RaceContextOf(t, odd_block)};
 }
 
 void Arrive(Meeting& meeting, const Place& where) {
@@ -162,16 +198,16 @@ void CheckAllDone() {
                 std::to_string(run.count) + " have ended");
 }
 
-void RunBlock() {
-  run.shared.fill(kPoison);
-  run.shared_at.clear();
-  run.shared_used = 0;
+void RunBlock(bool odd) {
+  RenewMemory();
+  run.shared_count = run.shared_used = 0;
   run.problem = nullptr;
   run.barrier = {};
   run.warps.fill({});
   run.ready.resize(run.count);
   std::iota(run.ready.begin(), run.ready.end(), 0u);
-  for (unsigned t = 0; t < run.count; ++t) Start(t);
+  for (unsigned t = 0; t < run.count; ++t) Start(t, odd);
+  Precede(&run.grid_begin);
   SwitchToNext(&run.scheduler);
   if (run.problem) std::rethrow_exception(run.problem);
   CheckAllDone();
@@ -195,17 +231,22 @@ void RunGrid(const Dim& grid, const Dim& block, const std::function<void()>& thr
   std::vector<size_t> blocks(size_t(grid.x) * grid.y * grid.z);
   std::iota(blocks.begin(), blocks.end(), size_t(0));
   for (size_t i = blocks.size(); i > 1; --i) std::swap(blocks[i - 1], blocks[order.Below(i)]);
+  run.scheduler_race_context = CurrentRaceContext();
+  bool odd = false;
   for (const size_t b : blocks) {
     blockIdx = {unsigned(b % grid.x), unsigned(b / grid.x % grid.y), unsigned(b / grid.x / grid.y)};
-    RunBlock();
+    RunBlock(odd);
+    odd = !odd;
   }
+  Follow(&run.grid_end);
 }
 
-const uint64_t* MeetWarp(unsigned mask, uint64_t value, const Place& where) {
+const uint64_t* MeetWarp(unsigned mask, uint64_t value, MemoryOrder order, const Place& where) {
   if (mask != ~0u) throw Fault("a collective of a part of a warp at " + ToString(where));
   const unsigned warp = run.current / kWarpSize, lane = run.current % kWarpSize;
   Meeting& meeting = run.warps[warp];
   Arrive(meeting, where);
+  if (order == MemoryOrder::kOrdered) Precede(&meeting);
   meeting.in[lane] = value;
   if (meeting.arrived == kWarpSize) {
     meeting.out = meeting.in;
@@ -213,12 +254,14 @@ const uint64_t* MeetWarp(unsigned mask, uint64_t value, const Place& where) {
   } else {
     Wait(meeting);
   }
+  if (order == MemoryOrder::kOrdered) Follow(&meeting);
   return meeting.out.data();
 }
 
 int MeetBlock(int value, const Place& where) {
   Meeting& meeting = run.barrier;
   Arrive(meeting, where);
+  Precede(&meeting);
   meeting.sum += value != 0;
   if (meeting.arrived == run.count) {
     meeting.last_sum = meeting.sum;
@@ -227,16 +270,21 @@ int MeetBlock(int value, const Place& where) {
   } else {
     Wait(meeting);
   }
+  Follow(&meeting);
   return meeting.last_sum;
 }
 
 unsigned Lane() { return run.current % kWarpSize; }
 
 void* SharedMemoryOf(const void* key, size_t bytes) {
-  const auto [at, added] = run.shared_at.try_emplace(key, run.shared_used);
-  if (added) run.shared_used += (bytes + 63) / 64 * 64;
-  if (run.shared_used > kSharedBytes) throw Fault("more shared memory than a block has");
-  return run.shared.data() + at->second;
+  for (size_t i = 0; i < run.shared_count; ++i)
+    if (run.shared[i].key == key) return Memory() + run.shared[i].at;
+  const size_t at = run.shared_used;
+  run.shared_used += (bytes + 63) / 64 * 64;
+  if (run.shared_count == kMostShared || run.shared_used > kSharedBytes)
+    throw Fault("more shared memory than a block has");
+  run.shared[run.shared_count++] = {key, at};
+  return Memory() + at;
 }
 
 }  // namespace cuda_on_host

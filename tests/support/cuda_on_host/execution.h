@@ -37,8 +37,13 @@ void SetSchedule(uint64_t seed);
 // Runs `thread` for every thread of the grid.
 void RunGrid(const Dim& grid, const Dim& block, const std::function<void()>& thread);
 
-// All 32 lanes meet; each gets all lanes' values, valid until it meets them again.
-const uint64_t* MeetWarp(unsigned mask, uint64_t value, const std::source_location& where);
+// All 32 lanes meet; each gets all lanes' values, valid until it meets them again. Whether memory
+// is ordered by it: a __syncwarp's is, a shuffle's is not.
+enum class MemoryOrder { kNone, kOrdered };
+const uint64_t* MeetWarp(unsigned mask,
+                         uint64_t value,
+                         MemoryOrder order,
+                         const std::source_location& where);
 // All threads of the block meet; each gets how many brought something other than 0.
 int MeetBlock(int value, const std::source_location& where);
 unsigned Lane();

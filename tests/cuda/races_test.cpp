@@ -1,0 +1,107 @@
+// Races between the threads of the CUDA kernels, found by the thread sanitizer on the emulated
+// device (tests/support/cuda_on_host/races.h).
+#include <gtest/gtest.h>
+
+#include "splat/cuda/launch.cuh"
+#include "splat/cuda/memory.h"
+#include "splat/cuda/stream.h"
+#include "tests/parity/parity_case.h"
+#include "tests/support/device_step.h"
+
+namespace {
+int reports = 0;
+}
+// Called by the sanitizer for each race that it finds, which it must not look for here.
+extern "C" __attribute__((no_sanitize("thread"))) void __tsan_on_report(void*) { ++reports; }
+// Races are counted here, each time: the planted ones, which are of one place, must be seen and
+// must not fail the program. TSAN_OPTIONS=symbolize=1 names lines, slowly.
+extern "C" const char* __tsan_default_options() {
+  return "exitcode=0:suppress_equal_addresses=0:suppress_equal_stacks=0:symbolize=0";
+}
+
+namespace cosplat {
+namespace {
+
+template <class F>
+struct InBlock {
+  static constexpr unsigned kThreads = 64;
+  F f;
+  void operator()() const { f(); }
+};
+
+// Races found while two blocks of two warps run f.
+template <class F>
+int RacesIn(const F& f) {
+  const int before = reports;
+  const cuda::Stream stream;
+  cuda::ForBlocks(2, stream.get(), InBlock<F>{f});
+  stream.Wait();
+  return reports - before;
+}
+
+// One thread writes and another adds: of the other warp, or of the same.
+TEST(Races, OfABlockAreFoundAndBarriersEndThem) {
+  EXPECT_GT(RacesIn([] {
+              unsigned& slot = cuda::SharedMemory<unsigned>();
+              if (threadIdx.x == 0) slot = 1;
+              if (threadIdx.x == 40) slot += 1;
+            }),
+            0);
+  EXPECT_EQ(RacesIn([] {
+              unsigned& slot = cuda::SharedMemory<unsigned>();
+              if (threadIdx.x == 0) slot = 1;
+              __syncthreads();
+              if (threadIdx.x == 40) slot += 1;
+            }),
+            0);
+}
+
+TEST(Races, OfAWarpAreEndedBySyncwarpAlone) {
+  EXPECT_GT(RacesIn([] {
+              unsigned& slot = cuda::SharedMemory<unsigned>();
+              if (threadIdx.x == 0) slot = 1;
+              __ballot_sync(cuda::kAllLanes, 1);  // orders no memory
+              if (threadIdx.x == 1) slot += 1;
+            }),
+            0);
+  EXPECT_EQ(RacesIn([] {
+              unsigned& slot = cuda::SharedMemory<unsigned>();
+              if (threadIdx.x == 0) slot = 1;
+              __syncwarp();
+              if (threadIdx.x == 1) slot += 1;
+            }),
+            0);
+}
+
+TEST(Races, BetweenBlocksAreFoundAndAtomicsAreNone) {
+  cuda::DeviceBuffer<unsigned> sum;
+  sum.Refill(1);
+  unsigned* const p = sum.data();
+  EXPECT_GT(RacesIn([p] {
+              if (threadIdx.x == 0) *p = blockIdx.x;
+            }),
+            0);
+  EXPECT_EQ(RacesIn([p] { atomicAdd(p, 1u); }), 0);
+}
+
+TEST(Races, NoneInAStep) {
+  const int before = reports;
+  for (const cuda::SumOrder order : {cuda::SumOrder::kAny, cuda::SumOrder::kFixed}) {
+    test::ParityCase c = test::RandomCase("races", 150, 40, 24, Basis::kDcsh, 1);
+    // One that covers all tiles: counted and stored by a whole warp.
+    for (int k = 0; k < 3; ++k) c.gaussians.at(kScaleLog, 9)[k] = 1;
+    const Image8 photograph(c.camera.width, c.camera.height, 3, 90);
+    AdamSettings rates;
+    rates.rate.fill(1e-3f);
+    test::DeviceStep step(c.gaussians, c.camera, photograph, c.settings, rates, order);
+    for (int s = 0; s < 2; ++s) step.Run();
+    cuda::DeviceBuffer<Contribution> contributions;
+    step.renderer.Contributions(step.image, step.tape, contributions);
+    step.renderer.stream().Wait();
+    EXPECT_GT(step.tape.lists.instances(), 200u);
+  }
+  EXPECT_EQ(reports, before);
+}
+
+}  // namespace
+}  // namespace cosplat
