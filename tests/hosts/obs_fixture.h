@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "tests/hosts/expected_picture.h"
-#include "tests/support/virtual_display.h"
+#include "tests/viewer/virtual_display.h"
 
 // Of Xlib, whose header makes macros of words that gtest uses.
 extern "C" struct _XDisplay* XOpenDisplay(const char* name);
