@@ -1,6 +1,7 @@
 // cosplatsrc in pipelines without a codec: the library's own pictures, at the right times, through
 // every change of state.
-#include <cmath>
+#include <gst/controller/gstdirectcontrolbinding.h>
+#include <gst/controller/gstinterpolationcontrolsource.h>
 
 #include "tests/hosts/gstreamer_fixture.h"
 
@@ -120,6 +121,43 @@ TEST(CosplatSrc, ViewAndBackgroundChangeWhileItPlays) {
       pipeline.Named("src"), "azimuth", -45.0, "zoom", 2.0, "background", "#000000", nullptr);
   for (int held = 0; held < 3; ++held) ASSERT_TRUE(pipeline.Pull(frame));
   EXPECT_EQ(frame.bytes, Draw({64, 48, -45, 0, 2, COSPLAT_FORMAT_RGBA8, COSPLAT_ALPHA_OPAQUE, {}}));
+}
+
+// In steps: one azimuth from the beginning, another from the third frame on.
+TEST(CosplatSrc, TheCameraFollowsAController) {
+  Pipeline pipeline(Source("width=64 height=64 fps=25 num-buffers=4"));
+  GstControlSource* steps = gst_interpolation_control_source_new();
+  g_object_set(steps, "mode", GST_INTERPOLATION_MODE_NONE, nullptr);
+  auto* values = GST_TIMED_VALUE_CONTROL_SOURCE(steps);
+  gst_timed_value_control_source_set(values, 0, 10);
+  gst_timed_value_control_source_set(values, 80 * GST_MSECOND, 45);
+  GstObject* source = GST_OBJECT(pipeline.Named("src"));
+  gst_object_add_control_binding(source,
+                                 gst_direct_control_binding_new_absolute(source, "azimuth", steps));
+  gst_object_unref(steps);
+  const std::vector<PulledFrame> frames = pipeline.PlayAll();
+  ASSERT_EQ(frames.size(), 4u);
+  for (size_t n = 0; n < 4; ++n)
+    EXPECT_EQ(frames[n].bytes, Draw({64, 64, n < 2 ? 10.0f : 45.0f})) << n;
+}
+
+TEST(CosplatSrc, TimesGoOnWhereCapsChange) {
+  Pipeline pipeline(Source() + " ! capsfilter name=caps caps=video/x-raw,width=64,height=48," +
+                    "framerate=25/1");
+  ASSERT_TRUE(pipeline.Set(GST_STATE_PLAYING));
+  PulledFrame frame;
+  GstClockTime end = 0;
+  for (int n = 0; n < 10; ++n) {
+    ASSERT_TRUE(pipeline.Pull(frame));
+    EXPECT_EQ(frame.pts, end);
+    end = frame.pts + frame.duration;
+    if (n != 2) continue;
+    GstCaps* caps = gst_caps_from_string("video/x-raw,width=32,height=96,framerate=30000/1001");
+    g_object_set(pipeline.Named("caps"), "caps", caps, nullptr);
+    gst_caps_unref(caps);
+  }
+  EXPECT_EQ(frame.bytes, Draw({32, 96}));
+  EXPECT_NEAR(double(frame.duration), 1001e9 / 30000, 1);
 }
 
 TEST(CosplatSrc, LiveFramesLieOnTheClocksLattice) {

@@ -39,10 +39,12 @@ inline void WriteLog(int level, const char* format, va_list arguments, void*) {
   const std::lock_guard lock(WrittenLog().mutex);
   WrittenLog().lines.push_back(line);
 }
-inline bool WasLogged(const std::string& line) {
+inline bool WasLogged(const std::string& part) {
   const std::lock_guard lock(WrittenLog().mutex);
   const auto& lines = WrittenLog().lines;
-  return std::find(lines.begin(), lines.end(), line) != lines.end();
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+    return line.find(part) != std::string::npos;
+  });
 }
 
 // A black source for the bottom of a scene: OBS divides a canvas that is not opaque by its alpha,

@@ -1,4 +1,6 @@
 // The OBS source in OBS: what its canvas shows is what the library draws.
+#include <util/platform.h>
+
 #include "tests/hosts/obs_fixture.h"
 
 namespace cosplat::test {
@@ -133,6 +135,41 @@ TEST_F(ObsSource, SaysWhatIsWrongAndRecovers) {
   obs_properties_destroy(properties);
   obs_source_update(source.get(), Settings().get());
   EXPECT_LE(obs->WaitFor(Draw(OnBlack())), 1);
+}
+
+TEST_F(ObsSource, OfAnotherSizeIsAsLargeOnTheCanvas) {
+  const DataPointer settings = Settings();
+  const SourcePointer source = Add(settings);
+  EXPECT_LE(obs->WaitFor(Draw(OnBlack())), 1);
+  constexpr uint32_t kWidth = 100, kHeight = 60;
+  obs_data_set_int(settings.get(), "width", kWidth);
+  obs_data_set_int(settings.get(), "height", kHeight);
+  obs_data_set_double(settings.get(), "elevation", -20);
+  obs_source_update(source.get(), settings.get());
+  Wanted wanted = OnBlack();
+  wanted.width = kWidth;
+  wanted.height = kHeight;
+  wanted.elevation = -20;
+  const std::vector<uint8_t> picture = Draw(wanted);
+  std::vector<uint8_t> expected(size_t(4) * kCanvas * kCanvas);  // at the top left
+  for (size_t y = 0; y < kHeight; ++y)
+    std::copy_n(&picture[4 * kWidth * y], 4 * kWidth, &expected[4 * kCanvas * y]);
+  EXPECT_LE(obs->WaitFor(expected), 1);
+  EXPECT_EQ(obs_source_get_width(source.get()), kWidth);
+  EXPECT_EQ(obs_source_get_height(source.get()), kHeight);
+}
+
+TEST_F(ObsSource, DoesNothingBeforeItIsShown) {
+  const DataPointer wrong = Settings();
+  obs_data_set_string(wrong.get(), "avatar", "/nowhere/unseen.glb");
+  SourcePointer source(obs_source_create("cosplat_avatar", "unseen", wrong.get(), nullptr),
+                       obs_source_release);
+  os_sleep_ms(200);
+  const auto logged = [] { return WasLogged("unseen.glb"); };
+  EXPECT_FALSE(logged());
+  obs_scene_add(scene_.get(), source.get());
+  for (int tries = 0; tries < 200 && !logged(); ++tries) os_sleep_ms(50);
+  EXPECT_TRUE(logged());
 }
 
 TEST_F(ObsSource, EverySettingHasWordsAndADefault) {
