@@ -172,31 +172,31 @@ class Error(Exception):
 def _load():
     """COSPLAT_LIBRARY; the library of the installation that this file is in; the system's."""
     name = "libcosplat.so.%d.%d" % VERSION
-    beside = Path(__file__).resolve().parents[2] / name
-    library = c.CDLL(os.environ.get("COSPLAT_LIBRARY") or str(beside if beside.exists() else name))
+    beside = Path(__file__).resolve().parent.parent.parent / name
+    loaded = c.CDLL(os.environ.get("COSPLAT_LIBRARY") or str(beside if beside.exists() else name))
     for function, arguments in (FUNCTIONS | TEXTS).items():
-        bound = getattr(library, "cosplat_" + function)
+        bound = getattr(loaded, "cosplat_" + function)
         bound.argtypes = arguments
         bound.restype = c.c_char_p if function in TEXTS else c.c_int32
-    library.cosplat_version.argtypes, library.cosplat_version.restype = (), c.c_uint32
-    version = library.cosplat_version()
+    loaded.cosplat_version.argtypes, loaded.cosplat_version.restype = (), c.c_uint32
+    version = loaded.cosplat_version()
     if (version >> 16, version >> 8 & 255) != VERSION:
-        text = library.cosplat_version_text().decode()
+        text = loaded.cosplat_version_text().decode()
         raise ImportError("libcosplat %s is not the version of this module, %d.%d" % (text, *VERSION))
-    return library
+    return loaded
 
 
-_library = _load()
+library = _load()  # its functions: library.cosplat_open and so on
 
 
 def version():
     """Of the library that runs: "0.2.0"."""
-    return _library.cosplat_version_text().decode()
+    return library.cosplat_version_text().decode()
 
 
 def _check(status, handle=None):
     if status:
-        raise Error(status, _library.cosplat_last_error(handle).decode())
+        raise Error(status, library.cosplat_last_error(handle).decode())
 
 
 def _path(path):
@@ -209,12 +209,12 @@ class Avatar:
     def __init__(self, path, flame=None, device=DEVICE_AUTO):
         self._handle = _Handle()
         options = OpenOptions(device=device, flame_path=_path(flame))
-        _check(_library.cosplat_open(_path(path), options, c.byref(self._handle)))
+        _check(library.cosplat_open(_path(path), options, c.byref(self._handle)))
         self.rest = Parameters()  # what it is opened with
         self._call("get_parameters", self.rest)
 
     def close(self):
-        _library.cosplat_close(self._handle)
+        library.cosplat_close(self._handle)
         self._handle = _Handle()
 
     def __enter__(self):
@@ -228,7 +228,7 @@ class Avatar:
             self.close()
 
     def _call(self, function, *arguments):
-        function = getattr(_library, "cosplat_" + function)
+        function = getattr(library, "cosplat_" + function)
         _check(function(self._handle, *arguments), self._handle)
 
     def info(self):

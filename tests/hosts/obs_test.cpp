@@ -22,7 +22,9 @@ class ObsSource : public testing::Test {
                                  obs_source_release);
     obs_scene_add(scene_.get(), backdrop.get());
   }
-  void TearDown() override { obs_set_output_source(0, nullptr); }
+  void TearDown() override {
+    if (obs->there_is()) obs_set_output_source(0, nullptr);
+  }
 
   static DataPointer Settings() {
     const PluginFiles& files = PluginFiles::Get();
