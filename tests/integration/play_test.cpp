@@ -105,6 +105,8 @@ TEST(Play, SaysWhatIsWrong) {
   ExpectLine(PlayInto(out / "a", w.scene, {"--flame", w.model}), {"--flame", "is for avatars"});
   ExpectLine(PlayInto(out / "a.mp4", w.avatar, {"--transparent"}), {"--transparent", "no alpha"});
   ExpectLine(PlayInto(out / "a", w.avatar, {"--drive", out / "none.npz"}), {"none.npz"});
+  ExpectLine(PlayInto(out / "a", w.avatar, {"--drive", "udp://:0"}), {"'udp://:0'", "window"});
+  ExpectLine(PlayInto(out / "a", w.avatar, {"--drive", "ftp://:0"}), {"ftp://:0"});
   ExpectLine(PlayInto(out / "a", out / "none", {}), {"none"});
   EXPECT_FALSE(std::filesystem::exists(out / "a"));
 }

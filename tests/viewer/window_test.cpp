@@ -2,7 +2,10 @@
 #include "apps/viewer/window.h"
 
 #include <GLFW/glfw3.h>
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -166,6 +169,37 @@ TEST_F(Window, PlaysStepsAndCaptures) {
   Image8 picture;
   own.Draw(session.ShotFor(screenshot.width, screenshot.height), picture);
   EXPECT_EQ(screenshot.data, picture.data);
+}
+
+// A datagram to the port that a source's description ends with.
+void SendTo(const std::string& description, const std::string& text) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(uint16_t(std::stoi(description.substr(description.rfind(':') + 1))));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const auto* address = reinterpret_cast<const sockaddr*>(&to);
+  EXPECT_EQ(sendto(socket, text.data(), text.size(), 0, address, sizeof to), ssize_t(text.size()));
+  close(socket);
+}
+
+TEST_F(Window, ShowsALiveFace) {
+  FlameParams rest;
+  rest.expression.assign(size_t(PaintedHead().avatar->flame.expression_count), 0);
+  session.SetLive(std::make_unique<viewer::LiveFace>(
+      OpenLiveSource("udp://:0"), rest, std::optional<TrainedRange>()));
+  const viewer::LiveFace& live = *session.live();
+  window = std::make_unique<ViewerWindow>(
+      session, stage, viewer::WindowSettings{1, folder / "captures"});
+  SendTo(live.Description(), R"({"seq": 1, "jaw": [0.3, 0, 0]})");
+  SendTo(live.Description(), "not a frame");
+  for (int i = 0; i < 500 && live.Counts().malformed == 0; ++i) window->Step();
+  EXPECT_EQ(live.guard().counts().accepted, 1u);
+  EXPECT_EQ(live.Counts().malformed, 1u);
+  Press(GLFW_KEY_N);  // the sliders take over
+  EXPECT_EQ(session.driver, Driver::kSliders);
+  Settle();
+  EXPECT_LE(DifferenceFromStage(), 1);
 }
 
 TEST_F(Window, LettersAndPanelsScale) {
