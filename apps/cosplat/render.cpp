@@ -23,6 +23,7 @@
 #include "splat/base/error.h"
 #include "splat/dataset.h"
 #include "splat/degree_order.h"
+#include "splat/device.h"
 #include "splat/io/splat_file.h"
 
 namespace cosplat {
@@ -32,7 +33,7 @@ constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
 
 struct Options {
-  std::string model, source, splats, out, drive, flame;
+  std::string model, source, splats, out, drive, flame, device = "cpu";
   bool orbit = false;
   int resolution = 0;  // 0: as trained
   bool preview = false;
@@ -92,13 +93,13 @@ void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Op
 
 void RenderScene(const Options& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
+  const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
   const int iteration = SavedIteration(o.model, run);
   Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   SortByDegree(g);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !scene.test.empty();
   const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
-  const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   const RenderSettings settings{BackgroundOf(run), g.degree};
   RenderedImage image, half;
@@ -191,6 +192,7 @@ void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& render
 }
 
 void RenderAvatar(const Options& o, const JsonField& run) {
+  if (o.device != "cpu") throw Error(o.model, "--device", "is for scenes; this is an avatar");
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
@@ -243,6 +245,8 @@ void AddRender(CLI::App& app) {
       ->check(CLI::Range(0, 64));
   command->add_flag(
       "--preview", o->preview, "draw at half the resolution and enlarge: faster and softer");
+  command->add_option("--device", o->device, "cpu, cuda or auto, for scenes")
+      ->capture_default_str();
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Render(*o); });
 }

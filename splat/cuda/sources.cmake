@@ -18,3 +18,11 @@ if(COSPLAT_HAS_CUDA)
   target_link_libraries(cosplat_cuda PUBLIC cosplat::render CUDA::cudart_static)
   target_compile_options(cosplat_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
 endif()
+
+# cosplat::device: chooses between the back ends that there are.
+cosplat_library(device ${CMAKE_CURRENT_LIST_DIR}/../device.cpp)
+target_link_libraries(cosplat_device PUBLIC cosplat::render)
+if(COSPLAT_HAS_CUDA)
+  target_link_libraries(cosplat_device PRIVATE cosplat::cuda)
+  target_compile_definitions(cosplat_device PRIVATE COSPLAT_HAS_CUDA)
+endif()

@@ -301,6 +301,11 @@ TEST_F(BadInput, OptionsAreWrong) {
   Expect({"render", "-m", Made().avatar, "--preview"}, {"--preview", "--out"});
   Expect({"render", "-m", Made().avatar, "--orbit", "--drive", "$/head", "-o", "$/o"}, {"--orbit"});
   Expect({"render", "-m", Made().scene, "--drive", "$/head", "-o", "$/o"}, {"--drive"});
+  Expect({"render", "-m", Made().scene, "--device", "tpu"}, {"--device", "tpu"});
+  Expect({"render", "-m", Made().scene, "--device", "cuda"},
+         {"--device", "cuda"},
+         "export CUDA_VISIBLE_DEVICES=-1;");
+  Expect({"render", "-m", Made().avatar, "--device", "auto"}, {"--device"});
 }
 
 TEST_F(BadInput, RunFolderIsNone) {

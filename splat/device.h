@@ -1,0 +1,21 @@
+// Which back end draws: the choice behind `--device auto|cpu|cuda`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "splat/rasterizer.h"
+
+namespace cosplat {
+
+enum class Device { kCpu, kCuda };
+
+// "cpu"; "cuda", an Error naming `field` and the reason where this program or this machine has
+// none; "auto", which is CUDA where both have it.
+Device DeviceFromString(const std::string& name, const std::string& field = "--device");
+
+// For single pictures: on a device everything is copied with each call, and gradients are added in
+// a fixed order, as on the CPU.
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
+
+}  // namespace cosplat
