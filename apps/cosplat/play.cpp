@@ -112,21 +112,26 @@ void AddPlay(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   command->add_option("model", o->model, "a run's folder, an avatar's .glb, or a scene's splats")
       ->required();
-  command->add_option("--drive",
-                      o->drive,
-                      "what moves an avatar: a tracked video or .npz, udp://HOST:PORT, "
-                      "vmc://HOST:PORT?matrix=FILE or stdin:");
+  auto* drive =
+      command->add_option("--drive",
+                          o->drive,
+                          "what moves an avatar: a tracked video or .npz, udp://HOST:PORT, "
+                          "vmc://HOST:PORT?matrix=FILE or stdin:");
   command->add_option("--fps", o->fps, "of a recorded drive; its own if not given")
+      ->needs(drive)
       ->check(CLI::Range(0.001, 10000.0));
   command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
   AddLook(*command, *o);
-  command->add_flag("--headless", o->headless, "draw to files, without a window or a display");
+  auto* headless =
+      command->add_flag("--headless", o->headless, "draw to files, without a window or a display");
   command->add_option("-o,--out",
                       o->out,
                       "headless: folder or .mp4; otherwise the folder of screenshots and videos");
   command->add_option("--frames", o->frames, "headless: so many, of the drive or of a turn")
+      ->needs(headless)
       ->check(CLI::Range(0, 1000000));
-  command->add_option("--size", o->size, "headless: WIDTHxHEIGHT; as it was filmed if not given");
+  command->add_option("--size", o->size, "headless: WIDTHxHEIGHT; as it was filmed if not given")
+      ->needs(headless);
   command->add_option("--ui-scale", o->scale, "size of letters and panels; 0: as the screen says")
       ->check(CLI::Range(0.0, 8.0));
   command->add_flag("--quiet", o->quiet, "print nothing but errors");

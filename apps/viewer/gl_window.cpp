@@ -46,6 +46,14 @@ GLFWwindow* Open(const std::string& title, float& scale) {
       std::max(width, 320), std::max(height, 240), title.c_str(), nullptr, nullptr);
 }
 
+// Below 1 where the system enlarges windows by itself (Wayland), and letters must not be twice.
+float UnitsPerPixel(GLFWwindow* window) {
+  int units = 0, pixels = 0, unused = 0;
+  glfwGetWindowSize(window, &units, &unused);
+  glfwGetFramebufferSize(window, &pixels, &unused);
+  return units > 0 && pixels > 0 ? float(units) / float(pixels) : 1;
+}
+
 }  // namespace
 
 GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
@@ -59,6 +67,7 @@ GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
       throw;
     }
   }
+  if (scale <= 0) scale_ *= UnitsPerPixel(window_);
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   ImGui::CreateContext();

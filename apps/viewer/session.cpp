@@ -63,20 +63,22 @@ void Session::SetView(View view) {
   if (is_avatar_ || !NeedsMesh(view)) view_ = view;
 }
 
+void Session::DoToSequence(Action action) {
+  if (!has_sequence()) return;
+  driver = Driver::kSequence;
+  if (action == Action::kTogglePlay) timeline.Toggle();
+  if (action == Action::kStepBack) timeline.Step(-1);
+  if (action == Action::kStepForward) timeline.Step(1);
+  if (action == Action::kToStart) timeline.Seek(0);
+}
+
 void Session::Do(Action action) {
-  const bool sequence = has_sequence();
   switch (action) {
     case Action::kTogglePlay:
     case Action::kStepBack:
     case Action::kStepForward:
     case Action::kToStart:
-      if (!sequence) return;
-      driver = Driver::kSequence;
-      if (action == Action::kTogglePlay) timeline.Toggle();
-      if (action == Action::kStepBack) timeline.Step(-1);
-      if (action == Action::kStepForward) timeline.Step(1);
-      if (action == Action::kToStart) timeline.Seek(0);
-      return;
+      return DoToSequence(action);
     case Action::kToggleLoop:
       timeline.loops = !timeline.loops;
       return;
@@ -102,9 +104,7 @@ void Session::Do(Action action) {
     case Action::kToggleHelp:
       help_open = !help_open;
       return;
-    case Action::kScreenshot:
-    case Action::kToggleRecording:
-    case Action::kQuit:
+    default:  // the window's
       return;
   }
 }

@@ -85,6 +85,8 @@ class Session {
   bool help_open = false;
 
  private:
+  void DoToSequence(Action action);
+
   std::string title_, sequence_name_;
   bool is_avatar_;
   size_t gaussian_count_;
