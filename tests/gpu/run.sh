@@ -2,8 +2,8 @@
 # Everything that needs a card, in one command, for a machine that has one and little else (nvcc,
 # CMake, ninja, a C++ compiler): builds the lean configuration, runs the parity tests, which fail
 # where there is no device, compute-sanitizer's tools over small cases, the tests over and over, and
-# the benchmark. Writes summary.json, bench.json, picture.ppm and the logs. Prints a table at the
-# end; exits with 0 only if all of it passed.
+# the benchmark. Writes summary.json, bench.json, picture.ppm and log.txt. Prints a table at the end;
+# exits with 0 only if all of it passed.
 set -uo pipefail
 
 show_help() {
@@ -46,7 +46,7 @@ bench=$build/tests/gpu/cosplat_bench_cuda
 names=() results=() seconds=()
 
 # step NAME LIMIT_S COMMAND...: runs it within its limit and what is left of all; its output goes
-# to NAME.log.
+# into log.txt.
 step() {
   local name=$1 limit=$2 left=$((minutes * 60 - SECONDS)) begin=$SECONDS result
   shift 2
@@ -56,12 +56,16 @@ step() {
     result=planned
   elif [[ $limit -lt 5 ]]; then
     result="no time left"
-  elif timeout "$limit" "$@" >"$out/$name.log" 2>&1; then
-    result=passed
   else
-    result="failed ($?)"
-    echo "--- $name: the end of $out/$name.log" >&2
-    tail -n 15 "$out/$name.log" >&2
+    local log=$build/$name.log
+    if timeout "$limit" "$@" >"$log" 2>&1; then
+      result=passed
+    else
+      result="failed ($?)"
+      echo "--- $name: the end of what it said" >&2
+      tail -n 15 "$log" >&2
+    fi
+    { echo "=== $name: $*"; cat "$log"; } >>"$out/log.txt"
   fi
   names+=("$name") results+=("$result") seconds+=("$((SECONDS - begin))")
   [[ $result == passed || $result == planned ]]
@@ -117,7 +121,10 @@ finish() {
 }
 
 check_tools
-$dry || mkdir -p "$out"
+if ! $dry; then
+  mkdir -p "$out" "$build"
+  : >"$out/log.txt"
+fi
 configure=(cmake --preset gpu-tests -S "$root" -B "$build" "-DCOSPLAT_CARRIED=$carried"
   "-DCMAKE_CUDA_ARCHITECTURES=$(architecture)")
 if $dry; then
