@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "splat/basis_constants.h"
-#include "splat/importance.h"
 
 namespace cosplat {
 namespace {
@@ -119,25 +118,23 @@ bool BandSchedule::DropsAt(int iteration, int iterations) {
 }
 
 double DropBandsInTraining(float threshold,
-                           Subject& subject,
+                           FramePictures& pictures,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
-                           AdamState& adam) {
-  const auto psnr = [&] {
-    return MeanPsnrOfFrames(
-        subject, frames, gaussians, gaussians.degree, background, kFramesJudged);
-  };
-  const double before = psnr();
+                           AdamState& adam,
+                           const std::function<void()>& changed) {
+  const FrameChoice judged{frames, gaussians.degree, background, kFramesJudged};
+  const FrameChoice weighed{frames, gaussians.degree, background, kFramesWeighed};
+  const double before = pictures.MeanPsnr(judged);
   Weights weights;
-  for (const Contribution& c : ContributionsToFrames(
-           subject, frames, gaussians, gaussians.degree, background, kFramesWeighed))
-    weights.push_back(c.weight);
+  for (const Contribution& c : pictures.Contributions(weighed)) weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
   ZeroAbove(gaussians.degrees, adam.m);
   ZeroAbove(gaussians.degrees, adam.v);
-  return psnr() - before;
+  changed();
+  return pictures.MeanPsnr(judged) - before;
 }
 
 }  // namespace cosplat

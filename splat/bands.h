@@ -6,10 +6,11 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "splat/gaussians.h"
-#include "splat/subject.h"
+#include "splat/importance.h"
 
 namespace cosplat {
 
@@ -50,13 +51,14 @@ struct BandSchedule {
 
 // A round of it, with the weights of training pictures (of `frames`) over `background`. Without
 // momentum and gradient, what was dropped stays zero. Adam must have caught up (splat/optimizer.h).
-// threshold: of all rounds together. Returns by how many dB the mean PSNR of up to 20 training
-// pictures changes.
+// threshold: of all rounds together. `changed` is called when they are gone, before `pictures` are
+// asked again. Returns by how many dB the mean PSNR of up to 20 training pictures changes.
 double DropBandsInTraining(float threshold,
-                           Subject& subject,
+                           FramePictures& pictures,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
-                           AdamState& adam);
+                           AdamState& adam,
+                           const std::function<void()>& changed);
 
 }  // namespace cosplat

@@ -21,12 +21,12 @@ class Trials {
       : settings_(settings), trainer_(trainer), progress_(progress) {}
 
   void TrainUntil(int iteration) {
-    while (trainer_.state().iteration < iteration) progress_(trials_.size(), trainer_.Step());
+    while (trainer_.iteration() < iteration) progress_(trials_.size(), trainer_.Step());
   }
   void Run(const Trainer::Checkpoint& from, const PruneSettings& prune) {
     trainer_.Restore(from, prune);
     TrainUntil(trainer_.settings().iterations);
-    trials_.push_back({trainer_.state().gaussians.size(), trainer_.PsnrOf(settings_.held_out)});
+    trials_.push_back({trainer_.count(), trainer_.PsnrOf(settings_.held_out)});
   }
   bool LastHeld() const {
     return trials_.back().psnr >= trials_.front().psnr - settings_.tolerance_db;

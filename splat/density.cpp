@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "splat/base/error.h"
-#include "splat/math/quat.h"
 #include "splat/morton.h"
 #include "splat/prune/pruner.h"
 #include "splat/prune/select.h"
@@ -15,14 +14,6 @@
 
 namespace cosplat {
 namespace {
-
-constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
-constexpr float kResetOpacity = 0.01f;  // 3DGS
-
-float LargestScale(const Gaussians& g, size_t i) {
-  const float* s = g.at(kScaleLog, i);
-  return std::exp(std::max({s[0], s[1], s[2]}));
-}
 
 bool AllFinite(const Gaussians& g, size_t i) {
   for (int a = 0; a < kAttributeCount; ++a)
@@ -38,7 +29,7 @@ std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
   std::vector<uint32_t> selected;
   std::vector<float> mean(count, 0.0f);
   for (size_t i = 0; i < count; ++i) {
-    if (statistics.visible[i] > 0) mean[i] = statistics.screen_gradient[i] / statistics.visible[i];
+    mean[i] = math::MeanWhereVisible(statistics.screen_gradient[i], statistics.visible[i]);
     if (mean[i] >= settings.gradient_threshold) selected.push_back(uint32_t(i));
   }
   const size_t room = settings.max_count > count ? settings.max_count - count : 0;
@@ -52,41 +43,32 @@ std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
   return selected;
 }
 
-// A point drawn from the Gaussian itself, relative to its centre.
-std::array<float, 3> SampleOffset(const Gaussians& g, size_t i, Rng& rng) {
-  const float *q = g.at(kRotation, i), *s = g.at(kScaleLog, i);
-  const math::Vec3<float> local{
-      rng.Normal() * std::exp(s[0]), rng.Normal() * std::exp(s[1]), rng.Normal() * std::exp(s[2])};
-  const math::Vec3<float> p =
-      math::RotationOf(math::Normalize(math::Quat<float>{q[0], q[1], q[2], q[3]})) * local;
-  return {p.x, p.y, p.z};
-}
-
 // Which of the Gaussians after cloning and splitting go, by opacity, size and broken numbers.
 std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
                                   bool remove_oversized,
                                   const Gaussians& gaussians,
                                   const Buffer<float>& max_radius,
                                   DensityReport& report) {
-  const float min_logit = std::log(settings.min_opacity / (1 - settings.min_opacity));
+  const math::RemovalRule rule = RemovalRuleOf(settings, remove_oversized);
   std::vector<uint8_t> unwanted(gaussians.size(), 0);
   for (size_t i = 0; i < gaussians.size(); ++i) {
-    if (!AllFinite(gaussians, i)) {
-      unwanted[i] = 1;
-      ++report.broken;
-    } else if (gaussians.at(kOpacityLogit, i)[0] < min_logit) {
-      unwanted[i] = 1;
-      ++report.transparent;
-    } else if (remove_oversized && (max_radius[i] > settings.max_radius_px ||
-                                    LargestScale(gaussians, i) > settings.max_scale)) {
-      unwanted[i] = 1;
-      ++report.oversized;
-    }
+    const bool broken = !AllFinite(gaussians, i);
+    const math::Removal removal = RemovalOf(
+        rule, gaussians.at(kOpacityLogit, i)[0], gaussians.at(kScaleLog, i), max_radius[i]);
+    unwanted[i] = broken || removal != math::Removal::kNone;
+    report.broken += broken;
+    report.transparent += !broken && removal == math::Removal::kTransparent;
+    report.oversized += !broken && removal == math::Removal::kOversized;
   }
   return unwanted;
 }
 
 }  // namespace
+
+math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized) {
+  const float min_logit = std::log(settings.min_opacity / (1 - settings.min_opacity));
+  return {min_logit, remove_oversized, settings.max_radius_px, settings.max_scale};
+}
 
 void DensityStatistics::Reset(size_t n) {
   for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius})
@@ -113,18 +95,11 @@ void DensityStatistics::Accumulate(const RenderTape& tape,
     for (size_t i = range.begin(); i < range.end(); ++i) {
       const float radius = radii[i];
       if (!(radius > 0)) continue;
-      const float gx = screen[2 * i] * 0.5f * width, gy = screen[2 * i + 1] * 0.5f * height;
-      const float screen_norm = std::sqrt(gx * gx + gy * gy);
-      float square = 0;
-      for (int k = 0; k < 3; ++k) {
-        const float s = std::exp(scale_log[3 * i + k]);
-        const float d = s > 0 ? d_scale_log[3 * i + k] / s : 0.0f;  // dL/ds, 0 with s
-        square += d * d;
-      }
-      // A step with a broken gradient says nothing of this one (Adam ignores it, too).
-      if (!std::isfinite(screen_norm) || !std::isfinite(square)) continue;
-      screen_gradient[i] += screen_norm;
-      plasticity[i] += std::sqrt(square);
+      const math::ShapeOfStep step =
+          math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
+      if (!step.IsUsable()) continue;
+      screen_gradient[i] += step.screen;
+      plasticity[i] += step.plasticity;
       visible[i] += 1;
       max_radius[i] = std::max(max_radius[i], radius);
     }
@@ -175,15 +150,22 @@ size_t Population::Remove(const std::vector<uint8_t>& unwanted) const {
   return removed.size();
 }
 
-size_t Population::Prune(const PruneRound& round, int group_cap, int group_floor) const {
+std::vector<uint8_t> UnwantedBy(const PruneRound& round,
+                                size_t count,
+                                const std::vector<int32_t>& groups,
+                                int group_cap,
+                                int group_floor) {
   std::vector<uint8_t> exempt = round.exempt;
-  exempt.resize(gaussians.size(), 0);
-  const std::vector<int32_t> groups = placement.Groups();
-  std::vector<uint8_t> unwanted(gaussians.size(), 0);
+  exempt.resize(count, 0);
+  std::vector<uint8_t> unwanted(count, 0);
   for (const uint32_t i :
        SelectForPruning({round.score, exempt, groups, round.remove, group_cap, group_floor}))
     unwanted[i] = 1;
-  return Remove(unwanted);
+  return unwanted;
+}
+
+size_t Population::Prune(const PruneRound& round, int group_cap, int group_floor) const {
+  return Remove(UnwantedBy(round, gaussians.size(), placement.Groups(), group_cap, group_floor));
 }
 
 DensityReport ControlDensity(const DensitySettings& settings,
@@ -198,7 +180,7 @@ DensityReport ControlDensity(const DensitySettings& settings,
   std::vector<uint8_t> is_split(before, 0);
   std::vector<uint32_t> clones, splits;
   for (const uint32_t i : selected) {
-    const bool split = LargestScale(gaussians, i) > settings.split_scale;
+    const bool split = math::LargestScale(gaussians.at(kScaleLog, i)) > settings.split_scale;
     is_split[i] = split;
     (split ? splits : clones).push_back(i);
   }
@@ -217,9 +199,10 @@ DensityReport ControlDensity(const DensitySettings& settings,
   population.Gather(order);
 
   for (size_t i = children; i < gaussians.size(); ++i) {
-    const std::array<float, 3> offset = SampleOffset(gaussians, i, rng);
-    population.placement.Move(gaussians, uint32_t(i), offset);
-    for (int k = 0; k < 3; ++k) gaussians.at(kScaleLog, i)[k] -= std::log(kSplitShrink);
+    const math::Vec3<float> offset =
+        math::SplitOffset(gaussians.at(kRotation, i), gaussians.at(kScaleLog, i), rng);
+    population.placement.Move(gaussians, uint32_t(i), {offset.x, offset.y, offset.z});
+    for (int k = 0; k < 3; ++k) gaussians.at(kScaleLog, i)[k] -= std::log(math::kSplitShrink);
   }
   population.Remove(MarkUnwanted(
       settings, remove_oversized, gaussians, population.statistics.max_radius, report));
@@ -233,8 +216,10 @@ void SortInSpace(const Population& population) {
   population.Gather({MortonOrder(centers), {}});
 }
 
+float ResetOpacityLogit() { return std::log(math::kResetOpacity / (1 - math::kResetOpacity)); }
+
 void ResetOpacity(Gaussians& gaussians, AdamState& adam) {
-  const float limit = std::log(kResetOpacity / (1 - kResetOpacity));
+  const float limit = ResetOpacityLogit();
   for (float& logit : gaussians.values[kOpacityLogit]) logit = std::min(logit, limit);
   for (Gaussians* moments : {&adam.m, &adam.v})
     std::fill(moments->values[kOpacityLogit].begin(), moments->values[kOpacityLogit].end(), 0.0f);

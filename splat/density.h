@@ -8,6 +8,7 @@
 
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
+#include "splat/kernels/density.h"
 #include "splat/optimizer.h"
 
 namespace cosplat {
@@ -31,7 +32,7 @@ struct DensityStatistics {
 
   void Reset(size_t n);
   // Of |dL/ds| over the steps in which it was drawn; 0 for one that was not.
-  float MeanPlasticity(size_t i) const { return visible[i] > 0 ? plasticity[i] / visible[i] : 0; }
+  float MeanPlasticity(size_t i) const { return math::MeanWhereVisible(plasticity[i], visible[i]); }
   // Those of new Gaussians are zero.
   void Gather(const Reordering& order);
   // `screen`: [N, 2] dL/d(centre) per px. d_scale_log, scale_log: [N, 3].
@@ -51,6 +52,8 @@ struct DensitySettings {
   float max_radius_px = 20;    // likewise
   size_t max_count = 2000000;  // never exceeded by adding: the strongest gradients go first
 };
+
+math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized);
 
 struct DensityReport {
   size_t cloned = 0, split = 0, transparent = 0, oversized = 0, broken = 0;
@@ -92,6 +95,13 @@ struct Population {
   size_t Prune(const PruneRound& round, int group_cap, int group_floor) const;
 };
 
+// [count] 1: what such a round and cap take (Placement::Groups), vetoes aside.
+std::vector<uint8_t> UnwantedBy(const PruneRound& round,
+                                size_t count,
+                                const std::vector<int32_t>& groups,
+                                int group_cap,
+                                int group_floor);
+
 // Clone, split, remove what is transparent, oversized or broken. The statistics go along.
 DensityReport ControlDensity(const DensitySettings& settings,
                              bool remove_oversized,
@@ -102,6 +112,7 @@ DensityReport ControlDensity(const DensitySettings& settings,
 void SortInSpace(const Population& population);
 
 // Opacities above 0.01 are set to it, and their moments cleared (3DGS).
+float ResetOpacityLogit();
 void ResetOpacity(Gaussians& gaussians, AdamState& adam);
 
 }  // namespace cosplat

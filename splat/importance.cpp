@@ -39,47 +39,38 @@ class ContributionSum {
 }  // namespace
 
 std::vector<Contribution> ContributionsToFrames(Subject& subject,
-                                                View<const uint32_t> frames,
                                                 const Gaussians& gaussians,
-                                                int degree,
-                                                const std::array<float, 3>& background,
-                                                size_t most_frames) {
+                                                const FrameChoice& choice) {
   ContributionSum sum(gaussians.size());
-  const size_t used = std::min(frames.size(), most_frames);
-  for (size_t k = 0; k < used; ++k) {
-    const size_t f = frames[k * frames.size() / used];
-    const TrainFrame& frame = subject.frame(f);
-    sum.Add(subject.Place(gaussians, f), gaussians.basis, frame.camera, {background, degree});
+  for (size_t k = 0; k < choice.count(); ++k) {
+    const size_t f = choice[k];
+    sum.Add(subject.Place(gaussians, f),
+            gaussians.basis,
+            subject.frame(f).camera,
+            {choice.background, choice.degree});
   }
   return sum.Take();
 }
 
-double MeanPsnrOfFrames(Subject& subject,
-                        View<const uint32_t> frames,
-                        const Gaussians& gaussians,
-                        int degree,
-                        const std::array<float, 3>& background,
-                        size_t most_frames) {
+double MeanPsnrOfFrames(Subject& subject, const Gaussians& gaussians, const FrameChoice& choice) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   RenderedImage image;
   Buffer<float> target;
-  const size_t used = std::min(frames.size(), most_frames);
   double sum = 0;
-  for (size_t k = 0; k < used; ++k) {
-    const size_t f = frames[k * frames.size() / used];
-    const TrainFrame& frame = subject.frame(f);
-    rasterizer->Forward(subject.Place(gaussians, f),
+  for (size_t k = 0; k < choice.count(); ++k) {
+    const TrainFrame& frame = subject.frame(choice[k]);
+    rasterizer->Forward(subject.Place(gaussians, choice[k]),
                         gaussians.basis,
                         frame.camera,
-                        {background, degree},
+                        {choice.background, choice.degree},
                         image,
                         *tape);
     for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
-    CompositeTarget(frame.target, background, target);
+    CompositeTarget(frame.target, choice.background, target);
     sum += Psnr(image.color, target);
   }
-  return used == 0 ? 0 : sum / double(used);
+  return choice.count() == 0 ? 0 : sum / double(choice.count());
 }
 
 std::vector<float> Significance(const Gaussians& gaussians,

@@ -13,22 +13,32 @@
 
 namespace cosplat {
 
-// Sums over these frames, at most `most_frames` of them evenly spread, of every Gaussian's
-// contribution to the frame's picture over `background`. [N]
-std::vector<Contribution> ContributionsToFrames(Subject& subject,
-                                                View<const uint32_t> frames,
-                                                const Gaussians& gaussians,
-                                                int degree,
-                                                const std::array<float, 3>& background,
-                                                size_t most_frames);
+// Pictures to ask, drawn over `background`: of these frames, at most `most_frames` evenly spread.
+struct FrameChoice {
+  View<const uint32_t> frames;
+  int degree = 0;
+  std::array<float, 3> background{0, 0, 0};
+  size_t most_frames = 0;
 
-// Mean PSNR of as many of these frames, likewise, pictures clamped to what bytes can show, dB.
-double MeanPsnrOfFrames(Subject& subject,
-                        View<const uint32_t> frames,
-                        const Gaussians& gaussians,
-                        int degree,
-                        const std::array<float, 3>& background,
-                        size_t most_frames);
+  size_t count() const { return frames.size() < most_frames ? frames.size() : most_frames; }
+  size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
+};
+
+// Sums over these frames of every Gaussian's contribution to the frame's picture. [N]
+std::vector<Contribution> ContributionsToFrames(Subject& subject,
+                                                const Gaussians& gaussians,
+                                                const FrameChoice& choice);
+
+// Mean PSNR of these frames, pictures clamped to what bytes can show, dB.
+double MeanPsnrOfFrames(Subject& subject, const Gaussians& gaussians, const FrameChoice& choice);
+
+// The same of Gaussians in training, wherever they are kept.
+class FramePictures {
+ public:
+  virtual ~FramePictures() = default;
+  virtual std::vector<Contribution> Contributions(const FrameChoice& choice) = 0;
+  virtual double MeanPsnr(const FrameChoice& choice) = 0;
+};
 
 // LightGaussian's global significance (Fan et al. 2024, eq. 2-4): contribution.hits times
 // (V / V_90)^0.1, V the volume of the Gaussian, V_90 that which 90 % of them do not exceed. V is

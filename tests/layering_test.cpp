@@ -41,7 +41,7 @@ struct FolderRule {
 };
 const std::vector<FolderRule>& FolderRules() {
   static const std::vector<FolderRule> rules = {
-      {"splat/base/", {"splat/base/"}},
+      {"splat/base/", {"splat/base/", "splat/math/namespace.h"}},  // the marker of device code
       {"splat/math/",
        {"splat/math/", "splat/config.h", "splat/basis.h", "splat/basis_constants.h"}},
       {"splat/", {"splat/"}},

@@ -30,7 +30,7 @@ void Evaluate(const AvatarOptions& o,
               const Trainer& trainer) {
   AvatarModel model = subject.Model(trainer.CaughtUp());
   AvatarRenderer renderer(std::move(model), flame);
-  TestImageWriter writer(o.model, "test", trainer.state().iteration, o.EvaluationBackground());
+  TestImageWriter writer(o.model, "test", trainer.iteration(), o.EvaluationBackground());
   for (size_t i = 0; i < truth.size(); ++i)
     renderer.WriteTestImage(subject.video().test[i], truth[i], writer);
   writer.Finish();
@@ -112,7 +112,7 @@ void Save(const AvatarOptions& o,
   AvatarModel model = subject.Model(trainer.CaughtUp());
   model.background = o.EvaluationBackground();
   // The rest pose, for tools that know only 3DGS's layout.
-  SaveSplats(o.model, trainer.state().iteration, RestPose(model));
+  SaveSplats(o.model, trainer.iteration(), RestPose(model));
   AvatarFileOptions file;
   file.embed_flame = o.embed_flame;
   file.truncate_degree = o.truncate_degree;

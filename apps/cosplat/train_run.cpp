@@ -92,7 +92,7 @@ void RunTraining(const TrainOptions& o,
   {
     ProgressBar bar("train", o.iterations, o.quiet);
     LossLine line;
-    while (trainer.state().iteration < o.iterations) {
+    while (trainer.iteration() < o.iterations) {
       const StepReport step = trainer.Step();
       const int i = step.iteration;
       bar.Update(i, line(step));

@@ -31,7 +31,7 @@ void Evaluate(const SceneCommand& o, const std::vector<TrainFrame>& test, const 
   const auto tape = rasterizer->MakeTape();
   const Gaussians g = trainer.CaughtUp();
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
-  TestImageWriter writer(o.model, "test", trainer.state().iteration, render.background);
+  TestImageWriter writer(o.model, "test", trainer.iteration(), render.background);
   RenderedImage image;
   for (const TrainFrame& frame : test) {
     rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
@@ -96,7 +96,7 @@ void Train(SceneCommand o, const std::string& config) {
                 WithThousands(scene.points.size() / 3).c_str());
   RunHooks hooks;
   hooks.save = [&, saves = CanSaveSplats(o)] {
-    if (saves) SaveSplats(o.model, trainer.state().iteration, trainer.CaughtUp());
+    if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
   };
   if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, test, trainer); };
   RunTraining(o, trainer, scene.skipped, hooks);

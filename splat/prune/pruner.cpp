@@ -51,6 +51,10 @@ std::vector<std::string> PruneRuleNames() {
 
 bool LearnsMask(PruneRule rule) { return rule == PruneRule::kCompact || rule == PruneRule::kLp; }
 
+bool WorksInSteps(PruneRule rule) {
+  return LearnsMask(rule) || rule == PruneRule::kDcsharpReleased;
+}
+
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
                                    const Schedule& run_schedule,
                                    int iterations,

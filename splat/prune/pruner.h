@@ -15,16 +15,16 @@
 #include "splat/base/rng.h"
 #include "splat/density.h"
 #include "splat/gaussians.h"
+#include "splat/importance.h"
 #include "splat/prune/settings.h"
 #include "splat/schedule.h"
-#include "splat/subject.h"
 
 namespace cosplat {
 
 // What a pruner sees of the run when it ranks.
 struct PruneContext {
   int iteration = 0;            // of the step just done, from 1
-  Subject& subject;             // to draw training frames; not to be changed
+  FramePictures& pictures;      // of training frames
   View<const uint32_t> frames;  // that are trained on
   const Gaussians& gaussians;
   const DensityStatistics& statistics;  // since the last densification

@@ -8,11 +8,10 @@
 
 namespace cosplat {
 
-// ContributionsToFrames of what the context has; of all its frames, or of so many.
+// Of all frames of the context, or of so many.
 inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
                                                  size_t most_frames = size_t(-1)) {
-  return ContributionsToFrames(
-      c.subject, c.frames, c.gaussians, c.degree, c.background, most_frames);
+  return c.pictures.Contributions({c.frames, c.degree, c.background, most_frames});
 }
 
 std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,

@@ -146,8 +146,8 @@ TEST(Importance, SumsOverFramesAndSparesTheRest) {
   const Gaussians truth = test::TrueScene(0);
   SceneSubject subject(test::Photographs(truth, test::Ring(6, 2.2f)), 1);
   const std::vector<uint32_t> frames{0, 1, 2, 3, 4, 5};
-  const auto all = ContributionsToFrames(subject, frames, truth, 0, {0, 0, 0}, 100);
-  const auto three = ContributionsToFrames(subject, frames, truth, 0, {0, 0, 0}, 3);
+  const auto all = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 100});
+  const auto three = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 3});
   double sum_all = 0, sum_three = 0;
   for (size_t i = 0; i < truth.size(); ++i) {
     sum_all += all[i].weight;

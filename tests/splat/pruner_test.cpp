@@ -46,8 +46,9 @@ struct Rounds {
   size_t Run(Placement& placement, int iteration = 301, int cap = 0, int floor = 0) {
     pruner->BeforeDensification();
     ControlDensity(p.settings, false, p.With(placement, pruner.get()), p.rng);
+    PicturesOf pictures(subject, p.g);
     const PruneRound round =
-        pruner->Rank({iteration, subject, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
+        pruner->Rank({iteration, pictures, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
     const size_t gone = p.With(placement, pruner.get()).Prune(round, cap, floor);
     p.statistics.Reset(p.g.size());
     return gone;
@@ -236,7 +237,8 @@ TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
     const auto pruner = MakePruner(Rule(rule), Every20(), 300, g.size());
     Rng rng{1};
     const std::vector<uint32_t> frames{0, 1};
-    const PruneContext context{195, subject, frames, g, {}, 0, {0, 0, 0}, rng};
+    PicturesOf pictures(subject, g);
+    const PruneContext context{195, pictures, frames, g, {}, 0, {0, 0, 0}, rng};
     EXPECT_EQ(pruner->Rank(context).remove, 0u) << ToString(rule);
     const std::vector<float> radii(g.size(), 1.0f);
     for (int step = 0; step < 3000; ++step) {
@@ -279,7 +281,8 @@ TEST(Lp, GradientsGoThroughTheMask) {
   const auto pruner = MakePruner(settings, Every20(), 300, g.size());
   Rng unused{1};
   const std::vector<uint32_t> frames{0};
-  pruner->Rank({195, subject, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
+  PicturesOf pictures(subject, g);
+  pruner->Rank({195, pictures, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
 
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();

@@ -84,6 +84,20 @@ inline TrainSettings ShortRun(int iterations, int degree) {
   return s;
 }
 
+// Of Gaussians that nobody trains.
+struct PicturesOf : FramePictures {
+  PicturesOf(Subject& subject, const Gaussians& gaussians)
+      : subject(subject), gaussians(gaussians) {}
+  std::vector<Contribution> Contributions(const FrameChoice& choice) override {
+    return ContributionsToFrames(subject, gaussians, choice);
+  }
+  double MeanPsnr(const FrameChoice& choice) override {
+    return MeanPsnrOfFrames(subject, gaussians, choice);
+  }
+  Subject& subject;
+  const Gaussians& gaussians;
+};
+
 inline TrainingState Train(const TrainSettings& settings,
                            Subject& subject,
                            const Gaussians& first,

@@ -1,0 +1,105 @@
+// Density control, one Gaussian at a time: what it gathers of a step, who is split where, who goes,
+// who is beside whom. Both back ends decide by these. Source: Kerbl et al. 2023, section 5.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "splat/base/rng.h"
+#include "splat/math/quat.h"
+
+namespace cosplat::math {
+
+constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
+constexpr float kResetOpacity = 0.01f;  // 3DGS
+
+// What a step says of a Gaussian that it drew.
+struct ShapeOfStep {
+  float screen = 0;      // |dL/d(centre)| in normalised device coordinates
+  float plasticity = 0;  // |dL/ds|, s the three standard deviations
+  // With a broken gradient it says nothing (Adam ignores it, too).
+  COSPLAT_HD bool IsUsable() const { return std::isfinite(screen) && std::isfinite(plasticity); }
+};
+
+// screen: [2] dL/d(centre) per px. d_scale_log, scale_log: [3].
+COSPLAT_HD ShapeOfStep ShapeOf(
+    const float* screen, const float* d_scale_log, const float* scale_log, int width, int height) {
+  const float gx = screen[0] * 0.5f * width, gy = screen[1] * 0.5f * height;
+  float square = 0;
+  for (int k = 0; k < 3; ++k) {
+    const float s = std::exp(scale_log[k]);
+    const float d = s > 0 ? d_scale_log[k] / s : 0.0f;  // dL/ds, 0 with s
+    square += d * d;
+  }
+  return {std::sqrt(gx * gx + gy * gy), std::sqrt(square)};
+}
+
+// A sum over steps by the steps in which it was drawn; 0 for one that was not.
+COSPLAT_HD float MeanWhereVisible(float sum, float visible) {
+  return visible > 0 ? sum / visible : 0.0f;
+}
+
+COSPLAT_HD float LargestScale(const float* scale_log) {
+  float largest = scale_log[0];
+  for (int k = 1; k < 3; ++k)
+    if (largest < scale_log[k]) largest = scale_log[k];
+  return std::exp(largest);
+}
+
+// A point drawn from the Gaussian itself, relative to its centre.
+COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log, Rng& rng) {
+  const Vec3<float> local{rng.Normal() * std::exp(scale_log[0]),
+                          rng.Normal() * std::exp(scale_log[1]),
+                          rng.Normal() * std::exp(scale_log[2])};
+  return RotationOf(Normalize(Quat<float>{rotation[0], rotation[1], rotation[2], rotation[3]})) *
+         local;
+}
+constexpr uint64_t kSplitDraws = 6;  // random numbers that it takes
+
+// Who goes by opacity and size.
+struct RemovalRule {
+  float min_logit;
+  bool removes_oversized;
+  float max_radius_px, max_scale;
+};
+enum class Removal { kNone, kTransparent, kOversized };
+COSPLAT_HD Removal RemovalOf(const RemovalRule& rule,
+                             float opacity_logit,
+                             const float* scale_log,
+                             float max_radius) {
+  if (opacity_logit < rule.min_logit) return Removal::kTransparent;
+  if (rule.removes_oversized &&
+      (max_radius > rule.max_radius_px || LargestScale(scale_log) > rule.max_scale))
+    return Removal::kOversized;
+  return Removal::kNone;
+}
+
+constexpr int kMortonBits = 21;  // per axis: three fit 64 bits
+
+// Spreads the lowest 21 bits to every third place.
+COSPLAT_HD uint64_t SpreadBits(uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffff;
+  x = (x | x << 16) & 0x001f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+COSPLAT_HD bool IsFinitePoint(const float* p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+// Along a Morton curve through the box [low, high]; what is not finite comes last.
+COSPLAT_HD uint64_t MortonCode(const float* p, const float* low, const float* high) {
+  if (!IsFinitePoint(p)) return ~uint64_t(0);
+  uint64_t code = 0;
+  for (int k = 0; k < 3; ++k) {
+    // In double: the box may be wider than a float's range, and 2^21 cells need 21 bits.
+    const double side = double(high[k]) - low[k];
+    const double share = (double(p[k]) - low[k]) / (side > 1e-30 ? side : 1e-30);
+    code |= SpreadBits(uint64_t(share * ((1 << kMortonBits) - 1))) << k;
+  }
+  return code;
+}
+
+}  // namespace cosplat::math
