@@ -6,9 +6,6 @@
 
 namespace cosplat {
 
-SceneSubject::SceneSubject(std::vector<TrainFrame> frames, float extent)
-    : frames_(std::move(frames)), extent_(extent) {}
-
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
                                         std::vector<SkippedFrame>& skipped) {
   std::vector<TrainFrame> loaded(views.size());

@@ -1,6 +1,7 @@
 // Static scenes in the training loop of splat/trainer.h.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "splat/dataset.h"
@@ -12,7 +13,8 @@ namespace cosplat {
 // A static scene: the Gaussians are where they are.
 class SceneSubject : public Subject {
  public:
-  SceneSubject(std::vector<TrainFrame> frames, float extent);
+  SceneSubject(std::vector<TrainFrame> frames, float extent)
+      : frames_(std::move(frames)), extent_(extent) {}
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return extent_; }

@@ -41,6 +41,10 @@ void ProgressBar::Update(int done, const std::string& detail) {
   std::fflush(stderr);
 }
 
+void ProgressBar::Tell(const std::string& line) {
+  std::fprintf(stderr, "%s%s\n", visible_ ? "\r\033[K" : "", line.c_str());
+}
+
 std::string WithThousands(size_t n) {
   std::string s = std::to_string(n);
   for (int i = int(s.size()) - 3; i > 0; i -= 3) s.insert(size_t(i), ",");

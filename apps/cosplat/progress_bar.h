@@ -12,6 +12,8 @@ class ProgressBar {
   ~ProgressBar();
   // Redraws at most ten times a second; `detail` stands after the bar.
   void Update(int done, const std::string& detail);
+  // A line above the bar.
+  void Tell(const std::string& line);
 
  private:
   std::string title_;

@@ -120,6 +120,8 @@ void Save(const AvatarOptions& o,
 }
 
 void Train(AvatarOptions o, const std::string& config) {
+  if (o.device == "cuda")
+    throw Error("", "--device cuda", "avatars are trained on the processor: give --device cpu");
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error("",
                 "--sh_degree " + std::to_string(o.sh_degree),

@@ -67,6 +67,17 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
       ->check(CLI::Range(size_t(1), kMostGaussians));
   command
+      .add_option(
+          "--device",
+          device,
+          "where the work is done: cpu; cuda, an NVIDIA card; auto: a card where there is one")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+  command.add_flag(
+      "--deterministic",
+      deterministic,
+      "the same bits from the same run on a card, too, by sums in a fixed order; on the "
+      "processor it is always so");
+  command
       .add_option("--prune",
                   prune,
                   "rule by which Gaussians are taken away beyond density control (docs/study.md)")
@@ -172,6 +183,11 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   if (background == "random") s.background = Background::kRandom;
   s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";
   return s;
+}
+
+Device TrainOptions::ResolveDevice() const {
+  const bool processor_only = WorksInSteps(PruneRuleFromString(prune));
+  return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
 }
 
 void TrainOptions::ResolveBackground(const std::string& automatic) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/train_device.h"
 #include "splat/trainer.h"
 
 namespace cosplat {
@@ -27,6 +28,8 @@ struct TrainOptions {
   std::vector<int> test_iterations, save_iterations;
   uint64_t seed = 0;
   size_t max_gaussians = 2000000;
+  std::string device = "cpu";
+  bool deterministic = false;
   std::string prune = "none";
   size_t prune_to = 0;
   float prune_lambda = 0;
@@ -45,6 +48,8 @@ struct TrainOptions {
   void Declare(CLI::App& command);
   // `extent`: world units that size limits scale with.
   TrainSettings ToSettings(float extent) const;
+  // Settles --device; a rule of pruning that works on the processor alone settles "auto", too.
+  Device ResolveDevice() const;
   // Settles --background auto and -w.
   void ResolveBackground(const std::string& automatic);
   // Behind held-out pictures: black where training has black, otherwise white.

@@ -96,6 +96,7 @@ void RunTraining(const TrainOptions& o,
       const StepReport step = trainer.Step();
       const int i = step.iteration;
       bar.Update(i, line(step));
+      if (!step.notice.empty() && !o.quiet) bar.Tell(step.notice);
       if (o.ReachesMilestone(o.save_iterations, i)) hooks.save();
       if (i == o.iterations) WriteStatistics(o.model, trainer.statistics(), skipped.size());
       if (hooks.evaluate && o.ReachesMilestone(o.test_iterations, i)) hooks.evaluate();

@@ -26,8 +26,11 @@ struct SceneCommand : TrainOptions {
   size_t random_points = kRandomPoints;
 };
 
-void Evaluate(const SceneCommand& o, const std::vector<TrainFrame>& test, const Trainer& trainer) {
-  const auto rasterizer = MakeCpuRasterizer();
+void Evaluate(const SceneCommand& o,
+              Device device,
+              const std::vector<TrainFrame>& test,
+              const Trainer& trainer) {
+  const auto rasterizer = MakeRasterizer(device);
   const auto tape = rasterizer->MakeTape();
   const Gaussians g = trainer.CaughtUp();
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
@@ -51,6 +54,7 @@ void SaveInputs(const SceneCommand& o,
                  {"degree", o.sh_degree},
                  {"basis", o.basis},
                  {"seed", o.seed},
+                 {"device", NameOf(o.ResolveDevice())},
                  {"background", o.EvaluationBackground()},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
@@ -71,6 +75,7 @@ void AddRandomPoints(const SceneCommand& o, SceneData& scene) {
 void Train(SceneCommand o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
     throw Error("", "--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
+  const Device device = o.ResolveDevice();
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
   o.ResolveBackground(scene.white_background_hint ? "white" : "black");
@@ -80,25 +85,27 @@ void Train(SceneCommand o, const std::string& config) {
   const std::vector<TrainFrame> test = LoadTrainFrames(scene.test, scene.skipped);
   CheckSkipped(o.source, train.size() + test.size(), scene.skipped);
   SceneSubject subject(std::move(train), scene.extent);
-  Trainer trainer(o.ToSettings(scene.extent),
-                  subject,
-                  InitializeFromPoints(
-                      scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis)));
+  Trainer trainer(
+      o.ToSettings(scene.extent),
+      subject,
+      InitializeFromPoints(scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis)),
+      StepEngineOn(device, o.deterministic));
   SaveInputs(o, split, scene, config);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)
-    std::printf("%s: %zu training and %zu test views of %dx%d, %s points\n",
+    std::printf("%s: %zu training and %zu test views of %dx%d, %s points, on %s\n",
                 scene.layout.c_str(),
                 scene.train.size(),
                 scene.test.size(),
                 subject.frame(0).camera.width,
                 subject.frame(0).camera.height,
-                WithThousands(scene.points.size() / 3).c_str());
+                WithThousands(scene.points.size() / 3).c_str(),
+                NameOf(device).c_str());
   RunHooks hooks;
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
   };
-  if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, test, trainer); };
+  if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, device, test, trainer); };
   RunTraining(o, trainer, scene.skipped, hooks);
 }
 

@@ -4,6 +4,7 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <cstdint>
 
 #include "splat/cuda/check.h"
 
@@ -23,6 +24,14 @@ __device__ T& SharedMemory() {
 
 __device__ inline unsigned Lane() { return threadIdx.x % kWarp; }
 __device__ inline unsigned WarpInBlock() { return threadIdx.x / kWarp; }
+
+__device__ inline uint32_t BitsOf(float x) {
+  union {
+    float value;
+    uint32_t bits;
+  } u{x};
+  return u.bits;
+}
 
 constexpr unsigned kElementThreads = 256;
 

@@ -98,11 +98,16 @@ class Readback {
   Readback& operator=(const Readback&) = delete;
   // Reads what the device has after all that the stream was given so far: the host waits.
   const T& Get(const T* on_device, cudaStream_t stream) {
-    Check(cudaMemcpyAsync(value_, on_device, sizeof(T), cudaMemcpyDeviceToHost, stream),
-          "cudaMemcpyAsync");
+    Ask(on_device, stream);
     Check(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
     return *value_;
   }
+  // Without waiting: Last has it once the stream was waited for.
+  void Ask(const T* on_device, cudaStream_t stream) {
+    Check(cudaMemcpyAsync(value_, on_device, sizeof(T), cudaMemcpyDeviceToHost, stream),
+          "cudaMemcpyAsync");
+  }
+  const T& Last() const { return *value_; }
 
  private:
   T* value_ = nullptr;

@@ -13,14 +13,6 @@ constexpr uint32_t kNotDrawn = 0xffffffffu;  // behind every depth
 // Splats over more tiles than this are looked at by a whole warp together.
 constexpr uint64_t kFewTiles = 4;
 
-__device__ uint32_t BitsOf(float x) {
-  union {
-    float value;
-    uint32_t bits;
-  } u{x};
-  return u.bits;
-}
-
 // Depths are positive: their bits order as values.
 struct DepthKey {
   DeviceView<const ProjectedSplat> splats;

@@ -2,9 +2,11 @@
 // device (tests/support/cuda_on_host/races.h).
 #include <gtest/gtest.h>
 
+#include "splat/cuda/device_step_engine.h"
 #include "splat/cuda/launch.cuh"
 #include "splat/cuda/memory.h"
 #include "splat/cuda/stream.h"
+#include "splat/scene_subject.h"
 #include "tests/parity/parity_case.h"
 #include "tests/support/device_step.h"
 
@@ -100,6 +102,33 @@ TEST(Races, NoneInAStep) {
     step.renderer.stream().Wait();
     EXPECT_GT(step.tape.lists.instances(), 200u);
   }
+  EXPECT_EQ(reports, before);
+}
+
+TEST(Races, NoneInTraining) {
+  const int before = reports;
+  const test::ParityCase c = test::RandomCase("races", 150, 40, 24, Basis::kDcsh, 1);
+  SceneSubject subject({{c.camera, Image8(c.camera.width, c.camera.height, 3, 90)}}, 1);
+  TrainSettings settings;
+  settings.scale_regularizer = {0.1f, 0.01f, 1.1f};
+  TrainingState state;
+  state.gaussians = c.gaussians;
+  state.adam = AdamState(c.gaussians);
+  state.statistics.Reset(c.gaussians.size());
+  cuda::DeviceStepEngine engine(settings, subject, state, cuda::SumOrder::kFixed, nullptr);
+  StepPlan plan{1, 0, c.settings, {}, true};
+  plan.rates.rate.fill(1e-3f);
+  engine.Step(plan);
+  engine.CatchUp(plan.rates);
+  DensitySettings density;
+  density.gradient_threshold = 0;
+  density.max_count = 200;
+  engine.ControlDensity(density, true);
+  engine.SortInSpace();
+  engine.ResetOpacity();
+  const std::vector<uint32_t> frames{0};
+  EXPECT_EQ(engine.Contributions({frames, 1, {0, 0, 0}, 1}).size(), engine.count());
+  engine.Fetch();
   EXPECT_EQ(reports, before);
 }
 

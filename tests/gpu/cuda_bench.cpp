@@ -14,6 +14,7 @@
 #include "splat/cuda/device.h"
 #include "splat/loss.h"
 #include "tests/gpu/stage_times.h"
+#include "tests/gpu/training_times.h"
 
 namespace cosplat::test {
 namespace {
@@ -36,6 +37,7 @@ struct Options {
 struct Result {
   Size size;
   StepTimes any, fixed;
+  TrainingComparison training;
   double cpu_ms = 0, psnr = 0, cosine = 0;
   bool same_bits = false;
 };
@@ -160,6 +162,7 @@ Result Measure(const Size& size, const Options& o) {
   result.any = TimeSteps(*any, steps);
   result.fixed = TimeSteps(*StepOn(view, cuda::SumOrder::kFixed), steps);
   result.same_bits = EndsInTheSameBits(view, o.tiny ? 2 : 20);
+  result.training = CompareTraining(view, steps);
   if (!o.picture.empty()) {
     RenderedImage image{size.width, size.height, Buffer<float>(any->image.color.size()), {}};
     any->image.color.Download(image.color.data(), any->stream());
@@ -215,6 +218,7 @@ void WriteJson(const std::string& path,
                  r.psnr,
                  r.cosine,
                  r.same_bits ? "true" : "false");
+    WriteJson(file, r.training);
     WriteStages(file, "any_order", r.any, copy_gbs);
     std::fprintf(file, ",\n");
     WriteStages(file, "fixed_order", r.fixed, copy_gbs);

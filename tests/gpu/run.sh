@@ -137,6 +137,7 @@ step build 240 cmake --build "$build" --parallel "$(nproc)" || finish
 step parity 60 "$tests"
 step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
+step training 60 "$(dirname "$tests")/cosplat_test_training_parity"
 step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
 if $dry || command -v compute-sanitizer >/dev/null; then
   sanitize memcheck --leak-check full

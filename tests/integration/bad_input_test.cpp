@@ -306,6 +306,10 @@ TEST_F(BadInput, OptionsAreWrong) {
          {"--device", "cuda"},
          "export CUDA_VISIBLE_DEVICES=-1;");
   Expect({"render", "-m", Made().avatar, "--device", "auto"}, {"--device"});
+  Expect({"train-scene", "-s", Made().photos, "-m", "$/out", "--device", "cuda"},
+         {"--device", "cuda"},
+         "export CUDA_VISIBLE_DEVICES=-1;");
+  ExpectTrainAvatar({"--device cuda", "--device cpu"}, {"--device", "cuda"});
 }
 
 TEST_F(BadInput, RunFolderIsNone) {

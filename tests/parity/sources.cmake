@@ -7,3 +7,7 @@ set(COSPLAT_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/rasterizer_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sort_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_parity_test.cpp)
+# Of the whole training loop.
+set(COSPLAT_TRAINING_PARITY_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/density_parity_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/training_parity_test.cpp)

@@ -1,0 +1,49 @@
+// Density control on the device: splat/density.h there, for Gaussians that are where they are.
+//
+// statistics -> who is cloned or split (CUB counts where each goes) -> gathered -> children moved
+// -> who goes -> gathered -> Morton order -> gathered. Random numbers are the host's, by index.
+#pragma once
+
+#include "splat/base/rng.h"
+#include "splat/cuda/population.h"
+#include "splat/cuda/sort.h"
+
+namespace cosplat::cuda {
+
+class DensityControl {
+ public:
+  // As ControlDensity (splat/density.h). Returns whether the limit on their number held some back.
+  bool Control(const DensitySettings& settings,
+               bool remove_oversized,
+               Population& population,
+               Rng& rng,
+               cudaStream_t stream);
+  // What `unwanted` ([N], 1) marks goes.
+  void Remove(DeviceView<const uint8_t> unwanted, Population& population, cudaStream_t stream);
+  // As SortInSpace.
+  void SortInSpace(Population& population, cudaStream_t stream);
+  size_t held() const;
+
+ private:
+  size_t Select(const DensitySettings& settings, const Population& population, cudaStream_t stream);
+  void KeepStrongest(size_t room, cudaStream_t stream);
+  void AddChildren(Population& population, Rng& rng, cudaStream_t stream);
+  // Turns flags ([n + 1], the last 0) into where each of them goes; returns how many are set.
+  size_t PlacesOf(DeviceBuffer<uint64_t>& flags, cudaStream_t stream);
+
+  DeviceBuffer<float> mean_;    // [N] screen gradients
+  DeviceBuffer<uint8_t> kind_;  // [N] Kind (density.cu)
+  DeviceBuffer<uint8_t> unwanted_;
+  DeviceBuffer<uint64_t> kept_, cloned_, split_;  // [N + 1]
+  DeviceBuffer<uint32_t> source_;
+  KeyedValues order_;
+  DeviceBuffer<uint64_t> codes_;
+  DeviceBuffer<float> boxes_;  // [blocks, 6]
+  Sorter sorter_;
+  Readback<uint64_t> readback_;
+};
+
+// As ResetOpacity.
+void ResetOpacity(Population& population, cudaStream_t stream);
+
+}  // namespace cosplat::cuda

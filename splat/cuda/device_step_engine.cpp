@@ -1,0 +1,246 @@
+#include "splat/cuda/device_step_engine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/base/error.h"
+#include "splat/cuda/device_memory.h"
+#include "splat/loss.h"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr double kPhotographShare = 0.25;  // of the memory that is free at first
+
+void CheckRule(PruneRule rule) {
+  if (WorksInSteps(rule))
+    throw Error("",
+                "--prune " + ToString(rule),
+                "works in every step on the processor: give --device cpu, or another rule");
+}
+
+}  // namespace
+
+DeviceStepEngine::DeviceStepEngine(const TrainSettings& settings,
+                                   Subject& subject,
+                                   TrainingState& state,
+                                   SumOrder order,
+                                   std::shared_ptr<DeviceSubject> on_device)
+    : settings_(settings),
+      subject_(subject),
+      state_(state),
+      on_device_(on_device ? std::move(on_device) : std::make_shared<DeviceSubject>()),
+      order_(order),
+      renderer_(order),
+      photographs_(subject, size_t(kPhotographShare * double(FreeMemory()))) {
+  CheckRule(settings.prune.rule);
+  Store();
+}
+
+StepEngineMaker MakeDeviceStepEngine(SumOrder order, std::shared_ptr<DeviceSubject> on_device) {
+  return [=](const TrainSettings& settings, Subject& subject, TrainingState& state) {
+    return std::make_unique<DeviceStepEngine>(settings, subject, state, order, on_device);
+  };
+}
+
+double DeviceStepEngine::Step(const StepPlan& plan) {
+  const bool first = last_iteration_ == 0;
+  Draw(plan);  // waits: the last step is over
+  const double last = first ? 0 : LastLoss();
+  GoBack(plan);
+  Update(plan);
+  last_iteration_ = plan.iteration;
+  fetched_ = false;
+  if (!first) return last;
+  renderer_.stream().Wait();
+  return LastLoss();
+}
+
+// Throws where it is not finite.
+double DeviceStepEngine::LastLoss() const {
+  CheckLoss(photometric_.Last(), last_iteration_);
+  return photometric_.Last() + (settings_.scale_regularizer.weight != 0 ? of_needles_.Last() : 0);
+}
+
+void DeviceStepEngine::Draw(const StepPlan& plan) {
+  const TrainFrame& frame = subject_.frame(plan.frame);
+  world_ = on_device_->Place(population_.values, plan.frame, stream());
+  renderer_.Forward(world_, state_.gaussians.basis, frame.camera, plan.render, true, image_, tape_);
+  instances_per_gaussian_ = std::max(instances_per_gaussian_,
+                                     double(tape_.lists.instances()) / double(population_.size()));
+}
+
+void DeviceStepEngine::GoBack(const StepPlan& plan) {
+  loss_.Evaluate(settings_.loss,
+                 image_.color.data(),
+                 photographs_.Of(plan.frame, stream()),
+                 plan.render.background,
+                 d_color_,
+                 stream());
+  photometric_.Ask(loss_.value(), stream());
+  WorldGradients d_world = on_device_->WorldGradientsFor(population_.gradients, screen_);
+  // Adam then reads those of others, too.
+  if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
+    d_world.drawn_groups_only = false;
+  renderer_.Backward(world_, image_, d_color_.data(), tape_, d_world);
+  on_device_->PlaceBackward(population_.values, population_.gradients, stream());
+  // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
+  if (plan.gathers_statistics)
+    Accumulate(std::as_const(tape_.radii).view(),
+               std::as_const(screen_).view(),
+               image_.width,
+               image_.height,
+               population_,
+               stream());
+}
+
+void DeviceStepEngine::Update(const StepPlan& plan) {
+  DeviceView<const float> moves = std::as_const(tape_.radii).view();
+  if (settings_.scale_regularizer.weight != 0) {
+    needles_.Add(settings_.scale_regularizer, moves, population_, stream());
+    of_needles_.Ask(needles_.value(), stream());
+    moves = needles_.moves();
+  }
+  if (settings_.adam_on == AdamOn::kAll) moves = {};
+  population_.adam.Step(plan.rates,
+                        population_.gradients,
+                        moves,
+                        on_device_->PositionRateScale(),
+                        population_.values,
+                        stream());
+}
+
+void DeviceStepEngine::CatchUp(const AdamSettings& rates) {
+  population_.adam.CatchUpAll(rates, on_device_->PositionRateScale(), population_.values, stream());
+  fetched_ = false;
+}
+
+template <class F>
+void DeviceStepEngine::OnHost(const F& f) {
+  Fetch();
+  f(cosplat::Population{subject_, state_.gaussians, state_.adam, state_.statistics});
+  Store();
+}
+
+size_t DeviceStepEngine::MostThatFit() const {
+  const Footprint footprint = FootprintOf(population_.values, order_, instances_per_gaussian_);
+  size_t held = density_.held();
+  for (const MemoryPart& part : Memory())
+    if (part.of == MemoryOf::kGaussians) held += part.bytes;
+  return footprint.MostThatFit(held, FreeMemory());
+}
+
+void DeviceStepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
+  if (on_device_->ControlsDensityOnHost())
+    return OnHost([&](const cosplat::Population& everyone) {
+      cosplat::ControlDensity(settings, remove_oversized, everyone, state_.rng);
+    });
+  DensitySettings limited = settings;
+  limited.max_count = std::min(settings.max_count, MostThatFit());
+  const bool held_back =
+      density_.Control(limited, remove_oversized, population_, state_.rng, stream());
+  fetched_ = false;
+  instances_per_gaussian_ = 0;
+  if (!held_back || limited.max_count == settings.max_count || told_of_memory_) return;
+  told_of_memory_ = true;
+  notice_ = NoticeOfMemory(count());
+}
+
+void DeviceStepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
+  if (on_device_->ControlsDensityOnHost())
+    return OnHost([&](const cosplat::Population& everyone) {
+      everyone.Prune(round, group_cap, group_floor);
+    });
+  const std::vector<uint8_t> unwanted =
+      UnwantedBy(round, count(), subject_.Groups(), group_cap, group_floor);
+  unwanted_.Upload(unwanted.data(), unwanted.size(), stream());
+  density_.Remove(std::as_const(unwanted_).view(), population_, stream());
+  fetched_ = false;
+}
+
+void DeviceStepEngine::SortInSpace() {
+  if (on_device_->ControlsDensityOnHost())
+    return OnHost([](const cosplat::Population& everyone) { cosplat::SortInSpace(everyone); });
+  density_.SortInSpace(population_, stream());
+  fetched_ = false;
+}
+
+void DeviceStepEngine::ResetStatistics() {
+  population_.statistics.Reset(count(), stream());
+  fetched_ = false;
+}
+
+void DeviceStepEngine::ResetOpacity() {
+  cuda::ResetOpacity(population_, stream());
+  fetched_ = false;
+}
+
+void DeviceStepEngine::Fetch() {
+  if (fetched_) return;
+  population_.Download(state_, stream());
+  if (last_iteration_ > 0) LastLoss();
+  fetched_ = true;
+}
+
+void DeviceStepEngine::FetchForRanking() { population_.DownloadForRanking(state_, stream()); }
+
+void DeviceStepEngine::Store() {
+  population_.Upload(state_, stream());
+  renderer_.stream().Wait();  // for the state's memory
+  fetched_ = true;
+}
+
+std::vector<Contribution> DeviceStepEngine::Contributions(const FrameChoice& choice) {
+  contributions_.Refill(count());
+  contributions_.FillWithZeros(stream());
+  for (size_t k = 0; k < choice.count(); ++k) {
+    renderer_.Forward(on_device_->Place(population_.values, choice[k], stream()),
+                      state_.gaussians.basis,
+                      subject_.frame(choice[k]).camera,
+                      {choice.background, choice.degree},
+                      true,
+                      image_,
+                      tape_);
+    renderer_.Contributions(image_, tape_, of_picture_);
+    AddContributions(std::as_const(of_picture_).view(), contributions_.view(), stream());
+  }
+  std::vector<Contribution> sums(count());
+  contributions_.Download(sums.data(), stream());
+  renderer_.stream().Wait();
+  return sums;
+}
+
+double DeviceStepEngine::MeanPsnr(const FrameChoice& choice) {
+  Buffer<float> picture, target;
+  double sum = 0;
+  for (size_t k = 0; k < choice.count(); ++k) {
+    const TrainFrame& frame = subject_.frame(choice[k]);
+    renderer_.Forward(on_device_->Place(population_.values, choice[k], stream()),
+                      state_.gaussians.basis,
+                      frame.camera,
+                      {choice.background, choice.degree},
+                      false,
+                      image_,
+                      tape_);
+    picture.resize(image_.color.size());
+    image_.color.Download(picture.data(), stream());
+    renderer_.stream().Wait();
+    for (float& c : picture) c = std::clamp(c, 0.0f, 1.0f);
+    CompositeTarget(frame.target, choice.background, target);
+    sum += Psnr(picture, target);
+  }
+  return choice.count() == 0 ? 0 : sum / double(choice.count());
+}
+
+std::vector<MemoryPart> DeviceStepEngine::Memory() const {
+  std::vector<MemoryPart> parts = population_.Memory();
+  for (MemoryPart& part : tape_.Memory()) parts.push_back(std::move(part));
+  parts.push_back({"screen gradients", HeldBy(screen_)});
+  parts.push_back({"picture and its gradient",
+                   HeldBy(image_.color, image_.transmittance, d_color_),
+                   MemoryOf::kPixels});
+  parts.push_back({"photographs", photographs_.held(), MemoryOf::kPixels});
+  return parts;
+}
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,39 @@
+// Where the Gaussians are in a frame: Subject (splat/subject.h) on the device.
+#pragma once
+
+#include "splat/cuda/device_gaussians.h"
+
+namespace cosplat::cuda {
+
+// This class: a static scene's, which are where they are.
+class DeviceSubject {
+ public:
+  virtual ~DeviceSubject() = default;
+  // As Subject's, with pointers of the device. Work goes to the stream.
+  virtual WorldGaussians Place(const DeviceGaussians& gaussians,
+                               size_t frame,
+                               cudaStream_t stream) {
+    (void)frame;
+    (void)stream;
+    return gaussians.View();
+  }
+  virtual WorldGradients WorldGradientsFor(DeviceGaussians& gradients,
+                                           DeviceBuffer<float>& screen) {
+    WorldGradients view = gradients.GradientView(screen);
+    view.drawn_groups_only = true;  // nothing but Adam reads them
+    return view;
+  }
+  virtual void PlaceBackward(const DeviceGaussians& gaussians,
+                             DeviceGaussians& gradients,
+                             cudaStream_t stream) {
+    (void)gaussians;
+    (void)gradients;
+    (void)stream;
+  }
+  virtual const float* PositionRateScale() { return nullptr; }
+  // Whether Gaussians come, go and are reordered by the host's Subject, because it has data of its
+  // own for each: all is then copied there and back.
+  virtual bool ControlsDensityOnHost() const { return false; }
+};
+
+}  // namespace cosplat::cuda

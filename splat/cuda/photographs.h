@@ -1,0 +1,28 @@
+// The photographs that are trained on, as bytes on the device.
+#pragma once
+
+#include <vector>
+
+#include "splat/cuda/loss.h"
+#include "splat/subject.h"
+
+namespace cosplat::cuda {
+
+class Photographs {
+ public:
+  // Keeps up to `most_bytes` of them there, each from its first use on; what is beyond that is sent
+  // again with each step.
+  Photographs(const Subject& subject, size_t most_bytes)
+      : subject_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
+
+  const DeviceTarget& Of(size_t frame, cudaStream_t stream);
+  size_t held() const { return held_ + passing_.bytes.capacity(); }
+
+ private:
+  const Subject& subject_;
+  size_t most_bytes_, held_ = 0;
+  std::vector<DeviceTarget> kept_;  // [frames] empty: not there
+  DeviceTarget passing_;
+};
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,123 @@
+// Whole short trainings on the device against the CPU's: density control, resets, pruning, late
+// losses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/parity/device_fixture.h"
+#include "tests/parity/training_run.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+using cuda::SumOrder;
+using test::OnDevice;
+using test::SameBits;
+using test::TrainingRun;
+
+class TrainingParity : public test::DeviceTest {};
+
+// Roundings grow as a run goes on, and a Gaussian that is cloned in one and not in the other makes
+// them large at once: losses are near each other for a while, and the ends are as good.
+TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
+  const TrainingRun run;
+  const int steps = run.settings.iterations;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, steps);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kAny), steps);
+  EXPECT_EQ(device.losses[0], device.losses[1])
+      << "from the second step on, that of the one before";
+  EXPECT_NEAR(device.losses[0], cpu.losses[0], 1e-6);
+  for (int i = 1; i < 20; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
+  for (int i = 20; i < steps; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 0.25 * cpu.losses[i - 1]) << i;
+  EXPECT_NE(device.state.gaussians.size(), run.first.size());
+  EXPECT_NEAR(double(device.state.gaussians.size()) / double(cpu.state.gaussians.size()), 1, 0.1);
+  const auto opaque = test::TrainingRun::Frames(false);
+  const double on_cpu = test::MeanPsnr(cpu.state.gaussians, opaque);
+  const double on_device = test::MeanPsnr(device.state.gaussians, opaque);
+  EXPECT_NEAR(on_device, on_cpu, 1);
+  for (const int64_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
+}
+
+TEST_F(TrainingParity, AFixedOrderGivesTheSameBits) {
+  TrainingRun run;
+  run.settings.iterations = 60;
+  const test::Training first = RunOn(run, OnDevice(SumOrder::kFixed), 40);
+  const test::Training again = RunOn(run, OnDevice(SumOrder::kFixed), 40);
+  EXPECT_EQ(first.losses, again.losses);
+  EXPECT_TRUE(SameBits(first.state, again.state));
+}
+
+TEST_F(TrainingParity, TheRegulariserOfScales) {
+  TrainingRun run;
+  run.settings.schedule.densify_until = 0;
+  run.settings.scale_regularizer = {0.5f, 0.01f, 1.2f};
+  for (size_t i = 0; i < run.first.size(); i += 2) run.first.at(kScaleLog, i)[1] += 1;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 8);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 8);
+  for (int i = 1; i < 8; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-4 * cpu.losses[i - 1]) << i;
+}
+
+// Leaving out by what the pictures lose, bands dropped, and going back to a point before: what
+// needs the state on the host, and back.
+TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
+  TrainingRun run;
+  run.settings.iterations = 30;
+  run.settings.schedule.densify_until = 12;
+  run.settings.schedule.degree_every = 1;
+  run.settings.prune.rule = PruneRule::kLeaveOneOut;
+  run.settings.prune.target = 50;
+  run.settings.drop_bands = 0.05f;
+  SceneSubject subject(run.frames, 1);
+  Trainer trainer(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
+  while (trainer.iteration() < 11) trainer.Step();
+  const Trainer::Checkpoint before = trainer.Save();
+  while (trainer.iteration() < 30) trainer.Step();
+  EXPECT_EQ(trainer.count(), 50u);
+  const TrainingState end = trainer.state();
+  EXPECT_FALSE(end.gaussians.degrees.empty());
+  EXPECT_LT(trainer.statistics().bands.mean, 1);
+  trainer.Restore(before, run.settings.prune);
+  while (trainer.iteration() < 30) trainer.Step();
+  EXPECT_TRUE(SameBits(end, trainer.state()));
+}
+
+TEST_F(TrainingParity, ALossThatIsNotFiniteIsFoundAStepLater) {
+  TrainingRun run;
+  run.settings.loss.l1 = INFINITY;
+  SceneSubject subject(run.frames, 1);
+  Trainer trainer(run.settings, subject, run.first, OnDevice(SumOrder::kAny));
+  test::ExpectError([&] { trainer.Step(); }, {"iteration 1", "the loss is not finite"});
+}
+
+TEST_F(TrainingParity, RulesThatWorkInEveryStepAreRefused) {
+  TrainingRun run;
+  run.settings.prune.rule = PruneRule::kCompact;
+  SceneSubject subject(run.frames, 1);
+  test::ExpectError([&] { Trainer(run.settings, subject, run.first, OnDevice(SumOrder::kAny)); },
+                    {"--prune compact", "--device cpu"});
+}
+
+// Photographs that there is no room for are sent with each step.
+TEST_F(TrainingParity, PhotographsBeyondTheLimitAreSentAgain) {
+  const TrainingRun run;
+  SceneSubject subject(run.frames, 1);
+  const cuda::Stream stream;
+  const size_t one = run.frames[0].target.data.size();
+  cuda::Photographs all(subject, 100 * one), two(subject, 5 * one / 2);
+  for (const size_t f : {0u, 1u, 2u, 3u, 2u, 0u}) {
+    std::vector<uint8_t> bytes(one);
+    for (cuda::Photographs* photographs : {&all, &two}) {
+      photographs->Of(f, stream.get()).bytes.Download(bytes.data(), stream.get());
+      stream.Wait();
+      EXPECT_EQ(bytes, run.frames[f].target.data);
+    }
+  }
+  EXPECT_LT(two.held(), all.held());
+}
+
+}  // namespace
+}  // namespace cosplat
