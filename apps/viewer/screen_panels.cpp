@@ -227,13 +227,8 @@ void DrawTimeline(Session& session, Place place) {
                      "speed %.2f",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
   ImGui::SameLine();
-  char text[64];
-  std::snprintf(text,
-                sizeof text,
-                "%%d of %d   %.1f of %.1f s",
-                timeline.frames() - 1,
-                timeline.seconds(),
-                timeline.length_seconds());
+  char text[48];
+  std::snprintf(text, sizeof text, "%%d of %d   %.1f s", timeline.frames() - 1, timeline.seconds());
   int frame = timeline.frame();
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, timeline.frames() - 1, text)) {

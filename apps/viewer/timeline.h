@@ -23,7 +23,6 @@ class Timeline {
   int frames() const { return frames_; }
   int frame() const { return int(position_); }
   double seconds() const { return frames_ > 0 ? position_ / frames_per_second_ : 0; }
-  double length_seconds() const { return frames_ > 0 ? frames_ / frames_per_second_ : 0; }
   bool playing() const { return playing_; }
   bool loops = true;
   float speed = 1;  // >= 0
