@@ -30,6 +30,16 @@ struct ProjectBack {
 
 }  // namespace
 
+// Every basis once and for all: copying from ordinary memory makes the host wait for the stream.
+Renderer::Renderer(SumOrder order) : order_(order) {
+  std::vector<float> constants;
+  for (size_t b = 0; b < kBasisNames.size(); ++b) {
+    const float* of_basis = BasisConstants(Basis(b));
+    constants.insert(constants.end(), of_basis, of_basis + kMaxCoefficients);
+  }
+  basis_constants_.Upload(constants.data(), constants.size(), stream_.get());
+}
+
 void Renderer::Forward(const WorldGaussians& gaussians,
                        Basis basis,
                        const Camera& camera,
@@ -40,8 +50,7 @@ void Renderer::Forward(const WorldGaussians& gaussians,
   CheckArguments(gaussians, camera, settings);
   const cudaStream_t stream = stream_.get();
   tape.view = ViewOfCamera(camera, basis, settings.degree);
-  basis_constants_.Upload(tape.view.basis_constants, kMaxCoefficients, stream);
-  tape.view.basis_constants = basis_constants_.data();
+  tape.view.basis_constants = basis_constants_.data() + size_t(basis) * kMaxCoefficients;
   tape.settings = settings;
   tape.kept = keep;
   image.width = camera.width;

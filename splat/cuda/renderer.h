@@ -13,7 +13,7 @@ namespace cosplat::cuda {
 
 class Renderer {
  public:
-  explicit Renderer(SumOrder order) : order_(order) {}
+  explicit Renderer(SumOrder order);
 
   // As Rasterizer::Forward (the exponential is the device's own, whatever settings.exp_degree
   // says). `keep`: for Backward or Contributions, which takes 128 bytes per instance.
@@ -45,7 +45,7 @@ class Renderer {
   SumOrder order_;
   Stream stream_;
   Event marks_[kMarks];
-  DeviceBuffer<float> basis_constants_;  // [kMaxCoefficients] of the last Forward
+  DeviceBuffer<float> basis_constants_;  // [bases, kMaxCoefficients]
 };
 
 }  // namespace cosplat::cuda
