@@ -1,5 +1,6 @@
 // What libcosplat.so costs a host, through its C interface alone: the made head with 100
-// expressions under 20,000 Gaussians of degree 3, every parameter different in every frame.
+// expressions under 20,000 Gaussians of degree 3 (soak: 5,000), every parameter different in every
+// frame.
 //   cosplat_bench_plugin [PART...]
 // Parts: open, latency, memory, many, soak (docs/plugin.md, "What it costs"); all if none is given.
 #include <algorithm>
@@ -30,8 +31,8 @@ using Pixels = std::vector<uint8_t>;
 using test::MillisecondsSince;
 using test::Quantile;
 
-constexpr size_t kGaussians = 20000;
-constexpr uint32_t kSide = 512;
+constexpr size_t kGaussians = 20000, kFewGaussians = 5000;
+constexpr uint32_t kSide = 512, kSmallSide = 128;
 
 // Ends the program when a call fails.
 void Check(cosplat_status status, cosplat_avatar* avatar = nullptr) {
@@ -45,11 +46,11 @@ struct Files {
   std::string avatar = folder / "avatar.glb", flame = folder / "head.npz";
   FlameModel model;
 
-  Files() {
+  explicit Files(size_t gaussians = kGaussians) {
     ProceduralHead head = BenchHead();
     WriteFlameModelNpz(flame, head.model);
     model = LoadFlameModel(flame);
-    AvatarModel painted = PaintedAvatar(head, kGaussians, 3);
+    AvatarModel painted = PaintedAvatar(head, gaussians, 3);
     painted.flame_name = model.name;
     painted.flame_sha256 = model.sha256;
     WriteAvatarGlb(avatar, painted, nullptr);
@@ -61,7 +62,10 @@ struct Files {
 // An open avatar and the memory that it draws into.
 class Show {
  public:
-  explicit Show(const Files& files) : story_(files.model), pixels_(size_t(4) * kSide * kSide) {
+  explicit Show(const Files& files, bool with_depth = false)
+      : story_(files.model),
+        pixels_(size_t(4) * kSide * kSide),
+        depth_(with_depth ? size_t(kSide) * kSide : 0) {
     cosplat_open_options options = {};
     options.struct_size = sizeof(options);
     options.flame_path = files.flame.c_str();
@@ -70,7 +74,8 @@ class Show {
   Show(Show&& other) noexcept
       : story_(other.story_),
         avatar_(std::exchange(other.avatar_, nullptr)),
-        pixels_(std::move(other.pixels_)) {}
+        pixels_(std::move(other.pixels_)),
+        depth_(std::move(other.depth_)) {}
   ~Show() { cosplat_close(avatar_); }
 
   const Pixels& Draw(int frame) {
@@ -82,6 +87,7 @@ class Show {
     picture.struct_size = sizeof(picture);
     picture.width = picture.height = kSide;
     picture.pixels = pixels_.data();
+    picture.depth = depth_.empty() ? nullptr : depth_.data();
     Check(cosplat_set_parameters(avatar_, &parameters), avatar_);
     Check(cosplat_advance(avatar_, parameters.time_ns), avatar_);
     Check(cosplat_render(avatar_, &picture), avatar_);
@@ -99,6 +105,7 @@ class Show {
   test::LiveStory story_;
   cosplat_avatar* avatar_ = nullptr;
   Pixels pixels_;
+  std::vector<float> depth_;
 };
 
 void Open(const Files& files) {
@@ -118,10 +125,13 @@ void Open(const Files& files) {
 }
 
 void Latency(const Files& files) {
-  constexpr int kFrames = 10000;
+  constexpr int kFrames = 10000, kFewer = 500;
   Show show(files);
-  std::vector<float> times;
+  std::vector<float> times, again, deep;
   for (int f = 0; f < kFrames; ++f) times.push_back(show.TimedDraw(f));
+  for (int i = 0; i < kFewer; ++i) again.push_back(show.TimedDraw(kFrames));
+  Show deep_show(files, true);
+  for (int f = 0; f < kFewer; ++f) deep.push_back(deep_show.TimedDraw(f));
   std::printf(
       "parameters to pixels, %d frames of %ux%u: median %.1f ms, 99 %% %.1f, slowest %.1f\n",
       kFrames,
@@ -130,6 +140,9 @@ void Latency(const Files& files) {
       Quantile(times, 0.5),
       Quantile(times, 0.99),
       Quantile(times, 1));
+  std::printf("with depth: median %.1f ms; the same frame again: %.1f ms\n",
+              Quantile(deep, 0.5),
+              Quantile(again, 0.5));
 }
 
 void Memory(const Files& files) {
@@ -199,8 +212,10 @@ void Many(const Files& files) {
   }
 }
 
-void Soak(const Files& files) {
-  test::Soak::Settings settings{files.avatar, files.flame, 200000, 100, 128};
+// Pictures so small need fewer Gaussians.
+void Soak(const Files&) {
+  const Files files(kFewGaussians);
+  const test::Soak::Settings settings{files.avatar, files.flame, 200000, 97, kSmallSide};
   const test::SoakReport r = test::Soak(files.model, settings).Run();
   std::printf(
       "%d frames of %ux%u: median %.2f ms, 99 %% %.2f, slowest %.1f; resident %.2f MB after a"

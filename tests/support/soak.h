@@ -50,7 +50,8 @@ class Soak {
  public:
   struct Settings {
     std::string avatar_path, flame_path;
-    int frames = 0, checkpoints = 0;
+    int frames = 0;
+    int checkpoints = 0;  // such that they do not fall on the same part of every act
     uint32_t side = 0;
   };
 
@@ -60,13 +61,14 @@ class Soak {
   SoakReport Run() {
     cosplat_avatar* avatar = Open();
     LiveStory story(flame_);
-    std::vector<float> times;
-    times.reserve(size_t(settings_.frames));
+    // All memory of the measurement itself is there from the start.
+    kept_.assign(size_t(settings_.checkpoints), {-1, pixels_});
+    std::vector<float> times(size_t(settings_.frames), 0.0f);
     for (int f = 0; f < settings_.frames; ++f) {
       const auto start = std::chrono::steady_clock::now();
       report_.unexpected += !story.Feed(avatar, f);
       Draw(avatar, f);
-      times.push_back(float(MillisecondsSince(start)));
+      times[size_t(f)] = float(MillisecondsSince(start));
       if (f == settings_.frames / 10) report_.first_mb = ResidentMegabytes();
       if (IsCheckpoint(f)) Keep(avatar, story.newest());
     }
@@ -100,7 +102,8 @@ class Soak {
   }
 
   bool IsCheckpoint(int frame) const {
-    return (frame + 1) % (settings_.frames / settings_.checkpoints) == 0;
+    const int every = settings_.frames / settings_.checkpoints;
+    return (frame + 1) % every == 0 && (frame + 1) / every <= settings_.checkpoints;
   }
 
   static cosplat_health HealthOf(cosplat_avatar* avatar) {
@@ -124,13 +127,16 @@ class Soak {
 
   void Keep(cosplat_avatar* avatar, int frame) {
     const bool live = HealthOf(avatar).face == COSPLAT_FACE_LIVE;
-    kept_.push_back({live ? frame : -1, pixels_});
+    Checkpoint& kept = kept_[size_t(report_.checkpoints++)];
+    kept.frame = live ? frame : -1;
+    kept.pixels = pixels_;
   }
 
   // All inputs again, with pictures at the checkpoints only.
   void Replay() {
     cosplat_avatar* avatar = Open();
     LiveStory story(flame_);
+    size_t checkpoint = 0;
     for (int f = 0; f < settings_.frames; ++f) {
       story.Feed(avatar, f);
       if (!IsCheckpoint(f)) {
@@ -138,7 +144,7 @@ class Soak {
         continue;
       }
       Draw(avatar, f);
-      report_.unlike_replayed += pixels_ != kept_[size_t(report_.checkpoints++)].pixels;
+      report_.unlike_replayed += pixels_ != kept_[checkpoint++].pixels;
     }
     cosplat_close(avatar);
   }
