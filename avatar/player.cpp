@@ -46,7 +46,7 @@ bool PlacedAvatar::IsFor(const FlameParams& params) const {
 
 Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings settings)
     : avatar_(std::move(avatar)),
-      settings_(settings),
+      half_resolution_(settings.half_resolution),
       poser_(flame, avatar_.shape, avatar_.static_offset, avatar_.bust),
       surface_(avatar_.mesh),
       rasterizer_(MakeCpuRasterizer()),
@@ -57,6 +57,9 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
                 "vertices",
                 std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
                     std::to_string(surface_.vertex_count()));
+  if (!settings.make_drawer) return;
+  CheckEmbedding(avatar_.gaussians, avatar_, surface_.faces().size());
+  drawer_ = settings.make_drawer(avatar_);
 }
 
 void Player::Place(const FlameParams& params, PlacedAvatar& out) {
@@ -64,12 +67,26 @@ void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   poser_.FrameFor(params, frame_);
   poser_.Forward(frame_, out.vertices_);  // refuses before it writes
   out.id_ = 0;
-  surface_.Pose(out.vertices_);
-  Bind(avatar_, surface_, out.gaussians_);
+  if (drawer_)
+    surface_.CheckVertices(out.vertices_);
+  else
+    BindInto(out);
   out.params_.expression = params.expression;
   out.params_.pose = params.pose;
   out.params_.translation = params.translation;
   out.id_ = ++last_id_;
+  if (!drawer_) out.bound_id_ = out.id_;
+}
+
+void Player::BindInto(PlacedAvatar& placed) {
+  surface_.Pose(placed.vertices_);
+  Bind(avatar_, surface_, placed.gaussians_);
+}
+
+const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
+  if (placed.bound_id_ != placed.id_) BindInto(placed);
+  placed.bound_id_ = placed.id_;
+  return placed.gaussians_;
 }
 
 const RenderedImage& Player::Draw(const PlacedAvatar& placed,
@@ -80,18 +97,29 @@ const RenderedImage& Player::Draw(const PlacedAvatar& placed,
       SameBits(last_.background, background))
     return last_.image;
   last_.id = 0;
-  const bool half = settings_.half_resolution;
-  rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
-                       avatar_.gaussians.basis,
-                       half ? HalfResolution(camera) : camera,
-                       {background, avatar_.gaussians.degree},
-                       half ? half_ : last_.image,
-                       *tape_);
+  const bool half = half_resolution_;
+  DrawInto(placed,
+           half ? HalfResolution(camera) : camera,
+           {background, avatar_.gaussians.degree},
+           half ? half_ : last_.image);
   if (half) EnlargeTwice(half_, camera.width, camera.height, last_.image);
   last_.camera = camera;
   last_.background = background;
   last_.id = placed.id_;
   return last_.image;
+}
+
+void Player::DrawInto(const PlacedAvatar& placed,
+                      const Camera& camera,
+                      const RenderSettings& settings,
+                      RenderedImage& image) {
+  if (drawer_) return drawer_->Draw(placed.vertices_, placed.id_, camera, settings, image);
+  rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
+                       avatar_.gaussians.basis,
+                       camera,
+                       settings,
+                       image,
+                       *tape_);
 }
 
 void Player::RenderOver(const FlameParams& params,

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "avatar/avatar_drawer.h"
 #include "avatar/avatar_mesh.h"
 #include "avatar/avatar_model.h"
 #include "avatar/binding.h"
@@ -22,6 +23,8 @@ namespace cosplat {
 struct PlayerSettings {
   // Draws a quarter of the pixels and enlarges them (avatar/preview.h).
   bool half_resolution = false;
+  // Who draws (avatar/player_device.h); empty: the CPU.
+  AvatarDrawerMaker make_drawer{};
 };
 
 // An avatar's Gaussians in the world, for one frame's parameters. Player::Place fills it.
@@ -31,11 +34,11 @@ class PlacedAvatar {
   // they are the avatar's own.
   bool IsFor(const FlameParams& params) const;
   const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
-  const PosedGaussians& gaussians() const { return gaussians_; }
 
  private:
   friend class Player;
-  uint64_t id_ = 0;  // which Place filled it; 0: none
+  uint64_t id_ = 0;        // which Place filled it; 0: none
+  uint64_t bound_id_ = 0;  // of which gaussians_ are
   FlameParams params_;
   std::vector<float> vertices_;
   PosedGaussians gaussians_;
@@ -54,6 +57,9 @@ class Player {
   // finite; `out` then keeps its last content. Nothing is done where `out.IsFor(params)`: it must
   // be new or have been placed by this player.
   void Place(const FlameParams& params, PlacedAvatar& out);
+  // The Gaussians of what this player placed. Where a device draws, they are bound now, on the CPU:
+  // not beside Place.
+  const PosedGaussians& GaussiansOf(PlacedAvatar& placed);
   // Over a background; `placed` by this player. The picture is the player's own: it stays until the
   // next call and is not drawn again for the same avatar, camera and background.
   const RenderedImage& Draw(const PlacedAvatar& placed,
@@ -75,7 +81,7 @@ class Player {
   // Posed vertices of the last frame of RenderOver or Render, [V, 3] metres.
   const std::vector<float>& vertices() const { return placed_.vertices(); }
   // Seconds per phase of drawing; the caller resets it.
-  PhaseTimes& times() { return rasterizer_->times; }
+  PhaseTimes& times() { return drawer_ ? drawer_->times : rasterizer_->times; }
 
  private:
   struct Picture {
@@ -85,13 +91,20 @@ class Player {
     RenderedImage image;
   };
 
+  void BindInto(PlacedAvatar& placed);
+  void DrawInto(const PlacedAvatar& placed,
+                const Camera& camera,
+                const RenderSettings& settings,
+                RenderedImage& image);
+
   AvatarModel avatar_;
-  PlayerSettings settings_;
+  bool half_resolution_;
   AvatarPoser poser_;
   AvatarPoser::Frame frame_;  // of the last Place; keeps its memory
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;
+  std::unique_ptr<AvatarDrawer> drawer_;  // null: the CPU draws, by the two below
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   Picture last_;

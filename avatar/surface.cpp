@@ -54,7 +54,7 @@ Surface::Surface(const CanonicalMesh& mesh)
       sums_(kVertexSumFloats * vertices_.size()),
       signs_(topology_.vertex_faces.size()) {
   if (faces_.empty()) throw Error("canonical mesh", "faces", "there are none");
-  CheckVertices(mesh.vertices, vertices_.size());
+  CheckVertices(mesh.vertices);
   const auto at = [&](int32_t v) {
     return Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
   };
@@ -88,8 +88,12 @@ SurfaceArrays Surface::Arrays() const {
   return arrays;
 }
 
+void Surface::CheckVertices(const std::vector<float>& vertices) const {
+  cosplat::CheckVertices(vertices, vertices_.size());
+}
+
 void Surface::Pose(const std::vector<float>& vertices) {
-  CheckVertices(vertices, vertices_.size());
+  CheckVertices(vertices);
   for (size_t v = 0; v < vertices_.size(); ++v)
     vertices_[v].position = {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
   LaunchPoseSurface(Arrays());

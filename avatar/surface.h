@@ -37,9 +37,12 @@ class Surface {
   // no faces, or has a coordinate that is not finite.
   explicit Surface(const CanonicalMesh& mesh);
 
-  // vertices: [V, 3] metres. Throws Error on a wrong count or a coordinate that is not finite; the
-  // surface then keeps its last pose. A collapsed face has no weight in its vertices' normals and
-  // rotations; a vertex with none left keeps the identity and a zero normal.
+  // vertices: [V, 3] metres. Throws Error on a wrong count or a coordinate that is not finite.
+  void CheckVertices(const std::vector<float>& vertices) const;
+
+  // Throws as CheckVertices does; the surface then keeps its last pose. A collapsed face has no
+  // weight in its vertices' normals and rotations; a vertex with none left keeps the identity and a
+  // zero normal.
   void Pose(const std::vector<float>& vertices);
 
   // d_surface [V]: dL/d(vertex()) at the last pose -> d_vertices [V, 3], overwritten. The canonical

@@ -16,6 +16,7 @@
 #include "apps/cosplat/test_images.h"
 #include "avatar/avatar_file.h"
 #include "avatar/playback.h"
+#include "avatar/player_device.h"
 #include "avatar/preview.h"
 #include "avatar/quantised_avatar.h"
 #include "flame/io/model_file.h"
@@ -192,12 +193,12 @@ void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& render
 }
 
 void RenderAvatar(const Options& o, const JsonField& run) {
-  if (o.device != "cpu") throw Error(o.model, "--device", "is for scenes; this is an avatar");
+  const Device device = DeviceFromString(o.device);
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
   if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
-  AvatarRenderer renderer(std::move(model), flame, {o.preview});
+  AvatarRenderer renderer(std::move(model), flame, {o.preview, DrawerOn(device)});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
   } else if (!o.drive.empty()) {
@@ -245,7 +246,7 @@ void AddRender(CLI::App& app) {
       ->check(CLI::Range(0, 64));
   command->add_flag(
       "--preview", o->preview, "draw at half the resolution and enlarge: faster and softer");
-  command->add_option("--device", o->device, "cpu, cuda or auto, for scenes")
+  command->add_option("--device", o->device, "what draws: cpu, cuda (an NVIDIA card) or auto")
       ->capture_default_str();
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Render(*o); });

@@ -46,10 +46,10 @@ Stage::Stage(Content content) : content_(std::move(content)) {
   }
 }
 
-WorldGaussians Stage::Posed() const {
+WorldGaussians Stage::Posed() {
   if (!player_) return ViewOf(content_.scene);
   const AvatarModel& model = player_->avatar();
-  return PosedView(model.gaussians, placed_.gaussians(), model.color_frame);
+  return PosedView(model.gaussians, player_->GaussiansOf(placed_), model.color_frame);
 }
 
 const RenderedImage& Stage::Splats(const Shot& shot) {

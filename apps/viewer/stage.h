@@ -57,7 +57,7 @@ class Stage {
  private:
   const RenderedImage& Splats(const Shot& shot);
   void Surfaces(const Shot& shot, Image8& out);
-  WorldGaussians Posed() const;
+  WorldGaussians Posed();
 
   Content content_;  // without the avatar's model, which is the player's
   std::unique_ptr<Rasterizer> rasterizer_;

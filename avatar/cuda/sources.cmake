@@ -1,10 +1,19 @@
 # cosplat::avatar_cuda: avatars on the device. Tests compile the same files for the host (tests/cuda).
 set(COSPLAT_AVATAR_CUDA_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/device_binding.cu
+  ${CMAKE_CURRENT_LIST_DIR}/device_drawer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_surface.cu)
 set_property(GLOBAL PROPERTY COSPLAT_AVATAR_CUDA_SOURCES ${COSPLAT_AVATAR_CUDA_SOURCES})
 if(COSPLAT_HAS_CUDA)
   cosplat_library(avatar_cuda ${COSPLAT_AVATAR_CUDA_SOURCES})
   target_link_libraries(cosplat_avatar_cuda PUBLIC cosplat::binding cosplat::cuda)
   target_compile_options(cosplat_avatar_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+endif()
+
+# cosplat::player_device: who draws on a device for a player.
+cosplat_library(player_device ${CMAKE_CURRENT_SOURCE_DIR}/player_device.cpp)
+target_link_libraries(cosplat_player_device PUBLIC cosplat::binding cosplat::device)
+if(COSPLAT_HAS_CUDA)
+  target_link_libraries(cosplat_player_device PRIVATE cosplat::avatar_cuda)
+  target_compile_definitions(cosplat_player_device PRIVATE COSPLAT_HAS_CUDA)
 endif()

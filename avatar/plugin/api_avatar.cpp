@@ -27,20 +27,13 @@ constexpr std::array<const char*, 13> kStatusTexts = {"ok",
                                                       "late",
                                                       "bad file",
                                                       "bad FLAME model",
-                                                      "no such device in this library",
+                                                      "no such device",
                                                       "not enough memory",
                                                       "internal fault",
                                                       "bad drive"};
 
 void RequirePointer(const void* pointer, const char* name) {
   if (!pointer) throw CodedError(COSPLAT_ERROR_ARGUMENT, name, "is NULL");
-}
-
-void CheckDevice(uint32_t device) {
-  if (device == COSPLAT_DEVICE_CUDA)
-    throw CodedError(COSPLAT_ERROR_DEVICE, "device", "CUDA is not built into this library");
-  if (device != COSPLAT_DEVICE_AUTO && device != COSPLAT_DEVICE_CPU)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT, "device", std::to_string(device) + " is none");
 }
 
 template <class Names>
@@ -92,7 +85,6 @@ cosplat_status cosplat_open(const char* avatar_path,
     *avatar = nullptr;
     RequirePointer(avatar_path, "avatar_path");
     const cosplat_open_options given = ReadStruct(options, "options");
-    CheckDevice(given.device);
     *avatar = Handles().Add(std::make_shared<Instance>(avatar_path, given));
   });
 }

@@ -56,7 +56,7 @@ enum {
   COSPLAT_ERROR_LATE = 6,       /* older than the parameters that are set */
   COSPLAT_ERROR_FILE = 7,       /* cannot be read, or is not an avatar */
   COSPLAT_ERROR_FLAME = 8,      /* the FLAME model is needed, cannot be read or is another one */
-  COSPLAT_ERROR_DEVICE = 9,     /* this library was built without it */
+  COSPLAT_ERROR_DEVICE = 9,     /* not in this library, or none answers */
   COSPLAT_ERROR_MEMORY = 10,    /* there is not enough */
   COSPLAT_ERROR_INTERNAL = 11,  /* a fault of the library's own; please report it */
   COSPLAT_ERROR_DRIVE = 12      /* cannot be opened: no such file or address, or a bad one */
@@ -73,7 +73,8 @@ COSPLAT_API const char* cosplat_last_error(cosplat_avatar* avatar);
 
 /* --- Opening ---------------------------------------------------------------------------------- */
 
-/* AUTO: the fastest that the library has and the machine can. */
+/* AUTO: the library's choice; in this version always the CPU. CUDA: an NVIDIA card, where the
+ * library was built with it. */
 enum { COSPLAT_DEVICE_AUTO = 0, COSPLAT_DEVICE_CPU = 1, COSPLAT_DEVICE_CUDA = 2 };
 
 typedef struct cosplat_open_options {

@@ -7,9 +7,9 @@ namespace cosplat::plugin {
 DepthPass::DepthPass() : rasterizer_(MakeCpuRasterizer()), tape_(rasterizer_->MakeTape()) {}
 
 const RenderedImage& DepthPass::Draw(const AvatarModel& avatar,
-                                     const PlacedAvatar& placed,
+                                     const PosedGaussians& posed,
                                      const Camera& camera) {
-  const Buffer<float>& position = placed.gaussians().position;
+  const Buffer<float>& position = posed.position;
   const float* r = &camera.rotation[6];
   // colour = 1/2 + K0 dc (splat/math/dcsh.h)
   const float scale = 1 / BasisConstants(Basis::kSh)[0];
@@ -20,7 +20,7 @@ const RenderedImage& DepthPass::Draw(const AvatarModel& avatar,
     for (size_t c = 0; c < 3; ++c) color_dc_[i + c] = (depth - 0.5f) * scale;
   }
   WorldGaussians view =
-      PosedView(avatar.gaussians, placed.gaussians(), ColorFrame::kWorld);  // a depth has no frame
+      PosedView(avatar.gaussians, posed, ColorFrame::kWorld);  // a depth has no frame
   view.color_dc = color_dc_.data();
   view.color_rest = nullptr;
   view.rest_width = 0;

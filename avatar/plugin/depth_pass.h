@@ -1,6 +1,6 @@
 // How far away what a picture shows is.
 //
-// PlacedAvatar + Camera -> DepthPass -> picture of depths -> WriteDepth (avatar/picture_bytes.h).
+// PosedGaussians + Camera -> DepthPass -> picture of depths -> WriteDepth (avatar/picture_bytes.h).
 // The Gaussians are drawn a second time by the same renderer, their depths for colours: each pixel
 // then has the mean of the depths, weighted as its colours are.
 #pragma once
@@ -15,9 +15,9 @@ namespace cosplat::plugin {
 class DepthPass {
  public:
   DepthPass();
-  // `placed` by a player of `avatar`. The picture, over black, stays until the next call.
+  // `posed` by a player of `avatar`. The picture, over black, stays until the next call.
   const RenderedImage& Draw(const AvatarModel& avatar,
-                            const PlacedAvatar& placed,
+                            const PosedGaussians& posed,
                             const Camera& camera);
 
  private:

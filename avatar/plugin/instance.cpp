@@ -7,6 +7,7 @@
 #include "avatar/avatar_file.h"
 #include "avatar/avatar_mesh.h"
 #include "avatar/picture_bytes.h"
+#include "avatar/player_device.h"
 #include "avatar/plugin/coded_error.h"
 #include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"
@@ -36,10 +37,22 @@ FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
   }
 }
 
-Player MakePlayer(AvatarModel avatar, const FlameModel& flame) {
+// AUTO is the CPU until the device's parity tests have run on a card.
+AvatarDrawerMaker DrawerFor(uint32_t device) {
+  if (device == COSPLAT_DEVICE_AUTO || device == COSPLAT_DEVICE_CPU) return {};
+  if (device != COSPLAT_DEVICE_CUDA)
+    throw CodedError(COSPLAT_ERROR_ARGUMENT, "device", std::to_string(device) + " is none");
+  try {
+    return DrawerOn(DeviceFromString("cuda", "device"));
+  } catch (const Error& error) {
+    throw CodedError(COSPLAT_ERROR_DEVICE, "", error.what());
+  }
+}
+
+Player MakePlayer(AvatarModel avatar, const FlameModel& flame, AvatarDrawerMaker make_drawer) {
   try {
     AttachMesh(avatar, flame);
-    return Player(std::move(avatar), flame);
+    return Player(std::move(avatar), flame, {false, std::move(make_drawer)});
   } catch (const Error& error) {
     throw CodedError(COSPLAT_ERROR_FLAME, "", error.what());
   }
@@ -77,13 +90,15 @@ OrbitTarget TargetOf(const std::vector<float>& vertices,
   return target;
 }
 
-cosplat_info InfoOf(const AvatarModel& avatar, const FlameModel& flame, const PlacedAvatar& rest) {
+cosplat_info InfoOf(const AvatarModel& avatar,
+                    const FlameModel& flame,
+                    const PosedGaussians& rest) {
   cosplat_info info{};
   info.gaussian_count = uint32_t(avatar.size());
   info.triangle_count = uint32_t(avatar.mesh.faces.size());
   info.expression_count = uint32_t(flame.expression_count);
   info.joint_count = kFlameJoints;
-  const Buffer<float>& position = rest.gaussians().position;
+  const Buffer<float>& position = rest.position;
   Box box;
   for (size_t i = 0; i < position.size(); i += 3)
     Extend(box, {position[i], position[i + 1], position[i + 2]}, i == 0);
@@ -131,15 +146,16 @@ void CheckPicture(const cosplat_picture& picture) {
 
 Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
     : player_([&] {
+        AvatarDrawerMaker make_drawer = DrawerFor(options.device);
         AvatarModel avatar = ReadAvatarGlb(avatar_path);
         flame_ = ReadFlame(options.flame_path, avatar);
-        return MakePlayer(std::move(avatar), flame_);
+        return MakePlayer(std::move(avatar), flame_, std::move(make_drawer));
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),
       parameters_(size_t(flame_.expression_count), rest_),
       face_(parameters_.rest(), player_.avatar().trained_range) {
   player_.Place(parameters_.current(), placed_);
-  info_ = InfoOf(player_.avatar(), flame_, placed_);
+  info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
   orbit_target_ = TargetOf(placed_.vertices(), flame_, rest_.pose[0]);
   for (int i = 0; i < flame_.expression_count; ++i)
     expression_names_.push_back("expression_" + std::to_string(i));
@@ -180,7 +196,8 @@ void Instance::Render(const cosplat_picture& picture) {
   const RenderedImage& image = player_.Draw(placed_, camera, background);
   if (picture.depth) {
     if (!depth_) depth_.emplace();
-    const RenderedImage& depth = depth_->Draw(player_.avatar(), placed_, camera);
+    const RenderedImage& depth =
+        depth_->Draw(player_.avatar(), player_.GaussiansOf(placed_), camera);
     WriteDepth(depth, picture.depth, depth_stride);
   }
   const PixelLayout layout{static_cast<AlphaMode>(picture.alpha),

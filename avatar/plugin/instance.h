@@ -23,7 +23,6 @@ namespace cosplat::plugin {
 
 class Instance {
  public:
-  // options.device is the caller's to check.
   Instance(const char* avatar_path, const cosplat_open_options& options);
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;

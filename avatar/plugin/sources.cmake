@@ -24,7 +24,7 @@ set_target_properties(cosplat_plugin PROPERTIES
 target_include_directories(cosplat_plugin INTERFACE
   $<BUILD_INTERFACE:${CMAKE_CURRENT_LIST_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(cosplat_plugin
-  PRIVATE cosplat::avatar_file cosplat::live cosplat::player $<BUILD_INTERFACE:cosplat::options>)
+  PRIVATE cosplat::avatar_file cosplat::live cosplat::player cosplat::player_device $<BUILD_INTERFACE:cosplat::options>)
 # The version script hides what the static libraries define; of the libraries that they link, only
 # those that something here calls are loaded.
 target_link_options(cosplat_plugin PRIVATE

@@ -12,5 +12,6 @@ add_executable(cosplat_test_avatar_cuda_on_host ${COSPLAT_AVATAR_PARITY_SOURCES}
 target_compile_definitions(cosplat_test_avatar_cuda_on_host PRIVATE
   COSPLAT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(cosplat_test_avatar_cuda_on_host PRIVATE
-  cosplat_avatar_cuda_on_host cosplat::options GTest::gtest_main)
+  cosplat_avatar_cuda_on_host cosplat::avatar_study cosplat::player cosplat::procedural
+  cosplat::options GTest::gtest_main)
 gtest_discover_tests(cosplat_test_avatar_cuda_on_host TEST_PREFIX on_host. DISCOVERY_TIMEOUT 60)

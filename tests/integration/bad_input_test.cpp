@@ -302,10 +302,10 @@ TEST_F(BadInput, OptionsAreWrong) {
   Expect({"render", "-m", Made().avatar, "--orbit", "--drive", "$/head", "-o", "$/o"}, {"--orbit"});
   Expect({"render", "-m", Made().scene, "--drive", "$/head", "-o", "$/o"}, {"--drive"});
   Expect({"render", "-m", Made().scene, "--device", "tpu"}, {"--device", "tpu"});
-  Expect({"render", "-m", Made().scene, "--device", "cuda"},
-         {"--device", "cuda"},
-         "export CUDA_VISIBLE_DEVICES=-1;");
-  Expect({"render", "-m", Made().avatar, "--device", "auto"}, {"--device"});
+  for (const std::string& made : {Made().scene, Made().avatar})
+    Expect({"render", "-m", made, "--device", "cuda"},
+           {"--device", "cuda"},
+           "export CUDA_VISIBLE_DEVICES=-1;");
   Expect({"train-scene", "-s", Made().photos, "-m", "$/out", "--device", "cuda"},
          {"--device", "cuda"},
          "export CUDA_VISIBLE_DEVICES=-1;");

@@ -219,7 +219,7 @@ std::vector<float> DepthOf(cosplat_avatar* avatar,
 TEST_F(PluginRender, DepthIsThatOfTheHead) {
   PlacedAvatar placed;
   player_.Place(params_, placed);
-  const Buffer<float>& position = placed.gaussians().position;
+  const Buffer<float>& position = player_.GaussiansOf(placed).position;
   float nearest = INFINITY, farthest = 0;
   for (size_t i = 0; i < position.size(); i += 3) {
     float z = camera_.translation[2];
@@ -272,7 +272,7 @@ TEST(PluginDepth, IsTheMeanOverWhatIsSeen) {
   Player player(model, files.flame);
   PlacedAvatar placed;
   player.Place({}, placed);
-  const float* p = placed.gaussians().position.data();
+  const float* p = player.GaussiansOf(placed).position.data();
   const float* q = p + 3;
   // A camera that looks from the second to the first, 0.5 m before the second.
   const float length = std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);

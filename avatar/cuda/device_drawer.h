@@ -1,0 +1,14 @@
+// Draws an avatar on the device: avatar/avatar_drawer.h there.
+//
+// posed vertices (60 kB a frame) -> DeviceSurface -> DeviceBinding -> cuda::Renderer -> picture in
+// the host's memory (16 bytes per pixel). Everything else stays on the device.
+#pragma once
+
+#include "avatar/avatar_drawer.h"
+
+namespace cosplat::cuda {
+
+// Throws Error where the avatar has the released rule, or the device has no room.
+std::unique_ptr<AvatarDrawer> MakeDeviceDrawer(const AvatarModel& avatar);
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,13 @@
+// Who draws on a device for a Player.
+#pragma once
+
+#include "avatar/avatar_drawer.h"
+#include "splat/device.h"
+
+namespace cosplat {
+
+// For PlayerSettings; empty for the CPU. Making a drawer throws Error for an avatar with the
+// released rule (avatar/released_binding.h), which is the CPU's to draw.
+AvatarDrawerMaker DrawerOn(Device device);
+
+}  // namespace cosplat

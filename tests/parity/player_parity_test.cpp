@@ -1,0 +1,142 @@
+// Avatars played on the device against the CPU's player: pictures, what is kept between them, what
+// is refused.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "avatar/cuda/device_drawer.h"
+#include "avatar/playback.h"
+#include "avatar/study/painted_avatar.h"
+#include "flame/procedural/motion.h"
+#include "tests/parity/compare.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/restless_params.h"
+
+namespace cosplat {
+namespace {
+
+class PlayerParity : public test::DeviceTest {};
+
+const ProceduralHead& Head() {
+  static const ProceduralHead head = MakeProceduralHeadParts();
+  return head;
+}
+const FlameModel& Flame() { return Head().model; }
+
+PlayerSettings OnDevice(bool half_resolution = false) {
+  return {half_resolution, cuda::MakeDeviceDrawer};
+}
+
+PlaybackFrame FrameAt(int i, int width = 50) {
+  PlaybackFrame frame{test::RestlessParams(Flame(), i),
+                      procedural::OrbitCamera(0.1f * float(i), 0.05f, 0.9f, width),
+                      {0.2f, 0.5f, 1}};
+  frame.camera.height = width - 9;
+  return frame;
+}
+
+RenderedImage Draw(Player& player, const PlaybackFrame& f) {
+  RenderedImage image;
+  player.RenderOver(f.params, f.camera, f.background, image);
+  return image;
+}
+
+void ExpectSame(const RenderedImage& cpu, const RenderedImage& device) {
+  ASSERT_EQ(cpu.width, device.width);
+  ASSERT_EQ(cpu.height, device.height);
+  test::ExpectSamePicture(cpu.color, device.color, {}, "colour");
+  test::ExpectSamePicture(cpu.transmittance, device.transmittance, {}, "transmittance");
+}
+
+void ExpectSamePlayed(const AvatarModel& avatar, int frames, bool half_resolution = false) {
+  Player cpu(avatar, Flame(), {half_resolution}),
+      device(avatar, Flame(), OnDevice(half_resolution));
+  for (int i = 0; i < frames; ++i) {
+    SCOPED_TRACE(i);
+    ExpectSame(Draw(cpu, FrameAt(i)), Draw(device, FrameAt(i)));
+  }
+}
+
+AvatarModel FirstOnes(const AvatarModel& avatar, size_t count) {
+  AvatarModel few = avatar;
+  few.triangle.resize(count);
+  few.barycentric.resize(count);
+  for (int a = 0; a < kAttributeCount; ++a)
+    few.gaussians.values[a].resize(count * size_t(few.gaussians.width(a)));
+  few.gaussians.degrees.resize(std::min(few.gaussians.degrees.size(), count));
+  return few;
+}
+
+TEST_F(PlayerParity, DrawsWhatTheCpuDraws) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 900);
+  ExpectSamePlayed(avatar, 3);
+  AvatarModel other = avatar;
+  other.color_frame = ColorFrame::kWorld;
+  ExpectSamePlayed(other, 1);
+  ExpectSamePlayed(avatar, 1, true);
+}
+
+TEST_F(PlayerParity, DrawsOneGaussianAndNone) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 40);
+  ExpectSamePlayed(FirstOnes(avatar, 1), 2);
+  ExpectSamePlayed(FirstOnes(avatar, 0), 1);
+}
+
+// One pose from two sides, then another pose, then the first again.
+TEST_F(PlayerParity, KeepsNothingOfTheLastPicture) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 300);
+  Player player(avatar, Flame(), OnDevice());
+  PlaybackFrame turned = FrameAt(0);
+  turned.camera = FrameAt(4).camera;
+  for (const PlaybackFrame& frame : {FrameAt(0), turned, FrameAt(2), FrameAt(3, 31), FrameAt(0)}) {
+    Player fresh(avatar, Flame(), OnDevice());
+    EXPECT_EQ(Draw(player, frame).color, Draw(fresh, frame).color);
+  }
+}
+
+TEST_F(PlayerParity, PlaysWithTheNextFramePlacedMeanwhile) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 300);
+  Player player(avatar, Flame(), OnDevice()), one_by_one(avatar, Flame(), OnDevice());
+  Playback playback(player);
+  EXPECT_EQ(playback.Next(FrameAt(0)), nullptr);
+  for (int i = 1; i <= 3; ++i) {
+    const RenderedImage* picture = i < 3 ? playback.Next(FrameAt(i)) : playback.Finish();
+    ASSERT_NE(picture, nullptr);
+    EXPECT_EQ(picture->color, Draw(one_by_one, FrameAt(i - 1)).color);
+  }
+}
+
+// For whoever needs the Gaussians beside the picture: the plug-in's depth.
+TEST_F(PlayerParity, GivesTheGaussiansThatTheCpuBinds) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 300);
+  Player cpu(avatar, Flame()), device(avatar, Flame(), OnDevice());
+  PlacedAvatar on_cpu, on_device;
+  for (const int i : {0, 2}) {
+    cpu.Place(FrameAt(i).params, on_cpu);
+    device.Place(FrameAt(i).params, on_device);
+    EXPECT_EQ(cpu.GaussiansOf(on_cpu).position, device.GaussiansOf(on_device).position);
+  }
+}
+
+TEST_F(PlayerParity, RefusesWhatTheCpuRefuses) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 60);
+  Player player(avatar, Flame(), OnDevice());
+  const RenderedImage before = Draw(player, FrameAt(0));
+  PlaybackFrame bad = FrameAt(1);
+  bad.params.pose[2][1] = std::numeric_limits<float>::quiet_NaN();
+  test::ExpectError([&] { Draw(player, bad); }, {"pose"});
+  bad = FrameAt(1);
+  bad.camera.width = 0;
+  test::ExpectError([&] { Draw(player, bad); }, {"camera"});
+  EXPECT_EQ(Draw(player, FrameAt(0)).color, before.color);
+  AvatarModel broken = avatar;
+  broken.triangle[7] = 1 << 20;
+  test::ExpectError([&] { Player(broken, Flame(), OnDevice()); }, {"triangle[7]"});
+  AvatarModel released = avatar;
+  released.released.emplace();
+  test::ExpectError([&] { Player(released, Flame(), OnDevice()); }, {"released", "CPU"});
+}
+
+}  // namespace
+}  // namespace cosplat
