@@ -91,8 +91,9 @@ struct Block {
 Block run;
 cosplat::Rng order;
 
-// The block's shared memory, and behind it its threads' stacks. What is used of it is mapped anew
-// for each block, so that what the sanitizer knows of accesses to it (races.h) is of this block.
+// The block's shared memory, and behind it its threads' stacks. Where races are looked for, what is
+// used of it is mapped anew for each block, so that what the sanitizer knows of accesses to it
+// (races.h) is of this block. It takes most of the time of small blocks.
 char* Memory() {
   static char* const memory = [] {
     void* p = mmap(nullptr,
@@ -109,13 +110,15 @@ char* Memory() {
 char* StackOf(unsigned t) { return Memory() + kSharedBytes + t * kStackBytes; }
 
 void RenewMemory() {
-  const void* p = mmap(Memory(),
-                       kSharedBytes + run.count * kStackBytes,
-                       PROT_READ | PROT_WRITE,
-                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED,
-                       -1,
-                       0);
-  if (p == MAP_FAILED) throw std::bad_alloc();
+  if (kFindsRaces) {
+    const void* p = mmap(Memory(),
+                         kSharedBytes + run.count * kStackBytes,
+                         PROT_READ | PROT_WRITE,
+                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED,
+                         -1,
+                         0);
+    if (p == MAP_FAILED) throw std::bad_alloc();
+  }
   std::memset(Memory(), kPoison, kSharedBytes);
 }
 

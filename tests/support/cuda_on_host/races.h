@@ -9,6 +9,8 @@ namespace cuda_on_host {
 
 #if defined(COSPLAT_FIND_RACES)
 
+constexpr bool kFindsRaces = true;
+
 extern "C" {
 void* __tsan_get_current_fiber();
 void* __tsan_create_fiber(unsigned flags);
@@ -25,6 +27,8 @@ inline void Precede(const void* object) { __tsan_release(const_cast<void*>(objec
 inline void Follow(const void* object) { __tsan_acquire(const_cast<void*>(object)); }
 
 #else
+
+constexpr bool kFindsRaces = false;
 
 inline void* NewRaceContext() { return nullptr; }
 inline void* CurrentRaceContext() { return nullptr; }
