@@ -52,6 +52,7 @@ BudgetReport FindBudget(const BudgetSettings& settings,
   PruneSettings prune = trainer.settings().prune, none = prune;
   none.rule = PruneRule::kNone;
   none.target = 0;
+  const Trainer::Checkpoint start = trainer.Save();
   trainer.HoldOut(settings.held_out);
   Trials trials(settings, trainer, progress);
   trials.TrainUntil(first - 1);
@@ -71,8 +72,8 @@ BudgetReport FindBudget(const BudgetSettings& settings,
   }
   BudgetReport report{trials.trials(), size_t(std::round(held * all))};
   prune.target = held < 1 ? report.chosen : 0;
-  trainer.Restore(before, held < 1 ? prune : none);
   trainer.HoldOut({});
+  trainer.Restore(start, held < 1 ? prune : none);
   return report;
 }
 

@@ -3,8 +3,8 @@
 // Part of the training frames is held out. Before the first round of pruning the run is tried to
 // its end as it is, and from the same point with fewer and fewer Gaussians, by the rule of pruning;
 // the fewest that keep the held-out frames' PSNR within a tolerance of the unpruned run's are the
-// budget. Then the run goes back to that point, takes the held-out frames in, and goes on as one
-// that was told that count. Only until then it was trained without those frames.
+// budget. Then the run begins anew, with all frames and that count: what comes out has the bits of
+// a run that was told it.
 #pragma once
 
 #include <functional>
@@ -31,7 +31,7 @@ struct BudgetReport {
 };
 
 // `progress`: called after every step, with the number of the trial (0: before the first).
-// Leaves the trainer before its first round of pruning, with its target set. Its settings must name
+// The trainer is one that has not begun; it is left so, with its target set. Its settings must name
 // a rule that ranks and keeps nothing between rounds. Throws Error when there is no round to prune
 // in or no frame to judge by.
 BudgetReport FindBudget(const BudgetSettings& settings,
