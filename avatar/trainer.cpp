@@ -74,6 +74,12 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
   return track;
 }
 
+const std::vector<float>& AvatarSubject::VerticesOf(size_t i) {
+  current_ = i;
+  poser_->Forward(state_.track[i].params, vertices_);
+  return vertices_;
+}
+
 void AvatarSubject::PoseFrame(size_t i) {
   poser_->Forward(state_.track[i].params, vertices_);
   surface_.Pose(vertices_);

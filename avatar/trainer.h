@@ -92,6 +92,12 @@ class AvatarSubject : public Subject {
   // Training frames' parameters as refined so far (equal to the track's without --refine-track).
   std::vector<FlameParams> RefinedTrack() const;
 
+  // What a device needs of it (avatar/cuda/device_avatar.h). Vertices of a frame as its track
+  // stands, [V, 3] metres, until the next call; and a step of that frame's own parameters.
+  const std::vector<float>& VerticesOf(size_t i);
+  void RefineFrame(const std::vector<float>& d_vertices);
+  const AvatarSettings& settings() const { return settings_; }
+
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return unit_; }
@@ -120,7 +126,6 @@ class AvatarSubject : public Subject {
   void BuildMesh();
   void SetSpacing(Gaussians& gaussians) const;
   void PoseFrame(size_t i);
-  void RefineFrame(const std::vector<float>& d_vertices);
   std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
 
   const FlameModel& flame_;

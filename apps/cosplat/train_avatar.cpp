@@ -12,6 +12,7 @@
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_run.h"
 #include "avatar/avatar_file.h"
+#include "avatar/train_device.h"
 #include "avatar/trainer.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
@@ -120,8 +121,7 @@ void Save(const AvatarOptions& o,
 }
 
 void Train(AvatarOptions o, const std::string& config) {
-  if (o.device == "cuda")
-    throw Error("", "--device cuda", "avatars are trained on the processor: give --device cpu");
+  const Device device = o.ResolveDevice();
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error("",
                 "--sh_degree " + std::to_string(o.sh_degree),
@@ -136,18 +136,20 @@ void Train(AvatarOptions o, const std::string& config) {
   const TrackedVideo& video = subject.video();
   Trainer trainer(o.ToSettings(subject.extent()),
                   subject,
-                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed));
+                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
+                  AvatarEngineOn(device, o.deterministic, subject));
   SaveInputs(o, video, config);
   if (!o.quiet) PrintSkipped(video.skipped);
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
-    std::printf("%s: %zu training and %zu test frames of %dx%d%s\n",
+    std::printf("%s: %zu training and %zu test frames of %dx%d%s, on %s\n",
                 video.layout.c_str(),
                 video.train.size(),
                 video.test.size(),
                 video.train[0].camera.width,
                 video.train[0].camera.height,
-                subject.has_bust() ? ", with a bust" : "");
+                subject.has_bust() ? ", with a bust" : "",
+                NameOf(device).c_str());
   RunHooks hooks;
   hooks.video = true;
   hooks.save = [&, saves = CanSaveSplats(o)] {

@@ -3,11 +3,17 @@ set(COSPLAT_AVATAR_CUDA_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/device_binding.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_drawer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_surface.cu)
-set_property(GLOBAL PROPERTY COSPLAT_AVATAR_CUDA_SOURCES ${COSPLAT_AVATAR_CUDA_SOURCES})
+# cosplat::avatar_cuda_train: training them there.
+set(COSPLAT_AVATAR_CUDA_TRAIN_SOURCES ${CMAKE_CURRENT_LIST_DIR}/device_avatar.cpp)
+set_property(GLOBAL PROPERTY COSPLAT_AVATAR_CUDA_SOURCES
+  ${COSPLAT_AVATAR_CUDA_SOURCES} ${COSPLAT_AVATAR_CUDA_TRAIN_SOURCES})
 if(COSPLAT_HAS_CUDA)
   cosplat_library(avatar_cuda ${COSPLAT_AVATAR_CUDA_SOURCES})
   target_link_libraries(cosplat_avatar_cuda PUBLIC cosplat::binding cosplat::cuda)
   target_compile_options(cosplat_avatar_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+  cosplat_library(avatar_cuda_train ${COSPLAT_AVATAR_CUDA_TRAIN_SOURCES})
+  target_link_libraries(cosplat_avatar_cuda_train
+    PUBLIC cosplat::avatar cosplat::avatar_cuda cosplat::cuda_train)
 endif()
 
 # cosplat::player_device: who draws on a device for a player.
@@ -16,4 +22,12 @@ target_link_libraries(cosplat_player_device PUBLIC cosplat::binding cosplat::dev
 if(COSPLAT_HAS_CUDA)
   target_link_libraries(cosplat_player_device PRIVATE cosplat::avatar_cuda)
   target_compile_definitions(cosplat_player_device PRIVATE COSPLAT_HAS_CUDA)
+endif()
+
+# cosplat::avatar_train_device: where avatars are trained.
+cosplat_library(avatar_train_device ${CMAKE_CURRENT_SOURCE_DIR}/train_device.cpp)
+target_link_libraries(cosplat_avatar_train_device PUBLIC cosplat::avatar cosplat::device)
+if(COSPLAT_HAS_CUDA)
+  target_link_libraries(cosplat_avatar_train_device PRIVATE cosplat::avatar_cuda_train)
+  target_compile_definitions(cosplat_avatar_train_device PRIVATE COSPLAT_HAS_CUDA)
 endif()

@@ -122,6 +122,13 @@ void DeviceStepEngine::OnHost(const F& f) {
   Store();
 }
 
+void DeviceStepEngine::AfterStep(int iteration) {
+  if (!on_device_->WorksAfter(iteration)) return;
+  OnHost([&](const cosplat::Population& everyone) {
+    subject_.AfterStep(iteration, everyone.gaussians, everyone.adam);
+  });
+}
+
 size_t DeviceStepEngine::MostThatFit() const {
   const Footprint footprint = FootprintOf(population_.values, order_, instances_per_gaussian_);
   size_t held = density_.held();
@@ -186,6 +193,7 @@ void DeviceStepEngine::FetchForRanking() { population_.DownloadForRanking(state_
 
 void DeviceStepEngine::Store() {
   population_.Upload(state_, stream());
+  on_device_->Changed(stream());
   renderer_.stream().Wait();  // for the state's memory
   fetched_ = true;
 }

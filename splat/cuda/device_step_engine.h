@@ -26,7 +26,7 @@ class DeviceStepEngine : public StepEngine {
                    std::shared_ptr<DeviceSubject> on_device);
 
   double Step(const StepPlan& plan) override;
-  void AfterStep(int) override {}
+  void AfterStep(int iteration) override;
   size_t count() const override { return population_.size(); }
   void CatchUp(const AdamSettings& rates) override;
   // Fewer than the settings' limit where the device's memory would not hold them: TakeNotice.

@@ -31,6 +31,14 @@ class DeviceSubject {
     (void)stream;
   }
   virtual const float* PositionRateScale() { return nullptr; }
+  // After the host's Subject has changed what it has of its own for each Gaussian, and at first.
+  virtual void Changed(cudaStream_t stream) { (void)stream; }
+  // Whether the host's Subject has something to do after this step (Subject::AfterStep): all is
+  // then copied there and back.
+  virtual bool WorksAfter(int iteration) const {
+    (void)iteration;
+    return false;
+  }
   // Whether Gaussians come, go and are reordered by the host's Subject, because it has data of its
   // own for each: all is then copied there and back.
   virtual bool ControlsDensityOnHost() const { return false; }

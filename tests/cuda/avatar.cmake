@@ -5,7 +5,7 @@ list(FILTER avatar_cuda_files INCLUDE REGEX "\\.cu$")
 set_source_files_properties(${avatar_cuda_files} PROPERTIES LANGUAGE CXX)
 add_library(cosplat_avatar_cuda_on_host STATIC ${avatar_cuda_sources})
 target_link_libraries(cosplat_avatar_cuda_on_host
-  PUBLIC cosplat_cuda_on_host cosplat::binding PRIVATE cosplat::options)
+  PUBLIC cosplat_cuda_on_host cosplat::avatar PRIVATE cosplat::options)
 
 include(${PROJECT_SOURCE_DIR}/tests/parity/avatar_sources.cmake)
 add_executable(cosplat_test_avatar_cuda_on_host ${COSPLAT_AVATAR_PARITY_SOURCES})

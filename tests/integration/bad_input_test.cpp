@@ -309,7 +309,9 @@ TEST_F(BadInput, OptionsAreWrong) {
   Expect({"train-scene", "-s", Made().photos, "-m", "$/out", "--device", "cuda"},
          {"--device", "cuda"},
          "export CUDA_VISIBLE_DEVICES=-1;");
-  ExpectTrainAvatar({"--device cuda", "--device cpu"}, {"--device", "cuda"});
+  Expect({"train-avatar", "-s", "$/head", "-m", "$/out", "--flame", "$/none", "--device", "cuda"},
+         {"--device", "cuda"},
+         "export CUDA_VISIBLE_DEVICES=-1;");
 }
 
 TEST_F(BadInput, RunFolderIsNone) {

@@ -1,0 +1,109 @@
+// Short trainings of an avatar on the device against the CPU's: walking, density control, the
+// track.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "avatar/cuda/device_avatar.h"
+#include "splat/host_step_engine.h"
+#include "tests/avatar/training_fixture.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+using cuda::SumOrder;
+
+class AvatarTrainingParity : public test::DeviceTest {};
+
+AvatarSettings Avatar() {
+  AvatarSettings avatar = test::SmallAvatar(250);
+  avatar.walk_every = 8;
+  return avatar;
+}
+
+// Of 5 frames of 24 x 24 pixels.
+struct AvatarRun {
+  AvatarSubject subject;
+  TrainSettings settings;
+  Trainer trainer;
+  std::vector<double> losses;
+
+  AvatarRun(const AvatarSettings& avatar, std::optional<SumOrder> order, int steps, int of = 40)
+      : subject(test::SmallVideo::Get().flame, test::LoadSmallVideo(5, 4), avatar),
+        settings(SettingsOf(subject, of)),
+        trainer(settings,
+                subject,
+                subject.InitialGaussians(1, Basis::kDcsh, 3),
+                order ? cuda::MakeDeviceAvatarEngine(*order, subject) : MakeHostStepEngine) {
+    for (int i = 0; i < steps; ++i) losses.push_back(trainer.Step().loss);
+  }
+  static TrainSettings SettingsOf(const AvatarSubject& subject, int iterations) {
+    TrainSettings settings = test::ShortRun(iterations, 400);
+    settings.degree = 1;
+    ScaleToUnit(subject.extent(), settings);
+    return settings;
+  }
+};
+
+// From the second step on a device tells the loss of the step before. Roundings grow, and a
+// Gaussian that walks or splits in one run and not in the other makes them large.
+void ExpectSameLosses(const AvatarRun& cpu, const AvatarRun& device, int near_until) {
+  EXPECT_NEAR(device.losses[0], cpu.losses[0], 1e-5 * cpu.losses[0]);
+  for (size_t i = 1; i < device.losses.size(); ++i) {
+    const double bound = int(i) < near_until ? 1e-3 : 0.25;
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], bound * cpu.losses[i - 1]) << i;
+  }
+}
+
+TEST_F(AvatarTrainingParity, EndsAsGoodAsOnTheCpu) {
+  constexpr int kSteps = 40;
+  const AvatarRun cpu(Avatar(), {}, kSteps), device(Avatar(), SumOrder::kAny, kSteps);
+  ExpectSameLosses(cpu, device, 6);
+  EXPECT_NE(device.trainer.count(), 250u) << "density was controlled";
+  EXPECT_NEAR(double(device.trainer.count()) / double(cpu.trainer.count()), 1, 0.1);
+  EXPECT_GT(device.subject.WalkedShare(), 0);
+  const auto quality = [](const AvatarRun& run) {
+    return test::MeanPsnr(
+        run.subject.Model(run.trainer.CaughtUp()), run.subject.video(), run.subject.video().train);
+  };
+  EXPECT_NEAR(quality(device), quality(cpu), 1);
+}
+
+TEST_F(AvatarTrainingParity, AFixedOrderGivesTheSameBits) {
+  const AvatarRun first(Avatar(), SumOrder::kFixed, 10), again(Avatar(), SumOrder::kFixed, 10);
+  EXPECT_EQ(first.losses, again.losses);
+  for (int a = 0; a < kAttributeCount; ++a)
+    EXPECT_EQ(first.trainer.state().gaussians.values[a], again.trainer.state().gaussians.values[a]);
+  EXPECT_EQ(first.subject.state().embedding.triangle, again.subject.state().embedding.triangle);
+}
+
+TEST_F(AvatarTrainingParity, RefinesTheTrack) {
+  AvatarSettings avatar = Avatar();
+  avatar.refine_track = true;
+  const AvatarRun cpu(avatar, {}, 6), device(avatar, SumOrder::kFixed, 6),
+      as_tracked(Avatar(), {}, 0);
+  ExpectSameLosses(cpu, device, 6);
+  double change = 0, difference = 0;
+  for (size_t f = 0; f < cpu.subject.frame_count(); ++f) {
+    const auto& before = as_tracked.subject.state().track[f].params.expression;
+    const auto& on_cpu = cpu.subject.state().track[f].params.expression;
+    const auto& on_device = device.subject.state().track[f].params.expression;
+    for (size_t k = 0; k < before.size(); ++k) {
+      change += std::pow(on_cpu[k] - before[k], 2);
+      difference += std::pow(on_cpu[k] - on_device[k], 2);
+    }
+  }
+  EXPECT_GT(change, 0);
+  EXPECT_LE(std::sqrt(difference), 0.02 * std::sqrt(change));
+}
+
+TEST_F(AvatarTrainingParity, TheReleasedRuleIsTheCpus) {
+  AvatarSettings avatar = Avatar();
+  avatar.system = AvatarSystem::kReleased;
+  test::ExpectError([&] { AvatarRun(avatar, SumOrder::kAny, 1); }, {"released", "CPU"});
+}
+
+}  // namespace
+}  // namespace cosplat
