@@ -115,8 +115,10 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
 }
 
 double Trainer::PsnrOf(View<const uint32_t> frames) {
-  return MeanPsnrOfFrames(
-      subject_, CaughtUp(), {frames, active_degree(), MeanBackground(), frames.size()});
+  const FrameChoice choice{frames, active_degree(), MeanBackground(), frames.size()};
+  // At the end of a run nothing is put off: the Gaussians may be drawn where they are.
+  if (state_.iteration == settings_.iterations) return engine_->MeanPsnr(choice);
+  return MeanPsnrOfFrames(subject_, CaughtUp(), choice);
 }
 
 int Trainer::FirstPruneStep() const {

@@ -80,6 +80,10 @@ TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
   const TrainingState end = trainer.state();
   EXPECT_FALSE(end.gaussians.degrees.empty());
   EXPECT_LT(trainer.statistics().bands.mean, 1);
+  const std::vector<uint32_t> frames{0, 2};
+  EXPECT_NEAR(trainer.PsnrOf(frames),
+              MeanPsnrOfFrames(subject, end.gaussians, {frames, 1, {0.5f, 0.5f, 0.5f}, 2}),
+              0.01);
   trainer.Restore(before, run.settings.prune);
   while (trainer.iteration() < 30) trainer.Step();
   EXPECT_TRUE(SameBits(end, trainer.state()));
