@@ -138,15 +138,20 @@ size_t DeviceStepEngine::MostThatFit() const {
 }
 
 void DeviceStepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
-  if (on_device_->ControlsDensityOnHost())
-    return OnHost([&](const cosplat::Population& everyone) {
-      cosplat::ControlDensity(settings, remove_oversized, everyone, state_.rng);
-    });
   DensitySettings limited = settings;
   limited.max_count = std::min(settings.max_count, MostThatFit());
-  const bool held_back =
-      density_.Control(limited, remove_oversized, population_, state_.rng, stream());
-  fetched_ = false;
+  bool held_back = false;
+  if (on_device_->ControlsDensityOnHost()) {
+    OnHost([&](const cosplat::Population& everyone) {
+      const size_t before = everyone.gaussians.size();
+      const DensityReport report =
+          cosplat::ControlDensity(limited, remove_oversized, everyone, state_.rng);
+      held_back = before + report.cloned + report.split >= limited.max_count;
+    });
+  } else {
+    held_back = density_.Control(limited, remove_oversized, population_, state_.rng, stream());
+    fetched_ = false;
+  }
   instances_per_gaussian_ = 0;
   if (!held_back || limited.max_count == settings.max_count || told_of_memory_) return;
   told_of_memory_ = true;

@@ -41,6 +41,7 @@ done
 export PATH=$PATH:/usr/local/cuda/bin
 export COSPLAT_REQUIRE_DEVICE=1
 tests=$build/tests/gpu/cosplat_test_parity
+training=$build/tests/gpu/cosplat_test_training_parity
 bench=$build/tests/gpu/cosplat_bench_cuda
 
 names=() results=() seconds=()
@@ -137,12 +138,16 @@ step build 240 cmake --build "$build" --parallel "$(nproc)" || finish
 step parity 60 "$tests"
 step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
-step training 60 "$(dirname "$tests")/cosplat_test_training_parity"
+step training 60 "$training"
 step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
 if $dry || command -v compute-sanitizer >/dev/null; then
   sanitize memcheck --leak-check full
   sanitize initcheck
   sanitize racecheck
+  for tool in memcheck initcheck; do
+    step "$tool-training" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$training" \
+      --gtest_filter='DensityParity.*:TrainingParity.TheRegulariserOfScales'
+  done
 else
   names+=(sanitizer) results+=("not found") seconds+=(0)
 fi
