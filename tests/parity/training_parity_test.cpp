@@ -19,7 +19,9 @@ using test::TrainingRun;
 class TrainingParity : public test::DeviceTest {};
 
 // Roundings grow as a run goes on, and a Gaussian that is cloned in one and not in the other makes
-// them large at once: losses are near each other for a while, and the ends are as good.
+// them large at once. Measured on the emulation, three seeds, either order of sums: losses within
+// 4e-7 over the first 20 steps and 0.7 % to the end, the same counts, ends within 0.02 dB. A card's
+// own exponential may bring such a moment about sooner, hence the room.
 TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   const TrainingRun run;
   const int steps = run.settings.iterations;
@@ -31,23 +33,28 @@ TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   for (int i = 1; i < 20; ++i)
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
   for (int i = 20; i < steps; ++i)
-    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 0.25 * cpu.losses[i - 1]) << i;
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 0.1 * cpu.losses[i - 1]) << i;
   EXPECT_NE(device.state.gaussians.size(), run.first.size());
   EXPECT_NEAR(double(device.state.gaussians.size()) / double(cpu.state.gaussians.size()), 1, 0.1);
   const auto opaque = test::TrainingRun::Frames(false);
   const double on_cpu = test::MeanPsnr(cpu.state.gaussians, opaque);
   const double on_device = test::MeanPsnr(device.state.gaussians, opaque);
-  EXPECT_NEAR(on_device, on_cpu, 1);
+  EXPECT_NEAR(on_device, on_cpu, 0.5);
   for (const int64_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
 }
 
+// What is saved in the middle of a run changes nothing, either.
 TEST_F(TrainingParity, AFixedOrderGivesTheSameBits) {
   TrainingRun run;
   run.settings.iterations = 60;
   const test::Training first = RunOn(run, OnDevice(SumOrder::kFixed), 40);
-  const test::Training again = RunOn(run, OnDevice(SumOrder::kFixed), 40);
-  EXPECT_EQ(first.losses, again.losses);
-  EXPECT_TRUE(SameBits(first.state, again.state));
+  SceneSubject subject(run.frames, 1);
+  Trainer again(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_EQ(again.Step().loss, first.losses[i]) << i;
+    if (i == 16) again.CaughtUp();
+  }
+  EXPECT_TRUE(SameBits(first.state, again.state()));
 }
 
 TEST_F(TrainingParity, TheRegulariserOfScales) {
