@@ -62,7 +62,7 @@ class StepEngine : public FramePictures {
 
   // Brings the state's Gaussians, moments, statistics and ignored gradients up to date.
   virtual void Fetch() = 0;
-  // Likewise, of Gaussians and statistics alone: what pruning ranks by.
+  // Likewise, but for moments and coefficients of bands 1..: what pruning ranks by.
   virtual void FetchForRanking() = 0;
   // Takes the state over after it was changed.
   virtual void Store() = 0;

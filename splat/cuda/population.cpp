@@ -39,7 +39,8 @@ void Population::Upload(const TrainingState& state, cudaStream_t stream) {
 
 void Population::DownloadForRanking(TrainingState& state, cudaStream_t stream) {
   state.gaussians.Resize(size());
-  values.Download(state.gaussians, stream);
+  for (int a = 0; a < kAttributeCount; ++a)
+    if (a != kColorRest) values.values[a].Download(state.gaussians.values[a].data(), stream);
   if (!values.degrees.empty()) {
     state.gaussians.degrees.resize(size());
     values.degrees.Download(state.gaussians.degrees.data(), stream);
@@ -55,6 +56,8 @@ void Population::Download(TrainingState& state, cudaStream_t stream) {
   adam.m.Download(state.adam.m, stream);
   adam.v.Download(state.adam.v, stream);
   adam.updated.Download(updated.data(), stream);
+  state.gaussians.Resize(size());
+  values.values[kColorRest].Download(state.gaussians.values[kColorRest].data(), stream);
   DownloadForRanking(state, stream);
   state.adam.updated.assign(updated.begin(), updated.end());
   state.adam.step = adam.step;

@@ -27,6 +27,7 @@ class Population {
   void Upload(const TrainingState& state, cudaStream_t stream);
   // The host waits.
   void Download(TrainingState& state, cudaStream_t stream);
+  // Without moments and coefficients of bands 1.., which are most of it.
   void DownloadForRanking(TrainingState& state, cudaStream_t stream);
 
   // Entry i becomes what source[i] was; from first_fresh on they are new: their moments and

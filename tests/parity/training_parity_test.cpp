@@ -57,6 +57,18 @@ TEST_F(TrainingParity, AFixedOrderGivesTheSameBits) {
   EXPECT_TRUE(SameBits(first.state, again.state()));
 }
 
+TEST_F(TrainingParity, PruningByPlasticity) {
+  TrainingRun run;
+  run.settings.prune.rule = PruneRule::kDcsharp;
+  run.settings.prune.target = 60;
+  run.settings.schedule.densify_until = 100;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 100);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 100);
+  EXPECT_LT(cpu.state.gaussians.size(), run.first.size());
+  EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), 6);
+  EXPECT_NEAR(device.losses[99], cpu.losses[98], 0.1 * cpu.losses[98]);
+}
+
 TEST_F(TrainingParity, TheRegulariserOfScales) {
   TrainingRun run;
   run.settings.schedule.densify_until = 0;
