@@ -182,8 +182,9 @@ TEST(AvatarSystem, AFrameIsPlayedByTheRuleOfItsTraining) {
     const WorldGaussians trained = subject.Place(g, 3);
     const auto placed = [&](const AvatarModel& model) {
       PlacedAvatar out;
-      Player(model, flame).Place(subject.video().train[3].params, out);
-      return out.gaussians().scale_log;
+      Player player(model, flame);
+      player.Place(subject.video().train[3].params, out);
+      return player.GaussiansOf(out).scale_log;
     };
     AvatarModel model = subject.Model(g);
     const Buffer<float> played = placed(model);

@@ -1,4 +1,4 @@
 cosplat_test(avatar_options
   SOURCES avatar_options_test.cpp ${PROJECT_SOURCE_DIR}/apps/cosplat/avatar_options.cpp
     ${PROJECT_SOURCE_DIR}/apps/cosplat/train_options.cpp
-  LIBRARIES cosplat::avatar cosplat::options CLI11::CLI11)
+  LIBRARIES cosplat::avatar cosplat::device cosplat::options CLI11::CLI11)
