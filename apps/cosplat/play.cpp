@@ -22,7 +22,7 @@ constexpr int kLargestSide = 8192;
 constexpr double kTurn = 6.283185307179586;
 
 struct Options {
-  std::string model, drive, flame, out, view = "splats", background, size;
+  std::string model, drive, flame, out, view = "splats", background, size, device = "cpu";
   double fps = 0;
   int frames = 0;  // 0: all of the drive, otherwise one
   float scale = 0;
@@ -86,12 +86,13 @@ void PlayIntoFiles(const Options& o, Session& session, Stage& stage, Size size) 
 void Play(const Options& o) {
   if (o.headless && o.out.empty())
     throw Error("", "--out", "is needed with --headless: a folder or a file that ends in .mp4");
+  const Device device = DeviceFromString(o.device);
   Content content = LoadContent(o.model, o.flame);
   Session session(content);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
   SetLook(o, session);
   const Size size = SizeOf(o, content.start);
-  Stage stage(std::move(content));
+  Stage stage(std::move(content), device);
   if (o.headless) return PlayIntoFiles(o, session, stage, size);
   viewer::ViewerWindow(session, stage, {o.scale, o.out.empty() ? "." : o.out}).Run();
 }
@@ -122,6 +123,9 @@ void AddPlay(CLI::App& app) {
       ->check(CLI::Range(0.001, 10000.0));
   command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
   AddLook(*command, *o);
+  command
+      ->add_option("--device", o->device, "what draws splats: cpu, cuda (an NVIDIA card) or auto")
+      ->capture_default_str();
   auto* headless =
       command->add_flag("--headless", o->headless, "draw to files, without a window or a display");
   command->add_option("-o,--out",

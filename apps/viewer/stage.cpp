@@ -5,6 +5,7 @@
 
 #include "apps/viewer/ellipsoid_view.h"
 #include "avatar/picture_bytes.h"
+#include "avatar/player_device.h"
 #include "splat/base/error.h"
 #include "splat/degree_order.h"
 
@@ -32,16 +33,17 @@ bool SameShot(const Shot& a, const Shot& b) {
          a.face.pose == b.face.pose && a.face.translation == b.face.translation;
 }
 
-Stage::Stage(Content content) : content_(std::move(content)) {
+Stage::Stage(Content content, Device device) : content_(std::move(content)) {
   if (content_.avatar) {
     Content::Avatar& avatar = *content_.avatar;
-    player_ = std::make_unique<Player>(std::move(avatar.model), avatar.flame);
+    player_ = std::make_unique<Player>(
+        std::move(avatar.model), avatar.flame, PlayerSettings{false, DrawerOn(device)});
     const size_t faces = player_->avatar().mesh.faces.size();
     counts_ = {CountColors(CountPerFace(player_->avatar().triangle, faces)), false};
     wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
   } else {
     SortByDegree(content_.scene);
-    rasterizer_ = MakeCpuRasterizer();
+    rasterizer_ = MakeRasterizer(device);
     tape_ = rasterizer_->MakeTape();
   }
 }

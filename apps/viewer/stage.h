@@ -14,6 +14,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/view.h"
 #include "avatar/player.h"
+#include "splat/device.h"
 
 namespace cosplat::viewer {
 
@@ -45,7 +46,9 @@ bool SameShot(const Shot& a, const Shot& b);
 
 class Stage {
  public:
-  explicit Stage(Content content);
+  // Splats are drawn on the device, all else by the CPU. Throws Error for what the device does not
+  // draw (avatar/player_device.h).
+  explicit Stage(Content content, Device device = Device::kCpu);
   Stage(const Stage&) = delete;  // the player refers to the content's FLAME model
   Stage& operator=(const Stage&) = delete;
 

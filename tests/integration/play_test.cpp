@@ -98,6 +98,7 @@ TEST(Play, SaysWhatIsWrong) {
   ExpectLine(Cosplat({"play", w.avatar, "--headless"}), {"--out", "is needed"});
   ExpectLine(Cosplat({"play", w.avatar}, "env -u DISPLAY -u WAYLAND_DISPLAY"),
              {"display", "--headless"});
+  ExpectLine(Cosplat({"play", w.avatar, "--device", "tpu"}), {"--device", "tpu"});
   ExpectLine(Cosplat({"play", w.avatar, "--size", "8x8"}), {"--size", "--headless"});
   ExpectLine(PlayInto(out / "a", w.avatar, {"--fps", "9"}), {"--fps", "--drive"});
   ExpectLine(PlayInto(out / "a", w.avatar, {"--view", "mesh"}), {"--view", "'mesh'", "wire"});
