@@ -1,7 +1,7 @@
-# The lean build (COSPLAT_LEAN, preset `gpu-tests`): the renderer on the CPU and on CUDA, losses, Adam,
-# their parity tests and benchmark, from nvcc, CMake, a C++ compiler and what COSPLAT_CARRIED holds:
-# Highway's headers (include/hwy) and GoogleTest's sources (googletest/src and googletest/include).
-# For a machine with a card and nothing else; tests/gpu/run.sh drives it.
+# The lean build (COSPLAT_LEAN, preset `gpu-tests`): the renderer and the binding of avatars on the CPU
+# and on CUDA, losses, Adam, their parity tests and benchmark, from nvcc, CMake, a C++ compiler and what
+# COSPLAT_CARRIED holds: Highway's headers (include/hwy) and GoogleTest's sources (googletest/src and
+# googletest/include). For a machine with a card and nothing else; tests/gpu/run.sh drives it.
 set(COSPLAT_CARRIED "/usr" CACHE PATH "Folder with include/hwy and googletest")
 find_path(COSPLAT_HIGHWAY hwy/highway.h PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
 find_path(COSPLAT_GOOGLETEST src/gtest-all.cc NO_DEFAULT_PATH REQUIRED
@@ -24,4 +24,5 @@ add_library(GTest::gtest_main ALIAS cosplat_gtest)
 
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-march=native>)
 add_subdirectory(splat)
+include(${PROJECT_SOURCE_DIR}/avatar/lean_sources.cmake)
 add_subdirectory(tests/gpu)

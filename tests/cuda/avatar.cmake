@@ -15,3 +15,9 @@ target_link_libraries(cosplat_test_avatar_cuda_on_host PRIVATE
   cosplat_avatar_cuda_on_host cosplat::avatar_study cosplat::player cosplat::procedural
   cosplat::options GTest::gtest_main)
 gtest_discover_tests(cosplat_test_avatar_cuda_on_host TEST_PREFIX on_host. DISCOVERY_TIMEOUT 60)
+
+# What the benchmark has of them.
+target_sources(cosplat_bench_cuda_on_host PRIVATE ${gpu}/avatar_times.cpp)
+target_compile_definitions(cosplat_bench_cuda_on_host PRIVATE
+  COSPLAT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(cosplat_bench_cuda_on_host PRIVATE cosplat_avatar_cuda_on_host)

@@ -1,0 +1,216 @@
+#include "tests/gpu/avatar_times.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "avatar/binding.h"
+#include "avatar/cuda/device_binding.h"
+#include "avatar/cuda/device_drawer.h"
+#include "splat/base/rng.h"
+#include "splat/bench/synthetic_view.h"
+#include "splat/cuda/adam.h"
+#include "splat/cuda/loss.h"
+#include "splat/cuda/renderer.h"
+#include "splat/loss.h"
+#include "tests/avatar/meshes.h"
+
+namespace cosplat::test {
+namespace {
+
+constexpr float kRadius = 0.12f, kDistance = 0.55f;  // metres: half of the picture
+constexpr int kPoses = 8;
+
+struct MadeAvatar {
+  AvatarModel model;
+  std::vector<std::vector<float>> poses;
+  Camera camera;
+  Image8 photograph;
+  RenderSettings settings;
+};
+
+// Gaussians as wide as their even spacing on a ball that bulges here and there.
+MadeAvatar MakeAvatar(size_t count, int side, int levels) {
+  SyntheticView view = MakeSyntheticView(count, side, side, 1);
+  MadeAvatar made;
+  made.model.mesh = SphereMesh(levels, kRadius);
+  made.model.gaussians = std::move(view.start);
+  made.photograph = std::move(view.frame.target);
+  Rng rng{7};
+  const float spacing = std::sqrt(4 * 3.14159f * kRadius * kRadius / float(count));
+  for (size_t i = 0; i < count; ++i) {
+    made.model.triangle.push_back(int32_t(rng.Below(made.model.mesh.faces.size())));
+    const float s = std::sqrt(float(rng.Uniform())), t = float(rng.Uniform());
+    made.model.barycentric.push_back({1 - s, s * t});
+    for (int k = 0; k < 3; ++k) {
+      made.model.gaussians.at(kPosition, i)[k] = 0;
+      made.model.gaussians.at(kScaleLog, i)[k] = std::log(spacing * (k == 2 ? 0.2f : 0.7f));
+    }
+  }
+  for (int pose = 0; pose < kPoses; ++pose) {
+    std::vector<float> vertices = made.model.mesh.vertices;
+    for (size_t v = 0; v < vertices.size(); ++v)
+      vertices[v] *= 1 + 0.1f * std::sin(40 * vertices[v] + float(pose));
+    made.poses.push_back(std::move(vertices));
+  }
+  made.camera = view.frame.camera;
+  made.camera.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  made.camera.translation = {0, 0, kDistance};
+  made.camera.fx = made.camera.fy = 0.5f * float(side) * kDistance / (2 * kRadius);
+  made.settings = {{0, 0, 0}, made.model.gaussians.degree};
+  return made;
+}
+
+// A frame and a training step with everything on the device.
+class DeviceAvatarStep {
+ public:
+  explicit DeviceAvatarStep(const MadeAvatar& made)
+      : made_(made), surface_(Surface(made.model.mesh), stream()) {
+    gaussians_.Upload(made.model.gaussians, stream());
+    gradients_.ResizeLike(gaussians_);
+    embedding_.Upload(made.model, surface_.face_count(), stream());
+    target_.Upload(made.photograph, stream());
+    adam_.Start(gaussians_, stream());
+    rates_.rate = {1e-6f, 1e-5f, 1e-5f, 1e-4f, 1e-4f, 1e-5f};
+    renderer_.stream().Wait();
+  }
+
+  void Draw(int frame, bool keep) {
+    const std::vector<float>& vertices = made_.poses[size_t(frame) % kPoses];
+    vertices_.Upload(vertices.data(), vertices.size(), stream());
+    surface_.Pose(vertices_.data(), stream());
+    binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
+    world_ = posed_.View(gaussians_, ColorFrame::kSurface);
+    renderer_.Forward(
+        world_, made_.model.gaussians.basis, made_.camera, made_.settings, keep, image_, tape_);
+  }
+
+  void Train(int frame, bool track) {
+    Draw(frame, true);
+    loss_.Evaluate({}, image_.color.data(), target_, {0, 0, 0}, d_color_, stream());
+    d_posed_.Refill(gaussians_.size());
+    WorldGradients d_world = gradients_.GradientView(screen_);
+    d_world.position = d_posed_.position.data();
+    d_world.rotation = d_posed_.rotation.data();
+    d_world.scale_log = d_posed_.scale_log.data();
+    d_world.color_frame = d_posed_.frame.data();
+    renderer_.Backward(world_, image_, d_color_.data(), tape_, d_world);
+    binding_.Backward(gaussians_,
+                      embedding_,
+                      surface_,
+                      d_posed_,
+                      gradients_,
+                      track ? &d_vertices_ : nullptr,
+                      stream());
+    adam_.Step(
+        rates_, gradients_, std::as_const(tape_.radii).view(), nullptr, gaussians_, stream());
+    if (!track) return;
+    d_vertices_on_host_.resize(d_vertices_.size());
+    d_vertices_.Download(d_vertices_on_host_.data(), stream());
+    Wait();
+  }
+  void Wait() { renderer_.stream().Wait(); }
+
+ private:
+  cudaStream_t stream() const { return renderer_.stream().get(); }
+
+  const MadeAvatar& made_;
+  cuda::Renderer renderer_{cuda::SumOrder::kAny};
+  cuda::DeviceSurface surface_;
+  cuda::DeviceGaussians gaussians_, gradients_;
+  cuda::DeviceEmbedding embedding_;
+  cuda::DeviceBinding binding_;
+  cuda::DevicePosed posed_, d_posed_;
+  cuda::DeviceBuffer<float> vertices_, d_vertices_, d_color_, screen_;
+  std::vector<float> d_vertices_on_host_;
+  WorldGaussians world_;
+  cuda::DeviceImage image_;
+  cuda::Tape tape_;
+  cuda::DeviceTarget target_;
+  cuda::PhotometricLoss loss_;
+  cuda::Adam adam_;
+  AdamSettings rates_;
+};
+
+// Mean of `count` calls after as many that are not counted.
+template <class F, class Wait>
+double MeanMs(int count, const F& f, const Wait& wait) {
+  for (int i = 0; i < count; ++i) f(i);
+  wait();
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < count; ++i) f(i);
+  wait();
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  return took.count() / count;
+}
+
+void MeasureCpu(const MadeAvatar& made, int count, AvatarTimes& times, RenderedImage& image) {
+  Surface surface(made.model.mesh);
+  PosedGaussians posed;
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  const auto draw = [&](int i) {
+    surface.Pose(made.poses[size_t(i) % kPoses]);
+    Bind(made.model, surface, posed);
+    WorldGaussians world = ViewOf(made.model.gaussians);
+    world.position = posed.position.data();
+    world.rotation = posed.rotation.data();
+    world.scale_log = posed.scale_log.data();
+    world.color_frame = posed.frame.data();
+    rasterizer->Forward(
+        world, made.model.gaussians.basis, made.camera, made.settings, image, *tape);
+  };
+  times.cpu_frame_ms = MeanMs(count, draw, [] {});
+  draw(0);
+}
+
+}  // namespace
+
+AvatarTimes TimeAvatar(bool tiny) {
+  const MadeAvatar made = tiny ? MakeAvatar(200, 40, 1) : MakeAvatar(20000, 512, 5);
+  const int count = tiny ? 1 : 400;
+  AvatarTimes times;
+  times.gaussians = made.model.size();
+  times.triangles = made.model.mesh.faces.size();
+  times.side = made.camera.width;
+  RenderedImage on_cpu, on_device;
+  MeasureCpu(made, tiny ? 1 : 20, times, on_cpu);
+  const auto drawer = cuda::MakeDeviceDrawer(made.model);
+  uint64_t placement = 0;
+  const auto draw = [&](int i) {
+    drawer->Draw(
+        made.poses[size_t(i) % kPoses], ++placement, made.camera, made.settings, on_device);
+  };
+  times.frame_to_host_ms = MeanMs(count, draw, [] {});
+  draw(0);
+  times.psnr = Psnr(on_device.color, on_cpu.color);
+  DeviceAvatarStep step(made);
+  const auto wait = [&] { step.Wait(); };
+  times.frame_ms = MeanMs(
+      count, [&](int i) { step.Draw(i, false); }, wait);
+  times.step_ms = MeanMs(
+      count, [&](int i) { step.Train(i, false); }, wait);
+  times.step_and_track_ms = MeanMs(
+      count, [&](int i) { step.Train(i, true); }, wait);
+  return times;
+}
+
+void WriteJson(std::FILE* file, const AvatarTimes& t) {
+  std::fprintf(file,
+               "\"avatar\": {\"gaussians\": %zu, \"triangles\": %zu, \"side\": %d,\n"
+               "  \"frame_ms\": %.4f, \"frames_per_s\": %.1f, \"frame_to_host_ms\": %.4f,\n"
+               "  \"step_ms\": %.4f, \"steps_per_s\": %.1f, \"step_and_track_ms\": %.4f,\n"
+               "  \"cpu_frame_ms\": %.4f, \"psnr_to_cpu\": %.2f}",
+               t.gaussians,
+               t.triangles,
+               t.side,
+               t.frame_ms,
+               1e3 / t.frame_ms,
+               t.frame_to_host_ms,
+               t.step_ms,
+               1e3 / t.step_ms,
+               t.step_and_track_ms,
+               t.cpu_frame_ms,
+               t.psnr);
+}
+
+}  // namespace cosplat::test
