@@ -136,6 +136,7 @@ cd "$root" || exit 1
 step configure 60 "${configure[@]}" || finish
 step build 240 cmake --build "$build" --parallel "$(nproc)" || finish
 step parity 60 "$tests"
+step binding 60 "$build/tests/gpu/cosplat_test_binding_parity"
 step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
 step training 60 "$training"
