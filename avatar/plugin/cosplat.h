@@ -86,7 +86,8 @@ typedef struct cosplat_open_options {
 } cosplat_open_options;
 
 /* avatar_path: a .glb by `cosplat train-avatar`. Paths are UTF-8. *avatar is NULL on failure. A new
- * avatar is at rest: no expression, every joint at zero, the head where it sat in training. */
+ * avatar is at rest: no expression, no joint but the root turned, the head where it sat in
+ * training. */
 COSPLAT_API cosplat_status cosplat_open(const char* avatar_path,
                                         const cosplat_open_options* options,
                                         cosplat_avatar** avatar);
