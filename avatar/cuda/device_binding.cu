@@ -4,6 +4,7 @@
 #include "avatar/cuda/run_kernel.cuh"
 #include "avatar/kernels/embed.h"
 #include "splat/base/error.h"
+#include "splat/cuda/find_begin.cuh"
 
 namespace cosplat::cuda {
 namespace {
@@ -14,23 +15,6 @@ struct FaceKeys {
   __device__ void operator()(size_t i) const {
     keys[i] = uint32_t(triangle[i]);
     values[i] = uint32_t(i);
-  }
-};
-
-// Where each face begins among the sorted keys: the first that is not less.
-struct FindFaceBegin {
-  DeviceView<const uint32_t> keys;
-  DeviceView<uint32_t> begin;
-  __device__ void operator()(size_t f) const {
-    uint32_t low = 0, high = uint32_t(keys.count);
-    while (low < high) {
-      const uint32_t middle = low + (high - low) / 2;
-      if (keys[middle] < f)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    begin[f] = low;
   }
 };
 
@@ -87,7 +71,7 @@ FaceListArrays DeviceEmbedding::Lists(cudaStream_t stream) {
         size(), stream, FaceKeys{triangle_.data(), by_face_.keys.view(), by_face_.values.view()});
     sorter_.Sort(by_face_, std::bit_width(face_count_), stream);
     ForEach(
-        face_count_ + 1, stream, FindFaceBegin{std::as_const(by_face_.keys).view(), begin_.view()});
+        face_count_ + 1, stream, FindBegin{std::as_const(by_face_.keys).view(), begin_.view()});
     listed_ = true;
   }
   return {begin_.data(), by_face_.values.data()};

@@ -1,6 +1,7 @@
 #include <bit>
 #include <string>
 
+#include "splat/cuda/find_begin.cuh"
 #include "splat/cuda/launch.cuh"
 #include "splat/cuda/tile_lists.h"
 #include "splat/kernels/tile_range.h"
@@ -121,23 +122,6 @@ struct GatherGaussians {
   __device__ void operator()(size_t k) const { gaussian[k] = of_record[records[k]]; }
 };
 
-// Where each tile begins among the sorted keys: the first that is not less.
-struct FindTileBegin {
-  DeviceView<const uint32_t> tiles;
-  DeviceView<uint32_t> tile_begin;
-  __device__ void operator()(size_t t) const {
-    uint32_t low = 0, high = uint32_t(tiles.count);
-    while (low < high) {
-      const uint32_t middle = low + (high - low) / 2;
-      if (tiles[middle] < t)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    tile_begin[t] = low;
-  }
-};
-
 struct CountBuckets {
   DeviceView<const uint32_t> tile_begin;
   DeviceView<uint64_t> buckets;
@@ -216,7 +200,7 @@ void TileLists::FindTiles(cudaStream_t stream) {
   tile_begin_.Refill(tiles() + 1);
   bucket_begin_.Refill(tiles() + 1);
   ForEach(
-      tiles() + 1, stream, FindTileBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
+      tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
   ForEach(
       tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
   sorter_.ExclusiveSum(bucket_begin_, stream);
