@@ -100,7 +100,7 @@ void TrainOptions::Declare(CLI::App& command) {
       .add_option("--budget",
                   budget,
                   "auto: find how few Gaussians hold the quality, on training views held out in "
-                  "the meantime; takes three to four times the time")
+                  "the meantime; takes two to three times the time")
       ->check(CLI::IsMember({"none", "auto"}));
   command.add_option("--tolerance", tolerance, "dB that --budget auto may lose on those views")
       ->check(kRate);

@@ -21,15 +21,13 @@ int main(int argc, char** argv) {
   cosplat_parameters parameters = {0};
   cosplat_picture picture = {0};
   cosplat_avatar* avatar = NULL;
-  FILE* file = NULL;
 
   if (argc != 4) {
     fprintf(stderr, "usage: %s avatar.glb flame-model frame.pam\n", argv[0]);
     return 2;
   }
   if (cosplat_version() < COSPLAT_VERSION) {
-    fprintf(
-        stderr, "libcosplat %s is older than what this was built for\n", cosplat_version_text());
+    fprintf(stderr, "libcosplat %s is older than this program\n", cosplat_version_text());
     return 1;
   }
 
@@ -51,7 +49,7 @@ int main(int argc, char** argv) {
   if (cosplat_render(avatar, &picture)) return fail("cannot draw", avatar);
   cosplat_close(avatar);
 
-  file = fopen(argv[3], "wb");
+  FILE* file = fopen(argv[3], "wb");
   if (!file) return fail("cannot write the frame", NULL);
   fprintf(file,
           "P7\nWIDTH %d\nHEIGHT %d\nDEPTH 4\nMAXVAL 255\nTUPLTYPE RGB_ALPHA\nENDHDR\n",
