@@ -70,8 +70,7 @@ FaceListArrays DeviceEmbedding::Lists(cudaStream_t stream) {
     ForEach(
         size(), stream, FaceKeys{triangle_.data(), by_face_.keys.view(), by_face_.values.view()});
     sorter_.Sort(by_face_, std::bit_width(face_count_), stream);
-    ForEach(
-        face_count_ + 1, stream, FindBegin{std::as_const(by_face_.keys).view(), begin_.view()});
+    ForEach(face_count_ + 1, stream, FindBegin{std::as_const(by_face_.keys).view(), begin_.view()});
     listed_ = true;
   }
   return {begin_.data(), by_face_.values.data()};

@@ -199,8 +199,7 @@ void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t strea
 void TileLists::FindTiles(cudaStream_t stream) {
   tile_begin_.Refill(tiles() + 1);
   bucket_begin_.Refill(tiles() + 1);
-  ForEach(
-      tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
+  ForEach(tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
   ForEach(
       tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
   sorter_.ExclusiveSum(bucket_begin_, stream);
