@@ -37,13 +37,6 @@ void CheckVertices(const std::vector<float>& vertices, size_t count) {
 
 }  // namespace
 
-std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights) {
-  double sum = 0;
-  for (double& w : weights) sum += w = std::max(w, kInsideTriangle);
-  for (double& w : weights) w /= sum;
-  return weights;
-}
-
 Surface::Surface(const CanonicalMesh& mesh)
     : faces_(mesh.faces),
       topology_(BuildTopology("canonical mesh", mesh.faces, int(mesh.vertices.size() / 3))),
@@ -85,6 +78,18 @@ SurfaceArrays Surface::Arrays() const {
   arrays.posed_faces = const_cast<float*>(posed_faces_.data());
   arrays.sums = const_cast<float*>(sums_.data());
   arrays.signs = const_cast<float*>(signs_.data());
+  return arrays;
+}
+
+MeshArrays Surface::CanonicalArrays() const {
+  MeshArrays arrays;
+  arrays.face_count = faces_.size();
+  arrays.faces = faces_.data()->data();
+  arrays.face_neighbors = topology_.face_neighbors.data()->data();
+  arrays.neighbor_edges = topology_.neighbor_edges.data()->data();
+  arrays.vertex_face_begin = topology_.vertex_face_begin.data();
+  arrays.vertex_faces = topology_.vertex_faces.data();
+  arrays.vertices = &canonical_.data()->position.x;
   return arrays;
 }
 

@@ -15,7 +15,8 @@
 
 namespace cosplat {
 
-struct SurfaceArrays;  // avatar/kernels/arrays.h
+struct MeshArrays;  // avatar/kernels/arrays.h
+struct SurfaceArrays;
 using SurfaceVertex = math::SurfaceVertex<float>;
 
 // A place on a mesh: a face and the weights (u, v) of its vertices 0 and 1; 1 - u - v is that of
@@ -24,12 +25,6 @@ struct SurfacePoint {
   int32_t triangle = 0;
   std::array<float, 2> barycentric{};
 };
-
-// Points that a search or a walk has moved keep each weight at least this: float's rounding of
-// 1 - u - v is 1.2e-7.
-constexpr double kInsideTriangle = 1e-6;
-// Raises weights below it to it; the sum back to 1.
-std::array<double, 3> KeepInsideTriangle(std::array<double, 3> weights);
 
 class Surface {
  public:
@@ -58,6 +53,8 @@ class Surface {
   const Buffer<float>& canonical_areas() const { return canonical_areas_; }
   // The mesh and its last pose as kernels take them, which Pose alone may write to.
   SurfaceArrays Arrays() const;
+  // The canonical mesh and its adjacency likewise.
+  MeshArrays CanonicalArrays() const;
 
  private:
   std::vector<std::array<int32_t, 3>> faces_;

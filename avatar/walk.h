@@ -7,8 +7,8 @@
 // (Mitchell, Mount & Papadimitriou 1987), so that a straight step stays straight.
 //
 // At a boundary of the mesh the step loses its part across the boundary and goes on along it; where
-// a second boundary stops that, it ends. Every point ends at least kInsideTriangle inside its
-// triangle. Faces with no canonical area are walls as well.
+// a second boundary stops that, it ends. Every point ends a millionth of its triangle inside it at
+// least (kInsideTriangle). Faces with no canonical area are walls as well.
 #pragma once
 
 #include <cstdint>

@@ -30,6 +30,18 @@ struct SurfaceArrays {
   float* signs = nullptr;  // [3 F] like vertex_faces: hemisphere in which the rotation was added
 };
 
+// The canonical mesh with what walks and searches over it need: who is across an edge (-1: nobody),
+// who is at a vertex.
+struct MeshArrays {
+  size_t face_count = 0;
+  const int32_t* faces = nullptr;              // [F, 3]
+  const int32_t* face_neighbors = nullptr;     // [F, 3] as MeshTopology (flame/topology.h)
+  const int8_t* neighbor_edges = nullptr;      // [F, 3]
+  const int32_t* vertex_face_begin = nullptr;  // [V + 1]
+  const int32_t* vertex_faces = nullptr;       // [3 F]
+  const float* vertices = nullptr;             // [V, kSurfaceVertexFloats]
+};
+
 // Which corner of `face` [3] the vertex is; it must be one.
 COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
   return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;

@@ -3,6 +3,7 @@ cosplat_test(binding
     ${CMAKE_CURRENT_SOURCE_DIR}/binding_test.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/embed_packs_test.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/embed_test.cpp
+    ${CMAKE_CURRENT_SOURCE_DIR}/face_search_test.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/released_binding_test.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/sample_test.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/surface_test.cpp

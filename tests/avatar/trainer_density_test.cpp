@@ -106,6 +106,26 @@ TEST(AvatarDensity, TrianglesHoldAtMostTheCap) {
   EXPECT_EQ(most, 64);
 }
 
+// They are removed like any other that is broken.
+TEST(AvatarDensity, ASplitOfWhatIsNotFiniteEndsNothing) {
+  AvatarSubject subject(SmallVideo::Get().flame, LoadSmallVideo(1, 4), SmallAvatar(50));
+  Gaussians g = subject.InitialGaussians(0, Basis::kDcsh, 1);
+  g.at(kPosition, 7)[0] = NAN;
+  g.at(kScaleLog, 9)[1] = 200;
+  AdamState adam(g);
+  DensityStatistics statistics;
+  statistics.Reset(g.size());
+  for (const size_t i : {7, 9}) statistics.screen_gradient[i] = statistics.visible[i] = 1;
+  DensitySettings settings;
+  settings.split_scale = 0;
+  settings.max_scale = 1;
+  Rng rng{1};
+  const DensityReport report = ControlDensity(settings, true, {subject, g, adam, statistics}, rng);
+  EXPECT_EQ(report.split, 2u);
+  EXPECT_EQ(report.broken, 2u);
+  EXPECT_EQ(g.size(), 48u);
+}
+
 // Alpha of the avatar in a frame, and where the head is.
 struct Coverage {
   std::vector<float> alpha;

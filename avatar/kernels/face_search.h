@@ -1,0 +1,75 @@
+// What a search over the mesh remembers: the faces still to be looked around, nearest first, and
+// those seen. Of one fixed size, so that a device can lend it; 12 kB.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "splat/math/namespace.h"
+
+namespace cosplat::math {
+
+struct FaceAtDistance {
+  double distance2;
+  int32_t face;
+  // Equal distances by face index.
+  COSPLAT_HD bool IsBefore(const FaceAtDistance& other) const {
+    return distance2 != other.distance2 ? distance2 < other.distance2 : face < other.face;
+  }
+};
+
+class FaceSearch {
+ public:
+  // A split moves a Gaussian by a few of its own widths, a few triangles on FLAME.
+  static constexpr int kMostFaces = 512;
+
+  COSPLAT_HD void Start() {
+    open_count_ = seen_count_ = 0;
+    for (int32_t& slot : seen_) slot = kFree;
+  }
+
+  // Whether `face` is one to look at: not seen before, while there is room for more.
+  COSPLAT_HD bool See(int32_t face) {
+    if (seen_count_ == kMostFaces) return false;
+    // Knuth's multiplicative hash, then the next free slot: half of them stay free.
+    uint32_t slot = uint32_t(face) * 2654435769u >> (32 - kSlotBits);
+    for (; seen_[slot] != kFree; slot = (slot + 1) % kSlots)
+      if (seen_[slot] == face) return false;
+    seen_[slot] = face;
+    ++seen_count_;
+    return true;
+  }
+  COSPLAT_HD bool IsFull() const { return seen_count_ == kMostFaces; }
+
+  COSPLAT_HD bool IsEmpty() const { return open_count_ == 0; }
+  // Of faces that See has let through: each goes in once.
+  COSPLAT_HD void Push(const FaceAtDistance& entry) {
+    int at = open_count_++;
+    for (; at > 0 && entry.IsBefore(open_[(at - 1) / 2]); at = (at - 1) / 2)
+      open_[at] = open_[(at - 1) / 2];
+    open_[at] = entry;
+  }
+  COSPLAT_HD FaceAtDistance PopNearest() {
+    const FaceAtDistance nearest = open_[0], last = open_[--open_count_];
+    int at = 0;
+    for (int child = 1; child < open_count_; child = 2 * at + 1) {
+      if (child + 1 < open_count_ && open_[child + 1].IsBefore(open_[child])) ++child;
+      if (!open_[child].IsBefore(last)) break;
+      open_[at] = open_[child];
+      at = child;
+    }
+    open_[at] = last;
+    return nearest;
+  }
+
+ private:
+  static constexpr int kSlotBits = 10;
+  static constexpr uint32_t kSlots = 1u << kSlotBits;
+  static constexpr int32_t kFree = -1;
+
+  FaceAtDistance open_[kMostFaces];  // a binary heap
+  int32_t seen_[kSlots];             // by hash
+  int open_count_, seen_count_;
+};
+
+}  // namespace cosplat::math

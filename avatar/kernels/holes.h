@@ -1,0 +1,54 @@
+// Holes that removals would tear into an avatar, for the CPU and for a device: which pixels lose
+// their cover, and who is drawn near one.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "splat/math/namespace.h"
+
+namespace cosplat::math {
+
+// A triangle's last Gaussian goes only while the alpha inside the silhouette stays above this.
+constexpr float kHoleAlpha = 0.9f;
+// A loss of alpha that counts: one grey level.
+constexpr float kAlphaLoss = 1.0f / 255;
+
+// Training frames, evenly spread, in which holes are looked for: the k-th of them.
+constexpr size_t kHoleFrames = 3;
+COSPLAT_HD size_t HoleFrame(size_t k, size_t frame_count) { return k * frame_count / kHoleFrames; }
+
+// A pixel's transmittance with all Gaussians and without those that are to go. Also where it was
+// uncovered already (after an opacity reset): its alpha shall not fall further.
+COSPLAT_HD bool IsHole(bool inside_silhouette, float before, float after) {
+  return inside_silhouette && 1 - after < kHoleAlpha && after - before > kAlphaLoss;
+}
+
+// The logit of one that is gone.
+constexpr float kGoneLogit = -100;
+
+struct HoleMask {
+  const uint8_t* holes;  // [height, width] 1: a hole
+  int width, height;
+
+  // Whether one's pixel centre is within `radius` of (x, y); px.
+  COSPLAT_HD bool HasWithin(float x, float y, float radius) const {
+    const int x0 = PixelAt(x - radius, width), x1 = PixelAt(x + radius + 1, width);
+    const int y0 = PixelAt(y - radius, height), y1 = PixelAt(y + radius + 1, height);
+    for (int j = y0; j < y1; ++j)
+      for (int i = x0; i < x1; ++i) {
+        const float dx = i + 0.5f - x, dy = j + 0.5f - y;
+        if (holes[size_t(j) * size_t(width) + size_t(i)] && std::sqrt(dx * dx + dy * dy) <= radius)
+          return true;
+      }
+    return false;
+  }
+
+ private:
+  COSPLAT_HD static int PixelAt(float at, int count) {
+    return at > 0 ? at < float(count) ? int(at) : count : 0;
+  }
+};
+
+}  // namespace cosplat::math
