@@ -29,6 +29,7 @@ class DeviceAvatar : public DeviceSubject {
   void PlaceBackward(const DeviceGaussians& gaussians,
                      DeviceGaussians& gradients,
                      cudaStream_t stream) override;
+  bool WaitsInSteps() const override { return refines_; }
   const float* PositionRateScale() override { return rate_scale_.data(); }
   void Changed(cudaStream_t stream) override;
   bool WorksAfter(int iteration) const override;

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "splat/cuda/memory.h"
+#include "splat/cuda/staging.h"
 #include "splat/memory_part.h"
 
 namespace cosplat::cuda {
@@ -25,17 +25,14 @@ class PosedVertices {
   const float* Of(size_t frame, const Pose& pose, cudaStream_t stream) {
     if (frame >= sent_.size()) {
       const std::vector<float>& vertices = pose();
-      passing_.Upload(vertices.data(), frame_numbers_, stream);
+      passing_.Refill(frame_numbers_);
+      Send(vertices, passing_.data(), stream);
       return passing_.data();
     }
     if (kept_.empty()) kept_.Refill(frame_numbers_ * sent_.size());
     float* row = kept_.data() + frame_numbers_ * frame;
     if (!sent_[frame]) {
-      const std::vector<float>& vertices = pose();
-      Check(
-          cudaMemcpyAsync(
-              row, vertices.data(), frame_numbers_ * sizeof(float), cudaMemcpyHostToDevice, stream),
-          "cudaMemcpyAsync");
+      Send(pose(), row, stream);
       sent_[frame] = true;
     }
     return row;
@@ -44,9 +41,14 @@ class PosedVertices {
   size_t held() const { return HeldBy(kept_, passing_); }
 
  private:
+  void Send(const std::vector<float>& vertices, float* to, cudaStream_t stream) {
+    staging_.Send(vertices.data(), frame_numbers_ * sizeof(float), to, stream);
+  }
+
   size_t frame_numbers_;
   std::vector<bool> sent_;
   DeviceBuffer<float> kept_, passing_;
+  Staging staging_;
 };
 
 }  // namespace cosplat::cuda

@@ -14,8 +14,9 @@ struct FindBehind {
   DeviceView<const float> radii;  // empty: all groups
   uint32_t before, after;         // steps
   DeviceView<uint32_t> updated, behind;
+  const uint32_t* halted;
   __device__ void operator()(size_t g) const {
-    const bool now = radii.count == 0 || IsDrawn(g);
+    const bool now = !(halted && *halted != 0) && (radii.count == 0 || IsDrawn(g));
     behind[g] = now ? before - updated[g] : kNotNow;
     if (now) updated[g] = after;
   }
@@ -109,8 +110,9 @@ void Adam::Step(const AdamSettings& settings,
                 DeviceGaussians& values,
                 cudaStream_t stream) {
   behind_.Refill(updated.size());
-  ForEach(
-      updated.size(), stream, FindBehind{radii, step, step + 1, updated.view(), behind_.view()});
+  ForEach(updated.size(),
+          stream,
+          FindBehind{radii, step, step + 1, updated.view(), behind_.view(), halted});
   ++step;
   Update(settings, &gradients, position_rate_scale, values, stream);
 }
@@ -120,7 +122,8 @@ void Adam::CatchUpAll(const AdamSettings& settings,
                       DeviceGaussians& values,
                       cudaStream_t stream) {
   behind_.Refill(updated.size());
-  ForEach(updated.size(), stream, FindBehind{{}, step, step, updated.view(), behind_.view()});
+  ForEach(
+      updated.size(), stream, FindBehind{{}, step, step, updated.view(), behind_.view(), nullptr});
   Update(settings, nullptr, position_rate_scale, values, stream);
 }
 

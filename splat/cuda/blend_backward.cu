@@ -138,7 +138,7 @@ struct ContributionWalk {
   }
 };
 
-// Per Gaussian, its instances' records in their fixed order.
+// Per Gaussian, drawn or not, its instances' records in their fixed order.
 template <class Record>
 struct SumRecords {
   TileListsView lists;
@@ -146,7 +146,9 @@ struct SumRecords {
   DeviceView<Record> sums;
   __device__ void operator()(size_t k) const {
     Record sum{};
-    for (uint64_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r) sum += records[r];
+    const uint64_t begin = lists.record_begin[k];
+    const uint64_t end = lists.Complete() ? lists.record_begin[k + 1] : begin;
+    for (uint64_t r = begin; r < end; ++r) sum += records[r];
     sums[lists.order[k]] = sum;
   }
 };
@@ -169,14 +171,15 @@ void BlendBackward(Tape& tape,
                    SumOrder order,
                    cudaStream_t stream) {
   const TileListsView lists = tape.lists.view();
-  tape.records.Refill(order == SumOrder::kFixed ? tape.lists.instances() : 0);
+  const bool fixed = order == SumOrder::kFixed;
+  tape.records.Refill(fixed ? tape.lists.room() : 0);
   tape.d_splats.Refill(tape.splats.size());
-  tape.d_splats.FillWithZeros(stream);
+  if (!fixed) tape.d_splats.FillWithZeros(stream);
   const GradientSink sink{lists.record, tape.records.view(), tape.d_splats.view()};
   WalkBuckets(tape, image, BackwardWalk{d_color, sink}, stream);
-  if (order == SumOrder::kFixed)
+  if (fixed)
     ForEach(
-        tape.lists.visible(),
+        tape.splats.size(),
         stream,
         SumRecords<SplatGradient>{lists, std::as_const(tape.records).view(), tape.d_splats.view()});
 }
@@ -187,12 +190,9 @@ void SumContributions(Tape& tape,
                       cudaStream_t stream) {
   const TileListsView lists = tape.lists.view();
   const size_t count = tape.splats.size();
-  tape.contributions.Refill(tape.lists.instances());
-  if (count != 0)
-    Check(cudaMemsetAsync(contributions, 0, count * sizeof(Contribution), stream),
-          "cudaMemsetAsync");
+  tape.contributions.Refill(tape.lists.room());
   WalkBuckets(tape, image, ContributionWalk{lists.record, tape.contributions.view()}, stream);
-  ForEach(tape.lists.visible(),
+  ForEach(count,
           stream,
           SumRecords<Contribution>{
               lists, std::as_const(tape.contributions).view(), {contributions, count}});

@@ -120,7 +120,7 @@ void WalkBuckets(const Tape& tape,
                  const Walk& walk,
                  cudaStream_t stream) {
   using Kernel = BucketKernel<Walk>;
-  if (tape.lists.instances() == 0) return;
+  if (tape.lists.room() == 0) return;
   const size_t blocks = (tape.lists.most_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;
   ForBlocks(blocks, stream, Kernel{BucketListsOf(tape, image), walk});
 }

@@ -25,59 +25,94 @@ DeviceStepEngine::DeviceStepEngine(const TrainSettings& settings,
                                    Subject& subject,
                                    TrainingState& state,
                                    SumOrder order,
-                                   std::shared_ptr<DeviceSubject> on_device)
+                                   std::shared_ptr<DeviceSubject> on_device,
+                                   const InstanceForecast& forecast)
     : settings_(settings),
       subject_(subject),
       state_(state),
       on_device_(on_device ? std::move(on_device) : std::make_shared<DeviceSubject>()),
       order_(order),
       renderer_(order),
-      photographs_(subject, size_t(kPhotographShare * double(FreeMemory()))) {
+      photographs_(subject, size_t(kPhotographShare * double(FreeMemory()))),
+      forecast_(forecast) {
   CheckRule(settings.prune.rule);
   Store();
 }
 
-StepEngineMaker MakeDeviceStepEngine(SumOrder order, std::shared_ptr<DeviceSubject> on_device) {
+StepEngineMaker MakeDeviceStepEngine(SumOrder order,
+                                     std::shared_ptr<DeviceSubject> on_device,
+                                     const InstanceForecast& forecast) {
   return [=](const TrainSettings& settings, Subject& subject, TrainingState& state) {
-    return std::make_unique<DeviceStepEngine>(settings, subject, state, order, on_device);
+    return std::make_unique<DeviceStepEngine>(settings, subject, state, order, on_device, forecast);
   };
 }
 
 double DeviceStepEngine::Step(const StepPlan& plan) {
-  const bool first = last_iteration_ == 0;
-  Draw(plan);  // waits: the last step is over
-  const double last = first ? 0 : LastLoss();
-  GoBack(plan);
-  Update(plan);
-  last_iteration_ = plan.iteration;
+  Submit(plan, on_device_->WaitsInSteps() || !forecast_.Knows());
+  Settle(last_loss_ ? 1 : 0);
+  return *last_loss_;
+}
+
+void DeviceStepEngine::Submit(const StepPlan& plan, bool waits) {
+  Submitted& step = steps_[(oldest_ + in_flight_) % steps_.size()];
+  step.plan = plan;
+  Draw(step, waits);
+  GoBack(step);
+  Update(step);
+  step.done.Record(stream());
+  ++in_flight_;
   fetched_ = false;
-  if (!first) return last;
-  renderer_.stream().Wait();
-  return LastLoss();
 }
 
-// Throws where it is not finite.
-double DeviceStepEngine::LastLoss() const {
-  CheckLoss(photometric_.Last(), last_iteration_);
-  return photometric_.Last() + (settings_.scale_regularizer.weight != 0 ? of_needles_.Last() : 0);
+void DeviceStepEngine::Settle(size_t left) {
+  for (; in_flight_ > left; --in_flight_, oldest_ = (oldest_ + 1) % steps_.size()) {
+    const Submitted& step = steps_[oldest_];
+    step.done.Wait();
+    if (step.counts.Last().instances > step.room) {
+      Repeat();
+      step.done.Wait();
+    }
+    forecast_.Saw(step.plan.frame, count(), step.counts.Last().instances);
+    last_loss_ = LossOf(step);
+  }
 }
 
-void DeviceStepEngine::Draw(const StepPlan& plan) {
-  const TrainFrame& frame = subject_.frame(plan.frame);
+void DeviceStepEngine::Repeat() {
+  population_.GoOn(stream());
+  population_.adam.step -= uint32_t(in_flight_);
+  const size_t count = std::exchange(in_flight_, 0);
+  for (size_t k = 0; k < count; ++k)
+    Submit(StepPlan(steps_[(oldest_ + k) % steps_.size()].plan), true);
+}
+
+double DeviceStepEngine::LossOf(const Submitted& step) const {
+  const double photometric = step.photometric.Last();
+  CheckLoss(photometric, step.plan.iteration);
+  return photometric + (settings_.scale_regularizer.weight != 0 ? step.of_needles.Last() : 0);
+}
+
+void DeviceStepEngine::Draw(Submitted& step, bool waits) {
+  const StepPlan& plan = step.plan;
+  TileLists& lists = tape_.lists;
   world_ = on_device_->Place(population_.values, plan.frame, stream());
-  renderer_.Forward(world_, state_.gaussians.basis, frame.camera, plan.render, true, image_, tape_);
-  instances_per_gaussian_ = std::max(instances_per_gaussian_,
-                                     double(tape_.lists.instances()) / double(population_.size()));
+  if (!waits) lists.Expect(forecast_.Of(plan.frame, count()), population_.halted.data());
+  const Camera& camera = subject_.frame(plan.frame).camera;
+  renderer_.Forward(world_, state_.gaussians.basis, camera, plan.render, true, image_, tape_);
+  step.counts.Ask(lists.counts(), stream());
+  step.room = lists.room();
+  instances_per_gaussian_ =
+      std::max(instances_per_gaussian_, double(step.room) / double(population_.size()));
 }
 
-void DeviceStepEngine::GoBack(const StepPlan& plan) {
+void DeviceStepEngine::GoBack(Submitted& step) {
+  const StepPlan& plan = step.plan;
   loss_.Evaluate(settings_.loss,
                  image_.color.data(),
                  photographs_.Of(plan.frame, stream()),
                  plan.render.background,
                  d_color_,
                  stream());
-  photometric_.Ask(loss_.value(), stream());
+  step.photometric.Ask(loss_.value(), stream());
   WorldGradients d_world = on_device_->WorldGradientsFor(population_.gradients, screen_);
   // Adam then reads those of others, too.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
@@ -94,15 +129,15 @@ void DeviceStepEngine::GoBack(const StepPlan& plan) {
                stream());
 }
 
-void DeviceStepEngine::Update(const StepPlan& plan) {
+void DeviceStepEngine::Update(Submitted& step) {
   DeviceView<const float> moves = std::as_const(tape_.radii).view();
   if (settings_.scale_regularizer.weight != 0) {
     needles_.Add(settings_.scale_regularizer, moves, population_, stream());
-    of_needles_.Ask(needles_.value(), stream());
+    step.of_needles.Ask(needles_.value(), stream());
     moves = needles_.moves();
   }
   if (settings_.adam_on == AdamOn::kAll) moves = {};
-  population_.adam.Step(plan.rates,
+  population_.adam.Step(step.plan.rates,
                         population_.gradients,
                         moves,
                         on_device_->PositionRateScale(),
@@ -111,6 +146,7 @@ void DeviceStepEngine::Update(const StepPlan& plan) {
 }
 
 void DeviceStepEngine::CatchUp(const AdamSettings& rates) {
+  Settle(0);
   population_.adam.CatchUpAll(rates, on_device_->PositionRateScale(), population_.values, stream());
   fetched_ = false;
 }
@@ -189,8 +225,8 @@ void DeviceStepEngine::ResetOpacity() {
 
 void DeviceStepEngine::Fetch() {
   if (fetched_) return;
+  Settle(0);
   population_.Download(state_, stream());
-  if (last_iteration_ > 0) LastLoss();
   fetched_ = true;
 }
 
@@ -200,6 +236,7 @@ void DeviceStepEngine::Store() {
   population_.Upload(state_, stream());
   on_device_->Changed(stream());
   renderer_.stream().Wait();  // for the state's memory
+  in_flight_ = 0;             // steps of another state
   fetched_ = true;
 }
 

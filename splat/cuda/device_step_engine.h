@@ -1,14 +1,20 @@
 // Training steps on the device: splat/step_engine.h there.
 //
-// Parameters, moments and statistics live there; a step sends a camera and rates and waits once,
-// for the number of instances (cuda::Renderer). Its loss is copied back behind it and read when the
-// next step has waited anyway.
+// Parameters, moments and statistics live there; a step sends a camera and rates. The host submits
+// all of it and then waits for the step before, whose loss and number of instances it reads, so
+// that the device always has something to do. How many instances there will be is foretold. Where
+// there are more, the device halts: that step and the one after it, which was submitted already,
+// change nothing, and the host does both again, waiting for the numbers. So a run has the bits of
+// one that always knew.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 
 #include "splat/cuda/density.h"
 #include "splat/cuda/device_subject.h"
+#include "splat/cuda/instance_forecast.h"
 #include "splat/cuda/photographs.h"
 #include "splat/cuda/renderer.h"
 #include "splat/cuda/step_parts.h"
@@ -23,7 +29,8 @@ class DeviceStepEngine : public StepEngine {
                    Subject& subject,
                    TrainingState& state,
                    SumOrder order,
-                   std::shared_ptr<DeviceSubject> on_device);
+                   std::shared_ptr<DeviceSubject> on_device,
+                   const InstanceForecast& forecast = InstanceForecast());
 
   double Step(const StepPlan& plan) override;
   void AfterStep(int iteration) override;
@@ -46,12 +53,28 @@ class DeviceStepEngine : public StepEngine {
   std::vector<MemoryPart> Memory() const override;
 
  private:
+  // A step that was given to the stream, and what it tells when it is done.
+  struct Submitted {
+    StepPlan plan;
+    size_t room = 0;  // for instances
+    Readback<TileLists::Counts> counts;
+    Readback<double> photometric, of_needles;
+    Event done;
+  };
+
   // How many Gaussians fit, with what views draw of each at the most so far.
   size_t MostThatFit() const;
-  void Draw(const StepPlan& plan);
-  void GoBack(const StepPlan& plan);
-  void Update(const StepPlan& plan);
-  double LastLoss() const;
+  // Gives the stream all of a step. waits: for the number of instances, and it is right for sure.
+  void Submit(const StepPlan& plan, bool waits);
+  void Draw(Submitted& step, bool waits);
+  void GoBack(Submitted& step);
+  void Update(Submitted& step);
+  // Waits for all that was submitted but the last `left` steps, and does again what was in vain.
+  // Throws where a loss is not finite.
+  void Settle(size_t left);
+  // Submits again what is in flight, of which the oldest made the device halt.
+  void Repeat();
+  double LossOf(const Submitted& step) const;
   // Does it with everything in the host's memory.
   template <class F>
   void OnHost(const F& f);
@@ -74,16 +97,19 @@ class DeviceStepEngine : public StepEngine {
   DeviceBuffer<float> d_color_, screen_;
   DeviceBuffer<Contribution> of_picture_, contributions_;
   DeviceBuffer<uint8_t> unwanted_;
-  Readback<double> photometric_, of_needles_;  // of the last step
-  int last_iteration_ = 0;                     // 0: there was none
-  double instances_per_gaussian_ = 0;          // the most since the last density control
-  bool fetched_ = true;                        // the state is up to date
+  InstanceForecast forecast_;
+  std::array<Submitted, 2> steps_;  // in turn
+  size_t oldest_ = 0, in_flight_ = 0;
+  std::optional<double> last_loss_;    // of what has settled
+  double instances_per_gaussian_ = 0;  // that there was room for, since the last density control
+  bool fetched_ = true;                // the state is up to date
   bool told_of_memory_ = false;
   std::string notice_;
 };
 
 // For Trainer. on_device: null for a static scene.
 StepEngineMaker MakeDeviceStepEngine(SumOrder order,
-                                     std::shared_ptr<DeviceSubject> on_device = nullptr);
+                                     std::shared_ptr<DeviceSubject> on_device = nullptr,
+                                     const InstanceForecast& forecast = InstanceForecast());
 
 }  // namespace cosplat::cuda

@@ -30,6 +30,9 @@ class DeviceSubject {
     (void)gradients;
     (void)stream;
   }
+  // Whether PlaceBackward waits, for what it tells the host's Subject of a step: the step must then
+  // be right the first time.
+  virtual bool WaitsInSteps() const { return false; }
   virtual const float* PositionRateScale() { return nullptr; }
   // After the host's Subject has changed what it has of its own for each Gaussian, and at first.
   virtual void Changed(cudaStream_t stream) { (void)stream; }

@@ -174,10 +174,15 @@ size_t LossBlocks(int width, int height) {
 
 }  // namespace
 
-void DeviceTarget::Upload(const Image8& image, cudaStream_t stream) {
+void DeviceTarget::ResizeLike(const Image8& image) {
   width = image.width;
   height = image.height;
   channels = image.channels;
+  bytes.Refill(image.data.size());
+}
+
+void DeviceTarget::Upload(const Image8& image, cudaStream_t stream) {
+  ResizeLike(image);
   bytes.Upload(image.data.data(), image.data.size(), stream);
 }
 

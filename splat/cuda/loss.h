@@ -18,6 +18,8 @@ struct DeviceTarget {
   int width = 0, height = 0, channels = 0;
   DeviceBuffer<uint8_t> bytes;  // [height, width, channels]
 
+  // Room for it; any values.
+  void ResizeLike(const Image8& image);
   void Upload(const Image8& image, cudaStream_t stream);
 };
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "splat/cuda/loss.h"
+#include "splat/cuda/staging.h"
 #include "splat/subject.h"
 
 namespace cosplat::cuda {
@@ -23,6 +24,7 @@ class Photographs {
   size_t most_bytes_, held_ = 0;
   std::vector<DeviceTarget> kept_;  // [frames] empty: not there
   DeviceTarget passing_;
+  Staging staging_;
 };
 
 }  // namespace cosplat::cuda

@@ -34,6 +34,9 @@ void Population::Upload(const TrainingState& state, cudaStream_t stream) {
   const std::vector<uint32_t> updated(state.adam.updated.begin(), state.adam.updated.end());
   adam.updated.Upload(updated.data(), updated.size(), stream);
   adam.step = uint32_t(state.adam.step);
+  halted.Refill(1);
+  GoOn(stream);
+  adam.halted = halted.data();
   ignored_before_ = state.ignored_gradients;
 }
 

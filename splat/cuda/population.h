@@ -35,11 +35,16 @@ class Population {
   // this takes turns with.
   void Gather(DeviceView<const uint32_t> source, size_t first_fresh, cudaStream_t stream);
 
+  // Steps change nothing while `halted` is not 0: the device halts when it finds that a step cannot
+  // be right. This lets them go on, as Upload does.
+  void GoOn(cudaStream_t stream) { halted.FillWithZeros(stream); }
+
   std::vector<MemoryPart> Memory() const;
 
   DeviceGaussians values, gradients;
   Adam adam;
   Statistics statistics;
+  DeviceBuffer<uint32_t> halted;  // [1]
 
  private:
   DeviceBuffer<float> spare_;

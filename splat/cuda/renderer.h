@@ -1,7 +1,8 @@
 // The differentiable renderer on the device: what splat/rasterizer.h says, with every array there.
 //
-// One stream; nothing waits but Forward, once, for the number of instances. Gaussians, gradients
-// and pictures are pointers to the device's memory.
+// One stream; nothing waits but Forward, once, for the number of instances, and it does not where
+// it was told how many to expect (TileLists::Expect, of the tape's). Gaussians, gradients and
+// pictures are pointers to the device's memory.
 #pragma once
 
 #include "splat/basis.h"

@@ -30,9 +30,11 @@ class Event {
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
   void Record(cudaStream_t stream) { Check(cudaEventRecord(event_, stream), "cudaEventRecord"); }
+  // The host waits until it has come to pass; not at all where it was never recorded.
+  void Wait() const { Check(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
   // From another that was recorded before, ms. Waits for this one.
   float MillisecondsSince(const Event& from) const {
-    Check(cudaEventSynchronize(event_), "cudaEventSynchronize");
+    Wait();
     float ms = 0;
     Check(cudaEventElapsedTime(&ms, from.event_, event_), "cudaEventElapsedTime");
     return ms;

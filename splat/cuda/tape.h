@@ -30,9 +30,9 @@ struct Tape {
   TileLists lists;
   DeviceBuffer<uint32_t> looked_at;           // [tiles] instances before the tile was opaque
   DeviceBuffer<PixelCheckpoint> checkpoints;  // [buckets, pixels of a tile]
-  DeviceBuffer<SplatGradient> records;        // [instances]; deterministic mode alone
+  DeviceBuffer<SplatGradient> records;        // [room of the lists]; deterministic mode alone
   DeviceBuffer<SplatGradient> d_splats;       // [count]
-  DeviceBuffer<Contribution> contributions;   // [instances]; only once they were asked for
+  DeviceBuffer<Contribution> contributions;   // [room]; only once they were asked for
 
   std::vector<MemoryPart> Memory() const;
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <string>
 
@@ -83,6 +84,13 @@ struct TileVisitor {
   }
 };
 
+TileVisitor VisitorOf(DeviceView<const ProjectedSplat> splats,
+                      const KeyedValues& by_depth,
+                      int tiles_x,
+                      int tiles_y) {
+  return {splats, by_depth.keys.view(), by_depth.values.view(), tiles_x, tiles_y};
+}
+
 struct CountTiles {
   static constexpr unsigned kThreads = 256;
   TileVisitor visitor;
@@ -99,12 +107,25 @@ struct CountTiles {
   }
 };
 
+// How many there are, and whether that is more than was expected.
+struct TellCounts {
+  DeviceView<const uint64_t> record_begin;
+  size_t room;
+  uint64_t* instances;
+  uint32_t* exceeded;  // null: nothing was expected
+  __device__ void operator()(size_t) const {
+    *instances = record_begin[record_begin.count - 1];
+    if (exceeded && *instances > room) *exceeded = 1;
+  }
+};
+
 struct EmitInstances {
   static constexpr unsigned kThreads = 256;
   TileVisitor visitor;
   DeviceView<const uint64_t> record_begin;
   DeviceView<uint32_t> tiles, records, of_record;
   __device__ void operator()() const {
+    if (record_begin[record_begin.count - 1] > tiles.count) return;
     const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
     const EmitInstances& self = *this;
     visitor.Run(k, [&self](size_t owner, uint32_t tile, uint64_t n) {
@@ -113,6 +134,20 @@ struct EmitInstances {
       self.records[r] = uint32_t(r);
       self.of_record[r] = self.visitor.gaussians[owner];
     });
+  }
+};
+
+// Entries that no instance has: sorted behind the last tile.
+struct FillRoom {
+  DeviceView<const uint64_t> record_begin;
+  uint32_t behind;
+  DeviceView<uint32_t> tiles, records, of_record;
+  __device__ void operator()(size_t r) const {
+    const uint64_t instances = record_begin[record_begin.count - 1];
+    if (r < instances && instances <= tiles.count) return;
+    tiles[r] = behind;
+    records[r] = uint32_t(r);
+    of_record[r] = 0;
   }
 };
 
@@ -150,46 +185,44 @@ void TileLists::Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stre
   counts_.Refill(1);
   counts_.FillWithZeros(stream);
   const DeviceView<uint64_t> visible{&counts_.data()->visible, 1};
-  const TileVisitor visitor{splats,
-                            std::as_const(by_depth_.keys).view(),
-                            std::as_const(by_depth_.values).view(),
-                            tiles_x_,
-                            tiles_y_};
-  ForBlocks(BlocksOf(n + 1, CountTiles::kThreads),
-            stream,
-            CountTiles{visitor, record_begin_.view(), visible});
+  ForBlocks(
+      BlocksOf(n + 1, CountTiles::kThreads),
+      stream,
+      CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_), record_begin_.view(), visible});
   sorter_.ExclusiveSum(record_begin_, stream);
-  Check(cudaMemcpyAsync(&counts_.data()->instances,
-                        record_begin_.data() + n,
-                        sizeof(uint64_t),
-                        cudaMemcpyDeviceToDevice,
-                        stream),
-        "cudaMemcpyAsync");
-  const Counts& counts = readback_.Get(counts_.data(), stream);
-  if (counts.instances >= math::kInstanceLimit)
+  ForEach(1,
+          stream,
+          TellCounts{
+              std::as_const(record_begin_).view(), room_, &counts_.data()->instances, exceeded_});
+}
+
+void TileLists::WaitForCounts(cudaStream_t stream) {
+  known_ = readback_.Get(counts_.data(), stream);
+  if (known_.instances >= math::kInstanceLimit)
     throw Error("",
                 "rasterizer",
-                std::to_string(counts.instances) + " splat-tile pairs; the limit is 2^31");
-  instances_ = counts.instances;
-  visible_ = counts.visible;
+                std::to_string(known_.instances) + " splat-tile pairs; the limit is 2^31");
+  room_ = known_.instances;
 }
 
 void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
-  by_tile_.Refill(instances_);
-  of_record_.Refill(instances_);
-  gaussian_.Refill(instances_);
-  const DeviceView<const uint32_t> keys{by_depth_.keys.data(), visible_};
-  const TileVisitor visitor{
-      splats, keys, std::as_const(by_depth_.values).view(), tiles_x_, tiles_y_};
-  ForBlocks(BlocksOf(visible_, EmitInstances::kThreads),
+  by_tile_.Refill(room_);
+  of_record_.Refill(room_);
+  gaussian_.Refill(room_);
+  const auto record_begin = std::as_const(record_begin_).view();
+  const auto tiles_of = by_tile_.keys.view(), records = by_tile_.values.view();
+  ForBlocks(BlocksOf(splats.count, EmitInstances::kThreads),
             stream,
-            EmitInstances{visitor,
-                          std::as_const(record_begin_).view(),
-                          by_tile_.keys.view(),
-                          by_tile_.values.view(),
+            EmitInstances{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_),
+                          record_begin,
+                          tiles_of,
+                          records,
                           of_record_.view()});
+  ForEach(room_,
+          stream,
+          FillRoom{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
   sorter_.Sort(by_tile_, std::bit_width(tiles()), stream);
-  ForEach(instances_,
+  ForEach(room_,
           stream,
           GatherGaussians{std::as_const(by_tile_.values).view(),
                           std::as_const(of_record_).view(),
@@ -214,8 +247,14 @@ void TileLists::Build(DeviceView<const ProjectedSplat> splats,
   tiles_y_ = math::TilesAcross(height);
   SortByDepth(splats, radii, stream);
   Count(splats, stream);
+  if (!std::exchange(exceeded_, nullptr)) WaitForCounts(stream);
   Emit(splats, stream);
   FindTiles(stream);
+}
+
+void TileLists::Expect(size_t instances, uint32_t* exceeded) {
+  room_ = std::min<size_t>(instances, math::kInstanceLimit - 1);
+  exceeded_ = exceeded;
 }
 
 TileListsView TileLists::view() const {
@@ -225,8 +264,8 @@ TileListsView TileLists::view() const {
           by_tile_.values.view(),
           tile_begin_.view(),
           bucket_begin_.view(),
-          {by_depth_.values.data(), visible_},
-          {record_begin_.data(), visible_ + 1}};
+          by_depth_.values.view(),
+          record_begin_.view()};
 }
 
 size_t TileLists::HeldForGaussians() const {

@@ -50,6 +50,26 @@ TEST_F(Emulation, EveryThreadRunsOnce) {
   EXPECT_EQ(runs, std::vector<int>(1000, 1));
 }
 
+TEST_F(Emulation, AnEventIsWaitedForAlone) {
+  int before = 0, after = 0;
+  const Event event;
+  event.Wait();  // never recorded
+  ForEach(1, stream.get(), [&before](size_t) { ++before; });
+  Event recorded;
+  recorded.Record(stream.get());
+  ForEach(1, stream.get(), [&after](size_t) { ++after; });
+  const cuda_on_host::Waits waits = cuda_on_host::WaitsSoFar();
+  recorded.Wait();
+  EXPECT_EQ(before, 1);
+  EXPECT_EQ(after, 0);
+  recorded.Wait();
+  EXPECT_EQ(cuda_on_host::WaitsSoFar().all, waits.all + 1);
+  EXPECT_EQ(cuda_on_host::WaitsSoFar().idle, waits.idle);
+  stream.Wait();
+  EXPECT_EQ(after, 1);
+  EXPECT_EQ(cuda_on_host::WaitsSoFar().idle, waits.idle + 1);
+}
+
 TEST_F(Emulation, WarpsExchange) {
   RunBlocks<64>(1, stream, [] {
     const int lane = int(Lane());

@@ -70,18 +70,23 @@ class DeviceAvatarStep {
     embedding_.Upload(made.model, surface_.face_count(), stream());
     target_.Upload(made.photograph, stream());
     adam_.Start(gaussians_, stream());
+    exceeded_.Refill(1);
+    exceeded_.FillWithZeros(stream());
     rates_.rate = {1e-6f, 1e-5f, 1e-5f, 1e-4f, 1e-4f, 1e-5f};
     renderer_.stream().Wait();
   }
 
+  // To train waits for nothing: as many instances as any frame had before, and some.
   void Draw(int frame, bool keep) {
     const std::vector<float>& vertices = made_.poses[size_t(frame) % kPoses];
     vertices_.Upload(vertices.data(), vertices.size(), stream());
     surface_.Pose(vertices_.data(), stream());
     binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
     world_ = posed_.View(gaussians_, ColorFrame::kSurface);
+    if (keep && most_ > 0) tape_.lists.Expect(most_ + most_ / 8, exceeded_.data());
     renderer_.Forward(
         world_, made_.model.gaussians.basis, made_.camera, made_.settings, keep, image_, tape_);
+    most_ = std::max(most_, tape_.lists.instances());
   }
 
   void Train(int frame, bool track) {
@@ -108,7 +113,10 @@ class DeviceAvatarStep {
     d_vertices_.Download(d_vertices_on_host_.data(), stream());
     Wait();
   }
-  void Wait() { renderer_.stream().Wait(); }
+  void Wait() {
+    if (readback_.Get(exceeded_.data(), stream()) != 0)
+      throw Error("", "avatar", "a step had more instances than the frames before it");
+  }
 
  private:
   cudaStream_t stream() const { return renderer_.stream().get(); }
@@ -128,6 +136,9 @@ class DeviceAvatarStep {
   cuda::DeviceTarget target_;
   cuda::PhotometricLoss loss_;
   cuda::Adam adam_;
+  size_t most_ = 0;
+  cuda::DeviceBuffer<uint32_t> exceeded_;
+  cuda::Readback<uint32_t> readback_;
   AdamSettings rates_;
 };
 

@@ -17,17 +17,18 @@ double Median(std::vector<double> values) {
 
 // Counted from what the kernels read and write once; gathers of 4 bytes as 4.
 std::array<double, kStageNames.size()> BytesOf(DeviceStep& step, bool records) {
-  const double n = double(step.gaussians.size()), i = double(step.tape.lists.instances());
-  const double visible = double(step.tape.lists.visible());
+  const double n = double(step.gaussians.size()), i = double(step.counts.instances);
+  const double visible = double(step.counts.visible), room = double(step.tape.lists.room());
   const double pixels = double(step.image.width) * step.image.height;
   double numbers = 0;  // of a Gaussian
   for (int a = 0; a < kAttributeCount; ++a) numbers += step.gaussians.width(a);
   constexpr double kSplat = sizeof(ProjectedSplat), kGradient = sizeof(SplatGradient);
   constexpr double kPair = 16;  // key and value, read and written, per pass over 8 bits
   const double tile_passes = std::ceil(std::bit_width(step.tape.lists.tiles()) / 8.0);
+  const double lists = i * 12 + room * (kPair * tile_passes + 12);
   const double checkpoints = 128 * i;
   return {n * (4 * numbers + kSplat + 4),
-          n * (8 + 4 + 4 * kPair) + visible * 2 * kSplat + i * (12 + kPair * tile_passes + 12),
+          n * (8 + 4 + 4 * kPair) + visible * 2 * kSplat + lists,
           i * (4 + kSplat) + checkpoints + 16 * pixels,
           pixels * (3 * 5 + 36 + 36 + 3 * 5 + 12),
           i * (4 + kSplat + kGradient) + checkpoints + 24 * pixels + (records ? i * kGradient : 0) +
@@ -53,8 +54,8 @@ StepTimes TimeSteps(DeviceStep& step, int steps) {
     step.Update();
     after_adam.Record(step.stream());
     end.Record(step.stream());
-    step.renderer.stream().Wait();
-    if (s < steps) continue;
+    const bool had_room = step.Settle();
+    if (s < steps || !had_room) continue;
     const Renderer& r = step.renderer;
     ms[0].push_back(r.MillisecondsBetween(Renderer::kStart, Renderer::kProjected));
     ms[1].push_back(r.MillisecondsBetween(Renderer::kProjected, Renderer::kSorted));
@@ -69,8 +70,8 @@ StepTimes TimeSteps(DeviceStep& step, int steps) {
   const auto bytes = BytesOf(step, !step.tape.records.empty());
   for (size_t k = 0; k < ms.size(); ++k) times.stages[k] = {Median(ms[k]), bytes[k]};
   times.step_ms = Median(whole);
-  times.visible = step.tape.lists.visible();
-  times.instances = step.tape.lists.instances();
+  times.visible = step.counts.visible;
+  times.instances = step.counts.instances;
   return times;
 }
 

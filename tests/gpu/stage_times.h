@@ -19,7 +19,8 @@ struct Stage {
 
 struct StepTimes {
   std::array<Stage, kStageNames.size()> stages;
-  double step_ms = 0;  // median of whole steps, gaps between launches included
+  double step_ms =
+      0;  // median of whole steps, gaps between launches included; no host waits in one
   size_t visible = 0, instances = 0;
 };
 

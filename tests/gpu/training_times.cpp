@@ -21,7 +21,7 @@ double MillisecondsOf(Trainer& trainer, int steps) {
 TrainingTimes TimeTraining(const SyntheticView& view, const StepEngineMaker& engine, int steps) {
   SceneSubject subject({view.frame}, 1);
   TrainSettings settings;
-  settings.iterations = 2 * steps + 2;
+  settings.iterations = 2 * steps + 3;
   settings.first_degree = view.start.degree;
   settings.schedule.densify_from = 2 * steps;
   settings.schedule.densify_every = 2 * steps + 1;
@@ -30,7 +30,7 @@ TrainingTimes TimeTraining(const SyntheticView& view, const StepEngineMaker& eng
   TrainingTimes times;
   MillisecondsOf(trainer, steps);
   times.step_ms = MillisecondsOf(trainer, steps) / steps;
-  // With the step behind it, which waits for it.
+  // It waits for itself; of the steps before and after it, one is left to do at either end.
   times.density_ms = MillisecondsOf(trainer, 2) - 2 * times.step_ms;
   times.gaussians = trainer.count();
   return times;

@@ -1,7 +1,9 @@
-// A training step of one view on the device, with nothing coming back.
+// A training step of one view on the device, with nothing coming back but, where it is asked for,
+// the number of instances.
 #pragma once
 
 #include "splat/cuda/adam.h"
+#include "splat/cuda/instance_forecast.h"
 #include "splat/cuda/loss.h"
 #include "splat/cuda/renderer.h"
 
@@ -20,9 +22,15 @@ class DeviceStep {
     gradients.ResizeLike(gaussians);
     target_.Upload(photograph, stream());
     adam.Start(gaussians, stream());
+    halted_.Refill(1);
+    halted_.FillWithZeros(stream());
+    adam.halted = halted_.data();
   }
 
-  void Draw() { renderer.Forward(gaussians.View(), basis_, camera_, settings_, true, image, tape); }
+  void Draw() {
+    if (forecast_.Knows()) tape.lists.Expect(forecast_.Of(0, gaussians.size()), halted_.data());
+    renderer.Forward(gaussians.View(), basis_, camera_, settings_, true, image, tape);
+  }
   void Compare() {
     loss.Evaluate({}, image.color.data(), target_, settings_.background, d_color_, stream());
   }
@@ -40,6 +48,16 @@ class DeviceStep {
     GoBack();
     Update();
   }
+  // Waits; the next Draw then does not. False where there was no room for the step, which changed
+  // nothing.
+  bool Settle() {
+    counts = readback_.Get(tape.lists.counts(), stream());
+    forecast_.Saw(0, gaussians.size(), counts.instances);
+    if (counts.instances <= tape.lists.room()) return true;
+    halted_.FillWithZeros(stream());
+    --adam.step;
+    return false;
+  }
   cudaStream_t stream() const { return renderer.stream().get(); }
 
   cuda::Renderer renderer;
@@ -48,6 +66,7 @@ class DeviceStep {
   cuda::DeviceImage image;
   cuda::PhotometricLoss loss;
   cuda::Adam adam;
+  cuda::TileLists::Counts counts{};  // as it settled last
 
  private:
   Basis basis_;
@@ -56,6 +75,9 @@ class DeviceStep {
   AdamSettings rates_;
   cuda::DeviceTarget target_;
   cuda::DeviceBuffer<float> d_color_, screen_;
+  cuda::DeviceBuffer<uint32_t> halted_;
+  cuda::InstanceForecast forecast_;
+  cuda::Readback<cuda::TileLists::Counts> readback_;
 };
 
 }  // namespace cosplat::test

@@ -163,6 +163,7 @@ using cudaStream_t = struct CudaOnHostStream*;
 using cudaEvent_t = struct CudaOnHostEvent*;
 struct CudaOnHostEvent {
   std::chrono::steady_clock::time_point time;
+  uint64_t moment = 0;  // of the stream; 0: not recorded
 };
 constexpr unsigned cudaStreamNonBlocking = 1;
 inline cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
@@ -185,10 +186,11 @@ inline cudaError_t cudaEventDestroy(cudaEvent_t event) {
 }
 inline cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t) {
   cuda_on_host::Enqueue([=] { event->time = std::chrono::steady_clock::now(); });
+  event->moment = cuda_on_host::Enqueued();
   return cudaSuccess;
 }
-inline cudaError_t cudaEventSynchronize(cudaEvent_t) {
-  cuda_on_host::Finish();
+inline cudaError_t cudaEventSynchronize(cudaEvent_t event) {
+  cuda_on_host::FinishUntil(event->moment);
   return cudaSuccess;
 }
 inline cudaError_t cudaEventElapsedTime(float* ms, cudaEvent_t from, cudaEvent_t to) {

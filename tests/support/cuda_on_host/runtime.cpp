@@ -27,6 +27,8 @@ struct Allocation {
 std::map<void*, Allocation> on_device;
 std::map<const void*, size_t> pinned;
 std::deque<std::function<void()>> queue;
+uint64_t enqueued = 0;
+Waits waits;
 std::exception_ptr problem;  // of work that was done where nobody could be told
 size_t free_bytes = size_t(1) << 40;
 
@@ -107,19 +109,37 @@ bool IsPinned(const void* p) {
   return static_cast<const char*>(p) < static_cast<const char*>(at->first) + at->second;
 }
 
-void Enqueue(std::function<void()> work) { queue.push_back(std::move(work)); }
+void Enqueue(std::function<void()> work) {
+  queue.push_back(std::move(work));
+  ++enqueued;
+}
 
-void Finish() {
+uint64_t Enqueued() { return enqueued; }
+void Finish() { FinishUntil(enqueued); }
+Waits WaitsSoFar() { return waits; }
+
+void FinishUntil(uint64_t moment) {
   if (problem) std::rethrow_exception(std::exchange(problem, nullptr));
-  if (queue.empty()) return;
+  const uint64_t done = enqueued - queue.size();
+  if (moment <= done) return;
+  const auto end = queue.begin() + std::ptrdiff_t(moment - done);
+  std::vector<std::function<void()>> work(queue.begin(), end);
+  queue.erase(queue.begin(), end);
+  ++waits.all;
+  waits.idle += queue.empty();
   const DeviceWorks open;
-  std::deque<std::function<void()>> work;
-  work.swap(queue);
-  for (const auto& f : work) f();
+  try {
+    for (const auto& f : work) f();
+  } catch (...) {
+    queue.clear();
+    throw;
+  }
 }
 
 void Copy(void* to, const void* from, size_t bytes, bool to_host, bool from_host) {
   if (from_host && !IsPinned(from)) {
+    waits.all += !queue.empty();
+    waits.idle += !queue.empty();
     const char* first = static_cast<const char*>(from);
     const auto kept = std::make_shared<std::vector<char>>(first, first + bytes);
     Enqueue([=] { std::memcpy(to, kept->data(), bytes); });

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -24,8 +25,18 @@ bool IsPinned(const void* p);
 
 // To be done in order.
 void Enqueue(std::function<void()> work);
-// Does all that was enqueued. Throws what the work threw; what came after it is dropped.
+// How much there was, so far: a moment to wait for.
+uint64_t Enqueued();
+// Does all that was enqueued, or what was up to a moment. Throws what the work threw; what came
+// after it is dropped.
 void Finish();
+void FinishUntil(uint64_t moment);
+// How often the host waited for work that was not done yet, and how often until none was left. What
+// a driver may wait for counts: copying from the host's memory that is not pinned.
+struct Waits {
+  size_t all = 0, idle = 0;
+};
+Waits WaitsSoFar();
 // Copies between the sides; of the host's memory that is not pinned as CUDA does, which reads it at
 // once and writes it before it returns.
 void Copy(void* to, const void* from, size_t bytes, bool to_host, bool from_host);

@@ -1,0 +1,119 @@
+// Steps that are submitted without waiting, which only the emulated device can count; and steps
+// that are done again because they had more instances than was expected.
+#include <gtest/gtest.h>
+
+#include "splat/cuda/photographs.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/parity/training_run.h"
+
+namespace cosplat {
+namespace {
+
+using cuda::InstanceForecast;
+using cuda::SumOrder;
+using cuda_on_host::Waits;
+using test::TrainingRun;
+
+class NoWait : public test::DeviceTest {};
+
+StepEngineMaker WithMargin(double margin) {
+  return cuda::MakeDeviceStepEngine(SumOrder::kFixed, nullptr, InstanceForecast(margin));
+}
+
+Waits Since(const Waits& before) {
+  const Waits now = cuda_on_host::WaitsSoFar();
+  return {now.all - before.all, now.idle - before.idle};
+}
+
+// One wait for the step before, while the step itself is left to do.
+TEST_F(NoWait, AStepIsAlwaysQueued) {
+  TrainingRun run;
+  run.settings.schedule.densify_until = 0;
+  run.settings.schedule.opacity_reset_every = 1000;
+  run.settings.scale_regularizer = {0.5f, 0.01f, 1.2f};
+  SceneSubject subject(run.frames, 1);
+  Trainer trainer(run.settings, subject, run.first, WithMargin(4));
+  for (int i = 0; i < 8; ++i) trainer.Step();  // every photograph was sent, every array has grown
+  for (int i = 0; i < 6; ++i) {
+    const Waits before = cuda_on_host::WaitsSoFar();
+    trainer.Step();
+    EXPECT_EQ(Since(before).all, 1u) << i;
+    EXPECT_EQ(Since(before).idle, 0u) << i;
+  }
+}
+
+TEST_F(NoWait, PhotographsAreSentMeanwhile) {
+  const TrainingRun run;
+  SceneSubject subject(run.frames, 1);
+  const cuda::Stream stream;
+  cuda::Photographs photographs(subject, 0);
+  photographs.Of(0, stream.get());
+  photographs.Of(1, stream.get());  // pinned memory for both
+  stream.Wait();
+  const Waits before = cuda_on_host::WaitsSoFar();
+  photographs.Of(2, stream.get());
+  photographs.Of(3, stream.get());
+  EXPECT_EQ(Since(before).all, 0u);
+  photographs.Of(0, stream.get());
+  EXPECT_EQ(Since(before).all, 1u) << "for the last but one, whose memory it takes";
+  EXPECT_EQ(Since(before).idle, 0u);
+}
+
+// Through density control, a reset and the regulariser, with room for all, with too little now and
+// then, and with too little in every step.
+TEST_F(NoWait, StepsDoneAgainLeaveNoTrace) {
+  TrainingRun run;
+  run.settings.iterations = 40;
+  run.settings.schedule.densify_every = 15;
+  run.settings.schedule.opacity_reset_every = 35;
+  run.settings.scale_regularizer = {0.5f, 0.01f, 1.2f};
+  const int steps = 40;
+  const test::Training room = RunOn(run, WithMargin(8), steps);
+  EXPECT_NE(room.state.gaussians.size(), run.first.size());
+  size_t idle[2];
+  for (const bool always : {false, true}) {
+    const Waits before = cuda_on_host::WaitsSoFar();
+    const test::Training scant = RunOn(run, WithMargin(always ? 0.5 : 1), steps);
+    idle[always] = Since(before).idle;
+    EXPECT_EQ(scant.losses, room.losses);
+    EXPECT_TRUE(test::SameBits(scant.state, room.state));
+  }
+  EXPECT_GT(idle[0], size_t(steps) / 2) << "some were done again";
+  EXPECT_GT(idle[1], 2 * size_t(steps)) << "all were";
+}
+
+// A step that was in vain and is forgotten: the run went back to a point before.
+TEST_F(NoWait, GoingBackForgetsWhatWasSubmitted) {
+  TrainingRun run;
+  run.settings.iterations = 12;
+  std::vector<TrainingState> ends;
+  for (const double margin : {8.0, 0.5}) {
+    SceneSubject subject(run.frames, 1);
+    Trainer trainer(run.settings, subject, run.first, WithMargin(margin));
+    while (trainer.iteration() < 4) trainer.Step();
+    const Trainer::Checkpoint before = trainer.Save();
+    while (trainer.iteration() < 7) trainer.Step();  // with 0.5 in vain, not seen yet
+    trainer.Restore(before, run.settings.prune);
+    while (trainer.iteration() < 12) trainer.Step();
+    ends.push_back(trainer.state());
+  }
+  EXPECT_TRUE(test::SameBits(ends[0], ends[1]));
+}
+
+TEST_F(NoWait, ForecastsGoByTheFrameAndByGrowth) {
+  InstanceForecast forecast(1);
+  EXPECT_FALSE(forecast.Knows());
+  forecast.Saw(1, 10, 200);
+  forecast.Saw(0, 10, 100);
+  EXPECT_EQ(forecast.Of(0, 10), 101u);
+  EXPECT_EQ(forecast.Of(0, 20), 201u) << "in proportion to the Gaussians";
+  EXPECT_EQ(forecast.Of(5, 10), 201u) << "the fullest, for a frame that was not drawn yet";
+  forecast.Saw(0, 10, 150);
+  EXPECT_EQ(forecast.Of(1, 10), 301u) << "frames grow together";
+  for (int i = 0; i < 200; ++i) forecast.Saw(0, 10, 150);
+  EXPECT_EQ(forecast.Of(1, 10), 201u);
+  EXPECT_EQ(InstanceForecast(1.5).Of(0, 10), 1u);
+}
+
+}  // namespace
+}  // namespace cosplat

@@ -1,0 +1,105 @@
+// Lists with room for another number of instances than there are: splat/cuda/tile_lists.h.
+#include <gtest/gtest.h>
+
+#include "splat/cuda/device_gaussians.h"
+#include "splat/cuda/renderer.h"
+#include "tests/parity/compare.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/parity/parity_case.h"
+
+namespace cosplat {
+namespace {
+
+using cuda::SumOrder;
+
+class Room : public test::DeviceTest {};
+
+struct Drawn {
+  std::vector<float> color, d_position;
+  size_t instances = 0, room = 0;
+  bool exceeded = false;
+};
+
+// There and back. expected: null where the host waits.
+Drawn Draw(const test::ParityCase& c, SumOrder order, const size_t* expected) {
+  cuda::Renderer renderer(order);
+  const cudaStream_t stream = renderer.stream().get();
+  cuda::DeviceGaussians gaussians, gradients;
+  cuda::Tape tape;
+  cuda::DeviceImage image;
+  cuda::DeviceBuffer<float> d_color, screen;
+  cuda::DeviceBuffer<uint32_t> exceeded;
+  gaussians.Upload(c.gaussians, stream);
+  gradients.ResizeLike(gaussians);
+  exceeded.Refill(1);
+  exceeded.FillWithZeros(stream);
+  if (expected) tape.lists.Expect(*expected, exceeded.data());
+  renderer.Forward(gaussians.View(), c.gaussians.basis, c.camera, c.settings, true, image, tape);
+  const std::vector<float> ones(image.color.size(), 1.0f);
+  d_color.Upload(ones.data(), ones.size(), stream);
+  renderer.Backward(gaussians.View(), image, d_color.data(), tape, gradients.GradientView(screen));
+  Drawn drawn;
+  drawn.color.resize(image.color.size());
+  drawn.d_position.resize(3 * gaussians.size());
+  image.color.Download(drawn.color.data(), stream);
+  gradients.values[kPosition].Download(drawn.d_position.data(), stream);
+  cuda::Readback<cuda::TileLists::Counts> counts;
+  cuda::Readback<uint32_t> flag;
+  drawn.instances = counts.Get(tape.lists.counts(), stream).instances;
+  drawn.exceeded = flag.Get(exceeded.data(), stream) != 0;
+  drawn.room = tape.lists.room();
+  return drawn;
+}
+
+class RoomOf : public Room, public testing::WithParamInterface<SumOrder> {};
+INSTANTIATE_TEST_SUITE_P(Order,
+                         RoomOf,
+                         testing::Values(SumOrder::kAny, SumOrder::kFixed),
+                         [](const auto& order) {
+                           return order.param == SumOrder::kAny ? "Any" : "Fixed";
+                         });
+
+TEST_P(RoomOf, MoreThanIsNeededChangesNothing) {
+  const test::ParityCase c = test::RandomCase("room", 200, 40, 24, Basis::kDcsh, 1);
+  const Drawn waited = Draw(c, GetParam(), nullptr);
+  EXPECT_EQ(waited.room, waited.instances);
+  for (const size_t room : {waited.instances, 2 * waited.instances + 5}) {
+    const Drawn drawn = Draw(c, GetParam(), &room);
+    EXPECT_FALSE(drawn.exceeded);
+    EXPECT_EQ(drawn.room, room);
+    EXPECT_EQ(drawn.instances, waited.instances);
+    EXPECT_EQ(drawn.color, waited.color);
+    if (GetParam() == SumOrder::kFixed) {
+      EXPECT_EQ(drawn.d_position, waited.d_position);
+    }
+  }
+}
+
+// The background, no gradients, and no memory touched that there is not.
+TEST_P(RoomOf, TooLittleLeavesTheListsEmpty) {
+  const test::ParityCase c = test::RandomCase("room", 200, 40, 24, Basis::kDcsh, 1);
+  const size_t instances = Draw(c, GetParam(), nullptr).instances;
+  for (const size_t room : {instances - 1, size_t(1), size_t(0)}) {
+    const Drawn drawn = Draw(c, GetParam(), &room);
+    EXPECT_TRUE(drawn.exceeded);
+    EXPECT_EQ(drawn.instances, instances);
+    const size_t plane = drawn.color.size() / 3;
+    for (size_t i = 0; i < drawn.color.size(); ++i)
+      ASSERT_EQ(drawn.color[i], c.settings.background[i / plane]);
+    for (const float d : drawn.d_position) ASSERT_EQ(d, 0);
+  }
+}
+
+TEST_F(Room, NothingDrawnFitsIntoAny) {
+  test::ParityCase c = test::RandomCase("nothing", 40, 40, 24, Basis::kDcsh, 1);
+  for (size_t i = 0; i < c.gaussians.size(); ++i) *c.gaussians.at(kOpacityLogit, i) = -20;
+  for (const size_t room : {size_t(0), size_t(64)}) {
+    const Drawn drawn = Draw(c, SumOrder::kFixed, &room);
+    EXPECT_FALSE(drawn.exceeded);
+    EXPECT_EQ(drawn.instances, 0u);
+    for (const float d : drawn.d_position) ASSERT_EQ(d, 0);
+  }
+}
+
+}  // namespace
+}  // namespace cosplat
