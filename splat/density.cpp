@@ -15,6 +15,9 @@
 namespace cosplat {
 namespace {
 
+// How often a round of pruning chooses, with others in the place of those that must stay.
+constexpr int kChoices = 4;
+
 bool AllFinite(const Gaussians& g, size_t i) {
   for (int a = 0; a < kAttributeCount; ++a)
     for (int k = 0; k < g.width(a); ++k)
@@ -61,6 +64,17 @@ std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
     report.oversized += !broken && removal == math::Removal::kOversized;
   }
   return unwanted;
+}
+
+// Puts those of `unwanted` that the placement keeps back to 0.
+void HeedVeto(Placement& placement, const Gaussians& gaussians, std::vector<uint8_t>& unwanted) {
+  std::vector<uint32_t> removed;
+  for (size_t i = 0; i < unwanted.size(); ++i)
+    if (unwanted[i]) removed.push_back(uint32_t(i));
+  if (removed.empty()) return;
+  placement.Veto(gaussians, removed);
+  std::fill(unwanted.begin(), unwanted.end(), 0);
+  for (const uint32_t i : removed) unwanted[i] = 1;
 }
 
 }  // namespace
@@ -132,40 +146,51 @@ void Population::Gather(const Reordering& order) const {
   adam.updated.assign(AdamGroupCount(order.source.size()), adam.step);
 }
 
-size_t Population::Remove(const std::vector<uint8_t>& unwanted) const {
-  std::vector<uint32_t> removed;
-  for (size_t i = 0; i < unwanted.size(); ++i)
-    if (unwanted[i]) removed.push_back(uint32_t(i));
-  if (removed.empty()) return 0;
-  placement.Veto(gaussians, removed);
+size_t Population::Take(const std::vector<uint8_t>& unwanted) const {
   Reordering remaining;
-  auto next = removed.begin();
-  for (uint32_t i = 0; i < gaussians.size(); ++i) {
-    if (next != removed.end() && *next == i)
-      ++next;
-    else
-      remaining.source.push_back(i);
-  }
-  Gather(remaining);
-  return removed.size();
+  for (uint32_t i = 0; i < gaussians.size(); ++i)
+    if (!unwanted[i]) remaining.source.push_back(i);
+  const size_t removed = gaussians.size() - remaining.source.size();
+  if (removed > 0) Gather(remaining);
+  return removed;
+}
+
+size_t Population::Remove(std::vector<uint8_t> unwanted) const {
+  HeedVeto(placement, gaussians, unwanted);
+  return Take(unwanted);
 }
 
 std::vector<uint8_t> UnwantedBy(const PruneRound& round,
                                 size_t count,
                                 const std::vector<int32_t>& groups,
                                 int group_cap,
-                                int group_floor) {
+                                int group_floor,
+                                const Veto& veto) {
   std::vector<uint8_t> exempt = round.exempt;
   exempt.resize(count, 0);
-  std::vector<uint8_t> unwanted(count, 0);
-  for (const uint32_t i :
-       SelectForPruning({round.score, exempt, groups, round.remove, group_cap, group_floor}))
-    unwanted[i] = 1;
+  std::vector<uint8_t> unwanted;
+  for (int choice = 0; choice < kChoices; ++choice) {
+    unwanted.assign(count, 0);
+    for (const uint32_t i :
+         SelectForPruning({round.score, exempt, groups, round.remove, group_cap, group_floor}))
+      unwanted[i] = 1;
+    const std::vector<uint8_t> chosen = unwanted;
+    veto(unwanted);
+    if (unwanted == chosen) break;
+    for (size_t i = 0; i < count; ++i)
+      if (chosen[i] != unwanted[i]) exempt[i] = 1;
+  }
   return unwanted;
 }
 
 size_t Population::Prune(const PruneRound& round, int group_cap, int group_floor) const {
-  return Remove(UnwantedBy(round, gaussians.size(), placement.Groups(), group_cap, group_floor));
+  return Take(UnwantedBy(
+      round,
+      gaussians.size(),
+      placement.Groups(),
+      group_cap,
+      group_floor,
+      [&](std::vector<uint8_t>& unwanted) { HeedVeto(placement, gaussians, unwanted); }));
 }
 
 DensityReport ControlDensity(const DensitySettings& settings,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "splat/base/rng.h"
@@ -72,7 +73,7 @@ class Placement {
   virtual std::array<float, 3> Center(const Gaussians& gaussians, size_t i) const;
   // Group of each Gaussian for pruning; empty: one group.
   virtual std::vector<int32_t> Groups() const { return {}; }
-  // May veto removals (an avatar's holes): erases from `removed` those that must stay.
+  // May veto removals (an avatar's holes): erases from `removed` (ascending) those that must stay.
   virtual void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) {
     (void)gaussians;
     (void)removed;
@@ -90,17 +91,26 @@ struct Population {
 
   void Gather(const Reordering& order) const;
   // What `unwanted` ([N], 1) marks goes, unless the placement vetoes it. Returns how many went.
-  size_t Remove(const std::vector<uint8_t>& unwanted) const;
-  // The same of what a round of pruning (splat/prune/pruner.h) and a cap of groups take.
+  size_t Remove(std::vector<uint8_t> unwanted) const;
+  // What a round of pruning (splat/prune/pruner.h) and a cap of groups take goes. Returns how many.
   size_t Prune(const PruneRound& round, int group_cap, int group_floor) const;
+
+ private:
+  size_t Take(const std::vector<uint8_t>& unwanted) const;
 };
 
-// [count] 1: what such a round and cap take (Placement::Groups), vetoes aside.
+// Puts those of `unwanted` ([N], 1) that must stay back to 0.
+using Veto = std::function<void(std::vector<uint8_t>& unwanted)>;
+
+// [count] 1: what such a round and cap take (Placement::Groups). In the place of what must stay the
+// next of the ranking go, so that the round leaves as many as it was asked to: to one in a hundred
+// or so, since what they leave may be vetoed again.
 std::vector<uint8_t> UnwantedBy(const PruneRound& round,
                                 size_t count,
                                 const std::vector<int32_t>& groups,
                                 int group_cap,
-                                int group_floor);
+                                int group_floor,
+                                const Veto& veto);
 
 // Clone, split, remove what is transparent, oversized or broken. The statistics go along.
 DensityReport ControlDensity(const DensitySettings& settings,

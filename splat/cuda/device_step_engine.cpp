@@ -200,7 +200,7 @@ void DeviceStepEngine::Prune(const PruneRound& round, int group_cap, int group_f
       everyone.Prune(round, group_cap, group_floor);
     });
   const std::vector<uint8_t> unwanted =
-      UnwantedBy(round, count(), subject_.Groups(), group_cap, group_floor);
+      UnwantedBy(round, count(), subject_.Groups(), group_cap, group_floor, [](auto&) {});
   unwanted_.Upload(unwanted.data(), unwanted.size(), stream());
   density_.Remove(std::as_const(unwanted_).view(), population_, stream());
   fetched_ = false;

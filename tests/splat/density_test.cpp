@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "splat/morton.h"
+#include "splat/prune/pruner.h"
 #include "splat/rasterizer.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/support/expect_error.h"
@@ -213,6 +214,29 @@ TEST(Density, APlacementMayKeepWhatWouldGo) {
   p.g.at(kOpacityLogit, 0)[0] = p.g.at(kOpacityLogit, 1)[0] = -9;
   p.Control(keeper);
   EXPECT_EQ(p.Tags(), Tags({2, 3}));
+}
+
+TEST(Density, InThePlaceOfWhatMustStayTheNextOfTheRankingGo) {
+  class Keeper : public Placement {
+   public:
+    void Veto(const Gaussians& g, std::vector<uint32_t>& removed) override {
+      std::erase_if(removed, [&](uint32_t i) { return TagOf(g, i) == 1 || TagOf(g, i) == 3; });
+    }
+  } keeper;
+  TaggedGaussians p(6);
+  PruneRound round;
+  round.score = {1, 2, 3, 4, 5, 6};
+  round.exempt = {0, 0, 0, 1, 0, 0};
+  round.remove = 2;
+  const Population everyone{keeper, p.g, p.adam, p.statistics};
+  EXPECT_EQ(everyone.Prune(round, 0, 0), 2u);
+  EXPECT_EQ(p.Tags(), Tags({1, 3, 4, 6}));
+  // No more than may go.
+  round.score = {1, 2, 3, 4};
+  round.exempt.clear();
+  round.remove = 4;
+  EXPECT_EQ(everyone.Prune(round, 0, 0), 2u);
+  EXPECT_EQ(p.Tags(), Tags({1, 3}));
 }
 
 TEST(Density, EverythingStaysAlignedOverManyRandomRounds) {
