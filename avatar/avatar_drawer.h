@@ -1,26 +1,33 @@
 // Who draws an avatar for a Player, where that is not the CPU: the seam that avatar/cuda/ is
 // behind.
 //
-// Player: parameters -> posed vertices (on the CPU) -> AvatarDrawer: surface, binding, rasteriser
-// -> picture. avatar/player_device.h chooses.
+// Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarDrawer: vertices, surface,
+// binding, rasteriser -> picture. avatar/player_device.h chooses.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "avatar/avatar_model.h"
+#include "flame/posing.h"
+#include "splat/buffer.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
 
+// What an avatar's vertices are posed from: FLAME's head, then the bust, which keeps still.
+struct AvatarPosing {
+  PosingArrays<float> flame;
+  View<const float> bust;  // [K, 3] metres, posed
+};
+
 class AvatarDrawer {
  public:
   virtual ~AvatarDrawer() = default;
-  // As Rasterizer::Forward, of the avatar on these vertices: [V, 3] metres, finite. `placement` is
-  // another one where they are others; 0 is none.
-  virtual void Draw(const std::vector<float>& vertices,
+  // As Rasterizer::Forward, of the avatar in this pose, within float's range (PosingReach).
+  // `placement` is another one where the pose is; 0 is none.
+  virtual void Draw(const FlameRig<float>& rig,
                     uint64_t placement,
                     const Camera& camera,
                     const RenderSettings& settings,
@@ -29,7 +36,10 @@ class AvatarDrawer {
   PhaseTimes times;  // project, sort, blend; the caller resets it
 };
 
-// Of one avatar, whose arrays fit each other (CheckEmbedding) and which need not outlive the call.
-using AvatarDrawerMaker = std::function<std::unique_ptr<AvatarDrawer>(const AvatarModel&)>;
+// Of one avatar, whose arrays fit each other (CheckEmbedding) and which need not outlive the call;
+// of its posing FLAME's directions do, at the same place: drawers of one maker may share what they
+// make of them.
+using AvatarDrawerMaker =
+    std::function<std::unique_ptr<AvatarDrawer>(const AvatarModel&, const AvatarPosing&)>;
 
 }  // namespace cosplat

@@ -43,13 +43,16 @@ class AvatarPoser {
   void Forward(const Frame& frame, std::vector<float>& vertices);
   // Cheaper right after the Forward of the same frame.
   Frame Backward(const Frame& frame, const std::vector<float>& d_vertices);
+  // The head's part, and the bust's vertices, which are the same in every frame: [K, 3] metres.
+  const FlamePoser<float>& flame() const { return poser_; }
+  const std::vector<float>& bust() const { return posed_bust_; }
   size_t vertex_count() const { return flame_vertices_ + posed_bust_.size() / 3; }
 
  private:
   FlamePoser<float> poser_;
   FlamePoser<float>::Cache cache_;
   size_t flame_vertices_;
-  std::vector<float> posed_bust_;  // [K, 3] metres, the same in every frame
+  std::vector<float> posed_bust_;
 };
 
 // The frames' mean root rotation and translation, everything else zero.

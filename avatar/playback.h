@@ -33,7 +33,7 @@ class Playback {
 
   // Posed vertices of the frame whose picture was returned last, [V, 3] metres; not after an
   // exception.
-  const std::vector<float>& vertices() const { return places_[drawn_].vertices(); }
+  const std::vector<float>& vertices() { return player_.VerticesOf(places_[drawn_]); }
 
  private:
   const RenderedImage* Step(std::optional<PlaybackFrame> next);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "avatar/picture_bytes.h"
 #include "avatar/preview.h"
@@ -59,23 +60,35 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
                     std::to_string(surface_.vertex_count()));
   if (!settings.make_drawer) return;
   CheckEmbedding(avatar_.gaussians, avatar_, surface_.faces().size());
-  drawer_ = settings.make_drawer(avatar_);
+  const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
+  reach_.emplace(posing.flame);
+  drawer_ = settings.make_drawer(avatar_, posing);
 }
 
 void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   if (out.IsFor(params)) return;
   poser_.FrameFor(params, frame_);
-  poser_.Forward(frame_, out.vertices_);  // refuses before it writes
-  out.id_ = 0;
   if (drawer_)
-    surface_.CheckVertices(out.vertices_);
+    Prepare(out);
   else
-    BindInto(out);
+    PoseAndBind(out);
   out.params_.expression = params.expression;
   out.params_.pose = params.pose;
   out.params_.translation = params.translation;
   out.id_ = ++last_id_;
-  if (!drawer_) out.bound_id_ = out.id_;
+  if (!drawer_) out.posed_id_ = out.bound_id_ = out.id_;
+}
+
+void Player::PoseAndBind(PlacedAvatar& placed) {
+  poser_.Forward(frame_, placed.vertices_);  // refuses before it writes
+  placed.id_ = 0;
+  BindInto(placed);
+}
+
+void Player::Prepare(PlacedAvatar& placed) {
+  poser_.flame().Prepare(frame_, rig_);
+  reach_->Check(rig_);
+  std::swap(placed.rig_, rig_);
 }
 
 void Player::BindInto(PlacedAvatar& placed) {
@@ -83,9 +96,21 @@ void Player::BindInto(PlacedAvatar& placed) {
   Bind(avatar_, surface_, placed.gaussians_);
 }
 
+const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
+  if (placed.posed_id_ != placed.id_) {
+    poser_.FrameFor(placed.params_, frame_);
+    poser_.Forward(frame_, placed.vertices_);
+    placed.posed_id_ = placed.id_;
+  }
+  return placed.vertices_;
+}
+
 const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
-  if (placed.bound_id_ != placed.id_) BindInto(placed);
-  placed.bound_id_ = placed.id_;
+  if (placed.bound_id_ != placed.id_) {
+    VerticesOf(placed);
+    BindInto(placed);
+    placed.bound_id_ = placed.id_;
+  }
   return placed.gaussians_;
 }
 
@@ -113,7 +138,7 @@ void Player::DrawInto(const PlacedAvatar& placed,
                       const Camera& camera,
                       const RenderSettings& settings,
                       RenderedImage& image) {
-  if (drawer_) return drawer_->Draw(placed.vertices_, placed.id_, camera, settings, image);
+  if (drawer_) return drawer_->Draw(placed.rig_, placed.id_, camera, settings, image);
   rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
                        avatar_.gaussians.basis,
                        camera,

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "avatar/avatar_drawer.h"
@@ -33,14 +34,15 @@ class PlacedAvatar {
   // Whether it was placed for parameters with the same bits. Shape and static offset do not count:
   // they are the avatar's own.
   bool IsFor(const FlameParams& params) const;
-  const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
 
  private:
   friend class Player;
   uint64_t id_ = 0;        // which Place filled it; 0: none
+  uint64_t posed_id_ = 0;  // of which vertices_ are
   uint64_t bound_id_ = 0;  // of which gaussians_ are
   FlameParams params_;
-  std::vector<float> vertices_;
+  FlameRig<float> rig_;          // where a device draws
+  std::vector<float> vertices_;  // [V, 3] metres
   PosedGaussians gaussians_;
 };
 
@@ -57,8 +59,9 @@ class Player {
   // finite; `out` then keeps its last content. Nothing is done where `out.IsFor(params)`: it must
   // be new or have been placed by this player.
   void Place(const FlameParams& params, PlacedAvatar& out);
-  // The Gaussians of what this player placed. Where a device draws, they are bound now, on the CPU:
-  // not beside Place.
+  // The posed vertices, [V, 3] metres, and the Gaussians of what this player placed. Where a device
+  // draws, it keeps its own, and these are posed and bound now, on the CPU: not beside Place.
+  const std::vector<float>& VerticesOf(PlacedAvatar& placed);
   const PosedGaussians& GaussiansOf(PlacedAvatar& placed);
   // Over a background; `placed` by this player. The picture is the player's own: it stays until the
   // next call and is not drawn again for the same avatar, camera and background.
@@ -78,8 +81,8 @@ class Player {
 
   // Its Gaussians in the order of their degrees (splat/degree_order.h).
   const AvatarModel& avatar() const { return avatar_; }
-  // Posed vertices of the last frame of RenderOver or Render, [V, 3] metres.
-  const std::vector<float>& vertices() const { return placed_.vertices(); }
+  // Posed vertices of the last frame of RenderOver or Render, as VerticesOf.
+  const std::vector<float>& vertices() { return VerticesOf(placed_); }
   // Seconds per phase of drawing; the caller resets it.
   PhaseTimes& times() { return drawer_ ? drawer_->times : rasterizer_->times; }
 
@@ -91,6 +94,8 @@ class Player {
     RenderedImage image;
   };
 
+  void Prepare(PlacedAvatar& placed);
+  void PoseAndBind(PlacedAvatar& placed);
   void BindInto(PlacedAvatar& placed);
   void DrawInto(const PlacedAvatar& placed,
                 const Camera& camera,
@@ -104,7 +109,9 @@ class Player {
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;
-  std::unique_ptr<AvatarDrawer> drawer_;  // null: the CPU draws, by the two below
+  std::unique_ptr<AvatarDrawer> drawer_;  // null: the CPU draws, by the two after the next two
+  std::optional<PosingReach> reach_;      // where there is one
+  FlameRig<float> rig_;                   // of the next Place; keeps its memory
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   Picture last_;

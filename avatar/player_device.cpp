@@ -8,7 +8,7 @@ namespace cosplat {
 
 AvatarDrawerMaker DrawerOn(Device device) {
 #if defined(COSPLAT_HAS_CUDA)
-  if (device == Device::kCuda) return cuda::MakeDeviceDrawer;
+  if (device == Device::kCuda) return cuda::MakeDeviceDrawers();
 #else
   (void)device;  // DeviceFromString gives no other
 #endif

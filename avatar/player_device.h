@@ -6,8 +6,9 @@
 
 namespace cosplat {
 
-// For PlayerSettings; empty for the CPU. Making a drawer throws Error for an avatar with the
-// released rule (avatar/released_binding.h), which is the CPU's to draw.
+// For PlayerSettings; empty for the CPU. Players of the same FlameModel that get copies of one
+// share the model's directions there. Making a drawer throws Error for an avatar with the released
+// rule (avatar/released_binding.h), which is the CPU's to draw.
 AvatarDrawerMaker DrawerOn(Device device);
 
 }  // namespace cosplat

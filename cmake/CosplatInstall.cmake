@@ -36,9 +36,11 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/study/steps.h
   avatar/study/study_head.h
   avatar/surface_packs.h
+  flame/check_parameters.h
   flame/directions.h
   flame/io/pickle
   flame/io/track_layouts.h
+  flame/kernels/
   splat/base/image_header.h
   splat/base/npy.h
   splat/base/opencv_quiet.h

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "flame/math/blend_shapes.h"
+
 namespace cosplat::internal {
 
 template <class T>
@@ -48,20 +50,21 @@ class Directions {
   Eigen::Map<const MatrixX<T>> matrix() const { return {data_, rows_, columns_}; }
 
   // y += rows [begin, begin + n) of matrix * x, skipping zero coefficients (most of them, in a
-  // neutral or partly posed frame). Four directions at once: y is loaded and stored less often.
+  // neutral or partly posed frame).
   void AddProduct(const T* x, Eigen::Index count, Eigen::Index begin, Eigen::Index n, T* y) const {
-    Eigen::Map<VectorX<T>> sum(y, n);
-    std::array<Eigen::Index, 4> k;
+    std::array<const T*, 4> d;
+    std::array<T, 4> c;
     size_t held = 0;
-    const auto term = [&](size_t i) { return x[k[i]] * matrix().col(k[i]).segment(begin, n); };
-    for (Eigen::Index next = 0; next < count; ++next) {
-      if (x[next] == T(0)) continue;
-      k[held++] = next;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      if (x[k] == T(0)) continue;
+      d[held] = data_ + k * rows_ + begin;
+      c[held++] = x[k];
       if (held < 4) continue;
-      sum += (term(0) + term(1)) + (term(2) + term(3));
+      AddFour(c, d, n, y);
       held = 0;
     }
-    for (size_t i = 0; i < held; ++i) sum += term(i);
+    for (size_t t = 0; t < held; ++t)
+      for (Eigen::Index i = 0; i < n; ++i) y[i] = flame_math::AddDirection(y[i], c[t], d[t][i]);
   }
 
   // matrix^T * d.
@@ -76,6 +79,17 @@ class Directions {
   }
 
  private:
+  // A loop of its own over plain arrays, which a compiler vectorises.
+  static void AddFour(const std::array<T, 4>& c,
+                      const std::array<const T*, 4>& d,
+                      Eigen::Index n,
+                      T* __restrict y) {
+    const T *const d0 = d[0], *const d1 = d[1], *const d2 = d[2], *const d3 = d[3];
+    const T four[4] = {c[0], c[1], c[2], c[3]};
+    for (Eigen::Index i = 0; i < n; ++i)
+      y[i] = flame_math::AddFourDirections(y[i], four, d0[i], d1[i], d2[i], d3[i]);
+  }
+
   MatrixX<T> copy_;
   const T* data_ = nullptr;
   Eigen::Index rows_ = 0;

@@ -1,10 +1,10 @@
 #include "flame/pose.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <string>
 
+#include "flame/check_parameters.h"
 #include "flame/directions.h"
 #include "flame/math/kinematics.h"
 #include "flame/math/rodrigues.h"
@@ -17,15 +17,13 @@ namespace {
 using flame_math::JointTransforms;
 using flame_math::Matrix3;
 using flame_math::Vector3;
+using internal::CheckCoefficients;
+using internal::CheckParameters;
 using internal::Directions;
 using internal::ForStrips;
 using internal::kStrip;
 using internal::MatrixX;
 using internal::VectorX;
-
-// Beyond this a parameter is no pose or coefficient but a fault of the tracker: squared angles and
-// scaled directions would leave float's range and come back as NaN.
-constexpr double kLargestParameter = 1e6;
 
 // Writes what the sum of `x` is of; whether that is another one than before. Bits are compared: the
 // sums must be what a poser without a memory gets.
@@ -37,31 +35,6 @@ bool Remember(const T* x, size_t count, std::vector<T>& last) {
     return false;
   last.assign(x, x + count);
   return true;
-}
-
-template <class Range>
-void CheckParameters(const FlameModel& model, const char* name, const Range& values) {
-  for (size_t i = 0; i < values.size(); ++i)
-    if (!(std::abs(double(values[i])) <= kLargestParameter))
-      throw Error(model.name,
-                  name + ("[" + std::to_string(i) + "]"),
-                  std::to_string(double(values[i])) + " is not a usable number");
-}
-
-// Number of coefficients that the model can use; the excess must be zero.
-template <class T>
-size_t CheckCoefficients(const FlameModel& model,
-                         const char* name,
-                         const std::vector<T>& values,
-                         int available) {
-  CheckParameters(model, name, values);
-  for (size_t i = available; i < values.size(); ++i)
-    if (values[i] != T(0))
-      throw Error(model.name,
-                  name + ("[" + std::to_string(i) + "]"),
-                  "is " + std::to_string(double(values[i])) + ", but the model has only " +
-                      std::to_string(available) + " directions");
-  return std::min(values.size(), size_t(available));
 }
 
 }  // namespace
@@ -256,6 +229,32 @@ void FlamePoser<T>::Forward(const Frame& frame, std::vector<T>& vertices, Cache&
       std::copy_n(p.data(), 3, &vertices[3 * v]);
     }
   });
+}
+
+template <class T>
+void FlamePoser<T>::Prepare(const Frame& frame, FlameRig<T>& out) const {
+  const auto rig = impl_->RigOf(frame);
+  out.terms.clear();
+  const auto add_terms = [&](const T* coefficients, size_t count) {
+    for (size_t k = 0; k < count; ++k)
+      if (coefficients[k] != T(0)) out.terms.push_back({int32_t(k), coefficients[k]});
+    return out.terms.size();
+  };
+  out.expression_terms = add_terms(frame.expression.data(), rig.expression_count);
+  add_terms(rig.pose_features.data(), kFlamePoseFeatures);
+  out.transforms = rig.transforms;
+  out.translation = frame.translation;
+}
+
+template <class T>
+PosingArrays<T> FlamePoser<T>::Arrays() const {
+  const Impl& m = *impl_;
+  return {size_t(m.model.vertex_count),
+          size_t(m.model.expression_count),
+          m.shaped.data(),
+          m.expression_directions.matrix().data(),
+          m.pose_directions.matrix().data(),
+          m.weights.data()};
 }
 
 template <class T>

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "flame/model.h"
+#include "flame/posing.h"
 
 namespace cosplat {
 
@@ -61,6 +62,11 @@ class FlamePoser {
     Cache cache;
     return Backward(frame, d_vertices, cache);
   }
+
+  // For whoever poses the vertices in Forward's place: `out` is the frame after its joints. Throws
+  // Error as Forward does; `out` is not written then.
+  void Prepare(const Frame& frame, FlameRig<T>& out) const;
+  PosingArrays<T> Arrays() const;
 
   const FlameModel& model() const;
 

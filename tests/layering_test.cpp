@@ -45,7 +45,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"splat/math/",
        {"splat/math/", "splat/config.h", "splat/basis.h", "splat/basis_constants.h"}},
       {"splat/", {"splat/"}},
-      {"flame/", {"flame/", "splat/base/"}},
+      {"flame/", {"flame/", "splat/base/", "splat/math/namespace.h"}},  // likewise
       {"avatar/", {"avatar/", "flame/", "splat/"}},
       {"apps/hosts/", {"apps/hosts/"}},  // and <cosplat.h>, as those below
       {"apps/gstreamer/", {"apps/gstreamer/", "apps/hosts/"}},

@@ -133,14 +133,14 @@ void RenderScene(const Options& o, const JsonField& run) {
 }
 
 // The centre of the posed head and its own upward direction.
-void HeadFrame(const PlacedAvatar& placed,
+void HeadFrame(const std::vector<float>& vertices,
                const FlameModel& flame,
                std::array<float, 3>& center,
                std::array<float, 3>& up) {
   center = {0, 0, 0};
-  const std::vector<float>& v = placed.vertices();
   for (int i = 0; i < flame.vertex_count; ++i)
-    for (int k = 0; k < 3; ++k) center[k] += v[3 * size_t(i) + k] / float(flame.vertex_count);
+    for (int k = 0; k < 3; ++k)
+      center[k] += vertices[3 * size_t(i) + k] / float(flame.vertex_count);
   up = {0, 1, 0};  // FLAME's own; trackers keep the head roughly upright in their world
 }
 
@@ -153,7 +153,7 @@ void RenderAvatarOrbit(const Options& o,
   PlacedAvatar placed;
   player.Place(rest, placed);
   std::array<float, 3> center{}, up{};
-  HeadFrame(placed, flame, center, up);
+  HeadFrame(player.VerticesOf(placed), flame, center, up);
   std::vector<PlaybackFrame> frames;
   for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames))
     frames.push_back({rest, c, BackgroundOf(run)});

@@ -68,7 +68,7 @@ void Stage::Surfaces(const Shot& shot, Image8& out) {
   if (shot.view == View::kEllipsoids) {
     DrawEllipsoids(Posed(), shot.camera, buffer_);
   } else {
-    DrawMesh(placed_.vertices(),
+    DrawMesh(player_->VerticesOf(placed_),
              player_->avatar().mesh.faces,
              shot.view == View::kWire ? wire_ : counts_,
              shot.camera,

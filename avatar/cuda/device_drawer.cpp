@@ -1,6 +1,7 @@
 #include "avatar/cuda/device_drawer.h"
 
 #include "avatar/cuda/device_binding.h"
+#include "avatar/cuda/device_poser.h"
 #include "splat/cuda/renderer.h"
 
 namespace cosplat::cuda {
@@ -8,22 +9,23 @@ namespace {
 
 class DeviceDrawer : public AvatarDrawer {
  public:
-  explicit DeviceDrawer(const AvatarModel& avatar)
+  DeviceDrawer(const AvatarModel& avatar, const AvatarPosing& posing, DirectionStore& store)
       : basis_(avatar.gaussians.basis),
         color_frame_(avatar.color_frame),
         renderer_(SumOrder::kAny),
+        poser_(posing, store, stream()),
         surface_(Surface(avatar.mesh), stream()) {
     gaussians_.Upload(avatar.gaussians, stream());
     embedding_.Upload(avatar, surface_.face_count(), stream());
     renderer_.stream().Wait();  // for the avatar's memory
   }
 
-  void Draw(const std::vector<float>& vertices,
+  void Draw(const FlameRig<float>& rig,
             uint64_t placement,
             const Camera& camera,
             const RenderSettings& settings,
             RenderedImage& image) override {
-    if (placement == 0 || placement != placed_) Place(vertices);
+    if (placement == 0 || placement != placed_) Place(rig);
     placed_ = placement;
     renderer_.Forward(
         posed_.View(gaussians_, color_frame_), basis_, camera, settings, false, image_, tape_);
@@ -40,10 +42,9 @@ class DeviceDrawer : public AvatarDrawer {
   }
 
  private:
-  void Place(const std::vector<float>& vertices) {
+  void Place(const FlameRig<float>& rig) {
     placed_ = 0;
-    vertices_.Upload(vertices.data(), vertices.size(), stream());
-    surface_.Pose(vertices_.data(), stream());
+    surface_.Pose(poser_.Pose(rig, stream()).data(), stream());
     binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
   }
   void AddTime(Phase phase, Renderer::Mark from, Renderer::Mark to) {
@@ -54,21 +55,24 @@ class DeviceDrawer : public AvatarDrawer {
   Basis basis_;
   ColorFrame color_frame_;
   Renderer renderer_;
+  DevicePoser poser_;
   DeviceSurface surface_;
   DeviceGaussians gaussians_;
   DeviceEmbedding embedding_;
   DeviceBinding binding_;
   DevicePosed posed_;
   uint64_t placed_ = 0;  // what posed_ is of
-  DeviceBuffer<float> vertices_;
   DeviceImage image_;
   Tape tape_;
 };
 
 }  // namespace
 
-std::unique_ptr<AvatarDrawer> MakeDeviceDrawer(const AvatarModel& avatar) {
-  return std::make_unique<DeviceDrawer>(avatar);
+AvatarDrawerMaker MakeDeviceDrawers() {
+  return [store = std::make_shared<DirectionStore>()](const AvatarModel& avatar,
+                                                      const AvatarPosing& posing) {
+    return std::make_unique<DeviceDrawer>(avatar, posing, *store);
+  };
 }
 
 }  // namespace cosplat::cuda

@@ -8,7 +8,8 @@
 
 namespace cosplat::cuda {
 
-// Throws Error where the avatar has the released rule, or the device has no room.
-std::unique_ptr<AvatarDrawer> MakeDeviceDrawer(const AvatarModel& avatar);
+// Copies of it share the directions of a FLAME model. Making a drawer throws Error where the avatar
+// has the released rule, or the device has no room.
+AvatarDrawerMaker MakeDeviceDrawers();
 
 }  // namespace cosplat::cuda

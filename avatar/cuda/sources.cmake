@@ -2,6 +2,7 @@
 set(COSPLAT_AVATAR_CUDA_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/device_binding.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_drawer.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_poser.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_surface.cu)
 # cosplat::avatar_cuda_train: training them there.
 set(COSPLAT_AVATAR_CUDA_TRAIN_SOURCES ${CMAKE_CURRENT_LIST_DIR}/device_avatar.cpp)

@@ -156,7 +156,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
       face_(parameters_.rest(), player_.avatar().trained_range) {
   player_.Place(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
-  orbit_target_ = TargetOf(placed_.vertices(), flame_, rest_.pose[0]);
+  orbit_target_ = TargetOf(player_.VerticesOf(placed_), flame_, rest_.pose[0]);
   for (int i = 0; i < flame_.expression_count; ++i)
     expression_names_.push_back("expression_" + std::to_string(i));
 }

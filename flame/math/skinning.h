@@ -2,19 +2,28 @@
 #pragma once
 
 #include "flame/math/kinematics.h"
+#include "splat/math/namespace.h"
 
 namespace cosplat::flame_math {
 
-// sum_j w_j (R_j p + t_j). weights: [N], summing to 1.
+// sum_j w_j (R_j p + t_j), of plain arrays for the device's sake: rotation [N, 9] row-major,
+// translation [N, 3], weights [N], summing to 1, p and posed [3].
+template <int N, class T>
+COSPLAT_HD void SkinPoint(
+    const T* rotation, const T* translation, const T* weights, const T* p, T* posed) {
+  T r[9] = {}, t[3] = {};
+  for (int j = 0; j < N; ++j) {
+    for (int i = 0; i < 9; ++i) r[i] += weights[j] * rotation[9 * j + i];
+    for (int i = 0; i < 3; ++i) t[i] += weights[j] * translation[3 * j + i];
+  }
+  for (int i = 0; i < 3; ++i)
+    posed[i] = t[i] + (r[3 * i] * p[0] + r[3 * i + 1] * p[1] + r[3 * i + 2] * p[2]);
+}
 template <class T, size_t N>
 Vector3<T> SkinPoint(const JointTransforms<T, N>& joints, const T* weights, const Vector3<T>& p) {
-  Matrix3<T> rotation{};
-  Vector3<T> posed{};
-  for (size_t j = 0; j < N; ++j) {
-    for (int i = 0; i < 9; ++i) rotation[i] += weights[j] * joints.rotation[j][i];
-    for (int i = 0; i < 3; ++i) posed[i] += weights[j] * joints.translation[j][i];
-  }
-  AddTo(posed, Times(rotation, p));
+  Vector3<T> posed;
+  SkinPoint<int(N)>(
+      joints.rotation[0].data(), joints.translation[0].data(), weights, p.data(), posed.data());
   return posed;
 }
 

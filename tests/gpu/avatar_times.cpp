@@ -1,70 +1,27 @@
 #include "tests/gpu/avatar_times.h"
 
 #include <chrono>
-#include <cmath>
 
 #include "avatar/binding.h"
 #include "avatar/cuda/device_binding.h"
 #include "avatar/cuda/device_drawer.h"
-#include "splat/base/rng.h"
-#include "splat/bench/synthetic_view.h"
+#include "avatar/cuda/device_poser.h"
 #include "splat/cuda/adam.h"
 #include "splat/cuda/loss.h"
 #include "splat/cuda/renderer.h"
 #include "splat/loss.h"
-#include "tests/avatar/meshes.h"
+#include "tests/gpu/made_avatar.h"
 
 namespace cosplat::test {
 namespace {
-
-constexpr float kRadius = 0.12f, kDistance = 0.55f;  // metres: half of the picture
-constexpr int kPoses = 8;
-
-struct MadeAvatar {
-  AvatarModel model;
-  std::vector<std::vector<float>> poses;
-  Camera camera;
-  Image8 photograph;
-  RenderSettings settings;
-};
-
-// Gaussians as wide as their even spacing on a ball that bulges here and there.
-MadeAvatar MakeAvatar(size_t count, int side, int levels) {
-  SyntheticView view = MakeSyntheticView(count, side, side, 1);
-  MadeAvatar made;
-  made.model.mesh = SphereMesh(levels, kRadius);
-  made.model.gaussians = std::move(view.start);
-  made.photograph = std::move(view.frame.target);
-  Rng rng{7};
-  const float spacing = std::sqrt(4 * 3.14159f * kRadius * kRadius / float(count));
-  for (size_t i = 0; i < count; ++i) {
-    made.model.triangle.push_back(int32_t(rng.Below(made.model.mesh.faces.size())));
-    const float s = std::sqrt(float(rng.Uniform())), t = float(rng.Uniform());
-    made.model.barycentric.push_back({1 - s, s * t});
-    for (int k = 0; k < 3; ++k) {
-      made.model.gaussians.at(kPosition, i)[k] = 0;
-      made.model.gaussians.at(kScaleLog, i)[k] = std::log(spacing * (k == 2 ? 0.2f : 0.7f));
-    }
-  }
-  for (int pose = 0; pose < kPoses; ++pose) {
-    std::vector<float> vertices = made.model.mesh.vertices;
-    for (size_t v = 0; v < vertices.size(); ++v)
-      vertices[v] *= 1 + 0.1f * std::sin(40 * vertices[v] + float(pose));
-    made.poses.push_back(std::move(vertices));
-  }
-  made.camera = view.frame.camera;
-  made.camera.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  made.camera.translation = {0, 0, kDistance};
-  made.camera.fx = made.camera.fy = 0.5f * float(side) * kDistance / (2 * kRadius);
-  made.settings = {{0, 0, 0}, made.model.gaussians.degree};
-  return made;
-}
 
 // A frame and a training step with everything on the device.
 class DeviceAvatarStep {
  public:
   explicit DeviceAvatarStep(const MadeAvatar& made)
-      : made_(made), surface_(Surface(made.model.mesh), stream()) {
+      : made_(made),
+        poser_({made.flame.arrays, {}}, directions_, stream()),
+        surface_(Surface(made.model.mesh), stream()) {
     gaussians_.Upload(made.model.gaussians, stream());
     gradients_.ResizeLike(gaussians_);
     embedding_.Upload(made.model, surface_.face_count(), stream());
@@ -76,11 +33,26 @@ class DeviceAvatarStep {
     renderer_.stream().Wait();
   }
 
+  const float* Pose(int frame) {
+    return poser_.Pose(made_.rigs[size_t(frame) % kPoses], stream()).data();
+  }
+  void Draw(int frame) { Draw(Pose(frame), false); }
+
+  void Train(int frame, bool track) {
+    const std::vector<float>& posed = made_.poses[size_t(frame) % kPoses];
+    vertices_.Upload(posed.data(), posed.size(), stream());
+    Draw(vertices_.data(), true);
+    Step(track);
+  }
+  void Wait() {
+    if (readback_.Get(exceeded_.data(), stream()) != 0)
+      throw Error("", "avatar", "a step had more instances than the frames before it");
+  }
+
+ private:
   // To train waits for nothing: as many instances as any frame had before, and some.
-  void Draw(int frame, bool keep) {
-    const std::vector<float>& vertices = made_.poses[size_t(frame) % kPoses];
-    vertices_.Upload(vertices.data(), vertices.size(), stream());
-    surface_.Pose(vertices_.data(), stream());
+  void Draw(const float* vertices, bool keep) {
+    surface_.Pose(vertices, stream());
     binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
     world_ = posed_.View(gaussians_, ColorFrame::kSurface);
     if (keep && most_ > 0) tape_.lists.Expect(most_ + most_ / 8, exceeded_.data());
@@ -89,8 +61,7 @@ class DeviceAvatarStep {
     most_ = std::max(most_, tape_.lists.instances());
   }
 
-  void Train(int frame, bool track) {
-    Draw(frame, true);
+  void Step(bool track) {
     loss_.Evaluate({}, image_.color.data(), target_, {0, 0, 0}, d_color_, stream());
     d_posed_.Refill(gaussians_.size());
     WorldGradients d_world = gradients_.GradientView(screen_);
@@ -113,16 +84,12 @@ class DeviceAvatarStep {
     d_vertices_.Download(d_vertices_on_host_.data(), stream());
     Wait();
   }
-  void Wait() {
-    if (readback_.Get(exceeded_.data(), stream()) != 0)
-      throw Error("", "avatar", "a step had more instances than the frames before it");
-  }
-
- private:
   cudaStream_t stream() const { return renderer_.stream().get(); }
 
   const MadeAvatar& made_;
   cuda::Renderer renderer_{cuda::SumOrder::kAny};
+  cuda::DirectionStore directions_;
+  cuda::DevicePoser poser_;
   cuda::DeviceSurface surface_;
   cuda::DeviceGaussians gaussians_, gradients_;
   cuda::DeviceEmbedding embedding_;
@@ -185,19 +152,20 @@ AvatarTimes TimeAvatar(bool tiny) {
   times.side = made.camera.width;
   RenderedImage on_cpu, on_device;
   MeasureCpu(made, tiny ? 1 : 20, times, on_cpu);
-  const auto drawer = cuda::MakeDeviceDrawer(made.model);
+  const auto drawer = cuda::MakeDeviceDrawers()(made.model, {made.flame.arrays, {}});
   uint64_t placement = 0;
   const auto draw = [&](int i) {
-    drawer->Draw(
-        made.poses[size_t(i) % kPoses], ++placement, made.camera, made.settings, on_device);
+    drawer->Draw(made.rigs[size_t(i) % kPoses], ++placement, made.camera, made.settings, on_device);
   };
   times.frame_to_host_ms = MeanMs(count, draw, [] {});
   draw(0);
   times.psnr = Psnr(on_device.color, on_cpu.color);
   DeviceAvatarStep step(made);
   const auto wait = [&] { step.Wait(); };
+  times.pose_ms = MeanMs(
+      count, [&](int i) { step.Pose(i); }, wait);
   times.frame_ms = MeanMs(
-      count, [&](int i) { step.Draw(i, false); }, wait);
+      count, [&](int i) { step.Draw(i); }, wait);
   times.step_ms = MeanMs(
       count, [&](int i) { step.Train(i, false); }, wait);
   times.step_and_track_ms = MeanMs(
@@ -208,12 +176,14 @@ AvatarTimes TimeAvatar(bool tiny) {
 void WriteJson(std::FILE* file, const AvatarTimes& t) {
   std::fprintf(file,
                "\"avatar\": {\"gaussians\": %zu, \"triangles\": %zu, \"side\": %d,\n"
-               "  \"frame_ms\": %.4f, \"frames_per_s\": %.1f, \"frame_to_host_ms\": %.4f,\n"
+               "  \"pose_ms\": %.4f, \"frame_ms\": %.4f, \"frames_per_s\": %.1f, "
+               "\"frame_to_host_ms\": %.4f,\n"
                "  \"step_ms\": %.4f, \"steps_per_s\": %.1f, \"step_and_track_ms\": %.4f,\n"
                "  \"cpu_frame_ms\": %.4f, \"psnr_to_cpu\": %.2f}",
                t.gaussians,
                t.triangles,
                t.side,
+               t.pose_ms,
                t.frame_ms,
                1e3 / t.frame_ms,
                t.frame_to_host_ms,

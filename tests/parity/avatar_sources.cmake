@@ -3,4 +3,5 @@
 set(COSPLAT_AVATAR_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/avatar_training_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/binding_parity_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/player_parity_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/player_parity_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/posing_parity_test.cpp)

@@ -25,7 +25,7 @@ const ProceduralHead& Head() {
 const FlameModel& Flame() { return Head().model; }
 
 PlayerSettings OnDevice(bool half_resolution = false) {
-  return {half_resolution, cuda::MakeDeviceDrawer};
+  return {half_resolution, cuda::MakeDeviceDrawers()};
 }
 
 PlaybackFrame FrameAt(int i, int width = 50) {
@@ -107,7 +107,44 @@ TEST_F(PlayerParity, PlaysWithTheNextFramePlacedMeanwhile) {
   }
 }
 
-// For whoever needs the Gaussians beside the picture: the plug-in's depth.
+// Some of its Gaussians on the sheet that is not posed.
+TEST_F(PlayerParity, DrawsABust) {
+  AvatarModel avatar = PaintedAvatar(Head(), 300);
+  avatar.bust = MeanBust(Flame(), {}, {}, {FrameAt(3).params});
+  const size_t head_faces = avatar.mesh.faces.size();
+  avatar.mesh = MakeCanonicalMesh(Flame(), {}, {}, avatar.bust);
+  const size_t bust_faces = avatar.mesh.faces.size() - head_faces;
+  for (size_t i = 0; i < avatar.size(); i += 3)
+    avatar.triangle[i] = int32_t(head_faces + (7 * i) % bust_faces);
+  ExpectSamePlayed(avatar, 2);
+}
+
+// A face that no tracker gives, then one at rest.
+TEST_F(PlayerParity, DrawsAnExtremeFace) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 300);
+  Player cpu(avatar, Flame()), device(avatar, Flame(), OnDevice());
+  PlaybackFrame frame = FrameAt(1);
+  for (float& x : frame.params.expression) x *= 30;
+  for (auto& joint : frame.params.pose)
+    for (float& x : joint) x *= 20;
+  ExpectSame(Draw(cpu, frame), Draw(device, frame));
+  frame.params = {};
+  ExpectSame(Draw(cpu, frame), Draw(device, frame));
+}
+
+// One copy of the model's directions; everything else is a player's own.
+TEST_F(PlayerParity, PlayersOfOneMakerDoNotDisturbEachOther) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 100);
+  const PlayerSettings shared = OnDevice();
+  Player fresh(avatar, Flame(), OnDevice()), first(avatar, Flame(), shared);
+  Draw(first, FrameAt(1));
+  auto second = std::make_unique<Player>(avatar, Flame(), shared);
+  Draw(*second, FrameAt(2));
+  second.reset();
+  EXPECT_EQ(Draw(first, FrameAt(0)).color, Draw(fresh, FrameAt(0)).color);
+}
+
+// For whoever needs the Gaussians beside the picture, the plug-in's depth, or the mesh.
 TEST_F(PlayerParity, GivesTheGaussiansThatTheCpuBinds) {
   const AvatarModel avatar = PaintedAvatar(Head(), 300);
   Player cpu(avatar, Flame()), device(avatar, Flame(), OnDevice());
@@ -115,6 +152,7 @@ TEST_F(PlayerParity, GivesTheGaussiansThatTheCpuBinds) {
   for (const int i : {0, 2}) {
     cpu.Place(FrameAt(i).params, on_cpu);
     device.Place(FrameAt(i).params, on_device);
+    EXPECT_EQ(cpu.VerticesOf(on_cpu), device.VerticesOf(on_device));
     EXPECT_EQ(cpu.GaussiansOf(on_cpu).position, device.GaussiansOf(on_device).position);
   }
 }
