@@ -171,7 +171,7 @@ std::vector<StudyRun> Expand(const JsonField& field, const StudyRun& run) {
 
 // On every data set that it names, or on all, at seed 0.
 std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData>& all_data) {
-  ExpectKeys(field, {"name", "label", "groups", "minus", "arguments", "values", "data"});
+  ExpectKeys(field, {"name", "label", "groups", "minus", "arguments", "values", "data", "seeds"});
   StudyRun run;
   run.name = CheckedName(field["name"]);
   run.label = field.Has("label") ? field["label"].String() : run.name;
@@ -179,6 +179,7 @@ std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData
   if (run.groups.empty()) run.groups = {"all"};
   run.minus = StringsOf(field, "minus");
   run.arguments = StringsOf(field, "arguments");
+  run.seeds = IntegersOf(field, "seeds");
   Strings wanted = StringsOf(field, "data");
   for (const std::string& name : wanted)
     if (std::none_of(
@@ -186,12 +187,19 @@ std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData
       throw Error(
           field.file(), field["data"].path(), "'" + name + "' is not among the list's data");
   std::vector<StudyRun> runs;
+  std::set<int> seeds;
   for (const StudyData& data : all_data) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), data.name) == wanted.end())
       continue;
     run.data = data;
+    seeds.insert(data.seeds.begin(), data.seeds.end());
     for (StudyRun& expanded : Expand(field, run)) runs.push_back(std::move(expanded));
   }
+  for (const int seed : run.seeds)
+    if (seeds.count(seed) == 0)
+      throw Error(field.file(),
+                  field["seeds"].path(),
+                  "found " + std::to_string(seed) + ", which is no seed of its data");
   return runs;
 }
 
@@ -279,6 +287,8 @@ std::vector<StudyRun> ReadStudyList(const std::string& path) {
       for (StudyRun run : once) {
         if (run.data.name != one.name || round >= one.seeds.size()) continue;
         run.seed = one.seeds[round];
+        if (!run.seeds.empty() && std::count(run.seeds.begin(), run.seeds.end(), run.seed) == 0)
+          continue;
         all.push_back(std::move(run));
       }
   return all;

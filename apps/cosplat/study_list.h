@@ -29,6 +29,7 @@ struct StudyRun {
   std::vector<std::string> groups;  // the charts that it is on
   std::vector<std::string> minus;   // names of settings that it is compared with, seed by seed
   std::vector<std::string> arguments;
+  std::vector<int> seeds;  // of the data's, those that it is run with; empty: all
   int seed = 0;
 
   std::string Id() const;  // "fox-8/dcsh/0"

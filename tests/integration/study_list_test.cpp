@@ -40,7 +40,7 @@ class StudyListTest : public testing::Test {
     "runs": [
       {"name": "dcsh", "label": "DCSH", "groups": ["bases", "pruning"], "minus": ["sh"]},
       {"name": "sh", "arguments": ["--basis", "sh"]},
-      {"name": "speedy", "arguments": ["--prune-to", "{count}"], "data": ["fox"]},
+      {"name": "speedy", "arguments": ["--prune-to", "{count}"], "data": ["fox"], "seeds": [0]},
       {"name": "lp", "arguments": ["--prune_lambda", "{value}"], "values": [5e-4, 2],
        "data": ["head"]}]})";
   const TemporaryFolder folder_;
@@ -59,9 +59,7 @@ TEST_F(StudyListTest, CrossesSettingsDataAndSeeds) {
                      "head/lp-0.0005/3",
                      "head/lp-2/3",
                      "fox/dcsh/5",
-                     "fox/sh/5",
-                     "fox/speedy-200/5",
-                     "fox/speedy-100/5"}));
+                     "fox/sh/5"}));
 }
 
 TEST_F(StudyListTest, CommandsHoldOnAnyMachine) {
@@ -90,6 +88,7 @@ TEST_F(StudyListTest, NamesWhatIsWrong) {
   ExpectRefused("{value}", "{count}", {file, "runs[3].arguments", "{count}", "values"});
   ExpectRefused("{value}", "0.1", {file, "runs[3].values", "{value}"});
   ExpectRefused("\"data\": [\"fox\"]", "\"data\": [\"dog\"]", {file, "runs[2].data", "dog"});
+  ExpectRefused("\"seeds\": [0]", "\"seeds\": [3]", {file, "runs[2].seeds", "3"});
   ExpectRefused("\"minus\": [\"sh\"]", "\"minus\": [\"sch\"]", {file, "dcsh", "sch"});
   ExpectRefused("\"name\": \"sh\"", "\"name\": \"dcsh\"", {file, "two", "fox/dcsh/0"});
   ExpectRefused("\"name\": \"sh\"", "\"name\": \"../sh\"", {file, "runs[1].name", "../sh"});
