@@ -14,6 +14,8 @@ cosplat_library(procedural
   ${CMAKE_CURRENT_LIST_DIR}/procedural/sculpt.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/shading.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural/shapes.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/procedural/video.cpp
   ${CMAKE_CURRENT_LIST_DIR}/procedural_head.cpp)
+if(NOT COSPLAT_LEAN)  # it writes pictures
+  target_sources(cosplat_procedural PRIVATE ${CMAKE_CURRENT_LIST_DIR}/procedural/video.cpp)
+endif()
 target_link_libraries(cosplat_procedural PUBLIC cosplat::flame PRIVATE TBB::tbb)

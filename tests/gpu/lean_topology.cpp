@@ -1,8 +1,34 @@
-// BuildTopology for the lean build, which has no OpenMesh: the faces at each vertex, of meshes that
-// are known to be right. Nothing there walks.
+// BuildTopology for the lean build, which has no OpenMesh: the faces at each vertex and the
+// boundary, of meshes that are known to be right. Nothing there walks.
+#include <map>
+#include <set>
+#include <utility>
+
 #include "flame/topology.h"
 
 namespace cosplat {
+namespace {
+
+void FillBoundaryLoops(const std::vector<std::array<int32_t, 3>>& faces, MeshTopology& topology) {
+  std::set<std::pair<int32_t, int32_t>> edges;
+  for (const auto& face : faces)
+    for (size_t i = 0; i < 3; ++i) edges.insert({face[i], face[(i + 1) % 3]});
+  std::map<int32_t, int32_t> next;
+  for (const auto& [from, to] : edges)
+    if (!edges.count({to, from})) next[to] = from;
+  while (!next.empty()) {
+    std::vector<int32_t> loop;
+    for (auto at = next.begin(); at != next.end();) {
+      loop.push_back(at->first);
+      const int32_t to = at->second;
+      next.erase(at);
+      at = next.find(to);
+    }
+    topology.boundary_loops.push_back(std::move(loop));
+  }
+}
+
+}  // namespace
 
 MeshTopology BuildTopology(const std::string&,
                            const std::vector<std::array<int32_t, 3>>& faces,
@@ -18,6 +44,7 @@ MeshTopology BuildTopology(const std::string&,
   topology.vertex_faces.resize(3 * faces.size());
   for (size_t f = 0; f < faces.size(); ++f)
     for (const int32_t v : faces[f]) topology.vertex_faces[size_t(next[size_t(v)]++)] = int32_t(f);
+  FillBoundaryLoops(faces, topology);
   return topology;
 }
 

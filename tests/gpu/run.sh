@@ -41,6 +41,7 @@ done
 export PATH=$PATH:/usr/local/cuda/bin
 export COSPLAT_REQUIRE_DEVICE=1
 tests=$build/tests/gpu/cosplat_test_parity
+player=$build/tests/gpu/cosplat_test_player_parity
 training=$build/tests/gpu/cosplat_test_training_parity
 bench=$build/tests/gpu/cosplat_bench_cuda
 
@@ -136,7 +137,7 @@ cd "$root" || exit 1
 step configure 60 "${configure[@]}" || finish
 step build 240 cmake --build "$build" --parallel "$(nproc)" || finish
 step parity 60 "$tests"
-step binding 60 "$build/tests/gpu/cosplat_test_binding_parity"
+step player 60 "$player"
 step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
 step training 60 "$training"
@@ -146,6 +147,8 @@ if $dry || command -v compute-sanitizer >/dev/null; then
   sanitize initcheck
   sanitize racecheck
   for tool in memcheck initcheck; do
+    step "$tool-player" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$player" \
+      --gtest_filter='PosingParity.*:PlayerParity.DrawsOneGaussianAndNone'
     step "$tool-training" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$training" \
       --gtest_filter='DensityParity.*:TrainingParity.TheRegulariserOfScales'
   done
