@@ -186,7 +186,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
 }
 
 Device TrainOptions::ResolveDevice() const {
-  const bool processor_only = WorksInSteps(PruneRuleFromString(prune));
+  const bool processor_only = WorksOnProcessorOnly(PruneRuleFromString(prune));
   return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
 }
 

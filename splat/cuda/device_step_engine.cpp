@@ -1,7 +1,6 @@
 #include "splat/cuda/device_step_engine.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "splat/base/error.h"
 #include "splat/cuda/device_memory.h"
@@ -13,7 +12,7 @@ namespace {
 constexpr double kPhotographShare = 0.25;  // of the memory that is free at first
 
 void CheckRule(PruneRule rule) {
-  if (WorksInSteps(rule))
+  if (WorksOnProcessorOnly(rule))
     throw Error("",
                 "--prune " + ToString(rule),
                 "works in every step on the processor: give --device cpu, or another rule");
@@ -47,104 +46,6 @@ StepEngineMaker MakeDeviceStepEngine(SumOrder order,
   };
 }
 
-double DeviceStepEngine::Step(const StepPlan& plan) {
-  Submit(plan, on_device_->WaitsInSteps() || !forecast_.Knows());
-  Settle(last_loss_ ? 1 : 0);
-  return *last_loss_;
-}
-
-void DeviceStepEngine::Submit(const StepPlan& plan, bool waits) {
-  Submitted& step = steps_[(oldest_ + in_flight_) % steps_.size()];
-  step.plan = plan;
-  Draw(step, waits);
-  GoBack(step);
-  Update(step);
-  step.done.Record(stream());
-  ++in_flight_;
-  fetched_ = false;
-}
-
-void DeviceStepEngine::Settle(size_t left) {
-  for (; in_flight_ > left; --in_flight_, oldest_ = (oldest_ + 1) % steps_.size()) {
-    const Submitted& step = steps_[oldest_];
-    step.done.Wait();
-    if (step.counts.Last().instances > step.room) {
-      Repeat();
-      step.done.Wait();
-    }
-    forecast_.Saw(step.plan.frame, count(), step.counts.Last().instances);
-    last_loss_ = LossOf(step);
-  }
-}
-
-void DeviceStepEngine::Repeat() {
-  population_.GoOn(stream());
-  population_.adam.step -= uint32_t(in_flight_);
-  const size_t count = std::exchange(in_flight_, 0);
-  for (size_t k = 0; k < count; ++k)
-    Submit(StepPlan(steps_[(oldest_ + k) % steps_.size()].plan), true);
-}
-
-double DeviceStepEngine::LossOf(const Submitted& step) const {
-  const double photometric = step.photometric.Last();
-  CheckLoss(photometric, step.plan.iteration);
-  return photometric + (settings_.scale_regularizer.weight != 0 ? step.of_needles.Last() : 0);
-}
-
-void DeviceStepEngine::Draw(Submitted& step, bool waits) {
-  const StepPlan& plan = step.plan;
-  TileLists& lists = tape_.lists;
-  world_ = on_device_->Place(population_.values, plan.frame, stream());
-  if (!waits) lists.Expect(forecast_.Of(plan.frame, count()), population_.halted.data());
-  const Camera& camera = subject_.frame(plan.frame).camera;
-  renderer_.Forward(world_, state_.gaussians.basis, camera, plan.render, true, image_, tape_);
-  step.counts.Ask(lists.counts(), stream());
-  step.room = lists.room();
-  instances_per_gaussian_ =
-      std::max(instances_per_gaussian_, double(step.room) / double(population_.size()));
-}
-
-void DeviceStepEngine::GoBack(Submitted& step) {
-  const StepPlan& plan = step.plan;
-  loss_.Evaluate(settings_.loss,
-                 image_.color.data(),
-                 photographs_.Of(plan.frame, stream()),
-                 plan.render.background,
-                 d_color_,
-                 stream());
-  step.photometric.Ask(loss_.value(), stream());
-  WorldGradients d_world = on_device_->WorldGradientsFor(population_.gradients, screen_);
-  // Adam then reads those of others, too.
-  if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
-    d_world.drawn_groups_only = false;
-  renderer_.Backward(world_, image_, d_color_.data(), tape_, d_world);
-  on_device_->PlaceBackward(population_.values, population_.gradients, stream());
-  // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
-  if (plan.gathers_statistics)
-    Accumulate(std::as_const(tape_.radii).view(),
-               std::as_const(screen_).view(),
-               image_.width,
-               image_.height,
-               population_,
-               stream());
-}
-
-void DeviceStepEngine::Update(Submitted& step) {
-  DeviceView<const float> moves = std::as_const(tape_.radii).view();
-  if (settings_.scale_regularizer.weight != 0) {
-    needles_.Add(settings_.scale_regularizer, moves, population_, stream());
-    step.of_needles.Ask(needles_.value(), stream());
-    moves = needles_.moves();
-  }
-  if (settings_.adam_on == AdamOn::kAll) moves = {};
-  population_.adam.Step(step.plan.rates,
-                        population_.gradients,
-                        moves,
-                        on_device_->PositionRateScale(),
-                        population_.values,
-                        stream());
-}
-
 void DeviceStepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
   population_.adam.CatchUpAll(rates, on_device_->PositionRateScale(), population_.values, stream());
@@ -154,7 +55,7 @@ void DeviceStepEngine::CatchUp(const AdamSettings& rates) {
 template <class F>
 void DeviceStepEngine::OnHost(const F& f) {
   Fetch();
-  f(cosplat::Population{subject_, state_.gaussians, state_.adam, state_.statistics});
+  f(cosplat::Population{subject_, state_.gaussians, state_.adam, state_.statistics, pruner_});
   Store();
 }
 
@@ -199,6 +100,7 @@ void DeviceStepEngine::Prune(const PruneRound& round, int group_cap, int group_f
     return OnHost([&](const cosplat::Population& everyone) {
       everyone.Prune(round, group_cap, group_floor);
     });
+  StoreMask();  // ranking may have begun or ended it
   const std::vector<uint8_t> unwanted =
       UnwantedBy(round, count(), subject_.Groups(), group_cap, group_floor, [](auto&) {});
   unwanted_.Upload(unwanted.data(), unwanted.size(), stream());
@@ -227,13 +129,27 @@ void DeviceStepEngine::Fetch() {
   if (fetched_) return;
   Settle(0);
   population_.Download(state_, stream());
+  population_.mask.Download(stream());
   fetched_ = true;
 }
 
-void DeviceStepEngine::FetchForRanking() { population_.DownloadForRanking(state_, stream()); }
+void DeviceStepEngine::FetchForRanking() {
+  population_.DownloadForRanking(state_, stream());
+  population_.mask.Download(stream());
+}
+
+void DeviceStepEngine::SetPruner(Pruner* pruner) {
+  pruner_ = pruner;
+  StoreMask();
+}
+
+void DeviceStepEngine::StoreMask() {
+  population_.mask.Upload(pruner_ ? pruner_->Mask() : MaskInSteps(), stream());
+}
 
 void DeviceStepEngine::Store() {
   population_.Upload(state_, stream());
+  StoreMask();
   on_device_->Changed(stream());
   renderer_.stream().Wait();  // for the state's memory
   in_flight_ = 0;             // steps of another state

@@ -45,7 +45,7 @@ class DeviceStepEngine : public StepEngine {
   void Fetch() override;
   void FetchForRanking() override;
   void Store() override;
-  void SetPruner(Pruner*) override {}
+  void SetPruner(Pruner* pruner) override;
   std::vector<Contribution> Contributions(const FrameChoice& choice) override;
   double MeanPsnr(const FrameChoice& choice) override;
   std::string TakeNotice() override { return std::exchange(notice_, {}); }
@@ -56,18 +56,21 @@ class DeviceStepEngine : public StepEngine {
   // A step that was given to the stream, and what it tells when it is done.
   struct Submitted {
     StepPlan plan;
+    Rng rng;          // before what the step draws of it
     size_t room = 0;  // for instances
+    bool masked = false;
     Readback<TileLists::Counts> counts;
-    Readback<double> photometric, of_needles;
+    Readback<double> photometric, of_mask, of_needles;
     Event done;
   };
 
   // How many Gaussians fit, with what views draw of each at the most so far.
   size_t MostThatFit() const;
   // Gives the stream all of a step. waits: for the number of instances, and it is right for sure.
-  void Submit(const StepPlan& plan, bool waits);
+  void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
   void GoBack(Submitted& step);
+  void LearnMask(Submitted& step);
   void Update(Submitted& step);
   // Waits for all that was submitted but the last `left` steps, and does again what was in vain.
   // Throws where a loss is not finite.
@@ -75,6 +78,7 @@ class DeviceStepEngine : public StepEngine {
   // Submits again what is in flight, of which the oldest made the device halt.
   void Repeat();
   double LossOf(const Submitted& step) const;
+  void StoreMask();
   // Does it with everything in the host's memory.
   template <class F>
   void OnHost(const F& f);
@@ -84,6 +88,7 @@ class DeviceStepEngine : public StepEngine {
   Subject& subject_;
   TrainingState& state_;
   std::shared_ptr<DeviceSubject> on_device_;
+  Pruner* pruner_ = nullptr;
   SumOrder order_;
   Renderer renderer_;
   Population population_;

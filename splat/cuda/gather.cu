@@ -1,35 +1,8 @@
-#include "splat/cuda/launch.cuh"
+#include "splat/cuda/gather_rows.cuh"
 #include "splat/cuda/population.h"
 
 namespace cosplat::cuda {
 namespace {
-
-// Rows of `width` numbers; from row first_zero on, zeros.
-template <class T>
-struct GatherRows {
-  DeviceView<const T> from;
-  DeviceView<const uint32_t> source;
-  size_t width, first_zero;
-  DeviceView<T> to;
-  __device__ void operator()(size_t i) const {
-    const size_t row = i / width;
-    to[i] = row < first_zero ? from[source[row] * width + i % width] : T(0);
-  }
-};
-
-template <class T>
-void GatherArray(DeviceBuffer<T>& array,
-                 DeviceBuffer<T>& spare,
-                 size_t width,
-                 DeviceView<const uint32_t> source,
-                 size_t first_zero,
-                 cudaStream_t stream) {
-  spare.Refill(source.count * width);
-  ForEach(spare.size(),
-          stream,
-          GatherRows<T>{std::as_const(array).view(), source, width, first_zero, spare.view()});
-  array.swap(spare);
-}
 
 void GatherAll(DeviceGaussians& gaussians,
                DeviceGaussians& spare,
@@ -64,6 +37,7 @@ void Population::Gather(DeviceView<const uint32_t> source,
   if (!values.degrees.empty()) GatherArray(values.degrees, spare_degrees_, 1, source, n, stream);
   for (DeviceBuffer<float>* b : statistics.all())
     GatherArray(*b, spare_, 1, source, first_fresh, stream);
+  mask.Gather(source, first_fresh, stream);
   adam.updated.Refill(AdamGroupCount(n));
   ForEach(adam.updated.size(), stream, FillNumbers{adam.updated.view(), adam.step});
 }

@@ -78,6 +78,7 @@ std::vector<MemoryPart> Population::Memory() const {
           {"first moments", held(adam.m)},
           {"second moments", held(adam.v)},
           {"groups of Adam", HeldBy(adam.updated)},
+          {"learned mask", mask.held()},
           {"density statistics",
            HeldBy(statistics.screen_gradient,
                   statistics.plasticity,

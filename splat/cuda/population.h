@@ -4,6 +4,7 @@
 #include <array>
 
 #include "splat/cuda/adam.h"
+#include "splat/cuda/mask_learner.h"
 #include "splat/step_engine.h"
 
 namespace cosplat::cuda {
@@ -44,6 +45,7 @@ class Population {
   DeviceGaussians values, gradients;
   Adam adam;
   Statistics statistics;
+  MaskLearner mask;
   DeviceBuffer<uint32_t> halted;  // [1]
 
  private:

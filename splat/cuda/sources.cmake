@@ -17,7 +17,9 @@ set(COSPLAT_CUDA_TRAIN_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/density.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_memory.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_step_engine.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_steps.cpp
   ${CMAKE_CURRENT_LIST_DIR}/gather.cu
+  ${CMAKE_CURRENT_LIST_DIR}/mask_learner.cu
   ${CMAKE_CURRENT_LIST_DIR}/morton.cu
   ${CMAKE_CURRENT_LIST_DIR}/photographs.cpp
   ${CMAKE_CURRENT_LIST_DIR}/population.cpp

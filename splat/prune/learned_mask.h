@@ -1,30 +1,43 @@
-// A number per Gaussian that is trained beside it, from which a rule makes its mask.
+// A number per Gaussian that is trained beside it, from which a rule makes its mask
+// (splat/kernels/prune_mask.h).
 #pragma once
 
 #include <vector>
 
 #include "splat/density.h"
+#include "splat/math/adam.h"
 #include "splat/memory_part.h"
 
 namespace cosplat {
 
-class LearnedMask {
- public:
+struct LearnedMask {
   LearnedMask(size_t gaussians, float first, float rate)
-      : rate_(rate), value_(gaussians, first), m_(gaussians, 0.0f), v_(gaussians, 0.0f) {}
+      : rate(rate), value(gaussians, first), m(gaussians, 0.0f), v(gaussians, 0.0f) {}
 
-  size_t size() const { return value_.size(); }
-  size_t Held() const { return HeldBy(value_, m_, v_); }
-  float operator[](size_t i) const { return value_[i]; }
+  size_t size() const { return value.size(); }
+  size_t Held() const { return HeldBy(value, m, v); }
+  float operator[](size_t i) const { return value[i]; }
   // One Adam step with these gradients; those that are not finite count as zero.
   void Step(const std::vector<float>& gradient);
   // New ones have their parent's number and no momentum.
   void Gather(const Reordering& order);
 
- private:
-  float rate_;
-  std::vector<float> value_, m_, v_;
-  int64_t step_ = 0;
+  float rate;
+  std::vector<float> value, m, v;  // [N] and its moments
+  int64_t step = 0;                // that were taken
+};
+
+// Of step `step`, counted from 1.
+math::AdamStep MaskAdamStep(float rate, int64_t step);
+
+enum class MaskKind { kHard, kSoft };
+
+// A mask that is learned in every step, for a device that does the steps.
+struct MaskInSteps {
+  MaskKind kind = MaskKind::kHard;
+  float weight = 0;                          // of its mean in the loss
+  LearnedMask* learned = nullptr;            // null: nothing is learned now
+  std::vector<float>* importance = nullptr;  // [N] where the mask is soft
 };
 
 }  // namespace cosplat

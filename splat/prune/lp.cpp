@@ -1,24 +1,17 @@
-// LP-3DGS (Zhang et al. 2024): for a while a soft mask m = sigma((mu S + g1 - g2) / 0.5) dims each
-// opacity, S an importance score (LightGaussian's, its largest 1), g Gumbel noise; loss
-// weight * mean m. Then what the mask would rather hide than show (mu S < 0) goes, once.
-// 19,500 to 20,000 of 30,000 steps.
+// LP-3DGS: for a while a soft mask dims each opacity (splat/kernels/prune_mask.h), S being
+// LightGaussian's score, its largest 1. Then what the mask would rather hide than show (mu S < 0)
+// goes, once. 19,500 to 20,000 of 30,000 steps.
 #include <algorithm>
-#include <cmath>
 
-#include "splat/math/scalar.h"
+#include "splat/kernels/prune_mask.h"
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rules.h"
 
 namespace cosplat {
 namespace {
 
-constexpr float kTemperature = 0.5f, kFirst = 1, kRate = 0.05f;
+constexpr float kFirst = 1, kRate = 0.05f;
 constexpr float kMaskWeight = 5e-4f;
-constexpr float kLeast = 1e-6f;  // of a mask and of 1 - opacity: no division by zero
-
-float Gumbel(Rng& rng) {
-  return -std::log(-std::log(std::clamp(rng.Uniform(), 1e-7f, 0.9999999f)));
-}
 
 class LpPruner : public Pruner {
  public:
@@ -56,17 +49,14 @@ class LpPruner : public Pruner {
     mask_.resize(n);
     opacity_logit_.resize(n);
     for (size_t i = 0; i < n; ++i) {
-      const float g1 = Gumbel(rng), g2 = Gumbel(rng);
-      const float x = mu_[i] * importance_[i] + g1 - g2;
-      mask_[i] = std::max(math::Sigmoid(x / kTemperature), kLeast);
-      const float dimmed =
-          std::min(mask_[i] * math::Sigmoid(gaussians.at(kOpacityLogit, i)[0]), 1 - kLeast);
-      opacity_logit_[i] = std::log(dimmed / (1 - dimmed));
+      const math::SoftMask soft =
+          math::SoftMaskOf(mu_[i], importance_[i], *gaussians.at(kOpacityLogit, i), rng);
+      mask_[i] = soft.mask;
+      opacity_logit_[i] = soft.opacity_logit;
     }
     world.opacity_logit = opacity_logit_.data();
   }
 
-  // From d by the logit of o': d_m = d / (m (1 - o')), d_logit(o) = d (1 - o) / (1 - o').
   double AfterBackward(const Gaussians& gaussians,
                        Gaussians& gradients,
                        View<const float> radii) override {
@@ -76,19 +66,21 @@ class LpPruner : public Pruner {
     d_mu_.resize(n);
     double sum = 0;
     for (size_t i = 0; i < n; ++i) {
-      const float m = mask_[i];
-      sum += m;
-      float d_mask = share;
-      if (radii[i] > 0) {
-        float& d = gradients.at(kOpacityLogit, i)[0];
-        const float rest = 1 - math::Sigmoid(opacity_logit_[i]);
-        d_mask += d / (m * std::max(rest, kLeast));
-        d *= (1 - math::Sigmoid(gaussians.at(kOpacityLogit, i)[0])) / std::max(rest, kLeast);
-      }
-      d_mu_[i] = d_mask * m * (1 - m) / kTemperature * importance_[i];
+      sum += mask_[i];
+      d_mu_[i] = math::SoftMaskVjp({mask_[i], opacity_logit_[i]},
+                                   importance_[i],
+                                   share,
+                                   radii[i] > 0,
+                                   *gaussians.at(kOpacityLogit, i),
+                                   *gradients.at(kOpacityLogit, i));
     }
     mu_.Step(d_mu_);
     return sum * share;
+  }
+
+  MaskInSteps Mask() override {
+    if (!learning_) return {};
+    return {MaskKind::kSoft, weight_, &mu_, &importance_};
   }
 
   void Gather(const Reordering& order) override {

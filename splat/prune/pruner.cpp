@@ -51,9 +51,7 @@ std::vector<std::string> PruneRuleNames() {
 
 bool LearnsMask(PruneRule rule) { return rule == PruneRule::kCompact || rule == PruneRule::kLp; }
 
-bool WorksInSteps(PruneRule rule) {
-  return LearnsMask(rule) || rule == PruneRule::kDcsharpReleased;
-}
+bool WorksOnProcessorOnly(PruneRule rule) { return rule == PruneRule::kDcsharpReleased; }
 
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
                                    const Schedule& run_schedule,

@@ -16,6 +16,7 @@
 #include "splat/density.h"
 #include "splat/gaussians.h"
 #include "splat/importance.h"
+#include "splat/prune/learned_mask.h"
 #include "splat/prune/settings.h"
 #include "splat/schedule.h"
 
@@ -64,6 +65,8 @@ class Pruner {
     (void)radii;
     return 0;
   }
+  // The mask that these two work with; none for a rule that learns none, or not now.
+  virtual MaskInSteps Mask() { return {}; }
   virtual void BeforeDensification() {}
   // Bytes that the rule holds.
   virtual size_t Held() const { return 0; }

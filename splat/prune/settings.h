@@ -36,7 +36,7 @@ std::string ToString(PruneRule rule);
 PruneRule PruneRuleFromString(const std::string& text);
 std::vector<std::string> PruneRuleNames();
 bool LearnsMask(PruneRule rule);
-// Whether the rule looks at every step, or changes it.
-bool WorksInSteps(PruneRule rule);
+// Whether the rule works in steps as no device does.
+bool WorksOnProcessorOnly(PruneRule rule);
 
 }  // namespace cosplat

@@ -82,6 +82,19 @@ TEST_F(NoWait, StepsDoneAgainLeaveNoTrace) {
   EXPECT_GT(idle[1], 2 * size_t(steps)) << "all were";
 }
 
+TEST_F(NoWait, MasksThatAreLearnedAreToo) {
+  for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
+    TrainingRun run;
+    run.settings.iterations = 33;  // LP learns in the 22nd
+    run.settings.prune.rule = rule;
+    run.settings.prune.mask_weight = 0.5f;
+    const test::Training room = RunOn(run, WithMargin(8), 24),
+                         scant = RunOn(run, WithMargin(0.5), 24);
+    EXPECT_EQ(scant.losses, room.losses) << ToString(rule);
+    EXPECT_TRUE(test::SameBits(scant.state, room.state)) << ToString(rule);
+  }
+}
+
 // A step that was in vain and is forgotten: the run went back to a point before.
 TEST_F(NoWait, GoingBackForgetsWhatWasSubmitted) {
   TrainingRun run;

@@ -11,4 +11,5 @@ set(COSPLAT_PARITY_SOURCES
 # Of the whole training loop.
 set(COSPLAT_TRAINING_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/density_parity_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mask_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/training_parity_test.cpp)

@@ -116,12 +116,41 @@ TEST_F(TrainingParity, ALossThatIsNotFiniteIsFoundAStepLater) {
   test::ExpectError([&] { trainer.Step(); }, {"iteration 1", "the loss is not finite"});
 }
 
-TEST_F(TrainingParity, RulesThatWorkInEveryStepAreRefused) {
+// The loss is mostly the mask's. LP's is learned in the last steps, with noise of the run's own.
+TEST_F(TrainingParity, PruningByMasksThatAreLearned) {
+  for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
+    TrainingRun run;
+    run.settings.iterations = 150;
+    run.settings.prune.rule = rule;
+    run.settings.prune.mask_weight = 0.5f;
+    const test::Training cpu = RunOn(run, MakeHostStepEngine, 102);
+    const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 102);
+    EXPECT_EQ(device.state.rng.state, cpu.state.rng.state);
+    EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), 6);
+    for (int i = 1; i < 102; ++i)
+      EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], (i < 20 ? 1e-4 : 1e-2) * cpu.losses[i - 1])
+          << ToString(rule) << ", " << i;
+    EXPECT_GT(cpu.losses[98], 0.2) << ToString(rule);
+  }
+}
+
+TEST_F(TrainingParity, StepsDoneAgainGiveTheSameBits) {
   TrainingRun run;
-  run.settings.prune.rule = PruneRule::kCompact;
+  run.settings.iterations = 30;
+  const auto with = [](double margin) {
+    return cuda::MakeDeviceStepEngine(SumOrder::kFixed, nullptr, cuda::InstanceForecast(margin));
+  };
+  const test::Training room = RunOn(run, with(8), 16), scant = RunOn(run, with(0.5), 16);
+  EXPECT_EQ(scant.losses, room.losses);
+  EXPECT_TRUE(SameBits(scant.state, room.state));
+}
+
+TEST_F(TrainingParity, ARuleThatIsTheProcessorsAloneIsRefused) {
+  TrainingRun run;
+  run.settings.prune.rule = PruneRule::kDcsharpReleased;
   SceneSubject subject(run.frames, 1);
   test::ExpectError([&] { Trainer(run.settings, subject, run.first, OnDevice(SumOrder::kAny)); },
-                    {"--prune compact", "--device cpu"});
+                    {"--prune dcsharp-released", "--device cpu"});
 }
 
 // Photographs that there is no room for are sent with each step.
