@@ -1,5 +1,5 @@
-# Of heads and avatars the lean build (cmake/CosplatLean.cmake) has posing, the made head, the binding
-# and the player, and what of them is done on the device. Files, tracks and training need pictures.
+# Of heads and avatars the lean build (cmake/CosplatLean.cmake) has posing, the made head, the binding,
+# walking and the player, and what of them is done on the device. Files, tracks and training need pictures.
 set(avatar ${CMAKE_CURRENT_LIST_DIR})
 set(flame ${PROJECT_SOURCE_DIR}/flame)
 cosplat_library(flame ${flame}/model.cpp ${flame}/pose.cpp ${flame}/posing.cpp
@@ -8,7 +8,7 @@ target_link_libraries(cosplat_flame PUBLIC cosplat::base PRIVATE Eigen3::Eigen T
 include(${flame}/procedural_sources.cmake)
 cosplat_library(binding
   ${avatar}/binding.cpp ${avatar}/embed_packs.cpp ${avatar}/released_binding.cpp
-  ${avatar}/sample.cpp ${avatar}/surface.cpp ${avatar}/surface_packs.cpp)
+  ${avatar}/sample.cpp ${avatar}/surface.cpp ${avatar}/surface_packs.cpp ${avatar}/walk.cpp)
 target_link_libraries(cosplat_binding
   PUBLIC cosplat::base cosplat::flame PRIVATE hwy::hwy TBB::tbb)
 set_source_files_properties(${avatar}/embed_packs.cpp ${avatar}/surface_packs.cpp

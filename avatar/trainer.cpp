@@ -140,18 +140,18 @@ void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
   });
 }
 
-// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
-// SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
 View<const float> AvatarSubject::PositionRateScale() {
   rate_scale_.resize(3 * state_.embedding.triangle.size());
   for (size_t i = 0; i < state_.embedding.triangle.size(); ++i) {
-    const float scale = settings_.system == AvatarSystem::kCosplat
-                            ? inverse_edge_[state_.embedding.triangle[i]]
-                            : 1 / unit_;
-    rate_scale_[3 * i] = rate_scale_[3 * i + 1] = scale;
+    rate_scale_[3 * i] = rate_scale_[3 * i + 1] = face_rates_[state_.embedding.triangle[i]];
     rate_scale_[3 * i + 2] = 1;
   }
   return rate_scale_;
+}
+
+void AvatarSubject::SetPlaces(Embedding embedding, std::vector<int32_t> first_triangle) {
+  state_.embedding = std::move(embedding);
+  state_.first_triangle = std::move(first_triangle);
 }
 
 void AvatarSubject::AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {

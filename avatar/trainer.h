@@ -97,6 +97,10 @@ class AvatarSubject : public Subject {
   const std::vector<float>& VerticesOf(size_t i);
   void RefineFrame(const std::vector<float>& d_vertices);
   const AvatarSettings& settings() const { return settings_; }
+  // [F] factors on the rates of du and dv on each face.
+  const std::vector<float>& face_rates() const { return face_rates_; }
+  // AvatarTrainingState's, as the device has moved them.
+  void SetPlaces(Embedding embedding, std::vector<int32_t> first_triangle);
 
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
@@ -124,6 +128,7 @@ class AvatarSubject : public Subject {
   bool NeedsBust() const;
   Bust MeanBustOfTrack() const;
   void BuildMesh();
+  void SetFaceRates();
   void SetSpacing(Gaussians& gaussians) const;
   void PoseFrame(size_t i);
   std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
@@ -136,8 +141,8 @@ class AvatarSubject : public Subject {
   CanonicalMesh mesh_;
   std::unique_ptr<AvatarPoser> poser_;
   Surface surface_;
-  float unit_ = 1;                   // metres per unit of a 4x FLAME mesh, for this subject
-  std::vector<float> inverse_edge_;  // [F] 1 / sqrt(2 A): barycentric units per metre
+  float unit_ = 1;  // metres per unit of a 4x FLAME mesh, for this subject
+  std::vector<float> face_rates_;
   std::vector<TrainFrame> frames_;
   size_t current_ = 0;
 

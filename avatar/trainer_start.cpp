@@ -40,8 +40,16 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
   if (settings_.system != AvatarSystem::kCosplat) canonical_frame_ = video_.train[0].params;
   if (bust_ || canonical_frame_) BuildMesh();
   poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
+  SetFaceRates();
+}
+
+// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
+// SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
+void AvatarSubject::SetFaceRates() {
   for (size_t f = 0; f < mesh_.faces.size(); ++f)
-    inverse_edge_.push_back(float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12))));
+    face_rates_.push_back(settings_.system == AvatarSystem::kCosplat
+                              ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
+                              : 1 / unit_);
 }
 
 void AvatarSubject::LoadFrames() {

@@ -47,6 +47,9 @@ struct WalkReport {
   std::vector<uint32_t> invalid;              // left where they were
 };
 
+// Of Gaussians on a face with a boundary edge, beyond which none walks onto it.
+constexpr int kBoundaryFaceCap = 64;
+
 // Walks every Gaussian with du or dv other than zero and sets those to zero. A Gaussian whose walk
 // would end in another face that has a boundary edge and already holds `boundary_face_cap` of them
 // stays where it was (and counts as stopped): a steady push does not pile them up at the mouth or
@@ -54,8 +57,10 @@ struct WalkReport {
 WalkReport WalkAll(Gaussians& gaussians,
                    Embedding& embedding,
                    const Surface& surface,
-                   int boundary_face_cap = 64);
-inline WalkReport WalkAll(AvatarModel& model, const Surface& surface, int boundary_face_cap = 64) {
+                   int boundary_face_cap = kBoundaryFaceCap);
+inline WalkReport WalkAll(AvatarModel& model,
+                          const Surface& surface,
+                          int boundary_face_cap = kBoundaryFaceCap) {
   return WalkAll(model.gaussians, model, surface, boundary_face_cap);
 }
 

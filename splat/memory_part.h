@@ -8,8 +8,8 @@
 
 namespace cosplat {
 
-// What a part grows with.
-enum class MemoryOf { kGaussians, kPixels };
+// What a part grows with; kFixed: with neither.
+enum class MemoryOf { kGaussians, kPixels, kFixed };
 
 struct MemoryPart {
   std::string name;

@@ -1,16 +1,18 @@
 // Avatars in training on the device: AvatarSubject (avatar/trainer.h) there.
 //
 // A frame's posed vertices are kept on the device, up to a limit, or posed and sent each time where
-// the track is refined; then dL/d(vertices) comes back, too, and the host waits for it. Walking,
-// density control and pruning are the host's: they search and walk over the mesh in double, once in
-// some hundred steps, for which everything is copied there and back.
+// the track is refined; then dL/d(vertices) comes back, too, and the host waits for it. Walking and
+// density control are done there; the host's Subject knows where the Gaussians are after Fetch.
 #pragma once
 
-#include "avatar/cuda/device_binding.h"
+#include <array>
+
+#include "avatar/cuda/device_placement.h"
+#include "avatar/cuda/device_walk.h"
+#include "avatar/cuda/hole_guard.h"
 #include "avatar/cuda/posed_vertices.h"
+#include "avatar/kernels/holes.h"
 #include "avatar/trainer.h"
-#include "splat/cuda/blend_backward.h"
-#include "splat/cuda/device_subject.h"
 #include "splat/cuda/stream.h"
 #include "splat/step_engine.h"
 
@@ -30,23 +32,52 @@ class DeviceAvatar : public DeviceSubject {
                      DeviceGaussians& gradients,
                      cudaStream_t stream) override;
   bool WaitsInSteps() const override { return refines_; }
-  const float* PositionRateScale() override { return rate_scale_.data(); }
-  void Changed(cudaStream_t stream) override;
+  const float* PositionRateScale(cudaStream_t stream) override;
   bool WorksAfter(int iteration) const override;
-  bool ControlsDensityOnHost() const override { return true; }
+  void Work(Population& population, cudaStream_t stream) override;
+
+  void Gather(DeviceView<const uint32_t> source, cudaStream_t stream) override;
+  void Move(DeviceView<const float> offsets,
+            size_t first,
+            DeviceGaussians& gaussians,
+            cudaStream_t stream) override;
+  DeviceView<const float> Centers(const DeviceGaussians& gaussians, cudaStream_t stream) override;
+  std::vector<int32_t> Groups(cudaStream_t stream) override;
+  void Veto(const DeviceGaussians& gaussians,
+            const Canvas& canvas,
+            DeviceView<uint8_t> unwanted) override;
+
+  void Store(cudaStream_t stream) override;
+  void Fetch(cudaStream_t stream) override;
+  std::vector<MemoryPart> Memory() const override;
+  size_t BytesPerGaussian() const override;
 
  private:
+  bool IsOurs() const { return subject_.settings().system == AvatarSystem::kCosplat; }
+  // Of the mesh in the k-th frame that is searched for holes.
+  const DeviceBuffer<uint8_t>& SilhouetteOf(size_t k, cudaStream_t stream);
+
   AvatarSubject& subject_;
   bool refines_;
   ColorFrame color_frame_;
   Stream copies_;  // of the mesh
   DeviceSurface surface_;
+  DeviceMesh mesh_;
+  DeviceBuffer<float> face_rates_;  // [F]
   PosedVertices vertices_;
   DeviceEmbedding embedding_;
+  DeviceBuffer<int32_t> first_triangle_;
   DeviceBinding binding_;
+  DeviceWalk walk_;
+  DevicePlacement placement_;
+  HoleGuard guard_;
   DevicePosed posed_, d_posed_;
-  DeviceBuffer<float> d_vertices_, rate_scale_;
+  DeviceBuffer<float> rate_scale_;  // [N, 3]
+  bool triangles_changed_ = true;   // since it was made
+  DeviceBuffer<float> d_vertices_;
   std::vector<float> d_vertices_on_host_;
+  std::array<std::vector<uint8_t>, math::kHoleFrames> silhouettes_;
+  std::array<DeviceBuffer<uint8_t>, math::kHoleFrames> sent_silhouettes_;
 };
 
 // For Trainer, of `subject`, which must outlive it.

@@ -5,6 +5,7 @@
 #include "avatar/kernels/embed.h"
 #include "splat/base/error.h"
 #include "splat/cuda/find_begin.cuh"
+#include "splat/cuda/gather_rows.cuh"
 
 namespace cosplat::cuda {
 namespace {
@@ -76,8 +77,29 @@ FaceListArrays DeviceEmbedding::Lists(cudaStream_t stream) {
   return {begin_.data(), by_face_.values.data()};
 }
 
+void DeviceEmbedding::Gather(DeviceView<const uint32_t> source, cudaStream_t stream) {
+  listed_ = false;
+  GatherArray(triangle_, spare_triangle_, 1, source, source.count, stream);
+  GatherArray(barycentric_, spare_barycentric_, 2, source, source.count, stream);
+}
+
+void DeviceEmbedding::Download(Embedding& to, cudaStream_t stream) const {
+  to.triangle.resize(size());
+  to.barycentric.resize(size());
+  triangle_.Download(to.triangle.data(), stream);
+  barycentric_.Download(size() == 0 ? nullptr : to.barycentric.data()->data(), stream);
+}
+
+std::vector<int32_t> DeviceEmbedding::Triangles(cudaStream_t stream) const {
+  std::vector<int32_t> triangles(size());
+  triangle_.Download(triangles.data(), stream);
+  Check(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
+  return triangles;
+}
+
 size_t DeviceEmbedding::held() const {
-  return HeldBy(triangle_, barycentric_, begin_) + by_face_.held() + sorter_.held();
+  return HeldBy(triangle_, barycentric_, spare_triangle_, spare_barycentric_) + by_face_.held() +
+         sorter_.held();
 }
 
 void DeviceBinding::Bind(const DeviceGaussians& gaussians,

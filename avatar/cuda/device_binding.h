@@ -19,6 +19,8 @@ struct DevicePosed {
 
   size_t size() const { return position.size() / 3; }
   void Refill(size_t n);
+  size_t held() const { return HeldBy(position, rotation, scale_log, frame); }
+  static constexpr size_t kBytesPerGaussian = (3 + 4 + 3 + 4) * sizeof(float);
   // `gaussians` with these numbers in place of its own.
   WorldGaussians View(const DeviceGaussians& gaussians, ColorFrame color_frame) const;
 };
@@ -31,17 +33,39 @@ class DeviceEmbedding {
   void Upload(const Embedding& embedding, size_t face_count, cudaStream_t stream);
 
   size_t size() const { return triangle_.size(); }
+  size_t face_count() const { return face_count_; }
   const int32_t* triangle() const { return triangle_.data(); }
   const float* barycentric() const { return barycentric_.data(); }
-  // Gaussians by face; sorted when first asked for after Upload.
+  // Gaussians by face; sorted when first asked for after a change.
   FaceListArrays Lists(cudaStream_t stream);
-  size_t held() const;  // bytes
+
+  // For whoever moves Gaussians: both arrays change.
+  struct Movable {
+    int32_t* triangle;
+    float* barycentric;
+  };
+  Movable Move() {
+    listed_ = false;
+    return {triangle_.data(), barycentric_.data()};
+  }
+  // Entry i becomes what source[i] was.
+  void Gather(DeviceView<const uint32_t> source, cudaStream_t stream);
+  // They are there when the stream has been waited for.
+  void Download(Embedding& to, cudaStream_t stream) const;
+  // The host waits.
+  std::vector<int32_t> Triangles(cudaStream_t stream) const;
+  // Bytes that grow with the Gaussians, and others.
+  size_t held() const;
+  size_t HeldForMesh() const { return HeldBy(begin_); }
+  // Each Gaussian's: arrays and spares, keys and values in turn.
+  static constexpr size_t kBytesPerGaussian =
+      2 * (sizeof(int32_t) + 2 * sizeof(float)) + 4 * sizeof(uint32_t);
 
  private:
   size_t face_count_ = 0;
   bool listed_ = false;
-  DeviceBuffer<int32_t> triangle_;
-  DeviceBuffer<float> barycentric_;  // [N, 2]
+  DeviceBuffer<int32_t> triangle_, spare_triangle_;
+  DeviceBuffer<float> barycentric_, spare_barycentric_;  // [N, 2]
   KeyedValues by_face_;
   DeviceBuffer<uint32_t> begin_;
   Sorter sorter_;
@@ -64,7 +88,11 @@ class DeviceBinding {
                 DeviceGaussians& d_gaussians,
                 DeviceBuffer<float>* d_vertices,
                 cudaStream_t stream);
-  size_t held() const { return HeldBy(d_corners_, d_surface_); }
+  // Bytes that grow with the Gaussians, and others.
+  size_t held() const { return HeldBy(d_corners_); }
+  size_t HeldForMesh() const { return HeldBy(d_surface_); }
+  // Each Gaussian's where there are d_vertices.
+  static constexpr size_t kBytesPerCorners = 3 * kSurfaceVertexFloats * sizeof(float);
 
  private:
   DeviceBuffer<float> d_corners_;  // [N, 3, kSurfaceVertexFloats]; only for d_vertices

@@ -2,10 +2,15 @@
 set(COSPLAT_AVATAR_CUDA_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/device_binding.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_drawer.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_mesh.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_placement.cu
   ${CMAKE_CURRENT_LIST_DIR}/device_poser.cu
-  ${CMAKE_CURRENT_LIST_DIR}/device_surface.cu)
+  ${CMAKE_CURRENT_LIST_DIR}/device_surface.cu
+  ${CMAKE_CURRENT_LIST_DIR}/device_walk.cu)
 # cosplat::avatar_cuda_train: training them there.
-set(COSPLAT_AVATAR_CUDA_TRAIN_SOURCES ${CMAKE_CURRENT_LIST_DIR}/device_avatar.cpp)
+set(COSPLAT_AVATAR_CUDA_TRAIN_SOURCES
+  ${CMAKE_CURRENT_LIST_DIR}/device_avatar.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/hole_guard.cu)
 set_property(GLOBAL PROPERTY COSPLAT_AVATAR_CUDA_SOURCES
   ${COSPLAT_AVATAR_CUDA_SOURCES} ${COSPLAT_AVATAR_CUDA_TRAIN_SOURCES})
 if(COSPLAT_HAS_CUDA)
@@ -20,6 +25,8 @@ if(COSPLAT_HAS_CUDA)
   cosplat_library(avatar_cuda_train ${COSPLAT_AVATAR_CUDA_TRAIN_SOURCES})
   target_link_libraries(cosplat_avatar_cuda_train
     PUBLIC cosplat::avatar cosplat::avatar_cuda cosplat::cuda_train)
+  target_compile_options(cosplat_avatar_cuda_train
+    PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
 endif()
 
 # cosplat::player_device: who draws on a device for a player.

@@ -72,19 +72,20 @@ struct PlaceSources {
   }
 };
 
-struct MoveChild {
+// Where each child goes, from its parent's place, which it has; and its scale.
+struct DrawChild {
   size_t first;
   Rng rng;  // before the first child
   float shrink_log;
   DeviceView<const float> rotation;
-  DeviceView<float> position, scale_log;
+  DeviceView<float> offsets, scale_log;
   __device__ void operator()(size_t c) const {
     const size_t i = first + c;
     Rng mine = rng.After(c * math::kSplitDraws);
     const math::Vec3<float> offset = math::SplitOffset(&rotation[4 * i], &scale_log[3 * i], mine);
-    position[3 * i] += offset.x;
-    position[3 * i + 1] += offset.y;
-    position[3 * i + 2] += offset.z;
+    offsets[3 * c] = offset.x;
+    offsets[3 * c + 1] = offset.y;
+    offsets[3 * c + 2] = offset.z;
     for (int k = 0; k < 3; ++k) scale_log[3 * i + k] -= shrink_log;
   }
 };
@@ -174,6 +175,14 @@ void DensityControl::KeepStrongest(size_t room, cudaStream_t stream) {
   ForEach(n - room, stream, LetStay{std::as_const(order_.values).view(), room, kind_.view()});
 }
 
+void DensityControl::Gather(Population& population,
+                            DeviceView<const uint32_t> source,
+                            size_t first_fresh,
+                            cudaStream_t stream) {
+  population.Gather(source, first_fresh, stream);
+  placement_.Gather(source, stream);
+}
+
 void DensityControl::AddChildren(Population& population, Rng& rng, cudaStream_t stream) {
   const size_t n = population.size();
   for (DeviceBuffer<uint64_t>* flags : {&kept_, &cloned_, &split_}) flags->Refill(n + 1);
@@ -192,16 +201,18 @@ void DensityControl::AddChildren(Population& population, Rng& rng, cudaStream_t 
                        kept,
                        children,
                        source_.view()});
-  population.Gather(std::as_const(source_).view(), kept, stream);
+  Gather(population, std::as_const(source_).view(), kept, stream);
   auto& values = population.values.values;
+  offsets_.Refill(3 * (after - children));
   ForEach(after - children,
           stream,
-          MoveChild{children,
+          DrawChild{children,
                     rng,
                     std::log(math::kSplitShrink),
                     std::as_const(values[kRotation]).view(),
-                    values[kPosition].view(),
+                    offsets_.view(),
                     values[kScaleLog].view()});
+  placement_.Move(std::as_const(offsets_).view(), children, population.values, stream);
   rng = rng.After((after - children) * math::kSplitDraws);
 }
 
@@ -222,13 +233,14 @@ bool DensityControl::Control(const DensitySettings& settings,
                        population.values.View(),
                        std::as_const(population.statistics.max_radius).view(),
                        unwanted_.view()});
-  Remove(std::as_const(unwanted_).view(), population, stream);
+  placement_.Veto(population.values, canvas_, unwanted_.view());
+  Take(std::as_const(unwanted_).view(), population, stream);
   return held_back;
 }
 
-void DensityControl::Remove(DeviceView<const uint8_t> unwanted,
-                            Population& population,
-                            cudaStream_t stream) {
+void DensityControl::Take(DeviceView<const uint8_t> unwanted,
+                          Population& population,
+                          cudaStream_t stream) {
   const size_t n = population.size();
   kept_.Refill(n + 1);
   ForEach(n + 1, stream, FlagKept{unwanted, kept_.view()});
@@ -236,11 +248,12 @@ void DensityControl::Remove(DeviceView<const uint8_t> unwanted,
   if (kept == n) return;
   source_.Refill(kept);
   ForEach(n, stream, PlaceKept{unwanted, std::as_const(kept_).view(), source_.view()});
-  population.Gather(std::as_const(source_).view(), kept, stream);
+  Gather(population, std::as_const(source_).view(), kept, stream);
 }
 
 size_t DensityControl::held() const {
-  return HeldBy(mean_, kind_, unwanted_, kept_, cloned_, split_, source_, codes_, boxes_) +
+  return HeldBy(
+             mean_, kind_, unwanted_, kept_, cloned_, split_, source_, offsets_, codes_, boxes_) +
          order_.held() + sorter_.held();
 }
 

@@ -1,17 +1,21 @@
-// Density control on the device: splat/density.h there, for Gaussians that are where they are.
+// Density control on the device: splat/density.h there.
 //
 // statistics -> who is cloned or split (CUB counts where each goes) -> gathered -> children moved
 // -> who goes -> gathered -> Morton order -> gathered. Random numbers are the host's, by index.
 #pragma once
 
 #include "splat/base/rng.h"
-#include "splat/cuda/population.h"
+#include "splat/cuda/device_subject.h"
 #include "splat/cuda/sort.h"
 
 namespace cosplat::cuda {
 
 class DensityControl {
  public:
+  // Keeps references to the placement and to what the canvas has.
+  DensityControl(DeviceSubject& placement, const Canvas& canvas)
+      : placement_(placement), canvas_(canvas) {}
+
   // As ControlDensity (splat/density.h). Returns whether the limit on their number held some back.
   bool Control(const DensitySettings& settings,
                bool remove_oversized,
@@ -19,7 +23,7 @@ class DensityControl {
                Rng& rng,
                cudaStream_t stream);
   // What `unwanted` ([N], 1) marks goes.
-  void Remove(DeviceView<const uint8_t> unwanted, Population& population, cudaStream_t stream);
+  void Take(DeviceView<const uint8_t> unwanted, Population& population, cudaStream_t stream);
   // As SortInSpace.
   void SortInSpace(Population& population, cudaStream_t stream);
   size_t held() const;
@@ -27,15 +31,22 @@ class DensityControl {
  private:
   size_t Select(const DensitySettings& settings, const Population& population, cudaStream_t stream);
   void KeepStrongest(size_t room, cudaStream_t stream);
+  void Gather(Population& population,
+              DeviceView<const uint32_t> source,
+              size_t first_fresh,
+              cudaStream_t stream);
   void AddChildren(Population& population, Rng& rng, cudaStream_t stream);
   // Turns flags ([n + 1], the last 0) into where each of them goes; returns how many are set.
   size_t PlacesOf(DeviceBuffer<uint64_t>& flags, cudaStream_t stream);
 
+  DeviceSubject& placement_;
+  Canvas canvas_;
   DeviceBuffer<float> mean_;    // [N] screen gradients
   DeviceBuffer<uint8_t> kind_;  // [N] Kind (density.cu)
   DeviceBuffer<uint8_t> unwanted_;
   DeviceBuffer<uint64_t> kept_, cloned_, split_;  // [N + 1]
   DeviceBuffer<uint32_t> source_;
+  DeviceBuffer<float> offsets_;  // [children, 3]
   KeyedValues order_;
   DeviceBuffer<uint64_t> codes_;
   DeviceBuffer<float> boxes_;  // [blocks, 6]

@@ -15,7 +15,7 @@ constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // DeviceBuffer
 constexpr double kBesideParameters =
     5 * sizeof(float) + 2 * sizeof(float) + sizeof(ProjectedSplat) + sizeof(float) +
     sizeof(SplatGradient) + 4 * sizeof(uint32_t) + sizeof(uint64_t) + 4 * sizeof(uint64_t) +
-    6 * sizeof(uint32_t) + 2 * sizeof(uint8_t);
+    6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 3 * sizeof(float);
 // Lists: two pairs of keys and values, the record's Gaussian, the list's; and a bucket's pixels.
 constexpr double kPerInstance =
     6 * sizeof(uint32_t) + double(kTileSize) * kTileSize * sizeof(PixelCheckpoint) / kBucket;

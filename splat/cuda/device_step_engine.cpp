@@ -33,6 +33,7 @@ DeviceStepEngine::DeviceStepEngine(const TrainSettings& settings,
       order_(order),
       renderer_(order),
       photographs_(subject, size_t(kPhotographShare * double(FreeMemory()))),
+      density_(*on_device_, SpareCanvas()),
       forecast_(forecast) {
   CheckRule(settings.prune.rule);
   Store();
@@ -48,26 +49,21 @@ StepEngineMaker MakeDeviceStepEngine(SumOrder order,
 
 void DeviceStepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
-  population_.adam.CatchUpAll(rates, on_device_->PositionRateScale(), population_.values, stream());
+  population_.adam.CatchUpAll(
+      rates, on_device_->PositionRateScale(stream()), population_.values, stream());
   fetched_ = false;
-}
-
-template <class F>
-void DeviceStepEngine::OnHost(const F& f) {
-  Fetch();
-  f(cosplat::Population{subject_, state_.gaussians, state_.adam, state_.statistics, pruner_});
-  Store();
 }
 
 void DeviceStepEngine::AfterStep(int iteration) {
   if (!on_device_->WorksAfter(iteration)) return;
-  OnHost([&](const cosplat::Population& everyone) {
-    subject_.AfterStep(iteration, everyone.gaussians, everyone.adam);
-  });
+  Settle(0);
+  on_device_->Work(population_, stream());
+  fetched_ = false;
 }
 
 size_t DeviceStepEngine::MostThatFit() const {
-  const Footprint footprint = FootprintOf(population_.values, order_, instances_per_gaussian_);
+  Footprint footprint = FootprintOf(population_.values, order_, instances_per_gaussian_);
+  footprint.per_gaussian += double(on_device_->BytesPerGaussian());
   size_t held = density_.held();
   for (const MemoryPart& part : Memory())
     if (part.of == MemoryOf::kGaussians) held += part.bytes;
@@ -77,18 +73,9 @@ size_t DeviceStepEngine::MostThatFit() const {
 void DeviceStepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
   DensitySettings limited = settings;
   limited.max_count = std::min(settings.max_count, MostThatFit());
-  bool held_back = false;
-  if (on_device_->ControlsDensityOnHost()) {
-    OnHost([&](const cosplat::Population& everyone) {
-      const size_t before = everyone.gaussians.size();
-      const DensityReport report =
-          cosplat::ControlDensity(limited, remove_oversized, everyone, state_.rng);
-      held_back = before + report.cloned + report.split >= limited.max_count;
-    });
-  } else {
-    held_back = density_.Control(limited, remove_oversized, population_, state_.rng, stream());
-    fetched_ = false;
-  }
+  const bool held_back =
+      density_.Control(limited, remove_oversized, population_, state_.rng, stream());
+  fetched_ = false;
   instances_per_gaussian_ = 0;
   if (!held_back || limited.max_count == settings.max_count || told_of_memory_) return;
   told_of_memory_ = true;
@@ -96,21 +83,27 @@ void DeviceStepEngine::ControlDensity(const DensitySettings& settings, bool remo
 }
 
 void DeviceStepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
-  if (on_device_->ControlsDensityOnHost())
-    return OnHost([&](const cosplat::Population& everyone) {
-      everyone.Prune(round, group_cap, group_floor);
-    });
   StoreMask();  // ranking may have begun or ended it
   const std::vector<uint8_t> unwanted =
-      UnwantedBy(round, count(), subject_.Groups(), group_cap, group_floor, [](auto&) {});
+      UnwantedBy(round,
+                 count(),
+                 on_device_->Groups(stream()),
+                 group_cap,
+                 group_floor,
+                 [this](std::vector<uint8_t>& marks) { HeedVeto(marks); });
   unwanted_.Upload(unwanted.data(), unwanted.size(), stream());
-  density_.Remove(std::as_const(unwanted_).view(), population_, stream());
+  density_.Take(std::as_const(unwanted_).view(), population_, stream());
   fetched_ = false;
 }
 
+void DeviceStepEngine::HeedVeto(std::vector<uint8_t>& unwanted) {
+  unwanted_.Upload(unwanted.data(), unwanted.size(), stream());
+  on_device_->Veto(population_.values, SpareCanvas(), unwanted_.view());
+  unwanted_.Download(unwanted.data(), stream());
+  renderer_.stream().Wait();
+}
+
 void DeviceStepEngine::SortInSpace() {
-  if (on_device_->ControlsDensityOnHost())
-    return OnHost([](const cosplat::Population& everyone) { cosplat::SortInSpace(everyone); });
   density_.SortInSpace(population_, stream());
   fetched_ = false;
 }
@@ -130,6 +123,7 @@ void DeviceStepEngine::Fetch() {
   Settle(0);
   population_.Download(state_, stream());
   population_.mask.Download(stream());
+  on_device_->Fetch(stream());
   fetched_ = true;
 }
 
@@ -150,7 +144,7 @@ void DeviceStepEngine::StoreMask() {
 void DeviceStepEngine::Store() {
   population_.Upload(state_, stream());
   StoreMask();
-  on_device_->Changed(stream());
+  on_device_->Store(stream());
   renderer_.stream().Wait();  // for the state's memory
   in_flight_ = 0;             // steps of another state
   fetched_ = true;
@@ -200,6 +194,7 @@ double DeviceStepEngine::MeanPsnr(const FrameChoice& choice) {
 
 std::vector<MemoryPart> DeviceStepEngine::Memory() const {
   std::vector<MemoryPart> parts = population_.Memory();
+  for (MemoryPart& part : on_device_->Memory()) parts.push_back(std::move(part));
   for (MemoryPart& part : tape_.Memory()) parts.push_back(std::move(part));
   parts.push_back({"screen gradients", HeldBy(screen_)});
   parts.push_back({"picture and its gradient",

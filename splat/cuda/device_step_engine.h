@@ -79,9 +79,9 @@ class DeviceStepEngine : public StepEngine {
   void Repeat();
   double LossOf(const Submitted& step) const;
   void StoreMask();
-  // Does it with everything in the host's memory.
-  template <class F>
-  void OnHost(const F& f);
+  // Puts those of `unwanted` that the subject keeps back to 0.
+  void HeedVeto(std::vector<uint8_t>& unwanted);
+  Canvas SpareCanvas() { return {renderer_, image_, tape_, state_.gaussians.basis}; }
   cudaStream_t stream() const { return renderer_.stream().get(); }
 
   const TrainSettings& settings_;

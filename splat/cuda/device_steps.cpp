@@ -118,7 +118,7 @@ void DeviceStepEngine::Update(Submitted& step) {
   population_.adam.Step(step.plan.rates,
                         population_.gradients,
                         moves,
-                        on_device_->PositionRateScale(),
+                        on_device_->PositionRateScale(stream()),
                         population_.values,
                         stream());
 }

@@ -1,15 +1,27 @@
-// Where the Gaussians are in a frame: Subject (splat/subject.h) on the device.
+// Where the Gaussians are in a frame, and what is per Gaussian beside them: Subject
+// (splat/subject.h) on the device.
 #pragma once
 
-#include "splat/cuda/device_gaussians.h"
+#include <vector>
+
+#include "splat/cuda/population.h"
+#include "splat/cuda/renderer.h"
 
 namespace cosplat::cuda {
 
-// This class: a static scene's, which are where they are.
+// Who draws for density control, between steps, in the memory that steps have anyway.
+struct Canvas {
+  Renderer& renderer;
+  DeviceImage& image;
+  Tape& tape;
+  Basis basis;
+};
+
+// This class: a static scene's, which are where they are. Names that Subject has mean the same
+// here, with pointers of the device; work goes to the stream.
 class DeviceSubject {
  public:
   virtual ~DeviceSubject() = default;
-  // As Subject's, with pointers of the device. Work goes to the stream.
   virtual WorldGaussians Place(const DeviceGaussians& gaussians,
                                size_t frame,
                                cudaStream_t stream) {
@@ -33,18 +45,57 @@ class DeviceSubject {
   // Whether PlaceBackward waits, for what it tells the host's Subject of a step: the step must then
   // be right the first time.
   virtual bool WaitsInSteps() const { return false; }
-  virtual const float* PositionRateScale() { return nullptr; }
-  // After the host's Subject has changed what it has of its own for each Gaussian, and at first.
-  virtual void Changed(cudaStream_t stream) { (void)stream; }
-  // Whether the host's Subject has something to do after this step (Subject::AfterStep): all is
-  // then copied there and back.
+  virtual const float* PositionRateScale(cudaStream_t stream) {
+    (void)stream;
+    return nullptr;
+  }
+  // What Subject::AfterStep does; and whether there is anything after this step, since the steps
+  // before must then have settled.
   virtual bool WorksAfter(int iteration) const {
     (void)iteration;
     return false;
   }
-  // Whether Gaussians come, go and are reordered by the host's Subject, because it has data of its
-  // own for each: all is then copied there and back.
-  virtual bool ControlsDensityOnHost() const { return false; }
+  virtual void Work(Population& population, cudaStream_t stream) {
+    (void)population;
+    (void)stream;
+  }
+
+  virtual void Gather(DeviceView<const uint32_t> source, cudaStream_t stream) {
+    (void)source;
+    (void)stream;
+  }
+  // All from `first` on, by a row of `offsets` ([rows, 3]) each.
+  virtual void Move(DeviceView<const float> offsets,
+                    size_t first,
+                    DeviceGaussians& gaussians,
+                    cudaStream_t stream);
+  // [N, 3], until the next call.
+  virtual DeviceView<const float> Centers(const DeviceGaussians& gaussians, cudaStream_t stream) {
+    (void)stream;
+    return gaussians.values[kPosition].view();
+  }
+  // The host waits.
+  virtual std::vector<int32_t> Groups(cudaStream_t stream) {
+    (void)stream;
+    return {};
+  }
+  // Zeroes those of `unwanted` ([N], 1: goes) that must stay. In the renderer's stream.
+  virtual void Veto(const DeviceGaussians& gaussians,
+                    const Canvas& canvas,
+                    DeviceView<uint8_t> unwanted) {
+    (void)gaussians;
+    (void)canvas;
+    (void)unwanted;
+  }
+
+  // Takes over what the host's Subject has of its own for each Gaussian; and the way back, for
+  // which the host waits.
+  virtual void Store(cudaStream_t stream) { (void)stream; }
+  virtual void Fetch(cudaStream_t stream) { (void)stream; }
+
+  // What it holds, and what each Gaussian takes of that.
+  virtual std::vector<MemoryPart> Memory() const { return {}; }
+  virtual size_t BytesPerGaussian() const { return 0; }
 };
 
 }  // namespace cosplat::cuda

@@ -80,18 +80,18 @@ struct HighKeys {
 
 void DensityControl::SortInSpace(Population& population, cudaStream_t stream) {
   const size_t n = population.size();
-  const auto& position = std::as_const(population.values.values[kPosition]);
+  const DeviceView<const float> position = placement_.Centers(population.values, stream);
   constexpr size_t kThreads = FindBoxes<true>::kThreads;
   const size_t blocks = (n + kThreads - 1) / kThreads;
   boxes_.Refill(6 * (blocks + 1));
   const DeviceView<float> parts{boxes_.data(), 6 * blocks}, whole{boxes_.data() + 6 * blocks, 6};
-  ForBlocks(blocks, stream, FindBoxes<true>{position.view(), n, parts});
+  ForBlocks(blocks, stream, FindBoxes<true>{position, n, parts});
   ForBlocks(1, stream, FindBoxes<false>{{parts.data, parts.count}, blocks, whole});
   codes_.Refill(n);
   order_.Refill(n);
   ForEach(n,
           stream,
-          LowKeys{position.view(),
+          LowKeys{position,
                   {whole.data, whole.count},
                   codes_.view(),
                   order_.keys.view(),
@@ -103,7 +103,7 @@ void DensityControl::SortInSpace(Population& population, cudaStream_t stream) {
       HighKeys{
           std::as_const(codes_).view(), std::as_const(order_.values).view(), order_.keys.view()});
   sorter_.Sort(order_, 32, stream);
-  population.Gather(std::as_const(order_.values).view(), n, stream);
+  Gather(population, std::as_const(order_.values).view(), n, stream);
 }
 
 }  // namespace cosplat::cuda

@@ -18,6 +18,7 @@ set(COSPLAT_CUDA_TRAIN_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/device_memory.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_step_engine.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_steps.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_subject.cu
   ${CMAKE_CURRENT_LIST_DIR}/gather.cu
   ${CMAKE_CURRENT_LIST_DIR}/mask_learner.cu
   ${CMAKE_CURRENT_LIST_DIR}/morton.cu

@@ -8,7 +8,8 @@ target_link_libraries(cosplat_avatar_cuda_on_host
   PUBLIC cosplat_cuda_on_host cosplat::avatar PRIVATE cosplat::options)
 
 include(${PROJECT_SOURCE_DIR}/tests/parity/avatar_sources.cmake)
-add_executable(cosplat_test_avatar_cuda_on_host ${COSPLAT_AVATAR_PARITY_SOURCES})
+add_executable(cosplat_test_avatar_cuda_on_host
+  avatar_memory_limit_test.cpp ${COSPLAT_AVATAR_PARITY_SOURCES})
 target_compile_definitions(cosplat_test_avatar_cuda_on_host PRIVATE
   COSPLAT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(cosplat_test_avatar_cuda_on_host PRIVATE

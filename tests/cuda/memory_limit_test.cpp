@@ -13,26 +13,20 @@ struct MemoryLimit : testing::Test {
   size_t before = cuda_on_host::FreeMemory();
 };
 
-struct ControlledByTheHost : cuda::DeviceSubject {
-  bool ControlsDensityOnHost() const override { return true; }
-};
-
 // The largest number of Gaussians, and what was said.
 struct Outcome {
   size_t largest = 0;
   std::vector<std::string> notices;
 };
 
-Outcome TrainWhereMemoryRunsOut(const std::shared_ptr<cuda::DeviceSubject>& on_device) {
+Outcome TrainWhereMemoryRunsOut() {
   test::TrainingRun run;
   run.settings.density.gradient_threshold = 0;  // all want to be two
   run.settings.density.max_count = 100000;
   run.settings.schedule.densify_every = 5;
   SceneSubject subject(run.frames, 1);
-  Trainer trainer(run.settings,
-                  subject,
-                  run.first,
-                  cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed, on_device));
+  Trainer trainer(
+      run.settings, subject, run.first, cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed));
   Outcome outcome;
   for (int i = 0; i < 40; ++i) {
     if (i == 12) cuda_on_host::SetFreeMemory(400000);
@@ -44,17 +38,13 @@ Outcome TrainWhereMemoryRunsOut(const std::shared_ptr<cuda::DeviceSubject>& on_d
 }
 
 TEST_F(MemoryLimit, TrainingGoesOnWithWhatFits) {
-  for (const bool on_host : {false, true}) {
-    cuda_on_host::SetFreeMemory(before);
-    const Outcome outcome = TrainWhereMemoryRunsOut(
-        on_host ? std::make_shared<ControlledByTheHost>() : std::shared_ptr<cuda::DeviceSubject>());
-    ASSERT_EQ(outcome.notices.size(), 1u) << "once";
-    const std::string& notice = outcome.notices[0];
-    EXPECT_NE(notice.find("memory is nearly full"), std::string::npos) << notice;
-    EXPECT_EQ(notice.find('\n'), std::string::npos);
-    EXPECT_GT(outcome.largest, test::TrainingRun().first.size());
-    EXPECT_LT(outcome.largest, 1000u);
-  }
+  const Outcome outcome = TrainWhereMemoryRunsOut();
+  ASSERT_EQ(outcome.notices.size(), 1u) << "once";
+  const std::string& notice = outcome.notices[0];
+  EXPECT_NE(notice.find("memory is nearly full"), std::string::npos) << notice;
+  EXPECT_EQ(notice.find('\n'), std::string::npos);
+  EXPECT_GT(outcome.largest, test::TrainingRun().first.size());
+  EXPECT_LT(outcome.largest, 1000u);
 }
 
 }  // namespace

@@ -1,0 +1,83 @@
+// An avatar's training on a device whose memory is nearly full: what is per Gaussian beside its
+// parameters counts, too.
+#include <gtest/gtest.h>
+
+#include "avatar/cuda/device_avatar.h"
+#include "splat/cuda/device_step_engine.h"
+#include "tests/avatar/training_fixture.h"
+
+namespace cosplat {
+namespace {
+
+struct AvatarMemoryLimit : testing::Test {
+  void SetUp() override { cuda_on_host::SetSchedule(1); }
+  void TearDown() override { cuda_on_host::SetFreeMemory(before); }
+  size_t before = cuda_on_host::FreeMemory();
+};
+
+// An allocation that does not fit would end it.
+TEST_F(AvatarMemoryLimit, TrainingGoesOnWithWhatFits) {
+  AvatarSettings avatar = test::SmallAvatar(100);
+  avatar.walk_every = 7;
+  AvatarSubject subject(test::SmallVideo::Get().flame, test::LoadSmallVideo(3, 4), avatar);
+  TrainSettings settings = test::ShortRun(100, 100000);
+  settings.degree = 1;
+  ScaleToUnit(subject.extent(), settings);
+  settings.density.gradient_threshold = 0;  // all want to be two
+  settings.schedule.densify_every = 5;
+  Trainer trainer(settings,
+                  subject,
+                  subject.InitialGaussians(1, Basis::kDcsh, 3),
+                  cuda::MakeDeviceAvatarEngine(cuda::SumOrder::kFixed, subject));
+  size_t largest = 0;
+  std::vector<std::string> notices;
+  for (int i = 0; i < 26; ++i) {
+    if (i == 7) cuda_on_host::SetFreeMemory(500000);
+    const StepReport step = trainer.Step();
+    largest = std::max(largest, step.gaussians);
+    if (!step.notice.empty()) notices.push_back(step.notice);
+  }
+  ASSERT_EQ(notices.size(), 1u) << "once";
+  EXPECT_NE(notices[0].find("memory is nearly full"), std::string::npos) << notices[0];
+  EXPECT_GT(largest, 200u);
+  EXPECT_LT(largest, 1000u);
+}
+
+// A refined avatar's bytes after each kind of work; what it foresees for a Gaussian of it.
+struct Held {
+  size_t bytes = 0, per_gaussian = 0;
+};
+Held HeldWith(size_t gaussians) {
+  AvatarSettings avatar = test::SmallAvatar(gaussians);
+  avatar.refine_track = true;
+  AvatarSubject subject(test::SmallVideo::Get().flame, test::LoadSmallVideo(3, 4), avatar);
+  TrainingState state;
+  state.gaussians = subject.InitialGaussians(0, Basis::kDcsh, 3);
+  state.adam = AdamState(state.gaussians);
+  state.statistics.Reset(gaussians);
+  const auto on_device = std::make_shared<cuda::DeviceAvatar>(subject, 0);
+  const TrainSettings settings;
+  const auto engine =
+      cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed, on_device)(settings, subject, state);
+  engine->Step({1, 0, {}, {}, true});
+  engine->AfterStep(avatar.walk_every);
+  engine->CatchUp({});
+  PruneRound nothing;
+  nothing.score.assign(gaussians, 1);
+  engine->Prune(nothing, 0, 0);
+  engine->SortInSpace();
+  Held held{0, on_device->BytesPerGaussian()};
+  for (const MemoryPart& part : on_device->Memory())
+    if (part.of == MemoryOf::kGaussians) held.bytes += part.bytes;
+  return held;
+}
+
+TEST_F(AvatarMemoryLimit, BytesPerGaussianAreThoseThatAreHeld) {
+  const Held few = HeldWith(1000), many = HeldWith(3000);
+  // Buffers have room for a little more than was asked for.
+  const double grown = double(many.bytes - few.bytes) / (1 + 1.0 / kHeadRoom) / 2000;
+  EXPECT_NEAR(grown, double(few.per_gaussian), 0.02 * double(few.per_gaussian));
+}
+
+}  // namespace
+}  // namespace cosplat
