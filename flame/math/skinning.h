@@ -16,8 +16,9 @@ COSPLAT_HD void SkinPoint(
     for (int i = 0; i < 9; ++i) r[i] += weights[j] * rotation[9 * j + i];
     for (int i = 0; i < 3; ++i) t[i] += weights[j] * translation[3 * j + i];
   }
+  const T x = p[0], y = p[1], z = p[2];  // `posed` might be `p`
   for (int i = 0; i < 3; ++i)
-    posed[i] = t[i] + (r[3 * i] * p[0] + r[3 * i + 1] * p[1] + r[3 * i + 2] * p[2]);
+    posed[i] = t[i] + (r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z);
 }
 template <class T, size_t N>
 Vector3<T> SkinPoint(const JointTransforms<T, N>& joints, const T* weights, const Vector3<T>& p) {
