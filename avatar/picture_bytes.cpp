@@ -4,14 +4,12 @@
 #include <limits>
 
 #include "avatar/parallel_for.h"
+#include "splat/kernels/pixel_bytes.h"
 
 namespace cosplat {
 namespace {
 
 constexpr size_t kPixelsPerTask = 8192;
-
-// [0, 1] to [0, 255], rounded; what is not a number is 0.
-uint8_t ToByte(float x) { return x > 0 ? uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : uint8_t(0); }
 
 // Row(y) for every row, some of them on each core.
 template <class Row>
@@ -24,20 +22,18 @@ void ForRows(const RenderedImage& image, const Row& row) {
 
 template <AlphaMode kMode>
 void WriteRows(const RenderedImage& image, bool blue_first, uint8_t* pixels, ptrdiff_t stride) {
-  const size_t width = size_t(image.width), plane = width * size_t(image.height);
+  const size_t width = size_t(image.width);
+  const PicturePlanes planes{
+      image.color.data(), image.transmittance.data(), width * size_t(image.height)};
   const int red = blue_first ? 2 : 0, blue = 2 - red;
-  const int place[3] = {red, 1, blue};
   ForRows(image, [&](size_t y) {
     uint8_t* out = pixels + ptrdiff_t(y) * stride;
     for (size_t p = y * width; p < (y + 1) * width; ++p, out += 4) {
-      const float alpha = 1 - image.transmittance[p];
-      for (int c = 0; c < 3; ++c) {
-        float color = image.color[size_t(c) * plane + p];
-        if (kMode == AlphaMode::kStraight) color = alpha > 0 ? color / alpha : 0.0f;
-        if (kMode == AlphaMode::kPremultiplied) color = std::min(color, alpha);
-        out[place[c]] = ToByte(color);
-      }
-      out[3] = kMode == AlphaMode::kOpaque ? uint8_t(255) : ToByte(alpha);
+      const PixelBytes pixel = math::PixelAt<kMode>(planes, p);
+      out[red] = pixel.red;
+      out[1] = pixel.green;
+      out[blue] = pixel.blue;
+      out[3] = pixel.alpha;
     }
   });
 }

@@ -6,15 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/alpha_mode.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
-
-enum class AlphaMode {
-  kStraight,       // colour not multiplied by alpha; of a picture over black
-  kPremultiplied,  // colour <= alpha; of a picture over black
-  kOpaque          // alpha 255, the colour as it is; of a picture over its background
-};
 
 struct PixelLayout {
   AlphaMode alpha = AlphaMode::kStraight;

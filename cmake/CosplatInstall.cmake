@@ -52,6 +52,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/scene_layouts.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
+  splat/kernels/pixel_bytes.h
   splat/kernels/project
   splat/kernels/rows.h
   splat/kernels/tile_range.h
