@@ -11,7 +11,9 @@
 
 #include "avatar/avatar_model.h"
 #include "flame/posing.h"
+#include "splat/alpha_mode.h"
 #include "splat/buffer.h"
+#include "splat/device_picture.h"
 #include "splat/rasterizer.h"
 
 namespace cosplat {
@@ -32,6 +34,14 @@ class AvatarDrawer {
                     const Camera& camera,
                     const RenderSettings& settings,
                     RenderedImage& image) = 0;
+  // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
+  // this drawer. The background must be black but with AlphaMode::kOpaque.
+  virtual void DrawToStay(const FlameRig<float>& rig,
+                          uint64_t placement,
+                          const Camera& camera,
+                          const RenderSettings& settings,
+                          AlphaMode alpha,
+                          std::unique_ptr<DevicePicture>& out) = 0;
 
   PhaseTimes times;  // project, sort, blend; the caller resets it
 };

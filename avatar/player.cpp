@@ -134,6 +134,17 @@ const RenderedImage& Player::Draw(const PlacedAvatar& placed,
   return last_.image;
 }
 
+void Player::DrawToStay(const PlacedAvatar& placed,
+                        const Camera& camera,
+                        const std::array<float, 3>& background,
+                        AlphaMode alpha,
+                        std::unique_ptr<DevicePicture>& out) {
+  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (!DrawsOnDevice()) throw Error("avatar", "picture", "cannot stay: no device draws it");
+  drawer_->DrawToStay(
+      placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);
+}
+
 void Player::DrawInto(const PlacedAvatar& placed,
                       const Camera& camera,
                       const RenderSettings& settings,

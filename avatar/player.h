@@ -68,6 +68,16 @@ class Player {
   const RenderedImage& Draw(const PlacedAvatar& placed,
                             const Camera& camera,
                             const std::array<float, 3>& background);
+  // Whether pictures can stay where they are drawn: a device draws, in full size.
+  bool DrawsOnDevice() const { return drawer_ && !half_resolution_; }
+  // As Draw, but the picture stays on the device and is drawn each time. `out`: null, or of this
+  // player. The background must be black but with AlphaMode::kOpaque. Throws Error without
+  // DrawsOnDevice.
+  void DrawToStay(const PlacedAvatar& placed,
+                  const Camera& camera,
+                  const std::array<float, 3>& background,
+                  AlphaMode alpha,
+                  std::unique_ptr<DevicePicture>& out);
 
   // Place and Draw; throws as they do, and `out` then keeps its last content.
   void RenderOver(const FlameParams& params,

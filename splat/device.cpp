@@ -5,6 +5,7 @@
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/cuda/cuda_rasterizer.h"
 #include "splat/cuda/device.h"
+#include "splat/cuda/device_scene.h"
 #endif
 
 namespace cosplat {
@@ -38,6 +39,15 @@ std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
 #else
   throw Error("", "device", "cuda: " + WhyNoCuda());
 #endif
+}
+
+SceneDrawerMaker SceneDrawerOn(Device device) {
+#if defined(COSPLAT_HAS_CUDA)
+  if (device == Device::kCuda) return cuda::MakeDeviceScene;
+#else
+  (void)device;  // DeviceFromString gives no other
+#endif
+  return {};
 }
 
 }  // namespace cosplat

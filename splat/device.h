@@ -5,6 +5,7 @@
 #include <string>
 
 #include "splat/rasterizer.h"
+#include "splat/scene_drawer.h"
 
 namespace cosplat {
 
@@ -17,5 +18,8 @@ Device DeviceFromString(const std::string& name, const std::string& field = "--d
 // For single pictures: on a device everything is copied with each call, and gradients are added in
 // a fixed order, as on the CPU.
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
+
+// For many pictures of one scene; empty for the CPU, which draws by a Rasterizer.
+SceneDrawerMaker SceneDrawerOn(Device device);
 
 }  // namespace cosplat

@@ -2,7 +2,7 @@
 
 #include "avatar/cuda/device_binding.h"
 #include "avatar/cuda/device_poser.h"
-#include "splat/cuda/renderer.h"
+#include "splat/cuda/picture_renderer.h"
 
 namespace cosplat::cuda {
 namespace {
@@ -12,12 +12,11 @@ class DeviceDrawer : public AvatarDrawer {
   DeviceDrawer(const AvatarModel& avatar, const AvatarPosing& posing, DirectionStore& store)
       : basis_(avatar.gaussians.basis),
         color_frame_(avatar.color_frame),
-        renderer_(SumOrder::kAny),
         poser_(posing, store, stream()),
         surface_(Surface(avatar.mesh), stream()) {
     gaussians_.Upload(avatar.gaussians, stream());
     embedding_.Upload(avatar, surface_.face_count(), stream());
-    renderer_.stream().Wait();  // for the avatar's memory
+    pictures_.stream().Wait();  // for the avatar's memory
   }
 
   void Draw(const FlameRig<float>& rig,
@@ -25,36 +24,37 @@ class DeviceDrawer : public AvatarDrawer {
             const Camera& camera,
             const RenderSettings& settings,
             RenderedImage& image) override {
-    if (placement == 0 || placement != placed_) Place(rig);
-    placed_ = placement;
-    renderer_.Forward(
-        posed_.View(gaussians_, color_frame_), basis_, camera, settings, false, image_, tape_);
-    image.width = image_.width;
-    image.height = image_.height;
-    image.color.resize(image_.color.size());
-    image.transmittance.resize(image_.transmittance.size());
-    image_.color.Download(image.color.data(), stream());
-    image_.transmittance.Download(image.transmittance.data(), stream());
-    renderer_.stream().Wait();
-    AddTime(Phase::kProject, Renderer::kStart, Renderer::kProjected);
-    AddTime(Phase::kSort, Renderer::kProjected, Renderer::kSorted);
-    AddTime(Phase::kBlend, Renderer::kSorted, Renderer::kBlended);
+    Place(rig, placement);
+    Forward(camera, settings);
+    pictures_.Download(image, times);
+  }
+  void DrawToStay(const FlameRig<float>& rig,
+                  uint64_t placement,
+                  const Camera& camera,
+                  const RenderSettings& settings,
+                  AlphaMode alpha,
+                  std::unique_ptr<DevicePicture>& out) override {
+    Place(rig, placement);
+    Forward(camera, settings);
+    pictures_.Keep(alpha, out, times);
   }
 
  private:
-  void Place(const FlameRig<float>& rig) {
+  void Place(const FlameRig<float>& rig, uint64_t placement) {
+    if (placement != 0 && placement == placed_) return;
     placed_ = 0;
     surface_.Pose(poser_.Pose(rig, stream()).data(), stream());
     binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
+    placed_ = placement;
   }
-  void AddTime(Phase phase, Renderer::Mark from, Renderer::Mark to) {
-    times.seconds[size_t(phase)] += 1e-3 * renderer_.MillisecondsBetween(from, to);
+  void Forward(const Camera& camera, const RenderSettings& settings) {
+    pictures_.Forward(posed_.View(gaussians_, color_frame_), basis_, camera, settings);
   }
-  cudaStream_t stream() const { return renderer_.stream().get(); }
+  cudaStream_t stream() const { return pictures_.stream().get(); }
 
   Basis basis_;
   ColorFrame color_frame_;
-  Renderer renderer_;
+  PictureRenderer pictures_;
   DevicePoser poser_;
   DeviceSurface surface_;
   DeviceGaussians gaussians_;
@@ -62,8 +62,6 @@ class DeviceDrawer : public AvatarDrawer {
   DeviceBinding binding_;
   DevicePosed posed_;
   uint64_t placed_ = 0;  // what posed_ is of
-  DeviceImage image_;
-  Tape tape_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Draws an avatar on the device: avatar/avatar_drawer.h there.
 //
-// posed vertices (60 kB a frame) -> DeviceSurface -> DeviceBinding -> cuda::Renderer -> picture in
-// the host's memory (16 bytes per pixel). Everything else stays on the device.
+// posed vertices (60 kB a frame) -> DeviceSurface -> DeviceBinding -> PictureRenderer -> picture in
+// the host's memory (16 bytes per pixel), or one that stays. Everything else stays on the device.
 #pragma once
 
 #include "avatar/avatar_drawer.h"

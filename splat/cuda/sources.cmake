@@ -6,8 +6,11 @@ set(COSPLAT_CUDA_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/cuda_rasterizer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device.cpp
   ${CMAKE_CURRENT_LIST_DIR}/device_gaussians.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/device_pixels.cu
+  ${CMAKE_CURRENT_LIST_DIR}/device_scene.cpp
   ${CMAKE_CURRENT_LIST_DIR}/loss.cu
   ${CMAKE_CURRENT_LIST_DIR}/memory.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/picture_renderer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/renderer.cu
   ${CMAKE_CURRENT_LIST_DIR}/sort.cu
   ${CMAKE_CURRENT_LIST_DIR}/tile_lists.cu

@@ -10,6 +10,7 @@
 #include "flame/procedural/motion.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
+#include "tests/parity/picture_bytes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/restless_params.h"
 
@@ -142,6 +143,30 @@ TEST_F(PlayerParity, PlayersOfOneMakerDoNotDisturbEachOther) {
   Draw(*second, FrameAt(2));
   second.reset();
   EXPECT_EQ(Draw(first, FrameAt(0)).color, Draw(fresh, FrameAt(0)).color);
+}
+
+TEST_F(PlayerParity, PicturesCanStay) {
+  const AvatarModel avatar = PaintedAvatar(Head(), 200);
+  Player player(avatar, Flame(), OnDevice());
+  PlacedAvatar placed;
+  std::unique_ptr<DevicePicture> stays;
+  for (const int i : {0, 0, 3}) {
+    const PlaybackFrame f = FrameAt(i);
+    player.Place(f.params, placed);
+    ASSERT_TRUE(player.DrawsOnDevice());
+    player.DrawToStay(placed, f.camera, f.background, AlphaMode::kOpaque, stays);
+    const RenderedImage& image = player.Draw(placed, f.camera, f.background);
+    test::ExpectBytesOf<AlphaMode::kOpaque>(image, *stays);
+  }
+  Player half(avatar, Flame(), OnDevice(true)), cpu(avatar, Flame());
+  for (Player* other : {&half, &cpu}) {
+    EXPECT_FALSE(other->DrawsOnDevice());
+    other->Place(FrameAt(0).params, placed = {});
+    const auto draw = [&] {
+      other->DrawToStay(placed, FrameAt(0).camera, {0, 0, 0}, AlphaMode::kStraight, stays);
+    };
+    test::ExpectError(draw, {"picture", "no device"});
+  }
 }
 
 // For whoever needs the Gaussians beside the picture, the plug-in's depth, or the mesh.

@@ -1,0 +1,86 @@
+// Scenes that a device keeps, and pictures that stay there.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "splat/cuda/device_scene.h"
+#include "tests/parity/compare.h"
+#include "tests/parity/device_fixture.h"
+#include "tests/parity/picture_bytes.h"
+#include "tests/support/expect_error.h"
+
+namespace cosplat {
+namespace {
+
+class PictureParity : public test::DeviceTest {
+ protected:
+  test::ParityCase picture = test::RandomCase("kept", 200, 45, 38, Basis::kDcsh, 2);
+};
+
+RenderedImage OnCpu(const test::ParityCase& c) {
+  const auto cpu = MakeCpuRasterizer();
+  const auto tape = cpu->MakeTape();
+  RenderedImage image;
+  cpu->Forward(ViewOf(c), c.gaussians.basis, c.camera, c.settings, image, *tape);
+  return image;
+}
+
+TEST_F(PictureParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
+  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  for (const int width : {45, 20, 45}) {
+    picture.camera.width = width;
+    const RenderedImage expected = OnCpu(picture);
+    RenderedImage image;
+    drawer->Draw(picture.camera, picture.settings, image);
+    EXPECT_EQ(image.width, width);
+    test::ExpectSamePicture(expected.color, image.color, {}, "colour");
+    test::ExpectSamePicture(expected.transmittance, image.transmittance, {}, "transmittance");
+  }
+  EXPECT_GT(drawer->times.seconds[size_t(Phase::kBlend)], 0);
+}
+
+TEST_F(PictureParity, EverySceneCanBeKept) {
+  Gaussians none = picture.gaussians;
+  none.Resize(0);
+  RenderedImage image;
+  cuda::MakeDeviceScene(none)->Draw(picture.camera, {{0.5f, 0, 0}, 0}, image);
+  EXPECT_EQ(image.color[0], 0.5f);
+  EXPECT_EQ(image.transmittance[0], 1);
+  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  picture.camera.width = 0;
+  test::ExpectError([&] { drawer->Draw(picture.camera, {}, image); }, {"camera"});
+}
+
+TEST_F(PictureParity, PicturesThatStayHaveTheHostsBytes) {
+  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  RenderedImage image;
+  std::unique_ptr<DevicePicture> stays;
+  picture.settings.background = {0.2f, 1.5f, -1};  // clamped
+  drawer->Draw(picture.camera, picture.settings, image);
+  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kOpaque, stays);
+  test::ExpectBytesOf<AlphaMode::kOpaque>(image, *stays);
+  picture.settings.background = {0, 0, 0};
+  picture.camera.width = 31;
+  drawer->Draw(picture.camera, picture.settings, image);
+  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kStraight, stays);
+  test::ExpectBytesOf<AlphaMode::kStraight>(image, *stays);
+  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kPremultiplied, stays);
+  test::ExpectBytesOf<AlphaMode::kPremultiplied>(image, *stays);
+}
+
+// One by one: what is clamped, what is not a number, and what is not seen at all.
+TEST(PixelBytes, AreRoundedAndClamped) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(math::ToByte(nan), 0);
+  EXPECT_EQ(math::ToByte(-1), 0);
+  EXPECT_EQ(math::ToByte(0.5f), 128);
+  EXPECT_EQ(math::ToByte(std::numeric_limits<float>::infinity()), 255);
+  EXPECT_EQ(math::ColorByte<AlphaMode::kStraight>(0.25f, 0.5f), 128);
+  EXPECT_EQ(math::ColorByte<AlphaMode::kStraight>(0.25f, 0), 0);
+  EXPECT_EQ(math::ColorByte<AlphaMode::kPremultiplied>(0.6f, 0.5f), 128);
+  EXPECT_EQ(math::ColorByte<AlphaMode::kPremultiplied>(nan, 0.5f), 0);
+  EXPECT_EQ(math::ColorByte<AlphaMode::kOpaque>(0.5f, 0), 128);
+}
+
+}  // namespace
+}  // namespace cosplat
