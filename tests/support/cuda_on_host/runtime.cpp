@@ -8,6 +8,7 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,10 @@ uint64_t enqueued = 0;
 Waits waits;
 std::exception_ptr problem;  // of work that was done where nobody could be told
 size_t free_bytes = size_t(1) << 40;
+
+// Of all of the above; what is done for the device enqueues and allocates, too.
+std::recursive_mutex mutex;
+using Lock = std::lock_guard<std::recursive_mutex>;
 
 size_t PageBytes() { return size_t(sysconf(_SC_PAGESIZE)); }
 
@@ -57,10 +62,17 @@ struct DeviceWorks {
 
 }  // namespace
 
-void SetFreeMemory(size_t bytes) { free_bytes = bytes; }
-size_t FreeMemory() { return free_bytes; }
+void SetFreeMemory(size_t bytes) {
+  const Lock lock(mutex);
+  free_bytes = bytes;
+}
+size_t FreeMemory() {
+  const Lock lock(mutex);
+  return free_bytes;
+}
 
 void* AllocateOnDevice(size_t bytes) {
+  const Lock lock(mutex);
   if (bytes > free_bytes) return nullptr;
   const size_t page = PageBytes(), used = (bytes + kAlignment - 1) / kAlignment * kAlignment;
   Allocation a;
@@ -79,6 +91,7 @@ void* AllocateOnDevice(size_t bytes) {
 }
 
 bool FreeOnDevice(void* p) {
+  const Lock lock(mutex);
   FinishQuietly();
   const auto at = on_device.find(p);
   if (at == on_device.end()) return false;
@@ -89,6 +102,7 @@ bool FreeOnDevice(void* p) {
 }
 
 void* AllocatePinned(size_t bytes) {
+  const Lock lock(mutex);
   void* p = ::operator new(bytes);
   std::memset(p, kPoison, bytes);
   pinned[p] = bytes;
@@ -96,6 +110,7 @@ void* AllocatePinned(size_t bytes) {
 }
 
 bool FreePinned(void* p) {
+  const Lock lock(mutex);
   FinishQuietly();
   if (pinned.erase(p) == 0) return false;
   ::operator delete(p);
@@ -103,6 +118,7 @@ bool FreePinned(void* p) {
 }
 
 bool IsPinned(const void* p) {
+  const Lock lock(mutex);
   const auto after = pinned.upper_bound(p);
   if (after == pinned.begin()) return false;
   const auto at = std::prev(after);
@@ -110,15 +126,27 @@ bool IsPinned(const void* p) {
 }
 
 void Enqueue(std::function<void()> work) {
+  const Lock lock(mutex);
   queue.push_back(std::move(work));
   ++enqueued;
 }
 
-uint64_t Enqueued() { return enqueued; }
-void Finish() { FinishUntil(enqueued); }
-Waits WaitsSoFar() { return waits; }
+uint64_t Enqueued() {
+  const Lock lock(mutex);
+  return enqueued;
+}
+void Finish() { FinishUntil(Enqueued()); }
+bool HasFinished() {
+  const Lock lock(mutex);
+  return queue.empty();
+}
+Waits WaitsSoFar() {
+  const Lock lock(mutex);
+  return waits;
+}
 
 void FinishUntil(uint64_t moment) {
+  const Lock lock(mutex);
   if (problem) std::rethrow_exception(std::exchange(problem, nullptr));
   const uint64_t done = enqueued - queue.size();
   if (moment <= done) return;
@@ -137,6 +165,7 @@ void FinishUntil(uint64_t moment) {
 }
 
 void Copy(void* to, const void* from, size_t bytes, bool to_host, bool from_host) {
+  const Lock lock(mutex);
   if (from_host && !IsPinned(from)) {
     waits.all += !queue.empty();
     waits.idle += !queue.empty();

@@ -13,6 +13,9 @@
 
 namespace cuda_on_host {
 
+// May be called from several threads: one of them works for the device at a time, and does what all
+// have enqueued.
+
 // Bytes that allocations may still take; more is refused as by a device that is full.
 void SetFreeMemory(size_t bytes);
 size_t FreeMemory();
@@ -31,6 +34,7 @@ uint64_t Enqueued();
 // after it is dropped.
 void Finish();
 void FinishUntil(uint64_t moment);
+bool HasFinished();  // nothing is left to be done
 // How often the host waited for work that was not done yet, and how often until none was left. What
 // a driver may wait for counts: copying from the host's memory that is not pinned.
 struct Waits {
