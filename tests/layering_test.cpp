@@ -205,6 +205,8 @@ TEST(Layering, CheckSeesWhatIsForbidden) {
   EXPECT_TRUE(breaks("apps/gstreamer/cosplat_src.cpp", "\"splat/base/error.h\""));
   EXPECT_TRUE(breaks("apps/viewer/stage.cpp", "\"apps/cosplat/run_data.h\""));
   EXPECT_TRUE(breaks("apps/viewer/window.h", "<GLFW/glfw3.h>"));
+  EXPECT_TRUE(breaks("apps/viewer/window.cpp", "\"splat/cuda/gl_texture.h\""));
+  EXPECT_TRUE(breaks("apps/viewer/window.cpp", "<cuda_gl_interop.h>"));
   EXPECT_TRUE(breaks("apps/cosplat/play.cpp", "<imgui.h>"));
   EXPECT_TRUE(breaks("splat/loss.h", "<Eigen/Core>"));
   EXPECT_TRUE(breaks("splat/loss.cpp", "<opencv2/core.hpp>"));

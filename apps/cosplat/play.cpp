@@ -8,7 +8,9 @@
 #include "apps/cosplat/play_content.h"
 #include "apps/cosplat/progress_bar.h"
 #include "apps/viewer/window.h"
+#include "avatar/player_device.h"
 #include "splat/base/error.h"
+#include "splat/device_texture.h"
 
 namespace cosplat {
 namespace {
@@ -92,9 +94,10 @@ void Play(const Options& o) {
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
   SetLook(o, session);
   const Size size = SizeOf(o, content.start);
-  Stage stage(std::move(content), device);
+  Stage stage(std::move(content), {DrawerOn(device), SceneDrawerOn(device)});
   if (o.headless) return PlayIntoFiles(o, session, stage, size);
-  viewer::ViewerWindow(session, stage, {o.scale, o.out.empty() ? "." : o.out}).Run();
+  const std::string folder = o.out.empty() ? "." : o.out;
+  viewer::ViewerWindow(session, stage, {o.scale, folder, DeviceTextureOn(device)}).Run();
 }
 
 void AddLook(CLI::App& command, Options& o) {

@@ -75,25 +75,14 @@ GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
   SetUpStyle(scale_);
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
-  MakeTexture();
 }
 
 GlWindow::~GlWindow() {
-  glDeleteTextures(1, &texture_);
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
   glfwDestroyWindow(window_);
   glfwTerminate();
-}
-
-void GlWindow::MakeTexture() {
-  glGenTextures(1, &texture_);
-  glBindTexture(GL_TEXTURE_2D, texture_);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
 void GlWindow::BeginFrame(double seconds) {
@@ -125,34 +114,6 @@ Image8 GlWindow::Read() const {
   for (int y = 0; y < height; ++y)
     std::copy_n(bottom_up.data.begin() + row * (height - 1 - y), row, image.data.begin() + row * y);
   return image;
-}
-
-void GlWindow::Upload(const Image8& image) {
-  glBindTexture(GL_TEXTURE_2D, texture_);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  if (image.width == texture_width_ && image.height == texture_height_) {
-    glTexSubImage2D(GL_TEXTURE_2D,
-                    0,
-                    0,
-                    0,
-                    image.width,
-                    image.height,
-                    GL_RGBA,
-                    GL_UNSIGNED_BYTE,
-                    image.data.data());
-    return;
-  }
-  glTexImage2D(GL_TEXTURE_2D,
-               0,
-               GL_RGBA8,
-               image.width,
-               image.height,
-               0,
-               GL_RGBA,
-               GL_UNSIGNED_BYTE,
-               image.data.data());
-  texture_width_ = image.width;
-  texture_height_ = image.height;
 }
 
 void GlWindow::Wake() { glfwPostEmptyEvent(); }

@@ -1,6 +1,6 @@
-// An OS window with OpenGL 3.3 and ImGui in it, and the texture of a picture. One per process.
+// An OS window with OpenGL 3.3 and ImGui in it. One per process.
 //
-// ViewerWindow -> GlWindow; the only code that calls GLFW and OpenGL.
+// ViewerWindow -> GlWindow; with PictureTexture the only code that calls GLFW and OpenGL.
 #pragma once
 
 #include <string>
@@ -21,7 +21,6 @@ class GlWindow {
 
   GLFWwindow* handle() const { return window_; }
   float scale() const { return scale_; }
-  unsigned texture() const { return texture_; }
 
   // Waits for an event, at most so long; then begins ImGui's frame.
   void BeginFrame(double seconds);
@@ -30,18 +29,12 @@ class GlWindow {
   void Show();
   Image8 Read() const;  // RGB, after EndFrame and before Show
 
-  // RGBA.
-  void Upload(const Image8& image);
   // Wakes BeginFrame; for any thread.
   static void Wake();
 
  private:
-  void MakeTexture();
-
   GLFWwindow* window_ = nullptr;
   float scale_ = 1;
-  unsigned texture_ = 0;
-  int texture_width_ = 0, texture_height_ = 0;
 };
 
 }  // namespace cosplat::viewer

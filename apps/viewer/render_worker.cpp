@@ -9,11 +9,19 @@ namespace {
 
 void DrawInto(Stage& stage, FinishedPicture& picture) {
   const auto start = std::chrono::steady_clock::now();
+  const Shot& shot = picture.job.shot;
   picture.problem.clear();
+  picture.stayed = picture.job.may_stay && stage.DrawsOnDevice(shot);
   try {
-    stage.Draw(picture.job.shot, picture.image);
+    if (picture.stayed) {
+      picture.image = {};
+      stage.DrawToStay(shot, picture.on_device);
+    } else {
+      stage.Draw(shot, picture.image);
+    }
   } catch (const std::exception& problem) {
     picture.image = {};
+    picture.stayed = false;
     picture.problem = problem.what();
   }
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;

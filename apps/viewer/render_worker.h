@@ -1,12 +1,13 @@
 // Draws beside the window, so that it answers while a picture is being made.
 //
-// Shot -> Start -> (thread) Stage::Draw -> Take -> texture. What is asked for last counts: a shot
-// that has not begun when the next comes is not drawn.
+// Shot -> Start -> (thread) Stage -> Take -> texture. What is asked for last counts: a shot that
+// has not begun when the next comes is not drawn.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,14 +19,18 @@ namespace cosplat::viewer {
 
 struct RenderJob {
   Shot shot;
-  int divisor = 1;       // of the sides of the picture that was wanted
-  int64_t input_ns = 0;  // when what it shows came in
+  int divisor = 1;        // of the sides of the picture that was wanted
+  int64_t input_ns = 0;   // when what it shows came in
+  bool may_stay = false;  // on the device, where one draws it
 };
 
+// Given back to Take, its memory is drawn into again.
 struct FinishedPicture {
   RenderJob job;
-  Image8 image;  // empty where `problem` says why
-  std::string problem;
+  std::string problem;  // why there is no picture; otherwise it is in one of these:
+  Image8 image;
+  std::unique_ptr<DevicePicture> on_device;
+  bool stayed = false;      // on the device; `image` is then empty
   double milliseconds = 0;  // that drawing took
 };
 

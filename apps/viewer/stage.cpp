@@ -5,7 +5,6 @@
 
 #include "apps/viewer/ellipsoid_view.h"
 #include "avatar/picture_bytes.h"
-#include "avatar/player_device.h"
 #include "splat/base/error.h"
 #include "splat/degree_order.h"
 
@@ -17,6 +16,13 @@ constexpr std::array<float, 3> kNoBackground{0, 0, 0};
 bool SameCamera(const Camera& a, const Camera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
          a.cx == b.cx && a.cy == b.cy && a.rotation == b.rotation && a.translation == b.translation;
+}
+
+const std::array<float, 3>& BackgroundOf(const Shot& shot) {
+  return shot.transparent ? kNoBackground : shot.background;
+}
+AlphaMode AlphaOf(const Shot& shot) {
+  return shot.transparent ? AlphaMode::kStraight : AlphaMode::kOpaque;
 }
 
 }  // namespace
@@ -33,17 +39,21 @@ bool SameShot(const Shot& a, const Shot& b) {
          a.face.pose == b.face.pose && a.face.translation == b.face.translation;
 }
 
-Stage::Stage(Content content, Device device) : content_(std::move(content)) {
+Stage::Stage(Content content, const SplatDrawers& drawers) : content_(std::move(content)) {
   if (content_.avatar) {
     Content::Avatar& avatar = *content_.avatar;
     player_ = std::make_unique<Player>(
-        std::move(avatar.model), avatar.flame, PlayerSettings{false, DrawerOn(device)});
+        std::move(avatar.model), avatar.flame, PlayerSettings{false, drawers.avatar});
     const size_t faces = player_->avatar().mesh.faces.size();
     counts_ = {CountColors(CountPerFace(player_->avatar().triangle, faces)), false};
     wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
   } else {
     SortByDegree(content_.scene);
-    rasterizer_ = MakeRasterizer(device);
+    if (drawers.scene) {
+      scene_drawer_ = drawers.scene(content_.scene);
+      return;
+    }
+    rasterizer_ = MakeCpuRasterizer();
     tape_ = rasterizer_->MakeTape();
   }
 }
@@ -55,11 +65,14 @@ WorldGaussians Stage::Posed() {
 }
 
 const RenderedImage& Stage::Splats(const Shot& shot) {
-  const std::array<float, 3>& background = shot.transparent ? kNoBackground : shot.background;
-  if (player_) return player_->Draw(placed_, shot.camera, background);
+  if (player_) return player_->Draw(placed_, shot.camera, BackgroundOf(shot));
   const Gaussians& scene = content_.scene;
-  rasterizer_->Forward(
-      ViewOf(scene), scene.basis, shot.camera, {background, scene.degree}, image_, *tape_);
+  const RenderSettings settings{BackgroundOf(shot), scene.degree};
+  if (scene_drawer_) {
+    scene_drawer_->Draw(shot.camera, settings, image_);
+  } else {
+    rasterizer_->Forward(ViewOf(scene), scene.basis, shot.camera, settings, image_, *tape_);
+  }
   return image_;
 }
 
@@ -77,7 +90,7 @@ void Stage::Surfaces(const Shot& shot, Image8& out) {
   Resolve(buffer_, shot.transparent ? nullptr : &shot.background, out);
 }
 
-void Stage::Draw(const Shot& shot, Image8& out) {
+void Stage::Prepare(const Shot& shot) {
   if (shot.camera.width < 1 || shot.camera.height < 1)
     throw Error(content_.title, "picture", "has no pixels");
   if (NeedsMesh(shot.view) && !player_)
@@ -85,14 +98,28 @@ void Stage::Draw(const Shot& shot, Image8& out) {
                 "view",
                 std::string(kViewNames[size_t(shot.view)]) + " is of avatars; this is a scene");
   if (player_) player_->Place(shot.face, placed_);
+}
+
+bool Stage::DrawsOnDevice(const Shot& shot) const {
+  return shot.view == View::kSplats && (player_ ? player_->DrawsOnDevice() : bool(scene_drawer_));
+}
+
+void Stage::DrawToStay(const Shot& shot, std::unique_ptr<DevicePicture>& out) {
+  Prepare(shot);
+  const std::array<float, 3>& background = BackgroundOf(shot);
+  if (player_) return player_->DrawToStay(placed_, shot.camera, background, AlphaOf(shot), out);
+  scene_drawer_->DrawToStay(shot.camera, {background, content_.scene.degree}, AlphaOf(shot), out);
+}
+
+void Stage::Draw(const Shot& shot, Image8& out) {
+  Prepare(shot);
   if (shot.view != View::kSplats) return Surfaces(shot, out);
   const RenderedImage& image = Splats(shot);
   out.width = image.width;
   out.height = image.height;
   out.channels = 4;
   out.data.resize(4 * out.pixels());
-  const PixelLayout layout{shot.transparent ? AlphaMode::kStraight : AlphaMode::kOpaque};
-  WritePicture(image, layout, out.data.data(), 4 * ptrdiff_t(out.width));
+  WritePicture(image, {AlphaOf(shot)}, out.data.data(), 4 * ptrdiff_t(out.width));
 }
 
 }  // namespace cosplat::viewer

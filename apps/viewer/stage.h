@@ -14,7 +14,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/view.h"
 #include "avatar/player.h"
-#include "splat/device.h"
+#include "splat/scene_drawer.h"
 
 namespace cosplat::viewer {
 
@@ -44,11 +44,16 @@ struct Shot {
 };
 bool SameShot(const Shot& a, const Shot& b);
 
+// Who draws splats (avatar/player_device.h, splat/device.h); empty: the CPU, as it does all else.
+struct SplatDrawers {
+  AvatarDrawerMaker avatar;
+  SceneDrawerMaker scene;
+};
+
 class Stage {
  public:
-  // Splats are drawn on the device, all else by the CPU. Throws Error for what the device does not
-  // draw (avatar/player_device.h).
-  explicit Stage(Content content, Device device = Device::kCpu);
+  // Throws Error for what its drawer does not draw.
+  explicit Stage(Content content, const SplatDrawers& drawers = {});
   Stage(const Stage&) = delete;  // the player refers to the content's FLAME model
   Stage& operator=(const Stage&) = delete;
 
@@ -56,13 +61,19 @@ class Stage {
   // shot's parameters are not finite, its picture has no pixels, or its view needs a mesh and there
   // is none. One call at a time.
   void Draw(const Shot& shot, Image8& out);
+  // Whether a device draws this.
+  bool DrawsOnDevice(const Shot& shot) const;
+  // The same picture, which stays there. For what it DrawsOnDevice; `out`: null, or of this stage.
+  void DrawToStay(const Shot& shot, std::unique_ptr<DevicePicture>& out);
 
  private:
+  void Prepare(const Shot& shot);
   const RenderedImage& Splats(const Shot& shot);
   void Surfaces(const Shot& shot, Image8& out);
   WorldGaussians Posed();
 
-  Content content_;  // without the avatar's model, which is the player's
+  Content content_;                            // without the avatar's model, which is the player's
+  std::unique_ptr<SceneDrawer> scene_drawer_;  // null: the two below
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;

@@ -10,6 +10,7 @@
 #include "apps/viewer/capture.h"
 #include "apps/viewer/detail.h"
 #include "apps/viewer/gl_window.h"
+#include "apps/viewer/picture_texture.h"
 #include "apps/viewer/render_worker.h"
 #include "apps/viewer/screen.h"
 
@@ -35,11 +36,16 @@ struct ViewerWindow::Impl {
       : session(session),
         folder(settings.folder),
         gl("CoSplat - " + session.title(), settings.scale),
+        texture(settings.make_device_texture),
+        may_stay(bool(settings.make_device_texture)),
         worker(stage, &GlWindow::Wake) {
     state.scale = gl.scale();
   }
 
   void TakePicture();
+  void ShowPicture();
+  const Image8& Pixels();
+  bool HasPicture() const { return picture.stayed || !picture.image.empty(); }
   void Ask(const ScreenResult& result);
   void Capture(const ScreenResult& result);
   void StartRecording();
@@ -52,6 +58,8 @@ struct ViewerWindow::Impl {
   Session& session;
   std::string folder;
   GlWindow gl;
+  PictureTexture texture;
+  bool may_stay;  // pictures, on the device that draws them
   ScreenState state;
   ScreenResult last;
   Detail detail;
@@ -84,14 +92,34 @@ double ViewerWindow::Impl::TurnSeconds() const {
 void ViewerWindow::Impl::TakePicture() {
   if (!worker.Take(picture)) return;
   if (!picture.problem.empty()) return Notice(picture.problem, true);
-  gl.Upload(picture.image);
-  state.texture = intptr_t(gl.texture());
-  state.width = picture.image.width;
-  state.height = picture.image.height;
+  ShowPicture();
+  state.texture = intptr_t(texture.name());
+  state.width = picture.job.shot.camera.width;
+  state.height = picture.job.shot.camera.height;
   state.divisor = picture.job.divisor;
   state.drawing.Add(float(picture.milliseconds));
   detail.Drawn(picture.job.divisor, picture.milliseconds);
   picture_is_new = true;
+}
+
+// Where the device's picture does not get into the texture by itself it is brought to the host, and
+// those after it are drawn for that.
+void ViewerWindow::Impl::ShowPicture() {
+  if (picture.stayed) {
+    try {
+      return texture.Show(*picture.on_device);
+    } catch (const std::exception& problem) {
+      may_stay = false;
+      Notice(std::string("Pictures pass through the host's memory: ") + problem.what(), false);
+    }
+  }
+  texture.Upload(Pixels());
+}
+
+// Of the picture, wherever it is.
+const Image8& ViewerWindow::Impl::Pixels() {
+  if (picture.stayed && picture.image.empty()) picture.on_device->Download(picture.image);
+  return picture.image;
 }
 
 // Asks for what the session shows now, unless that was the last that was asked for.
@@ -100,7 +128,7 @@ void ViewerWindow::Impl::Ask(const ScreenResult& result) {
   const int width = recorder ? recorder->width() : std::max(kSmallestSide, result.width / divisor);
   const int height =
       recorder ? recorder->height() : std::max(kSmallestSide, result.height / divisor);
-  RenderJob job{session.ShotFor(width, height), divisor, session.input_ns()};
+  RenderJob job{session.ShotFor(width, height), divisor, session.input_ns(), may_stay && !recorder};
   if (recorder) job.shot.transparent = false;
   if (SameShot(job.shot, asked.shot)) return;
   asked = job;
@@ -131,9 +159,10 @@ void ViewerWindow::Impl::FinishSaving(bool wait) {
 void ViewerWindow::Impl::OfferToRecording() {
   const double seconds = 1e-9 * double(NowNs() - recording_start_ns);
   state.recorded_seconds = seconds;
-  const bool fits = picture.image.width == recorder->width() &&
-                    picture.image.height == recorder->height() && !picture.job.shot.transparent;
-  if (fits) recorder->Offer(picture.image, seconds);
+  const Shot& shot = picture.job.shot;
+  const bool fits = HasPicture() && shot.camera.width == recorder->width() &&
+                    shot.camera.height == recorder->height() && !shot.transparent;
+  if (fits) recorder->Offer(Pixels(), seconds);
 }
 
 void ViewerWindow::Impl::Capture(const ScreenResult& result) {
@@ -145,10 +174,10 @@ void ViewerWindow::Impl::Capture(const ScreenResult& result) {
       if (action == Action::kQuit) glfwSetWindowShouldClose(gl.handle(), GLFW_TRUE);
     }
     if (recorder) OfferToRecording();
-    if (screenshot_wanted && picture.job.divisor == 1 && !picture.image.empty()) {
+    if (screenshot_wanted && picture.job.divisor == 1 && HasPicture()) {
       screenshot_wanted = false;
       const std::string path = CapturePath(folder, ".png");
-      WriteImage(path, picture.image);
+      WriteImage(path, Pixels());
       Notice("Saved " + path, false);
     }
   } catch (const std::exception& problem) {
@@ -192,9 +221,11 @@ void ViewerWindow::Run() {
 
 GLFWwindow* ViewerWindow::handle() const { return impl_->gl.handle(); }
 
+const std::string& ViewerWindow::notice() const { return impl_->state.notice; }
+
 bool ViewerWindow::UpToDate() const {
   const Impl& impl = *impl_;
-  return !impl.picture.image.empty() && !impl.worker.Busy() &&
+  return impl.HasPicture() && !impl.worker.Busy() &&
          SameShot(impl.picture.job.shot, impl.asked.shot);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/viewer/session.h"
+#include "splat/device_texture.h"
 
 struct GLFWwindow;
 
@@ -16,6 +17,9 @@ namespace cosplat::viewer {
 struct WindowSettings {
   float scale = 0;           // of letters and panels; 0: as the screen says
   std::string folder = ".";  // where screenshots and videos go
+  // Shows what a device drew without the host's memory between; empty, or where it cannot: through
+  // that memory.
+  DeviceTextureMaker make_device_texture{};
 };
 
 class ViewerWindow {
@@ -30,9 +34,10 @@ class ViewerWindow {
   // Steps until it is closed.
   void Run();
 
-  // For tests: GLFW's window, whether what is on the screen is what the session asks for, and the
-  // whole window as it would be shown now (RGB).
+  // For tests: GLFW's window, the line of notice, whether what is on the screen is what the session
+  // asks for, and the whole window as it would be shown now (RGB).
   GLFWwindow* handle() const;
+  const std::string& notice() const;
   bool UpToDate() const;
   Image8 ReadPixels();
 

@@ -47,6 +47,10 @@ if(COSPLAT_HAS_CUDA)
   target_compile_definitions(cosplat_device PRIVATE COSPLAT_HAS_CUDA)
 endif()
 
+if(NOT COSPLAT_LEAN)
+  include(${CMAKE_CURRENT_LIST_DIR}/gl_sources.cmake)
+endif()
+
 # cosplat::train_device: the same for training.
 cosplat_library(train_device ${CMAKE_CURRENT_LIST_DIR}/../train_device.cpp)
 target_link_libraries(cosplat_train_device PUBLIC cosplat::device cosplat::splat)

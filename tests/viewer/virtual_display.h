@@ -31,6 +31,7 @@ class VirtualDisplay {
              "1600x1000x24",
              "-nolisten",
              "tcp",
+             "-noreset",  // when the last window closes: the next could not open meanwhile
              nullptr);
       _exit(127);
     }

@@ -1,114 +1,21 @@
 // apps/viewer/window.h on a virtual display: what is on the screen after keys, mouse and time.
-#include "apps/viewer/window.h"
-
-#include <GLFW/glfw3.h>
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-
 #include "splat/base/image_io.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/viewer/viewer_fixture.h"
-#include "tests/viewer/virtual_display.h"
+#include "tests/viewer/window_fixture.h"
 
 namespace cosplat::test {
 namespace {
 
 using viewer::Content;
 using viewer::Driver;
-using viewer::Session;
 using viewer::Stage;
 using viewer::View;
 using viewer::ViewerWindow;
-
-constexpr int kPanelWidth = 330;  // at scale 1; kPanelWidth in apps/viewer/screen.cpp
-
-class Window : public testing::Test {
- protected:
-  static const VirtualDisplay& Display() {
-    static const VirtualDisplay display;
-    return display;
-  }
-  void SetUp() override {
-    if (!Display().there_is()) GTEST_SKIP() << "Xvfb is not installed";
-  }
-  void Open(float scale = 1) {
-    window = std::make_unique<ViewerWindow>(
-        session, stage, viewer::WindowSettings{scale, folder / "captures"});
-    glfwFocusWindow(window->handle());
-    Settle();
-  }
-  // Until what is asked for is on the screen, and some more for what follows from it.
-  void Settle() {
-    int turns = 0;
-    for (int rest = 2; rest > 0; ++turns) {
-      ASSERT_TRUE(window->Step());
-      ASSERT_LT(turns, 1000);
-      rest = window->UpToDate() ? rest - 1 : 2;
-    }
-  }
-  void Press(int key) {
-    GLFWwindow* handle = window->handle();
-    const GLFWkeyfun on_key = glfwSetKeyCallback(handle, nullptr);
-    glfwSetKeyCallback(handle, on_key);
-    on_key(handle, key, 0, GLFW_PRESS, 0);
-    window->Step();
-    on_key(handle, key, 0, GLFW_RELEASE, 0);
-    window->Step();
-  }
-  void Drag(int button, double dx, double dy) {
-    GLFWwindow* handle = window->handle();
-    const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(handle, nullptr);
-    glfwSetMouseButtonCallback(handle, on_button);
-    for (int i = 0; i <= 5; ++i) {
-      glfwSetCursorPos(handle, 300 + i * dx / 5, 300 + i * dy / 5);
-      // GLFW's own state is not pressed, so that ImGui has to be told in every turn.
-      if (i > 0) on_button(handle, button, GLFW_PRESS, 0);
-      window->Step();
-    }
-    window->Step();
-  }
-  void Scroll(double steps) {
-    GLFWwindow* handle = window->handle();
-    const GLFWscrollfun on_scroll = glfwSetScrollCallback(handle, nullptr);
-    glfwSetScrollCallback(handle, on_scroll);
-    on_scroll(handle, 0, steps);
-    window->Step();
-  }
-  // How far the window's left part is from what the stage draws of the session, in grey levels.
-  int DifferenceFromStage() {
-    const Image8 pixels = window->ReadPixels();
-    const int width = pixels.width - (session.panels_open ? kPanelWidth : 0);
-    Stage own{Content(PaintedHead())};
-    Image8 picture;
-    own.Draw(session.ShotFor(width, pixels.height), picture);
-    int most = 0;
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        for (int c = 0; c < 3; ++c)
-          most = std::max(most, std::abs(pixels.at(x, y, c) - picture.at(x, y, c)));
-    return most;
-  }
-  std::vector<std::string> Captures() const {
-    std::vector<std::string> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "captures"))
-      if (entry.path().string().find("tmp.") == std::string::npos)  // not while it is written
-        paths.push_back(entry.path().string());
-    return paths;
-  }
-
-  TemporaryFolder folder;
-  Session session{PaintedHead()};
-  Stage stage{Content(PaintedHead())};
-  std::unique_ptr<ViewerWindow> window;
-};
 
 TEST_F(Window, ShowsWhatTheStageDraws) {
   Open();
@@ -189,8 +96,7 @@ TEST_F(Window, ShowsALiveFace) {
   session.SetLive(std::make_unique<viewer::LiveFace>(
       OpenLiveSource("udp://:0"), rest, std::optional<TrainedRange>()));
   const viewer::LiveFace& live = *session.live();
-  window = std::make_unique<ViewerWindow>(
-      session, stage, viewer::WindowSettings{1, folder / "captures"});
+  window = std::make_unique<ViewerWindow>(session, stage, settings);
   SendTo(live.Description(), R"({"seq": 1, "jaw": [0.3, 0, 0]})");
   SendTo(live.Description(), "not a frame");
   for (int i = 0; i < 500 && live.Counts().malformed == 0; ++i) window->Step();

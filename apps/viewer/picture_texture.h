@@ -1,0 +1,39 @@
+// The OpenGL texture of the picture that the window shows.
+//
+// Image8 -> Upload, or DevicePicture -> Show -> texture -> ImGui. Everything, the end included,
+// with the context that it was made in.
+#pragma once
+
+#include <memory>
+
+#include "splat/base/image.h"
+#include "splat/device_texture.h"
+
+namespace cosplat::viewer {
+
+class PictureTexture {
+ public:
+  // make_device_texture: may be empty; then there is no Show.
+  explicit PictureTexture(DeviceTextureMaker make_device_texture);
+  ~PictureTexture();
+  PictureTexture(const PictureTexture&) = delete;
+  PictureTexture& operator=(const PictureTexture&) = delete;
+
+  unsigned name() const { return name_; }
+
+  // RGBA, from the host's memory.
+  void Upload(const Image8& image);
+  // From the device that drew it. Throws Error where it and OpenGL do not share the texture; Upload
+  // works all the same.
+  void Show(const DevicePicture& picture);
+
+ private:
+  void Resize(int width, int height);
+
+  DeviceTextureMaker make_device_texture_;
+  unsigned name_ = 0;
+  int width_ = 0, height_ = 0;
+  std::unique_ptr<DeviceTexture> device_texture_;  // of this storage; null until it is needed
+};
+
+}  // namespace cosplat::viewer
