@@ -24,7 +24,7 @@ void CheckContext() {
   if (std::find(devices, devices + count, own) != devices + count) return;
   const std::string reason =
       asked == cudaSuccess ? "" : std::string(" (") + cudaGetErrorString(asked) + ")";
-  throw Error("", "OpenGL", "another device than the card that draws the splats" + reason);
+  throw Error("", "OpenGL", "runs on another device" + reason);
 }
 
 class GlTexture : public DeviceTexture {
