@@ -29,8 +29,6 @@ struct PruneRounds {
   int LeftAfter(int iteration) const { return std::max(0, (last - iteration) / every); }
 };
 
-// The rounds of DCSHARP: at each densification. To keep to a count there is one more when they are
-// over, since each adds Gaussians that cannot be judged yet.
 // How many of `count` go so that the same ratio in each of the rounds left reaches the target.
 inline size_t RemovalTowards(size_t target, size_t count, int rounds_left) {
   if (count <= target) return 0;
