@@ -1,9 +1,10 @@
 # The lean build (COSPLAT_LEAN, preset `gpu-tests`): the renderer and avatars' player on the CPU and on
 # CUDA, losses, Adam, their parity tests and benchmark, from nvcc, CMake, a C++ compiler and what
-# COSPLAT_CARRIED holds: headers of Highway (include/hwy) and Eigen (include/eigen3/Eigen/Core) and
-# GoogleTest's sources (googletest/src and googletest/include). For a machine with a card and nothing else; tests/gpu/run.sh drives it.
+# COSPLAT_CARRIED holds: headers of Highway (include/hwy), nanoflann (include/nanoflann.hpp) and Eigen
+# (include/eigen3/Eigen/Core) and GoogleTest's sources (googletest/src and googletest/include). For a machine with a card and nothing else; tests/gpu/run.sh drives it.
 set(COSPLAT_CARRIED "/usr" CACHE PATH "Folder with include/hwy, include/eigen3 and googletest")
 find_path(COSPLAT_HIGHWAY hwy/highway.h PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
+find_path(COSPLAT_NANOFLANN nanoflann.hpp PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
 find_path(COSPLAT_EIGEN Eigen/Core PATHS ${COSPLAT_CARRIED}/include/eigen3 NO_DEFAULT_PATH REQUIRED)
 find_path(COSPLAT_GOOGLETEST src/gtest-all.cc NO_DEFAULT_PATH REQUIRED
   PATHS ${COSPLAT_CARRIED}/googletest ${COSPLAT_CARRIED}/src/googletest/googletest)
@@ -13,6 +14,8 @@ find_package(Threads REQUIRED)
 add_library(hwy::hwy INTERFACE IMPORTED)
 target_include_directories(hwy::hwy SYSTEM INTERFACE ${COSPLAT_HIGHWAY})
 target_compile_definitions(hwy::hwy INTERFACE HWY_COMPILE_ONLY_STATIC)
+add_library(nanoflann::nanoflann INTERFACE IMPORTED)
+target_include_directories(nanoflann::nanoflann SYSTEM INTERFACE ${COSPLAT_NANOFLANN})
 add_library(Eigen3::Eigen INTERFACE IMPORTED)
 target_include_directories(Eigen3::Eigen SYSTEM INTERFACE ${COSPLAT_EIGEN})
 add_library(TBB::tbb INTERFACE IMPORTED)

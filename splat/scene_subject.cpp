@@ -27,4 +27,16 @@ std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
   return frames;
 }
 
+TrainingScene LoadTrainingScene(SceneData& scene) {
+  TrainingScene loaded;
+  loaded.train = LoadTrainFrames(scene.train, scene.skipped);
+  loaded.test = LoadTrainFrames(scene.test, scene.skipped);
+  CheckSkipped(scene.source, loaded.train.size() + loaded.test.size(), scene.skipped);
+  loaded.points = scene.points;
+  loaded.point_colors = scene.point_colors;
+  loaded.extent = scene.extent;
+  loaded.white_background_hint = scene.white_background_hint;
+  return loaded;
+}
+
 }  // namespace cosplat

@@ -10,6 +10,15 @@
 
 namespace cosplat {
 
+// All that the training of a static scene begins with.
+struct TrainingScene {
+  std::vector<TrainFrame> train, test;
+  std::vector<float> points;           // [P, 3] world units; empty where the data has none
+  std::vector<uint8_t> point_colors;   // [P, 3] RGB
+  float extent = 1;                    // as SceneData's
+  bool white_background_hint = false;  // likewise
+};
+
 // A static scene: the Gaussians are where they are.
 class SceneSubject : public Subject {
  public:
@@ -34,5 +43,9 @@ class SceneSubject : public Subject {
 // `skipped`.
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
                                         std::vector<SkippedFrame>& skipped);
+
+// The same for both sets of a scene, with what else training needs. Throws Error where too many
+// views cannot be used (splat/base/skipped.h).
+TrainingScene LoadTrainingScene(SceneData& scene);
 
 }  // namespace cosplat

@@ -6,12 +6,11 @@
 #include "apps/cosplat/progress_bar.h"
 #include "apps/cosplat/run_data.h"
 #include "apps/cosplat/run_folder.h"
+#include "apps/cosplat/scene_start.h"
 #include "apps/cosplat/test_images.h"
 #include "apps/cosplat/train_options.h"
 #include "apps/cosplat/train_run.h"
 #include "splat/base/error.h"
-#include "splat/dataset.h"
-#include "splat/initialize.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "splat/scene_subject.h"
@@ -19,8 +18,6 @@
 
 namespace cosplat {
 namespace {
-
-constexpr size_t kRandomPoints = 100000;  // 3DGS, for scenes without points
 
 struct SceneCommand : TrainOptions {
   size_t random_points = kRandomPoints;
@@ -65,31 +62,20 @@ void SaveInputs(const SceneCommand& o,
   WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors);
 }
 
-void AddRandomPoints(const SceneCommand& o, SceneData& scene) {
-  Rng rng{o.seed};
-  std::vector<Camera> cameras;
-  for (const SceneView& view : scene.train) cameras.push_back(view.camera);
-  RandomPoints(cameras, o.random_points, rng, scene.points, scene.point_colors);
-}
-
 void Train(SceneCommand o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
     throw Error("", "--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
   const Device device = o.ResolveDevice();
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
-  o.ResolveBackground(scene.white_background_hint ? "white" : "black");
-  if (scene.points.empty()) AddRandomPoints(o, scene);
-  LimitPoints(o.max_gaussians, scene.points, scene.point_colors);
-  std::vector<TrainFrame> train = LoadTrainFrames(scene.train, scene.skipped);
-  const std::vector<TrainFrame> test = LoadTrainFrames(scene.test, scene.skipped);
-  CheckSkipped(o.source, train.size() + test.size(), scene.skipped);
-  SceneSubject subject(std::move(train), scene.extent);
+  TrainingScene loaded = LoadTrainingScene(scene);
+  SceneStart start = StartScene(o.random_points, o, loaded);
+  const std::vector<TrainFrame> test = std::move(loaded.test);
+  SceneSubject subject(std::move(loaded.train), loaded.extent);
   Trainer trainer(
-      o.ToSettings(scene.extent),
-      subject,
-      InitializeFromPoints(scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis)),
-      StepEngineOn(device, o.deterministic));
+      start.settings, subject, std::move(start.first), StepEngineOn(device, o.deterministic));
+  scene.points = std::move(loaded.points);  // as the run begins
+  scene.point_colors = std::move(loaded.point_colors);
   SaveInputs(o, split, scene, config);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)

@@ -1,6 +1,7 @@
 // The training step on a device beside the CPU's, on the same views; see tests/gpu/run.sh.
 //   cosplat_bench_cuda --out FILE.json [--picture FILE.ppm] [--tiny]
 // --tiny: one view of a few hundred Gaussians, to see that it works.
+//   cosplat_bench_cuda scene FILE ...   a whole training: scene_times.h
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -14,6 +15,7 @@
 #include "splat/cuda/device.h"
 #include "splat/loss.h"
 #include "tests/gpu/avatar_times.h"
+#include "tests/gpu/scene_times.h"
 #include "tests/gpu/stage_times.h"
 #include "tests/gpu/training_times.h"
 
@@ -307,6 +309,10 @@ Options Parse(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 1 && std::string(argv[1]) == "scene") {
+      cosplat::test::RunSceneBench({argv + 2, argv + argc});
+      return 0;
+    }
     return cosplat::test::Run(cosplat::test::Parse(argc, argv));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cosplat_bench_cuda: %s\n", error.what());

@@ -2,19 +2,21 @@
 # Everything that needs a card, in one command, for a machine that has one and little else (nvcc,
 # CMake, ninja, a C++ compiler): builds the lean configuration, runs the parity tests, which fail
 # where there is no device, compute-sanitizer's tools over small cases, the tests over and over, and
-# the benchmark. Writes summary.json, bench.json, picture.ppm and log.txt. Prints a table at the end;
-# exits with 0 only if all of it passed. There is no display on such a machine: OpenGL's textures
-# (splat/cuda/gl_texture.h) are not covered.
+# the benchmark, and whole trainings of the scene that tests/gpu/carry.sh --scene packed. Writes
+# summary.json, bench.json, scene.json, scene_pruned.json, picture.ppm and log.txt. Prints a table at
+# the end; exits with 0 only if all of it passed. There is no display on such a machine: OpenGL's
+# textures (splat/cuda/gl_texture.h) are not covered.
 set -uo pipefail
 
 show_help() {
   cat <<'TEXT'
-tests/gpu/run.sh [--out DIR] [--build DIR] [--carried DIR] [--minutes N] [--dry-run]
+tests/gpu/run.sh [--out DIR] [--build DIR] [--carried DIR] [--minutes N] [--prune-to N] [--dry-run]
   --out DIR      where results go: $OUT, or out/gpu
   --build DIR    where to build: build/gpu-tests
   --carried DIR  what tests/gpu/carry.sh gathered: build/gpu-carried, or the system's where that is
                  not there
   --minutes N    for all of it, at most: 8
+  --prune-to N   Gaussians that the packed scene's second training leaves: 56700
   --dry-run      checks what can be checked without a card and says what would be run
 Not covered, since it needs a display: pictures that go straight into a window (cosplat play --device cuda).
 TEXT
@@ -25,12 +27,14 @@ out=${OUT:-$root/out/gpu}
 build=$root/build/gpu-tests
 carried=$root/build/gpu-carried
 minutes=8
+prune_to=56700  # docs/performance.md has it of the chair
 dry=false
 while [[ $# -gt 0 ]]; do
   case $1 in
-    --out | --build | --carried | --minutes)
+    --out | --build | --carried | --minutes | --prune-to)
       [[ $# -ge 2 ]] || { echo "run.sh: $1 needs a value" >&2; exit 2; }
-      declare "${1#--}=$2"
+      name=${1#--}
+      declare "${name//-/_}=$2"
       shift 2
       ;;
     --dry-run) dry=true; shift ;;
@@ -90,6 +94,17 @@ check_tools() {
   [[ ${#missing[@]} -eq 0 ]] || { echo "run.sh: not found: ${missing[*]}" >&2; exit 2; }
 }
 
+# With `cosplat train-scene`'s settings, unpruned and pruned.
+train_scene() {
+  local scene=$build/scene
+  if [[ -f $carried/scene.xz ]]; then
+    step unpack 60 sh -c "xz -dc '$carried/scene.xz' > '$scene'" || return
+    step scene 240 "$bench" scene "$scene" --out "$out/scene.json"
+    step scene_pruned 240 "$bench" scene "$scene" --out "$out/scene_pruned.json" \
+      --prune-to "$prune_to"
+  fi
+}
+
 # Small cases: the tools slow a program down a hundredfold.
 sanitize() {
   local tool=$1
@@ -144,6 +159,7 @@ step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
 step training 60 "$training"
 step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
+train_scene
 if $dry || command -v compute-sanitizer >/dev/null; then
   sanitize memcheck --leak-check full
   sanitize initcheck
