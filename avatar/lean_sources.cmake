@@ -1,5 +1,5 @@
 # Of heads and avatars the lean build (cmake/CosplatLean.cmake) has posing, the made head, the binding,
-# walking and the player, and what of them is done on the device. Files, tracks and training need pictures.
+# walking, the player and training from pictures in memory, and what of them is done on the device.
 set(avatar ${CMAKE_CURRENT_LIST_DIR})
 set(flame ${PROJECT_SOURCE_DIR}/flame)
 cosplat_library(flame ${flame}/model.cpp ${flame}/pose.cpp ${flame}/posing.cpp
@@ -20,4 +20,9 @@ target_link_libraries(cosplat_player
   PUBLIC cosplat::binding cosplat::render cosplat::flame PRIVATE TBB::tbb)
 cosplat_library(avatar_study ${avatar}/study/painted_avatar.cpp)
 target_link_libraries(cosplat_avatar_study PUBLIC cosplat::player cosplat::procedural)
+cosplat_library(avatar
+  ${avatar}/silhouette.cpp ${avatar}/trained_range.cpp ${avatar}/trainer.cpp
+  ${avatar}/trainer_density.cpp ${avatar}/trainer_start.cpp
+  ${PROJECT_SOURCE_DIR}/tests/gpu/lean_track.cpp)
+target_link_libraries(cosplat_avatar PUBLIC cosplat::player cosplat::splat PRIVATE TBB::tbb)
 include(${avatar}/cuda/sources.cmake)

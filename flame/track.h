@@ -28,6 +28,7 @@ struct TrackedFrame {
   Camera camera;         // at the size that LoadTrackedImage returns
   FlameParams params;    // shape and static_offset are left empty here: see TrackedVideo
   bool has_image = true;
+  std::shared_ptr<const Image8> picture;  // instead of a file, at the camera's size
 };
 
 struct TrackedVideo {
@@ -63,8 +64,9 @@ TrackedVideo LoadDrivingSequence(const std::string& path);
 // They point into `video`.
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video);
 
-// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha.
-// Throws Error (naming the file) on a missing image or mask or one whose size disagrees.
+// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha. A picture in memory
+// is returned as it is. Throws Error (naming the file) on a missing image or mask or one whose size
+// disagrees.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 
 }  // namespace cosplat

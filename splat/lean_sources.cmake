@@ -1,6 +1,6 @@
 # The libraries of the lean build (cmake/CosplatLean.cmake) under their usual names, without what
 # needs OpenCV, nlohmann_json, libzip or tinygltf.
-cosplat_library(base base/image_bytes.cpp)
+cosplat_library(base base/image_bytes.cpp base/skipped.cpp)
 cosplat_library(render ${COSPLAT_RENDER_SOURCES})
 target_link_libraries(cosplat_render PUBLIC cosplat::base PRIVATE hwy::hwy TBB::tbb)
 cosplat_library(splat

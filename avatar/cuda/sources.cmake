@@ -17,16 +17,14 @@ if(COSPLAT_HAS_CUDA)
   cosplat_library(avatar_cuda ${COSPLAT_AVATAR_CUDA_SOURCES})
   target_link_libraries(cosplat_avatar_cuda PUBLIC cosplat::binding cosplat::cuda)
   target_compile_options(cosplat_avatar_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
-endif()
-if(COSPLAT_LEAN)
-  return()
-endif()
-if(COSPLAT_HAS_CUDA)
   cosplat_library(avatar_cuda_train ${COSPLAT_AVATAR_CUDA_TRAIN_SOURCES})
   target_link_libraries(cosplat_avatar_cuda_train
     PUBLIC cosplat::avatar cosplat::avatar_cuda cosplat::cuda_train)
   target_compile_options(cosplat_avatar_cuda_train
     PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+endif()
+if(COSPLAT_LEAN)
+  return()
 endif()
 
 # cosplat::player_device: who draws on a device for a player.

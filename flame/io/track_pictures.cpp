@@ -38,6 +38,7 @@ TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& optio
 }
 
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
+  if (frame.picture) return *frame.picture;
   const Image8 picture = ReadPicture(video, frame);
   const Camera& camera = frame.camera;
   if (ProportionsDiffer(camera.width, camera.height, picture.width, picture.height))

@@ -1,16 +1,14 @@
 // A tiny tracked video of the procedural head, and short trainings on it.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "avatar/player.h"
 #include "avatar/trainer.h"
 #include "flame/procedural/video.h"
 #include "flame/procedural_head.h"
-#include "splat/loss.h"
+#include "tests/avatar/made_video.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
@@ -37,31 +35,6 @@ inline TrackedVideo LoadSmallVideo(size_t frames, int resolution) {
   TrackedVideo video = LoadTrackedVideo(SmallVideo::Get().folder.path(), {-1, resolution});
   if (video.train.size() > frames) video.train.resize(frames);
   return video;
-}
-
-// 3DGS's schedule in proportion, without resets of opacity, and no more than `max_count`.
-inline TrainSettings ShortRun(int iterations, size_t max_count) {
-  TrainSettings s;
-  s.iterations = iterations;
-  s.background = Background::kRandom;
-  s.scale_regularizer.weight = 1;
-  s.schedule.densify_from = iterations / 10;
-  s.schedule.densify_until = iterations / 2;
-  s.schedule.densify_every = std::max(1, iterations / 10);
-  s.schedule.opacity_reset_every = iterations + 1;
-  s.schedule.degree_every = std::max(1, iterations / 10);
-  s.schedule.size_prune_after = iterations;
-  s.schedule.position_rate_steps = iterations;
-  s.density.max_count = max_count;
-  s.prune.group_cap = 64;
-  return s;
-}
-
-inline AvatarSettings SmallAvatar(size_t gaussians) {
-  AvatarSettings avatar;
-  avatar.initial_gaussians = gaussians;
-  avatar.bust = AvatarSettings::BustChoice::kNo;
-  return avatar;
 }
 
 // A subject and its trainer. S: AvatarSubject or derived from it.
@@ -100,28 +73,5 @@ struct Training {
     return settings;
   }
 };
-
-// Frame's picture over white, planar [3, height, width].
-inline Buffer<float> Target(const Image8& image) {
-  Buffer<float> planar;
-  CompositeTarget(image, {1, 1, 1}, planar);
-  return planar;
-}
-
-// Mean PSNR over white of an avatar on frames of a video.
-inline double MeanPsnr(const AvatarModel& avatar,
-                       const TrackedVideo& video,
-                       const std::vector<TrackedFrame>& frames,
-                       const FlameModel& flame = SmallVideo::Get().flame) {
-  Player player(avatar, flame);
-  RenderedImage image;
-  double sum = 0;
-  for (const TrackedFrame& frame : frames) {
-    player.RenderOver(frame.params, frame.camera, {1, 1, 1}, image);
-    const Buffer<float> target = Target(LoadTrackedImage(video, frame));
-    sum += Psnr(image.color, target);
-  }
-  return sum / double(frames.size());
-}
 
 }  // namespace cosplat::test

@@ -9,7 +9,8 @@ target_link_libraries(cosplat_avatar_cuda_on_host
 
 include(${PROJECT_SOURCE_DIR}/tests/parity/avatar_sources.cmake)
 add_executable(cosplat_test_avatar_cuda_on_host
-  avatar_memory_limit_test.cpp ${COSPLAT_AVATAR_PARITY_SOURCES})
+  avatar_memory_limit_test.cpp ${COSPLAT_PLAYER_PARITY_SOURCES}
+  ${COSPLAT_AVATAR_TRAINING_PARITY_SOURCES})
 target_compile_definitions(cosplat_test_avatar_cuda_on_host PRIVATE
   COSPLAT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(cosplat_test_avatar_cuda_on_host PRIVATE

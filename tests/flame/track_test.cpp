@@ -336,6 +336,15 @@ TEST(TrackedVideo, SizesThatDisagree) {
   ExpectError([&] { LoadTrackedImage(video, video.train[2]); }, {"image/3.png"});
 }
 
+TEST(TrackedVideo, APictureInMemoryNeedsNoFile) {
+  TrackedFrame frame;
+  frame.image_path = "/nowhere.png";
+  frame.picture = std::make_shared<const Image8>(3, 2, 4, uint8_t(7));
+  const Image8 image = LoadTrackedImage({}, frame);
+  EXPECT_EQ(image.channels, 4);
+  EXPECT_EQ(image.data, frame.picture->data);
+}
+
 TEST(TrackedVideo, DrivingNeedsNoImages) {
   const Imavatar imavatar;
   const TrackedVideo video = LoadDrivingSequence(imavatar.Write());

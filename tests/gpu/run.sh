@@ -49,6 +49,7 @@ export COSPLAT_REQUIRE_DEVICE=1
 tests=$build/tests/gpu/cosplat_test_parity
 player=$build/tests/gpu/cosplat_test_player_parity
 training=$build/tests/gpu/cosplat_test_training_parity
+avatar=$build/tests/gpu/cosplat_test_avatar_training_parity
 bench=$build/tests/gpu/cosplat_bench_cuda
 
 names=() results=() seconds=()
@@ -158,6 +159,7 @@ step player 60 "$player"
 step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
 step training 60 "$training"
+step avatar 60 "$avatar"
 step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
 train_scene
 if $dry || command -v compute-sanitizer >/dev/null; then
@@ -169,6 +171,8 @@ if $dry || command -v compute-sanitizer >/dev/null; then
       --gtest_filter='PosingParity.*:PlayerParity.DrawsOneGaussianAndNone'
     step "$tool-training" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$training" \
       --gtest_filter='DensityParity.*:MaskParity.ASoft*:TrainingParity.TheRegulariserOfScales'
+    step "$tool-avatar" 60 compute-sanitizer --tool "$tool" --error-exitcode 9 "$avatar" \
+      --gtest_filter='AvatarTrainingParity.RefinesTheTrack'
   done
 else
   names+=(sanitizer) results+=("not found") seconds+=(0)

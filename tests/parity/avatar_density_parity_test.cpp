@@ -9,7 +9,7 @@
 #include "avatar/cuda/device_avatar.h"
 #include "splat/cuda/device_step_engine.h"
 #include "splat/host_step_engine.h"
-#include "tests/avatar/training_fixture.h"
+#include "tests/avatar/made_video.h"
 #include "tests/parity/density_state.h"
 #include "tests/parity/device_fixture.h"
 
@@ -28,7 +28,7 @@ struct Side {
   std::unique_ptr<StepEngine> engine;
 
   Side(const AvatarSettings& avatar, bool on_device)
-      : subject(test::SmallVideo::Get().flame, test::LoadSmallVideo(4, 4), avatar) {
+      : subject(test::MadeHead().model, test::MakeSmallVideo(4, 4), avatar) {
     state = test::AfterSomeSteps(FirstGaussians(), 5);
     engine = on_device ? cuda::MakeDeviceAvatarEngine(cuda::SumOrder::kFixed, subject)(
                              settings, subject, state)

@@ -5,6 +5,6 @@ set(COSPLAT_PLAYER_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/player_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/posing_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/walk_parity_test.cpp)
-set(COSPLAT_AVATAR_PARITY_SOURCES
+set(COSPLAT_AVATAR_TRAINING_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/avatar_density_parity_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/avatar_training_parity_test.cpp ${COSPLAT_PLAYER_PARITY_SOURCES})
+  ${CMAKE_CURRENT_LIST_DIR}/avatar_training_parity_test.cpp)

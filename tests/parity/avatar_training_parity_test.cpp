@@ -6,7 +6,7 @@
 
 #include "avatar/cuda/device_avatar.h"
 #include "splat/host_step_engine.h"
-#include "tests/avatar/training_fixture.h"
+#include "tests/avatar/made_video.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/expect_error.h"
 
@@ -35,7 +35,7 @@ struct AvatarRun {
             int steps,
             int of = 40,
             int resolution = 4)
-      : subject(test::SmallVideo::Get().flame, test::LoadSmallVideo(5, resolution), avatar),
+      : subject(test::MadeHead().model, test::MakeSmallVideo(5, resolution), avatar),
         settings(SettingsOf(subject, of)),
         trainer(settings,
                 subject,
@@ -77,8 +77,8 @@ TEST_F(AvatarTrainingParity, EndsAsGoodAsOnTheCpu) {
 }
 
 // Roundings decide who splits and who crosses an edge, so that long runs part. The bounds are about
-// the CPU's own: six of its runs whose first scales differ by up to three roundings end with 258 to
-// 267 Gaussians and 33.1 to 34.6 dB, the emulated device with 267 and 33.0 dB. (250 Gaussians at
+// the CPU's own: seven of its runs whose first scales differ by up to three roundings end with 257
+// to 271 Gaussians and 33.2 to 34.6 dB, the emulated device with 259 and 34.6 dB. (250 Gaussians at
 // 24 x 24 pixels, in eight times the time: 386 to 388 and 33.56 to 33.71 dB, the device 388 and
 // 33.71 dB.)
 TEST_F(AvatarTrainingParity, ALongRunEndsWhereTheCpusMayEnd) {
@@ -87,7 +87,7 @@ TEST_F(AvatarTrainingParity, ALongRunEndsWhereTheCpusMayEnd) {
   const AvatarRun cpu(avatar, {}, kSteps, kSteps, 8);
   const AvatarRun device(avatar, SumOrder::kFixed, kSteps, kSteps, 8);
   EXPECT_GT(device.trainer.count(), 200u);
-  EXPECT_NEAR(double(device.trainer.count()) / double(cpu.trainer.count()), 1, 0.05);
+  EXPECT_NEAR(double(device.trainer.count()) / double(cpu.trainer.count()), 1, 0.08);
   EXPECT_NEAR(Quality(device), Quality(cpu), 2);
 }
 
