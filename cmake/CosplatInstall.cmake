@@ -57,7 +57,6 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/kernels/rows.h
   splat/kernels/tile_range.h
   splat/kernels/view_parameters.h
-  splat/prune/learned_mask.h
   splat/prune/rounds.h
   splat/prune/rules.h
   splat/study/basis_samples.h

@@ -229,8 +229,11 @@ TEST(Bands, SortedByDegreeThePictureIsTheSame) {
   for (size_t i = 0; i < order.size(); ++i) {
     EXPECT_EQ(g.degrees[i], before.degrees[order[i]]);
     EXPECT_EQ(*g.at(kOpacityLogit, i), *before.at(kOpacityLogit, order[i]));
-    if (i > 0 && g.degrees[i] == g.degrees[i - 1]) EXPECT_GT(order[i], order[i - 1]);
-    if (i > 0) EXPECT_GE(g.degrees[i], g.degrees[i - 1]);
+    if (i == 0) continue;
+    EXPECT_GE(g.degrees[i], g.degrees[i - 1]);
+    if (g.degrees[i] == g.degrees[i - 1]) {
+      EXPECT_GT(order[i], order[i - 1]);
+    }
   }
   const Camera camera = test::LookingAt({0.3f, -0.2f, -3}, {0, 0, 0}, 64);
   EXPECT_TRUE(test::SameBits(test::Picture(g, camera).color, test::Picture(before, camera).color));

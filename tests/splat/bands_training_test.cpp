@@ -58,8 +58,9 @@ TEST(BandsInTraining, WhatWasDroppedStaysSo) {
     const Gaussians& g = trainer.state().gaussians;
     if (BandSchedule::DropsAt(i, run.settings.iterations)) {
       ++rounds;
-      if (!degrees.empty())
+      if (!degrees.empty()) {
         for (size_t k = 0; k < g.size(); ++k) EXPECT_LE(g.degrees[k], degrees[k]);
+      }
       degrees = g.degrees;
     }
     EXPECT_EQ(g.degrees, degrees);
