@@ -20,6 +20,10 @@ constexpr double kBesideParameters =
 constexpr double kPerInstance =
     6 * sizeof(uint32_t) + double(kTileSize) * kTileSize * sizeof(PixelCheckpoint) / kBucket;
 
+double BytesPerInstance(SumOrder order) {
+  return kPerInstance + (order == SumOrder::kFixed ? sizeof(SplatGradient) : 0);
+}
+
 }  // namespace
 
 size_t FreeMemory() {
@@ -37,9 +41,18 @@ Footprint FootprintOf(const DeviceGaussians& gaussians,
                       double instances_per_gaussian) {
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(gaussians.width(a));
-  const double record = order == SumOrder::kFixed ? sizeof(SplatGradient) : 0;
   return {4 * sizeof(float) * double(numbers) + kBesideParameters +
-          instances_per_gaussian * (kPerInstance + record)};
+          instances_per_gaussian * BytesPerInstance(order)};
+}
+
+bool HasRoomFor(size_t instances, SumOrder order, const Tape& tape) {
+  if (instances <= tape.lists.capacity()) return true;
+  // A tile's last bucket may be nearly empty.
+  const double partial = double(tape.lists.tiles()) * kTileSize * kTileSize;
+  const double wanted =
+      kGrowth * (double(instances) * BytesPerInstance(order) + partial * sizeof(PixelCheckpoint));
+  const size_t held = tape.lists.HeldForInstances() + HeldBy(tape.checkpoints, tape.records);
+  return wanted <= double(held) + kUsable * double(FreeMemory());
 }
 
 std::string NoticeOfMemory(size_t gaussians) {

@@ -1,6 +1,7 @@
 // A step of DeviceStepEngine, and what becomes of those that were submitted.
 #include <algorithm>
 
+#include "splat/cuda/device_memory.h"
 #include "splat/cuda/device_step_engine.h"
 
 namespace cosplat::cuda {
@@ -63,7 +64,10 @@ void DeviceStepEngine::Draw(Submitted& step, bool waits) {
   TileLists& lists = tape_.lists;
   world_ = on_device_->Place(population_.values, plan.frame, stream());
   if (step.masked) population_.mask.BeforeDraw(population_.values, step.rng, world_, stream());
-  if (!waits) lists.Expect(forecast_.Of(plan.frame, count()), population_.halted.data());
+  const size_t expected = forecast_.Of(plan.frame, count());
+  // Where there is no room for a guess, what there is may still fit: the host waits to know.
+  if (!waits && HasRoomFor(expected, order_, tape_))
+    lists.Expect(expected, population_.halted.data());
   const Camera& camera = subject_.frame(plan.frame).camera;
   renderer_.Forward(world_, state_.gaussians.basis, camera, plan.render, true, image_, tape_);
   step.counts.Ask(lists.counts(), stream());

@@ -268,9 +268,12 @@ TileListsView TileLists::view() const {
           record_begin_.view()};
 }
 
+size_t TileLists::HeldForInstances() const {
+  return by_tile_.held() + HeldBy(of_record_, gaussian_);
+}
+
 size_t TileLists::HeldForGaussians() const {
-  return by_depth_.held() + by_tile_.held() + sorter_.held() +
-         HeldBy(record_begin_, of_record_, gaussian_);
+  return by_depth_.held() + HeldForInstances() + sorter_.held() + HeldBy(record_begin_);
 }
 
 size_t TileLists::HeldForTiles() const { return HeldBy(tile_begin_, bucket_begin_); }

@@ -60,7 +60,9 @@ class TileLists {
   size_t most_buckets() const { return room_ / kBucket + tiles(); }
   size_t tiles() const { return size_t(tiles_x_) * tiles_y_; }
   TileListsView view() const;
-  // Bytes held, scratch included.
+  size_t capacity() const { return gaussian_.capacity(); }  // of room
+  // Bytes held; the second with scratch.
+  size_t HeldForInstances() const;
   size_t HeldForGaussians() const;
   size_t HeldForTiles() const;
 

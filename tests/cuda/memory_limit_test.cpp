@@ -13,6 +13,8 @@ struct MemoryLimit : testing::Test {
   size_t before = cuda_on_host::FreeMemory();
 };
 
+constexpr size_t kScarce = 150000;  // bytes
+
 // The largest number of Gaussians, and what was said.
 struct Outcome {
   size_t largest = 0;
@@ -45,6 +47,23 @@ TEST_F(MemoryLimit, TrainingGoesOnWithWhatFits) {
   EXPECT_EQ(notice.find('\n'), std::string::npos);
   EXPECT_GT(outcome.largest, test::TrainingRun().first.size());
   EXPECT_LT(outcome.largest, 1000u);
+}
+
+// Eight times the instances of a frame do not fit, those that there are do: their number is waited
+// for, and the run has the bits of one with all the memory that it wants.
+TEST_F(MemoryLimit, WhatIsForetoldMayBeMoreThanFits) {
+  test::TrainingRun run;
+  run.settings.schedule.densify_until = 0;
+  const StepEngineMaker foresees_much =
+      cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed, nullptr, cuda::InstanceForecast(8));
+  const test::Training roomy = RunOn(run, foresees_much, 12);
+  SceneSubject subject(run.frames, 1);
+  Trainer trainer(run.settings, subject, run.first, foresees_much);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(trainer.Step().loss, roomy.losses[size_t(i)]) << i;
+    if (i == 0) cuda_on_host::SetFreeMemory(kScarce);
+  }
+  EXPECT_TRUE(test::SameBits(trainer.state(), roomy.state));
 }
 
 }  // namespace
