@@ -78,7 +78,8 @@ TEST_F(AvatarTrainingParity, EndsAsGoodAsOnTheCpu) {
 
 // Roundings decide who splits and who crosses an edge, so that long runs part. The bounds are about
 // the CPU's own: seven of its runs whose first scales differ by up to three roundings end with 257
-// to 271 Gaussians and 33.2 to 34.6 dB, the emulated device with 259 and 34.6 dB. (250 Gaussians at
+// to 271 Gaussians and 33.2 to 34.6 dB, one compiled for another instruction set with 269 and 33.0
+// dB, the emulated device with 259 and 34.6 dB. (250 Gaussians at
 // 24 x 24 pixels, in eight times the time: 386 to 388 and 33.56 to 33.71 dB, the device 388 and
 // 33.71 dB.)
 TEST_F(AvatarTrainingParity, ALongRunEndsWhereTheCpusMayEnd) {
@@ -88,7 +89,7 @@ TEST_F(AvatarTrainingParity, ALongRunEndsWhereTheCpusMayEnd) {
   const AvatarRun device(avatar, SumOrder::kFixed, kSteps, kSteps, 8);
   EXPECT_GT(device.trainer.count(), 200u);
   EXPECT_NEAR(double(device.trainer.count()) / double(cpu.trainer.count()), 1, 0.08);
-  EXPECT_NEAR(Quality(device), Quality(cpu), 2);
+  EXPECT_NEAR(Quality(device), Quality(cpu), 2.5);
 }
 
 TEST_F(AvatarTrainingParity, AFixedOrderGivesTheSameBits) {
