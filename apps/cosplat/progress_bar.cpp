@@ -7,24 +7,53 @@
 
 namespace cosplat {
 
-ProgressBar::ProgressBar(std::string title, int total, bool quiet)
+namespace {
+
+constexpr int kLineEvery = 5;  // percent
+
+}  // namespace
+
+ProgressBar::ProgressBar(std::string title, int total, bool quiet, OffTerminal off_terminal)
     : title_(std::move(title)),
       total_(std::max(1, total)),
       visible_(!quiet && isatty(STDERR_FILENO)),
+      lines_(!quiet && !visible_ && off_terminal == OffTerminal::kLines),
       start_(std::chrono::steady_clock::now()) {}
 
 ProgressBar::~ProgressBar() {
   if (visible_) std::fprintf(stderr, "\r\033[K");
 }
 
+ProgressBar::Rate ProgressBar::RateAt(int done) const {
+  const auto now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double rate = seconds > 0 ? done / seconds : 0;
+  return {rate, rate > 0 ? int((total_ - done) / rate) : 0};
+}
+
+void ProgressBar::WriteLine(int done, const std::string& detail) {
+  const int percent = int(int64_t(done) * 100 / total_) / kLineEvery * kLineEvery;
+  if (percent <= written_) return;
+  written_ = percent;
+  const Rate rate = RateAt(done);
+  std::fprintf(stderr,
+               "%s %d/%d  %s  %.1f it/s  %d:%02d left\n",
+               title_.c_str(),
+               done,
+               total_,
+               detail.c_str(),
+               rate.per_second,
+               rate.seconds_left / 60,
+               rate.seconds_left % 60);
+}
+
 void ProgressBar::Update(int done, const std::string& detail) {
+  if (lines_) WriteLine(done, detail);
   if (!visible_) return;
   const auto now = std::chrono::steady_clock::now();
   if (done < total_ && now - drawn_ < std::chrono::milliseconds(100)) return;
   drawn_ = now;
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double rate = seconds > 0 ? done / seconds : 0;
-  const int left = rate > 0 ? int((total_ - done) / rate) : 0;
+  const Rate rate = RateAt(done);
   constexpr int kCells = 24;
   const int filled = int(int64_t(done) * kCells / total_);
   std::fprintf(stderr,
@@ -35,9 +64,9 @@ void ProgressBar::Update(int done, const std::string& detail) {
                done,
                total_,
                detail.c_str(),
-               rate,
-               left / 60,
-               left % 60);
+               rate.per_second,
+               rate.seconds_left / 60,
+               rate.seconds_left % 60);
   std::fflush(stderr);
 }
 

@@ -1,4 +1,5 @@
-// One line that shows how far long work has come. Silent when standard error is not a terminal.
+// Shows how far long work has come: on a terminal one line that is redrawn; elsewhere (a log file)
+// nothing, or a new line at every 5 %.
 #pragma once
 
 #include <chrono>
@@ -6,19 +7,32 @@
 
 namespace cosplat {
 
+enum class OffTerminal { kSilent, kLines };
+
 class ProgressBar {
  public:
-  ProgressBar(std::string title, int total, bool quiet = false);
+  ProgressBar(std::string title,
+              int total,
+              bool quiet = false,
+              OffTerminal off_terminal = OffTerminal::kSilent);
   ~ProgressBar();
-  // Redraws at most ten times a second; `detail` stands after the bar.
+  // Redraws at most ten times a second; `detail` stands after the bar, or in the line.
   void Update(int done, const std::string& detail);
   // A line above the bar.
   void Tell(const std::string& line);
 
  private:
+  struct Rate {
+    double per_second = 0;
+    int seconds_left = 0;
+  };
+  Rate RateAt(int done) const;
+  void WriteLine(int done, const std::string& detail);
+
   std::string title_;
   int total_;
-  bool visible_;
+  bool visible_, lines_;
+  int written_ = 0;  // percent, in the last line
   std::chrono::steady_clock::time_point start_, drawn_;
 };
 

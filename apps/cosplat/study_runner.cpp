@@ -1,5 +1,7 @@
 #include "apps/cosplat/study_runner.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -78,7 +80,9 @@ void RunSteps(const StudyRun& run,
               const StudyChildren& children,
               const std::string& model) {
   if (run.data.make_head) MakeHead(run.data, s, children);
-  children.Run(run.TrainArguments(s.data + "/", s.out + "/", model));
+  std::vector<std::string> train = run.TrainArguments(s.data + "/", s.out + "/", model);
+  if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has a line per run
+  children.Run(train);
   if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
   if (HasSplats(model))
     children.Run({"export", "-m", model, "--vq", model + "/quantised.zip", "--measure"});

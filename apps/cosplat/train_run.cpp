@@ -68,8 +68,10 @@ void ChooseBudget(const TrainOptions& o, Trainer& trainer, bool video) {
       FindBudget(settings, trainer, [&](size_t trial, const StepReport& step) {
         if (trial != shown) {
           bar.reset();  // ends its line
-          bar = std::make_unique<ProgressBar>(
-              "budget, trial " + std::to_string(trial + 1), o.iterations, o.quiet);
+          bar = std::make_unique<ProgressBar>("budget, trial " + std::to_string(trial + 1),
+                                              o.iterations,
+                                              o.quiet,
+                                              OffTerminal::kLines);
           shown = trial;
         }
         bar->Update(step.iteration, line(step));
@@ -90,7 +92,7 @@ void RunTraining(const TrainOptions& o,
   std::filesystem::remove(o.model + "/budget.json", ignored);  // an earlier run's
   if (o.budget == "auto") ChooseBudget(o, trainer, hooks.video);
   {
-    ProgressBar bar("train", o.iterations, o.quiet);
+    ProgressBar bar("train", o.iterations, o.quiet, OffTerminal::kLines);
     LossLine line;
     while (trainer.iteration() < o.iterations) {
       const StepReport step = trainer.Step();

@@ -35,6 +35,19 @@ TEST(Cli, MakesTrainsAndSaysNothingWhenQuiet) {
   for (const CommandResult& result : Made().made) ExpectQuietSuccess(result);
 }
 
+// Whoever has only the log file sees that the run lives, and when it will end.
+TEST(Cli, TrainingWritesALineEveryFewPercentWhereThereIsNoTerminal) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      Cosplat({"train-scene", "-s", Made().photos, "-m", folder / "out", "--iterations", "40"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const std::regex line(
+      "train [0-9]+/40  loss [0-9.]+  [0-9,]+ Gaussians  [0-9.]+ it/s  "
+      "[0-9]+:[0-9]{2} left\n");
+  const auto begin = std::sregex_iterator(run.err.begin(), run.err.end(), line);
+  EXPECT_EQ(std::distance(begin, std::sregex_iterator()), 20) << run.err;
+}
+
 TEST(Cli, LeavesNoTemporaryFiles) {
   for (const auto& entry : fs::recursive_directory_iterator(Made().folder.path()))
     EXPECT_FALSE(Contains(entry.path().filename().string(), ".tmp")) << entry.path();
