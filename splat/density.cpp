@@ -50,14 +50,13 @@ std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
 std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
                                   bool remove_oversized,
                                   const Gaussians& gaussians,
-                                  const Buffer<float>& max_radius,
                                   DensityReport& report) {
   const math::RemovalRule rule = RemovalRuleOf(settings, remove_oversized);
   std::vector<uint8_t> unwanted(gaussians.size(), 0);
   for (size_t i = 0; i < gaussians.size(); ++i) {
     const bool broken = !AllFinite(gaussians, i);
-    const math::Removal removal = RemovalOf(
-        rule, gaussians.at(kOpacityLogit, i)[0], gaussians.at(kScaleLog, i), max_radius[i]);
+    const math::Removal removal =
+        RemovalOf(rule, gaussians.at(kOpacityLogit, i)[0], gaussians.at(kScaleLog, i));
     unwanted[i] = broken || removal != math::Removal::kNone;
     report.broken += broken;
     report.transparent += !broken && removal == math::Removal::kTransparent;
@@ -81,16 +80,15 @@ void HeedVeto(Placement& placement, const Gaussians& gaussians, std::vector<uint
 
 math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized) {
   const float min_logit = std::log(settings.min_opacity / (1 - settings.min_opacity));
-  return {min_logit, remove_oversized, settings.max_radius_px, settings.max_scale};
+  return {min_logit, remove_oversized, settings.max_scale};
 }
 
 void DensityStatistics::Reset(size_t n) {
-  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius})
-    *b = Buffer<float>(n, 0.0f);
+  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible}) *b = Buffer<float>(n, 0.0f);
 }
 
 void DensityStatistics::Gather(const Reordering& order) {
-  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible, &max_radius}) {
+  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible}) {
     Buffer<float> gathered(order.source.size());
     for (size_t i = 0; i < gathered.size(); ++i) gathered[i] = (*b)[order.source[i]];
     for (const uint32_t i : order.fresh) gathered[i] = 0;
@@ -107,15 +105,13 @@ void DensityStatistics::Accumulate(const RenderTape& tape,
   const View<const float> radii = tape.radii();
   tbb::parallel_for(tbb::blocked_range<size_t>(0, visible.size(), 4096), [&](const auto& range) {
     for (size_t i = range.begin(); i < range.end(); ++i) {
-      const float radius = radii[i];
-      if (!(radius > 0)) continue;
+      if (!(radii[i] > 0)) continue;
       const math::ShapeOfStep step =
           math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
       if (!step.IsUsable()) continue;
       screen_gradient[i] += step.screen;
       plasticity[i] += step.plasticity;
       visible[i] += 1;
-      max_radius[i] = std::max(max_radius[i], radius);
     }
   });
 }
@@ -229,8 +225,7 @@ DensityReport ControlDensity(const DensitySettings& settings,
     population.placement.Move(gaussians, uint32_t(i), {offset.x, offset.y, offset.z});
     for (int k = 0; k < 3; ++k) gaussians.at(kScaleLog, i)[k] -= std::log(math::kSplitShrink);
   }
-  population.Remove(MarkUnwanted(
-      settings, remove_oversized, gaussians, population.statistics.max_radius, report));
+  population.Remove(MarkUnwanted(settings, remove_oversized, gaussians, report));
   return report;
 }
 

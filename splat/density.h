@@ -29,7 +29,6 @@ struct DensityStatistics {
   Buffer<float> screen_gradient;  // sum of |dL/d(centre)| in normalised device coordinates
   Buffer<float> plasticity;       // sum of |dL/ds|
   Buffer<float> visible;          // steps in which it was drawn
-  Buffer<float> max_radius;       // px, the largest so far
 
   void Reset(size_t n);
   // Of |dL/ds| over the steps in which it was drawn; 0 for one that was not.
@@ -50,7 +49,6 @@ struct DensitySettings {
   float split_scale = 0.01f;         // above this standard deviation it is split; scene units
   float min_opacity = 0.005f;
   float max_scale = 0;         // larger ones are removed once size pruning is on; scene units
-  float max_radius_px = 20;    // likewise
   size_t max_count = 2000000;  // never exceeded by adding: the strongest gradients go first
 };
 

@@ -178,7 +178,7 @@ std::vector<MemoryPart> HostStepEngine::Memory() const {
       {"first moments", HeldBy(state_.adam.m)},
       {"second moments", HeldBy(state_.adam.v)},
       {"groups of Adam", HeldBy(state_.adam.updated, groups_, needles_)},
-      {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible, d.max_radius)},
+      {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible)},
       {"screen gradients", HeldBy(screen_)},
       {"picture and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),

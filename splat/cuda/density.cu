@@ -93,7 +93,6 @@ struct DrawChild {
 struct MarkUnwanted {
   math::RemovalRule rule;
   WorldGaussians gaussians;
-  DeviceView<const float> max_radius;
   DeviceView<uint8_t> unwanted;
   __device__ static bool AllFinite(const float* row, int width) {
     for (int k = 0; k < width; ++k)
@@ -107,8 +106,7 @@ struct MarkUnwanted {
                        AllFinite(g.color_dc + 3 * i, 3) &&
                        AllFinite(g.color_rest + g.rest_width * i, g.rest_width);
     unwanted[i] =
-        !whole || RemovalOf(rule, g.opacity_logit[i], g.scale_log + 3 * i, max_radius[i]) !=
-                      math::Removal::kNone;
+        !whole || RemovalOf(rule, g.opacity_logit[i], g.scale_log + 3 * i) != math::Removal::kNone;
   }
 };
 
@@ -227,12 +225,11 @@ bool DensityControl::Control(const DensitySettings& settings,
   if (held_back) KeepStrongest(room, stream);
   AddChildren(population, rng, stream);
   unwanted_.Refill(population.size());
-  ForEach(population.size(),
-          stream,
-          MarkUnwanted{RemovalRuleOf(settings, remove_oversized),
-                       population.values.View(),
-                       std::as_const(population.statistics.max_radius).view(),
-                       unwanted_.view()});
+  ForEach(
+      population.size(),
+      stream,
+      MarkUnwanted{
+          RemovalRuleOf(settings, remove_oversized), population.values.View(), unwanted_.view()});
   placement_.Veto(population.values, canvas_, unwanted_.view());
   Take(std::as_const(unwanted_).view(), population, stream);
   return held_back;

@@ -13,7 +13,6 @@ void Statistics::Upload(const DensityStatistics& from, cudaStream_t stream) {
   screen_gradient.Upload(from.screen_gradient.data(), from.screen_gradient.size(), stream);
   plasticity.Upload(from.plasticity.data(), from.plasticity.size(), stream);
   visible.Upload(from.visible.data(), from.visible.size(), stream);
-  max_radius.Upload(from.max_radius.data(), from.max_radius.size(), stream);
 }
 
 void Statistics::Download(DensityStatistics& to, cudaStream_t stream) {
@@ -21,7 +20,6 @@ void Statistics::Download(DensityStatistics& to, cudaStream_t stream) {
   screen_gradient.Download(to.screen_gradient.data(), stream);
   plasticity.Download(to.plasticity.data(), stream);
   visible.Download(to.visible.data(), stream);
-  max_radius.Download(to.max_radius.data(), stream);
 }
 
 void Population::Upload(const TrainingState& state, cudaStream_t stream) {
@@ -83,7 +81,6 @@ std::vector<MemoryPart> Population::Memory() const {
            HeldBy(statistics.screen_gradient,
                   statistics.plasticity,
                   statistics.visible,
-                  statistics.max_radius,
                   spare_,
                   spare_degrees_)}};
 }

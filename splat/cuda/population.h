@@ -11,11 +11,9 @@ namespace cosplat::cuda {
 
 // DensityStatistics there.
 struct Statistics {
-  DeviceBuffer<float> screen_gradient, plasticity, visible, max_radius;  // [N]
+  DeviceBuffer<float> screen_gradient, plasticity, visible;  // [N]
 
-  std::array<DeviceBuffer<float>*, 4> all() {
-    return {&screen_gradient, &plasticity, &visible, &max_radius};
-  }
+  std::array<DeviceBuffer<float>*, 3> all() { return {&screen_gradient, &plasticity, &visible}; }
   void Reset(size_t n, cudaStream_t stream);
   void Upload(const DensityStatistics& from, cudaStream_t stream);
   // They are there when the stream has been waited for.

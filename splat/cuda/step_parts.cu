@@ -9,18 +9,16 @@ namespace {
 struct AccumulateStep {
   DeviceView<const float> radii, screen, d_scale_log, scale_log;
   int width, height;
-  DeviceView<float> screen_gradient, plasticity, visible, max_radius;
+  DeviceView<float> screen_gradient, plasticity, visible;
   const uint32_t* halted;
   __device__ void operator()(size_t i) const {
-    const float radius = radii[i];
-    if (!(radius > 0) || *halted != 0) return;
+    if (!(radii[i] > 0) || *halted != 0) return;
     const math::ShapeOfStep step =
         math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
     if (!step.IsUsable()) return;
     screen_gradient[i] += step.screen;
     plasticity[i] += step.plasticity;
     visible[i] += 1;
-    if (max_radius[i] < radius) max_radius[i] = radius;
   }
 };
 
@@ -120,7 +118,6 @@ void Accumulate(DeviceView<const float> radii,
                          s.screen_gradient.view(),
                          s.plasticity.view(),
                          s.visible.view(),
-                         s.max_radius.view(),
                          population.halted.data()});
 }
 

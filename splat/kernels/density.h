@@ -56,20 +56,17 @@ COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log
 }
 constexpr uint64_t kSplitDraws = 6;  // random numbers that it takes
 
-// Who goes by opacity and size.
+// Which Gaussians are removed by opacity and size. There is no limit in pixels: 3DGS has one, which
+// its code never applies, and applying it costs accuracy (docs/reference.md).
 struct RemovalRule {
   float min_logit;
   bool removes_oversized;
-  float max_radius_px, max_scale;
+  float max_scale;
 };
 enum class Removal { kNone, kTransparent, kOversized };
-COSPLAT_HD Removal RemovalOf(const RemovalRule& rule,
-                             float opacity_logit,
-                             const float* scale_log,
-                             float max_radius) {
+COSPLAT_HD Removal RemovalOf(const RemovalRule& rule, float opacity_logit, const float* scale_log) {
   if (opacity_logit < rule.min_logit) return Removal::kTransparent;
-  if (rule.removes_oversized &&
-      (max_radius > rule.max_radius_px || LargestScale(scale_log) > rule.max_scale))
+  if (rule.removes_oversized && LargestScale(scale_log) > rule.max_scale)
     return Removal::kOversized;
   return Removal::kNone;
 }

@@ -84,7 +84,6 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
   EXPECT_FLOAT_EQ(s.density.split_scale, 0.005f);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.05f);
-  EXPECT_EQ(s.density.max_radius_px, 20);
   EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
   EXPECT_EQ(s.prune.rule, PruneRule::kNone);
   EXPECT_EQ(s.prune.group_cap, 0);

@@ -85,7 +85,6 @@ DensitySettings Settings() {
   settings.gradient_threshold = 5e-4f;
   settings.split_scale = 0.02f;
   settings.max_scale = 0.05f;
-  settings.max_radius_px = 30;
   return settings;
 }
 

@@ -23,7 +23,6 @@ DensitySettings Settings() {
   settings.gradient_threshold = 5e-4f;
   settings.split_scale = 0.1f;
   settings.max_scale = 0.5f;
-  settings.max_radius_px = 30;
   return settings;
 }
 

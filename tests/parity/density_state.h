@@ -25,7 +25,6 @@ inline TrainingState AfterSomeSteps(const Gaussians& gaussians, uint64_t seed) {
     state.statistics.visible[i] = float(rng.Below(4));
     state.statistics.screen_gradient[i] = 1e-3f * rng.Uniform() * state.statistics.visible[i];
     state.statistics.plasticity[i] = rng.Uniform();
-    state.statistics.max_radius[i] = 40 * rng.Uniform();
     for (Gaussians* moments : {&state.adam.m, &state.adam.v})
       for (int a = 0; a < kAttributeCount; ++a)
         for (int k = 0; k < state.gaussians.width(a); ++k)
@@ -57,7 +56,6 @@ inline void ExpectSame(const TrainingState& device, const TrainingState& cpu) {
   EXPECT_EQ(device.gaussians.degrees, cpu.gaussians.degrees);
   EXPECT_EQ(device.adam.updated, cpu.adam.updated);
   ExpectNear(device.statistics.screen_gradient, cpu.statistics.screen_gradient, "gradients");
-  ExpectNear(device.statistics.max_radius, cpu.statistics.max_radius, "radii");
   EXPECT_EQ(device.rng.state, cpu.rng.state);
 }
 

@@ -124,10 +124,8 @@ inline void ExpectAligned(const TaggedGaussians& p) {
         EXPECT_EQ(p.adam.v.at(Attribute(a), i)[k], is_new ? 0 : 2 * tag);
       }
   }
-  for (const Buffer<float>* b : {&p.statistics.screen_gradient,
-                                 &p.statistics.plasticity,
-                                 &p.statistics.visible,
-                                 &p.statistics.max_radius})
+  for (const Buffer<float>* b :
+       {&p.statistics.screen_gradient, &p.statistics.plasticity, &p.statistics.visible})
     EXPECT_EQ(*b, Buffer<float>(p.g.size(), 0.0f));
 }
 
