@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <cmath>
 #include <map>
 
 #include "splat/morton.h"
@@ -30,12 +29,12 @@ TEST(Trainer, OverfitsASceneFromRandomPoints) {
   }
 }
 
-// A rule that counts in pixels can be right at one size only. One that removed what is wider than
-// 20 px ended 10 dB apart here.
-TEST(Trainer, TheSizeOfTheImagesDecidesNothing) {
-  double psnr[2];
-  double count[2];
-  const int sides[2] = {48, 192};
+// A rule that counts in pixels can be right at one size only. With removal above 20 px the larger
+// images end at 46.4 dB with 2,480 Gaussians, without it at 50.3 dB with 5,000; the smaller ones at
+// 48.7 dB with 5,000 either way.
+TEST(Trainer, LargerImagesEndNoWorse) {
+  double psnr[2], count[2];
+  const int sides[2] = {48, 384};
   for (int i = 0; i < 2; ++i) {
     const auto frames = Photographs(TrueScene(1), Ring(6, 2.2f, sides[i]));
     SceneSubject subject(frames, 1);
@@ -45,8 +44,8 @@ TEST(Trainer, TheSizeOfTheImagesDecidesNothing) {
     psnr[i] = MeanPsnr(state.gaussians, frames);
     count[i] = double(state.gaussians.size());
   }
-  EXPECT_NEAR(psnr[0], psnr[1], 3);
-  EXPECT_LT(std::abs(std::log2(count[0] / count[1])), 1);
+  EXPECT_GT(psnr[1], psnr[0] - 1);
+  EXPECT_GT(count[1], 0.7 * count[0]);
 }
 
 Gaussians Perturbed(Gaussians g) {
