@@ -208,6 +208,11 @@ DensityReport ControlDensity(const DensitySettings& settings,
   report.cloned = clones.size();
   report.split = splits.size();
 
+  if (settings.shares_opacity)  // before the copies are made
+    for (const uint32_t i : clones) {
+      float& logit = gaussians.at(kOpacityLogit, i)[0];
+      logit = math::SharedOpacityLogit(logit);
+    }
   Reordering order;
   for (size_t i = 0; i < before; ++i)
     if (!is_split[i]) order.source.push_back(uint32_t(i));

@@ -48,7 +48,9 @@ struct DensitySettings {
   float gradient_threshold = 2e-4f;  // mean screen gradient above which one is cloned or split
   float split_scale = 0.01f;         // above this standard deviation it is split; scene units
   float min_opacity = 0.005f;
-  float max_scale = 0;         // larger ones are removed once size pruning is on; scene units
+  float max_scale = 0;  // larger ones are removed once size pruning is on; scene units
+  // A clone and its original share the opacity (math::SharedOpacityLogit); in 3DGS both keep it.
+  bool shares_opacity = false;
   size_t max_count = 2000000;  // never exceeded by adding: the strongest gradients go first
 };
 

@@ -29,6 +29,7 @@ TrainSettings TrainChoices::ToSettings(float extent) const {
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS
   s.density.max_count = max_gaussians;
+  s.density.shares_opacity = preset == "default";  // scenes: avatars' mouths lose by it
   if (budget == "auto" && prune_to > 0)
     throw Error("", "--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
   if (budget == "auto" && prune != "none" && prune != "leave-one-out")

@@ -46,6 +46,15 @@ struct LetStay {
   __device__ void operator()(size_t k) const { kind[gaussians[from + k]] = kStays; }
 };
 
+// Before the copies are made.
+struct ShareOpacity {
+  DeviceView<const uint8_t> kind;
+  DeviceView<float> opacity_logit;
+  __device__ void operator()(size_t i) const {
+    if (kind[i] == kIsCloned) opacity_logit[i] = math::SharedOpacityLogit(opacity_logit[i]);
+  }
+};
+
 struct FlagKinds {
   DeviceView<const uint8_t> kind;
   DeviceView<uint64_t> kept, cloned, split;
@@ -223,6 +232,11 @@ bool DensityControl::Control(const DensitySettings& settings,
   const size_t room = settings.max_count > before ? settings.max_count - before : 0;
   const bool held_back = Select(settings, population, stream) > room;
   if (held_back) KeepStrongest(room, stream);
+  if (settings.shares_opacity)
+    ForEach(
+        before,
+        stream,
+        ShareOpacity{std::as_const(kind_).view(), population.values.values[kOpacityLogit].view()});
   AddChildren(population, rng, stream);
   unwanted_.Refill(population.size());
   ForEach(

@@ -56,6 +56,15 @@ COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log
 }
 constexpr uint64_t kSplitDraws = 6;  // random numbers that it takes
 
+// Logit of the opacity a' that two copies in one place need to be as opaque as one of opacity a:
+// 1 - a = (1 - a')^2 (Rota Bulo et al. 2024, section 3.3). With a = sigmoid(l):
+//   e^l' = a' / (1 - a') = sqrt(1 + e^l) - 1, written so that nothing overflows or cancels.
+COSPLAT_HD float SharedOpacityLogit(float logit) {
+  if (logit > 0)
+    return 0.5f * logit - std::log(std::sqrt(1 + std::exp(-logit)) + std::exp(-0.5f * logit));
+  return logit - std::log(std::sqrt(1 + std::exp(logit)) + 1);
+}
+
 // Which Gaussians are removed by opacity and size. There is no limit in pixels: 3DGS has one, which
 // its code never applies, and applying it costs accuracy (docs/reference.md).
 struct RemovalRule {

@@ -85,6 +85,7 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.density.split_scale, 0.005f);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.05f);
   EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
+  EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_EQ(s.prune.rule, PruneRule::kNone);
   EXPECT_EQ(s.prune.group_cap, 0);
 }
@@ -171,6 +172,8 @@ TEST(AvatarPreset, OthersAreRefused) {
   for (const char* name : {"default", "splattingavatar", "splatting-avatar-"})
     EXPECT_THROW(Parsed({"--preset", name}), CLI::ParseError) << name;
   EXPECT_EQ(Parsed({"--preset", "3dgs"}).options.ToSettings(1).schedule.densify_until, 15000);
+  EXPECT_FALSE(Parsed({"--preset", "3dgs"}).options.ToSettings(1).density.shares_opacity);
+  EXPECT_FALSE(Parsed({}).options.ToSettings(1).density.shares_opacity);
 }
 
 }  // namespace

@@ -174,6 +174,35 @@ TEST(Density, TheHardCapKeepsTheStrongest) {
   EXPECT_EQ(p.g.size(), 8u);
 }
 
+TEST(Density, TwoCopiesAreAsOpaqueAsOneWas) {
+  for (const float logit : {-90.0f, -12.0f, -0.1f, 0.0f, 0.1f, 3.0f, 12.0f, 90.0f}) {
+    const double shared = math::SharedOpacityLogit(logit);
+    ASSERT_TRUE(std::isfinite(shared)) << logit;
+    // log(1 - a) = -log(1 + e^l), once and twice.
+    const auto log_clear = [](double l) {
+      return l > 0 ? -l - std::log1p(std::exp(-l)) : -std::log1p(std::exp(l));
+    };
+    const double once = log_clear(logit);
+    EXPECT_NEAR(2 * log_clear(shared), once, 1e-5 * std::abs(once)) << logit;
+  }
+}
+
+TEST(Density, ACloneAndItsOriginalShareTheOpacity) {
+  for (const bool shares : {false, true}) {
+    TaggedGaussians p(3);
+    p.settings.shares_opacity = shares;
+    for (size_t i = 0; i < 3; ++i) p.g.at(kOpacityLogit, i)[0] = 1;
+    p.See(0, 1, 1);         // cloned
+    p.SetScale(1, kLarge);  // split: its children are apart
+    p.See(1, 1, 1);
+    p.Control();
+    ASSERT_EQ(p.Tags(), Tags({1, 3, 1, 2, 2}));
+    const float shared = shares ? math::SharedOpacityLogit(1) : 1;
+    const float expected[5] = {shared, 1, shared, 1, 1};
+    for (size_t i = 0; i < 5; ++i) EXPECT_EQ(p.g.at(kOpacityLogit, i)[0], expected[i]) << i;
+  }
+}
+
 TEST(Density, UnseenOnesAreNotDensified) {
   TaggedGaussians p(2);
   p.statistics.Reset(2);
