@@ -24,6 +24,7 @@ HostStepEngine::HostStepEngine(const TrainSettings& settings,
     : settings_(settings),
       subject_(subject),
       state_(state),
+      frames_(subject),
       rasterizer_(MakeCpuRasterizer()),
       tape_(rasterizer_->MakeTape()) {}
 
@@ -81,7 +82,7 @@ Population HostStepEngine::Everyone() {
 }
 
 double HostStepEngine::Forward(const StepPlan& plan) {
-  const TrainFrame& frame = subject_.frame(plan.frame);
+  const TrainFrame& frame = frames_.At(plan.frame, plan.downscale);
   {
     ScopedPhase phase(times_, Phase::kData);
     if (gradients_.size() != state_.gaussians.size()) gradients_ = state_.gaussians.ZerosLike();
@@ -182,7 +183,8 @@ std::vector<MemoryPart> HostStepEngine::Memory() const {
       {"screen gradients", HeldBy(screen_)},
       {"picture and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),
-       MemoryOf::kPixels}};
+       MemoryOf::kPixels},
+      {"smaller photographs", frames_.held(), MemoryOf::kPixels}};
   for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
   return parts;
 }

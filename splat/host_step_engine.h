@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "splat/reduced_frames.h"
 #include "splat/step_engine.h"
 
 namespace cosplat {
@@ -43,6 +44,7 @@ class HostStepEngine : public StepEngine {
   const TrainSettings& settings_;
   Subject& subject_;
   TrainingState& state_;
+  ReducedFrames frames_;
   Pruner* pruner_ = nullptr;
   PhaseTimes times_;
   // Scratch, kept between steps.

@@ -19,6 +19,10 @@ struct Schedule {
   int size_prune_after = 3000;  // giants are removed from here on
   int position_rate_steps = 30000;
   bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
+  // The sides of the first pictures are divided by two to the power of num_downscales, and double
+  // every so many steps. 3DGS has nothing of the kind.
+  int num_downscales = 0;
+  int downscale_every = 3000;
 
   // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
   // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
@@ -37,6 +41,7 @@ struct Schedule {
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
     s.position_rate_steps = iterations;
+    s.downscale_every = scaled(full.downscale_every);
     return s;
   }
 
@@ -49,6 +54,10 @@ struct Schedule {
   }
   int DegreeAt(int iteration, int highest) const {
     return std::min(highest, iteration / degree_every);
+  }
+  // What the sides of a picture are divided by in this step, the first of which is 1.
+  int DownscaleAt(int iteration) const {
+    return 1 << std::max(0, num_downscales - (iteration - 1) / downscale_every);
   }
   // Rounds of densification after `iteration`, this one not counted.
   int DensificationsAfter(int iteration) const {

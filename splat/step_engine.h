@@ -40,6 +40,7 @@ struct StepPlan {
   RenderSettings render;
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
+  int downscale = 1;                // the sides of its picture are divided by this
 };
 
 class StepEngine : public FramePictures {

@@ -9,6 +9,8 @@
 namespace cosplat {
 namespace {
 
+constexpr int kLeastReducedSide = 100;  // px
+
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
   const Camera& camera = frame.camera;
@@ -194,12 +196,22 @@ void Trainer::ControlDensityAt(int iteration) {
   if (drops) DropBands();
 }
 
+// No smaller than what a loss with windows can judge.
+int Trainer::DownscaleOf(int iteration, size_t frame) const {
+  const Camera& camera = subject_.frame(frame).camera;
+  int downscale = settings_.schedule.DownscaleAt(iteration);
+  while (downscale > 1 && std::min(camera.width, camera.height) < kLeastReducedSide * downscale)
+    downscale /= 2;
+  return downscale;
+}
+
 StepPlan Trainer::PlanOf(int iteration, size_t frame) {
   return {iteration,
           frame,
           {NextBackground(), active_degree(), settings_.exp_degree},
           RatesAt(state_.iteration),
-          iteration < settings_.schedule.densify_until};
+          iteration < settings_.schedule.densify_until,
+          DownscaleOf(iteration, frame)};
 }
 
 StepReport Trainer::Step() {

@@ -92,6 +92,7 @@ class Trainer {
   size_t NextFrame();
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
+  int DownscaleOf(int iteration, size_t frame) const;
   StepPlan PlanOf(int iteration, size_t frame);
   void ControlDensityAt(int iteration);
   PruneRound Rank(int iteration);

@@ -25,6 +25,8 @@ TrainSettings TrainChoices::ToSettings(float extent) const {
   override_with(densify_until, s.schedule.densify_until);
   override_with(densify_every, s.schedule.densify_every);
   override_with(opacity_reset_every, s.schedule.opacity_reset_every);
+  override_with(num_downscales, s.schedule.num_downscales);
+  override_with(resolution_schedule, s.schedule.downscale_every);
   s.density.gradient_threshold = densify_grad_threshold;
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS

@@ -37,6 +37,7 @@ struct TrainChoices {
   float densify_grad_threshold = 2e-4f;
   // Steps; -1: by the schedule.
   int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
+  int num_downscales = -1, resolution_schedule = -1;
   LearningRates rates;
   float position_lr_final = 0;  // 0: Schedule::LastPositionRate
   bool quiet = false;

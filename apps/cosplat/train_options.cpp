@@ -121,6 +121,16 @@ void TrainOptions::Declare(CLI::App& command) {
       .add_option(
           "--opacity_reset_interval", opacity_reset_every, "steps between resets of the opacities")
       ->check(kInterval);
+  command
+      .add_option("--num_downscales",
+                  num_downscales,
+                  "how often the sides of the first pictures are halved; -1: as the preset says")
+      ->check(CLI::Range(-1, 6));
+  command
+      .add_option("--resolution_schedule",
+                  resolution_schedule,
+                  "steps after which the sides of the pictures double")
+      ->check(kInterval);
   command.add_option("--position_lr_init", rates.position_first, "first rate of positions")
       ->check(kRate);
   command

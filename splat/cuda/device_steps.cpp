@@ -68,7 +68,7 @@ void DeviceStepEngine::Draw(Submitted& step, bool waits) {
   // Where there is no room for a guess, what there is may still fit: the host waits to know.
   if (!waits && HasRoomFor(expected, order_, tape_))
     lists.Expect(expected, population_.halted.data());
-  const Camera& camera = subject_.frame(plan.frame).camera;
+  const Camera& camera = photographs_.CameraOf(plan.frame, plan.downscale);
   renderer_.Forward(world_, state_.gaussians.basis, camera, plan.render, true, image_, tape_);
   step.counts.Ask(lists.counts(), stream());
   step.room = lists.room();
@@ -80,7 +80,7 @@ void DeviceStepEngine::GoBack(Submitted& step) {
   const StepPlan& plan = step.plan;
   loss_.Evaluate(settings_.loss,
                  image_.color.data(),
-                 photographs_.Of(plan.frame, stream()),
+                 photographs_.Of(plan.frame, plan.downscale, stream()),
                  plan.render.background,
                  d_color_,
                  stream());

@@ -5,7 +5,7 @@
 
 #include "splat/cuda/loss.h"
 #include "splat/cuda/staging.h"
-#include "splat/subject.h"
+#include "splat/reduced_frames.h"
 
 namespace cosplat::cuda {
 
@@ -14,13 +14,18 @@ class Photographs {
   // Keeps up to `most_bytes` of them there, each from its first use on; what is beyond that is sent
   // again with each step.
   Photographs(const Subject& subject, size_t most_bytes)
-      : subject_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
+      : frames_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
 
-  const DeviceTarget& Of(size_t frame, cudaStream_t stream);
+  // downscale: as ReducedFrames::At's. Those of one are there at a time.
+  const Camera& CameraOf(size_t frame, int downscale) {
+    return frames_.At(frame, downscale).camera;
+  }
+  const DeviceTarget& Of(size_t frame, int downscale, cudaStream_t stream);
   size_t held() const { return held_ + passing_.bytes.capacity(); }
 
  private:
-  const Subject& subject_;
+  ReducedFrames frames_;
+  int downscale_ = 1;
   size_t most_bytes_, held_ = 0;
   std::vector<DeviceTarget> kept_;  // [frames] empty: not there
   DeviceTarget passing_;

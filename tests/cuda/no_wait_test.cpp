@@ -47,14 +47,14 @@ TEST_F(NoWait, PhotographsAreSentMeanwhile) {
   SceneSubject subject(run.frames, 1);
   const cuda::Stream stream;
   cuda::Photographs photographs(subject, 0);
-  photographs.Of(0, stream.get());
-  photographs.Of(1, stream.get());  // pinned memory for both
+  photographs.Of(0, 1, stream.get());
+  photographs.Of(1, 1, stream.get());  // pinned memory for both
   stream.Wait();
   const Waits before = cuda_on_host::WaitsSoFar();
-  photographs.Of(2, stream.get());
-  photographs.Of(3, stream.get());
+  photographs.Of(2, 1, stream.get());
+  photographs.Of(3, 1, stream.get());
   EXPECT_EQ(Since(before).all, 0u);
-  photographs.Of(0, stream.get());
+  photographs.Of(0, 1, stream.get());
   EXPECT_EQ(Since(before).all, 1u) << "for the last but one, whose memory it takes";
   EXPECT_EQ(Since(before).idle, 0u);
 }

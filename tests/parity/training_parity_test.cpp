@@ -80,6 +80,26 @@ TEST_F(TrainingParity, TheRegulariserOfScales) {
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-4 * cpu.losses[i - 1]) << i;
 }
 
+// Pictures that grow, and copies that share their opacity, with steps done again on the way.
+TEST_F(TrainingParity, GrowingPicturesAndSharedOpacity) {
+  TrainingRun run;
+  run.frames = test::Photographs(test::TrueScene(1, 20), test::Ring(3, 2.2f, 200), true);
+  run.settings.density.shares_opacity = true;
+  run.settings.density.split_scale = 10;  // all are cloned
+  run.settings.schedule.num_downscales = 1;
+  run.settings.schedule.downscale_every = 35;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 40);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 40);
+  EXPECT_NE(cpu.state.gaussians.size(), run.first.size());
+  EXPECT_EQ(device.state.gaussians.size(), cpu.state.gaussians.size());
+  for (int i = 1; i < 40; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
+  run.settings.density.shares_opacity = false;
+  EXPECT_GT(std::abs(RunOn(run, MakeHostStepEngine, 40).losses[38] - cpu.losses[38]),
+            2e-3 * cpu.losses[38])
+      << "sharing must be seen in this run";
+}
+
 // Leaving out by what the pictures lose, bands dropped, and going back to a point before: what
 // needs the state on the host, and back.
 TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
@@ -163,7 +183,7 @@ TEST_F(TrainingParity, PhotographsBeyondTheLimitAreSentAgain) {
   for (const size_t f : {0u, 1u, 2u, 3u, 2u, 0u}) {
     std::vector<uint8_t> bytes(one);
     for (cuda::Photographs* photographs : {&all, &two}) {
-      photographs->Of(f, stream.get()).bytes.Download(bytes.data(), stream.get());
+      photographs->Of(f, 1, stream.get()).bytes.Download(bytes.data(), stream.get());
       stream.Wait();
       EXPECT_EQ(bytes, run.frames[f].target.data);
     }

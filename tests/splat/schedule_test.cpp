@@ -31,6 +31,18 @@ TEST(Schedule, IsATenthOfItAtThreeThousand) {
   EXPECT_EQ(s.position_rate_steps, 3000);
 }
 
+TEST(Schedule, PicturesDoubleTheirSides) {
+  Schedule s = Schedule::Fractions(3000);
+  for (const int i : {1, 300, 3000}) EXPECT_EQ(s.DownscaleAt(i), 1);
+  s.num_downscales = 2;
+  EXPECT_EQ(s.DownscaleAt(1), 4);
+  EXPECT_EQ(s.DownscaleAt(300), 4);
+  EXPECT_EQ(s.DownscaleAt(301), 2);
+  EXPECT_EQ(s.DownscaleAt(600), 2);
+  EXPECT_EQ(s.DownscaleAt(601), 1);
+  EXPECT_EQ(s.DownscaleAt(3000), 1);
+}
+
 TEST(Schedule, RunsOfAnyLengthHaveAPositiveStep) {
   for (const int iterations : {1, 7, 100}) {
     const Schedule s = Schedule::Fractions(iterations);

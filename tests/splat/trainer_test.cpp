@@ -48,6 +48,23 @@ TEST(Trainer, LargerImagesEndNoWorse) {
   EXPECT_GT(count[1], 0.7 * count[0]);
 }
 
+// The same bits as a run on the smaller pictures, until they grow; and no smaller than a loss with
+// windows can judge.
+TEST(Trainer, TheFirstPicturesAreSmaller) {
+  const auto frames = Photographs(TrueScene(1), Ring(3, 2.2f, 208));
+  std::vector<TrainFrame> halves;
+  for (const TrainFrame& frame : frames) halves.push_back(Reduced(frame, 2));
+  TrainSettings settings = ShortRun(300, 1);
+  SceneSubject small(halves, 1), full(frames, 1);
+  Trainer on_small(settings, small, FirstGaussians(100, 1));
+  settings.schedule.num_downscales = 2;
+  settings.schedule.downscale_every = 5;
+  Trainer growing(settings, full, FirstGaussians(100, 1));
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(growing.Step().loss, on_small.Step().loss) << i;
+  EXPECT_TRUE(SameBits(growing.state(), on_small.state()));
+  EXPECT_NE(growing.Step().loss, on_small.Step().loss);
+}
+
 Gaussians Perturbed(Gaussians g) {
   Rng rng{2};
   for (int a = 0; a < kAttributeCount; ++a)
