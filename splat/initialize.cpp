@@ -119,11 +119,9 @@ void RandomPoints(const std::vector<Camera>& cameras,
   const bool around_origin = from_origin < 0.5f && nearest > kSyntheticHalfSize;
   const float half = around_origin ? kSyntheticHalfSize : std::max(nearest * 0.5f, 1e-3f);
   if (around_origin) focus = {0, 0, 0};
-  points.resize(3 * count);
-  colors.resize(3 * count);
   for (size_t i = 0; i < 3 * count; ++i) {
-    points[i] = focus[i % 3] + half * (2 * rng.Uniform() - 1);
-    colors[i] = uint8_t(rng.Below(256));
+    points.push_back(focus[i % 3] + half * (2 * rng.Uniform() - 1));
+    colors.push_back(uint8_t(rng.Below(256)));
   }
 }
 

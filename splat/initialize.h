@@ -25,8 +25,8 @@ void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& 
 // The point closest to all optical axes, in the least-squares sense.
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);
 
-// `count` points of random colour, uniform in the cube [-1.3, 1.3]^3 around the origin (3DGS, for
-// synthetic scenes) or, when the cameras lie elsewhere, in the cube that they look into.
+// Appends `count` points of random colour, uniform in the cube [-1.3, 1.3]^3 around the origin
+// (3DGS, for synthetic scenes) or, when the cameras lie elsewhere, in the cube that they look into.
 void RandomPoints(const std::vector<Camera>& cameras,
                   size_t count,
                   Rng& rng,

@@ -7,15 +7,14 @@
 
 namespace cosplat {
 
-constexpr size_t kRandomPoints = 100000;  // 3DGS, for scenes without points
-
 struct SceneStart {
   TrainSettings settings;
   Gaussians first;
 };
 
-// Settles the background. The scene's points become those that its Gaussians begin at: as many at
-// random as `random_points` says where it has none, and no more than the choices allow.
+// Settles the background. The scene's points become those that its Gaussians begin at, no more than
+// the choices allow. Where it has none, they are `random_points` random ones or, where that is 0,
+// as the preset says: found in the photographs (splat/sweep.h), or 3DGS's 100,000 random ones.
 SceneStart StartScene(size_t random_points, TrainChoices& choices, TrainingScene& scene);
 
 }  // namespace cosplat

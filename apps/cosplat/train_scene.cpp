@@ -20,7 +20,7 @@ namespace cosplat {
 namespace {
 
 struct SceneCommand : TrainOptions {
-  size_t random_points = kRandomPoints;
+  size_t random_points = 0;
 };
 
 void Evaluate(const SceneCommand& o,
@@ -109,8 +109,9 @@ void AddTrainScene(CLI::App& app) {
   command
       ->add_option("--random_points",
                    options->random_points,
-                   "Gaussians to start with where the data has no points")
-      ->check(CLI::Range(size_t(1), kMostGaussians));
+                   "where the data has no points, begin at so many random ones; 0: as the preset "
+                   "says, by default where the photographs agree, 3dgs: 100,000")
+      ->check(CLI::Range(size_t(0), kMostGaussians));
   command->callback([options, command, &app] { Train(*options, ConfigOf(app, *command)); });
 }
 

@@ -91,7 +91,7 @@ void Evaluate(const TrainChoices& o,
 
 Result Train(TrainChoices o, TrainingScene scene) {
   const size_t free_before = cuda::FreeMemory();
-  SceneStart start = StartScene(kRandomPoints, o, scene);
+  SceneStart start = StartScene(0, o, scene);
   SceneSubject subject(std::move(scene.train), scene.extent);
   Trainer trainer(start.settings,
                   subject,

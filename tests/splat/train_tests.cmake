@@ -12,6 +12,7 @@ cosplat_test(train
     ${CMAKE_CURRENT_LIST_DIR}/schedule_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/initialize_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/reduced_frames_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/sweep_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/density_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/trainer_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/dcsh_is_sh_test.cpp
