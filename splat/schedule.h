@@ -15,14 +15,19 @@ struct Schedule {
   int densify_until = 15000;
   int densify_every = 100;
   int opacity_reset_every = 3000;
-  int degree_every = 1000;      // one more band each time
-  int size_prune_after = 3000;  // giants are removed from here on
+  int opacity_reset_until = 15000;  // none from here on
+  int degree_every = 1000;          // one more band each time
+  int size_prune_after = 3000;      // giants are removed from here on
   int position_rate_steps = 30000;
   bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
   // The sides of the first pictures are divided by two to the power of num_downscales, and double
   // every so many steps. 3DGS has nothing of the kind.
   int num_downscales = 0;
   int downscale_every = 3000;
+  // Rates other than positions' fall log-linearly to this share of theirs, from that part of
+  // position_rate_steps on. In 3DGS they stay.
+  float last_rate_share = 1;
+  float rates_fall_from = 0.8f;
 
   // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
   // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
@@ -37,6 +42,7 @@ struct Schedule {
     s.densify_until = scaled(full.densify_until);
     s.densify_every = scaled(full.densify_every);
     if (iterations < 30000) s.densify_every = std::max(kLeastDensifyEvery, s.densify_every);
+    s.opacity_reset_until = scaled(full.opacity_reset_until);
     s.opacity_reset_every = std::max(kLeastResetEvery, scaled(full.opacity_reset_every));
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
@@ -49,8 +55,9 @@ struct Schedule {
     return iteration > densify_from && iteration < densify_until && iteration % densify_every == 0;
   }
   bool ResetsOpacityAt(int iteration) const {
-    return iteration < densify_until && (iteration % opacity_reset_every == 0 ||
-                                         (reset_opacity_at_start && iteration == densify_from));
+    return iteration < std::min(densify_until, opacity_reset_until) &&
+           (iteration % opacity_reset_every == 0 ||
+            (reset_opacity_at_start && iteration == densify_from));
   }
   int DegreeAt(int iteration, int highest) const {
     return std::min(highest, iteration / degree_every);
@@ -68,6 +75,12 @@ struct Schedule {
   // as a run gets shorter (measured in docs/design.md).
   static float LastPositionRate(float first, int iterations) {
     return first * std::clamp(300.0f / float(iterations), 0.01f, 1.0f);
+  }
+  // What the rates other than positions' are multiplied with.
+  float RateShare(int iteration) const {
+    const float t =
+        (float(iteration) / position_rate_steps - rates_fall_from) / (1 - rates_fall_from);
+    return t > 0 ? std::pow(last_rate_share, t) : 1.0f;
   }
   // Log-linear from `first` to `last` (Plenoxels, 3DGS).
   float PositionRate(int iteration, float first, float last) const {

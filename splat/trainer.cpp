@@ -104,6 +104,9 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   adam.rate[kOpacityLogit] = r.opacity;
   adam.rate[kColorDc] = r.color;
   adam.rate[kColorRest] = r.RestRate();
+  const float share = settings_.schedule.RateShare(iteration);
+  for (const Attribute a : {kRotation, kScaleLog, kOpacityLogit, kColorDc, kColorRest})
+    adam.rate[a] *= share;
   return adam;
 }
 

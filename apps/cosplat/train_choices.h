@@ -40,6 +40,7 @@ struct TrainChoices {
   int num_downscales = -1, resolution_schedule = -1;
   LearningRates rates;
   float position_lr_final = 0;  // 0: Schedule::LastPositionRate
+  float scaling_lr = 0;         // 0: as the preset says
   bool quiet = false;
 
   // `extent`: world units that size limits scale with.

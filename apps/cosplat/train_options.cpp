@@ -145,7 +145,8 @@ void TrainOptions::Declare(CLI::App& command) {
           "--rest_lr", rates.rest, "rate of the colours' bands from 1 on; 0: feature_lr / 20")
       ->check(kRate);
   command.add_option("--opacity_lr", rates.opacity, "rate of opacities")->check(kRate);
-  command.add_option("--scaling_lr", rates.scale, "rate of log scales")->check(kRate);
+  command.add_option("--scaling_lr", scaling_lr, "rate of log scales; 0: as the preset says")
+      ->check(kRate);
   command.add_option("--rotation_lr", rates.rotation, "rate of rotations")->check(kRate);
   command.add_flag("--quiet", quiet, "print nothing but errors");
 }

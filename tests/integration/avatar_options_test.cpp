@@ -1,4 +1,5 @@
-// apps/cosplat/avatar_options.h: what each preset settles, and that what is given counts more.
+// apps/cosplat/avatar_options.h and train_choices.h: what each preset settles, and that what is
+// given counts more.
 #include "apps/cosplat/avatar_options.h"
 
 #include <gtest/gtest.h>
@@ -174,6 +175,36 @@ TEST(AvatarPreset, OthersAreRefused) {
   EXPECT_EQ(Parsed({"--preset", "3dgs"}).options.ToSettings(1).schedule.densify_until, 15000);
   EXPECT_FALSE(Parsed({"--preset", "3dgs"}).options.ToSettings(1).density.shares_opacity);
   EXPECT_FALSE(Parsed({}).options.ToSettings(1).density.shares_opacity);
+}
+
+// docs/reference.md says what each is worth.
+TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
+  TrainChoices o;
+  const TrainSettings ours = o.ToSettings(1);
+  EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
+  EXPECT_TRUE(ours.density.shares_opacity);
+  EXPECT_EQ(ours.schedule.opacity_reset_until, 3750);
+  EXPECT_EQ(ours.schedule.DownscaleAt(1), 4);
+  EXPECT_FLOAT_EQ(ours.schedule.RateShare(30000), 0.2f);
+  o.scaling_lr = 3e-3f;
+  o.num_downscales = 0;
+  o.opacity_reset_every = 1000;
+  const TrainSettings given = o.ToSettings(1);
+  EXPECT_FLOAT_EQ(given.rates.scale, 3e-3f);
+  EXPECT_EQ(given.schedule.DownscaleAt(1), 1);
+  EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
+      << "an interval that is given holds throughout";
+}
+
+TEST(ScenePreset, The3dgsOneIs3dgs) {
+  TrainChoices o;
+  o.preset = "3dgs";
+  const TrainSettings s = o.ToSettings(1);
+  EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
+  EXPECT_FALSE(s.density.shares_opacity);
+  EXPECT_EQ(s.schedule.opacity_reset_until, 15000);
+  EXPECT_EQ(s.schedule.DownscaleAt(1), 1);
+  EXPECT_EQ(s.schedule.RateShare(30000), 1);
 }
 
 }  // namespace

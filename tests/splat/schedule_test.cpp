@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace cosplat {
@@ -14,6 +15,9 @@ TEST(Schedule, Is3dgsAtThirtyThousand) {
     EXPECT_EQ(s.densify_until, 15000);
     EXPECT_EQ(s.densify_every, 100);
     EXPECT_EQ(s.opacity_reset_every, 3000);
+    EXPECT_EQ(s.opacity_reset_until, 15000);
+    EXPECT_EQ(s.RateShare(30000), 1);
+    EXPECT_EQ(s.DownscaleAt(1), 1);
     EXPECT_EQ(s.degree_every, 1000);
     EXPECT_EQ(s.size_prune_after, 3000);
     EXPECT_EQ(s.position_rate_steps, 30000);
@@ -41,6 +45,24 @@ TEST(Schedule, PicturesDoubleTheirSides) {
   EXPECT_EQ(s.DownscaleAt(600), 2);
   EXPECT_EQ(s.DownscaleAt(601), 1);
   EXPECT_EQ(s.DownscaleAt(3000), 1);
+}
+
+TEST(Schedule, ResetsEndWhereTheyAreTold) {
+  Schedule s;
+  EXPECT_TRUE(s.ResetsOpacityAt(12000));
+  EXPECT_FALSE(s.ResetsOpacityAt(15000));
+  s.opacity_reset_until = 3750;
+  EXPECT_TRUE(s.ResetsOpacityAt(3000));
+  EXPECT_FALSE(s.ResetsOpacityAt(6000));
+}
+
+TEST(Schedule, RatesFallTowardsTheEnd) {
+  Schedule s;
+  EXPECT_EQ(s.RateShare(30000), 1);  // 3DGS: they stay
+  s.last_rate_share = 0.2f;
+  EXPECT_EQ(s.RateShare(24000), 1);
+  EXPECT_NEAR(s.RateShare(27000), std::sqrt(0.2f), 1e-6);
+  EXPECT_NEAR(s.RateShare(30000), 0.2f, 1e-6);
 }
 
 TEST(Schedule, RunsOfAnyLengthHaveAPositiveStep) {
