@@ -102,9 +102,10 @@ void AddTrainScene(CLI::App& app) {
   const auto options = std::make_shared<SceneCommand>();
   options->Declare(*command);
   command
-      ->add_option("--preset",
-                   options->preset,
-                   "default: schedules in proportion to --iterations; 3dgs: its absolute steps")
+      ->add_option(
+          "--preset",
+          options->preset,
+          "default: in proportion to --iterations, better and faster; 3dgs: as its code does")
       ->check(CLI::IsMember({"default", "3dgs"}));
   command
       ->add_option("--random_points",
