@@ -24,27 +24,21 @@ ProgressBar::~ProgressBar() {
   if (visible_) std::fprintf(stderr, "\r\033[K");
 }
 
-ProgressBar::Rate ProgressBar::RateAt(int done) const {
+std::string ProgressBar::Status(int done, const std::string& detail) const {
   const auto now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = seconds > 0 ? done / seconds : 0;
-  return {rate, rate > 0 ? int((total_ - done) / rate) : 0};
+  const int left = rate > 0 ? int((total_ - done) / rate) : 0;
+  char numbers[64];
+  std::snprintf(numbers, sizeof numbers, "%.1f it/s  %d:%02d left", rate, left / 60, left % 60);
+  return std::to_string(done) + "/" + std::to_string(total_) + "  " + detail + "  " + numbers;
 }
 
 void ProgressBar::WriteLine(int done, const std::string& detail) {
   const int percent = int(int64_t(done) * 100 / total_) / kLineEvery * kLineEvery;
   if (percent <= written_) return;
   written_ = percent;
-  const Rate rate = RateAt(done);
-  std::fprintf(stderr,
-               "%s %d/%d  %s  %.1f it/s  %d:%02d left\n",
-               title_.c_str(),
-               done,
-               total_,
-               detail.c_str(),
-               rate.per_second,
-               rate.seconds_left / 60,
-               rate.seconds_left % 60);
+  std::fprintf(stderr, "%s %s\n", title_.c_str(), Status(done, detail).c_str());
 }
 
 void ProgressBar::Update(int done, const std::string& detail) {
@@ -53,20 +47,14 @@ void ProgressBar::Update(int done, const std::string& detail) {
   const auto now = std::chrono::steady_clock::now();
   if (done < total_ && now - drawn_ < std::chrono::milliseconds(100)) return;
   drawn_ = now;
-  const Rate rate = RateAt(done);
   constexpr int kCells = 24;
   const int filled = int(int64_t(done) * kCells / total_);
   std::fprintf(stderr,
-               "\r\033[K%s [%s%s] %d/%d  %s  %.1f it/s  %d:%02d left",
+               "\r\033[K%s [%s%s] %s",
                title_.c_str(),
                std::string(filled, '=').c_str(),
                std::string(kCells - filled, ' ').c_str(),
-               done,
-               total_,
-               detail.c_str(),
-               rate.per_second,
-               rate.seconds_left / 60,
-               rate.seconds_left % 60);
+               Status(done, detail).c_str());
   std::fflush(stderr);
 }
 

@@ -22,11 +22,8 @@ class ProgressBar {
   void Tell(const std::string& line);
 
  private:
-  struct Rate {
-    double per_second = 0;
-    int seconds_left = 0;
-  };
-  Rate RateAt(int done) const;
+  // How far, with which detail, how fast and how long still.
+  std::string Status(int done, const std::string& detail) const;
   void WriteLine(int done, const std::string& detail);
 
   std::string title_;
