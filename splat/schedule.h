@@ -15,9 +15,9 @@ struct Schedule {
   int densify_until = 15000;
   int densify_every = 100;
   int opacity_reset_every = 3000;
-  int opacity_reset_until = 15000;  // none from here on
-  int degree_every = 1000;          // one more band each time
-  int size_prune_after = 3000;      // giants are removed from here on
+  float opacity_reset_share = 1;  // of densify_until: none from there on
+  int degree_every = 1000;        // one more band each time
+  int size_prune_after = 3000;    // giants are removed from here on
   int position_rate_steps = 30000;
   bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
   // The sides of the first pictures are divided by two to the power of num_downscales, and double
@@ -42,7 +42,6 @@ struct Schedule {
     s.densify_until = scaled(full.densify_until);
     s.densify_every = scaled(full.densify_every);
     if (iterations < 30000) s.densify_every = std::max(kLeastDensifyEvery, s.densify_every);
-    s.opacity_reset_until = scaled(full.opacity_reset_until);
     s.opacity_reset_every = std::max(kLeastResetEvery, scaled(full.opacity_reset_every));
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
@@ -55,7 +54,7 @@ struct Schedule {
     return iteration > densify_from && iteration < densify_until && iteration % densify_every == 0;
   }
   bool ResetsOpacityAt(int iteration) const {
-    return iteration < std::min(densify_until, opacity_reset_until) &&
+    return iteration < opacity_reset_share * float(densify_until) &&
            (iteration % opacity_reset_every == 0 ||
             (reset_opacity_at_start && iteration == densify_from));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <string>
 
 #include "splat/base/error.h"
@@ -22,6 +23,15 @@ void CheckSize(const TrainFrame& frame, size_t index) {
                   text(camera.width, camera.height));
 }
 
+int LeastSide(const Subject& subject) {
+  int least = INT_MAX;
+  for (size_t i = 0; i < subject.frame_count(); ++i) {
+    const Camera& camera = subject.frame(i).camera;
+    least = std::min({least, camera.width, camera.height});
+  }
+  return least;
+}
+
 }  // namespace
 
 Trainer::Trainer(const TrainSettings& settings,
@@ -30,6 +40,7 @@ Trainer::Trainer(const TrainSettings& settings,
                  const StepEngineMaker& make_engine)
     : settings_(settings), subject_(subject) {
   if (subject.frame_count() == 0) throw Error("", "training frames", "there is none");
+  least_side_ = LeastSide(subject);
   state_.gaussians = std::move(first);
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
@@ -199,12 +210,11 @@ void Trainer::ControlDensityAt(int iteration) {
   if (drops) DropBands();
 }
 
-// No smaller than what a loss with windows can judge.
-int Trainer::DownscaleOf(int iteration, size_t frame) const {
-  const Camera& camera = subject_.frame(frame).camera;
+// The same for all frames: an engine keeps the pictures of one downscale. None gets smaller than
+// what a loss with windows can judge.
+int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);
-  while (downscale > 1 && std::min(camera.width, camera.height) < kLeastReducedSide * downscale)
-    downscale /= 2;
+  while (downscale > 1 && least_side_ < kLeastReducedSide * downscale) downscale /= 2;
   return downscale;
 }
 
@@ -214,7 +224,7 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           {NextBackground(), active_degree(), settings_.exp_degree},
           RatesAt(state_.iteration),
           iteration < settings_.schedule.densify_until,
-          DownscaleOf(iteration, frame)};
+          DownscaleAt(iteration)};
 }
 
 StepReport Trainer::Step() {

@@ -92,7 +92,7 @@ class Trainer {
   size_t NextFrame();
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
-  int DownscaleOf(int iteration, size_t frame) const;
+  int DownscaleAt(int iteration) const;
   StepPlan PlanOf(int iteration, size_t frame);
   void ControlDensityAt(int iteration);
   PruneRound Rank(int iteration);
@@ -108,6 +108,7 @@ class Trainer {
   TrainingState state_;
   std::unique_ptr<Pruner> pruner_;  // null: no rule
   std::vector<uint32_t> frames_;    // that are trained on
+  int least_side_ = 0;              // px, of all frames
   std::unique_ptr<StepEngine> engine_;
   // Measurements.
   PhaseTimes times_;  // beside the engine's

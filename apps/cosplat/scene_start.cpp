@@ -33,8 +33,7 @@ SceneStart StartScene(size_t random_points, TrainChoices& o, TrainingScene& scen
                    InitializeFromPoints(
                        scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis))};
   // Random points leave floaters before the cameras, which only resets take away.
-  Schedule& schedule = start.settings.schedule;
-  if (random) schedule.opacity_reset_until = schedule.densify_until;
+  if (random) start.settings.schedule.opacity_reset_share = 1;
   return start;
 }
 

@@ -12,7 +12,7 @@ namespace {
 void ImproveOn3dgs(TrainSettings& s) {
   s.rates.scale = 1e-2f;
   s.density.shares_opacity = true;
-  s.schedule.opacity_reset_until = s.schedule.densify_until / 4;
+  s.schedule.opacity_reset_share = 0.25f;
   s.schedule.num_downscales = 2;
   s.schedule.last_rate_share = 0.2f;
 }
@@ -40,7 +40,7 @@ TrainSettings TrainChoices::ToSettings(float extent) const {
   override_with(densify_until, s.schedule.densify_until);
   override_with(densify_every, s.schedule.densify_every);
   override_with(opacity_reset_every, s.schedule.opacity_reset_every);
-  if (opacity_reset_every >= 0) s.schedule.opacity_reset_until = s.schedule.densify_until;
+  if (opacity_reset_every >= 0) s.schedule.opacity_reset_share = 1;
   override_with(num_downscales, s.schedule.num_downscales);
   override_with(resolution_schedule, s.schedule.downscale_every);
   s.density.gradient_threshold = densify_grad_threshold;

@@ -129,7 +129,7 @@ void TrainOptions::Declare(CLI::App& command) {
   command
       .add_option("--resolution_schedule",
                   resolution_schedule,
-                  "steps after which the sides of the pictures double")
+                  "steps after which the sides of the pictures double; -1: a tenth of the run")
       ->check(kInterval);
   command.add_option("--position_lr_init", rates.position_first, "first rate of positions")
       ->check(kRate);

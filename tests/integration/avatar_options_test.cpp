@@ -87,6 +87,7 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.05f);
   EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
   EXPECT_FALSE(s.density.shares_opacity);
+  EXPECT_EQ(s.schedule.opacity_reset_share, 1);
   EXPECT_EQ(s.prune.rule, PruneRule::kNone);
   EXPECT_EQ(s.prune.group_cap, 0);
 }
@@ -183,7 +184,8 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   const TrainSettings ours = o.ToSettings(1);
   EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
   EXPECT_TRUE(ours.density.shares_opacity);
-  EXPECT_EQ(ours.schedule.opacity_reset_until, 3750);
+  EXPECT_TRUE(ours.schedule.ResetsOpacityAt(3000));
+  EXPECT_FALSE(ours.schedule.ResetsOpacityAt(6000));
   EXPECT_EQ(ours.schedule.DownscaleAt(1), 4);
   EXPECT_FLOAT_EQ(ours.schedule.RateShare(30000), 0.2f);
   o.scaling_lr = 3e-3f;
@@ -202,7 +204,7 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
   EXPECT_FALSE(s.density.shares_opacity);
-  EXPECT_EQ(s.schedule.opacity_reset_until, 15000);
+  EXPECT_TRUE(s.schedule.ResetsOpacityAt(12000));
   EXPECT_EQ(s.schedule.DownscaleAt(1), 1);
   EXPECT_EQ(s.schedule.RateShare(30000), 1);
 }

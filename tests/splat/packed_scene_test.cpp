@@ -114,7 +114,7 @@ TEST(PackedScene, TrainsAsFromItsFolder) {
     choices.iterations = 40;
     SceneStart start = StartScene(200, choices, scene);
     EXPECT_EQ(start.settings.background, Background::kWhite);
-    EXPECT_EQ(start.settings.schedule.opacity_reset_until, start.settings.schedule.densify_until)
+    EXPECT_EQ(start.settings.schedule.opacity_reset_share, 1)
         << "random points need resets throughout";
     SceneSubject subject(scene.train, scene.extent);
     Trainer trainer(start.settings, subject, std::move(start.first));

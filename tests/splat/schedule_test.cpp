@@ -15,7 +15,7 @@ TEST(Schedule, Is3dgsAtThirtyThousand) {
     EXPECT_EQ(s.densify_until, 15000);
     EXPECT_EQ(s.densify_every, 100);
     EXPECT_EQ(s.opacity_reset_every, 3000);
-    EXPECT_EQ(s.opacity_reset_until, 15000);
+    EXPECT_EQ(s.opacity_reset_share, 1);
     EXPECT_EQ(s.RateShare(30000), 1);
     EXPECT_EQ(s.DownscaleAt(1), 1);
     EXPECT_EQ(s.degree_every, 1000);
@@ -51,9 +51,11 @@ TEST(Schedule, ResetsEndWhereTheyAreTold) {
   Schedule s;
   EXPECT_TRUE(s.ResetsOpacityAt(12000));
   EXPECT_FALSE(s.ResetsOpacityAt(15000));
-  s.opacity_reset_until = 3750;
-  EXPECT_TRUE(s.ResetsOpacityAt(3000));
-  EXPECT_FALSE(s.ResetsOpacityAt(6000));
+  s.densify_until = 29000;  // as in SplattingAvatar
+  EXPECT_TRUE(s.ResetsOpacityAt(27000));
+  s.opacity_reset_share = 0.25f;
+  EXPECT_TRUE(s.ResetsOpacityAt(6000));
+  EXPECT_FALSE(s.ResetsOpacityAt(9000));
 }
 
 TEST(Schedule, RatesFallTowardsTheEnd) {

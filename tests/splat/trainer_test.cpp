@@ -65,6 +65,17 @@ TEST(Trainer, TheFirstPicturesAreSmaller) {
   EXPECT_NE(growing.Step().loss, on_small.Step().loss);
 }
 
+// A picture that must not be reduced keeps the others from it: an engine keeps those of one size.
+TEST(Trainer, PicturesOfSeveralSizesAreReducedAlike) {
+  auto frames = Photographs(TrueScene(1), Ring(3, 2.2f, 208));
+  frames[1] = Photographs(TrueScene(1), Ring(3, 2.2f, 150))[1];
+  SceneSubject subject(frames, 1);
+  TrainSettings settings = ShortRun(300, 1);
+  const TrainingState full = Train(settings, subject, FirstGaussians(100, 1), 6);
+  settings.schedule.num_downscales = 1;
+  EXPECT_TRUE(SameBits(Train(settings, subject, FirstGaussians(100, 1), 6), full));
+}
+
 Gaussians Perturbed(Gaussians g) {
   Rng rng{2};
   for (int a = 0; a < kAttributeCount; ++a)
