@@ -196,6 +196,13 @@ Drawn LargeSynthetic(const BenchRun& run) {
   return {name, std::move(view.start), {view.frame}};
 }
 
+Drawn AsTrained(const BenchRun& run) {
+  const int side = run.quick ? 200 : 800;
+  SyntheticView view = MakeTrainedView(side, side, 2);
+  const std::string name = NameOf("as trained", view.start, view.frame.camera);
+  return {name, std::move(view.start), {view.frame}};
+}
+
 }  // namespace
 
 std::vector<BenchSeries> MeasureScenes(const BenchRun& run, const std::vector<BenchScene>& scenes) {
@@ -209,6 +216,7 @@ std::vector<BenchSeries> MeasureScenes(const BenchRun& run, const std::vector<Be
     drawn.push_back({name, std::move(g), scene.train});
   }
   drawn.push_back(LargeSynthetic(run));
+  drawn.push_back(AsTrained(run));
   std::vector<BenchSeries> series = MeasurePairs(run, drawn);
   series.push_back(MeasurePhases(run, drawn));
   series.push_back(accuracy.steps);

@@ -116,6 +116,34 @@ BenchSeries AgainstPixels(const BenchRun& run) {
   return s;
 }
 
+BenchSeries AsTrained(const BenchRun& run) {
+  std::vector<std::array<int, 2>> sizes{{400, 400}, {800, 800}, {1600, 1064}};
+  if (run.quick) sizes = {{100, 100}, {200, 200}};
+  std::vector<Mark> marks;
+  std::vector<SyntheticView> views;
+  for (const auto& [width, height] : sizes) {
+    views.push_back(MakeTrainedView(width, height, kSeed));
+    marks.push_back({double(width) * height,
+                     0,
+                     SizeText(width, height) + ", " + WithThousands(views.back().start.size())});
+  }
+  for (int round = 0; round < Rounds(run); ++round)
+    for (size_t i = 0; i < views.size(); ++i) {
+      run.progress("training step as trained, " + marks[i].label);
+      KeepFastest(StepMs(run, views[i]), marks[i]);
+    }
+  BenchSeries s = StepSeries("step_trained",
+                             "Training step at published sizes, splats as training leaves them",
+                             {"pixels", "", true},
+                             marks);
+  s.explanation =
+      "As many Gaussians per pixel as a chair trained at 800x800 ends with (beside the points), "
+      "half of them needles thinner than a pixel; the dashed line is in proportion to the pixels.";
+  s.chart.guides = {Proportional(marks)};
+  s.more = Slopes(marks);
+  return s;
+}
+
 BenchSeries AgainstThreads(const BenchRun& run) {
   using tbb::global_control;
   const int all = int(global_control::active_value(global_control::max_allowed_parallelism));
@@ -144,7 +172,7 @@ BenchSeries AgainstThreads(const BenchRun& run) {
 }  // namespace
 
 std::vector<BenchSeries> MeasureSteps(const BenchRun& run) {
-  return {AgainstGaussians(run), AgainstPixels(run), AgainstThreads(run)};
+  return {AgainstGaussians(run), AgainstPixels(run), AsTrained(run), AgainstThreads(run)};
 }
 
 }  // namespace cosplat

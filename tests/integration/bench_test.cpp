@@ -99,6 +99,7 @@ TEST(BenchCommand, WritesASeriesAndAChartOfEach) {
                                 "phases",
                                 "step_gaussians",
                                 "step_pixels",
+                                "step_trained",
                                 "step_threads",
                                 "playback",
                                 "accuracy",

@@ -20,6 +20,7 @@
 #include "splat/math/adam.h"
 #include "splat/metrics.h"
 #include "splat/optimizer.h"
+#include "splat/rasterizer.h"
 
 namespace cosplat::test {
 namespace {
@@ -258,6 +259,27 @@ TEST(BenchSyntheticView, CoversThePictureEquallyWhateverTheCount) {
     per_pixel.push_back(double(counts.contributing) / (kSide * kSide));
   }
   for (const double n : per_pixel) EXPECT_NEAR(n, per_pixel[0], 0.15 * per_pixel[0]);
+}
+
+// A chair trained at 800x800 has 2.39 tiles per Gaussian drawn, 2.9 blocks per tile and Gaussian,
+// and 11.4 splats that contribute to a pixel (mean of six views).
+TEST(BenchSyntheticView, AsTrainedHasTheWorkOfATrainedScene) {
+  constexpr int kSide = 400;
+  const SyntheticView view = MakeTrainedView(kSide, kSide, 7);
+  ASSERT_EQ(view.start.size(), size_t(kTrainedPerPixel * kSide * kSide));
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  rasterizer->Forward(ViewOf(view.start),
+                      view.start.basis,
+                      view.frame.camera,
+                      {{0, 0, 0}, view.start.degree},
+                      image,
+                      *tape);
+  const PairCounts counts = CountPairs(view.start, view.frame.camera);
+  EXPECT_NEAR(double(tape->instance_count()) / double(tape->visible_count()), 2.4, 0.3);
+  EXPECT_NEAR(double(counts.evaluated) / 16 / double(tape->instance_count()), 2.9, 1);
+  EXPECT_NEAR(double(counts.contributing) / (kSide * kSide), 11.4, 4);
 }
 
 // Of the bound: tests/splat/allocation_test.cpp.
