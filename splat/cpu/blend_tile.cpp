@@ -132,6 +132,7 @@ BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, Til
 
 template <int kExpDegree>
 void Backward(const TileJob& job, const float* d_color, SplatGradient* records) {
+  if (job.entry_count == 0) return;  // half of the tiles of an object before a background
   const TileGrid grid(job);
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);
