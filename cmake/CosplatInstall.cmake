@@ -6,11 +6,7 @@ include(CMakePackageConfigHelpers)
 # Headers that are not for others, by the beginning of their path: they are not installed, and apps/
 # may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
 set(COSPLAT_PRIVATE_HEADERS
-  avatar/cuda/
-  avatar/embed_packs.h
-  avatar/gather_rows.h
-  avatar/io/
-  avatar/kernels/
+  avatar/io/binding_extension.h
   avatar/live/arkit.h
   avatar/live/blendshape_matrix.h
   avatar/live/json_source.h
@@ -19,7 +15,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/live/packet_input.h
   avatar/live/sender_clock.h
   avatar/live/vmc_source.h
-  avatar/parallel_for.h
+  avatar/play/cuda/
   avatar/plugin/boundary.h
   avatar/plugin/coded_error.h
   avatar/plugin/depth_pass.h
@@ -29,13 +25,14 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/live_face.h
   avatar/plugin/live_parameters.h
   avatar/plugin/struct_size.h
-  avatar/released_binding.h
-  avatar/study/cases.h
-  avatar/study/naive_
-  avatar/study/sketch.h
-  avatar/study/steps.h
-  avatar/study/study_head.h
-  avatar/surface_packs.h
+  avatar/surface/cuda/
+  avatar/surface/embed_packs.h
+  avatar/surface/gather_rows.h
+  avatar/surface/kernels/
+  avatar/surface/parallel_for.h
+  avatar/surface/released_binding.h
+  avatar/surface/surface_packs.h
+  avatar/train/cuda/
   flame/check_parameters.h
   flame/directions.h
   flame/io/pickle
@@ -44,27 +41,25 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/base/image_header.h
   splat/base/npy.h
   splat/base/opencv_quiet.h
-  splat/cpu/
-  splat/cuda/
+  splat/device/cuda/
   splat/io/colmap_model.h
   splat/io/glb
+  splat/io/nearest_row.h
   splat/io/ply_
   splat/io/scene_layouts.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
-  splat/kernels/pixel_bytes.h
-  splat/kernels/project
-  splat/kernels/rows.h
-  splat/kernels/tile_range.h
-  splat/kernels/view_parameters.h
   splat/prune/rounds.h
   splat/prune/rules.h
-  splat/study/basis_samples.h
-  splat/study/cases.h
-  splat/study/exact_basis.h
-  splat/study/naive_
-  splat/study/picture.h
-  splat/study/test_scene.h)
+  splat/render/cpu/
+  splat/render/cuda/
+  splat/render/kernels/pixel_bytes.h
+  splat/render/kernels/project
+  splat/render/kernels/rows.h
+  splat/render/kernels/tile_range.h
+  splat/render/kernels/view_parameters.h
+  splat/train/cpu/
+  splat/train/cuda/)
 
 # Call it when every target exists.
 function(cosplat_install)
@@ -85,7 +80,8 @@ function(cosplat_install)
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   list(JOIN COSPLAT_PRIVATE_HEADERS "|" private)
   string(REPLACE "." "\\." private "${private}")
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame ${PROJECT_SOURCE_DIR}/avatar
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame
+                    ${PROJECT_SOURCE_DIR}/avatar ${PROJECT_SOURCE_DIR}/assets
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cosplat
           FILES_MATCHING PATTERN "*.h" REGEX "/(${private})" EXCLUDE)
 

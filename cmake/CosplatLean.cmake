@@ -1,7 +1,7 @@
 # The lean build (COSPLAT_LEAN, preset `gpu-tests`): the renderer and avatars' player on the CPU and on
 # CUDA, losses, Adam, their parity tests and benchmark, from nvcc, CMake, a C++ compiler and what
 # COSPLAT_CARRIED holds: headers of Highway (include/hwy), nanoflann (include/nanoflann.hpp) and Eigen
-# (include/eigen3/Eigen/Core) and GoogleTest's sources (googletest/src and googletest/include). For a machine with a card and nothing else; tests/gpu/run.sh drives it.
+# (include/eigen3/Eigen/Core) and GoogleTest's sources (googletest/src and googletest/include). For a machine with a GPU and nothing else; tests/gpu/run.sh drives it.
 set(COSPLAT_CARRIED "/usr" CACHE PATH "Folder with include/hwy, include/eigen3 and googletest")
 find_path(COSPLAT_HIGHWAY hwy/highway.h PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
 find_path(COSPLAT_NANOFLANN nanoflann.hpp PATHS ${COSPLAT_CARRIED}/include NO_DEFAULT_PATH REQUIRED)
@@ -29,6 +29,26 @@ target_link_libraries(cosplat_gtest PUBLIC Threads::Threads)
 add_library(GTest::gtest_main ALIAS cosplat_gtest)
 
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-march=native>)
-add_subdirectory(splat)
-include(${PROJECT_SOURCE_DIR}/avatar/lean_sources.cmake)
+
+# The libraries under their usual names, without what needs OpenCV, nlohmann_json, libzip or tinygltf.
+cosplat_library(base splat/base/image_bytes.cpp splat/base/skipped.cpp)
+add_library(cosplat::io INTERFACE IMPORTED)
+add_subdirectory(splat/device)
+add_subdirectory(splat/render)
+add_subdirectory(splat/train)
+cosplat_library(eval splat/eval/metrics.cpp)
+target_link_libraries(cosplat_eval PUBLIC cosplat::train)
+cosplat_library(flame flame/model.cpp flame/pose.cpp flame/posing.cpp tests/gpu/lean_topology.cpp
+  tests/gpu/lean_track.cpp)
+target_link_libraries(cosplat_flame PUBLIC cosplat::base PRIVATE Eigen3::Eigen TBB::tbb)
+add_library(cosplat::flame_track ALIAS cosplat_flame)
+add_subdirectory(avatar/model)
+add_subdirectory(avatar/surface)
+add_subdirectory(avatar/play)
+add_subdirectory(avatar/train)
+add_subdirectory(assets)
+cosplat_static_library(avatar_stability apps/study/avatar_stability/painted_avatar.cpp)
+target_link_libraries(cosplat_avatar_stability PUBLIC cosplat::player cosplat::made_head)
+cosplat_static_library(bench apps/study/bench/synthetic_view.cpp)
+target_link_libraries(cosplat_bench PUBLIC cosplat::train)
 add_subdirectory(tests/gpu)

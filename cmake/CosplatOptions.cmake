@@ -15,9 +15,8 @@ if(COSPLAT_SANITIZE)
   target_link_options(cosplat_options INTERFACE -fsanitize=${COSPLAT_SANITIZE})
 endif()
 
-# cosplat_library(NAME SOURCES...): a static library cosplat_NAME with the alias cosplat::NAME,
-# installed and exported by cosplat_install().
-function(cosplat_library name)
+# A static library cosplat_NAME with the alias cosplat::NAME.
+function(cosplat_static_library name)
   add_library(cosplat_${name} STATIC ${ARGN})
   add_library(cosplat::${name} ALIAS cosplat_${name})
   set_target_properties(cosplat_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
@@ -25,5 +24,38 @@ function(cosplat_library name)
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/cosplat>)
   target_compile_features(cosplat_${name} PUBLIC cxx_std_20)
   target_link_libraries(cosplat_${name} PRIVATE $<BUILD_INTERFACE:cosplat::options>)
+endfunction()
+
+# cosplat_library(NAME SOURCES...): one of the product's, installed and exported by cosplat_install().
+function(cosplat_library name)
+  cosplat_static_library(${name} ${ARGN})
   set_property(GLOBAL APPEND PROPERTY COSPLAT_LIBRARIES cosplat_${name})
+endfunction()
+
+# cosplat_cuda_library(NAME SOURCES...): the CUDA half of a library, cosplat::NAME, built where nvcc is
+# found. Its files by their full paths are the global property COSPLAT_SOURCES_NAME, since tests compile
+# them for the host as well (tests/cuda).
+function(cosplat_cuda_library name)
+  list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE files)
+  set_property(GLOBAL PROPERTY COSPLAT_SOURCES_${name} ${files})
+  if(COSPLAT_HAS_CUDA)
+    cosplat_library(${name} ${ARGN})
+    target_compile_options(cosplat_${name} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+  endif()
+endfunction()
+
+# cosplat_choose_device(NAME CUDA_LIBRARY): cosplat::NAME opens the CUDA back end where it was built.
+function(cosplat_choose_device name cuda_library)
+  if(COSPLAT_HAS_CUDA)
+    target_link_libraries(cosplat_${name} PRIVATE cosplat::${cuda_library})
+    target_compile_definitions(cosplat_${name} PRIVATE COSPLAT_HAS_CUDA)
+  endif()
+endfunction()
+
+# Loops whose instruction sets are built in one binary and chosen when it starts: AVX-512, AVX2 and the
+# baseline.
+function(cosplat_simd_sources)
+  set_source_files_properties(${ARGN} PROPERTIES
+    COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno"
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)")
 endfunction()

@@ -1,6 +1,6 @@
 // The FLAME head model's arrays (Li et al. 2017): what a model file holds.
 //
-// Model files (flame/io/model_file.h, flame/procedural_head.h) -> FlameModel -> flame/pose.h.
+// Model files (flame/io/model_file.h, assets/head/procedural_head.h) -> FlameModel -> flame/pose.h.
 // Lengths are metres. Nothing here knows Gaussians.
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
+#include "splat/device/memory_part.h"
 
 namespace cosplat {
 
@@ -83,6 +84,12 @@ void ConvertBasis(Gaussians& g, Basis to) {
       for (int c = 0; c < 3; ++c) g.at(kColorRest, i)[3 * (k - 1) + c] *= factor;
     }
   g.basis = to;
+}
+
+size_t HeldBy(const Gaussians& gaussians) {
+  size_t bytes = HeldBy(gaussians.degrees);
+  for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);
+  return bytes;
 }
 
 }  // namespace cosplat

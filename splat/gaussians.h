@@ -2,7 +2,7 @@
 //
 // The same structure holds their gradients and Adam's moments, so that density control and pruning
 // move all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead of
-// a point (avatar/avatar_model.h); everything else means the same.
+// a point (avatar/model/avatar_model.h); everything else means the same.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "splat/basis.h"
-#include "splat/buffer.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat {
 
@@ -57,6 +57,9 @@ int HighestBand(const Gaussians& gaussians, size_t i);
 // Sets `degrees` to that, or to nothing where it is `degree` for all: for Gaussians that are to be
 // drawn. (In training, zero may be where a band begins.)
 void FindDegrees(Gaussians& gaussians);
+
+// Bytes that they hold, by capacity.
+size_t HeldBy(const Gaussians& gaussians);
 
 // The same colours in another basis: where they are spherical harmonics (IsHarmonic), both span the
 // same functions, so each coefficient is only multiplied (docs/dcsh.md); Error where not. Files

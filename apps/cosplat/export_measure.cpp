@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "avatar/player.h"
-#include "splat/loss.h"
-#include "splat/metrics.h"
+#include "avatar/play/player.h"
+#include "splat/eval/metrics.h"
+#include "splat/train/loss.h"
 
 namespace cosplat {
 

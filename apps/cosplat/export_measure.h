@@ -4,10 +4,10 @@
 #include <functional>
 #include <string>
 
-#include "avatar/avatar_model.h"
+#include "avatar/model/avatar_model.h"
 #include "flame/track.h"
-#include "splat/dataset.h"
-#include "splat/rasterizer.h"
+#include "splat/io/dataset.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat {
 

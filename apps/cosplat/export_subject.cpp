@@ -1,13 +1,13 @@
 #include "apps/cosplat/export_subject.h"
 
-#include "apps/cosplat/run_data.h"
-#include "apps/cosplat/run_folder.h"
-#include "avatar/avatar_file.h"
-#include "avatar/quantised_avatar.h"
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/io/quantised_avatar.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
-#include "splat/importance.h"
 #include "splat/io/splat_file.h"
+#include "splat/train/importance.h"
 
 namespace cosplat {
 namespace {

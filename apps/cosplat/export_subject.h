@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/cosplat/export_measure.h"
-#include "splat/vq.h"
+#include "splat/io/vq.h"
 
 namespace cosplat {
 

@@ -2,10 +2,10 @@
 
 #include <filesystem>
 
-#include "apps/cosplat/run_data.h"
-#include "apps/cosplat/run_folder.h"
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/viewer/framing.h"
-#include "avatar/avatar_file.h"
+#include "avatar/io/avatar_file.h"
 #include "avatar/live/recording.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "apps/viewer/surface_buffer.h"
-#include "splat/kernels/world_gaussians.h"
+#include "splat/render/kernels/world_gaussians.h"
 
 namespace cosplat::viewer {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "avatar/avatar_model.h"
+#include "avatar/model/avatar_model.h"
 #include "splat/base/rng.h"
 
 namespace cosplat::viewer {

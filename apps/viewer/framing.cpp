@@ -7,7 +7,7 @@
 #include "flame/math/rodrigues.h"
 #include "splat/base/error.h"
 #include "splat/config.h"
-#include "splat/initialize.h"
+#include "splat/train/initialize.h"
 
 namespace cosplat::viewer {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "splat/base/image.h"
-#include "splat/device_texture.h"
+#include "splat/render/device_texture.h"
 
 namespace cosplat::viewer {
 

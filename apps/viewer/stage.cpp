@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "apps/viewer/ellipsoid_view.h"
-#include "avatar/picture_bytes.h"
+#include "avatar/play/picture_bytes.h"
 #include "splat/base/error.h"
-#include "splat/degree_order.h"
+#include "splat/render/degree_order.h"
 
 namespace cosplat::viewer {
 namespace {

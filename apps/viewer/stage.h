@@ -13,8 +13,8 @@
 #include "apps/viewer/mesh_view.h"
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/view.h"
-#include "avatar/player.h"
-#include "splat/scene_drawer.h"
+#include "avatar/play/player.h"
+#include "splat/render/scene_drawer.h"
 
 namespace cosplat::viewer {
 
@@ -44,7 +44,8 @@ struct Shot {
 };
 bool SameShot(const Shot& a, const Shot& b);
 
-// Who draws splats (avatar/player_device.h, splat/device.h); empty: the CPU, as it does all else.
+// Who draws splats (avatar/play/player_device.h, splat/render/device.h); empty: the CPU, as it does
+// all else.
 struct SplatDrawers {
   AvatarDrawerMaker avatar;
   SceneDrawerMaker scene;

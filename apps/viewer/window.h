@@ -8,7 +8,7 @@
 #include <string>
 
 #include "apps/viewer/session.h"
-#include "splat/device_texture.h"
+#include "splat/render/device_texture.h"
 
 struct GLFWwindow;
 

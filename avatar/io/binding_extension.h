@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "avatar/avatar_file.h"
+#include "avatar/io/avatar_file.h"
 #include "splat/io/glb.h"
 
 namespace cosplat {

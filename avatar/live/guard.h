@@ -16,9 +16,9 @@
 #include <limits>
 #include <optional>
 
-#include "avatar/avatar_model.h"
 #include "avatar/live/smoother.h"
 #include "avatar/live/soft_range.h"
+#include "avatar/model/avatar_model.h"
 #include "flame/model.h"
 
 namespace cosplat {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "avatar/avatar_mesh.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/live/sender_clock.h"
+#include "avatar/model/avatar_mesh.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "avatar/avatar_mesh.h"
+#include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
 

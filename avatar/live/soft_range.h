@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "avatar/avatar_model.h"
+#include "avatar/model/avatar_model.h"
 
 namespace cosplat {
 

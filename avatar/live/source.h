@@ -47,8 +47,9 @@ class LiveSource {
 };
 
 struct LiveSourceOptions {
-  // Where the avatar's head rests, as root pose and translation (RestRoot of avatar/avatar_mesh.h):
-  // a recording turns about it as it did about its own mean, a tracker's root counts from it.
+  // Where the avatar's head rests, as root pose and translation (RestRoot of
+  // avatar/model/avatar_mesh.h): a recording turns about it as it did about its own mean, a
+  // tracker's root counts from it.
   FlameParams rest;
   bool loop = false;             // recordings begin again at their end
   double frames_per_second = 0;  // of a recording; 0: its own, or 25 where it does not say

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "avatar/avatar_mesh.h"
 #include "avatar/live/osc.h"
 #include "avatar/math/turn.h"
+#include "avatar/model/avatar_mesh.h"
 
 namespace cosplat {
 namespace {

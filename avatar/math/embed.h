@@ -1,6 +1,6 @@
 // The embedding of one Gaussian on a triangle, and its derivative.
 //
-// posed vertices' positions, normals, rotations, areas (avatar/binding.h) and a Gaussian's
+// posed vertices' positions, normals, rotations, areas (avatar/surface/binding.h) and a Gaussian's
 // (delta_u, delta_v, d), local rotation and scale -> the Gaussian in the posed frame's world.
 //
 //   b  = (u + du, v + dv, 1 - u - v - du - dv)          w  = b with its negative parts cut off

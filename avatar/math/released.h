@@ -2,7 +2,8 @@
 // avatar/math/embed.h does otherwise. Described in docs/stability.md.
 //
 // For the preset that reproduces the release, and for the measurements that set it beside ours
-// (avatar/study/). Nothing else may use them. Written from the mathematics, after Shao et al. 2024:
+// (apps/study/avatar_stability/). Nothing else may use them. Written from the mathematics, after
+// Shao et al. 2024:
 //
 //   log s_world = alpha * log s        alpha = (A + 1e-4) / (A0 + 1e-4), s and A in the units of a
 //                                      FLAME mesh enlarged four times. The paper scales s itself;
@@ -26,7 +27,7 @@ COSPLAT_MATH_BEGIN
 constexpr float kReleasedAreaFloor = 1e-4f;
 
 // alpha. Areas of the Gaussian's face in square metres; `unit`: metres per unit of a mesh enlarged
-// four times (MeshUnit, avatar/surface.h).
+// four times (MeshUnit, avatar/surface/surface.h).
 template <class T>
 COSPLAT_HD T ReleasedAreaRatio(const T& area, const T& canonical, const T& unit) {
   const T floor = T(kReleasedAreaFloor) * unit * unit;

@@ -1,7 +1,7 @@
 // Rotations as axis times angle (FLAME's joints), as quaternions, and the ones between two.
 //
-// avatar/avatar_mesh.cpp and avatar/live/ blend poses by it. Shoemake 1985 (slerp). Nothing here is
-// trained, so nothing has a derivative.
+// avatar/model/avatar_mesh.cpp and avatar/live/ blend poses by it. Shoemake 1985 (slerp). Nothing
+// here is trained, so nothing has a derivative.
 #pragma once
 
 #include <array>

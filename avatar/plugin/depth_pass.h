@@ -1,14 +1,14 @@
 // How far away what a picture shows is.
 //
-// PosedGaussians + Camera -> DepthPass -> picture of depths -> WriteDepth (avatar/picture_bytes.h).
-// The Gaussians are drawn a second time by the same renderer, their depths for colours: each pixel
-// then has the mean of the depths, weighted as its colours are.
+// PosedGaussians + Camera -> DepthPass -> picture of depths -> WriteDepth
+// (avatar/play/picture_bytes.h). The Gaussians are drawn a second time by the same renderer, their
+// depths for colours: each pixel then has the mean of the depths, weighted as its colours are.
 #pragma once
 
 #include <memory>
 
-#include "avatar/player.h"
-#include "splat/rasterizer.h"
+#include "avatar/play/player.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::plugin {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "avatar/avatar_file.h"
-#include "avatar/avatar_mesh.h"
-#include "avatar/picture_bytes.h"
-#include "avatar/player_device.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/model/avatar_mesh.h"
+#include "avatar/play/picture_bytes.h"
+#include "avatar/play/player_device.h"
 #include "avatar/plugin/coded_error.h"
 #include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "avatar/player.h"
+#include "avatar/play/player.h"
 #include "avatar/plugin/cosplat.h"
 #include "avatar/plugin/depth_pass.h"
 #include "avatar/plugin/host_camera.h"

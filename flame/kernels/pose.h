@@ -1,5 +1,6 @@
 // Posing a vertex by itself, when the joints are posed: the bodies that a device runs with a thread
-// each (avatar/cuda/device_poser.cu). FlamePoser runs the same formulas over strips of vertices.
+// each (avatar/play/cuda/device_poser.cu). FlamePoser runs the same formulas over strips of
+// vertices.
 //
 // PosingArrays, FlameRig -> BlendShapesKernel -> SkinKernel -> posed vertices.
 #pragma once

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "splat/base/json.h"
-#include "splat/buffer.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat {
 

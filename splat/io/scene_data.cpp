@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "splat/base/error.h"
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 #include "splat/io/scene_layouts.h"
 
 namespace cosplat {

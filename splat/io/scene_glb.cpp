@@ -1,6 +1,6 @@
 #include "splat/io/scene_glb.h"
 
-#include "splat/axes.h"
+#include "splat/io/axes.h"
 #include "splat/io/glb.h"
 #include "splat/io/splat_primitive.h"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 
 namespace cosplat {
 

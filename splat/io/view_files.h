@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 
 namespace cosplat {
 

@@ -1,7 +1,7 @@
 #include <string>
 
 #include "splat/base/error.h"
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 
 namespace cosplat {
 namespace {

@@ -1,6 +1,6 @@
 // Splats with vector-quantised bands of colour, and the file that holds them.
 //
-// Gaussians -> Quantise (splat/vq.h) -> QuantisedSplats -> WriteVqFile -> file -> ReadVqFile ->
+// Gaussians -> Quantise (splat/io/vq.h) -> QuantisedSplats -> WriteVqFile -> file -> ReadVqFile ->
 // Dequantise -> Gaussians. The file is a zip of .npy arrays (.npz) and a JSON header;
 // docs/vq-file.md has it member by member. Source of the method: LightGaussian (Fan et al. 2024).
 #pragma once
@@ -25,7 +25,7 @@ struct QuantisedBands {
 
 struct QuantisedSplats {
   // "scene"; of any other kind, `position` is to be understood by arrays in `more`
-  // (avatar/quantised_avatar.h).
+  // (avatar/io/quantised_avatar.h).
   std::string kind = "scene";
   int degree = 0;                    // of the model; no splat's is higher
   std::vector<float> position;       // [N, 3] world units

@@ -185,9 +185,9 @@ COSPLAT_HD Vec3<T> LossWithout(T alpha,
   return (color * transmittance - behind * (T(1) / (T(1) - alpha))) * alpha;
 }
 
-// The parts of one pixel in a splat's Contribution (splat/contribution.h), its opacity left out of
-// `hits`; all zero where it is not accepted. `falloff`: 0 there. Takes the pixel on: `behind` loses
-// the splat and `transmittance` what it hides.
+// The parts of one pixel in a splat's Contribution (splat/render/contribution.h), its opacity left
+// out of `hits`; all zero where it is not accepted. `falloff`: 0 there. Takes the pixel on:
+// `behind` loses the splat and `transmittance` what it hides.
 template <class T>
 struct PixelContribution {
   T weight, hits, sensitivity, change;

@@ -1,4 +1,4 @@
-// The pointwise terms of the photometric loss (splat/loss.h).
+// The pointwise terms of the photometric loss (splat/train/loss.h).
 #if defined(COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #undef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_

@@ -1,5 +1,6 @@
 // The elementary functions that the formulas need of a scalar type T, for float and double.
-// Dual numbers (tests/support/dual.h) and SIMD packs (splat/cpu/pack.h) bring their own overloads.
+// Dual numbers (tests/support/dual.h) and SIMD packs (splat/render/cpu/pack.h) bring their own
+// overloads.
 #if defined(COSPLAT_SPLAT_MATH_SCALAR_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_SCALAR_H_
 #undef COSPLAT_SPLAT_MATH_SCALAR_H_

@@ -1,9 +1,9 @@
-// Compact-3DGS's hard mask (splat/kernels/prune_mask.h). What it hides goes at each densification
-// and, afterwards, every 1,000 of 30,000 steps and at the end.
-#include "splat/kernels/prune_mask.h"
+// Compact-3DGS's hard mask (splat/train/kernels/prune_mask.h). What it hides goes at each
+// densification and, afterwards, every 1,000 of 30,000 steps and at the end.
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
+#include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
 namespace {

@@ -1,12 +1,12 @@
 // A number per Gaussian that is trained beside it, from which a rule makes its mask
-// (splat/kernels/prune_mask.h).
+// (splat/train/kernels/prune_mask.h).
 #pragma once
 
 #include <vector>
 
-#include "splat/density.h"
+#include "splat/device/memory_part.h"
 #include "splat/math/adam.h"
-#include "splat/memory_part.h"
+#include "splat/train/density.h"
 
 namespace cosplat {
 

@@ -1,11 +1,11 @@
-// LP-3DGS: for a while a soft mask dims each opacity (splat/kernels/prune_mask.h), S being
+// LP-3DGS: for a while a soft mask dims each opacity (splat/train/kernels/prune_mask.h), S being
 // LightGaussian's score, its largest 1. Then what the mask would rather hide than show (mu S < 0)
 // goes, once. 19,500 to 20,000 of 30,000 steps.
 #include <algorithm>
 
-#include "splat/kernels/prune_mask.h"
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rules.h"
+#include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
 namespace {

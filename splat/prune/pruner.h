@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "splat/base/rng.h"
-#include "splat/density.h"
 #include "splat/gaussians.h"
-#include "splat/importance.h"
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/settings.h"
-#include "splat/schedule.h"
+#include "splat/train/density.h"
+#include "splat/train/importance.h"
+#include "splat/train/schedule.h"
 
 namespace cosplat {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "splat/schedule.h"
+#include "splat/train/schedule.h"
 
 namespace cosplat {
 

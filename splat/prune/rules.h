@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "splat/importance.h"
 #include "splat/prune/pruner.h"
+#include "splat/train/importance.h"
 
 namespace cosplat {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "splat/buffer.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat {
 

@@ -26,7 +26,8 @@ struct PruneSettings {
   size_t target = 0;
   // Rules that learn a mask: weight of its loss; 0: the rule's own.
   float mask_weight = 0;
-  // Any rule, at each densification and round, per group (splat/density.h, Placement::Groups).
+  // Any rule, at each densification and round, per group (splat/train/density.h,
+  // Placement::Groups).
   int group_cap = 0;    // more than this: the lowest scores go; 0: no cap
   int group_floor = 0;  // never fewer
 };

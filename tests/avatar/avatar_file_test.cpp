@@ -1,5 +1,5 @@
 // Avatars as .glb: round trip, what other programs see, licences, golden bytes, bad input.
-#include "avatar/avatar_file.h"
+#include "avatar/io/avatar_file.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <functional>
 #include <tuple>
 
-#include "avatar/binding.h"
 #include "avatar/io/binding_extension.h"
-#include "avatar/surface.h"
+#include "avatar/surface/binding.h"
+#include "avatar/surface/surface.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/splat_primitive.h"

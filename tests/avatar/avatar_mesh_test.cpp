@@ -1,13 +1,13 @@
-// avatar/avatar_mesh.h: the canonical mesh, the bust, and somebody else's motion.
-#include "avatar/avatar_mesh.h"
+// avatar/model/avatar_mesh.h: the canonical mesh, the bust, and somebody else's motion.
+#include "avatar/model/avatar_mesh.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "avatar/surface.h"
-#include "flame/procedural_head.h"
+#include "assets/head/procedural_head.h"
+#include "avatar/surface/surface.h"
 #include "splat/base/rng.h"
 #include "splat/math/quat.h"
 

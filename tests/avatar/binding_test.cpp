@@ -1,4 +1,4 @@
-#include "avatar/binding.h"
+#include "avatar/surface/binding.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,13 +1,13 @@
-// avatar/embed_packs.h through Surface and Bind: on every instruction set of this machine, and for
-// numbers of faces and Gaussians that no pack divides, what the formulas give on floats.
+// avatar/surface/embed_packs.h through Surface and Bind: on every instruction set of this machine,
+// and for numbers of faces and Gaussians that no pack divides, what the formulas give on floats.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 #include <cmath>
 #include <random>
 
-#include "avatar/binding.h"
 #include "avatar/math/embed.h"
+#include "avatar/surface/binding.h"
 #include "tests/avatar/meshes.h"
 
 namespace cosplat::test {

@@ -1,4 +1,4 @@
-#include "avatar/kernels/face_search.h"
+#include "avatar/surface/kernels/face_search.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "avatar/kernels/holes.h"
+#include "avatar/surface/kernels/holes.h"
 
 namespace cosplat::math {
 namespace {

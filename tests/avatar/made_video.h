@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "avatar/player.h"
-#include "avatar/trainer.h"
+#include "assets/head/motion.h"
+#include "assets/head/video.h"
+#include "avatar/play/player.h"
+#include "avatar/train/trainer.h"
 #include "flame/pose.h"
-#include "flame/procedural/motion.h"
-#include "flame/procedural/video.h"
-#include "splat/loss.h"
+#include "splat/train/loss.h"
 
 namespace cosplat::test {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "avatar/avatar_model.h"
-#include "avatar/surface.h"
+#include "avatar/model/avatar_model.h"
+#include "avatar/surface/surface.h"
 #include "splat/base/npz.h"
 
 namespace cosplat::test {

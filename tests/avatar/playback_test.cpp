@@ -1,6 +1,6 @@
-// avatar/player.h and avatar/playback.h: what is not done again, and what runs beside each other,
-// leaves no trace in the pictures.
-#include "avatar/playback.h"
+// avatar/play/player.h and avatar/play/playback.h: what is not done again, and what runs beside
+// each other, leaves no trace in the pictures.
+#include "avatar/play/playback.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,8 +8,8 @@
 #include <cstring>
 #include <limits>
 
-#include "avatar/study/painted_avatar.h"
-#include "flame/procedural/motion.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "assets/head/motion.h"
 #include "splat/base/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/restless_params.h"

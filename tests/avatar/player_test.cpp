@@ -1,5 +1,5 @@
-// avatar/player.h: plays what was trained, whatever the parameters.
-#include "avatar/player.h"
+// avatar/play/player.h: plays what was trained, whatever the parameters.
+#include "avatar/play/player.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "avatar/silhouette.h"
+#include "avatar/surface/silhouette.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

@@ -1,5 +1,5 @@
-// avatar/preview.h: where the wide pixels lie, how they are enlarged, and what it costs.
-#include "avatar/preview.h"
+// avatar/play/preview.h: where the wide pixels lie, how they are enlarged, and what it costs.
+#include "avatar/play/preview.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "avatar/player.h"
-#include "avatar/study/painted_avatar.h"
-#include "flame/procedural/motion.h"
-#include "splat/loss.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "assets/head/motion.h"
+#include "avatar/play/player.h"
 #include "splat/math/pinhole.h"
+#include "splat/train/loss.h"
 
 namespace cosplat::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "avatar/quantised_avatar.h"
+#include "avatar/io/quantised_avatar.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "splat/io/splat_file.h"
-#include "splat/vq.h"
+#include "splat/io/vq.h"
 #include "tests/avatar/meshes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

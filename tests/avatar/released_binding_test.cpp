@@ -1,6 +1,6 @@
-// avatar/released_binding.h: each fault of SplattingAvatar's release is there where an embedding
-// asks for it, and not where it does not.
-#include "avatar/released_binding.h"
+// avatar/surface/released_binding.h: each fault of SplattingAvatar's release is there where an
+// embedding asks for it, and not where it does not.
+#include "avatar/surface/released_binding.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "avatar/sample.h"
+#include "avatar/surface/sample.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "avatar/binding.h"
+#include "avatar/surface/binding.h"
 #include "splat/base/error.h"
 #include "tests/avatar/meshes.h"
 

@@ -1,14 +1,14 @@
-// avatar/silhouette.h: which pixels a mesh covers, and where the mouth is.
-#include "avatar/silhouette.h"
+// avatar/surface/silhouette.h: which pixels a mesh covers, and where the mouth is.
+#include "avatar/surface/silhouette.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "flame/procedural/motion.h"
-#include "flame/procedural/video.h"
-#include "flame/procedural_head.h"
+#include "assets/head/motion.h"
+#include "assets/head/procedural_head.h"
+#include "assets/head/video.h"
 #include "tests/avatar/meshes.h"
 
 namespace cosplat::test {

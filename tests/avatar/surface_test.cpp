@@ -1,4 +1,4 @@
-#include "avatar/surface.h"
+#include "avatar/surface/surface.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "avatar/avatar_file.h"
+#include "avatar/io/avatar_file.h"
 #include "splat/base/files.h"
 #include "tests/avatar/meshes.h"
 #include "tests/support/expect_error.h"

@@ -1,4 +1,4 @@
-#include "avatar/trained_range.h"
+#include "avatar/model/trained_range.h"
 
 #include <gtest/gtest.h>
 

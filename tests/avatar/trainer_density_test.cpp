@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "avatar/silhouette.h"
+#include "avatar/surface/silhouette.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat::test {

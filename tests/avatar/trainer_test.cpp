@@ -1,5 +1,5 @@
-// avatar/trainer.h: short trainings on a small video of the procedural head.
-#include "avatar/trainer.h"
+// avatar/train/trainer.h: short trainings on a small video of the procedural head.
+#include "avatar/train/trainer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <random>
 
-#include "avatar/silhouette.h"
+#include "avatar/surface/silhouette.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "tests/avatar/training_fixture.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "avatar/trainer.h"
-#include "flame/procedural/video.h"
-#include "flame/procedural_head.h"
+#include "assets/head/procedural_head.h"
+#include "assets/head/video.h"
+#include "avatar/train/trainer.h"
 #include "tests/avatar/made_video.h"
 #include "tests/support/temporary_folder.h"
 

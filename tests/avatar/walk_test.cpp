@@ -1,4 +1,4 @@
-#include "avatar/walk.h"
+#include "avatar/surface/walk.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

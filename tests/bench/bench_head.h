@@ -2,7 +2,7 @@
 // there.
 #pragma once
 
-#include "flame/procedural_head.h"
+#include "assets/head/procedural_head.h"
 #include "splat/base/rng.h"
 
 namespace cosplat {

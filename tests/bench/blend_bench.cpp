@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <string>
 
-#include "splat/bench/dense_tile.h"
-#include "splat/bench/machine.h"
+#include "apps/study/bench/dense_tile.h"
+#include "apps/study/bench/machine.h"
 
 int main() {
   using namespace cosplat;

@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "splat/base/rng.h"
-#include "splat/loss.h"
+#include "splat/train/loss.h"
 
 namespace cosplat {
 namespace {

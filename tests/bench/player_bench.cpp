@@ -11,10 +11,10 @@
 #include <cstdlib>
 #include <vector>
 
-#include "avatar/playback.h"
-#include "avatar/study/painted_avatar.h"
-#include "flame/procedural/motion.h"
-#include "splat/loss.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "assets/head/motion.h"
+#include "avatar/play/playback.h"
+#include "splat/train/loss.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/restless_params.h"
 

@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "avatar/avatar_file.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "avatar/io/avatar_file.h"
 #include "avatar/plugin/cosplat.h"
-#include "avatar/study/painted_avatar.h"
 #include "flame/io/model_file.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/soak.h"

@@ -2,8 +2,8 @@
 // parameters counts, too.
 #include <gtest/gtest.h>
 
-#include "avatar/cuda/device_avatar.h"
-#include "splat/cuda/device_step_engine.h"
+#include "avatar/train/cuda/device_avatar.h"
+#include "splat/train/cuda/device_step_engine.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat {

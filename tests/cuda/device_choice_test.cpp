@@ -1,8 +1,8 @@
 // What --device chooses, where there is a device and the build has its back end.
 #include <gtest/gtest.h>
 
-#include "splat/cuda/device_step_engine.h"
-#include "splat/train_device.h"
+#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/train_device.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
 

@@ -5,9 +5,9 @@
 #include <set>
 #include <vector>
 
-#include "splat/cuda/launch.cuh"
-#include "splat/cuda/memory.h"
-#include "splat/cuda/stream.h"
+#include "splat/device/cuda/launch.cuh"
+#include "splat/device/cuda/memory.h"
+#include "splat/device/cuda/stream.h"
 #include "tests/support/expect_error.h"
 
 namespace cosplat::cuda {

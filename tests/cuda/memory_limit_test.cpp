@@ -1,7 +1,7 @@
 // Training on a device whose memory is nearly full: it goes on with as many Gaussians as fit.
 #include <gtest/gtest.h>
 
-#include "splat/cuda/device_memory.h"
+#include "splat/train/cuda/device_memory.h"
 #include "tests/parity/training_run.h"
 
 namespace cosplat {

@@ -2,7 +2,7 @@
 // that are done again because they had more instances than was expected.
 #include <gtest/gtest.h>
 
-#include "splat/cuda/photographs.h"
+#include "splat/train/cuda/photographs.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 

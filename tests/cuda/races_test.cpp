@@ -2,11 +2,11 @@
 // device (tests/support/cuda_on_host/races.h).
 #include <gtest/gtest.h>
 
-#include "splat/cuda/device_step_engine.h"
-#include "splat/cuda/launch.cuh"
-#include "splat/cuda/memory.h"
-#include "splat/cuda/stream.h"
-#include "splat/scene_subject.h"
+#include "splat/device/cuda/launch.cuh"
+#include "splat/device/cuda/memory.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/scene_subject.h"
 #include "tests/parity/parity_case.h"
 #include "tests/support/device_step.h"
 

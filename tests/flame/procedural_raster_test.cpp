@@ -1,10 +1,10 @@
-// flame/procedural/raster.h: exact pinhole, coverage, depth, perspective.
+// assets/head/raster.h: exact pinhole, coverage, depth, perspective.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "flame/procedural/motion.h"
-#include "flame/procedural/raster.h"
+#include "assets/head/motion.h"
+#include "assets/head/raster.h"
 
 namespace cosplat::test {
 namespace {

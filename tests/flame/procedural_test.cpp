@@ -1,16 +1,17 @@
-// flame/procedural_head.h: the model's make-up, and that mouth, lids and eyes do what they should.
+// assets/head/procedural_head.h: the model's make-up, and that mouth, lids and eyes do what they
+// should.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "assets/head/eye_mesh.h"
+#include "assets/head/motion.h"
+#include "assets/head/procedural_head.h"
+#include "assets/head/raster.h"
+#include "assets/head/rig.h"
 #include "flame/pose.h"
-#include "flame/procedural/eye_mesh.h"
-#include "flame/procedural/motion.h"
-#include "flame/procedural/raster.h"
-#include "flame/procedural/rig.h"
-#include "flame/procedural_head.h"
 #include "flame/topology.h"
 
 namespace cosplat::test {

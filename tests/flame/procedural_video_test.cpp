@@ -1,15 +1,15 @@
-// flame/procedural/video.h: the demonstration video and its track.
+// assets/head/video.h: the demonstration video and its track.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 #include <filesystem>
 
+#include "assets/head/raster.h"
+#include "assets/head/shading.h"
+#include "assets/head/video.h"
 #include "flame/io/model_file.h"
 #include "flame/pose.h"
-#include "flame/procedural/raster.h"
-#include "flame/procedural/shading.h"
-#include "flame/procedural/video.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"

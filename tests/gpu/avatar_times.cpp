@@ -2,14 +2,14 @@
 
 #include <chrono>
 
-#include "avatar/binding.h"
-#include "avatar/cuda/device_binding.h"
-#include "avatar/cuda/device_drawer.h"
-#include "avatar/cuda/device_poser.h"
-#include "splat/cuda/adam.h"
-#include "splat/cuda/loss.h"
-#include "splat/cuda/renderer.h"
-#include "splat/loss.h"
+#include "avatar/play/cuda/device_drawer.h"
+#include "avatar/play/cuda/device_poser.h"
+#include "avatar/surface/binding.h"
+#include "avatar/surface/cuda/device_binding.h"
+#include "splat/render/cuda/renderer.h"
+#include "splat/train/cuda/adam.h"
+#include "splat/train/cuda/loss.h"
+#include "splat/train/loss.h"
 #include "tests/gpu/made_avatar.h"
 
 namespace cosplat::test {

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "avatar/avatar_model.h"
+#include "apps/study/bench/synthetic_view.h"
+#include "avatar/model/avatar_model.h"
 #include "flame/kernels/pose.h"
 #include "flame/math/rodrigues.h"
 #include "splat/base/rng.h"
-#include "splat/bench/synthetic_view.h"
 #include "tests/avatar/meshes.h"
 
 namespace cosplat::test {

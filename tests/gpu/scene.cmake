@@ -1,7 +1,7 @@
 # A scene for machines that can decode no pictures: written here, read there (packed_scene.h).
 set(COSPLAT_PACKED_SCENE_SOURCES
-  ${CMAKE_CURRENT_LIST_DIR}/packed_scene.cpp ${PROJECT_SOURCE_DIR}/apps/cosplat/scene_start.cpp
-  ${PROJECT_SOURCE_DIR}/apps/cosplat/train_choices.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/packed_scene.cpp ${PROJECT_SOURCE_DIR}/apps/cosplat/run/scene_start.cpp
+  ${PROJECT_SOURCE_DIR}/apps/cosplat/options/train_choices.cpp)
 set(COSPLAT_SCENE_BENCH_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/scene_times.cpp ${COSPLAT_PACKED_SCENE_SOURCES})
 if(COSPLAT_LEAN)
@@ -9,7 +9,7 @@ if(COSPLAT_LEAN)
 endif()
 add_executable(cosplat_pack_scene
   ${CMAKE_CURRENT_LIST_DIR}/pack_scene.cpp ${CMAKE_CURRENT_LIST_DIR}/packed_scene.cpp)
-target_link_libraries(cosplat_pack_scene PRIVATE cosplat::splat cosplat::options)
+target_link_libraries(cosplat_pack_scene PRIVATE cosplat::train cosplat::options)
 cosplat_test(packed_scene
   SOURCES ${PROJECT_SOURCE_DIR}/tests/splat/packed_scene_test.cpp ${COSPLAT_PACKED_SCENE_SOURCES}
-  LIBRARIES cosplat::splat cosplat::device)
+  LIBRARIES cosplat::eval cosplat::train cosplat::device)

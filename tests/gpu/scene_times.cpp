@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "apps/cosplat/scene_start.h"
+#include "apps/cosplat/run/scene_start.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
-#include "splat/cuda/device_memory.h"
-#include "splat/loss.h"
-#include "splat/metrics.h"
-#include "splat/train_device.h"
+#include "splat/eval/metrics.h"
+#include "splat/train/cuda/device_memory.h"
+#include "splat/train/loss.h"
+#include "splat/train/train_device.h"
 #include "tests/gpu/packed_scene.h"
 
 namespace cosplat::test {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "splat/cuda/device_step_engine.h"
-#include "splat/host_step_engine.h"
-#include "splat/scene_subject.h"
+#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/host_step_engine.h"
+#include "splat/train/scene_subject.h"
 
 namespace cosplat::test {
 namespace {

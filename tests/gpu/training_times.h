@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "splat/bench/synthetic_view.h"
+#include "apps/study/bench/synthetic_view.h"
 
 namespace cosplat::test {
 

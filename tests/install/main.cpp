@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "avatar/player.h"
-#include "flame/procedural_head.h"
+#include "assets/head/procedural_head.h"
+#include "avatar/play/player.h"
 #include "splat/basis_constants.h"
 
 int main() {

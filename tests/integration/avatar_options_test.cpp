@@ -1,6 +1,6 @@
-// apps/cosplat/avatar_options.h and train_choices.h: what each preset settles, and that what is
-// given counts more.
-#include "apps/cosplat/avatar_options.h"
+// apps/cosplat/options/avatar_options.h and train_choices.h: what each preset settles, and that
+// what is given counts more.
+#include "apps/cosplat/options/avatar_options.h"
 
 #include <gtest/gtest.h>
 

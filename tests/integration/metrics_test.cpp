@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "splat/lpips.h"
+#include "splat/eval/lpips.h"
 #include "tests/integration/command.h"
 #include "tests/support/tiny_onnx.h"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "avatar/cuda/device_avatar.h"
-#include "splat/cuda/device_step_engine.h"
-#include "splat/host_step_engine.h"
+#include "avatar/train/cuda/device_avatar.h"
+#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/host_step_engine.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/density_state.h"
 #include "tests/parity/device_fixture.h"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "avatar/cuda/device_avatar.h"
-#include "splat/host_step_engine.h"
+#include "avatar/train/cuda/device_avatar.h"
+#include "splat/train/host_step_engine.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/expect_error.h"

@@ -6,10 +6,10 @@
 #include <functional>
 #include <random>
 
-#include "avatar/binding.h"
-#include "avatar/cuda/device_binding.h"
-#include "avatar/cuda/posed_vertices.h"
-#include "splat/cuda/stream.h"
+#include "avatar/surface/binding.h"
+#include "avatar/surface/cuda/device_binding.h"
+#include "avatar/train/cuda/posed_vertices.h"
+#include "splat/device/cuda/stream.h"
 #include "tests/avatar/meshes.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"

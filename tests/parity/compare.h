@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "splat/buffer.h"
+#include "splat/device/buffer.h"
 #include "tests/parity/parity_case.h"
 
 namespace cosplat::test {

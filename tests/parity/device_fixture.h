@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "splat/cuda/device.h"
+#include "splat/device/cuda/device.h"
 
 namespace cosplat::test {
 

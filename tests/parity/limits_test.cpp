@@ -1,7 +1,7 @@
 // Counts that only a device gets to in a test's time.
 #include <gtest/gtest.h>
 
-#include "splat/cuda/cuda_rasterizer.h"
+#include "splat/render/cuda/cuda_rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/parity_case.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "splat/base/rng.h"
-#include "splat/cuda/loss.h"
-#include "splat/cuda/stream.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/train/cuda/loss.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 

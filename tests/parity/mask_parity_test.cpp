@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "splat/cuda/mask_learner.h"
-#include "splat/cuda/stream.h"
+#include "splat/device/cuda/stream.h"
 #include "splat/prune/pruner.h"
+#include "splat/train/cuda/mask_learner.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 

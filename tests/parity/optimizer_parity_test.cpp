@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "splat/base/rng.h"
-#include "splat/cuda/adam.h"
-#include "splat/cuda/stream.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/train/cuda/adam.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/random_gaussians.h"

@@ -6,7 +6,7 @@
 
 #include "splat/base/camera.h"
 #include "splat/gaussians.h"
-#include "splat/rasterizer.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::test {
 

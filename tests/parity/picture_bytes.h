@@ -5,9 +5,9 @@
 
 #include <cstdlib>
 
-#include "splat/device_picture.h"
-#include "splat/kernels/pixel_bytes.h"
-#include "splat/rasterizer.h"
+#include "splat/render/device_picture.h"
+#include "splat/render/kernels/pixel_bytes.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::test {
 

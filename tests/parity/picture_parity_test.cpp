@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "splat/cuda/device_scene.h"
+#include "splat/render/cuda/device_scene.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/picture_bytes.h"

@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "avatar/cuda/device_drawer.h"
-#include "avatar/playback.h"
-#include "avatar/study/painted_avatar.h"
-#include "flame/procedural/motion.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "assets/head/motion.h"
+#include "avatar/play/cuda/device_drawer.h"
+#include "avatar/play/playback.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/picture_bytes.h"

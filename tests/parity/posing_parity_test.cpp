@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "avatar/avatar_mesh.h"
-#include "avatar/cuda/device_poser.h"
-#include "flame/procedural_head.h"
-#include "splat/cuda/stream.h"
+#include "assets/head/procedural_head.h"
+#include "avatar/model/avatar_mesh.h"
+#include "avatar/play/cuda/device_poser.h"
+#include "splat/device/cuda/stream.h"
 #include "tests/flame/random_model.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/restless_params.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "splat/base/rng.h"
-#include "splat/cuda/cuda_rasterizer.h"
+#include "splat/render/cuda/cuda_rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 

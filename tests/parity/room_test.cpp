@@ -1,8 +1,8 @@
-// Lists with room for another number of instances than there are: splat/cuda/tile_lists.h.
+// Lists with room for another number of instances than there are: splat/render/cuda/tile_lists.h.
 #include <gtest/gtest.h>
 
-#include "splat/cuda/device_gaussians.h"
-#include "splat/cuda/renderer.h"
+#include "splat/render/cuda/device_gaussians.h"
+#include "splat/render/cuda/renderer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/parity_case.h"

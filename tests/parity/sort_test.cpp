@@ -1,5 +1,5 @@
 // Sorting and adding up on the device.
-#include "splat/cuda/sort.h"
+#include "splat/device/cuda/sort.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "splat/base/rng.h"
-#include "splat/cuda/stream.h"
-#include "splat/kernels/tile_range.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/render/kernels/tile_range.h"
 #include "tests/parity/device_fixture.h"
 
 namespace cosplat::cuda {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "splat/cuda/device_step_engine.h"
-#include "splat/scene_subject.h"
-#include "splat/trainer.h"
+#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/scene_subject.h"
+#include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "avatar/cuda/device_placement.h"
-#include "avatar/cuda/device_walk.h"
-#include "avatar/kernels/place.h"
-#include "splat/cuda/stream.h"
+#include "avatar/surface/cuda/device_walk.h"
+#include "avatar/surface/kernels/place.h"
+#include "avatar/train/cuda/device_placement.h"
+#include "splat/device/cuda/stream.h"
 #include "tests/avatar/meshes.h"
 #include "tests/parity/device_fixture.h"
 

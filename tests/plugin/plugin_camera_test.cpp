@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "avatar/avatar_mesh.h"
+#include "avatar/model/avatar_mesh.h"
 #include "tests/plugin/plugin_fixture.h"
 
 namespace cosplat::test {

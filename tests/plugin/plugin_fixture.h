@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "avatar/avatar_file.h"
+#include "apps/study/avatar_stability/painted_avatar.h"
+#include "avatar/io/avatar_file.h"
 #include "avatar/plugin/cosplat.h"
-#include "avatar/study/painted_avatar.h"
 #include "flame/io/model_file.h"
 #include "splat/base/camera.h"
 #include "tests/support/temporary_folder.h"

@@ -2,7 +2,7 @@
 // player's pixels.
 #include <cstdlib>
 
-#include "avatar/player.h"
+#include "avatar/play/player.h"
 #include "splat/base/files.h"
 #include "tests/plugin/plugin_fixture.h"
 

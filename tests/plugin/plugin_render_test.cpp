@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "avatar/player.h"
+#include "avatar/play/player.h"
 #include "splat/base/image_io.h"
 #include "splat/basis_constants.h"
 #include "tests/plugin/plugin_fixture.h"

@@ -1,4 +1,4 @@
-#include "splat/axes.h"
+#include "splat/io/axes.h"
 
 #include <gtest/gtest.h>
 

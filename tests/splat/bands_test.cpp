@@ -1,6 +1,6 @@
 // Bands of colour: their energy, dropping them, each Gaussian at its own degree through the
 // renderer and files.
-#include "splat/bands.h"
+#include "splat/train/bands.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <limits>
 
 #include "splat/basis_constants.h"
-#include "splat/degree_order.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
+#include "splat/io/vq.h"
 #include "splat/io/vq_file.h"
 #include "splat/math/dcsh.h"
-#include "splat/vq.h"
+#include "splat/render/degree_order.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"

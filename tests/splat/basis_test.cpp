@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-#include "splat/cpu/launch.h"
 #include "splat/io/ply.h"
 #include "splat/io/scene_glb.h"
-#include "splat/kernels/view_parameters.h"
+#include "splat/render/cpu/launch.h"
+#include "splat/render/kernels/view_parameters.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/looking_at.h"
 #include "tests/support/random_gaussians.h"

@@ -1,12 +1,12 @@
 // Finding the budget of Gaussians: what is tried, what is chosen, and that the run is then one that
 // was told the count.
-#include "splat/budget.h"
+#include "splat/train/budget.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "splat/scene_subject.h"
+#include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 

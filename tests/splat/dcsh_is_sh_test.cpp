@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "splat/basis_constants.h"
-#include "splat/cpu/launch.h"
-#include "splat/kernels/view_parameters.h"
-#include "splat/scene_subject.h"
+#include "splat/render/cpu/launch.h"
+#include "splat/render/kernels/view_parameters.h"
+#include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {

@@ -1,5 +1,5 @@
 // The choice of a back end by name.
-#include "splat/device.h"
+#include "splat/render/device.h"
 
 #include <gtest/gtest.h>
 

@@ -36,10 +36,10 @@
 
 #include "splat/base/error.h"
 #include "splat/config.h"
-#include "splat/cpu/launch.h"
-#include "splat/kernels/view_parameters.h"
 #include "splat/math/blend.h"
-#include "splat/scene_subject.h"
+#include "splat/render/cpu/launch.h"
+#include "splat/render/kernels/view_parameters.h"
+#include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "splat/axes.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/io/axes.h"
 #include "splat/io/scene_glb.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/random_gaussians.h"

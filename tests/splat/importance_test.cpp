@@ -1,15 +1,15 @@
 // What a Gaussian contributes to pictures, against pictures drawn without it.
-#include "splat/importance.h"
+#include "splat/train/importance.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 
-#include "splat/loss.h"
-#include "splat/rasterizer.h"
-#include "splat/scene_subject.h"
-#include "splat/trainer.h"
+#include "splat/render/rasterizer.h"
+#include "splat/train/loss.h"
+#include "splat/train/scene_subject.h"
+#include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
 

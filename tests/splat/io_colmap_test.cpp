@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "splat/base/files.h"
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 #include "splat/io/view_files.h"
 #include "tests/splat/scene_fixture.h"
 #include "tests/support/expect_error.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 #include "tests/splat/scene_fixture.h"
 
 namespace cosplat {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "splat/base/files.h"
-#include "splat/dataset.h"
+#include "splat/io/dataset.h"
 #include "splat/io/ply.h"
 #include "tests/splat/scene_fixture.h"
 #include "tests/support/expect_error.h"

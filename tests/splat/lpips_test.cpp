@@ -1,5 +1,5 @@
 // LPIPS: the formula on a net of two convolutions, the published net's values, bad files.
-#include "splat/lpips.h"
+#include "splat/eval/lpips.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // Evaluation of pictures: known values, masks, regions, sizes that disagree.
-#include "splat/metrics.h"
+#include "splat/eval/metrics.h"
 
 #include <gtest/gtest.h>
 

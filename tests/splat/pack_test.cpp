@@ -1,4 +1,5 @@
-// The SIMD register as a scalar type (splat/cpu/pack.h), on every instruction set of this machine.
+// The SIMD register as a scalar type (splat/render/cpu/pack.h), on every instruction set of this
+// machine.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,7 +9,7 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "splat/cpu/pack_rows.h"
+#include "splat/render/cpu/pack_rows.h"
 
 COSPLAT_MATH_BEGIN
 

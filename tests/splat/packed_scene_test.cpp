@@ -10,7 +10,7 @@
 #include <limits>
 #include <sstream>
 
-#include "apps/cosplat/scene_start.h"
+#include "apps/cosplat/run/scene_start.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "tests/splat/training_fixture.h"

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <map>
 
-#include "splat/loss.h"
 #include "splat/prune/rounds.h"
-#include "splat/scene_subject.h"
-#include "splat/trainer.h"
+#include "splat/train/loss.h"
+#include "splat/train/scene_subject.h"
+#include "splat/train/trainer.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"

@@ -1,5 +1,5 @@
 // The CPU rasteriser: finite differences, thread counts, instruction sets, failure modes.
-#include "splat/rasterizer.h"
+#include "splat/render/rasterizer.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>

@@ -1,4 +1,4 @@
-#include "splat/schedule.h"
+#include "splat/train/schedule.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // First points from photographs alone: on the surface that they show, and the same for any number
 // of threads.
-#include "splat/sweep.h"
+#include "splat/train/sweep.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

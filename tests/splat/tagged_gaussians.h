@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "splat/density.h"
+#include "splat/train/density.h"
 
 namespace cosplat::test {
 

@@ -1,14 +1,14 @@
 // The training loop on a synthetic scene: it overfits, its bits depend on the seed alone, and every
 // setting does what it says.
-#include "splat/trainer.h"
+#include "splat/train/trainer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <map>
 
-#include "splat/morton.h"
-#include "splat/scene_subject.h"
+#include "splat/train/morton.h"
+#include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "splat/base/image_io.h"
-#include "splat/initialize.h"
-#include "splat/metrics.h"
-#include "splat/trainer.h"
+#include "splat/eval/metrics.h"
+#include "splat/train/initialize.h"
+#include "splat/train/trainer.h"
 #include "tests/support/looking_at.h"
 
 namespace cosplat::test {

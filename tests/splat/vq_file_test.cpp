@@ -11,7 +11,7 @@
 #include "splat/base/npz.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
-#include "splat/vq.h"
+#include "splat/io/vq.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "splat/vq.h"
+#include "splat/io/vq.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "splat/cpu/nearest_row.h"
-#include "splat/kmeans.h"
+#include "splat/io/kmeans.h"
+#include "splat/io/nearest_row.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
 

@@ -2,10 +2,10 @@
 // the number of instances.
 #pragma once
 
-#include "splat/cuda/adam.h"
-#include "splat/cuda/instance_forecast.h"
-#include "splat/cuda/loss.h"
-#include "splat/cuda/renderer.h"
+#include "splat/render/cuda/instance_forecast.h"
+#include "splat/render/cuda/renderer.h"
+#include "splat/train/cuda/adam.h"
+#include "splat/train/cuda/loss.h"
 
 namespace cosplat::test {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "splat/base/rng.h"
-#include "splat/rasterizer.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::test {
 

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "apps/study/avatar_stability/painted_avatar.h"
 #include "apps/viewer/framing.h"
 #include "apps/viewer/stage.h"
-#include "avatar/study/painted_avatar.h"
-#include "flame/procedural_head.h"
+#include "assets/head/procedural_head.h"
 #include "tests/support/random_gaussians.h"
 
 namespace cosplat::test {

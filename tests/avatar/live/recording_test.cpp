@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "avatar/avatar_mesh.h"
+#include "avatar/model/avatar_mesh.h"
 #include "splat/base/npz.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
-// What splat/cuda uses of CUDA's interoperability with OpenGL, on the host's emulation of a device:
-// textures of whatever OpenGL there is (Mesa's). Found in place of the toolkit's header.
+// What splat/*/cuda uses of CUDA's interoperability with OpenGL, on the host's emulation of a
+// device: textures of whatever OpenGL there is (Mesa's). Found in place of the toolkit's header.
 //
 // What a mapped texture gets is copied by OpenGL when it is unmapped. Calls without a context, of a
 // texture that is gone or has other storage than was registered, or in the wrong order, are Faults.

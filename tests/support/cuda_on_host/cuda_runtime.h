@@ -1,6 +1,6 @@
-// What splat/cuda uses of CUDA, for a compiler that knows nothing of it: the same sources then run
-// on the host (execution.h, runtime.h). Found in place of the toolkit's header by the targets that
-// tests/cuda builds.
+// What splat/*/cuda uses of CUDA, for a compiler that knows nothing of it: the same sources then
+// run on the host (execution.h, runtime.h). Found in place of the toolkit's header by the targets
+// that tests/cuda builds.
 #pragma once
 
 #include <atomic>

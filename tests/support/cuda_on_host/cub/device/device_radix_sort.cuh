@@ -1,4 +1,4 @@
-// CUB's radix sort as splat/cuda uses it, on the host (cuda_runtime.h beside this folder).
+// CUB's radix sort as splat/*/cuda uses it, on the host (cuda_runtime.h beside this folder).
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// CUB's prefix sum as splat/cuda uses it, on the host.
+// CUB's prefix sum as splat/*/cuda uses it, on the host.
 #pragma once
 
 #include "tests/support/cuda_on_host/cuda_runtime.h"

@@ -1,0 +1,244 @@
+// cosplat info: what a model, avatar, splat file or data set is, in a few lines.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "avatar/io/avatar_file.h"
+#include "flame/io/model_file.h"
+#include "flame/track.h"
+#include "splat/base/error.h"
+#include "splat/base/npz.h"
+#include "splat/io/dataset.h"
+#include "splat/io/ply.h"
+#include "splat/io/vq_file.h"
+#include "splat/train/bands.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+// Of quantised splats: those of each degree, how many of them have bands of their own, and the
+// codebook for the rest.
+void CodebookInfo(const QuantisedSplats& splats) {
+  std::printf("quantised splats, %s: %s Gaussians, SH degree %d\n",
+              splats.kind.c_str(),
+              WithThousands(splats.size()).c_str(),
+              splats.degree);
+  const auto flat = std::count(splats.own_degree.begin(), splats.own_degree.end(), uint8_t(0));
+  if (flat > 0) std::printf("degree 0: %s\n", WithThousands(size_t(flat)).c_str());
+  for (int degree = 1; degree <= splats.degree; ++degree) {
+    const QuantisedBands& bands = splats.bands[degree];
+    const size_t width = 3 * size_t(CoefficientCount(degree) - 1), kept = bands.kept.size() / width;
+    if (kept + bands.index.size() == 0) continue;
+    std::printf("degree %d: %s with bands of their own, %s with those of a codebook of %s\n",
+                degree,
+                WithThousands(kept).c_str(),
+                WithThousands(bands.index.size()).c_str(),
+                WithThousands(bands.codebook.size() / width).c_str());
+  }
+}
+
+// How many Gaussians have which degree of their own.
+void DegreeInfo(Gaussians g) {
+  FindDegrees(g);
+  const DegreeCounts counts = CountDegrees(g);
+  std::printf("own degrees:");
+  for (int degree = 0; degree <= g.degree; ++degree)
+    std::printf(" %s of %d,", WithThousands(counts[degree]).c_str(), degree);
+  const DegreeFigures figures = FiguresOf(counts, g.degree);
+  std::printf(" mean %.2f; %.0f %% of the coefficients from band 1 on are not needed\n",
+              figures.mean,
+              100 * figures.rest_saved);
+}
+
+void SplatInfo(const std::string& path) {
+  Gaussians g;
+  if (IsVqFile(path)) {
+    const QuantisedSplats splats = ReadVqFile(path);
+    CodebookInfo(splats);
+    if (splats.kind != "scene") return;
+    g = Dequantise(splats);
+  } else {
+    g = ReadPly(path);
+    std::printf("%s splats: %s Gaussians, SH degree %d\n",
+                IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
+                WithThousands(g.size()).c_str(),
+                g.degree);
+    if (g.degree > 0) DegreeInfo(g);
+  }
+  if (g.size() == 0) return;
+  std::vector<float> opacity, scale;
+  std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (size_t i = 0; i < g.size(); ++i) {
+    opacity.push_back(1 / (1 + std::exp(-g.at(kOpacityLogit, i)[0])));
+    scale.push_back(std::exp(*std::max_element(g.at(kScaleLog, i), g.at(kScaleLog, i) + 3)));
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], g.at(kPosition, i)[k]);
+      high[k] = std::max(high[k], g.at(kPosition, i)[k]);
+    }
+  }
+  const auto median = [](std::vector<float>& v) {
+    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
+    return v[v.size() / 2];
+  };
+  std::printf("box: (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g)\n",
+              low[0],
+              low[1],
+              low[2],
+              high[0],
+              high[1],
+              high[2]);
+  std::printf("median opacity %.3f, median largest standard deviation %.3g\n",
+              median(opacity),
+              median(scale));
+}
+
+void FlameInfo(const std::string& path) {
+  const FlameModel m = LoadFlameModel(path);
+  std::printf("FLAME model: %d vertices, %zu faces, %d shape and %d expression directions\n",
+              m.vertex_count,
+              m.faces.size(),
+              m.shape_count,
+              m.expression_count);
+  std::printf(
+      "sha256 %s, %s\n",
+      m.sha256.c_str(),
+      m.redistributable ? "may be embedded in avatar files" : "not embedded in avatar files");
+}
+
+void TrackInfo(const std::string& path, bool need_images) {
+  const TrackedVideo v = need_images ? LoadTrackedVideo(path, {}) : LoadDrivingSequence(path);
+  const TrackedFrame& f = v.train.empty() ? v.test.at(0) : v.train[0];
+  std::printf("tracked video (%s): %zu training and %zu test frames of %dx%d, %zu skipped\n",
+              v.layout.c_str(),
+              v.train.size(),
+              v.test.size(),
+              f.camera.width,
+              f.camera.height,
+              v.skipped.size());
+  std::printf("%zu shape and %zu expression coefficients, focal length %.1f px\n",
+              v.shape.size(),
+              f.params.expression.size(),
+              f.camera.fx);
+}
+
+// A line per evaluation.
+std::string ResultLines(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField results(path, json);
+  std::string lines;
+  for (const auto& [name, figures] : json.items()) {
+    lines += name + ":";
+    for (const auto& [figure, value] : figures.items()) {
+      char number[32];
+      std::snprintf(number, sizeof number, " %.4f", results[name][figure].Number());
+      lines += " " + figure + number;
+    }
+    lines += "\n";
+  }
+  return lines;
+}
+
+// What dropping bands of colour saved and cost; nothing where none was dropped.
+std::string BandsLine(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField stats(path, json);
+  if (stats.NumberOr("rest_saved", 0) == 0) return "";
+  char line[160];
+  std::snprintf(
+      line,
+      sizeof line,
+      "bands dropped: mean degree %.2f, %.0f %% of the coefficients from band 1 on; %+.2f "
+      "dB on training pictures at the time\n",
+      stats["mean_degree"].Number(),
+      100 * stats["rest_saved"].Number(),
+      stats["drop_psnr"].Number());
+  return line;
+}
+
+void RunInfo(const std::string& path) {
+  const Json json = ReadRun(path);
+  const JsonField run(path + "/run.json", json);
+  const std::string results = ResultLines(path + "/results.json");
+  std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n%s%s",
+              run["kind"].String().c_str(),
+              run["iterations"].Integer(),
+              run["degree"].Integer(),
+              run["basis"].String().c_str(),
+              run["seed"].raw().dump().c_str(),
+              run["source"].String().c_str(),
+              BandsLine(path + "/stats.json").c_str(),
+              results.c_str());
+}
+
+// At full size where there is one; some data sets come with reduced pictures only.
+SceneData LoadLargest(const std::string& path) {
+  int resolution = 1;
+  if (!fs::exists(path + "/images"))
+    for (const int reduced : {8, 4, 2})
+      if (fs::exists(path + "/images_" + std::to_string(reduced))) resolution = reduced;
+  return LoadScene(path, {resolution, true, false});
+}
+
+void SceneInfo(const std::string& path) {
+  const SceneData s = LoadLargest(path);
+  std::printf("scene (%s): %zu training and %zu test views of %dx%d, %zu skipped\n",
+              s.layout.c_str(),
+              s.train.size(),
+              s.test.size(),
+              s.train.at(0).camera.width,
+              s.train[0].camera.height,
+              s.skipped.size());
+  std::printf("%s points, extent %.3g\n", WithThousands(s.points.size() / 3).c_str(), s.extent);
+}
+
+void FolderInfo(const std::string& path) {
+  if (fs::exists(path + "/run.json")) return RunInfo(path);
+  const bool tracked = fs::exists(path + "/flame_params.json") ||
+                       fs::exists(path + "/flame_param") ||
+                       fs::exists(path + "/canonical_flame_param.npz");
+  if (tracked) return TrackInfo(path, true);
+  SceneInfo(path);
+}
+
+void Info(const std::string& path) {
+  if (!fs::exists(path)) throw Error(path, "", "does not exist");
+  const std::string extension = fs::path(path).extension().string();
+  if (fs::is_directory(path)) {
+    FolderInfo(path);
+  } else if (IsVqFile(path) || extension == ".ply") {
+    SplatInfo(path);
+  } else if (extension == ".glb") {
+    std::printf("%s", ToString(SummarizeGlb(path)).c_str());
+  } else if (extension == ".pkl") {
+    FlameInfo(path);
+  } else if (extension == ".npz") {
+    if (Npz::Read(path).Has("v_template")) {
+      FlameInfo(path);
+    } else {
+      TrackInfo(path, false);
+    }
+  } else {
+    throw Error(path, "", "is none of .ply, .glb, .pkl, .npz, quantised splats or a folder");
+  }
+}
+
+}  // namespace
+
+void AddInfo(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("info", "say what a model, avatar, splat file or data set is");
+  const auto path = std::make_shared<std::string>();
+  command->add_option("file", *path, "file or folder")->required();
+  command->callback([path] { Info(*path); });
+}
+
+}  // namespace cosplat

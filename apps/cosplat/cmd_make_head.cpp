@@ -1,0 +1,47 @@
+// cosplat make-head: the procedural head's tracked video and its model file.
+#include <cstdio>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "assets/head/video.h"
+
+namespace cosplat {
+namespace {
+
+struct Options : MakeHeadOptions {
+  std::string out;
+  bool quiet = false;
+};
+
+void MakeHead(const Options& o) {
+  {
+    ProgressBar bar("make-head", o.frames, o.quiet);
+    WriteProceduralVideo(o.out, o, [&](int done, int) { bar.Update(done, "frames"); });
+  }
+  if (!o.quiet)
+    std::printf("%d frames of %dx%d, the last %d held out: %s (model: %s/model.npz)\n",
+                o.frames,
+                o.size,
+                o.size,
+                o.test_frames,
+                o.out.c_str(),
+                o.out.c_str());
+}
+
+}  // namespace
+
+void AddMakeHead(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("make-head", "film the procedural head: a tracked video to train on");
+  const auto o = std::make_shared<Options>();
+  command->add_option("-o,--out", o->out, "folder to write")->required();
+  command->add_option("--frames", o->frames, "length of the video");
+  command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");
+  command->add_option("--size", o->size, "width and height in pixels");
+  command->add_option("--seed", o->seed, "of the motion");
+  command->add_flag("--quiet", o->quiet, "print nothing but errors");
+  command->callback([o] { MakeHead(*o); });
+}
+
+}  // namespace cosplat

@@ -1,0 +1,148 @@
+// cosplat play: looks at an avatar or a scene, in a window or, --headless, into files.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/play_content.h"
+#include "apps/cosplat/run/frame_sink.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/viewer/window.h"
+#include "avatar/play/player_device.h"
+#include "splat/base/error.h"
+#include "splat/render/device_texture.h"
+
+namespace cosplat {
+namespace {
+
+using viewer::Content;
+using viewer::Session;
+using viewer::Stage;
+using viewer::StartView;
+
+constexpr int kLargestSide = 8192;
+constexpr double kTurn = 6.283185307179586;
+
+struct Options {
+  std::string model, drive, flame, out, view = "splats", background, size, device = "cpu";
+  double fps = 0;
+  int frames = 0;  // 0: all of the drive, otherwise one
+  float scale = 0;
+  bool headless = false, transparent = false, quiet = false;
+};
+
+struct Size {
+  int width = 0, height = 0;
+};
+
+// "WxH"; without, as the content was filmed.
+Size SizeOf(const Options& o, const StartView& start) {
+  if (o.size.empty()) return {start.camera.width, start.camera.height};
+  Size size;
+  char rest = 0;
+  const int read = std::sscanf(o.size.c_str(), "%dx%d%c", &size.width, &size.height, &rest);
+  if (read != 2 || size.width < 1 || size.height < 1 || size.width > kLargestSide ||
+      size.height > kLargestSide)
+    throw Error("", "--size", "is '" + o.size + "', expected WIDTHxHEIGHT such as 640x480");
+  return size;
+}
+
+void SetLook(const Options& o, Session& session) {
+  const viewer::View view = viewer::ViewFromString(o.view, "--view");
+  if (viewer::NeedsMesh(view) && !session.is_avatar())
+    throw Error(o.model, "--view", o.view + " is of avatars; this is a scene");
+  session.SetView(view);
+  session.transparent = o.transparent;
+  if (o.background == "black") session.background = {0, 0, 0};
+  if (o.background == "white") session.background = {1, 1, 1};
+}
+
+Image8 WithoutAlpha(const Image8& rgba) {
+  Image8 rgb(rgba.width, rgba.height, 3);
+  for (size_t i = 0; i < rgba.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = rgba.data[4 * i + c];
+  return rgb;
+}
+
+// The sequence's frames, or as many views of a turn.
+void PlayIntoFiles(const Options& o, Session& session, Stage& stage, Size size) {
+  if (IsLiveDrive(o.drive))
+    throw Error("", "--headless", "plays recordings; '" + o.drive + "' needs the window");
+  FrameSink sink(o.out);
+  if (o.transparent && sink.is_video())
+    throw Error(o.out, "--transparent", "videos have no alpha: give a folder");
+  const int frames = o.frames > 0 ? o.frames : std::max(1, session.timeline.frames());
+  ProgressBar bar("play", frames, o.quiet);
+  Image8 image;
+  for (int i = 0; i < frames; ++i) {
+    if (session.has_sequence()) session.timeline.Seek(i % session.timeline.frames());
+    stage.Draw(session.ShotFor(size.width, size.height), image);
+    sink.Write(o.transparent ? image : WithoutAlpha(image));
+    if (!session.has_sequence()) session.camera.Orbit(float(kTurn / frames), 0);
+    bar.Update(i + 1, "frames");
+  }
+  sink.Finish();
+  if (!o.quiet) std::printf("%d frames: %s\n", sink.count(), o.out.c_str());
+}
+
+void Play(const Options& o) {
+  if (o.headless && o.out.empty())
+    throw Error("", "--out", "is needed with --headless: a folder or a file that ends in .mp4");
+  const Device device = DeviceFromString(o.device);
+  Content content = LoadContent(o.model, o.flame);
+  Session session(content);
+  if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
+  SetLook(o, session);
+  const Size size = SizeOf(o, content.start);
+  Stage stage(std::move(content), {DrawerOn(device), SceneDrawerOn(device)});
+  if (o.headless) return PlayIntoFiles(o, session, stage, size);
+  const std::string folder = o.out.empty() ? "." : o.out;
+  viewer::ViewerWindow(session, stage, {o.scale, folder, DeviceTextureOn(device)}).Run();
+}
+
+void AddLook(CLI::App& command, Options& o) {
+  command.add_option("--view", o.view, "splats, ellipsoids, triangles (by count) or wire");
+  command
+      .add_option("--background", o.background, "black or white; as it was evaluated if not given")
+      ->check(CLI::IsMember({"black", "white"}));
+  command.add_flag("--transparent", o.transparent, "no background: pictures with alpha");
+}
+
+}  // namespace
+
+void AddPlay(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("play", "look at an avatar or a scene in a window, or render it to files");
+  const auto o = std::make_shared<Options>();
+  command->add_option("model", o->model, "a run's folder, an avatar's .glb, or a scene's splats")
+      ->required();
+  auto* drive =
+      command->add_option("--drive",
+                          o->drive,
+                          "what moves an avatar: a tracked video or .npz, udp://HOST:PORT, "
+                          "vmc://HOST:PORT?matrix=FILE or stdin:");
+  command->add_option("--fps", o->fps, "of a recorded drive; its own if not given")
+      ->needs(drive)
+      ->check(CLI::Range(0.001, 10000.0));
+  command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
+  AddLook(*command, *o);
+  command
+      ->add_option("--device", o->device, "what draws splats: cpu, cuda (an NVIDIA card) or auto")
+      ->capture_default_str();
+  auto* headless =
+      command->add_flag("--headless", o->headless, "draw to files, without a window or a display");
+  command->add_option("-o,--out",
+                      o->out,
+                      "headless: folder or .mp4; otherwise the folder of screenshots and videos");
+  command->add_option("--frames", o->frames, "headless: so many, of the drive or of a turn")
+      ->needs(headless)
+      ->check(CLI::Range(0, 1000000));
+  command->add_option("--size", o->size, "headless: WIDTHxHEIGHT; as it was filmed if not given")
+      ->needs(headless);
+  command->add_option("--ui-scale", o->scale, "size of letters and panels; 0: as the screen says")
+      ->check(CLI::Range(0.0, 8.0));
+  command->add_flag("--quiet", o->quiet, "print nothing but errors");
+  command->callback([o] { Play(*o); });
+}
+
+}  // namespace cosplat

@@ -1,0 +1,255 @@
+// cosplat render: a trained model's test views, an orbit, or an avatar driven by a sequence.
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/avatar_renderer.h"
+#include "apps/cosplat/run/camera_path.h"
+#include "apps/cosplat/run/frame_sink.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/test_images.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/io/quantised_avatar.h"
+#include "avatar/play/playback.h"
+#include "avatar/play/player_device.h"
+#include "avatar/play/preview.h"
+#include "flame/io/model_file.h"
+#include "flame/track.h"
+#include "splat/base/error.h"
+#include "splat/io/dataset.h"
+#include "splat/io/splat_file.h"
+#include "splat/render/degree_order.h"
+#include "splat/render/device.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kOrbitFrames = 120;
+constexpr float kAvatarSwingDegrees = 40;
+
+struct Options {
+  std::string model, source, splats, out, drive, flame, device = "cpu";
+  bool orbit = false;
+  int resolution = 0;  // 0: as trained
+  bool preview = false;
+  bool quiet = false;
+};
+
+DataSplit SplitOf(const Options& o, const JsonField& run) {
+  DataSplit split = SplitFromJson(run);
+  if (o.resolution > 0) split.resolution = o.resolution;
+  return split;
+}
+
+std::string SourceOf(const Options& o, const JsonField& run) {
+  return o.source.empty() ? run["source"].String() : o.source;
+}
+
+// Of the folder of pictures of other splats than the run's own.
+std::string SuffixOf(const Options& o) {
+  return o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
+}
+
+// Frames to a folder or video, with a progress bar. A frame is encoded while the next is drawn.
+class Output {
+ public:
+  Output(const Options& o, size_t total)
+      : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
+  void Write(const RenderedImage& image) {
+    writing_.wait();  // for the frame before; throws what went wrong with it
+    image_ = image;
+    writing_.run([this] { sink_.Write(ToBytes(image_.ToImage())); });
+    bar_.Update(++count_, "frames");
+  }
+  void Finish() {
+    writing_.wait();
+    sink_.Finish();
+    if (!quiet_) std::printf("%d frames: %s\n", sink_.count(), path_.c_str());
+  }
+
+ private:
+  FrameSink sink_;
+  ProgressBar bar_;
+  bool quiet_;
+  std::string path_;
+  int count_ = 0;
+  RenderedImage image_;
+  tbb::task_group writing_;  // last, as it waits for its task before what that needs is gone
+};
+
+void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Options& o) {
+  Output output(o, frames.size());
+  Playback playback(player);
+  for (const PlaybackFrame& frame : frames)
+    if (const RenderedImage* image = playback.Next(frame)) output.Write(*image);
+  if (const RenderedImage* image = playback.Finish()) output.Write(*image);
+  output.Finish();
+}
+
+void RenderScene(const Options& o, const JsonField& run) {
+  if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
+  const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
+  const int iteration = SavedIteration(o.model, run);
+  Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
+  SortByDegree(g);
+  const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
+  const bool held_out = !scene.test.empty();
+  const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
+  const auto tape = rasterizer->MakeTape();
+  const RenderSettings settings{BackgroundOf(run), g.degree};
+  RenderedImage image, half;
+  const auto draw = [&](const Camera& camera) -> const RenderedImage& {
+    // Isolated, so that waiting for tiles does not take up the encoding of the frame before.
+    tbb::this_task_arena::isolate([&] {
+      rasterizer->Forward(ViewOf(g),
+                          g.basis,
+                          o.preview ? HalfResolution(camera) : camera,
+                          settings,
+                          o.preview ? half : image,
+                          *tape);
+      if (o.preview) EnlargeTwice(half, camera.width, camera.height, image);
+    });
+    return image;
+  };
+  if (!o.out.empty()) {
+    std::vector<Camera> cameras;
+    for (const SceneView& view : o.orbit ? scene.train : views) cameras.push_back(view.camera);
+    if (o.orbit) cameras = OrbitScene(cameras, kOrbitFrames);
+    Output output(o, cameras.size());
+    for (const Camera& camera : cameras) output.Write(draw(camera));
+    return output.Finish();
+  }
+  TestImageWriter writer(
+      o.model, held_out ? "test" : "train", iteration, settings.background, SuffixOf(o));
+  for (const SceneView& view : views) writer.Write(draw(view.camera), LoadViewImage(view));
+  writer.Finish();
+  if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
+}
+
+// The centre of the posed head and its own upward direction.
+void HeadFrame(const std::vector<float>& vertices,
+               const FlameModel& flame,
+               std::array<float, 3>& center,
+               std::array<float, 3>& up) {
+  center = {0, 0, 0};
+  for (int i = 0; i < flame.vertex_count; ++i)
+    for (int k = 0; k < 3; ++k)
+      center[k] += vertices[3 * size_t(i) + k] / float(flame.vertex_count);
+  up = {0, 1, 0};  // FLAME's own; trackers keep the head roughly upright in their world
+}
+
+void RenderAvatarOrbit(const Options& o,
+                       const JsonField& run,
+                       const FlameModel& flame,
+                       Player& player) {
+  const FlameParams rest = ReferenceRoot(run);
+  const Camera camera = CameraFromJson(run["reference"]["camera"]);
+  PlacedAvatar placed;
+  player.Place(rest, placed);
+  std::array<float, 3> center{}, up{};
+  HeadFrame(player.VerticesOf(placed), flame, center, up);
+  std::vector<PlaybackFrame> frames;
+  for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames))
+    frames.push_back({rest, c, BackgroundOf(run)});
+  PlayInto(frames, player, o);
+}
+
+void RenderDriven(const Options& o, const JsonField& run, Player& player) {
+  const TrackedVideo sequence = LoadDrivingSequence(o.drive);
+  std::vector<FlameParams> params;
+  for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
+  params = Retarget(std::move(params), ReferenceRoot(run));
+  const Camera camera = CameraFromJson(run["reference"]["camera"]);
+  std::vector<PlaybackFrame> frames;
+  for (FlameParams& p : params) frames.push_back({std::move(p), camera, BackgroundOf(run)});
+  PlayInto(frames, player, o);
+}
+
+void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& renderer) {
+  const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run));
+  const bool held_out = !video.test.empty();
+  const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
+  if (!o.out.empty()) {
+    std::vector<PlaybackFrame> sequence;
+    for (const TrackedFrame& frame : frames)
+      sequence.push_back({frame.params, frame.camera, BackgroundOf(run)});
+    return PlayInto(sequence, renderer.player(), o);
+  }
+  TestImageWriter writer(o.model,
+                         held_out ? "test" : "train",
+                         SavedIteration(o.model, run),
+                         BackgroundOf(run),
+                         SuffixOf(o));
+  for (const TrackedFrame& frame : frames)
+    renderer.WriteTestImage(frame, LoadTrackedImage(video, frame), writer);
+  writer.Finish();
+  if (!o.quiet) std::printf("%zu frames: %s\n", frames.size(), writer.path().c_str());
+}
+
+void RenderAvatar(const Options& o, const JsonField& run) {
+  const Device device = DeviceFromString(o.device);
+  const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
+  AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
+  AttachMesh(model, flame);
+  if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
+  AvatarRenderer renderer(std::move(model), flame, {o.preview, DrawerOn(device)});
+  if (o.orbit) {
+    RenderAvatarOrbit(o, run, flame, renderer.player());
+  } else if (!o.drive.empty()) {
+    RenderDriven(o, run, renderer.player());
+  } else {
+    RenderFrames(o, run, renderer);
+  }
+}
+
+void Render(const Options& o) {
+  const Json json = ReadRun(o.model);
+  const JsonField run(o.model + "/run.json", json);
+  if (o.out.empty() && (o.orbit || !o.drive.empty()))
+    throw Error("", "--out", "is needed: a folder or a file that ends in .mp4");
+  if (o.out.empty() && o.preview)
+    throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
+  RequireSplats(run);
+  if (run["kind"].String() == "avatar") {
+    RenderAvatar(o, run);
+  } else {
+    RenderScene(o, run);
+  }
+}
+
+}  // namespace
+
+void AddRender(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("render", "render test views, an orbit, or a driving sequence");
+  const auto o = std::make_shared<Options>();
+  command->add_option("-m,--model_path", o->model, "a trained model's folder")->required();
+  command->add_option("-s,--source_path", o->source, "data set; the one trained on if not given");
+  command->add_option(
+      "--splats",
+      o->splats,
+      "splats in place of the model's own, for `metrics` too: quantised, or a scene's PLY");
+  command->add_option(
+      "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
+  auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");
+  command
+      ->add_option("--drive", o->drive, "play an avatar with this tracked video's or .npz's motion")
+      ->excludes(orbit);
+  command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
+  command->add_option("-r,--resolution", o->resolution, "divide the pictures' size by this")
+      ->check(CLI::Range(0, 64));
+  command->add_flag(
+      "--preview", o->preview, "draw at half the resolution and enlarge: faster and softer");
+  command->add_option("--device", o->device, "what draws: cpu, cuda (an NVIDIA card) or auto")
+      ->capture_default_str();
+  command->add_flag("--quiet", o->quiet, "print nothing but errors");
+  command->callback([o] { Render(*o); });
+}
+
+}  // namespace cosplat

@@ -1,0 +1,209 @@
+// cosplat report: one self-contained HTML page about a run: pictures, a moving preview, figures.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/data_uri.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "apps/study/charts/svg_chart.h"
+#include "apps/study/charts/svg_drawing.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t kPairs = 4;           // pictures beside their photographs
+constexpr size_t kPreviewFrames = 48;  // of the moving preview
+constexpr int kPreviewWidth = 320;     // px
+
+// A data URI of the picture as JPEG, at most `width` wide.
+std::string Embed(const std::string& path, int width, const std::string& scratch) {
+  Image8 image = ReadImage(path);
+  if (image.width > width)
+    image = ResizeByArea(image, width, std::max(1, image.height * width / image.width));
+  WriteImage(scratch, image);
+  const std::string uri = DataUri("image/jpeg", ReadFile(scratch));
+  fs::remove(scratch);
+  return uri;
+}
+
+std::vector<std::string> Spread(const std::vector<std::string>& all, size_t count) {
+  std::vector<std::string> picked;
+  const size_t n = std::min(count, all.size());
+  for (size_t i = 0; i < n; ++i) picked.push_back(all[n == 1 ? 0 : i * (all.size() - 1) / (n - 1)]);
+  return picked;
+}
+
+std::string Number(double value, const char* format) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+using NamedNumbers = std::vector<std::pair<std::string, double>>;
+
+// An object of finite numbers.
+NamedNumbers NumbersIn(const JsonField& object) {
+  NamedNumbers numbers;
+  for (const auto& [name, value] : object.raw().items())
+    numbers.push_back({name, object[name].Number()});
+  return numbers;
+}
+
+std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
+  std::string html = "<table>";
+  const auto row = [&](const std::string& name, const std::string& value) {
+    html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
+  };
+  const std::vector<std::array<const char*, 3>> figures{
+      {"PSNR", "PSNR, whole picture", "%.2f dB"},
+      {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
+      {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
+      {"PSNR_highlight", "PSNR of the brightest 2 %", "%.2f dB"},
+      {"SSIM", "SSIM", "%.4f"}};
+  for (const auto& [key, name, format] : figures)
+    for (const auto& [result, value] : results)
+      if (result == key) row(name, Number(value, format));
+  for (const auto& [result, value] : results)
+    if (result.rfind("LPIPS_", 0) == 0)
+      row("LPIPS (" + EscapeXml(result.substr(6)) + ")", Number(value, "%.4f"));
+  row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
+  if (stats.NumberOr("rest_saved", 0) > 0) {
+    row("Mean degree of the colours", Number(stats["mean_degree"].Number(), "%.2f"));
+    row("Coefficients dropped", Number(100 * stats["rest_saved"].Number(), "%.0f %%"));
+    row("PSNR in training as they were dropped", Number(stats["drop_psnr"].Number(), "%+.2f dB"));
+  }
+  row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
+  row("Training", Number(stats["seconds"].Number(), "%.0f s"));
+  row("One step", Number(stats["ms_per_step"].Number(), "%.1f ms"));
+  row("Memory at most", Number(stats["peak_mb"].Number(), "%.0f MB"));
+  return html + "</table>";
+}
+
+// What the step's time goes to.
+std::string PhaseChart(const NamedNumbers& phases) {
+  Chart chart{Chart::Kind::kBars, "Where a step's time goes", {"time", "ms"}, {}, {}, {}};
+  ChartSeries step{"step", {}};
+  for (const auto& [name, ms] : phases) step.marks.push_back({ms, 0, name});
+  chart.series = {step};
+  return ToSvg(chart);
+}
+
+std::string ViewChart(const NamedNumbers& per_view) {
+  Chart chart{Chart::Kind::kLines, "PSNR per view", {"test view", ""}, {"PSNR", "dB"}, {}, {}};
+  ChartSeries views{"views", {}};
+  for (const auto& [name, psnr] : per_view)
+    views.marks.push_back({double(views.marks.size()), psnr, ""});
+  chart.series = {views};
+  return ToSvg(chart);
+}
+
+// What --budget auto tried; nothing for other runs.
+std::string BudgetChart(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  const Json json = ReadJson(path);
+  const JsonField budget(path, json);
+  Chart chart{Chart::Kind::kLines,
+              "Quality of training views held out, against the number of Gaussians",
+              {"Gaussians", ""},
+              {"PSNR", "dB"},
+              {},
+              {}};
+  ChartSeries tried{"tried", {}};
+  for (size_t i = 0; i < budget["trials"].size(); ++i) {
+    const JsonField trial = budget["trials"][i];
+    tried.marks.push_back({trial["gaussians"].Number(), trial["psnr"].Number(), ""});
+  }
+  std::sort(tried.marks.begin(), tried.marks.end(), [](const auto& a, const auto& b) {
+    return a.x < b.x;
+  });
+  chart.series = {tried};
+  return ToSvg(chart);
+}
+
+std::string PairsHtml(const std::string& test,
+                      const std::vector<std::string>& names,
+                      const std::string& scratch) {
+  std::string html = "<div class='pairs'>";
+  for (const std::string& name : Spread(names, kPairs))
+    html += "<figure><img src='" + Embed(test + "/renders/" + name, 512, scratch) +
+            "'><figcaption>rendered, " + name + "</figcaption></figure><figure><img src='" +
+            Embed(test + "/gt/" + name, 512, scratch) +
+            "'><figcaption>held-out picture</figcaption></figure>";
+  return html + "</div>";
+}
+
+std::string PreviewHtml(const std::string& test,
+                        const std::vector<std::string>& names,
+                        const std::string& scratch) {
+  std::string frames;
+  for (const std::string& name : Spread(names, kPreviewFrames))
+    frames += (frames.empty() ? "\"" : ",\n\"") +
+              Embed(test + "/renders/" + name, kPreviewWidth, scratch) + "\"";
+  return "<img id='preview' width='" + std::to_string(kPreviewWidth) + "'><script>const frames=[" +
+         frames +
+         "];let i=0;const img=document.getElementById('preview');"
+         "setInterval(()=>{img.src=frames[i++%frames.length]},80);img.src=frames[0];</script>";
+}
+
+constexpr const char* kStyle =
+    "<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;"
+    "color:#222}h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em}th{text-align:left;"
+    "font-weight:normal;padding-right:2em;color:#555}td{font-variant-numeric:tabular-nums}"
+    ".pairs{display:grid;grid-template-columns:1fr 1fr;gap:12px}figure{margin:0}img{max-width:100%}"
+    "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
+    ".row svg{max-width:520px;height:auto;margin-top:2em}</style>";
+
+void Report(const std::string& model, bool quiet) {
+  const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
+             per_view_json = ReadJson(model + "/per_view.json"),
+             stats_json = ReadJson(model + "/stats.json");
+  const JsonField run(model + "/run.json", run_json);
+  const int iteration = SavedIteration(model, run);
+  const std::string test = model + "/test/ours_" + std::to_string(iteration);
+  if (!fs::exists(test))
+    throw Error(
+        model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+  const std::string key = fs::path(test).filename().string();
+  const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
+  const JsonField stats(model + "/stats.json", stats_json);
+  const NamedNumbers psnr =
+      NumbersIn(JsonField(model + "/per_view.json", per_view_json)[key]["PSNR"]);
+  std::vector<std::string> names;
+  for (const auto& [name, value] : psnr) names.push_back(name);
+  const std::string scratch = model + "/report.tmp.jpg";
+  const bool avatar = run["kind"].String() == "avatar";
+  const std::string title = avatar ? "Head avatar" : "Scene";
+  const std::string html =
+      "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
+      "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
+      "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
+      "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
+      "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
+      "<div class='row'>" + ViewChart(psnr) + PhaseChart(NumbersIn(stats["phases_ms"])) +
+      BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
+      EscapeXml(run_json.dump(2)) + "</pre></html>\n";
+  WriteFileAtomically(model + "/report.html", html);
+  if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
+}
+
+}  // namespace
+
+void AddReport(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("report", "one HTML page about a trained model: pictures and figures");
+  const auto model = std::make_shared<std::string>();
+  const auto quiet = std::make_shared<bool>(false);
+  command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
+  command->add_flag("--quiet", *quiet, "print nothing but errors");
+  command->callback([=] { Report(*model, *quiet); });
+}
+
+}  // namespace cosplat

@@ -1,0 +1,139 @@
+// cosplat send: plays a recorded sequence to a live avatar, as a tracker would send it.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "avatar/live/json_frame.h"
+#include "avatar/live/recording.h"
+#include "avatar/live/udp_socket.h"
+#include "splat/base/error.h"
+#include "splat/base/rng.h"
+
+namespace cosplat {
+namespace {
+
+struct Options {
+  std::string sequence, to;
+  double frames_per_second = 0, drop_percent = 0, bad_percent = 0;
+  bool loop = false;
+  unsigned seed = 0;
+  bool quiet = false;
+};
+
+// Lines to standard output or datagrams to an address.
+class Output {
+ public:
+  explicit Output(const std::string& to) {
+    if (to.empty()) return;
+    const DriveAddress address = ParseDriveAddress(to);
+    if (address.scheme != "udp" || address.port == 0)
+      throw Error("--to", "", "found '" + to + "', expected udp://HOST:PORT");
+    socket_.emplace(UdpSocket::ConnectTo(address));
+  }
+  // False when it was lost before it left.
+  bool Write(const std::string& packet) {
+    if (socket_) return socket_->Send(packet);
+    if (std::fputs((packet + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0)
+      throw Error("standard output", "", "cannot be written");
+    return true;
+  }
+
+ private:
+  std::optional<UdpSocket> socket_;
+};
+
+// A packet that no receiver may take, of one kind or another.
+std::string Spoilt(const std::string& packet, Rng& rng) {
+  switch (rng.Below(5)) {
+    case 0:  // cut off
+      return packet.substr(0, packet.size() / 2);
+    case 1:  // not finite
+      return packet.substr(0, packet.size() - 1) + ", \"jaw\": [NaN, 0, 0]}";
+    case 2:  // a number too few
+      return packet.substr(0, packet.size() - 1) + ", \"neck\": [0, 0]}";
+    case 3:  // too long
+      return packet + std::string(20'000, ' ');
+    default: {  // noise, of one line
+      std::string noise(64, '\0');
+      for (char& c : noise) c = char(' ' + rng.Below(200));
+      return noise;
+    }
+  }
+}
+
+struct Counts {
+  long sent = 0, dropped = 0, bad = 0, lost = 0;
+};
+
+void Send(const Options& o, const Recording& recording, Output& output, Counts& counts) {
+  using Seconds = std::chrono::duration<double>;
+  const double length = double(recording.frames.back().timestep + 1) / recording.frames_per_second;
+  const auto start = std::chrono::steady_clock::now();
+  Rng rng{o.seed};
+  JsonFrame packet;
+  ProgressBar bar("send", int(recording.frames.size()), o.quiet || o.to.empty() || o.loop);
+  for (uint64_t round = 0; round == 0 || o.loop; ++round)
+    for (const RecordedFrame& frame : recording.frames) {
+      packet.time = double(round) * length + double(frame.timestep) / recording.frames_per_second;
+      packet.params = frame.params;
+      std::this_thread::sleep_until(start + Seconds(*packet.time));
+      const std::string line = WriteJsonFrame(packet);
+      ++packet.sequence;
+      bar.Update(int(packet.sequence), "frames");
+      const float chance = 100 * rng.Uniform();
+      if (chance < o.drop_percent) {
+        ++counts.dropped;
+        continue;
+      }
+      const bool bad = chance < o.drop_percent + o.bad_percent;
+      counts.bad += bad;
+      counts.lost += !output.Write(bad ? Spoilt(line, rng) : line);
+      ++counts.sent;
+    }
+}
+
+void Run(const Options& o) {
+  if (o.drop_percent + o.bad_percent > 100)
+    throw Error("", "--drop and --bad", "are more than 100 percent together");
+  LiveSourceOptions options;
+  options.frames_per_second = o.frames_per_second;
+  const Recording recording = LoadRecording(o.sequence, options);
+  Output output(o.to);
+  Counts counts;
+  Send(o, recording, output, counts);
+  if (o.quiet || o.to.empty()) return;
+  std::printf("%ld packets to %s, %ld of them spoilt; %ld left out\n",
+              counts.sent,
+              o.to.c_str(),
+              counts.bad,
+              counts.dropped);
+  if (counts.lost > 0) std::printf("%ld were refused: does anyone listen there?\n", counts.lost);
+}
+
+}  // namespace
+
+void AddSend(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("send", "play a recorded sequence to a live avatar, as a tracker does");
+  const auto o = std::make_shared<Options>();
+  command->add_option("sequence", o->sequence, "tracked video or .npz")->required();
+  command->add_option("--to", o->to, "udp://HOST:PORT; lines on standard output if not given");
+  command->add_option("--fps", o->frames_per_second, "frames per second; 0: its own, or 25")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--loop", o->loop, "again and again, until it is interrupted");
+  command->add_option("--drop", o->drop_percent, "percent of the frames to leave out")
+      ->check(CLI::Range(0.0, 100.0));
+  command->add_option("--bad", o->bad_percent, "percent of the packets to spoil")
+      ->check(CLI::Range(0.0, 100.0));
+  command->add_option("--seed", o->seed, "of what is left out and spoilt");
+  command->add_flag("--quiet", o->quiet, "print nothing but errors and, without --to, the frames");
+  command->callback([o] { Run(*o); });
+}
+
+}  // namespace cosplat

@@ -1,0 +1,178 @@
+// cosplat train-avatar: a head avatar from tracked video.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/run/avatar_renderer.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/test_images.h"
+#include "apps/cosplat/run/train_run.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/train/train_device.h"
+#include "avatar/train/trainer.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/cameras_json.h"
+#include "splat/io/ply.h"
+#include "splat/io/scene_glb.h"
+
+namespace cosplat {
+namespace {
+
+void Evaluate(const AvatarOptions& o,
+              const FlameModel& flame,
+              const AvatarSubject& subject,
+              const std::vector<Image8>& truth,
+              const Trainer& trainer) {
+  AvatarModel model = subject.Model(trainer.CaughtUp());
+  AvatarRenderer renderer(std::move(model), flame);
+  TestImageWriter writer(o.model, "test", trainer.iteration(), o.EvaluationBackground());
+  for (size_t i = 0; i < truth.size(); ++i)
+    renderer.WriteTestImage(subject.video().test[i], truth[i], writer);
+  writer.Finish();
+}
+
+DataSplit SplitOf(const AvatarOptions& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
+
+// Where the head is on average and how the camera sees it: orbits and driven playback start here.
+Json ReferenceView(const TrackedVideo& video) {
+  std::vector<FlameParams> frames;
+  for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
+  const FlameParams mean = MeanRoot(frames);
+  return {{"rotation", mean.pose[0]},
+          {"translation", mean.translation},
+          {"camera", CameraToJson(video.train[0].camera)}};
+}
+
+void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
+  const Json run{{"kind", "avatar"},
+                 {"source", o.source},
+                 {"flame", o.flame},
+                 {"split", ToJson(SplitOf(o))},
+                 {"iterations", o.iterations},
+                 {"preset", o.preset},
+                 {"degree", o.sh_degree},
+                 {"basis", o.basis},
+                 {"seed", o.seed},
+                 {"background", o.EvaluationBackground()},
+                 {"refine_track", o.avatar.refine_track},
+                 {"reference", ReferenceView(video)},
+                 {"version", COSPLAT_VERSION}};
+  WriteRunConfiguration(o.model, o, config, run);
+  std::vector<NamedCamera> cameras;
+  for (const auto* frames : {&video.test, &video.train})
+    for (const TrackedFrame& frame : *frames) cameras.push_back({frame.name, frame.camera});
+  WriteCamerasJson(o.model + "/cameras.json", cameras);
+}
+
+// The first Gaussians at rest.
+void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
+  const Gaussians rest = RestPose(first);
+  const std::vector<float> points(rest.values[kPosition].begin(), rest.values[kPosition].end());
+  WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
+}
+
+// Held-out pictures, loaded before training so that a broken one is found then. Frames whose
+// picture cannot be used go from the test frames to the skipped ones.
+std::vector<Image8> LoadTestImages(TrackedVideo& video) {
+  std::vector<Image8> images;
+  std::vector<TrackedFrame> usable;
+  for (TrackedFrame& frame : video.test) {
+    const std::string problem = Problem([&] { images.push_back(LoadTrackedImage(video, frame)); });
+    if (problem.empty()) {
+      usable.push_back(std::move(frame));
+    } else {
+      video.skipped.push_back({frame.name, problem});
+    }
+  }
+  video.test = std::move(usable);
+  return images;
+}
+
+// The training frames' parameters as --refine-track left them.
+void SaveRefinedTrack(const AvatarOptions& o, const AvatarSubject& subject) {
+  const std::vector<FlameParams> track = subject.RefinedTrack();
+  Json frames = Json::array();
+  for (size_t i = 0; i < track.size(); ++i)
+    frames.push_back({{"name", subject.video().train[i].name},
+                      {"expression", track[i].expression},
+                      {"pose", track[i].pose},
+                      {"translation", track[i].translation}});
+  WriteFileAtomically(o.model + "/refined_track.json", Json{{"frames", frames}}.dump() + "\n");
+}
+
+void Save(const AvatarOptions& o,
+          const FlameModel& flame,
+          const AvatarSubject& subject,
+          const Trainer& trainer) {
+  AvatarModel model = subject.Model(trainer.CaughtUp());
+  model.background = o.EvaluationBackground();
+  // The rest pose, for tools that know only 3DGS's layout.
+  SaveSplats(o.model, trainer.iteration(), RestPose(model));
+  AvatarFileOptions file;
+  file.embed_flame = o.embed_flame;
+  file.truncate_degree = o.truncate_degree;
+  WriteAvatarGlb(o.model + "/avatar.glb", model, &flame, file);
+}
+
+void Train(AvatarOptions o, const std::string& config) {
+  const Device device = o.ResolveDevice();
+  if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
+    throw Error("",
+                "--sh_degree " + std::to_string(o.sh_degree),
+                "does not fit standard glTF files: give --truncate-degree to leave band 4 out of "
+                "what other programs read");
+  o.ResolveBackground("random");
+  const FlameModel flame = LoadFlameModel(o.flame);
+  TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o));
+  const std::vector<Image8> truth = LoadTestImages(loaded);
+  o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
+  AvatarSubject subject(flame, std::move(loaded), o.avatar);
+  const TrackedVideo& video = subject.video();
+  Trainer trainer(o.ToSettings(subject.extent()),
+                  subject,
+                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
+                  AvatarEngineOn(device, o.deterministic, subject));
+  SaveInputs(o, video, config);
+  if (!o.quiet) PrintSkipped(video.skipped);
+  SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
+  if (!o.quiet)
+    std::printf("%s: %zu training and %zu test frames of %dx%d%s, on %s\n",
+                video.layout.c_str(),
+                video.train.size(),
+                video.test.size(),
+                video.train[0].camera.width,
+                video.train[0].camera.height,
+                subject.has_bust() ? ", with a bust" : "",
+                NameOf(device).c_str());
+  RunHooks hooks;
+  hooks.video = true;
+  hooks.save = [&, saves = CanSaveSplats(o)] {
+    if (saves) Save(o, flame, subject, trainer);
+    if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
+  };
+  if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
+  RunTraining(o, trainer, video.skipped, hooks);
+  if (!o.quiet)
+    std::printf("%.1f %% of the Gaussians are on another triangle than they began on\n",
+                100 * subject.WalkedShare());
+}
+
+}  // namespace
+
+void AddTrainAvatar(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("train-avatar", "train a head avatar from tracked video");
+  const auto o = std::make_shared<AvatarOptions>();
+  o->Declare(*command);
+  command->callback([o, command, &app] {
+    o->ApplyPreset(*command);
+    Train(*o, ConfigOf(app, *command));
+  });
+}
+
+}  // namespace cosplat

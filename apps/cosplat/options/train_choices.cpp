@@ -1,0 +1,85 @@
+#include "apps/cosplat/options/train_choices.h"
+
+#include <algorithm>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+// Where the training of a scene differs from 3DGS's beside proportion: docs/reference.md says what
+// each is worth. Not for avatars: opacity that is shared costs their mouths.
+void ImproveOn3dgs(TrainSettings& s) {
+  s.rates.scale = 1e-2f;
+  s.density.shares_opacity = true;
+  s.schedule.opacity_reset_share = 0.25f;
+  s.schedule.num_downscales = 2;
+  s.schedule.last_rate_share = 0.2f;
+}
+
+}  // namespace
+
+TrainSettings TrainChoices::ToSettings(float extent) const {
+  TrainSettings s;
+  s.iterations = iterations;
+  s.degree = sh_degree;
+  s.seed = seed;
+  s.loss = {1 - lambda_dssim, lambda_dssim, 0};
+  s.rates = rates;
+  s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
+  if (position_lr_final > 0)
+    s.rates.position_last = position_lr_final;
+  else if (preset != "3dgs")
+    s.rates.position_last = Schedule::LastPositionRate(rates.position_first, iterations);
+  if (preset == "default") ImproveOn3dgs(s);
+  if (scaling_lr > 0) s.rates.scale = scaling_lr;
+  const auto override_with = [](int value, int& steps) {
+    if (value >= 0) steps = value;
+  };
+  override_with(densify_from, s.schedule.densify_from);
+  override_with(densify_until, s.schedule.densify_until);
+  override_with(densify_every, s.schedule.densify_every);
+  override_with(opacity_reset_every, s.schedule.opacity_reset_every);
+  if (opacity_reset_every >= 0) s.schedule.opacity_reset_share = 1;
+  override_with(num_downscales, s.schedule.num_downscales);
+  override_with(resolution_schedule, s.schedule.downscale_every);
+  s.density.gradient_threshold = densify_grad_threshold;
+  s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
+  s.density.max_scale = 0.1f * extent;     // 3DGS
+  s.density.max_count = max_gaussians;
+  if (budget == "auto" && prune_to > 0)
+    throw Error("", "--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
+  if (budget == "auto" && prune != "none" && prune != "leave-one-out")
+    throw Error("", "--prune " + prune, "--budget auto prunes by leave-one-out");
+  const bool counts = prune_to > 0 || budget == "auto";
+  s.prune.rule = PruneRuleFromString(prune == "none" && counts ? "leave-one-out" : prune);
+  s.prune.target = prune_to;
+  s.prune.mask_weight = prune_lambda;
+  s.drop_bands = drop_bands / 255;
+  if (background == "white") s.background = Background::kWhite;
+  if (background == "random") s.background = Background::kRandom;
+  s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";
+  return s;
+}
+
+Device TrainChoices::ResolveDevice() const {
+  const bool processor_only = WorksOnProcessorOnly(PruneRuleFromString(prune));
+  return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
+}
+
+void TrainChoices::ResolveBackground(const std::string& automatic) {
+  if (white_background) background = "white";
+  if (background == "auto") background = automatic;
+}
+
+std::array<float, 3> TrainChoices::EvaluationBackground() const {
+  const float c = background == "black" ? 0.0f : 1.0f;
+  return {c, c, c};
+}
+
+bool TrainChoices::ReachesMilestone(const std::vector<int>& milestones, int iteration) const {
+  return iteration == iterations ||
+         std::find(milestones.begin(), milestones.end(), iteration) != milestones.end();
+}
+
+}  // namespace cosplat

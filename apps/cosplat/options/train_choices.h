@@ -1,0 +1,57 @@
+// What both trainers can be told, without the command line that tells it: the benchmark of a device
+// trains by it, too (tests/gpu).
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "splat/render/device.h"
+#include "splat/train/trainer.h"
+
+namespace cosplat {
+
+struct TrainChoices {
+  std::string source, model;
+  int resolution = 1;
+  bool eval = false;
+  bool fold = false;
+  int iterations = 30000;
+  int sh_degree = 3;
+  std::string basis = "dcsh";
+  std::string preset = "default";
+  std::string background = "auto";
+  bool white_background = false;
+  std::vector<int> test_iterations, save_iterations;
+  uint64_t seed = 0;
+  size_t max_gaussians = 2000000;
+  std::string device = "cpu";
+  bool deterministic = false;
+  std::string prune = "none";
+  size_t prune_to = 0;
+  float prune_lambda = 0;
+  float drop_bands = 0;  // grey levels of 255
+  std::string budget = "none";
+  float tolerance = 0.2f;  // dB
+  float lambda_dssim = 0.2f;
+  float densify_grad_threshold = 2e-4f;
+  // Steps; -1: by the schedule.
+  int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
+  int num_downscales = -1, resolution_schedule = -1;
+  LearningRates rates;
+  float position_lr_final = 0;  // 0: Schedule::LastPositionRate
+  float scaling_lr = 0;         // 0: as the preset says
+  bool quiet = false;
+
+  // `extent`: world units that size limits scale with.
+  TrainSettings ToSettings(float extent) const;
+  // Settles --device; a rule of pruning that works on the processor alone settles "auto", too.
+  Device ResolveDevice() const;
+  // Settles --background auto and -w.
+  void ResolveBackground(const std::string& automatic);
+  // Behind held-out pictures: black where training has black, otherwise white.
+  std::array<float, 3> EvaluationBackground() const;
+  bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
+};
+
+}  // namespace cosplat

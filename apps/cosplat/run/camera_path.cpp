@@ -1,0 +1,115 @@
+#include "apps/cosplat/run/camera_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/math/quat.h"
+#include "splat/train/initialize.h"
+
+namespace cosplat {
+namespace {
+
+using math::Vec3;
+
+constexpr float kPi = 3.14159265f;
+// Wider gaps between neighbouring cameras' azimuths than this are not crossed.
+constexpr float kLargestGap = kPi / 2;
+
+Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+
+// Like `lens`, at `eye`, looking at `target` with `up` upwards in the picture.
+Camera LookAt(const Camera& lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
+  const Vec3<float> z = math::Normalize(target - eye);
+  const Vec3<float> x = math::Normalize(math::Cross(z, up));
+  const Vec3<float> y = math::Cross(z, x);
+  Camera c = lens;
+  c.rotation = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
+  c.translation = {-math::Dot(x, eye), -math::Dot(y, eye), -math::Dot(z, eye)};
+  return c;
+}
+
+// The azimuths to sweep: the complement of the largest gap between sorted angles.
+struct Arc {
+  float begin, length;
+};
+Arc CoveredArc(std::vector<float> angles) {
+  std::sort(angles.begin(), angles.end());
+  float gap = angles.front() + 2 * kPi - angles.back();
+  float begin = angles.front();
+  for (size_t i = 1; i < angles.size(); ++i)
+    if (angles[i] - angles[i - 1] > gap) {
+      gap = angles[i] - angles[i - 1];
+      begin = angles[i];
+    }
+  return gap < kLargestGap ? Arc{begin, 2 * kPi} : Arc{begin, 2 * kPi - gap};
+}
+
+}  // namespace
+
+std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames) {
+  const Vec3<float> focus = ToVec(FocusPoint(cameras));
+  Vec3<float> up{0, 0, 0};
+  for (const Camera& c : cameras) up += {-c.rotation[3], -c.rotation[4], -c.rotation[5]};
+  up = math::Normalize(up);
+  const Vec3<float> first = ToVec(cameras[0].Center()) - focus;
+  const Vec3<float> axis_x = math::Normalize(first - up * math::Dot(first, up));
+  const Vec3<float> axis_y = math::Cross(up, axis_x);
+  float radius = 0, height = 0;
+  std::vector<float> angles;
+  for (const Camera& c : cameras) {
+    const Vec3<float> p = ToVec(c.Center()) - focus;
+    const float x = math::Dot(p, axis_x), y = math::Dot(p, axis_y);
+    angles.push_back(std::atan2(y, x));
+    radius += std::hypot(x, y) / float(cameras.size());
+    height += math::Dot(p, up) / float(cameras.size());
+  }
+  const Arc arc = CoveredArc(angles);
+  const bool full = arc.length >= 2 * kPi;
+  std::vector<Camera> path;
+  for (int i = 0; i < frames; ++i) {
+    const float t = float(i) / float(frames);
+    const float angle = arc.begin + arc.length * (full ? t : 0.5f - 0.5f * std::cos(2 * kPi * t));
+    const Vec3<float> eye =
+        focus + up * height + (axis_x * std::cos(angle) + axis_y * std::sin(angle)) * radius;
+    path.push_back(LookAt(cameras[0], eye, focus, up));
+  }
+  return path;
+}
+
+std::vector<Camera> OrbitTarget(const Camera& lens,
+                                const std::array<float, 3>& target,
+                                const std::array<float, 3>& up,
+                                float distance,
+                                int frames) {
+  const Vec3<float> center = ToVec(target), axis = math::Normalize(ToVec(up));
+  const Vec3<float> back{0, 0, -1};
+  const Vec3<float> first = math::Normalize(back - axis * math::Dot(back, axis));
+  const Vec3<float> second = math::Cross(axis, first);
+  std::vector<Camera> path;
+  for (int i = 0; i < frames; ++i) {
+    const float angle = 2 * kPi * float(i) / float(frames);
+    const Vec3<float> arm = first * std::cos(angle) + second * std::sin(angle);
+    path.push_back(LookAt(lens, center + arm * distance, center, axis));
+  }
+  return path;
+}
+
+std::vector<Camera> SwingAround(const Camera& reference,
+                                const std::array<float, 3>& target,
+                                const std::array<float, 3>& up,
+                                float degrees,
+                                int frames) {
+  const Vec3<float> center = ToVec(target), axis = math::Normalize(ToVec(up));
+  const Vec3<float> arm = ToVec(reference.Center()) - center;
+  std::vector<Camera> path;
+  for (int i = 0; i < frames; ++i) {
+    const float half = 0.5f * degrees * kPi / 180 * std::sin(2 * kPi * float(i) / float(frames));
+    const Vec3<float> v = axis * std::sin(half);
+    const math::Mat3<float> turn =
+        math::RotationOf(math::Quat<float>{std::cos(half), v.x, v.y, v.z});
+    path.push_back(LookAt(reference, center + turn * arm, center, axis));
+  }
+  return path;
+}
+
+}  // namespace cosplat

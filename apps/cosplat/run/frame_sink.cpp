@@ -1,0 +1,49 @@
+#include "apps/cosplat/run/frame_sink.h"
+
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+bool EndsInMp4(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = char(std::tolower(c));
+  return extension == ".mp4";
+}
+
+}  // namespace
+
+FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(EndsInMp4(path_)) {
+  if (!is_video_) MakeDirectories(path_);
+}
+
+void FrameSink::Write(const Image8& image) {
+  if (is_video_) {
+    const int width = image.width & ~1, height = image.height & ~1;
+    if (width == 0 || height == 0)
+      throw Error(path_, "frame", "is too small for a video: one pixel");
+    if (!video_) video_ = std::make_unique<VideoWriter>(path_, width, height, kFramesPerSecond);
+    Image8 even(width, height, 3);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) even.at(x, y, c) = image.at(x, y, c);
+    video_->Write(even);
+  } else {
+    char name[16];
+    std::snprintf(name, sizeof name, "/%05d.png", count_);
+    WriteImage(path_ + name, image);
+  }
+  ++count_;
+}
+
+void FrameSink::Finish() {
+  if (count_ == 0) throw Error(path_, "", "there is no frame to write");
+  if (video_) video_->Finish();
+}
+
+}  // namespace cosplat

@@ -1,0 +1,71 @@
+#include "apps/cosplat/run/progress_bar.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace cosplat {
+
+namespace {
+
+constexpr int kLineEvery = 5;  // percent
+
+}  // namespace
+
+ProgressBar::ProgressBar(std::string title, int total, bool quiet, OffTerminal off_terminal)
+    : title_(std::move(title)),
+      total_(std::max(1, total)),
+      visible_(!quiet && isatty(STDERR_FILENO)),
+      lines_(!quiet && !visible_ && off_terminal == OffTerminal::kLines),
+      start_(std::chrono::steady_clock::now()) {}
+
+ProgressBar::~ProgressBar() {
+  if (visible_) std::fprintf(stderr, "\r\033[K");
+}
+
+std::string ProgressBar::Status(int done, const std::string& detail) const {
+  const auto now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double rate = seconds > 0 ? done / seconds : 0;
+  const int left = rate > 0 ? int((total_ - done) / rate) : 0;
+  char numbers[64];
+  std::snprintf(numbers, sizeof numbers, "%.1f it/s  %d:%02d left", rate, left / 60, left % 60);
+  return std::to_string(done) + "/" + std::to_string(total_) + "  " + detail + "  " + numbers;
+}
+
+void ProgressBar::WriteLine(int done, const std::string& detail) {
+  const int percent = int(int64_t(done) * 100 / total_) / kLineEvery * kLineEvery;
+  if (percent <= written_) return;
+  written_ = percent;
+  std::fprintf(stderr, "%s %s\n", title_.c_str(), Status(done, detail).c_str());
+}
+
+void ProgressBar::Update(int done, const std::string& detail) {
+  if (lines_) WriteLine(done, detail);
+  if (!visible_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (done < total_ && now - drawn_ < std::chrono::milliseconds(100)) return;
+  drawn_ = now;
+  constexpr int kCells = 24;
+  const int filled = int(int64_t(done) * kCells / total_);
+  std::fprintf(stderr,
+               "\r\033[K%s [%s%s] %s",
+               title_.c_str(),
+               std::string(filled, '=').c_str(),
+               std::string(kCells - filled, ' ').c_str(),
+               Status(done, detail).c_str());
+  std::fflush(stderr);
+}
+
+void ProgressBar::Tell(const std::string& line) {
+  std::fprintf(stderr, "%s%s\n", visible_ ? "\r\033[K" : "", line.c_str());
+}
+
+std::string WithThousands(size_t n) {
+  std::string s = std::to_string(n);
+  for (int i = int(s.size()) - 3; i > 0; i -= 3) s.insert(size_t(i), ",");
+  return s;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,61 @@
+#include "apps/cosplat/run/run_data.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+
+Json ToJson(const DataSplit& split) {
+  return {{"resolution", split.resolution},
+          {"eval", split.eval},
+          {"fold", split.fold},
+          {"test_frames", split.test_frames}};
+}
+
+DataSplit SplitFromJson(const JsonField& run) {
+  const JsonField json = run["split"];
+  DataSplit split;
+  split.resolution = json["resolution"].Integer();
+  split.eval = json.raw().value("eval", false);
+  split.fold = json.raw().value("fold", false);
+  split.test_frames = json["test_frames"].Integer();
+  return split;
+}
+
+SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
+  return LoadScene(source, {split.resolution, split.eval, split.fold});
+}
+
+TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split) {
+  TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution});
+  if (split.fold) {
+    const size_t held = video.train.size() / 5;
+    const auto first = video.train.end() - std::ptrdiff_t(held);
+    video.test.assign(first, video.train.end());
+    video.train.erase(first, video.train.end());
+  } else if (!split.eval) {
+    std::move(video.test.begin(), video.test.end(), std::back_inserter(video.train));
+    video.test.clear();
+  }
+  if ((split.fold || split.eval) && video.test.empty())
+    throw Error(source, "test frames", "there is none to evaluate on");
+  return video;
+}
+
+std::array<float, 3> BackgroundOf(const JsonField& run) {
+  const std::vector<float> c = run["background"].Numbers(3);
+  return {c[0], c[1], c[2]};
+}
+
+FlameParams ReferenceRoot(const JsonField& run) {
+  FlameParams p;
+  const std::vector<float> r = run["reference"]["rotation"].Numbers(3);
+  const std::vector<float> t = run["reference"]["translation"].Numbers(3);
+  std::copy(r.begin(), r.end(), p.pose[0].begin());
+  std::copy(t.begin(), t.end(), p.translation.begin());
+  return p;
+}
+
+}  // namespace cosplat

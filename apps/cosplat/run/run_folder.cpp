@@ -1,0 +1,158 @@
+#include "apps/cosplat/run/run_folder.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/io/ply.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+// A Python string literal.
+std::string Quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "'";
+}
+
+// As Python prints it: 3DGS's tools evaluate this line.
+std::string CfgArgs(const TrainOptions& o) {
+  const auto flag = [](bool b) { return std::string(b ? "True" : "False"); };
+  const bool white = o.background == "white";
+  return "Namespace(data_device='cpu', eval=" + flag(o.eval) +
+         ", images='images', model_path=" + Quoted(fs::absolute(o.model).string()) +
+         ", resolution=" + std::to_string(o.resolution) +
+         ", sh_degree=" + std::to_string(o.sh_degree) +
+         ", source_path=" + Quoted(fs::absolute(o.source).string()) +
+         ", white_background=" + flag(white) + ")";
+}
+
+bool FilesHold(const JsonField& run) {
+  const JsonField basis = run["basis"];
+  return IsHarmonic(BasisFromString(basis.String(), run.file(), basis.path()),
+                    run["degree"].Integer());
+}
+
+}  // namespace
+
+void WriteRunConfiguration(const std::string& folder,
+                           const TrainOptions& options,
+                           const std::string& config_ini,
+                           const Json& run) {
+  MakeDirectories(folder);
+  WriteFileAtomically(folder + "/cfg_args", CfgArgs(options));
+  WriteFileAtomically(folder + "/config.ini", config_ini);
+  WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
+}
+
+Json ReadRun(const std::string& folder) { return ReadJson(folder + "/run.json"); }
+
+Json CameraToJson(const Camera& c) {
+  return {{"width", c.width},
+          {"height", c.height},
+          {"intrinsics", {c.fx, c.fy, c.cx, c.cy}},
+          {"rotation", c.rotation},
+          {"translation", c.translation}};
+}
+
+Camera CameraFromJson(const JsonField& json) {
+  Camera c;
+  c.width = json["width"].Integer();
+  c.height = json["height"].Integer();
+  const std::vector<float> k = json["intrinsics"].Numbers(4);
+  c.fx = k[0], c.fy = k[1], c.cx = k[2], c.cy = k[3];
+  const std::vector<float> r = json["rotation"].Numbers(9), t = json["translation"].Numbers(3);
+  std::copy(r.begin(), r.end(), c.rotation.begin());
+  std::copy(t.begin(), t.end(), c.translation.begin());
+  return c;
+}
+
+std::string SplatPath(const std::string& folder, int iteration) {
+  return folder + "/point_cloud/iteration_" + std::to_string(iteration) + "/point_cloud.ply";
+}
+
+bool CanSaveSplats(const TrainOptions& o) {
+  if (IsHarmonic(BasisFromString(o.basis), o.sh_degree)) return true;
+  if (!o.quiet)
+    std::printf("no splats will be saved: %s is not spherical harmonics, so no file can hold it\n",
+                o.basis.c_str());
+  return false;
+}
+
+void RequireSplats(const JsonField& run) {
+  if (FilesHold(run)) return;
+  throw Error(run.file(),
+              "basis",
+              "is " + run["basis"].String() +
+                  ", which is not spherical harmonics: no splats of this run were saved");
+}
+
+void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
+  const std::string path = SplatPath(folder, iteration);
+  MakeDirectories(fs::path(path).parent_path().string());
+  ConvertBasis(gaussians, Basis::kSh);
+  WritePly(path, gaussians);
+}
+
+int SavedIteration(const std::string& folder, const JsonField& run) {
+  const int last = run["iterations"].Integer();
+  if (fs::exists(SplatPath(folder, last)) || !FilesHold(run)) return last;
+  int latest = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
+    const std::string name = entry.path().filename().string();
+    const std::string prefix = "iteration_";
+    if (name.rfind(prefix, 0) != 0) continue;
+    latest = std::max(latest, std::atoi(name.c_str() + prefix.size()));
+  }
+  if (latest < 0) throw Error(folder, "point_cloud", "holds no iteration_N: not a trained model");
+  return latest;
+}
+
+void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& skipped) {
+  Json list = Json::array();
+  for (const SkippedFrame& frame : skipped)
+    list.push_back({{"name", frame.name}, {"reason", frame.reason}});
+  if (!skipped.empty()) WriteFileAtomically(folder + "/skipped_frames.json", list.dump(2) + "\n");
+}
+
+void WriteStatistics(const std::string& folder,
+                     const TrainingStatistics& s,
+                     size_t skipped_frames) {
+  Json phases = Json::object();
+  for (size_t i = 0; i < kPhaseNames.size(); ++i)
+    phases[kPhaseNames[i]] = s.steps ? 1e3 * s.times.seconds[i] / double(s.steps) : 0.0;
+  const Json json{{"iterations", s.iterations},
+                  {"seconds", s.seconds},
+                  {"cpu_seconds", s.cpu_seconds},
+                  {"gaussians", s.gaussians},
+                  {"degrees", s.degrees},
+                  {"mean_degree", s.bands.mean},
+                  {"rest_saved", s.bands.rest_saved},
+                  {"drop_psnr", s.drop_psnr},
+                  {"ms_per_step", s.ms_per_step},
+                  {"phases_ms", phases},
+                  {"peak_mb", PeakMegabytes()},
+                  {"skipped_frames", skipped_frames},
+                  {"ignored_gradients", s.ignored_gradients}};
+  WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
+}
+
+// Of /proc: getrusage's maximum begins with what the process that started this one held.
+double PeakMegabytes() {
+  std::ifstream status("/proc/self/status");
+  const std::string key = "VmHWM:";  // then kB
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind(key, 0) == 0) return std::atof(line.c_str() + key.size()) / 1024;
+  return 0;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,40 @@
+#include "apps/cosplat/run/scene_start.h"
+
+#include "splat/train/initialize.h"
+#include "splat/train/sweep.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kSweepRays = 40000;
+constexpr size_t kRandomPoints = 100000;  // 3DGS
+
+// Returns whether some are random.
+bool FindPoints(size_t random_points, const TrainChoices& o, TrainingScene& scene) {
+  Rng rng{o.seed};
+  if (random_points == 0 && o.preset == "default")
+    SweepPoints(scene.train, kSweepRays, rng, scene.points, scene.point_colors);
+  // Where next to nothing was found: too few photographs, or nothing to tell their pixels apart by.
+  if (scene.points.size() / 3 >= kSweepRays / 20) return false;
+  std::vector<Camera> cameras;
+  for (const TrainFrame& frame : scene.train) cameras.push_back(frame.camera);
+  const size_t count = random_points > 0 ? random_points : kRandomPoints;
+  RandomPoints(cameras, count, rng, scene.points, scene.point_colors);
+  return true;
+}
+
+}  // namespace
+
+SceneStart StartScene(size_t random_points, TrainChoices& o, TrainingScene& scene) {
+  o.ResolveBackground(scene.white_background_hint ? "white" : "black");
+  const bool random = scene.points.empty() && FindPoints(random_points, o, scene);
+  LimitPoints(o.max_gaussians, scene.points, scene.point_colors);
+  SceneStart start{o.ToSettings(scene.extent),
+                   InitializeFromPoints(
+                       scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis))};
+  // Random points leave floaters before the cameras, which only resets take away.
+  if (random) start.settings.schedule.opacity_reset_share = 1;
+  return start;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,253 @@
+#include "apps/cosplat/run/test_images.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+#include "splat/base/json.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kMouth = "mouth";
+constexpr const char* kLpips = "LPIPS";        // of the net that was measured last
+constexpr const char* kLpipsOfNet = "LPIPS_";  // and the net's name
+
+Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
+  RenderedImage image;
+  image.width = width;
+  image.height = height;
+  image.color = planar;
+  return ToBytes(image.ToImage());
+}
+
+std::string NumberedName(int i) {
+  char name[16];
+  std::snprintf(name, sizeof name, "%05d.png", i);
+  return name;
+}
+
+std::vector<std::string> SortedFiles(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".png") names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Figures of one test/ours_N folder, by name of figure, then of picture.
+using Figures = std::map<std::string, std::map<std::string, double>>;
+
+Figures EvaluateFolder(const std::string& folder,
+                       Lpips* lpips,
+                       const std::function<void()>& count_view) {
+  Figures figures;
+  Json regions = Json::object();
+  if (fs::exists(folder + "/regions.json")) regions = ReadJson(folder + "/regions.json");
+  for (const std::string& name : SortedFiles(folder + "/renders")) {
+    const Image8 rendered = ReadImage(folder + "/renders/" + name);
+    const Image8 truth = ReadImage(folder + "/gt/" + name);
+    std::optional<Image8> mask;
+    if (fs::exists(folder + "/masks/" + name)) mask = ReadImage(folder + "/masks/" + name);
+    std::optional<Rectangle> mouth;
+    if (regions.contains(kMouth) && regions[kMouth].contains(name)) {
+      const std::vector<float> r =
+          JsonField(folder + "/regions.json", regions)[kMouth][name].Numbers(4);
+      mouth = Rectangle{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
+    }
+    const ImageMetrics m =
+        CompareImages(rendered, truth, mask ? &*mask : nullptr, mouth ? &*mouth : nullptr);
+    figures["PSNR"][name] = m.psnr;
+    figures["SSIM"][name] = m.ssim;
+    if (mask) figures["PSNR_mask"][name] = m.psnr_mask;
+    if (mask) figures["PSNR_highlight"][name] = m.psnr_highlight;
+    if (mouth) figures["PSNR_mouth"][name] = m.psnr_region;
+    if (lpips)
+      figures[kLpips][name] = figures[kLpipsOfNet + lpips->net()][name] =
+          lpips->Distance(rendered, truth);
+    count_view();
+  }
+  return figures;
+}
+
+// An earlier evaluation, by folder; `dropped` says why when it cannot be read: it is replaced then.
+std::map<std::string, Figures> ReadEarlier(const std::string& path,
+                                           std::vector<std::string>& dropped) {
+  std::map<std::string, Figures> earlier;
+  if (!fs::exists(path)) return earlier;
+  try {
+    const Json json = ReadJson(path);
+    for (const auto& [name, figures] : json.items())
+      for (const auto& [figure, values] : figures.items())
+        for (const auto& [view, value] : values.items())
+          earlier[name][figure][view] = JsonField(path, json)[name][figure][view].Number();
+  } catch (const Error& error) {
+    dropped.push_back(error.what());
+    earlier.clear();
+  }
+  return earlier;
+}
+
+// Adds LPIPS that `earlier` measured with other nets, if it was of the same pictures: then each
+// view's PSNR and SSIM have the same bits. Returns the names of what is not kept.
+std::string KeepLpips(Figures& earlier, Figures& figures) {
+  const bool same = earlier["PSNR"] == figures["PSNR"] && earlier["SSIM"] == figures["SSIM"];
+  std::string dropped;
+  for (const auto& [figure, values] : earlier) {
+    if (figure.rfind(kLpips, 0) != 0 || figures.count(figure)) continue;
+    if (same)
+      figures[figure] = values;
+    else
+      dropped += (dropped.empty() ? "" : ", ") + figure;
+  }
+  return dropped;
+}
+
+double Mean(const std::map<std::string, double>& values) {
+  double sum = 0;
+  for (const auto& [name, value] : values) sum += value;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
+void Summarize(const Figures& figures, TestSummary& summary) {
+  summary.views = figures.at("PSNR").size();
+  summary.psnr = Mean(figures.at("PSNR"));
+  summary.ssim = Mean(figures.at("SSIM"));
+  summary.psnr_mask.reset();
+  summary.psnr_mouth.reset();
+  summary.lpips.clear();
+  if (figures.count("PSNR_mask")) summary.psnr_mask = Mean(figures.at("PSNR_mask"));
+  if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
+  const size_t prefix = std::string(kLpipsOfNet).size();
+  for (const auto& [figure, values] : figures)
+    if (figure.rfind(kLpipsOfNet, 0) == 0) summary.lpips[figure.substr(prefix)] = Mean(values);
+}
+
+// The folders ours_N that hold pictures, and how many.
+std::map<std::string, int> CountViews(const std::string& folder) {
+  std::map<std::string, int> views;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("ours_", 0) != 0) continue;
+    const size_t count = SortedFiles(entry.path().string() + "/renders").size();
+    if (count > 0) views[name] = int(count);
+  }
+  return views;
+}
+
+}  // namespace
+
+TestImageWriter::TestImageWriter(const std::string& folder,
+                                 const std::string& set,
+                                 int iteration,
+                                 std::array<float, 3> background,
+                                 const std::string& suffix)
+    : path_(folder + "/" + set + "/ours_" + std::to_string(iteration) + suffix),
+      background_(background) {
+  for (const char* sub : {"/renders", "/gt", "/masks"}) {
+    std::error_code ignored;
+    fs::remove_all(path_ + sub, ignored);  // pictures of an earlier run would be counted
+  }
+  MakeDirectories(path_ + "/renders");
+  MakeDirectories(path_ + "/gt");
+}
+
+void TestImageWriter::Write(const RenderedImage& rendered,
+                            const Image8& truth,
+                            const Rectangle* mouth) {
+  const std::string name = NumberedName(next_++);
+  WriteImage(path_ + "/renders/" + name,
+             PlanarToBytes(rendered.color, rendered.width, rendered.height));
+  Buffer<float> planar;
+  CompositeTarget(truth, background_, planar);
+  WriteImage(path_ + "/gt/" + name, PlanarToBytes(planar, truth.width, truth.height));
+  if (truth.channels == 4) {
+    MakeDirectories(path_ + "/masks");
+    Image8 mask(truth.width, truth.height, 1);
+    for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = truth.data[4 * i + 3];
+    WriteImage(path_ + "/masks/" + name, mask);
+  }
+  if (mouth)
+    regions_ += (regions_.empty() ? "" : ",\n ") + ("\"" + name + "\": [") +
+                std::to_string(mouth->x) + ", " + std::to_string(mouth->y) + ", " +
+                std::to_string(mouth->width) + ", " + std::to_string(mouth->height) + "]";
+}
+
+void TestImageWriter::Finish() {
+  if (!regions_.empty())
+    WriteFileAtomically(path_ + "/regions.json",
+                        std::string("{\"") + kMouth + "\": {\n " + regions_ + "}}\n");
+}
+
+TestSummary EvaluateTestImages(const std::string& folder,
+                               int iteration,
+                               Lpips* lpips,
+                               const std::function<void(int done, int total)>& progress) {
+  const std::map<std::string, int> views = CountViews(folder + "/test");
+  if (views.empty())
+    throw Error(
+        folder, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+  TestSummary summary;
+  auto earlier = ReadEarlier(folder + "/per_view.json", summary.dropped);
+  Json results = Json::object(), per_view = Json::object();
+  int latest = -1, done = 0, total = 0;
+  for (const auto& [name, count] : views) total += count;
+  for (const auto& [name, count] : views) {
+    Figures figures = EvaluateFolder(folder + "/test/" + name, lpips, [&] {
+      if (progress) progress(++done, total);
+    });
+    const std::string dropped = KeepLpips(earlier[name], figures);
+    if (!dropped.empty())
+      summary.dropped.push_back(name + ": " + dropped + " of pictures that have changed since");
+    for (const auto& [figure, values] : figures) {
+      results[name][figure] = Mean(values);
+      per_view[name][figure] = values;
+    }
+    const int number = std::atoi(name.c_str() + 5);
+    if (name != "ours_" + std::to_string(number)) {
+      summary.other_psnr[name] = Mean(figures.at("PSNR"));
+      continue;
+    }
+    if (iteration >= 0 ? number != iteration : number < latest) continue;
+    latest = number;
+    Summarize(figures, summary);
+  }
+  if (latest < 0)
+    throw Error(folder,
+                "test",
+                "holds no ours_" + std::to_string(iteration) + ": run `cosplat render` first");
+  WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
+  WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
+  return summary;
+}
+
+std::string ToString(const TestSummary& s) {
+  char text[160];
+  std::snprintf(text, sizeof text, "PSNR %.2f dB  SSIM %.4f", s.psnr, s.ssim);
+  std::string out = text;
+  if (s.psnr_mask) {
+    std::snprintf(text, sizeof text, "  inside the mask %.2f dB", *s.psnr_mask);
+    out += text;
+  }
+  if (s.psnr_mouth) {
+    std::snprintf(text, sizeof text, "  mouth %.2f dB", *s.psnr_mouth);
+    out += text;
+  }
+  for (const auto& [net, value] : s.lpips) {
+    std::snprintf(text, sizeof text, "%.4f", value);
+    out += "  LPIPS (" + net + ") " + text;
+  }
+  return out + "  (" + std::to_string(s.views) + " views)";
+}
+
+}  // namespace cosplat

@@ -1,0 +1,160 @@
+#include "apps/study/bench/bench_shortcuts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/half_adam.h"
+#include "apps/study/bench/pair_counts.h"
+
+namespace cosplat {
+namespace {
+
+// What is varied on its own; the default (TrainSettings) is in every group.
+struct Group {
+  const char* name;
+  const char* default_label;
+};
+constexpr Group kGroups[] = {{"exponential of degree", "5"},
+                             {"Adam on", "drawn"},
+                             {"moments of higher bands in", "32 bits"}};
+static_assert(kMaxExpDegree == 5);
+
+struct Variant {
+  size_t group;
+  std::string label;
+  TrainingChoice choice;
+  std::vector<double> psnr = {};  // of each seed, dB
+  double step_ms = std::numeric_limits<double>::infinity();
+};
+
+// The default comes first.
+std::vector<Variant> MakeVariants(int iterations) {
+  const TrainingChoice base{1, iterations};
+  std::vector<Variant> variants{{0, kGroups[0].default_label, base}};
+  for (int degree = kMinExpDegree; degree < kMaxExpDegree; ++degree) {
+    variants.push_back({0, std::to_string(degree), base});
+    variants.back().choice.shortcuts.exp_degree = degree;
+  }
+  variants.push_back({1, "all", base});
+  variants.back().choice.shortcuts.adam_on = AdamOn::kAll;
+  variants.push_back({2, "16 bits", base});
+  variants.back().choice.half_moments = true;
+  return variants;
+}
+
+std::string NameOf(const Variant& v) { return std::string(kGroups[v.group].name) + " " + v.label; }
+
+double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+// Of one value, estimated from at least two.
+double Deviation(const std::vector<double>& values) {
+  const double mean = Mean(values);
+  double sum = 0;
+  for (const double v : values) sum += (v - mean) * (v - mean);
+  return std::sqrt(sum / double(values.size() - 1));
+}
+
+// Fills in psnr. Returns the Gaussians of the default and the first seed.
+Gaussians TrainVariants(const BenchRun& run,
+                        const BenchScene& scene,
+                        int seeds,
+                        std::vector<Variant>& variants) {
+  Gaussians first;
+  for (int seed = 0; seed < seeds; ++seed)
+    for (Variant& v : variants) {
+      run.progress("training " + scene.name + ", " + NameOf(v) + ", seed " + std::to_string(seed));
+      v.choice.seed = uint64_t(seed);
+      TrainedScene trained = TrainBenchScene(scene, v.choice);
+      v.psnr.push_back(trained.psnr);
+      if (first.size() == 0) first = std::move(trained.gaussians);
+    }
+  return first;
+}
+
+// How many numbers of the colours' higher bands a step updates, mean over the views.
+uint32_t NumbersPerStep(const BenchScene& scene, const Gaussians& g) {
+  double share = 0;
+  for (const TrainFrame& frame : scene.train) share += AdamShare(g, frame.camera);
+  const double gaussians = share / double(scene.train.size()) * double(g.size());
+  return std::max(1u, uint32_t(gaussians * g.width(kColorRest)));
+}
+
+// Fills in step_ms, all of steps on the same Gaussians. Where moments have 16 bits, which the
+// trainer cannot, it is reckoned: the default's less what the optimiser's loop gains.
+AdamLoopTimes TimeVariants(const BenchRun& run,
+                           const BenchScene& scene,
+                           const Gaussians& g,
+                           std::vector<Variant>& variants) {
+  // Many short readings: differences are small, and a quiet moment is enough.
+  const int rounds = run.quick ? 1 : 25, steps = run.quick ? 3 : 8;
+  for (int round = 0; round < rounds; ++round)
+    for (Variant& v : variants) {
+      if (v.choice.half_moments) continue;
+      run.progress("training step, " + scene.name + ", " + NameOf(v));
+      v.step_ms = std::min(v.step_ms, StepMs(scene, v.choice, g, steps));
+    }
+  const AdamLoopTimes loops = TimeAdamLoops(NumbersPerStep(scene, g), run.quick ? 2 : 100);
+  for (Variant& v : variants)
+    if (v.choice.half_moments) v.step_ms = variants[0].step_ms - (loops.float_ms - loops.half_ms);
+  return loops;
+}
+
+BenchSeries EmptySeries(const std::string& key, const BenchScene& scene, int iterations) {
+  BenchSeries s;
+  s.key = key;
+  s.explanation =
+      "What each shortcut of the training step gains in time and costs in accuracy, all else as it "
+      "is by default: the degree of the polynomial for the exponential, Adam on all Gaussians or, "
+      "put off for the others, on those drawn, and 16 bits for Adam's moments of the colours' "
+      "higher bands. The time of the last is not run but reckoned: the step's, less the difference "
+      "of two loops that update as many numbers as a step does, on all threads.";
+  s.statistic =
+      "step: fastest of several rounds, on the same Gaussians; PSNR: mean over the held-out views "
+      "and over seeds, psnr_deviation being that of one seed";
+  s.chart = {
+      Chart::Kind::kPoints,
+      "Shortcuts of the step, " + scene.name + ", " + WithThousands(size_t(iterations)) + " steps",
+      {"training step", "ms"},
+      {"held-out PSNR, mean over seeds", "dB"},
+      {},
+      {}};
+  for (const Group& group : kGroups) s.chart.series.push_back({group.name, {}});
+  return s;
+}
+
+BenchSeries MeasureScene(const BenchRun& run, const BenchScene& scene, const std::string& key) {
+  const int iterations = run.quick ? 20 : 1000, seeds = run.quick ? 2 : 4;
+  std::vector<Variant> variants = MakeVariants(iterations);
+  const Gaussians g = TrainVariants(run, scene, seeds, variants);
+  const AdamLoopTimes loops = TimeVariants(run, scene, g, variants);
+  BenchSeries s = EmptySeries(key, scene, iterations);
+  s.more = {{"iterations", iterations},
+            {"seeds", seeds},
+            {"adam_loop_ms", {{"32 bits", loops.float_ms}, {"16 bits", loops.half_ms}}}};
+  for (const Variant& v : variants) {
+    s.chart.series[v.group].marks.push_back({v.step_ms, Mean(v.psnr), v.label});
+    s.more["psnr_deviation"][NameOf(v)] = Deviation(v.psnr);
+  }
+  for (size_t i = 1; i < std::size(kGroups); ++i)
+    s.chart.series[i].marks.push_back(
+        {variants[0].step_ms, Mean(variants[0].psnr), kGroups[i].default_label});
+  return s;
+}
+
+}  // namespace
+
+std::vector<BenchSeries> MeasureShortcuts(const BenchRun& run,
+                                          const std::vector<BenchScene>& scenes) {
+  std::vector<BenchSeries> series;
+  for (const BenchScene& scene : scenes)
+    series.push_back(MeasureScene(run, scene, series.empty() ? "shortcuts" : "shortcuts_given"));
+  return series;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,57 @@
+#include "apps/study/bench/held_memory.h"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <utility>
+
+#include "apps/study/bench/step_timer.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kSteps = 3;  // every buffer has its size after the first
+constexpr uint64_t kSeed = 1;
+
+// Of this process, without what the C library only keeps for later.
+double ResidentBytes() {
+  malloc_trim(0);
+  constexpr const char* kFile = "/proc/self/statm";
+  std::ifstream in(kFile);
+  double pages = 0, resident = 0;
+  if (!(in >> pages >> resident)) throw Error(kFile, "resident", "cannot be read");
+  return resident * double(sysconf(_SC_PAGESIZE));
+}
+
+double ResidentGrowth(size_t count, int side) {
+  SyntheticView view = MakeSyntheticView(count, side, side, kSeed);
+  SceneSubject subject({view.frame}, 1);
+  const double before = ResidentBytes();
+  Trainer trainer(SteadySettings(view.start.degree), subject, view.start);
+  for (int i = 0; i < kSteps; ++i) trainer.Step();
+  return ResidentBytes() - before;
+}
+
+}  // namespace
+
+size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of) {
+  size_t bytes = 0;
+  for (const MemoryPart& part : parts) bytes += part.of == of ? part.bytes : 0;
+  return bytes;
+}
+
+std::vector<MemoryPart> MemoryOfSteps(SyntheticView view, int steps) {
+  SceneSubject subject({std::move(view.frame)}, 1);
+  Trainer trainer(SteadySettings(view.start.degree), subject, std::move(view.start));
+  for (int i = 0; i < steps; ++i) trainer.Step();
+  return trainer.Memory();
+}
+
+double ResidentBytesPerGaussian(size_t fewer, size_t more, int side) {
+  ResidentGrowth(fewer, side);  // what threads and code take once
+  return (ResidentGrowth(more, side) - ResidentGrowth(fewer, side)) / double(more - fewer);
+}
+
+}  // namespace cosplat

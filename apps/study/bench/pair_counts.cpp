@@ -1,0 +1,94 @@
+#include "apps/study/bench/pair_counts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "splat/config.h"
+#include "splat/math/blend.h"
+#include "splat/render/cpu/launch.h"
+#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
+#include "splat/train/optimizer.h"
+
+namespace cosplat {
+namespace {
+
+struct Projected {
+  Buffer<ProjectedSplat> splats;
+  Buffer<float> radii;
+};
+Projected Project(const Gaussians& gaussians, const Camera& camera) {
+  Projected p{Buffer<ProjectedSplat>(gaussians.size()), Buffer<float>(gaussians.size())};
+  LaunchProject(ViewOf(gaussians),
+                ViewOfCamera(camera, gaussians.basis, gaussians.degree),
+                p.splats.data(),
+                p.radii.data());
+  return p;
+}
+
+// Part of a tile, and how opaque its pixels are: 0 transmittance beyond the image.
+struct Block {
+  float x0, y0;  // its first pixel's centre
+  std::array<float, kBlockSize * kBlockSize> transmittance;
+
+  bool Open() const {
+    return *std::max_element(transmittance.begin(), transmittance.end()) >= kMinTransmittance;
+  }
+  void Add(const ProjectedSplat& s, PairCounts& counts) {
+    const math::PowerForm<float> form{s.power_xx, s.power_xy, s.power_yy};
+    const float dx = x0 - s.x, dy = y0 - s.y, last = kBlockSize - 1;
+    if (LargestPowerIn(form, RidgesOf(form), dx, dx + last, dy, dy + last) < s.reject_below) return;
+    for (int i = 0; i < kBlockSize * kBlockSize; ++i) {
+      float& t = transmittance[i];
+      const float power = PowerAt(form, dx + float(i % kBlockSize), dy + float(i / kBlockSize));
+      ++counts.evaluated;
+      if (!math::Accepts(power, s.reject_below, t)) continue;
+      ++counts.contributing;
+      t -= t * math::AlphaOf(s.opacity, std::exp(power));
+    }
+  }
+};
+
+// The block whose first pixel this is.
+Block BlockAt(int x0, int y0, const Camera& camera) {
+  Block block{float(x0) + 0.5f, float(y0) + 0.5f, {}};
+  for (int i = 0; i < kBlockSize * kBlockSize; ++i)
+    if (x0 + i % kBlockSize < camera.width && y0 + i / kBlockSize < camera.height)
+      block.transmittance[i] = 1;
+  return block;
+}
+
+}  // namespace
+
+PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
+  const Projected projected = Project(gaussians, camera);
+  TileLists lists;
+  lists.Build(projected.splats, projected.radii, camera.width, camera.height);
+  PairCounts counts;
+  for (int y = 0; y < camera.height; y += kBlockSize)
+    for (int x = 0; x < camera.width; x += kBlockSize) {
+      const int tile = y / kTileSize * lists.tiles_x + x / kTileSize;
+      Block block = BlockAt(x, y, camera);
+      const uint32_t begin = lists.tile_begin[tile];
+      for (uint32_t k = begin; k < lists.tile_begin[tile + 1]; ++k) {
+        if ((k - begin) % kStopInterval == 0 && !block.Open()) break;
+        block.Add(projected.splats[lists.entries[k].gaussian], counts);
+      }
+    }
+  return counts;
+}
+
+double AdamShare(const Gaussians& gaussians, const Camera& camera) {
+  const Buffer<float> radii = Project(gaussians, camera).radii;
+  size_t updated = 0;
+  for (size_t begin = 0; begin < radii.size(); begin += kGaussianGroup) {
+    const size_t end = std::min(begin + kGaussianGroup, radii.size());
+    const bool drawn = std::any_of(
+        radii.begin() + begin, radii.begin() + end, [](float radius) { return radius > 0; });
+    if (drawn) updated += end - begin;
+  }
+  return double(updated) / double(radii.size());
+}
+
+}  // namespace cosplat

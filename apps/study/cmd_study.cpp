@@ -1,0 +1,175 @@
+// cosplat study: settings, data sets and seeds measured side by side.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/runs/study_page.h"
+#include "apps/study/runs/study_runner.h"
+#include "apps/study/stability_command.h"
+#include "splat/base/error.h"
+#include "splat/eval/lpips.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct StudyCommand : StudySettings {
+  std::string list, only, charts;
+  bool dry_run = false, page = false, stability = false, quiet = false;
+};
+
+// "basis/fox-8/dcsh/0" has the text that --only looks for, in whichever group.
+bool IsWanted(const StudyRun& run, const std::string& only) {
+  return std::any_of(run.groups.begin(), run.groups.end(), [&](const std::string& group) {
+    return (group + "/" + run.Id()).find(only) != std::string::npos;
+  });
+}
+
+std::vector<StudyRun> WantedRuns(const StudyCommand& o) {
+  std::vector<StudyRun> runs = ReadStudyList(o.list);
+  const auto unwanted = [&](const StudyRun& run) { return !IsWanted(run, o.only); };
+  runs.erase(std::remove_if(runs.begin(), runs.end(), unwanted), runs.end());
+  if (runs.empty()) throw Error("", "--only '" + o.only + "'", "matches no run of " + o.list);
+  return runs;
+}
+
+// Measured before, with the same command.
+bool IsFinished(const StudyRun& run, const std::vector<StudyLine>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [&](const StudyLine& line) {
+    return line.Id() == run.Id() && line.command == run.Command();
+  });
+}
+
+std::vector<StudyRun> UnfinishedOf(const std::vector<StudyRun>& runs,
+                                   const std::vector<StudyLine>& lines) {
+  std::vector<StudyRun> left;
+  for (const StudyRun& run : runs)
+    if (!IsFinished(run, lines)) left.push_back(run);
+  return left;
+}
+
+// Mean time of the runs on the same data, or of all; there must be one.
+double ExpectedSeconds(const StudyRun& run, const std::vector<StudyLine>& lines) {
+  double same = 0, all = 0;
+  size_t same_count = 0;
+  for (const StudyLine& line : lines) {
+    const StudyFigures& last = line.checkpoints.back();
+    const double seconds = last.count("run_seconds") ? last.at("run_seconds") : 0;
+    all += seconds;
+    if (line.data != run.data.name) continue;
+    same += seconds;
+    ++same_count;
+  }
+  return same_count > 0 ? same / double(same_count) : all / double(lines.size());
+}
+
+// Of a run that was just measured, and how long those from `next` on will take.
+std::string Progress(const std::vector<StudyLine>& lines,
+                     const std::vector<StudyRun>& runs,
+                     size_t next) {
+  const StudyFigures& last = lines.back().checkpoints.back();
+  double left = 0;
+  for (size_t i = next; i < runs.size(); ++i) left += ExpectedSeconds(runs[i], lines);
+  const int minutes = int(left / 60 + 0.5);
+  char text[128];
+  std::snprintf(text,
+                sizeof text,
+                "%.2f dB, %s Gaussians, %.0f s; %d:%02d h left",
+                last.at("PSNR"),
+                WithThousands(size_t(last.at("gaussians"))).c_str(),
+                last.at("run_seconds"),
+                minutes / 60,
+                minutes % 60);
+  return text;
+}
+
+// Returns how many failed.
+size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
+  const StudyChildren children;
+  if (!o.lpips.empty()) Lpips net(o.lpips);  // a bad one is found now, not after a training
+  StudyLog log(o.out);
+  std::vector<StudyLine> lines = ReadStudyLines(o.out).lines;
+  const std::vector<StudyRun> runs = UnfinishedOf(all, lines);
+  const auto say = [&](const std::string& text) {
+    if (!o.quiet) std::printf("%s\n", text.c_str());
+    std::fflush(stdout);
+  };
+  say(std::to_string(all.size() - runs.size()) + " of " + std::to_string(all.size()) +
+      " runs are done");
+  size_t failed = 0;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    say(std::to_string(i + 1) + "/" + std::to_string(runs.size()) + " " + runs[i].Id());
+    try {
+      lines.push_back(MeasureStudyRun(runs[i], o, children));
+      log.Append(lines.back());
+      say("  " + Progress(lines, runs, i + 1));
+      if (!o.keep) fs::remove_all(StudyModelFolder(runs[i], o));
+    } catch (const StudyStopped&) {
+      throw;
+    } catch (const std::exception& e) {  // of the file system as well
+      std::fprintf(stderr, "cosplat: study: %s: %s\n", runs[i].Id().c_str(), e.what());
+      ++failed;
+    }
+  }
+  return failed;
+}
+
+void PrintRuns(const std::vector<StudyRun>& runs, const std::vector<StudyLine>& lines) {
+  for (const StudyRun& run : runs)
+    std::printf("%s %s: %s\n",
+                IsFinished(run, lines) ? "done" : "todo",
+                run.Id().c_str(),
+                run.Command().c_str());
+}
+
+void WritePage(const StudyCommand& o) {
+  WriteStudyPage(o.out, o.charts);
+  if (!o.quiet) std::printf("page: %s/index.html\n", o.out.c_str());
+}
+
+void Study(const StudyCommand& o) {
+  if (o.stability) return WriteStabilityPage(o.out, o.quiet);
+  if (o.page) return WritePage(o);
+  if (o.list.empty() || o.data.empty())
+    throw Error("", "--list, --data", "are needed; or --page or --stability, which need neither");
+  const std::vector<StudyRun> runs = WantedRuns(o);
+  if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
+  const size_t failed = RunAll(o, runs);
+  if (failed < runs.size()) WritePage(o);
+  if (failed > 0)
+    throw Error("study",
+                "",
+                std::to_string(failed) + " of " + std::to_string(runs.size()) + " runs failed");
+}
+
+}  // namespace
+
+void AddStudy(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("study", "train and measure settings, data sets and seeds side by side");
+  const auto o = std::make_shared<StudyCommand>();
+  command->add_option("--list", o->list, "what to run (.json)")->default_str("");
+  command->add_option("--data", o->data, "folder of the list's data sets")->default_str("");
+  command->add_option("-o,--out", o->out, "folder of runs.jsonl and the page, index.html")
+      ->required();
+  command->add_option("--only", o->only, "only runs of which group/data/name/seed has this text")
+      ->default_str("");
+  command->add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
+      ->default_str("");
+  command->add_flag("--page", o->page, "run nothing, write the page of the runs that are done");
+  command->add_flag("--stability",
+                    o->stability,
+                    "run nothing of a list: where splatting fails, the naive form beside ours");
+  command->add_option("--charts", o->charts, "write the page's charts into this folder, too")
+      ->default_str("");
+  command->add_flag("--dry-run", o->dry_run, "print the commands, those that are done included");
+  command->add_flag("--keep", o->keep, "keep the models");
+  command->add_flag("--quiet", o->quiet, "print nothing but errors");
+  command->callback([o] { Study(*o); });
+}
+
+}  // namespace cosplat

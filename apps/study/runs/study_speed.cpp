@@ -1,0 +1,84 @@
+#include "apps/study/runs/study_speed.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/play/player.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
+#include "splat/io/ply.h"
+#include "splat/render/degree_order.h"
+#include "splat/render/phase_times.h"
+#include "splat/render/rasterizer.h"
+
+namespace cosplat {
+namespace {
+
+// One thread and its processor time: what else the machine does then hardly counts.
+constexpr int kThreads = 1;
+constexpr int kLeastPasses = 4;
+constexpr double kLeastSeconds = 1;  // of all passes, for views that are drawn in no time
+
+double SecondsOf(const std::function<void()>& f) {
+  const double start = ProcessorSeconds();
+  f();
+  return ProcessorSeconds() - start;
+}
+
+// `pass` draws all `frames`.
+double BestRate(size_t frames, const std::function<void()>& pass) {
+  pass();  // takes the memory
+  double best = std::numeric_limits<double>::infinity();
+  const double start = ProcessorSeconds();
+  for (int i = 0; i < kLeastPasses || ProcessorSeconds() - start < kLeastSeconds; ++i)
+    best = std::min(best, SecondsOf(pass));
+  return double(frames) / best;
+}
+
+double SceneRate(const std::string& folder, const JsonField& run) {
+  Gaussians g = ReadPly(SplatPath(folder, SavedIteration(folder, run)));
+  SortByDegree(g);
+  const SceneData scene = LoadSplitScene(run["source"].String(), SplitFromJson(run));
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  const RenderSettings settings{BackgroundOf(run), g.degree};
+  RenderedImage image;
+  return BestRate(scene.test.size(), [&] {
+    for (const SceneView& view : scene.test)
+      rasterizer->Forward(ViewOf(g), g.basis, view.camera, settings, image, *tape);
+  });
+}
+
+double AvatarRate(const std::string& folder, const JsonField& run) {
+  const FlameModel flame = LoadFlameModel(run["flame"].String());
+  AvatarModel model = ReadAvatarGlb(folder + "/avatar.glb");
+  AttachMesh(model, flame);
+  Player player(std::move(model), flame);
+  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
+  // A player does not draw the same frame twice.
+  if (video.test.size() < 2)
+    throw Error(run["source"].String(), "test frames", "one is too few to measure the speed of");
+  RenderedImage image;
+  return BestRate(video.test.size(), [&] {
+    for (const TrackedFrame& frame : video.test)
+      player.RenderOver(frame.params, frame.camera, BackgroundOf(run), image);
+  });
+}
+
+}  // namespace
+
+double StudyFramesPerSecond(const std::string& folder) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, kThreads);
+  const Json json = ReadRun(folder);
+  const JsonField run(folder + "/run.json", json);
+  return run["kind"].String() == "avatar" ? AvatarRate(folder, run) : SceneRate(folder, run);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,53 @@
+#include "assets/head/procedural_head.h"
+
+#include "assets/head/rig.h"
+
+namespace cosplat {
+namespace {
+
+// Ears are not part of the solid that occlusion is measured on: darker towards the concha.
+float Occlusion(const procedural::Vec& p,
+                const procedural::Vec& normal,
+                const procedural::VertexLabel& label) {
+  using procedural::Part;
+  switch (label.part) {
+    case Part::kSkin:
+      return procedural::AmbientOcclusion(p, normal);
+    case Part::kEar: {
+      static constexpr float kByRing[] = {0.45f, 0.6f, 0.95f, 1, 0.95f, 0.75f, 0.85f, 0.5f, 0.3f};
+      return kByRing[label.ear_ring];
+    }
+    default:
+      return 1;  // shaded by their own rules
+  }
+}
+
+}  // namespace
+
+ProceduralHead MakeProceduralHeadParts() {
+  ProceduralHead head;
+  head.mesh = procedural::MakeHeadMesh();
+  FlameModel& m = head.model;
+  m.name = "procedural";
+  m.redistributable = true;
+  m.vertex_count = int(head.mesh.positions.size());
+  m.shape_count = procedural::kShapeCount;
+  m.expression_count = kExpressionCount;
+  for (const auto& p : head.mesh.positions)
+    m.template_vertices.insert(m.template_vertices.end(), {p.x, p.y, p.z});
+  m.faces = head.mesh.faces;
+  m.skinning_weights = procedural::SkinningWeights(head.mesh);
+  m.joint_regressor = procedural::JointRegressor(head.mesh);
+  m.shape_directions = procedural::ShapeDirections(head.mesh);
+  m.expression_directions = procedural::ExpressionDirections(head.mesh);
+  m.pose_directions = procedural::PoseDirections(head.mesh, m.skinning_weights);
+  const auto normals = procedural::VertexNormals(head.mesh.positions, head.mesh.faces);
+  for (size_t v = 0; v < normals.size(); ++v)
+    head.ambient_occlusion.push_back(
+        Occlusion(head.mesh.positions[v], normals[v], head.mesh.labels[v]));
+  return head;
+}
+
+FlameModel MakeProceduralHead() { return MakeProceduralHeadParts().model; }
+
+}  // namespace cosplat

@@ -1,0 +1,37 @@
+// The demonstration video of the procedural head, with its exact track, as files.
+//
+// make-head, tests and benches -> WriteProceduralVideo -> a folder that LoadTrackedVideo reads.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "assets/head/motion.h"
+#include "assets/head/procedural_head.h"
+#include "splat/base/image.h"
+
+namespace cosplat {
+
+struct MakeHeadOptions {
+  int frames = 360;      // at least 1
+  int test_frames = 60;  // the last ones, held out; fewer than frames
+  int size = 512;        // px, width and height; 16 to 8192
+  unsigned seed = 0;     // of the script of motion
+};
+
+// One frame as RGBA with straight alpha. `vertices` [V, 3] as FlamePoser gives them for `params`.
+Image8 RenderProceduralHead(const ProceduralHead& head,
+                            const std::vector<float>& vertices,
+                            const FlameParams& params,
+                            const Camera& camera);
+
+// Writes IMavatar's layout into `folder` (made if need be): flame_params.json, image/N.png (RGBA),
+// mask/N.png, and the model beside them as model.npz. flame_params.json comes last: a folder that
+// was interrupted is not taken for a video. `progress`, if given, is called after each frame with
+// rising `done`, one call at a time. Throws Error on bad options or when a file cannot be written.
+void WriteProceduralVideo(const std::string& folder,
+                          const MakeHeadOptions& options,
+                          const std::function<void(int done, int total)>& progress = {});
+
+}  // namespace cosplat

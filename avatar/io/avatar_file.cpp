@@ -1,0 +1,233 @@
+#include "avatar/io/avatar_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/io/binding_extension.h"
+#include "avatar/model/avatar_mesh.h"
+#include "avatar/surface/binding.h"
+#include "avatar/surface/surface.h"
+#include "splat/base/error.h"
+#include "splat/io/glb.h"
+#include "splat/io/splat_primitive.h"
+
+namespace cosplat {
+namespace {
+
+void CheckArray(const std::string& path,
+                const std::string& name,
+                View<const float> values,
+                size_t expected) {
+  if (values.size() != expected)
+    throw Error(
+        path,
+        name,
+        "has " + std::to_string(values.size()) + " numbers, expected " + std::to_string(expected));
+  for (size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]))
+      throw Error(
+          path,
+          name,
+          "number " + std::to_string(i) + " is not finite (" + std::to_string(values[i]) + ")");
+}
+
+void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
+  if (model.bust) {
+    CheckArray(path, "bust rotation", model.bust->rotation, 9);
+    CheckArray(path, "bust translation", model.bust->translation, 3);
+  }
+  if (const auto& range = model.trained_range) {
+    CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
+    CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
+    CheckArray(path, "trained angle", range->angle, kFlameJoints);
+  }
+  if (model.released && !(model.released->unit > 0 && std::isfinite(model.released->unit)))
+    throw Error(path, "rule unit", "is " + std::to_string(model.released->unit));
+  if (model.canonical_frame) {
+    const FlameParams& frame = *model.canonical_frame;
+    CheckArray(path, "canonical expression", frame.expression, frame.expression.size());
+    for (const auto& joint : frame.pose) CheckArray(path, "canonical pose", joint, 3);
+    CheckArray(path, "canonical translation", frame.translation, 3);
+  }
+}
+
+void CheckModel(const std::string& path, const AvatarModel& model) {
+  constexpr std::array<const char*, kAttributeCount> kNames{
+      "offset", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest"};
+  const size_t n = model.size();
+  const int degree = model.gaussians.degree;
+  if (degree < 0 || degree > kMaxTrainedDegree)
+    throw Error(path, "degree", "is " + std::to_string(degree) + ", expected 0 to 4");
+  for (int a = 0; a < kAttributeCount; ++a)
+    CheckArray(path, kNames[a], model.gaussians.values[a], n * model.gaussians.width(a));
+  if (model.triangle.size() != n || model.barycentric.size() != n)
+    throw Error(path,
+                "triangle, barycentric",
+                "have " + std::to_string(model.triangle.size()) + " and " +
+                    std::to_string(model.barycentric.size()) + " elements, expected " +
+                    std::to_string(n));
+  for (const auto& uv : model.barycentric) CheckArray(path, "barycentric", uv, 2);
+  if (model.mesh.faces.empty())
+    throw Error(path, "mesh", "is empty: attach it from the FLAME model first");
+  CheckArray(path, "shape", model.shape, model.shape.size());
+  CheckArray(path, "background", model.background, 3);
+  CheckOptionalParts(path, model);
+  // With a bust the mesh goes on behind FLAME's vertices, which alone have an offset.
+  const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
+  const bool shorter = model.bust && offsets < most && offsets % 3 == 0;
+  if (offsets > 0) CheckArray(path, "static_offset", model.static_offset, shorter ? offsets : most);
+}
+
+std::string Shown(const std::string& name, const std::string& sha256) {
+  return "'" + name + "' (sha256 " + (sha256.empty() ? "none" : sha256) + ")";
+}
+
+void CheckFlame(const std::string& where, const AvatarModel& model, const FlameModel& flame) {
+  if (flame.sha256 != model.flame_sha256)
+    throw Error(where,
+                "flame",
+                "the model is " + Shown(flame.name, flame.sha256) + ", the avatar was trained on " +
+                    Shown(model.flame_name, model.flame_sha256));
+}
+
+// FLAME's vertices and faces come first; behind them there may be a bust's.
+void CheckTopology(const std::string& where, const AvatarModel& model, const FlameModel& flame) {
+  const size_t vertices = model.mesh.vertices.size() / 3, faces = model.mesh.faces.size();
+  const bool same_size = vertices == size_t(flame.vertex_count) && faces == flame.faces.size();
+  const bool larger = vertices > size_t(flame.vertex_count) && faces > flame.faces.size();
+  if (!(model.bust ? larger : same_size) ||
+      !std::equal(flame.faces.begin(), flame.faces.end(), model.mesh.faces.begin()))
+    throw Error(where,
+                "flame",
+                "'" + flame.name + "' has " + std::to_string(flame.vertex_count) +
+                    " vertices and " + std::to_string(flame.faces.size()) +
+                    " faces, the avatar's mesh has " + std::to_string(vertices) + " and " +
+                    std::to_string(faces) + " or other corners");
+}
+
+// The canonical mesh as triangles, with a morph target per expression direction: at zero pose, and
+// there only, FLAME's vertices are linear in the expression.
+GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameModel* flame) {
+  GlbPrimitive primitive;
+  primitive.attributes["POSITION"] = AddFloats(document, model.mesh.vertices, 3, GlbUse::kPosition);
+  std::vector<uint32_t> indices;
+  for (const auto& face : model.mesh.faces) indices.insert(indices.end(), face.begin(), face.end());
+  primitive.indices = AddUnsigned(document, indices, GlbUse::kIndices);
+  GlbMesh mesh{"canonical mesh", {}, {}};
+  const int expressions = flame && !model.canonical_frame ? flame->expression_count : 0;
+  for (int e = 0; e < expressions; ++e) {
+    const size_t size = 3 * size_t(flame->vertex_count);
+    std::vector<float> direction(model.mesh.vertices.size());  // a bust does not move
+    std::copy_n(&flame->expression_directions[e * size], size, direction.begin());
+    primitive.targets.push_back(
+        {{"POSITION", AddFloats(document, direction, 3, GlbUse::kPosition)}});
+    mesh.extras["targetNames"].push_back("expression_" + std::to_string(e));
+  }
+  mesh.primitives.push_back(std::move(primitive));
+  return mesh;
+}
+
+}  // namespace
+
+Gaussians RestPose(const AvatarModel& model) {
+  PosedGaussians posed;
+  Bind(model, Surface(model.mesh), posed);
+  Gaussians rest = model.gaussians;
+  rest.values[kPosition] = std::move(posed.position);
+  rest.values[kRotation] = std::move(posed.rotation);
+  rest.values[kScaleLog] = std::move(posed.scale_log);
+  return rest;
+}
+
+void WriteAvatarGlb(const std::string& path,
+                    const AvatarModel& model,
+                    const FlameModel* flame,
+                    const AvatarFileOptions& options) {
+  CheckModel(path, model);
+  if (flame) {
+    CheckFlame(path, model, *flame);
+    CheckTopology(path, model, *flame);
+  }
+  GlbDocument document;
+  document.path = path;
+  GlbPrimitive splats = AddSplats(document, RestPose(model), options.truncate_degree);
+  // The mesh has a scene of its own, the second: shown together it would hide the splats.
+  const bool embed = options.embed_flame || (flame && flame->redistributable);
+  const int mesh = embed ? 1 : -1;
+  splats.extensions[kSplatExtension]["extensions"][kBindingExtension] =
+      AddBinding(document, model, splats, mesh);
+  document.meshes.push_back({"splats at rest", {std::move(splats)}, {}});
+  document.scenes.push_back({"splats at rest", {0}});
+  if (embed) {
+    document.meshes.push_back(AddMesh(document, model, flame));
+    document.scenes.push_back({"canonical mesh", {mesh}});
+  }
+  document.extensions_used = {kSplatExtension, kBindingExtension};
+  WriteGlb(document);
+}
+
+AvatarModel ReadAvatarGlb(const std::string& path) {
+  const GlbDocument document = ReadGlb(path, {kSplatExtension, kBindingExtension});
+  const Json binding = FindBinding(FindSplats(document));
+  if (binding.is_null())
+    throw Error(path, kBindingExtension, "is missing: these splats are no avatar");
+  return ReadBinding(document, binding);
+}
+
+void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
+  if (!ignore_hash) CheckFlame("avatar", model, flame);
+  if (model.mesh.faces.empty()) {
+    CanonicalMesh mesh = MakeCanonicalMesh(
+        flame, model.shape, model.static_offset, model.bust, model.canonical_frame);
+    for (int32_t triangle : model.triangle)
+      if (size_t(triangle) >= mesh.faces.size())
+        throw Error("avatar",
+                    "flame",
+                    "'" + flame.name + "' has " + std::to_string(mesh.faces.size()) +
+                        " faces, the avatar uses face " + std::to_string(triangle));
+    model.mesh = std::move(mesh);
+  }
+  CheckTopology("avatar", model, flame);
+}
+
+GlbSummary SummarizeGlb(const std::string& path) {
+  const GlbDocument document = ReadGlb(path, {kSplatExtension, kBindingExtension});
+  const GlbPrimitive& splats = FindSplats(document);
+  GlbSummary summary;
+  summary.extensions_used = document.extensions_used;
+  const auto position = splats.attributes.find("POSITION");
+  if (position == splats.attributes.end())
+    throw Error(path, "POSITION", "is missing from the splats");
+  summary.gaussians = ReadFloats(document, position->second, 3, "POSITION").size() / 3;
+  while (summary.degree < kMaxSplatFileDegree &&
+         splats.attributes.contains(SplatCoefficientName(CoefficientCount(summary.degree))))
+    ++summary.degree;
+  const Json binding = FindBinding(splats);
+  if (!binding.is_null()) summary.avatar = SummarizeBinding(document, binding);
+  return summary;
+}
+
+std::string ToString(const GlbSummary& summary) {
+  std::string text = std::to_string(summary.gaussians) + " Gaussians, SH of degree " +
+                     std::to_string(summary.degree) + " for every reader\n";
+  if (summary.avatar) {
+    const GlbSummary::Avatar& a = *summary.avatar;
+    text += "avatar (binding version " + std::to_string(a.version) + "): " + ToString(a.basis) +
+            " of degree " + std::to_string(a.degree) + ", colours in the " +
+            ToString(a.color_frame) + " frame\n";
+    if (a.released) text += "follows the mesh by SplattingAvatar's released rule\n";
+    text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
+            std::to_string(a.shape_count) + " shape coefficients, " +
+            (a.has_static_offset ? "a" : "no") + " static offset\n";
+    text +=
+        "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
+        std::to_string(a.face_count) + " faces" + (a.has_bust ? " with a bust, " : ", ") +
+        (a.has_mesh ? "in the file with " + std::to_string(a.expression_count) + " morph targets\n"
+                    : "not in the file: made from the FLAME model\n");
+  }
+  text += "extensions:";
+  for (const std::string& name : summary.extensions_used) text += " " + name;
+  return text + "\n";
+}
+
+}  // namespace cosplat

@@ -1,0 +1,213 @@
+#include "avatar/model/avatar_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/math/frame.h"
+#include "avatar/math/turn.h"
+#include "flame/topology.h"
+#include "splat/math/quat.h"
+
+namespace cosplat {
+namespace {
+
+using math::AxisAngleOf;
+using math::Quat;
+using math::QuatOfAxisAngle;
+using math::Vec3;
+
+// The sheet, relative to the neck's opening and in units of the neck's mean radius: about 60 cm
+// across and 40 cm down on a grown head. Its exact shape matters little: Gaussians walk on it and
+// leave it along its normal.
+constexpr int kColumns = 40, kRows = 20;
+constexpr float kHalfWidth = 5.5f;  // of the shoulders
+constexpr float kHeight = 6.5f;     // from the collar down
+constexpr float kSlope = 1.6f;      // how far the shoulders' ends lie below the collar
+constexpr float kBulge = 1.8f;      // how far the chest stands out in front of its sides
+constexpr float kOverlap = 0.4f;    // how far the collar reaches up over the neck's rim
+
+struct NeckRim {
+  Vec3<float> center{0, 0, 0};
+  float radius = 0;
+};
+
+// The lowest boundary loop (FLAME's axes: y up).
+NeckRim FindNeckRim(const FlameModel& flame, const std::vector<float>& vertices) {
+  const MeshTopology topology = BuildTopology(flame.name, flame.faces, flame.vertex_count);
+  NeckRim lowest;
+  lowest.center.y = 1e30f;
+  for (const std::vector<int32_t>& loop : topology.boundary_loops) {
+    NeckRim rim;
+    for (const int32_t v : loop)
+      rim.center += Vec3<float>{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]} *
+                    (1.0f / float(loop.size()));
+    for (const int32_t v : loop)
+      rim.radius += std::hypot(vertices[3 * v] - rim.center.x, vertices[3 * v + 2] - rim.center.z) /
+                    float(loop.size());
+    if (rim.center.y < lowest.center.y) lowest = rim;
+  }
+  return lowest;
+}
+
+// Appends the sheet to the head's canonical mesh.
+void AppendBust(const FlameModel& flame, CanonicalMesh& mesh) {
+  const NeckRim rim = FindNeckRim(flame, mesh.vertices);
+  const int first = int(mesh.vertices.size() / 3);
+  for (int r = 0; r <= kRows; ++r)
+    for (int c = 0; c <= kColumns; ++c) {
+      const float across = 2.0f * c / kColumns - 1, down = float(r) / kRows;
+      const float top = kOverlap - kSlope * across * across;
+      mesh.vertices.push_back(rim.center.x + rim.radius * kHalfWidth * across);
+      mesh.vertices.push_back(rim.center.y + rim.radius * (top - kHeight * down));
+      mesh.vertices.push_back(rim.center.z + rim.radius * kBulge * (0.5f - across * across));
+    }
+  for (int r = 0; r < kRows; ++r)
+    for (int c = 0; c < kColumns; ++c) {
+      const int32_t a = first + r * (kColumns + 1) + c, b = a + 1, d = a + kColumns + 1, e = d + 1;
+      mesh.faces.push_back({a, d, e});  // counter-clockwise seen from the front
+      mesh.faces.push_back({a, e, b});
+    }
+}
+
+CanonicalMesh HeadMesh(const FlameModel& flame,
+                       const std::vector<float>& shape,
+                       const std::vector<float>& static_offset) {
+  CanonicalMesh mesh;
+  mesh.faces = flame.faces;
+  FlamePoser<float>(flame, shape, static_offset).Forward({}, mesh.vertices);
+  return mesh;
+}
+
+// The joint that FLAME turns about, at rest.
+Vec3<float> RootJoint(const FlameModel& flame,
+                      const std::vector<float>& shape,
+                      const std::vector<float>& static_offset) {
+  const CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
+  Vec3<float> root{0, 0, 0};
+  for (int v = 0; v < flame.vertex_count; ++v)
+    root += Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]} *
+            flame.joint_regressor[v];
+  return root;
+}
+
+}  // namespace
+
+CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
+                                const std::vector<float>& shape,
+                                const std::vector<float>& static_offset,
+                                const std::optional<Bust>& bust,
+                                const std::optional<FlameParams>& frame) {
+  CanonicalMesh mesh = HeadMesh(flame, shape, static_offset);
+  if (bust) AppendBust(flame, mesh);
+  if (!frame) return mesh;
+  AvatarPoser poser(flame, shape, static_offset, bust);
+  poser.Forward(poser.FrameFor(*frame), mesh.vertices);
+  return mesh;
+}
+
+AvatarPoser::AvatarPoser(const FlameModel& flame,
+                         const std::vector<float>& shape,
+                         const std::vector<float>& static_offset,
+                         const std::optional<Bust>& bust)
+    : poser_(flame, shape, static_offset), flame_vertices_(flame.vertex_count) {
+  if (!bust) return;
+  const CanonicalMesh mesh = MakeCanonicalMesh(flame, shape, static_offset, bust);
+  for (size_t i = 3 * flame_vertices_; i < mesh.vertices.size(); i += 3)
+    for (int r = 0; r < 3; ++r)
+      posed_bust_.push_back(bust->rotation[3 * r] * mesh.vertices[i] +
+                            bust->rotation[3 * r + 1] * mesh.vertices[i + 1] +
+                            bust->rotation[3 * r + 2] * mesh.vertices[i + 2] +
+                            bust->translation[r]);
+}
+
+AvatarPoser::Frame AvatarPoser::FrameFor(const FlameParams& params) const {
+  Frame frame;
+  FrameFor(params, frame);
+  return frame;
+}
+
+void AvatarPoser::FrameFor(const FlameParams& params, Frame& frame) const {
+  const size_t most = poser_.model().expression_count;
+  const auto begin = params.expression.begin();
+  frame.expression.assign(begin, begin + std::min(params.expression.size(), most));
+  frame.pose = params.pose;
+  frame.translation = params.translation;
+}
+
+void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) {
+  poser_.Forward(frame, vertices, cache_);
+  vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
+}
+
+AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame, const std::vector<float>& d_vertices) {
+  return poser_.Backward(
+      frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
+}
+
+FlameParams MeanRoot(const std::vector<FlameParams>& frames) {
+  Quat<float> sum{0, 0, 0, 0}, first{1, 0, 0, 0};
+  FlameParams mean;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Quat<float> q = QuatOfAxisAngle(frames[i].pose[0]);
+    if (i == 0) first = q;
+    sum = sum + q * (Dot(q, first) < 0 ? -1.0f : 1.0f);
+    for (int k = 0; k < 3; ++k)
+      mean.translation[k] += frames[i].translation[k] / float(frames.size());
+  }
+  mean.pose[0] = AxisAngleOf(math::Normalize(sum));
+  return mean;
+}
+
+std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest) {
+  const FlameParams mean = MeanRoot(frames);
+  const Quat<float> from = math::Conjugate(QuatOfAxisAngle(mean.pose[0]));
+  const Quat<float> to = QuatOfAxisAngle(rest.pose[0]);
+  for (FlameParams& frame : frames) {
+    const Quat<float> turn = math::Multiply(QuatOfAxisAngle(frame.pose[0]), from);
+    frame.pose[0] = AxisAngleOf(math::Multiply(turn, to));
+    for (int k = 0; k < 3; ++k) frame.translation[k] += rest.translation[k] - mean.translation[k];
+  }
+  return frames;
+}
+
+void PutOnRest(const FlameParams& rest, FlameParams& frame) {
+  for (int k = 0; k < 3; ++k) frame.translation[k] += rest.translation[k];
+  if (rest.pose[0] == std::array<float, 3>{}) return;  // keeps the turn's very bits
+  const Quat<float> turn = QuatOfAxisAngle(frame.pose[0]);
+  frame.pose[0] = AxisAngleOf(math::Multiply(turn, QuatOfAxisAngle(rest.pose[0])));
+}
+
+Bust MeanBust(const FlameModel& flame,
+              const std::vector<float>& shape,
+              const std::vector<float>& static_offset,
+              const std::vector<FlameParams>& frames) {
+  const Vec3<float> root = RootJoint(flame, shape, static_offset);
+  const FlameParams mean = MeanRoot(frames);
+  const math::Mat3<float> rotation = math::RotationOf(QuatOfAxisAngle(mean.pose[0]));
+  const Vec3<float> offset = root - rotation * root;
+  Bust bust;
+  std::copy(rotation.m, rotation.m + 9, bust.rotation.begin());
+  bust.translation = {offset.x + mean.translation[0],
+                      offset.y + mean.translation[1],
+                      offset.z + mean.translation[2]};
+  return bust;
+}
+
+FlameParams RestRoot(const AvatarModel& avatar, const FlameModel& flame) {
+  FlameParams rest;
+  if (avatar.bust) {
+    math::Mat3<float> rotation;
+    std::copy(avatar.bust->rotation.begin(), avatar.bust->rotation.end(), rotation.m);
+    const Vec3<float> root = RootJoint(flame, avatar.shape, avatar.static_offset);
+    const Vec3<float> offset = rotation * root - root;
+    const std::array<float, 3>& t = avatar.bust->translation;
+    rest.pose[0] = AxisAngleOf(math::QuatOfRotation(rotation));
+    rest.translation = {t[0] + offset.x, t[1] + offset.y, t[2] + offset.z};
+  } else if (avatar.canonical_frame) {
+    rest.pose[0] = avatar.canonical_frame->pose[0];
+    rest.translation = avatar.canonical_frame->translation;
+  }
+  return rest;
+}
+
+}  // namespace cosplat

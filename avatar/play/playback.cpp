@@ -1,0 +1,47 @@
+#include "avatar/play/playback.h"
+
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <utility>
+
+namespace cosplat {
+
+const RenderedImage* Playback::Next(PlaybackFrame frame) { return Step(std::move(frame)); }
+const RenderedImage* Playback::Finish() { return Step(std::nullopt); }
+
+std::exception_ptr Playback::Place(const PlaybackFrame& frame, size_t place) {
+  try {
+    player_.Place(frame.params, places_[place]);
+    return nullptr;
+  } catch (...) {
+    return std::current_exception();
+  }
+}
+
+const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
+  // The same pose again needs no second place.
+  const bool same_pose = next && places_[waiting_place_].IsFor(next->params);
+  const size_t next_place = same_pose ? waiting_place_ : 1 - waiting_place_;
+  std::exception_ptr next_error, error = waiting_error_;
+  const RenderedImage* picture = nullptr;
+  tbb::task_group group;
+  if (next && !same_pose) group.run([&] { next_error = Place(*next, next_place); });
+  if (waiting_ && !error) try {
+      // Isolated: while it waits for its tiles this thread must not take up the other frame.
+      tbb::this_task_arena::isolate([&] {
+        picture = &player_.Draw(places_[waiting_place_], waiting_->camera, waiting_->background);
+      });
+      drawn_ = waiting_place_;
+    } catch (...) {
+      error = std::current_exception();
+    }
+  group.wait();
+  waiting_ = std::move(next);
+  waiting_error_ = next_error;
+  waiting_place_ = next_place;
+  if (error) std::rethrow_exception(error);
+  return picture;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,199 @@
+#include "avatar/play/player.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "avatar/play/picture_bytes.h"
+#include "avatar/play/preview.h"
+#include "splat/base/error.h"
+#include "splat/render/degree_order.h"
+
+namespace cosplat {
+namespace {
+
+// Bits, so that no rule of comparison (of zeros, of what is not a number) stands between a picture
+// and the one that a new player would draw.
+bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+template <class T>
+bool SameBits(const T& a, const T& b) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(float) == 0);
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+void SortAvatar(AvatarModel& avatar) {
+  const size_t n = avatar.size();
+  if (avatar.triangle.size() != n || avatar.barycentric.size() != n) return;  // Bind says so
+  const std::vector<uint32_t> order = SortByDegree(avatar.gaussians);
+  if (order.empty()) return;
+  const Embedding before = avatar;
+  for (size_t i = 0; i < order.size(); ++i) {
+    avatar.triangle[i] = before.triangle[order[i]];
+    avatar.barycentric[i] = before.barycentric[order[i]];
+  }
+}
+
+}  // namespace
+
+bool PlacedAvatar::IsFor(const FlameParams& params) const {
+  return id_ != 0 && SameBits(params.expression, params_.expression) &&
+         SameBits(params.pose, params_.pose) && SameBits(params.translation, params_.translation);
+}
+
+Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings settings)
+    : avatar_(std::move(avatar)),
+      half_resolution_(settings.half_resolution),
+      poser_(flame, avatar_.shape, avatar_.static_offset, avatar_.bust),
+      surface_(avatar_.mesh),
+      rasterizer_(MakeCpuRasterizer()),
+      tape_(rasterizer_->MakeTape()) {
+  SortAvatar(avatar_);
+  if (surface_.vertex_count() != poser_.vertex_count())
+    throw Error(flame.name,
+                "vertices",
+                std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
+                    std::to_string(surface_.vertex_count()));
+  if (!settings.make_drawer) return;
+  CheckEmbedding(avatar_.gaussians, avatar_, surface_.faces().size());
+  const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
+  reach_.emplace(posing.flame);
+  drawer_ = settings.make_drawer(avatar_, posing);
+}
+
+void Player::Place(const FlameParams& params, PlacedAvatar& out) {
+  if (out.IsFor(params)) return;
+  poser_.FrameFor(params, frame_);
+  if (drawer_)
+    Prepare(out);
+  else
+    PoseAndBind(out);
+  out.params_.expression = params.expression;
+  out.params_.pose = params.pose;
+  out.params_.translation = params.translation;
+  out.id_ = ++last_id_;
+  if (!drawer_) out.posed_id_ = out.bound_id_ = out.id_;
+}
+
+void Player::PoseAndBind(PlacedAvatar& placed) {
+  poser_.Forward(frame_, placed.vertices_);  // refuses before it writes
+  placed.id_ = 0;
+  BindInto(placed);
+}
+
+void Player::Prepare(PlacedAvatar& placed) {
+  poser_.flame().Prepare(frame_, rig_);
+  reach_->Check(rig_);
+  std::swap(placed.rig_, rig_);
+}
+
+void Player::BindInto(PlacedAvatar& placed) {
+  surface_.Pose(placed.vertices_);
+  Bind(avatar_, surface_, placed.gaussians_);
+}
+
+const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
+  if (placed.posed_id_ != placed.id_) {
+    poser_.FrameFor(placed.params_, frame_);
+    poser_.Forward(frame_, placed.vertices_);
+    placed.posed_id_ = placed.id_;
+  }
+  return placed.vertices_;
+}
+
+const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
+  if (placed.bound_id_ != placed.id_) {
+    VerticesOf(placed);
+    BindInto(placed);
+    placed.bound_id_ = placed.id_;
+  }
+  return placed.gaussians_;
+}
+
+const RenderedImage& Player::Draw(const PlacedAvatar& placed,
+                                  const Camera& camera,
+                                  const std::array<float, 3>& background) {
+  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (last_.id == placed.id_ && SameBits(last_.camera, camera) &&
+      SameBits(last_.background, background))
+    return last_.image;
+  last_.id = 0;
+  const bool half = half_resolution_;
+  DrawInto(placed,
+           half ? HalfResolution(camera) : camera,
+           {background, avatar_.gaussians.degree},
+           half ? half_ : last_.image);
+  if (half) EnlargeTwice(half_, camera.width, camera.height, last_.image);
+  last_.camera = camera;
+  last_.background = background;
+  last_.id = placed.id_;
+  return last_.image;
+}
+
+void Player::DrawToStay(const PlacedAvatar& placed,
+                        const Camera& camera,
+                        const std::array<float, 3>& background,
+                        AlphaMode alpha,
+                        std::unique_ptr<DevicePicture>& out) {
+  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (!DrawsOnDevice()) throw Error("avatar", "picture", "cannot stay: no device draws it");
+  drawer_->DrawToStay(
+      placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);
+}
+
+void Player::DrawInto(const PlacedAvatar& placed,
+                      const Camera& camera,
+                      const RenderSettings& settings,
+                      RenderedImage& image) {
+  if (drawer_) return drawer_->Draw(placed.rig_, placed.id_, camera, settings, image);
+  rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
+                       avatar_.gaussians.basis,
+                       camera,
+                       settings,
+                       image,
+                       *tape_);
+}
+
+void Player::RenderOver(const FlameParams& params,
+                        const Camera& camera,
+                        const std::array<float, 3>& background,
+                        RenderedImage& out) {
+  Place(params, placed_);
+  out = Draw(placed_, camera, background);
+}
+
+void Player::Render(const FlameParams& params, const Camera& camera, Image8& out) {
+  Place(params, placed_);
+  ToStraightAlphaBytes(Draw(placed_, camera, {0, 0, 0}), out);
+}
+
+Image8 Player::Render(const FlameParams& params, const Camera& camera) {
+  Image8 out;
+  Render(params, camera, out);
+  return out;
+}
+
+void ToStraightAlphaBytes(const RenderedImage& image, Image8& out) {
+  out.width = image.width;
+  out.height = image.height;
+  out.channels = 4;
+  out.data.resize(4 * out.pixels());
+  WritePicture(image, {}, out.data.data(), 4 * ptrdiff_t(out.width));
+}
+
+WorldGaussians PosedView(const Gaussians& gaussians,
+                         const PosedGaussians& posed,
+                         ColorFrame color_frame) {
+  WorldGaussians view = ViewOf(gaussians);
+  view.position = posed.position.data();
+  view.rotation = posed.rotation.data();
+  view.scale_log = posed.scale_log.data();
+  if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
+  return view;
+}
+
+}  // namespace cosplat

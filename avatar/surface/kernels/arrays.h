@@ -1,0 +1,87 @@
+// What the element-wise kernels of avatars work on: borrowed arrays, of the host or of a device.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "splat/math/namespace.h"
+
+namespace cosplat {
+
+// Rows of a SurfaceVertex array: position 3, normal 3, rotation 4, area 1.
+constexpr size_t kSurfaceVertexFloats = 11;
+// Rows of faces: area vector 3, its length, rotation from canonical to posed 4.
+constexpr size_t kPosedFaceFloats = 8;
+// Rows of what vertices are normalised from: normal 3, rotation 4.
+constexpr size_t kVertexSumFloats = 7;
+
+// A mesh and one pose of it. `posed_faces` ends with a row of zeros, a face that adds nothing.
+struct SurfaceArrays {
+  size_t face_count = 0;
+  size_t vertex_count = 0;
+  const int32_t* faces = nullptr;              // [F, 3]
+  const int32_t* vertex_face_begin = nullptr;  // [V + 1]
+  const int32_t* vertex_faces = nullptr;       // [3 F]
+  const int32_t* corner_places = nullptr;      // [F, 3] where vertex_faces lists the corner
+  const float* canonical_frames = nullptr;     // [F, 9] row-major
+  float* vertices = nullptr;                   // [V, kSurfaceVertexFloats]
+  float* posed_faces = nullptr;                // [F + 1, kPosedFaceFloats]
+  float* sums = nullptr;                       // [V, kVertexSumFloats]
+  float* signs = nullptr;  // [3 F] like vertex_faces: hemisphere in which the rotation was added
+};
+
+// The canonical mesh with what walks and searches over it need: who is across an edge (-1: nobody),
+// who is at a vertex.
+struct MeshArrays {
+  size_t face_count = 0;
+  const int32_t* faces = nullptr;              // [F, 3]
+  const int32_t* face_neighbors = nullptr;     // [F, 3] as MeshTopology (flame/topology.h)
+  const int8_t* neighbor_edges = nullptr;      // [F, 3]
+  const int32_t* vertex_face_begin = nullptr;  // [V + 1]
+  const int32_t* vertex_faces = nullptr;       // [3 F]
+  const float* vertices = nullptr;             // [V, kSurfaceVertexFloats]
+};
+
+// Which corner of `face` [3] the vertex is; it must be one.
+COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
+  return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
+}
+
+// Gaussians on the triangles of a posed mesh. The triangles must exist.
+struct EmbedJob {
+  size_t count = 0;
+  const int32_t* triangle = nullptr;       // [N]
+  const float* barycentric = nullptr;      // [N, 2] (u, v)
+  const float* offset = nullptr;           // [N, 3] (du, dv, d)
+  const float* rotation = nullptr;         // [N, 4]
+  const float* scale_log = nullptr;        // [N, 3]
+  const int32_t* faces = nullptr;          // [F, 3]
+  const float* vertices = nullptr;         // [V, kSurfaceVertexFloats]
+  const float* canonical_areas = nullptr;  // [F, 4] at the corners; the fourth is unused
+};
+
+// The arrays of PosedGaussians (avatar/surface/binding.h).
+template <class T>
+struct PosedArrays {
+  T* position = nullptr;
+  T* rotation = nullptr;
+  T* scale_log = nullptr;
+  T* frame = nullptr;
+};
+
+// Derivatives, overwritten. `corners`: [N, 3, kSurfaceVertexFloats] of the triangle's vertices for
+// each Gaussian, or null.
+struct EmbedAdjoints {
+  float* offset = nullptr;
+  float* rotation = nullptr;
+  float* scale_log = nullptr;
+  float* corners = nullptr;
+};
+
+// Gaussians of each face, ascending: index[begin[f] .. begin[f + 1]).
+struct FaceListArrays {
+  const uint32_t* begin = nullptr;  // [F + 1]
+  const uint32_t* index = nullptr;  // [N]
+};
+
+}  // namespace cosplat

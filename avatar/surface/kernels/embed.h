@@ -1,0 +1,134 @@
+// Gaussians on the posed surface and the derivative, a Gaussian each: the bodies that the CPU runs
+// on SIMD packs (avatar/surface/embed_packs.cpp) and a device with a thread each
+// (avatar/surface/cuda/device_binding.cu). Formulas: avatar/math/embed.h.
+#if defined(COSPLAT_AVATAR_KERNELS_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_AVATAR_KERNELS_EMBED_H_
+#undef COSPLAT_AVATAR_KERNELS_EMBED_H_
+#else
+#define COSPLAT_AVATAR_KERNELS_EMBED_H_
+#endif
+
+#include "avatar/math/embed.h"
+#include "avatar/surface/kernels/arrays.h"
+#include "avatar/surface/kernels/gather.h"
+
+COSPLAT_MATH_BEGIN
+
+// What Embed takes.
+template <class T>
+struct EmbedInput {
+  Three<SurfaceVertex<T>> vertices;
+  Three<T> canonical_area;
+  LocalGaussian<T> local;
+};
+
+template <class T>
+COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbedJob& job, const Rows& rows) {
+  EmbedInput<T> in;
+  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return job.triangle[i]; });
+  for (int c = 0; c < 3; ++c) {
+    LaneRows<T> corner;
+    for (size_t l = 0; l < kLaneCount<T>; ++l) corner[l] = job.faces[3 * size_t(faces[l]) + c];
+    T v[kSurfaceVertexFloats];
+    GatherRows<kSurfaceVertexFloats>(job.vertices, kSurfaceVertexFloats, corner, v);
+    in.vertices[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
+  }
+  T area[4];
+  GatherRows<4>(job.canonical_areas, 4, faces, area);
+  in.canonical_area = {{area[0], area[1], area[2]}};
+  T base[2];
+  LoadRows<2>(job.barycentric, 2, rows, base);
+  in.local = {base[0],
+              base[1],
+              LoadVec3<T>(job.offset, rows),
+              LoadQuat<T>(job.rotation, rows),
+              LoadVec3<T>(job.scale_log, rows)};
+  return in;
+}
+
+struct EmbedKernel {
+  EmbedJob job;
+  PosedArrays<float> out;
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
+    const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.local);
+    StoreVec3(posed.position, out.position, rows);
+    StoreQuat(posed.rotation, out.rotation, rows);
+    StoreVec3(posed.scale_log, out.scale_log, rows);
+    StoreQuat(posed.frame, out.frame, rows);
+  }
+};
+
+struct EmbedVjpKernel {
+  EmbedJob job;
+  PosedArrays<const float> d_posed;  // `frame` may be null: zero
+  EmbedAdjoints out;
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const T zero(0.0f);
+    const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
+    PosedGaussian<T> d{LoadVec3<T>(d_posed.position, rows),
+                       LoadQuat<T>(d_posed.rotation, rows),
+                       LoadVec3<T>(d_posed.scale_log, rows),
+                       {zero, zero, zero, zero}};
+    if (d_posed.frame) d.frame = LoadQuat<T>(d_posed.frame, rows);
+    LocalGaussian<T> d_local;
+    Three<SurfaceVertex<T>> d_corners;
+    for (int c = 0; c < 3; ++c)
+      d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
+    EmbedVjp(
+        in.vertices, in.canonical_area, in.local, d, d_local, out.corners ? &d_corners : nullptr);
+    StoreVec3(d_local.offset, out.offset, rows);
+    StoreQuat(d_local.rotation, out.rotation, rows);
+    StoreVec3(d_local.scale_log, out.scale_log, rows);
+    if (out.corners) StoreCorners(d_corners, rows);
+  }
+
+  template <class T>
+  COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d, const Rows& rows) const {
+    for (int c = 0; c < 3; ++c) {
+      const SurfaceVertex<T>& v = d[c];
+      const T row[kSurfaceVertexFloats] = {v.position.x,
+                                           v.position.y,
+                                           v.position.z,
+                                           v.normal.x,
+                                           v.normal.y,
+                                           v.normal.z,
+                                           v.rotation.w,
+                                           v.rotation.x,
+                                           v.rotation.y,
+                                           v.rotation.z,
+                                           v.area};
+      StoreRows<kSurfaceVertexFloats>(
+          row, out.corners + c * kSurfaceVertexFloats, 3 * kSurfaceVertexFloats, rows);
+    }
+  }
+};
+
+// Of one vertex: what the Gaussians around it have for it, in the order of its faces, then theirs.
+struct SumAtVertexKernel {
+  SurfaceArrays s;
+  FaceListArrays lists;
+  const float* d_corners;  // [N, 3, kSurfaceVertexFloats]
+  float* d_surface;        // [V, kSurfaceVertexFloats]
+
+  COSPLAT_HD void Run(size_t v) const {
+    float sum[kSurfaceVertexFloats] = {};
+    for (int32_t k = s.vertex_face_begin[v]; k < s.vertex_face_begin[v + 1]; ++k) {
+      const size_t f = size_t(s.vertex_faces[k]);
+      const size_t corner = size_t(CornerOf(s.faces + 3 * f, v));
+      for (uint32_t j = lists.begin[f]; j < lists.begin[f + 1]; ++j) {
+        const float* d = d_corners + kSurfaceVertexFloats * (3 * size_t(lists.index[j]) + corner);
+        for (size_t i = 0; i < kSurfaceVertexFloats; ++i) sum[i] += d[i];
+      }
+    }
+    for (size_t i = 0; i < kSurfaceVertexFloats; ++i)
+      d_surface[kSurfaceVertexFloats * v + i] = sum[i];
+  }
+};
+
+COSPLAT_MATH_END
+#endif

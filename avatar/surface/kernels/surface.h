@@ -1,0 +1,232 @@
+// The posed surface and its derivative, element by element: the bodies that the CPU runs on SIMD
+// packs (avatar/surface/surface_packs.cpp) and a device with a thread each
+// (avatar/surface/cuda/device_surface.cu).
+//
+// vertices' positions -> PoseFaces -> PoseVertices; back: VerticesVjp -> FacesVjp -> SumCorners ->
+// d_vertices. Formulas: avatar/math/frame.h.
+#if defined(COSPLAT_AVATAR_KERNELS_SURFACE_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_AVATAR_KERNELS_SURFACE_H_
+#undef COSPLAT_AVATAR_KERNELS_SURFACE_H_
+#else
+#define COSPLAT_AVATAR_KERNELS_SURFACE_H_
+#endif
+
+#include "avatar/math/frame.h"
+#include "avatar/surface/kernels/arrays.h"
+#include "avatar/surface/kernels/gather.h"
+
+COSPLAT_MATH_BEGIN
+
+template <class T>
+struct FaceCorners {
+  Vec3<T> p[3];
+};
+template <class T>
+COSPLAT_HD_FORCED LaneRows<T> CornerVertices(const SurfaceArrays& s, const Rows& rows, int corner) {
+  return RowPerLane<T>(rows, [&](size_t f) { return s.faces[3 * f + size_t(corner)]; });
+}
+template <class T>
+COSPLAT_HD_FORCED FaceCorners<T> LoadCorners(const SurfaceArrays& s, const Rows& rows) {
+  FaceCorners<T> corners;
+  for (int c = 0; c < 3; ++c) {
+    T row[4];  // the position and a number that is not used
+    GatherRows<4>(s.vertices, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), row);
+    corners.p[c] = {row[0], row[1], row[2]};
+  }
+  return corners;
+}
+
+// Rows of faces: posed_faces.
+struct PoseFacesKernel {
+  SurfaceArrays s;
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const FaceCorners<T> at = LoadCorners<T>(s, rows);
+    Mat3<T> canonical;
+    LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
+    const Vec3<T> area = AreaVector(at.p[0], at.p[1], at.p[2]);
+    const Quat<T> q = FaceRotation(at.p[0], at.p[1], at.p[2], canonical);
+    const T row[kPosedFaceFloats] = {area.x, area.y, area.z, Length(area), q.w, q.x, q.y, q.z};
+    StoreRows<kPosedFaceFloats>(row, s.posed_faces, kPosedFaceFloats, rows);
+  }
+};
+
+// The faces around the vertices of the lanes.
+template <class T>
+struct Fans {
+  LaneRows<T> begin, count;
+  int32_t longest = 0;
+
+  COSPLAT_HD Fans(const SurfaceArrays& s, const Rows& rows) {
+    begin = RowPerLane<T>(rows, [&](size_t v) { return s.vertex_face_begin[v]; });
+    const LaneRows<T> last =
+        RowPerLane<T>(rows, [&](size_t v) { return s.vertex_face_begin[v + 1]; });
+    for (size_t l = 0; l < kLaneCount<T>; ++l) {
+      count[l] = last[l] - begin[l];
+      longest = Max(longest, count[l]);
+    }
+  }
+  COSPLAT_HD T Counts() const {
+    PerLane<float, T> lanes;
+    for (size_t l = 0; l < kLaneCount<T>; ++l) lanes[l] = float(count[l]);
+    return FromLanes(lanes);
+  }
+};
+
+template <class T>
+struct VertexSums {
+  Vec3<T> normal;
+  Quat<T> rotation;
+  T area;
+};
+
+// Each rotation is added in the hemisphere of the sum so far, which therefore only grows: face
+// rotations cannot cancel at a vertex.
+template <class T>
+COSPLAT_HD_FORCED VertexSums<T> SumFaces(const SurfaceArrays& s,
+                                         const Fans<T>& fans,
+                                         const Rows& rows) {
+  const T zero(0.0f);
+  VertexSums<T> sum{{zero, zero, zero}, {zero, zero, zero, zero}, zero};
+  for (int32_t k = 0; k < fans.longest; ++k) {
+    LaneRows<T> faces;
+    for (size_t l = 0; l < kLaneCount<T>; ++l)
+      faces[l] = k < fans.count[l] ? s.vertex_faces[fans.begin[l] + k] : int32_t(s.face_count);
+    T face[kPosedFaceFloats];
+    GatherRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, faces, face);
+    const Quat<T> q{face[4], face[5], face[6], face[7]};
+    const T sign = HemisphereSign(sum.rotation, q);
+    sum.normal += Vec3<T>{face[0], face[1], face[2]};
+    sum.rotation = sum.rotation + q * (sign * face[3]);
+    sum.area += face[3];
+    PerLane<float, T> signs;
+    ToLanes(sign, signs);
+    for (size_t l = 0; l < rows.count; ++l)
+      if (k < fans.count[l]) s.signs[fans.begin[l] + k] = signs[l];
+  }
+  return sum;
+}
+
+// Rows of vertices, of posed_faces: the vertices' other numbers, sums and signs.
+struct PoseVerticesKernel {
+  SurfaceArrays s;
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const T one(1.0f);
+    const Fans<T> fans(s, rows);
+    const VertexSums<T> sum = SumFaces<T>(s, fans, rows);
+    // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
+    // Normalize's floor, which is meant for quaternions of order 1, sees it.
+    const auto some = sum.area > T(0.0f);
+    const Quat<T> r = sum.rotation * (one / Select(some, sum.area, one));
+    const T sums[kVertexSumFloats] = {sum.normal.x, sum.normal.y, sum.normal.z, r.w, r.x, r.y, r.z};
+    StoreRows<kVertexSumFloats>(sums, s.sums, kVertexSumFloats, rows);
+    const Vec3<T> n = Normalize(sum.normal);
+    const Quat<T> q = Normalize(r);
+    const T area = sum.area / Max(fans.Counts(), one);
+    const T row[8] = {n.x, n.y, n.z, q.w, q.x, q.y, q.z, area};
+    StoreRows<8>(row, s.vertices + 3, kSurfaceVertexFloats, rows);
+  }
+};
+
+// Rows of vertices, to the sums over the faces: of the normals, of the rotations before their
+// division by the area (which changes the sum's norm only, and that Normalize ignores: the area may
+// be taken as a constant there), and of the areas.
+struct VerticesVjpKernel {
+  SurfaceArrays s;
+  const float* d_vertices;  // [V, kSurfaceVertexFloats]
+  float* d_sums;            // [V, kSurfaceVertexFloats]
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const T zero(0.0f), one(1.0f);
+    T d[kSurfaceVertexFloats], sum[kVertexSumFloats], mean_area[1];
+    LoadRows<kSurfaceVertexFloats>(d_vertices, kSurfaceVertexFloats, rows, d);
+    LoadRows<kVertexSumFloats>(s.sums, kVertexSumFloats, rows, sum);
+    LoadRows<1>(s.vertices + kSurfaceVertexFloats - 1, kSurfaceVertexFloats, rows, mean_area);
+    const T count = Max(Fans<T>(s, rows).Counts(), one);
+    const T area = mean_area[0] * count;
+    const auto some = area > zero;
+    const Vec3<T> n = NormalizeVjp(Vec3<T>{sum[0], sum[1], sum[2]}, Vec3<T>{d[3], d[4], d[5]});
+    const Quat<T> q =
+        NormalizeVjp(Quat<T>{sum[3], sum[4], sum[5], sum[6]}, Quat<T>{d[6], d[7], d[8], d[9]}) *
+        Select(some, one / Select(some, area, one), zero);
+    const T row[kSurfaceVertexFloats] = {
+        d[0], d[1], d[2], n.x, n.y, n.z, q.w, q.x, q.y, q.z, d[10] / count};
+    StoreRows<kSurfaceVertexFloats>(row, d_sums, kSurfaceVertexFloats, rows);
+  }
+};
+
+// Rows of faces, to their corners.
+struct FacesVjpKernel {
+  SurfaceArrays s;
+  const float* d_sums;  // [V, kSurfaceVertexFloats]
+  float* d_corners;     // [F, 3, 3]
+
+  template <class T>
+  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
+    const T zero(0.0f);
+    const FaceCorners<T> at = LoadCorners<T>(s, rows);
+    Mat3<T> canonical;
+    LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
+    T face[kPosedFaceFloats];
+    LoadRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, rows, face);
+    const Quat<T> rotation{face[4], face[5], face[6], face[7]};
+    Vec3<T> d_vector{zero, zero, zero};
+    Quat<T> d_rotation{zero, zero, zero, zero};
+    T d_area = zero;
+    for (int c = 0; c < 3; ++c) {
+      T d[kSurfaceVertexFloats];
+      GatherRows<kSurfaceVertexFloats>(
+          d_sums, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), d);
+      const T sign = SignsOf<T>(rows, c);
+      const Quat<T> d_q{d[6], d[7], d[8], d[9]};
+      d_vector += Vec3<T>{d[3], d[4], d[5]};
+      d_rotation = d_rotation + d_q * (sign * face[3]);
+      d_area += d[10] + sign * Dot(rotation, d_q);
+    }
+    d_vector += LengthVjp(Vec3<T>{face[0], face[1], face[2]}, d_area);
+    Vec3<T> d[3];
+    for (Vec3<T>& corner : d) corner = {zero, zero, zero};
+    AreaVectorVjp(at.p[0], at.p[1], at.p[2], d_vector, d[0], d[1], d[2]);
+    FaceRotationVjp(at.p[0], at.p[1], at.p[2], canonical, d_rotation, d[0], d[1], d[2]);
+    const T row[9] = {d[0].x, d[0].y, d[0].z, d[1].x, d[1].y, d[1].z, d[2].x, d[2].y, d[2].z};
+    StoreRows<9>(row, d_corners, 9, rows);
+  }
+
+  template <class T>
+  COSPLAT_HD T SignsOf(const Rows& rows, int corner) const {
+    PerLane<float, T> signs;
+    for (size_t l = 0; l < kLaneCount<T>; ++l) {
+      const size_t f = rows.first + (l < rows.count ? l : 0);
+      signs[l] = s.signs[s.corner_places[3 * f + size_t(corner)]];
+    }
+    return FromLanes(signs);
+  }
+};
+
+// Of one vertex: its own part and those of the corners around it, in the order of the faces.
+struct SumCornersKernel {
+  SurfaceArrays s;
+  const float* d_sums;     // [V, kSurfaceVertexFloats]
+  const float* d_corners;  // [F, 3, 3]
+  float* d_vertices;       // [V, 3]
+
+  COSPLAT_HD void Run(size_t v) const {
+    const float* own = d_sums + kSurfaceVertexFloats * v;
+    Vec3<float> sum{own[0], own[1], own[2]};
+    for (int32_t k = s.vertex_face_begin[v]; k < s.vertex_face_begin[v + 1]; ++k) {
+      const size_t f = size_t(s.vertex_faces[k]);
+      const float* d = d_corners + 9 * f + 3 * CornerOf(s.faces + 3 * f, v);
+      sum += Vec3<float>{d[0], d[1], d[2]};
+    }
+    d_vertices[3 * v] = sum.x;
+    d_vertices[3 * v + 1] = sum.y;
+    d_vertices[3 * v + 2] = sum.z;
+  }
+};
+
+COSPLAT_MATH_END
+#endif

@@ -1,0 +1,52 @@
+// Places on the triangles of the canonical mesh, in double: what walking (walk.h) and searching
+// (reembed.h) share, on the CPU and on a device.
+#pragma once
+
+#include "avatar/math/embed.h"
+#include "avatar/surface/kernels/arrays.h"
+
+namespace cosplat::math {
+
+// Of a triangle's corners; the sum is 1. Or changes of them; the sum is 0.
+using Weights = Three<double>;
+
+COSPLAT_HD bool AllFinite(const Weights& w) {
+  return std::isfinite(w[0]) && std::isfinite(w[1]) && std::isfinite(w[2]);
+}
+
+// Points that a search or a walk has moved keep each weight at least this: float's rounding of
+// 1 - u - v is 1.2e-7.
+constexpr double kInsideTriangle = 1e-6;
+// Raises weights below it to it; the sum back to 1.
+COSPLAT_HD Weights KeepInsideTriangle(Weights w) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (w[i] < kInsideTriangle) w[i] = kInsideTriangle;
+    sum += w[i];
+  }
+  for (int i = 0; i < 3; ++i) w[i] /= sum;
+  return w;
+}
+
+COSPLAT_HD const float* CanonicalVertex(const MeshArrays& mesh, int32_t face, int corner) {
+  return mesh.vertices + kSurfaceVertexFloats * size_t(mesh.faces[3 * size_t(face) + corner]);
+}
+COSPLAT_HD Vec3<double> CanonicalPosition(const MeshArrays& mesh, int32_t face, int corner) {
+  const float* v = CanonicalVertex(mesh, face, corner);
+  return {v[0], v[1], v[2]};
+}
+COSPLAT_HD Vec3<double> CanonicalNormal(const MeshArrays& mesh, int32_t face, int corner) {
+  const float* v = CanonicalVertex(mesh, face, corner);
+  return {v[3], v[4], v[5]};
+}
+
+COSPLAT_HD int32_t NeighborOf(const MeshArrays& mesh, int32_t face, int edge) {
+  return mesh.face_neighbors[3 * size_t(face) + edge];
+}
+COSPLAT_HD bool HasBoundaryEdge(const MeshArrays& mesh, int32_t face) {
+  for (int edge = 0; edge < 3; ++edge)
+    if (NeighborOf(mesh, face, edge) < 0) return true;
+  return false;
+}
+
+}  // namespace cosplat::math

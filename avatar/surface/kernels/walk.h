@@ -1,0 +1,167 @@
+// The walk of one Gaussian over the canonical mesh: the body of avatar/surface/walk.h, which says
+// what it does, for the CPU and for a device (a thread per Gaussian).
+#pragma once
+
+#include "avatar/surface/kernels/triangle.h"
+#include "avatar/surface/walk.h"
+
+namespace cosplat::math {
+
+// Edge i of a face (corner i to corner i + 1) with the corner opposite to it.
+struct EdgeShape {
+  double length;
+  double foot;    // of the opposite corner, measured from corner i along the edge
+  double height;  // of the opposite corner over the edge
+  COSPLAT_HD bool IsSolid() const { return length > 0 && height > 0; }
+};
+
+COSPLAT_HD EdgeShape ShapeOfEdge(const MeshArrays& mesh, int32_t face, int edge) {
+  const Vec3<double> a = CanonicalPosition(mesh, face, edge);
+  const Vec3<double> ab = CanonicalPosition(mesh, face, (edge + 1) % 3) - a;
+  const Vec3<double> ac = CanonicalPosition(mesh, face, (edge + 2) % 3) - a;
+  const double length = Sqrt(Dot(ab, ab));
+  if (length == 0) return {0, 0, 0};
+  const Vec3<double> area = Cross(ab, ac);
+  return {length, Dot(ac, ab) / length, Sqrt(Dot(area, area)) / length};
+}
+
+struct Walker {
+  int32_t face;
+  Weights at;    // barycentrics
+  Weights step;  // what is left of the step, as changes of the barycentrics; sums to zero
+
+  // A weight falls by 1 at most in each triangle of about the same size.
+  COSPLAT_HD bool IsTooLong() const {
+    for (int i = 0; i < 3; ++i)
+      if (Abs(step[i]) > kMaxWalkCrossings) return true;
+    return false;
+  }
+
+  // The corner that the path leaves behind when it goes out of the face, and at which fraction of
+  // the step; -1 when the step ends inside.
+  COSPLAT_HD int ExitCorner(double& fraction) const {
+    int corner = -1;
+    fraction = 1;
+    for (int i = 0; i < 3; ++i) {
+      if (!(step[i] < 0) || !(at[i] < -step[i] * fraction)) continue;
+      fraction = at[i] / -step[i];
+      corner = i;
+    }
+    return corner;
+  }
+
+  COSPLAT_HD void Advance(double fraction) {
+    for (int i = 0; i < 3; ++i) {
+      at[i] += fraction * step[i];
+      step[i] *= 1 - fraction;
+    }
+  }
+
+  // Length of the step along `edge`.
+  COSPLAT_HD double Along(int edge, const EdgeShape& shape) const {
+    return step[(edge + 1) % 3] * shape.length + step[(edge + 2) % 3] * shape.foot;
+  }
+
+  // The step's part along the boundary edge is kept.
+  COSPLAT_HD void Slide(int edge, const EdgeShape& shape) {
+    const double share = shape.length > 0 ? Along(edge, shape) / shape.length : 0;
+    step[(edge + 1) % 3] = share;
+    step[edge] = -share;
+    step[(edge + 2) % 3] = 0;
+    at = KeepInsideTriangle(at);
+  }
+
+  // Into the face across `edge`, unfolded into this one's plane: the step's parts along the edge
+  // and across it are the same lengths there. A path that meets a vertex turns about it, face by
+  // face, until it has gone half way round: straight on.
+  COSPLAT_HD void Cross(
+      int edge, const EdgeShape& shape, int32_t next, int next_edge, const EdgeShape& shape2) {
+    const double along = Along(edge, shape);
+    const double across = -step[(edge + 2) % 3] * shape.height;
+    const double a = at[(edge + 1) % 3], b = at[edge];
+    const int end = (next_edge + 1) % 3, apex = (next_edge + 2) % 3;
+    face = next;
+    at[next_edge] = a;
+    at[end] = b;
+    at[apex] = 0;
+    step[apex] = across / shape2.height;
+    step[end] = (-along - step[apex] * shape2.foot) / shape2.length;
+    step[next_edge] = -step[apex] - step[end];
+  }
+};
+
+// Whether the walk ended within the bound; `met_boundary` says whether it met one.
+COSPLAT_HD bool FollowStep(const MeshArrays& mesh, Walker& walker, bool& met_boundary) {
+  bool slid_here = false;  // already along a boundary edge of this face
+  for (int events = 0; events < kMaxWalkCrossings; ++events) {
+    double fraction;
+    const int corner = walker.ExitCorner(fraction);
+    walker.Advance(fraction);
+    if (corner < 0) return AllFinite(walker.at);
+    const int edge = (corner + 1) % 3;
+    walker.at[corner] = 0;
+    const EdgeShape shape = ShapeOfEdge(mesh, walker.face, edge);
+    const int32_t next = NeighborOf(mesh, walker.face, edge);
+    const int next_edge = mesh.neighbor_edges[3 * size_t(walker.face) + edge];
+    const EdgeShape next_shape = next < 0 ? EdgeShape{0, 0, 0} : ShapeOfEdge(mesh, next, next_edge);
+    if (next >= 0 && next_shape.IsSolid()) {
+      walker.Cross(edge, shape, next, next_edge, next_shape);
+      slid_here = false;
+      continue;
+    }
+    met_boundary = true;
+    if (slid_here) return AllFinite(walker.at);
+    walker.Slide(edge, shape);
+    slid_here = true;
+  }
+  return false;
+}
+
+struct WalkEnd {
+  int32_t face;
+  float u, v;
+  WalkStatus status;
+};
+
+// From (u, v) of a face by (du, dv).
+COSPLAT_HD WalkEnd
+WalkFrom(const MeshArrays& mesh, int32_t face, float u, float v, float du, float dv) {
+  const WalkEnd stays{face, u, v, WalkStatus::kInvalid};
+  Walker walker{face, {{u, v, 1 - double(u) - double(v)}}, {{du, dv, -double(du) - double(dv)}}};
+  if (!AllFinite(walker.at) || !AllFinite(walker.step) || walker.IsTooLong()) return stays;
+  walker.at = KeepInsideTriangle(walker.at);
+  bool met_boundary = false;
+  if (!FollowStep(mesh, walker, met_boundary)) return stays;
+  const Weights at = KeepInsideTriangle(walker.at);
+  const WalkStatus status = met_boundary          ? WalkStatus::kBoundary
+                            : walker.face != face ? WalkStatus::kCrossed
+                                                  : WalkStatus::kWithin;
+  return {walker.face, float(at[0]), float(at[1]), status};
+}
+
+// Of a Gaussian that has not been pushed nothing is touched.
+COSPLAT_HD WalkEnd WalkGaussian(const MeshArrays& mesh,
+                                int32_t face,
+                                const float* barycentric,
+                                const float* offset) {
+  if (offset[0] == 0 && offset[1] == 0)
+    return {face, barycentric[0], barycentric[1], WalkStatus::kWithin};
+  return WalkFrom(mesh, face, barycentric[0], barycentric[1], offset[0], offset[1]);
+}
+
+// Takes the walks of a mesh's Gaussians, in their order.
+struct WalkTaker {
+  MeshArrays mesh;
+  int boundary_face_cap;
+  int32_t* count;  // [F] Gaussians of each face so far; of those with a boundary edge at least
+
+  // Whether the walk from one face to another is taken, which it is not where that is full.
+  COSPLAT_HD bool Take(int32_t from, int32_t to) const {
+    if (from != to && count[to] >= boundary_face_cap && HasBoundaryEdge(mesh, to)) return false;
+    --count[from];
+    ++count[to];
+    return true;
+  }
+};
+
+}  // namespace cosplat::math

@@ -1,0 +1,80 @@
+// The posed surface that Gaussians are embedded on: per vertex a position, a normal, the rotation
+// from the canonical mesh and the mean area around it; and the derivative of all of them.
+//
+// FLAME's posed vertices -> Surface::Pose -> avatar/surface/binding.h; back: dL/d(surface vertices)
+// -> Surface::Backward -> d_vertices -> FlamePoser::Backward. Sums run in a fixed order: the bits
+// do not depend on the number of threads.
+#pragma once
+
+#include <vector>
+
+#include "avatar/math/embed.h"
+#include "avatar/model/avatar_model.h"
+#include "flame/topology.h"
+#include "splat/device/buffer.h"
+
+namespace cosplat {
+
+struct MeshArrays;  // avatar/surface/kernels/arrays.h
+struct SurfaceArrays;
+using SurfaceVertex = math::SurfaceVertex<float>;
+
+// A place on a mesh: a face and the weights (u, v) of its vertices 0 and 1; 1 - u - v is that of
+// vertex 2.
+struct SurfacePoint {
+  int32_t triangle = 0;
+  std::array<float, 2> barycentric{};
+};
+
+class Surface {
+ public:
+  // Poses itself canonically. Throws Error when the mesh is no 2-manifold (see BuildTopology), has
+  // no faces, or has a coordinate that is not finite.
+  explicit Surface(const CanonicalMesh& mesh);
+
+  // vertices: [V, 3] metres. Throws Error on a wrong count or a coordinate that is not finite.
+  void CheckVertices(const std::vector<float>& vertices) const;
+
+  // Throws as CheckVertices does; the surface then keeps its last pose. A collapsed face has no
+  // weight in its vertices' normals and rotations; a vertex with none left keeps the identity and a
+  // zero normal.
+  void Pose(const std::vector<float>& vertices);
+
+  // d_surface [V]: dL/d(vertex()) at the last pose -> d_vertices [V, 3], overwritten. The canonical
+  // mesh is held fixed.
+  void Backward(const Buffer<SurfaceVertex>& d_surface, std::vector<float>& d_vertices) const;
+
+  size_t vertex_count() const { return vertices_.size(); }
+  const std::vector<std::array<int32_t, 3>>& faces() const { return faces_; }
+  const MeshTopology& topology() const { return topology_; }
+  const Buffer<SurfaceVertex>& vertices() const { return vertices_; }    // [V] at the last pose
+  const Buffer<SurfaceVertex>& canonical() const { return canonical_; }  // [V]
+  // [F, 4] of canonical(): its area at the face's corners; the fourth number is unused.
+  const Buffer<float>& canonical_areas() const { return canonical_areas_; }
+  // The mesh and its last pose as kernels take them, which Pose alone may write to.
+  SurfaceArrays Arrays() const;
+  // The canonical mesh and its adjacency likewise.
+  MeshArrays CanonicalArrays() const;
+
+ private:
+  std::vector<std::array<int32_t, 3>> faces_;
+  MeshTopology topology_;
+  std::vector<int32_t> corner_places_;          // [F, 3] where vertex_faces lists the corner
+  Buffer<math::Mat3<float>> canonical_frames_;  // [F]
+  Buffer<SurfaceVertex> canonical_;             // [V]
+  Buffer<float> canonical_areas_;
+  // The last pose, as avatar/surface/kernels/arrays.h lays it out.
+  Buffer<SurfaceVertex> vertices_;
+  Buffer<float> posed_faces_, sums_, signs_;
+};
+
+// Square metres: of one face, of the whole mesh. Throws Error on a vertex that does not exist.
+double FaceArea(const CanonicalMesh& mesh, size_t face);
+double SurfaceArea(const CanonicalMesh& mesh);
+
+// Turns lengths published "in units of a FLAME mesh enlarged four times" (0.008, 0.02, 0.2 and the
+// rate of d) into this mesh's units, by multiplication: the square root of the total area over the
+// enlarged template's. 0.25 for FLAME's template in metres, 1 for the same enlarged four times.
+float MeshUnit(const CanonicalMesh& mesh);
+
+}  // namespace cosplat

@@ -1,0 +1,159 @@
+// How an avatar's run begins: its frames, its mesh and its first Gaussians.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/play/player.h"
+#include "avatar/surface/sample.h"
+#include "avatar/surface/silhouette.h"
+#include "avatar/train/trainer.h"
+#include "splat/base/error.h"
+#include "splat/train/initialize.h"
+
+namespace cosplat {
+namespace {
+
+constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
+
+// A bust is added where more than this share of what the masks show lies beyond the head's mesh.
+constexpr double kBustShare = 0.1;
+constexpr size_t kBustFrames = 5;
+
+}  // namespace
+
+AvatarSubject::AvatarSubject(const FlameModel& flame,
+                             TrackedVideo video,
+                             const AvatarSettings& settings)
+    : flame_(flame),
+      video_(std::move(video)),
+      settings_(settings),
+      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
+      surface_(mesh_),
+      unit_(MeshUnit(mesh_)) {
+  if (settings_.refine_track && settings_.system == AvatarSystem::kReleased)
+    throw Error("", "--refine-track", "does not go with SplattingAvatar's released rule");
+  LoadFrames();
+  if (settings_.bust == AvatarSettings::BustChoice::kYes ||
+      (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))
+    bust_ = MeanBustOfTrack();
+  if (settings_.system != AvatarSystem::kCosplat) canonical_frame_ = video_.train[0].params;
+  if (bust_ || canonical_frame_) BuildMesh();
+  poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
+  SetFaceRates();
+}
+
+// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
+// SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
+void AvatarSubject::SetFaceRates() {
+  for (size_t f = 0; f < mesh_.faces.size(); ++f)
+    face_rates_.push_back(settings_.system == AvatarSystem::kCosplat
+                              ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
+                              : 1 / unit_);
+}
+
+void AvatarSubject::LoadFrames() {
+  std::vector<Image8> images(video_.train.size());
+  std::vector<std::string> problems(video_.train.size());
+  const auto load = [&](size_t i) {
+    problems[i] = Problem([&] { images[i] = LoadTrackedImage(video_, video_.train[i]); });
+  };
+  if (video_.video) {  // a video file is decoded in order
+    for (size_t i = 0; i < images.size(); ++i) load(i);
+  } else {
+    tbb::parallel_for(size_t(0), images.size(), load);
+  }
+  std::vector<TrackedFrame> usable;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const TrackedFrame& frame = video_.train[i];
+    if (!problems[i].empty()) {
+      video_.skipped.push_back({frame.name, problems[i]});
+      continue;
+    }
+    frames_.push_back({frame.camera, std::move(images[i])});
+    RefinedFrame refined;
+    refined.params = FlamePoser<float>::FrameOf(frame.params);
+    refined.params.expression.resize(flame_.expression_count, 0.0f);
+    refined.m.expression.resize(flame_.expression_count, 0.0f);
+    refined.v.expression.resize(flame_.expression_count, 0.0f);
+    state_.track.push_back(std::move(refined));
+    usable.push_back(frame);
+  }
+  CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
+  if (usable.empty())
+    throw Error(video_.source, "training frames", "none is usable: " + video_.skipped[0].reason);
+  video_.train = std::move(usable);
+}
+
+// Whether a good part of what the masks show is beyond the mesh: hair is, but far less than a bust.
+bool AvatarSubject::NeedsBust() const {
+  AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
+  std::vector<float> vertices;
+  size_t shown = 0, beyond = 0;
+  for (size_t k = 0; k < std::min(kBustFrames, frames_.size()); ++k) {
+    const size_t f = k * frames_.size() / kBustFrames;
+    const Image8& target = frames_[f].target;
+    if (target.channels != 4) return false;  // no masks: nothing says what is the subject
+    head.Forward(state_.track[f].params, vertices);
+    const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
+    for (size_t p = 0; p < covered.size(); ++p) {
+      if (target.data[4 * p + 3] < 128) continue;
+      ++shown;
+      beyond += !covered[p];
+    }
+  }
+  return shown > 0 && double(beyond) > kBustShare * double(shown);
+}
+
+Bust AvatarSubject::MeanBustOfTrack() const {
+  std::vector<FlameParams> track;
+  for (const TrackedFrame& frame : video_.train) track.push_back(frame.params);
+  return MeanBust(flame_, video_.shape, video_.static_offset, track);
+}
+
+void AvatarSubject::BuildMesh() {
+  mesh_ = MakeCanonicalMesh(flame_, video_.shape, video_.static_offset, bust_, canonical_frame_);
+  surface_ = Surface(mesh_);
+}
+
+// Gives each Gaussian its own spacing as scale.
+void AvatarSubject::SetSpacing(Gaussians& g) const {
+  if (settings_.system == AvatarSystem::kCosplat) {
+    // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
+    const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
+    for (float& s : g.values[kScaleLog]) s = std::log(spacing);
+    return;
+  }
+  // In the enlarged mesh's units, for the sake of the least distance that 3DGS allows.
+  std::vector<float> points;
+  for (size_t i = 0; i < g.size(); ++i)
+    for (const float x : Center(g, i)) points.push_back(x / unit_);
+  const std::vector<uint8_t> grey(points.size(), 128);
+  g.values[kScaleLog] = InitializeFromPoints(points, grey, 0, g.basis).values[kScaleLog];
+  for (float& s : g.values[kScaleLog]) s += std::log(unit_);
+}
+
+Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed) {
+  Rng rng{seed};
+  Gaussians g;
+  g.degree = degree;
+  g.basis = basis;
+  g.Resize(settings_.initial_gaussians);
+  const bool released = settings_.system == AvatarSystem::kReleased;
+  state_.embedding = {};
+  if (released) state_.embedding.released = ReleasedRule{unit_};
+  for (const SurfacePoint& p :
+       released ? SampleFaces(mesh_, g.size(), rng) : SampleSurface(mesh_, g.size(), rng)) {
+    state_.embedding.triangle.push_back(p.triangle);
+    state_.embedding.barycentric.push_back(p.barycentric);
+  }
+  state_.first_triangle = state_.embedding.triangle;
+  for (size_t i = 0; i < g.size(); ++i) {
+    g.at(kRotation, i)[0] = 1;
+    g.at(kOpacityLogit, i)[0] = std::log(kInitialOpacity / (1 - kInitialOpacity));
+  }
+  SetSpacing(g);
+  return g;
+}
+
+}  // namespace cosplat

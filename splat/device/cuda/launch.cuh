@@ -1,0 +1,76 @@
+// Launches bodies: small structs of views with an operator() for the device.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "splat/device/cuda/check.h"
+
+namespace cosplat::cuda {
+
+constexpr unsigned kWarp = 32;
+constexpr unsigned kAllLanes = 0xffffffffu;
+
+#if defined(__CUDACC__)
+// The block's shared memory as a T; any values at first.
+template <class T>
+__device__ T& SharedMemory() {
+  __shared__ alignas(16) unsigned char bytes[sizeof(T)];
+  return *reinterpret_cast<T*>(bytes);
+}
+#endif
+
+__device__ inline unsigned Lane() { return threadIdx.x % kWarp; }
+__device__ inline unsigned WarpInBlock() { return threadIdx.x / kWarp; }
+
+__device__ inline uint32_t BitsOf(float x) {
+  union {
+    float value;
+    uint32_t bits;
+  } u{x};
+  return u.bits;
+}
+
+constexpr unsigned kElementThreads = 256;
+
+template <class Body>
+__global__ void __launch_bounds__(kElementThreads) ForEachKernel(size_t n, Body body) {
+  const size_t i = size_t(blockIdx.x) * kElementThreads + threadIdx.x;
+  if (i < n) body(i);
+}
+
+template <class Body>
+__global__ void __launch_bounds__(Body::kThreads) ForBlocksKernel(Body body) {
+  body();
+}
+
+template <class... Parameters, class... Arguments>
+void Launch(size_t blocks,
+            unsigned threads,
+            cudaStream_t stream,
+            void (*kernel)(Parameters...),
+            const Arguments&... arguments) {
+  if (blocks == 0) return;
+  cudaLaunchConfig_t config{};
+  config.gridDim = dim3(unsigned(blocks));
+  config.blockDim = dim3(threads);
+  config.stream = stream;
+  Check(cudaLaunchKernelEx(&config, kernel, arguments...), "cudaLaunchKernelEx");
+}
+
+// body(i) for i < n, a thread each. n < 2^39.
+template <class Body>
+void ForEach(size_t n, cudaStream_t stream, const Body& body) {
+  const size_t blocks = (n + kElementThreads - 1) / kElementThreads;
+  Launch(blocks, kElementThreads, stream, &ForEachKernel<Body>, n, body);
+}
+
+// body() in every thread of blocks of Body::kThreads.
+template <class Body>
+void ForBlocks(size_t blocks, cudaStream_t stream, const Body& body) {
+  Launch(blocks, Body::kThreads, stream, &ForBlocksKernel<Body>, body);
+}
+
+}  // namespace cosplat::cuda

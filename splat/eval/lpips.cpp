@@ -1,0 +1,139 @@
+#include "splat/eval/lpips.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <sstream>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/npz.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kBackbone = "_backbone.onnx";
+
+// Keeps a pixel whose channels are all 0 finite (the reference implementation's value).
+constexpr float kTinySquare = 1e-20f;
+
+std::string FindNet(const std::string& folder) {
+  std::vector<std::string> nets;
+  std::error_code ignored;  // of a folder that is none: then there is no net in it
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(kBackbone)) nets.push_back(name);
+  }
+  std::sort(nets.begin(), nets.end());
+  if (nets.empty()) throw Error(folder, "", std::string("holds no NET") + kBackbone);
+  if (nets.size() > 1)
+    throw Error(folder, "", "holds " + nets[0] + " and " + nets[1] + ", expected one net");
+  return nets[0].substr(0, nets[0].size() - std::string(kBackbone).size());
+}
+
+std::vector<std::string> ReadTaps(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  std::istringstream words(std::string(bytes.begin(), bytes.end()));
+  std::vector<std::string> taps;
+  for (std::string name; words >> name;) taps.push_back(name);
+  if (taps.empty()) throw Error(path, "", "names no output of the net");
+  return taps;
+}
+
+std::vector<std::vector<float>> ReadWeights(const std::string& path,
+                                            const std::vector<std::string>& taps,
+                                            const std::vector<int>& channels) {
+  const Npz npz = Npz::Read(path);
+  std::vector<std::vector<float>> weights;
+  for (size_t i = 0; i < channels.size(); ++i) {
+    const std::string name = "lin" + std::to_string(i);
+    const NpyArray& array = npz.Get(name);
+    if (array.size() != size_t(channels[i]))
+      throw Error(path,
+                  name,
+                  "has " + std::to_string(array.size()) + " weights, the net's output " + taps[i] +
+                      " has " + std::to_string(channels[i]) + " channels");
+    for (size_t c = 0; c < array.size(); ++c)
+      if (!std::isfinite(array.values[c]))
+        throw Error(path, name + "[" + std::to_string(c) + "]", "is not a finite number");
+    weights.emplace_back(array.values.begin(), array.values.end());
+  }
+  const std::string next = "lin" + std::to_string(channels.size());
+  if (npz.Has(next))
+    throw Error(path, next, "is one more than the " + std::to_string(taps.size()) + " taps");
+  return weights;
+}
+
+// The factors that give each pixel of a row of `map` length 1.
+std::vector<float> RowNorms(const FeatureMap& map, const float* row) {
+  std::vector<float> norms(size_t(map.width), kTinySquare);
+  const size_t plane = size_t(map.height) * map.width;
+  for (int c = 0; c < map.channels; ++c)
+    for (int x = 0; x < map.width; ++x) norms[x] += row[c * plane + x] * row[c * plane + x];
+  for (float& norm : norms) norm = 1 / std::sqrt(norm);
+  return norms;
+}
+
+// Sum over the pixels of row `y`.
+double RowDistance(const FeatureMap& a,
+                   const FeatureMap& b,
+                   const std::vector<float>& weights,
+                   int y) {
+  const float* row_a = a.data + size_t(y) * a.width;
+  const float* row_b = b.data + size_t(y) * b.width;
+  const std::vector<float> norms_a = RowNorms(a, row_a), norms_b = RowNorms(b, row_b);
+  std::vector<float> sums(size_t(a.width), 0.f);
+  const size_t plane = size_t(a.height) * a.width;
+  for (int c = 0; c < a.channels; ++c)
+    for (int x = 0; x < a.width; ++x) {
+      const float difference =
+          row_a[c * plane + x] * norms_a[x] - row_b[c * plane + x] * norms_b[x];
+      sums[x] += weights[c] * difference * difference;
+    }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double MapDistance(const FeatureMap& a, const FeatureMap& b, const std::vector<float>& weights) {
+  std::vector<double> rows(size_t(a.height));
+  tbb::parallel_for(0, a.height, [&](int y) { rows[y] = RowDistance(a, b, weights, y); });
+  return std::accumulate(rows.begin(), rows.end(), 0.0) / (double(a.height) * a.width);
+}
+
+OnnxNet ReadBackbone(const std::string& stem) {
+  return OnnxNet(stem + kBackbone, ReadTaps(stem + "_taps.txt"));
+}
+
+}  // namespace
+
+Lpips::Lpips(const std::string& folder) : Lpips(folder, FindNet(folder)) {}
+
+Lpips::Lpips(const std::string& folder, const std::string& net)
+    : net_(net),
+      backbone_(folder + "/" + net + kBackbone),
+      nets_{ReadBackbone(folder + "/" + net), ReadBackbone(folder + "/" + net)} {
+  const std::string stem = folder + "/" + net;
+  weights_ = ReadWeights(stem + "_lin.npz", ReadTaps(stem + "_taps.txt"), nets_[0].channels());
+}
+
+double Lpips::Distance(const Image8& a, const Image8& b) {
+  if (a.width != b.width || a.height != b.height)
+    throw Error("",
+                "images",
+                std::to_string(a.width) + "x" + std::to_string(a.height) + " against " +
+                    std::to_string(b.width) + "x" + std::to_string(b.height));
+  std::vector<FeatureMap> maps_a, maps_b;
+  tbb::parallel_invoke([&] { maps_a = nets_[0].Run(a); }, [&] { maps_b = nets_[1].Run(b); });
+  double sum = 0;
+  for (size_t i = 0; i < weights_.size(); ++i)
+    sum += MapDistance(maps_a[i], maps_b[i], weights_[i]);
+  if (!std::isfinite(sum)) throw Error(backbone_, "", "gives feature maps that are not finite");
+  return sum;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,94 @@
+#include "splat/eval/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "splat/base/error.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+namespace {
+
+std::string SizeOf(const Image8& image) {
+  return std::to_string(image.width) + "x" + std::to_string(image.height) + "x" +
+         std::to_string(image.channels);
+}
+
+double SquaredDifference(const Image8& a, const Image8& b, size_t pixel) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double d = (double(a.data[3 * pixel + c]) - b.data[3 * pixel + c]) / 255;
+    sum += d * d;
+  }
+  return sum / 3;
+}
+
+double ToDecibel(double squared, double weight) {
+  if (weight <= 0) return 0;
+  return squared > 1e-10 * weight ? -10 * std::log10(squared / weight) : 100;
+}
+
+// Highlights are where a colour must depend on the direction.
+double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
+  constexpr size_t kShare = 50;
+  std::vector<std::pair<int, size_t>> by_brightness;
+  for (size_t i = 0; i < truth.pixels(); ++i)
+    if (mask.data[i] == 255)
+      by_brightness.push_back(
+          {truth.data[3 * i] + truth.data[3 * i + 1] + truth.data[3 * i + 2], i});
+  const size_t count = by_brightness.size() / kShare;
+  std::partial_sort(by_brightness.begin(),
+                    by_brightness.begin() + std::ptrdiff_t(count),
+                    by_brightness.end(),
+                    std::greater<>());
+  double sum = 0;
+  for (size_t k = 0; k < count; ++k)
+    sum += SquaredDifference(rendered, truth, by_brightness[k].second);
+  return ToDecibel(sum, double(count));
+}
+
+}  // namespace
+
+ImageMetrics CompareImages(const Image8& rendered,
+                           const Image8& truth,
+                           const Image8* mask,
+                           const Rectangle* region) {
+  if (rendered.width != truth.width || rendered.height != truth.height || rendered.channels != 3 ||
+      truth.channels != 3)
+    throw Error("", "images", SizeOf(rendered) + " against " + SizeOf(truth));
+  if (mask && (mask->width != truth.width || mask->height != truth.height || mask->channels != 1))
+    throw Error("", "mask", SizeOf(*mask) + " for an image of " + SizeOf(truth));
+  ImageMetrics m;
+  Buffer<float> a, b;
+  CompositeTarget(rendered, {0, 0, 0}, a);
+  CompositeTarget(truth, {0, 0, 0}, b);
+  m.psnr = Psnr(a, b);
+  m.ssim = MeanSsim(a, truth, {0, 0, 0});
+  if (mask) {
+    double sum = 0, weight = 0;
+    for (size_t i = 0; i < truth.pixels(); ++i) {
+      const double w = mask->data[i] / 255.0;
+      sum += w * SquaredDifference(rendered, truth, i);
+      weight += w;
+    }
+    m.psnr_mask = ToDecibel(sum, weight);
+    m.psnr_highlight = HighlightPsnr(rendered, truth, *mask);
+  }
+  if (region) {
+    double sum = 0, weight = 0;
+    for (int y = std::max(0, region->y); y < std::min(truth.height, region->y + region->height);
+         ++y)
+      for (int x = std::max(0, region->x); x < std::min(truth.width, region->x + region->width);
+           ++x) {
+        sum += SquaredDifference(rendered, truth, size_t(y) * truth.width + x);
+        weight += 1;
+      }
+    m.psnr_region = ToDecibel(sum, weight);
+  }
+  return m;
+}
+
+}  // namespace cosplat

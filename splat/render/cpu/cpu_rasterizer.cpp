@@ -1,0 +1,157 @@
+// The CPU back end: project -> tile lists -> blend per tile, in parallel over oneTBB.
+// Bits do not depend on the number of threads: tiles and Gaussians are independent, and a
+// Gaussian's gradient is the sum of its tiles' records in a fixed order.
+#include <tbb/parallel_for.h>
+
+#include "splat/config.h"
+#include "splat/render/cpu/blend_tile.h"
+#include "splat/render/cpu/contribution_tile.h"
+#include "splat/render/cpu/launch.h"
+#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
+
+namespace cosplat {
+namespace {
+
+class CpuTape : public RenderTape {
+ public:
+  View<const float> radii() const override { return radius; }
+  size_t visible_count() const override { return lists.order.size(); }
+  size_t instance_count() const override { return lists.entries.size(); }
+  std::vector<MemoryPart> Memory() const override {
+    return {{"projected splats", HeldBy(splats, radius)},
+            {"tile lists", lists.HeldForGaussians()},
+            {"gradients per splat and tile", HeldBy(records, contributions)},
+            {"gradients per splat", HeldBy(d_splats)},
+            {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
+  }
+
+  ViewParameters view{};
+  RenderSettings settings;
+  Buffer<ProjectedSplat> splats;  // [count]
+  Buffer<float> radius;           // [count]
+  TileLists lists;
+  Buffer<uint32_t> looked_at;          // [tiles] entries before the tile was opaque
+  Buffer<SplatGradient> records;       // [instances]
+  Buffer<SplatGradient> d_splats;      // [count]
+  Buffer<Contribution> contributions;  // [instances]; only once they were asked for
+};
+
+class CpuRasterizer : public Rasterizer {
+ public:
+  std::unique_ptr<RenderTape> MakeTape() const override { return std::make_unique<CpuTape>(); }
+
+  void Forward(const WorldGaussians& gaussians,
+               Basis basis,
+               const Camera& camera,
+               const RenderSettings& settings,
+               RenderedImage& image,
+               RenderTape& base_tape) override {
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    CheckArguments(gaussians, camera, settings);
+    tape.view = ViewOfCamera(camera, basis, settings.degree);
+    tape.settings = settings;
+    {
+      ScopedPhase phase(times, Phase::kProject);
+      tape.splats.resize(gaussians.count);
+      tape.radius.resize(gaussians.count);
+      LaunchProject(gaussians, tape.view, tape.splats.data(), tape.radius.data());
+    }
+    {
+      ScopedPhase phase(times, Phase::kSort);
+      tape.lists.Build(tape.splats, tape.radius, camera.width, camera.height);
+    }
+    ScopedPhase phase(times, Phase::kBlend);
+    image.width = camera.width;
+    image.height = camera.height;
+    image.color.resize(3 * size_t(camera.width) * camera.height);
+    image.transmittance.resize(size_t(camera.width) * camera.height);
+    const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
+    tape.looked_at.resize(tiles);
+    tbb::parallel_for(0, tiles, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = image.color.data();
+      job.transmittance = image.transmittance.data();
+      tape.looked_at[tile] = BlendTileForward(job);
+    });
+  }
+
+  void Backward(const WorldGaussians& gaussians,
+                const RenderedImage& image,
+                const Buffer<float>& d_color,
+                RenderTape& base_tape,
+                const WorldGradients& gradients) override {
+    ScopedPhase phase(times, Phase::kBackward);
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    Refill(tape.records, tape.lists.entries.size());
+    const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
+    tbb::parallel_for(0, tiles, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = const_cast<float*>(image.color.data());  // read only here
+      for (uint32_t k = tape.looked_at[tile]; k < job.entry_count; ++k)
+        tape.records[job.entries[k].record] = SplatGradient{};
+      job.entry_count = tape.looked_at[tile];
+      BlendTileBackward(job, d_color.data(), tape.records.data());
+    });
+    SumRecords(tape);
+    LaunchProjectVjp(gaussians,
+                     tape.view,
+                     tape.splats.data(),
+                     tape.radius.data(),
+                     tape.d_splats.data(),
+                     gradients);
+  }
+
+  void Contributions(const RenderedImage& image,
+                     RenderTape& base_tape,
+                     Buffer<Contribution>& sums) override {
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    const TileLists& lists = tape.lists;
+    tape.contributions.assign(lists.entries.size(), Contribution{});
+    tbb::parallel_for(0, lists.tiles_x * lists.tiles_y, [&](int tile) {
+      TileJob job = JobOf(tape, tile, image.width, image.height);
+      job.color = const_cast<float*>(image.color.data());  // read only here
+      job.entry_count = tape.looked_at[tile];
+      SumContributions(job, tape.contributions.data());
+    });
+    sums.assign(tape.splats.size(), Contribution{});
+    tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
+      Contribution& sum = sums[lists.order[k]];
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r)
+        sum += tape.contributions[r];
+    });
+  }
+
+ private:
+  static TileJob JobOf(const CpuTape& tape, int tile, int width, int height) {
+    TileJob job;
+    job.splats = tape.splats.data();
+    job.entries = tape.lists.entries.data() + tape.lists.tile_begin[tile];
+    job.entry_count = tape.lists.tile_begin[tile + 1] - tape.lists.tile_begin[tile];
+    job.x0 = tile % tape.lists.tiles_x * kTileSize;
+    job.y0 = tile / tape.lists.tiles_x * kTileSize;
+    job.width = width;
+    job.height = height;
+    for (int c = 0; c < 3; ++c) job.background[c] = tape.settings.background[c];
+    job.exp_degree = tape.settings.exp_degree;
+    return job;
+  }
+
+  // Per Gaussian, its instances' records in their fixed order.
+  static void SumRecords(CpuTape& tape) {
+    tape.d_splats.resize(tape.splats.size());
+    const TileLists& lists = tape.lists;
+    tbb::parallel_for(size_t(0), lists.order.size(), [&](size_t k) {
+      SplatGradient sum{};
+      for (uint32_t r = lists.record_begin[k]; r < lists.record_begin[k + 1]; ++r)
+        sum += tape.records[r];
+      tape.d_splats[lists.order[k]] = sum;
+    });
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Rasterizer> MakeCpuRasterizer() { return std::make_unique<CpuRasterizer>(); }
+
+}  // namespace cosplat

@@ -1,0 +1,97 @@
+#include "splat/render/cpu/launch.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/render/cpu/launch.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "splat/render/cpu/pack_rows.h"
+#include "splat/render/kernels/project.h"
+
+COSPLAT_MATH_BEGIN
+
+// Runs a kernel on packs of consecutive rows.
+template <class Kernel>
+void RunRange(const Kernel& kernel, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; i += kLanes)
+    kernel.template Run<Pack>(Rows{i, std::min(kLanes, end - i)});
+}
+
+void ProjectRange(const WorldGaussians& gaussians,
+                  const ViewParameters& view,
+                  ProjectedSplat* splats,
+                  float* radii,
+                  size_t begin,
+                  size_t end) {
+  RunRange(ProjectKernel{gaussians, view, splats, radii}, begin, end);
+}
+
+void ProjectVjpRange(const WorldGaussians& gaussians,
+                     const ViewParameters& view,
+                     const ProjectedSplat* splats,
+                     const float* radii,
+                     const SplatGradient* d_splats,
+                     const WorldGradients& gradients,
+                     size_t begin,
+                     size_t end) {
+  const ProjectVjpKernel kernel{gaussians, view, splats, radii, d_splats, gradients};
+  for (size_t group = begin; group < end; group += kGaussianGroup) {
+    const size_t group_end = std::min(group + kGaussianGroup, end);
+    const bool drawn = std::any_of(radii + group, radii + group_end, [](float r) { return r > 0; });
+    if (drawn)
+      RunRange(kernel, group, group_end);
+    else if (!gradients.drawn_groups_only)
+      kernel.ZeroAll(Rows{group, group_end - group});
+  }
+}
+
+COSPLAT_MATH_END
+
+#if HWY_ONCE
+namespace cosplat {
+namespace math {
+HWY_EXPORT(ProjectRange);
+HWY_EXPORT(ProjectVjpRange);
+}  // namespace math
+
+namespace {
+// A multiple of kGaussianGroup, which is one of every pack's lanes.
+constexpr size_t kGrain = 512;
+template <class F>
+void ForRanges(size_t count, const F& f) {
+  tbb::parallel_for(size_t(0), (count + kGrain - 1) / kGrain, [&](size_t chunk) {
+    f(chunk * kGrain, std::min((chunk + 1) * kGrain, count));
+  });
+}
+}  // namespace
+
+void LaunchProject(const WorldGaussians& gaussians,
+                   const ViewParameters& view,
+                   ProjectedSplat* splats,
+                   float* radii) {
+  using namespace math;
+  ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    HWY_DYNAMIC_DISPATCH(ProjectRange)(gaussians, view, splats, radii, begin, end);
+  });
+}
+
+void LaunchProjectVjp(const WorldGaussians& gaussians,
+                      const ViewParameters& view,
+                      const ProjectedSplat* splats,
+                      const float* radii,
+                      const SplatGradient* d_splats,
+                      const WorldGradients& gradients) {
+  using namespace math;
+  ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    HWY_DYNAMIC_DISPATCH(ProjectVjpRange)
+    (gaussians, view, splats, radii, d_splats, gradients, begin, end);
+  });
+}
+
+}  // namespace cosplat
+#endif

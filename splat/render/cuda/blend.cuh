@@ -1,0 +1,61 @@
+// What the kernels that walk over tiles share.
+#pragma once
+
+#include "splat/config.h"
+#include "splat/device/cuda/launch.cuh"
+#include "splat/math/blend.h"
+#include "splat/render/cuda/tile_lists.h"
+
+namespace cosplat::cuda {
+
+constexpr int kTilePixels = kTileSize * kTileSize;
+
+// A tile's pixels are kept warp after warp, each 8 wide and 4 high: squarer than rows of the tile,
+// so that fewer splats reach a warp.
+constexpr int kPatchWidth = 8, kPatchHeight = 4;
+constexpr int kPatchesAcross = kTileSize / kPatchWidth;
+static_assert(kPatchWidth * kPatchHeight == kWarp && kTilePixels % kWarp == 0);
+
+// Of a tile, from the image's first pixel; pixel p of it is at (x(p), y(p)).
+struct TilePixels {
+  int x0, y0;
+  __device__ TilePixels(int tile, int tiles_x)
+      : x0(tile % tiles_x * kTileSize), y0(tile / tiles_x * kTileSize) {}
+  __device__ int x(int p) const {
+    return x0 + p / int(kWarp) % kPatchesAcross * kPatchWidth + p % kPatchWidth;
+  }
+  __device__ int y(int p) const {
+    return y0 + p / int(kWarp) / kPatchesAcross * kPatchHeight + p % int(kWarp) / kPatchWidth;
+  }
+};
+
+// Of a ProjectedSplat, what blending needs. An odd number of floats: neighbours are in different
+// banks of shared memory.
+struct BlendSplat {
+  float x, y, power_xx, power_xy, power_yy, opacity, reject_below, r, g, b, x_per_y, y_per_x;
+  float padding;
+
+  BlendSplat() = default;
+  __device__ explicit BlendSplat(const ProjectedSplat& s)
+      : x(s.x),
+        y(s.y),
+        power_xx(s.power_xx),
+        power_xy(s.power_xy),
+        power_yy(s.power_yy),
+        opacity(s.opacity),
+        reject_below(s.reject_below),
+        r(s.r),
+        g(s.g),
+        b(s.b),
+        x_per_y(s.x_per_y),
+        y_per_x(s.y_per_x),
+        padding(0) {}
+  __device__ math::PowerForm<float> form() const { return {power_xx, power_xy, power_yy}; }
+  __device__ math::Vec3<float> color() const { return {r, g, b}; }
+};
+
+// e^power, the same forward and backward. The hardware's: to about 2 units in the last place where
+// alpha counts.
+__device__ inline float Falloff(float power) { return __expf(power); }
+
+}  // namespace cosplat::cuda

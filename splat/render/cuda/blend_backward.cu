@@ -1,0 +1,201 @@
+#include "splat/render/cuda/blend_backward.h"
+#include "splat/render/cuda/bucket_walk.cuh"
+
+namespace cosplat::cuda {
+namespace {
+
+__device__ float FromLaneBefore(float x) { return __shfl_up_sync(kAllLanes, x, 1); }
+
+__device__ math::Vec3<float> ColorAt(const float* planes, size_t plane, size_t at) {
+  return {planes[at], planes[plane + at], planes[2 * plane + at]};
+}
+
+// Where the sum of one instance goes: to its Gaussian at once, or to its record.
+struct GradientSink {
+  DeviceView<const uint32_t> record;
+  DeviceView<SplatGradient> records;  // empty: atomics
+  DeviceView<SplatGradient> d_splats;
+
+  __device__ void Put(uint32_t k, uint32_t gaussian, const SplatGradient& d) const {
+    if (records.count != 0) {
+      records[record[k]] = d;
+      return;
+    }
+    SplatGradient& sum = d_splats[gaussian];
+    atomicAdd(&sum.x, d.x);
+    atomicAdd(&sum.y, d.y);
+    atomicAdd(&sum.power_xx, d.power_xx);
+    atomicAdd(&sum.power_xy, d.power_xy);
+    atomicAdd(&sum.power_yy, d.power_yy);
+    atomicAdd(&sum.opacity, d.opacity);
+    atomicAdd(&sum.r, d.r);
+    atomicAdd(&sum.g, d.g);
+    atomicAdd(&sum.b, d.b);
+  }
+};
+
+struct BackwardWalk {
+  const float* d_color;
+  GradientSink sink;
+
+  struct Pixel {
+    float transmittance, behind;
+    math::Vec3<float> d;
+  };
+  struct State : math::BlendVjpState<float> {
+    __device__ State FromLaneBefore() const {
+      return {{cuda::FromLaneBefore(transmittance), cuda::FromLaneBefore(behind)}};
+    }
+  };
+  struct Sum {
+    math::PowerMoments<float> moments;
+    math::Vec3<float> color;
+  };
+
+  __device__ Pixel Load(const BucketLists& in,
+                        size_t plane,
+                        size_t at,
+                        const PixelCheckpoint& before) const {
+    const math::Vec3<float> d = ColorAt(d_color, plane, at);
+    const math::Vec3<float> so_far{before.y, before.z, before.w};
+    return {before.x, Dot(d, ColorAt(in.color.data, plane, at) - so_far), d};
+  }
+  __device__ static Pixel Outside() { return {0, 0, {0, 0, 0}}; }
+  __device__ static State StartOf(const Pixel& pixel) {
+    return {{pixel.transmittance, pixel.behind}};
+  }
+  __device__ void Step(const Pixel& pixel,
+                       const BlendSplat& s,
+                       float dx,
+                       float dy,
+                       float falloff,
+                       State& state,
+                       Sum& sum) const {
+    const math::BlendVjpResult<float> d =
+        BlendBehindVjp(math::AlphaOf(s.opacity, falloff), s.color(), pixel.d, state);
+    sum.color += pixel.d * d.weight;
+    Accumulate(math::AlphaOfVjp(s.opacity, falloff, d.d_alpha) * falloff, dx, dy, sum.moments);
+  }
+  __device__ void Finish(uint32_t k, uint32_t gaussian, const BlendSplat& s, const Sum& sum) const {
+    const math::ShapeGradient<float> d = ShapeVjp(s.form(), s.opacity, sum.moments);
+    sink.Put(k,
+             gaussian,
+             {d.x,
+              d.y,
+              d.power_xx,
+              d.power_xy,
+              d.power_yy,
+              d.opacity,
+              sum.color.x,
+              sum.color.y,
+              sum.color.z});
+  }
+};
+
+struct ContributionWalk {
+  DeviceView<const uint32_t> record;
+  DeviceView<Contribution> records;
+
+  struct Pixel {
+    float transmittance;
+    math::Vec3<float> behind;
+  };
+  struct State : Pixel {
+    __device__ State FromLaneBefore() const {
+      return {{cuda::FromLaneBefore(this->transmittance),
+               {cuda::FromLaneBefore(this->behind.x),
+                cuda::FromLaneBefore(this->behind.y),
+                cuda::FromLaneBefore(this->behind.z)}}};
+    }
+  };
+  using Sum = math::PixelContribution<float>;
+
+  __device__ Pixel Load(const BucketLists& in,
+                        size_t plane,
+                        size_t at,
+                        const PixelCheckpoint& before) const {
+    const math::Vec3<float> so_far{before.y, before.z, before.w};
+    return {before.x, ColorAt(in.color.data, plane, at) - so_far};
+  }
+  __device__ static Pixel Outside() { return {0, {0, 0, 0}}; }
+  __device__ static State StartOf(const Pixel& pixel) { return {pixel}; }
+  __device__ void Step(const Pixel&,
+                       const BlendSplat& s,
+                       float,
+                       float,
+                       float falloff,
+                       State& state,
+                       Sum& sum) const {
+    const Sum c = math::ContributionBehind(
+        true, s.opacity, falloff, s.color(), state.behind, state.transmittance);
+    sum.weight += c.weight;
+    sum.hits += c.hits;
+    sum.sensitivity += c.sensitivity;
+    sum.change += c.change;
+  }
+  __device__ void Finish(uint32_t k, uint32_t, const BlendSplat& s, const Sum& sum) const {
+    records[record[k]] = {sum.weight, s.opacity * sum.hits, sum.sensitivity, sum.change};
+  }
+};
+
+// Per Gaussian, drawn or not, its instances' records in their fixed order.
+template <class Record>
+struct SumRecords {
+  TileListsView lists;
+  DeviceView<const Record> records;
+  DeviceView<Record> sums;
+  __device__ void operator()(size_t k) const {
+    Record sum{};
+    const uint64_t begin = lists.record_begin[k];
+    const uint64_t end = lists.Complete() ? lists.record_begin[k + 1] : begin;
+    for (uint64_t r = begin; r < end; ++r) sum += records[r];
+    sums[lists.order[k]] = sum;
+  }
+};
+
+}  // namespace
+
+BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image) {
+  return {tape.lists.view(),
+          tape.splats.view(),
+          tape.looked_at.view(),
+          tape.checkpoints.view(),
+          image.color.view(),
+          image.width,
+          image.height};
+}
+
+void BlendBackward(Tape& tape,
+                   const DeviceImage& image,
+                   const float* d_color,
+                   SumOrder order,
+                   cudaStream_t stream) {
+  const TileListsView lists = tape.lists.view();
+  const bool fixed = order == SumOrder::kFixed;
+  tape.records.Refill(fixed ? tape.lists.room() : 0);
+  tape.d_splats.Refill(tape.splats.size());
+  if (!fixed) tape.d_splats.FillWithZeros(stream);
+  const GradientSink sink{lists.record, tape.records.view(), tape.d_splats.view()};
+  WalkBuckets(tape, image, BackwardWalk{d_color, sink}, stream);
+  if (fixed)
+    ForEach(
+        tape.splats.size(),
+        stream,
+        SumRecords<SplatGradient>{lists, std::as_const(tape.records).view(), tape.d_splats.view()});
+}
+
+void SumContributions(Tape& tape,
+                      const DeviceImage& image,
+                      Contribution* contributions,
+                      cudaStream_t stream) {
+  const TileListsView lists = tape.lists.view();
+  const size_t count = tape.splats.size();
+  tape.contributions.Refill(tape.lists.room());
+  WalkBuckets(tape, image, ContributionWalk{lists.record, tape.contributions.view()}, stream);
+  ForEach(count,
+          stream,
+          SumRecords<Contribution>{
+              lists, std::as_const(tape.contributions).view(), {contributions, count}});
+}
+
+}  // namespace cosplat::cuda

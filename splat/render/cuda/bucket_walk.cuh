@@ -1,0 +1,128 @@
+// Walks over buckets: 32 neighbours of a tile's instances, a lane each, and all pixels of the tile.
+//
+// The pixels pass through the lanes like beads through fingers: in step s, lane l has pixel s - l,
+// with what the lanes before it, which have the splats before its own, left of it. So every lane
+// sees its splat's pixels one after the other and adds up by itself, in one order, what a splat
+// gets of a tile. Buckets start from what the forward pass kept (PixelCheckpoint), independent of
+// each other. Source: Mallick et al. 2024 (Taming 3DGS).
+#pragma once
+
+#include "splat/render/cuda/blend.cuh"
+#include "splat/render/cuda/tape.h"
+
+namespace cosplat::cuda {
+
+// The lists and pictures that any walk needs.
+struct BucketLists {
+  TileListsView lists;
+  DeviceView<const ProjectedSplat> splats;
+  DeviceView<const uint32_t> looked_at;
+  DeviceView<const PixelCheckpoint> checkpoints;
+  DeviceView<const float> color;  // [3, height, width] the picture
+  int width, height;
+};
+
+BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image);
+
+// Walk has
+//   Pixel      what shared memory holds of a pixel at the bucket's start
+//   State      the part of it that splats change
+//   Sum        what a splat adds up
+//   Load       a pixel on the image
+//   Outside    one beyond it, which takes nothing
+//   Step       a pixel that takes the splat
+//   Finish     once per instance; of those that were not looked at with a sum of 0
+template <class Walk>
+struct BucketKernel {
+  static constexpr unsigned kThreads = 128;
+  static constexpr unsigned kWarps = kThreads / kWarp;
+  BucketLists in;
+  Walk walk;
+
+  using Pixel = typename Walk::Pixel;
+  using State = typename Walk::State;
+  struct Shared {
+    Pixel pixels[kWarps][kTilePixels];
+  };
+
+  // No barriers: warps are on their own.
+  __device__ void operator()() const {
+    const uint64_t bucket = uint64_t(blockIdx.x) * kWarps + WarpInBlock();
+    const int tiles = int(in.looked_at.count);
+    if (bucket >= in.lists.bucket_begin[tiles]) return;
+    const int tile = TileOf(bucket, tiles);
+    const uint32_t first = uint32_t(bucket - in.lists.bucket_begin[tile]) * kBucket;
+    const uint32_t k = in.lists.tile_begin[tile] + first + Lane();
+    const bool mine = k < in.lists.tile_begin[tile + 1];
+    const uint32_t gaussian = mine ? in.lists.gaussian[k] : 0;
+    BlendSplat splat{};
+    if (mine) splat = BlendSplat(in.splats[gaussian]);
+    typename Walk::Sum sum{};
+    if (first < in.looked_at[tile]) {
+      const TilePixels pixels(tile, in.lists.tiles_x);
+      Pixel* shared = SharedMemory<Shared>().pixels[WarpInBlock()];
+      LoadPixels(bucket, pixels, shared);
+      PassPixels(pixels, shared, splat, mine, sum);
+    }
+    if (mine) walk.Finish(k, gaussian, splat, sum);
+  }
+
+  // The last tile that begins at the bucket or before.
+  __device__ int TileOf(uint64_t bucket, int tiles) const {
+    int low = 0, high = tiles;  // bucket_begin[low] <= bucket < bucket_begin[high]
+    while (high - low > 1) {
+      const int middle = low + (high - low) / 2;
+      if (in.lists.bucket_begin[middle] <= bucket)
+        low = middle;
+      else
+        high = middle;
+    }
+    return low;
+  }
+
+  __device__ void LoadPixels(uint64_t bucket, const TilePixels& pixels, Pixel* shared) const {
+    const size_t plane = size_t(in.width) * in.height;
+    for (int p = int(Lane()); p < kTilePixels; p += int(kWarp)) {
+      const int x = pixels.x(p), y = pixels.y(p);
+      if (x < in.width && y < in.height)
+        shared[p] = walk.Load(
+            in, plane, size_t(y) * in.width + x, in.checkpoints[bucket * kTilePixels + p]);
+      else
+        shared[p] = Walk::Outside();
+    }
+    __syncwarp();
+  }
+
+  __device__ void PassPixels(const TilePixels& pixels,
+                             const Pixel* shared,
+                             const BlendSplat& splat,
+                             bool mine,
+                             typename Walk::Sum& sum) const {
+    State state{};
+    for (int step = 0; step < kTilePixels + int(kWarp) - 1; ++step) {
+      state = state.FromLaneBefore();
+      const int p = step - int(Lane());
+      if (p < 0 || p >= kTilePixels) continue;
+      const Pixel& pixel = shared[p];
+      if (Lane() == 0) state = Walk::StartOf(pixel);
+      if (!mine) continue;
+      const float dx = pixels.x(p) + 0.5f - splat.x, dy = pixels.y(p) + 0.5f - splat.y;
+      const float power = PowerAt(splat.form(), dx, dy);
+      if (math::Accepts(power, splat.reject_below, state.transmittance))
+        walk.Step(pixel, splat, dx, dy, Falloff(power), state, sum);
+    }
+  }
+};
+
+template <class Walk>
+void WalkBuckets(const Tape& tape,
+                 const DeviceImage& image,
+                 const Walk& walk,
+                 cudaStream_t stream) {
+  using Kernel = BucketKernel<Walk>;
+  if (tape.lists.room() == 0) return;
+  const size_t blocks = (tape.lists.most_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;
+  ForBlocks(blocks, stream, Kernel{BucketListsOf(tape, image), walk});
+}
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,78 @@
+#include "splat/render/cuda/gl_texture.h"
+
+#include <cuda_gl_interop.h>
+
+#include <algorithm>
+
+#include "splat/device/cuda/stream.h"
+#include "splat/render/cuda/device_pixels.h"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr unsigned kMostDevices = 32;  // that one context may be drawn by
+
+// Of Mesa's renderers, and of another card's driver, cudaGLGetDevices lists none or fails.
+void CheckContext() {
+  int own = 0;
+  Check(cudaGetDevice(&own), "cudaGetDevice");
+  unsigned count = 0;
+  int devices[kMostDevices];
+  const cudaError_t asked = cudaGLGetDevices(&count, devices, kMostDevices, cudaGLDeviceListAll);
+  cudaGetLastError();  // so that the next call is not blamed for this one
+  if (asked != cudaSuccess) count = 0;
+  if (std::find(devices, devices + count, own) != devices + count) return;
+  const std::string reason =
+      asked == cudaSuccess ? "" : std::string(" (") + cudaGetErrorString(asked) + ")";
+  throw Error("", "OpenGL", "runs on another device" + reason);
+}
+
+class GlTexture : public DeviceTexture {
+ public:
+  explicit GlTexture(unsigned texture) {
+    CheckContext();
+    Check(cudaGraphicsGLRegisterImage(
+              &resource_, texture, GL_TEXTURE_2D, cudaGraphicsRegisterFlagsWriteDiscard),
+          "cudaGraphicsGLRegisterImage");
+  }
+  ~GlTexture() override { cudaGraphicsUnregisterResource(resource_); }
+  GlTexture(const GlTexture&) = delete;
+  GlTexture& operator=(const GlTexture&) = delete;
+
+  // The host waits, so that the picture may be drawn over and what went wrong is known here.
+  void Fill(const DevicePicture& picture) override {
+    Check(cudaGraphicsMapResources(1, &resource_, stream_.get()), "cudaGraphicsMapResources");
+    const cudaError_t copied = Copy(static_cast<const DevicePixels&>(picture));
+    Check(cudaGraphicsUnmapResources(1, &resource_, stream_.get()), "cudaGraphicsUnmapResources");
+    Check(copied, "copying to the texture");
+    stream_.Wait();
+  }
+
+ private:
+  cudaError_t Copy(const DevicePixels& picture) {
+    cudaArray_t array = nullptr;
+    const cudaError_t got = cudaGraphicsSubResourceGetMappedArray(&array, resource_, 0, 0);
+    if (got != cudaSuccess) return got;
+    const size_t row = sizeof(PixelBytes) * size_t(picture.width());
+    return cudaMemcpy2DToArrayAsync(array,
+                                    0,
+                                    0,
+                                    picture.data(),
+                                    row,
+                                    row,
+                                    size_t(picture.height()),
+                                    cudaMemcpyDeviceToDevice,
+                                    stream_.get());
+  }
+
+  Stream stream_;
+  cudaGraphicsResource_t resource_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceTexture> MakeGlTexture(unsigned texture) {
+  return std::make_unique<GlTexture>(texture);
+}
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include "splat/device/cuda/find_begin.cuh"
+#include "splat/device/cuda/launch.cuh"
+#include "splat/device/memory_part.h"
+#include "splat/render/cuda/tile_lists.h"
+#include "splat/render/kernels/tile_range.h"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr uint32_t kNotDrawn = 0xffffffffu;  // behind every depth
+// Splats over more tiles than this are looked at by a whole warp together.
+constexpr uint64_t kFewTiles = 4;
+
+// Depths are positive: their bits order as values.
+struct DepthKey {
+  DeviceView<const ProjectedSplat> splats;
+  DeviceView<const float> radii;
+  DeviceView<uint32_t> keys, gaussians;
+  __device__ void operator()(size_t i) const {
+    keys[i] = radii[i] > 0 ? BitsOf(splats[i].depth) : kNotDrawn;
+    gaussians[i] = uint32_t(i);
+  }
+};
+
+// For every Gaussian in depth order, its tiles row by row; a warp has 32 neighbours. Calls
+// visit(k, tile, n): tile `tile` is the n-th that Gaussian k of the order touches. Returns how many
+// the lane's own one touches. Counting and storing must not disagree: both are this.
+struct TileVisitor {
+  DeviceView<const ProjectedSplat> splats;
+  DeviceView<const uint32_t> keys, gaussians;
+  int tiles_x, tiles_y;
+
+  template <class Visit>
+  __device__ uint64_t Run(size_t k, const Visit& visit) const {
+    const bool drawn = k < keys.count && keys[k] != kNotDrawn;
+    const uint32_t i = drawn ? gaussians[k] : 0;
+    math::TileRange range{0, 0, 0, 0};
+    if (drawn) range = math::RangeOf(splats[i], tiles_x, tiles_y);
+    const bool many = range.size() > kFewTiles;
+    uint64_t touched = 0;
+    if (!many) touched = Alone(k, i, range, visit);
+    for (unsigned left = __ballot_sync(kAllLanes, many); left != 0; left &= left - 1) {
+      const int owner = __ffs(left) - 1;
+      const uint64_t n = Together(k - Lane() + owner, __shfl_sync(kAllLanes, i, owner), visit);
+      if (int(Lane()) == owner) touched = n;
+    }
+    return touched;
+  }
+
+ private:
+  template <class Visit>
+  __device__ uint64_t
+  Alone(size_t k, uint32_t i, const math::TileRange& range, const Visit& visit) const {
+    uint64_t touched = 0;
+    const bool test = NeedsTileTest(range);
+    for (int y = range.y0; y < range.y1; ++y)
+      for (int x = range.x0; x < range.x1; ++x)
+        if (!test || math::TouchesTile(splats[i], x, y))
+          visit(k, uint32_t(y) * tiles_x + x, touched++);
+    return touched;
+  }
+
+  // All lanes: a tile each at a time.
+  template <class Visit>
+  __device__ uint64_t Together(size_t k, uint32_t i, const Visit& visit) const {
+    const ProjectedSplat& splat = splats[i];
+    const math::TileRange range = math::RangeOf(splat, tiles_x, tiles_y);
+    const uint64_t size = range.size();
+    uint64_t touched = 0;
+    for (uint64_t first = 0; first < size; first += kWarp) {
+      const uint64_t at = first + Lane();
+      const int x = range.x0 + int(at % range.columns()), y = range.y0 + int(at / range.columns());
+      const bool touches = at < size && math::TouchesTile(splat, x, y);
+      const unsigned votes = __ballot_sync(kAllLanes, touches);
+      const unsigned before = votes & ((1u << Lane()) - 1);
+      if (touches) visit(k, uint32_t(y) * tiles_x + x, touched + __popc(before));
+      touched += __popc(votes);
+    }
+    return touched;
+  }
+};
+
+TileVisitor VisitorOf(DeviceView<const ProjectedSplat> splats,
+                      const KeyedValues& by_depth,
+                      int tiles_x,
+                      int tiles_y) {
+  return {splats, by_depth.keys.view(), by_depth.values.view(), tiles_x, tiles_y};
+}
+
+struct CountTiles {
+  static constexpr unsigned kThreads = 256;
+  TileVisitor visitor;
+  DeviceView<uint64_t> counts;   // [keys + 1]; the last is 0
+  DeviceView<uint64_t> visible;  // [1]: 0 at first
+  __device__ void operator()() const {
+    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
+    const uint64_t n = visitor.Run(k, [](size_t, uint32_t, uint64_t) {});
+    const size_t last = visitor.keys.count;
+    if (k <= last) counts[k] = n;
+    if (k < last && visitor.keys[k] != kNotDrawn &&
+        (k + 1 == last || visitor.keys[k + 1] == kNotDrawn))
+      visible[0] = k + 1;
+  }
+};
+
+// How many there are, and whether that is more than was expected.
+struct TellCounts {
+  DeviceView<const uint64_t> record_begin;
+  size_t room;
+  uint64_t* instances;
+  uint32_t* exceeded;  // null: nothing was expected
+  __device__ void operator()(size_t) const {
+    *instances = record_begin[record_begin.count - 1];
+    if (exceeded && *instances > room) *exceeded = 1;
+  }
+};
+
+struct EmitInstances {
+  static constexpr unsigned kThreads = 256;
+  TileVisitor visitor;
+  DeviceView<const uint64_t> record_begin;
+  DeviceView<uint32_t> tiles, records, of_record;
+  __device__ void operator()() const {
+    if (record_begin[record_begin.count - 1] > tiles.count) return;
+    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
+    const EmitInstances& self = *this;
+    visitor.Run(k, [&self](size_t owner, uint32_t tile, uint64_t n) {
+      const uint64_t r = self.record_begin[owner] + n;
+      self.tiles[r] = tile;
+      self.records[r] = uint32_t(r);
+      self.of_record[r] = self.visitor.gaussians[owner];
+    });
+  }
+};
+
+// Entries that no instance has: sorted behind the last tile.
+struct FillRoom {
+  DeviceView<const uint64_t> record_begin;
+  uint32_t behind;
+  DeviceView<uint32_t> tiles, records, of_record;
+  __device__ void operator()(size_t r) const {
+    const uint64_t instances = record_begin[record_begin.count - 1];
+    if (r < instances && instances <= tiles.count) return;
+    tiles[r] = behind;
+    records[r] = uint32_t(r);
+    of_record[r] = 0;
+  }
+};
+
+struct GatherGaussians {
+  DeviceView<const uint32_t> records, of_record;
+  DeviceView<uint32_t> gaussian;
+  __device__ void operator()(size_t k) const { gaussian[k] = of_record[records[k]]; }
+};
+
+struct CountBuckets {
+  DeviceView<const uint32_t> tile_begin;
+  DeviceView<uint64_t> buckets;
+  __device__ void operator()(size_t t) const {
+    const bool last = t + 1 == tile_begin.count;
+    buckets[t] = last ? 0 : (tile_begin[t + 1] - tile_begin[t] + kBucket - 1) / kBucket;
+  }
+};
+
+size_t BlocksOf(size_t n, unsigned threads) { return (n + threads - 1) / threads; }
+
+}  // namespace
+
+void TileLists::SortByDepth(DeviceView<const ProjectedSplat> splats,
+                            DeviceView<const float> radii,
+                            cudaStream_t stream) {
+  const size_t n = splats.count;
+  by_depth_.Refill(n);
+  ForEach(n, stream, DepthKey{splats, radii, by_depth_.keys.view(), by_depth_.values.view()});
+  sorter_.Sort(by_depth_, 32, stream);
+}
+
+void TileLists::Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
+  const size_t n = splats.count;
+  record_begin_.Refill(n + 1);
+  counts_.Refill(1);
+  counts_.FillWithZeros(stream);
+  const DeviceView<uint64_t> visible{&counts_.data()->visible, 1};
+  ForBlocks(
+      BlocksOf(n + 1, CountTiles::kThreads),
+      stream,
+      CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_), record_begin_.view(), visible});
+  sorter_.ExclusiveSum(record_begin_, stream);
+  ForEach(1,
+          stream,
+          TellCounts{
+              std::as_const(record_begin_).view(), room_, &counts_.data()->instances, exceeded_});
+}
+
+void TileLists::WaitForCounts(cudaStream_t stream) {
+  known_ = readback_.Get(counts_.data(), stream);
+  if (known_.instances >= math::kInstanceLimit)
+    throw Error("",
+                "rasterizer",
+                std::to_string(known_.instances) + " splat-tile pairs; the limit is 2^31");
+  room_ = known_.instances;
+}
+
+void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
+  by_tile_.Refill(room_);
+  of_record_.Refill(room_);
+  gaussian_.Refill(room_);
+  const auto record_begin = std::as_const(record_begin_).view();
+  const auto tiles_of = by_tile_.keys.view(), records = by_tile_.values.view();
+  ForBlocks(BlocksOf(splats.count, EmitInstances::kThreads),
+            stream,
+            EmitInstances{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_),
+                          record_begin,
+                          tiles_of,
+                          records,
+                          of_record_.view()});
+  ForEach(room_,
+          stream,
+          FillRoom{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
+  sorter_.Sort(by_tile_, std::bit_width(tiles()), stream);
+  ForEach(room_,
+          stream,
+          GatherGaussians{std::as_const(by_tile_.values).view(),
+                          std::as_const(of_record_).view(),
+                          gaussian_.view()});
+}
+
+void TileLists::FindTiles(cudaStream_t stream) {
+  tile_begin_.Refill(tiles() + 1);
+  bucket_begin_.Refill(tiles() + 1);
+  ForEach(tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
+  ForEach(
+      tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
+  sorter_.ExclusiveSum(bucket_begin_, stream);
+}
+
+void TileLists::Build(DeviceView<const ProjectedSplat> splats,
+                      DeviceView<const float> radii,
+                      int width,
+                      int height,
+                      cudaStream_t stream) {
+  tiles_x_ = math::TilesAcross(width);
+  tiles_y_ = math::TilesAcross(height);
+  SortByDepth(splats, radii, stream);
+  Count(splats, stream);
+  if (!std::exchange(exceeded_, nullptr)) WaitForCounts(stream);
+  Emit(splats, stream);
+  FindTiles(stream);
+}
+
+void TileLists::Expect(size_t instances, uint32_t* exceeded) {
+  room_ = std::min<size_t>(instances, math::kInstanceLimit - 1);
+  exceeded_ = exceeded;
+}
+
+TileListsView TileLists::view() const {
+  return {tiles_x_,
+          tiles_y_,
+          gaussian_.view(),
+          by_tile_.values.view(),
+          tile_begin_.view(),
+          bucket_begin_.view(),
+          by_depth_.values.view(),
+          record_begin_.view()};
+}
+
+size_t TileLists::HeldForInstances() const {
+  return by_tile_.held() + HeldBy(of_record_, gaussian_);
+}
+
+size_t TileLists::HeldForGaussians() const {
+  return by_depth_.held() + HeldForInstances() + sorter_.held() + HeldBy(record_begin_);
+}
+
+size_t TileLists::HeldForTiles() const { return HeldBy(tile_begin_, bucket_begin_); }
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,94 @@
+// Which Gaussians each tile draws, front to back: splat/render/cpu/tile_lists.h on the device.
+//
+// ProjectedSplat[] -> depth order, once per Gaussian -> (Gaussian, tile) instances in that order ->
+// stable sort by tile -> beginnings of tiles, and of their buckets. Source: Faster-GS.
+#pragma once
+
+#include <cstdint>
+
+#include "splat/device/cuda/sort.h"
+#include "splat/render/kernels/projected_splat.h"
+
+namespace cosplat::cuda {
+
+// A tile's instances are worked on in buckets of as many as a warp has lanes (Taming-3DGS).
+constexpr uint32_t kBucket = 32;
+
+// What kernels get. Instance k of the lists, by tile, then by depth, is of gaussian[k]; its
+// gradient is kept at record[k]: contiguous per Gaussian. There is room for as many as were
+// expected; where there are more (!Complete()) no tile has any.
+struct TileListsView {
+  int tiles_x = 0, tiles_y = 0;
+  DeviceView<const uint32_t> gaussian, record;  // [room]
+  DeviceView<const uint32_t> tile_begin;        // [tiles + 1]
+  DeviceView<const uint64_t> bucket_begin;      // [tiles + 1]
+  // Gaussians by depth, equal depths by index, undrawn ones last; where the records of each begin.
+  DeviceView<const uint32_t> order;         // [count]
+  DeviceView<const uint64_t> record_begin;  // [count + 1]
+
+  __device__ bool Complete() const {
+    return record_begin[record_begin.count - 1] <= gaussian.count;
+  }
+};
+
+class TileLists {
+ public:
+  struct Counts {
+    uint64_t instances, visible;
+  };
+
+  // Rebuilds for an image of this size. The host waits once, for the number of instances, unless it
+  // was told what to expect. Throws Error when there are 2^31 or more, before storing any.
+  void Build(DeviceView<const ProjectedSplat> splats,
+             DeviceView<const float> radii,
+             int width,
+             int height,
+             cudaStream_t stream);
+
+  // The next Build makes room for so many instances and waits for nothing. Where there are more, it
+  // sets *exceeded, which is the device's, to 1 and leaves the lists empty.
+  void Expect(size_t instances, uint32_t* exceeded);
+
+  // Of a Build that waited.
+  size_t visible() const { return known_.visible; }
+  size_t instances() const { return known_.instances; }
+  // Of any, on the device.
+  const Counts* counts() const { return counts_.data(); }
+  // What follows is sized by these, known without asking the device: entries of the lists, and
+  // buckets, of which there are no more.
+  size_t room() const { return room_; }
+  size_t most_buckets() const { return room_ / kBucket + tiles(); }
+  size_t tiles() const { return size_t(tiles_x_) * tiles_y_; }
+  TileListsView view() const;
+  size_t capacity() const { return gaussian_.capacity(); }  // of room
+  // Bytes held; the second with scratch.
+  size_t HeldForInstances() const;
+  size_t HeldForGaussians() const;
+  size_t HeldForTiles() const;
+
+ private:
+  void SortByDepth(DeviceView<const ProjectedSplat> splats,
+                   DeviceView<const float> radii,
+                   cudaStream_t stream);
+  void Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stream);
+  void WaitForCounts(cudaStream_t stream);
+  void Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream);
+  void FindTiles(cudaStream_t stream);
+
+  int tiles_x_ = 0, tiles_y_ = 0;
+  size_t room_ = 0;
+  Counts known_{};
+  uint32_t* exceeded_ = nullptr;         // of the next Build; null: it waits
+  KeyedValues by_depth_;                 // [count] values: indices of Gaussians, undrawn ones last
+  DeviceBuffer<uint64_t> record_begin_;  // [count + 1]
+  DeviceBuffer<Counts> counts_;          // [1]
+  KeyedValues by_tile_;                  // [room] values: records
+  DeviceBuffer<uint32_t> of_record_;     // [room] a record's Gaussian
+  DeviceBuffer<uint32_t> gaussian_;      // [room] in the order of the lists
+  DeviceBuffer<uint32_t> tile_begin_;    // [tiles + 1]
+  DeviceBuffer<uint64_t> bucket_begin_;  // [tiles + 1]
+  Sorter sorter_;
+  Readback<Counts> readback_;
+};
+
+}  // namespace cosplat::cuda

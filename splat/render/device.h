@@ -1,0 +1,25 @@
+// Which back end draws: the choice behind `--device auto|cpu|cuda`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "splat/render/rasterizer.h"
+#include "splat/render/scene_drawer.h"
+
+namespace cosplat {
+
+enum class Device { kCpu, kCuda };
+
+// "cpu"; "cuda", an Error naming `field` and the reason where this program or this machine has
+// none; "auto", which is CUDA where both have it.
+Device DeviceFromString(const std::string& name, const std::string& field = "--device");
+
+// For single pictures: on a device everything is copied with each call, and gradients are added in
+// a fixed order, as on the CPU.
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
+
+// For many pictures of one scene; empty for the CPU, which draws by a Rasterizer.
+SceneDrawerMaker SceneDrawerOn(Device device);
+
+}  // namespace cosplat

@@ -1,0 +1,31 @@
+// Puts pictures that stayed on a device into an OpenGL texture; the host's memory sees none of it.
+//
+// DevicePicture -> Fill -> texture, in the thread that has OpenGL's context.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "splat/render/device.h"
+#include "splat/render/device_picture.h"
+
+namespace cosplat {
+
+// A texture as the device knows it, for as long as this is there. Everything, the end included, is
+// done in the thread whose context the texture is of.
+class DeviceTexture {
+ public:
+  virtual ~DeviceTexture() = default;
+  // The picture, which is of this device and the texture's size, is in the texture for whatever
+  // OpenGL draws next; it may be drawn over at once. Throws Error where the driver refuses.
+  virtual void Fill(const DevicePicture& picture) = 0;
+};
+
+// Of a texture (OpenGL's name) with storage for RGBA8, which stays as it is meanwhile. Throws Error
+// where the context's device is another, or cannot share its textures.
+using DeviceTextureMaker = std::function<std::unique_ptr<DeviceTexture>(unsigned texture)>;
+
+// Empty for the CPU.
+DeviceTextureMaker DeviceTextureOn(Device device);
+
+}  // namespace cosplat

@@ -1,0 +1,336 @@
+// Element-wise stage: one Gaussian in the world -> one ProjectedSplat, and its derivative.
+// world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel ->
+// gradients. Run<T>(rows) does as many Gaussians as T has lanes.
+#if defined(COSPLAT_SPLAT_KERNELS_PROJECT_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef COSPLAT_SPLAT_KERNELS_PROJECT_H_
+#undef COSPLAT_SPLAT_KERNELS_PROJECT_H_
+#else
+#define COSPLAT_SPLAT_KERNELS_PROJECT_H_
+#endif
+
+#include "splat/math/blend.h"
+#include "splat/math/dcsh.h"
+#include "splat/math/pinhole.h"
+#include "splat/render/kernels/projected_splat.h"
+#include "splat/render/kernels/rows.h"
+#include "splat/render/kernels/world_gaussians.h"
+
+COSPLAT_MATH_BEGIN
+
+template <class T>
+COSPLAT_HD Vec3<T> Broadcast3(const float* p) {
+  return {T(p[0]), T(p[1]), T(p[2])};
+}
+
+template <class T>
+COSPLAT_HD Pinhole<T> ToPinhole(const ViewParameters& v) {
+  Pinhole<T> p;
+  for (int i = 0; i < 9; ++i) p.rotation.m[i] = T(v.rotation[i]);
+  p.translation = Broadcast3<T>(v.translation);
+  p.fx = T(v.fx);
+  p.fy = T(v.fy);
+  p.cx = T(v.cx);
+  p.cy = T(v.cy);
+  p.width = T(v.width);
+  p.height = T(v.height);
+  return p;
+}
+
+// Viewing direction in the frame that the colour is stored in: from the camera to the Gaussian,
+// turned by R(frame)^T where there is a surface frame.
+template <class T>
+struct ColorView {
+  Vec3<T> offset;     // Gaussian - camera, world
+  Quat<T> frame;      // as stored; only where there are frames
+  Vec3<T> direction;  // unit
+};
+template <class T>
+COSPLAT_HD ColorView<T> ColorViewOf(const WorldGaussians& g,
+                                    const ViewParameters& view,
+                                    const Vec3<T>& position,
+                                    const Rows& rows) {
+  ColorView<T> c{position - Broadcast3<T>(view.center), {}, {}};
+  c.direction = Normalize(c.offset);
+  if (!g.color_frame) return c;
+  c.frame = LoadQuat<T>(g.color_frame, rows);
+  c.direction = TransposeTimes(RotationOf(Normalize(c.frame)), c.direction);
+  return c;
+}
+// d_direction -> d_offset and d_frame. direction = R(unit frame)^T w, w = Normalize(offset):
+// d_w = R d_direction, d_R = w d_direction^T.
+template <class T>
+COSPLAT_HD Vec3<T> ColorViewVjp(const ColorView<T>& c,
+                                bool has_frame,
+                                Vec3<T> d_direction,
+                                Quat<T>& d_frame) {
+  if (has_frame) {
+    const Quat<T> unit = Normalize(c.frame);
+    const Vec3<T> w = Normalize(c.offset);
+    d_frame = NormalizeVjp(c.frame, RotationOfVjp(unit, Outer(w, d_direction)));
+    d_direction = RotationOf(unit) * d_direction;
+  }
+  return NormalizeVjp(c.offset, d_direction);
+}
+
+// Highest band that the view evaluates of Gaussian i.
+COSPLAT_HD int DegreeOf(const WorldGaussians& g, const ViewParameters& view, size_t i) {
+  return g.degree && g.degree[i] < view.degree ? g.degree[i] : view.degree;
+}
+// Of any of these Gaussians: the others' coefficients up to there are zero.
+COSPLAT_HD int HighestDegree(const WorldGaussians& g,
+                             const ViewParameters& view,
+                             const Rows& rows) {
+  if (!g.degree) return view.degree;
+  int highest = 0;
+  for (size_t i = rows.first; i < rows.first + rows.count; ++i) {
+    const int own = DegreeOf(g, view, i);
+    highest = own > highest ? own : highest;
+  }
+  return highest;
+}
+
+// Calls f with the degree as a compile-time constant.
+template <class F>
+COSPLAT_HD auto WithDegree(int degree, const F& f) {
+  switch (degree) {
+    case 0:
+      return f.template Run<0>();
+    case 1:
+      return f.template Run<1>();
+    case 2:
+      return f.template Run<2>();
+    case 3:
+      return f.template Run<3>();
+    default:
+      return f.template Run<4>();
+  }
+}
+
+// Coefficients of bands 1 ... kDegree, all channels; at least one, so that arrays have a size.
+template <int kDegree>
+constexpr int kRestUsed = kDegree == 0 ? 1 : 3 * ((kDegree + 1) * (kDegree + 1) - 1);
+
+template <class T>
+struct ColorOf {
+  const WorldGaussians& gaussians;
+  const ViewParameters& view;
+  Rows rows;
+  Vec3<T> direction;
+
+  template <int kDegree>
+  COSPLAT_HD Vec3<T> Run() const {
+    T dc[3], rest[kRestUsed<kDegree>];
+    LoadRows<3>(gaussians.color_dc, 3, rows, dc);
+    if constexpr (kDegree > 0)
+      LoadRows<kRestUsed<kDegree>>(gaussians.color_rest, gaussians.rest_width, rows, rest);
+    return EvaluateColor<kDegree>(direction, view.basis_constants, dc, rest);
+  }
+};
+
+// Writes the coefficients' gradients (those of bands above kDegree are left alone);
+// returns d_direction. d_color must be zero where nothing was drawn.
+template <class T>
+struct ColorVjpOf {
+  const WorldGaussians& gaussians;
+  const ViewParameters& view;
+  const WorldGradients& out;
+  Rows rows;
+  Vec3<T> direction, color, d_color;
+
+  template <int kDegree>
+  COSPLAT_HD Vec3<T> Run() const {
+    T rest[kRestUsed<kDegree>], d_dc[3], d_rest[kRestUsed<kDegree>];
+    if constexpr (kDegree > 0)
+      LoadRows<kRestUsed<kDegree>>(gaussians.color_rest, gaussians.rest_width, rows, rest);
+    const Vec3<T> d_direction = EvaluateColorVjp<kDegree>(
+        direction, view.basis_constants, rest, color, d_color, d_dc, d_rest);
+    StoreRows<3>(d_dc, out.color_dc, 3, rows);
+    if constexpr (kDegree > 0)
+      StoreRows<kRestUsed<kDegree>>(d_rest, out.color_rest, gaussians.rest_width, rows);
+    return d_direction;
+  }
+};
+
+// A Gaussian's ellipse in the image, px.
+template <class T>
+struct Footprint {
+  Vec2<T> center;
+  Sym2<T> covariance;
+  PowerForm<T> form;
+  T reject_below;
+  T half_x, half_y;  // exact box of power >= reject_below
+  T radius;          // 3 standard deviations along the longer axis
+};
+template <class T>
+COSPLAT_HD Footprint<T> FootprintOf(const Pinhole<T>& camera,
+                                    const Vec3<T>& p_in_cam,
+                                    const Quat<T>& rotation,
+                                    const Vec3<T>& scale_log,
+                                    T opacity) {
+  Footprint<T> f;
+  const Vec3<T> scale{Exp(scale_log.x), Exp(scale_log.y), Exp(scale_log.z)};
+  f.covariance = ProjectCovariance(camera, p_in_cam, Covariance(rotation, scale));
+  const Sym2<T> conic = Conic(f.covariance);
+  f.center = ProjectPoint(camera, p_in_cam);
+  f.form = {T(-0.5f) * conic.xx, -conic.xy, T(-0.5f) * conic.yy};
+  f.reject_below = RejectBelow(opacity);
+  // sqrt(t * variance), t = -2 reject_below.
+  f.half_x = Sqrt(T(-2) * f.reject_below * f.covariance.xx);
+  f.half_y = Sqrt(T(-2) * f.reject_below * f.covariance.yy);
+  const T mid = T(0.5f) * (f.covariance.xx + f.covariance.yy);
+  f.radius = T(3) * Sqrt(mid + Sqrt(Max(mid * mid - Determinant(f.covariance), T(0))));
+  return f;
+}
+
+// Whether it has an extent, is finite and reaches the image. Comparisons with NaN are false.
+template <class T>
+COSPLAT_HD auto CanBeDrawn(const Footprint<T>& f, const Pinhole<T>& camera) {
+  const auto on_image =
+      And(And(f.center.x + f.half_x > T(0), f.center.x - f.half_x < camera.width),
+          And(f.center.y + f.half_y > T(0), f.center.y - f.half_y < camera.height));
+  const auto finite = And(And(IsFinite(f.form.xx), IsFinite(f.form.xy)),
+                          And(IsFinite(f.form.yy), And(IsFinite(f.half_x), IsFinite(f.half_y))));
+  return And(And(on_image, finite), Determinant(f.covariance) > T(kMinDeterminant));
+}
+
+struct ProjectKernel {
+  WorldGaussians gaussians;
+  ViewParameters view;
+  ProjectedSplat* splats;  // [count]; written only where drawn, or near that
+  float* radii;            // [count]
+
+  template <class T>
+  COSPLAT_HD void Run(const Rows& rows) const {
+    const Pinhole<T> camera = ToPinhole<T>(view);
+    const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
+    const Vec3<T> p = ToCamera(camera, position);
+    auto drawn = p.z > T(kNearPlane);
+    if (!AnyTrue(drawn)) return DrawNone(rows);
+    const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
+    const T opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
+    const Footprint<T> f =
+        FootprintOf(camera, p, q, LoadVec3<T>(gaussians.scale_log, rows), opacity);
+    drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
+    drawn = And(drawn, CanBeDrawn(f, camera));
+    if (!AnyTrue(drawn)) return DrawNone(rows);
+    Vec3<T> direction = ColorViewOf(gaussians, view, position, rows).direction;
+    if (view.folds_direction) direction = Fold(direction);
+    const Vec3<T> color = WithDegree(HighestDegree(gaussians, view, rows),
+                                     ColorOf<T>{gaussians, view, rows, direction});
+    drawn = And(And(drawn, IsFinite(color.x)), And(IsFinite(color.y), IsFinite(color.z)));
+    const PowerRidges<T> ridges = RidgesOf(f.form);
+    // In the order of ProjectedSplat's members.
+    const T out[kProjectedFloats] = {f.center.x,
+                                     f.center.y,
+                                     f.form.xx,
+                                     f.form.xy,
+                                     f.form.yy,
+                                     opacity,
+                                     f.reject_below,
+                                     color.x,
+                                     color.y,
+                                     color.z,
+                                     f.half_x,
+                                     f.half_y,
+                                     p.z,
+                                     ridges.x_per_y,
+                                     ridges.y_per_x};
+    StoreRows<kProjectedFloats>(out, &splats->x, kProjectedStride, rows);
+    StoreWhere(drawn, f.radius, radii, rows);
+  }
+
+  COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }
+};
+
+// Writes the gradients of the Gaussians in `rows` (all zero for those that were not drawn).
+struct ProjectVjpKernel {
+  WorldGaussians gaussians;
+  ViewParameters view;
+  const ProjectedSplat* splats;   // [count]
+  const float* radii;             // [count]
+  const SplatGradient* d_splats;  // [count]; counts only where drawn
+  WorldGradients out;
+
+  template <class T>
+  COSPLAT_HD void Run(const Rows& rows) const {
+    const auto drawn = LoadScalar<T>(radii, rows) > T(0);
+    if (!AnyTrue(drawn)) return ZeroAll(rows);
+    T splat[kProjectedFloats];
+    LoadRows<kProjectedFloats>(&splats->x, kProjectedStride, rows, splat);
+    const Sym2<T> conic{T(-2) * splat[2], -splat[3], T(-2) * splat[4]};
+    T d[9];  // in the order of SplatGradient's members
+    LoadRows<9>(&d_splats->x, 9, rows, d);
+    const Pinhole<T> camera = ToPinhole<T>(view);
+    const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
+    const Vec3<T> p = ToCamera(camera, position);
+    const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
+    const Vec3<T> s_log = LoadVec3<T>(gaussians.scale_log, rows);
+    const Vec3<T> s{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
+    const Sym2<T> d_cov = ConicVjp(conic, Sym2<T>{T(-0.5f) * d[2], -d[3], T(-0.5f) * d[4]});
+    Vec3<T> d_p = ProjectPointVjp(camera, p, Vec2<T>{d[0], d[1]});
+    Sym3<T> d_covariance;
+    ProjectCovarianceVjp(camera, p, Covariance(q, s), d_cov, d_covariance, d_p);
+    Quat<T> d_q;
+    Vec3<T> d_s;
+    CovarianceVjp(q, s, d_covariance, d_q, d_s);
+    Vec3<T> d_position = TransposeTimes(camera.rotation, d_p);
+
+    d_position += ColorVjp(drawn, position, splat, d, rows);
+
+    StoreWhere(drawn, d_position, out.position, rows);
+    StoreWhere(drawn, d_q, out.rotation, rows);
+    StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
+    StoreWhere(drawn, SigmoidVjp(splat[5], d[5]), out.opacity_logit, rows);
+    const T d_screen[2] = {Select(drawn, d[0], T(0)), Select(drawn, d[1], T(0))};
+    StoreRows<2>(d_screen, out.screen, 2, rows);
+  }
+
+  // Writes the gradients of the colour's parameters; returns its part of d_position.
+  template <class T, class Mask>
+  COSPLAT_HD Vec3<T> ColorVjp(
+      Mask drawn, const Vec3<T>& position, const T* splat, const T* d, const Rows& rows) const {
+    const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
+    // What was not drawn may have no direction; its colour's gradient is 0 times a basis function.
+    const Vec3<T>& seen = color_view.direction;
+    Vec3<T> direction{
+        Select(drawn, seen.x, T(0)), Select(drawn, seen.y, T(0)), Select(drawn, seen.z, T(0))};
+    if (view.folds_direction) direction = Fold(direction);
+    const Vec3<T> d_color{
+        Select(drawn, d[6], T(0)), Select(drawn, d[7], T(0)), Select(drawn, d[8], T(0))};
+    Vec3<T> d_direction = WithDegree(
+        HighestDegree(gaussians, view, rows),
+        ColorVjpOf<T>{
+            gaussians, view, out, rows, direction, {splat[7], splat[8], splat[9]}, d_color});
+    ZeroUnusedBands(rows);
+    if (view.folds_direction) d_direction = FoldVjp(seen, d_direction);
+    const bool has_frame = gaussians.color_frame != nullptr;
+    Quat<T> d_frame;
+    const Vec3<T> d_offset = ColorViewVjp(color_view, has_frame, d_direction, d_frame);
+    if (has_frame) StoreWhere(drawn, d_frame, out.color_frame, rows);
+    return d_offset;
+  }
+
+  // Of bands that are stored but that the view or the Gaussian does not have. After the others:
+  // they were written up to the highest degree of all rows.
+  COSPLAT_HD void ZeroUnusedBands(const Rows& rows) const {
+    const int width = gaussians.rest_width;
+    for (size_t i = rows.first; i < rows.first + rows.count; ++i) {
+      const int own = DegreeOf(gaussians, view, i);
+      for (int k = 3 * ((own + 1) * (own + 1) - 1); k < width; ++k)
+        out.color_rest[width * i + k] = 0;
+    }
+  }
+  COSPLAT_HD void ZeroAll(const Rows& rows) const {
+    ZeroRows(out.position, 3, rows);
+    ZeroRows(out.rotation, 4, rows);
+    ZeroRows(out.scale_log, 3, rows);
+    ZeroRows(out.opacity_logit, 1, rows);
+    ZeroRows(out.color_dc, 3, rows);
+    ZeroRows(out.color_rest, gaussians.rest_width, rows);
+    ZeroRows(out.screen, 2, rows);
+    if (gaussians.color_frame) ZeroRows(out.color_frame, 4, rows);
+  }
+};
+
+COSPLAT_MATH_END
+#endif

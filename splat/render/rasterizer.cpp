@@ -1,0 +1,52 @@
+#include "splat/render/rasterizer.h"
+
+namespace cosplat {
+
+Image RenderedImage::ToImage() const {
+  Image out(width, height, 3);
+  const size_t plane = out.pixels();
+  for (size_t i = 0; i < plane; ++i)
+    for (int c = 0; c < 3; ++c) out.data[3 * i + c] = color[c * plane + i];
+  return out;
+}
+
+Image RenderedImage::ToStraightAlpha() const {
+  Image out(width, height, 4);
+  const size_t plane = out.pixels();
+  for (size_t i = 0; i < plane; ++i) {
+    const float alpha = 1 - transmittance[i];
+    for (int c = 0; c < 3; ++c)
+      out.data[4 * i + c] = alpha > 0 ? color[c * plane + i] / alpha : 0.0f;
+    out.data[4 * i + 3] = alpha;
+  }
+  return out;
+}
+
+WorldGaussians ViewOf(const Gaussians& g) {
+  WorldGaussians view;
+  view.count = g.size();
+  view.rest_width = g.width(kColorRest);
+  view.position = g.values[kPosition].data();
+  view.rotation = g.values[kRotation].data();
+  view.scale_log = g.values[kScaleLog].data();
+  view.opacity_logit = g.values[kOpacityLogit].data();
+  view.color_dc = g.values[kColorDc].data();
+  view.color_rest = g.values[kColorRest].data();
+  if (!g.degrees.empty()) view.degree = g.degrees.data();
+  return view;
+}
+
+WorldGradients GradientViewOf(Gaussians& d, Buffer<float>& screen) {
+  screen.resize(2 * d.size());
+  WorldGradients view;
+  view.position = d.values[kPosition].data();
+  view.rotation = d.values[kRotation].data();
+  view.scale_log = d.values[kScaleLog].data();
+  view.opacity_logit = d.values[kOpacityLogit].data();
+  view.color_dc = d.values[kColorDc].data();
+  view.color_rest = d.values[kColorRest].data();
+  view.screen = screen.data();
+  return view;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,91 @@
+// The differentiable renderer: Gaussians + camera -> image, and back.
+//
+// Forward fills an image and a tape; Backward takes the tape and dL/d(image) and writes the
+// gradients of every Gaussian. Results are the same bits for any number of threads. Source: Kerbl
+// et al. 2023; the CPU back end is splat/render/cpu/.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "splat/base/camera.h"
+#include "splat/base/image.h"
+#include "splat/config.h"
+#include "splat/device/memory_part.h"
+#include "splat/gaussians.h"
+#include "splat/render/contribution.h"
+#include "splat/render/kernels/world_gaussians.h"
+#include "splat/render/phase_times.h"
+
+namespace cosplat {
+
+// Planar image as the renderer writes and the loss reads it.
+struct RenderedImage {
+  int width = 0;
+  int height = 0;
+  Buffer<float> color;          // [3, height, width] over the background, not clamped
+  Buffer<float> transmittance;  // [height, width] share of the background seen; 1 - alpha
+
+  // RGB, or RGBA with straight alpha over no background (requires a black background).
+  Image ToImage() const;
+  Image ToStraightAlpha() const;
+};
+
+struct RenderSettings {
+  std::array<float, 3> background{0, 0, 0};  // sRGB
+  int degree = 0;                            // bands evaluated; at most those stored
+  int exp_degree = kMaxExpDegree;            // of the blend loop's exponential (splat/config.h)
+};
+
+// What Backward needs of a Forward. Reuse one tape for many steps: it keeps its memory.
+class RenderTape {
+ public:
+  virtual ~RenderTape() = default;
+  // [count] radius in px (3 standard deviations), 0 for Gaussians that were not drawn.
+  virtual View<const float> radii() const = 0;
+  virtual size_t visible_count() const = 0;
+  virtual size_t instance_count() const = 0;  // (Gaussian, tile) pairs
+  virtual std::vector<MemoryPart> Memory() const = 0;
+};
+
+class Rasterizer {
+ public:
+  virtual ~Rasterizer() = default;
+  virtual std::unique_ptr<RenderTape> MakeTape() const = 0;
+
+  // Throws Error when the image has no pixels, the settings' degree is not stored or there is no
+  // exponential of their degree.
+  // Gaussians with NaN or infinite numbers are not drawn.
+  virtual void Forward(const WorldGaussians& gaussians,
+                       Basis basis,
+                       const Camera& camera,
+                       const RenderSettings& settings,
+                       RenderedImage& image,
+                       RenderTape& tape) = 0;
+
+  // d_color: [3, height, width]. Overwrites every gradient (zero where not drawn); with
+  // gradients.drawn_groups_only, those of groups of kGaussianGroup of which one was drawn.
+  virtual void Backward(const WorldGaussians& gaussians,
+                        const RenderedImage& image,
+                        const Buffer<float>& d_color,
+                        RenderTape& tape,
+                        const WorldGradients& gradients) = 0;
+
+  // What every Gaussian does for the picture that Forward made (with the full exponential), summed
+  // over its pixels; 0 where it was not drawn. contributions: [count], overwritten.
+  virtual void Contributions(const RenderedImage& image,
+                             RenderTape& tape,
+                             Buffer<Contribution>& contributions) = 0;
+
+  PhaseTimes times;  // project, sort, blend, backward; the caller resets it
+};
+
+std::unique_ptr<Rasterizer> MakeCpuRasterizer();
+
+// Borrowing views; kPosition must be a point in the world (for avatars: see
+// avatar/surface/binding.h).
+WorldGaussians ViewOf(const Gaussians& gaussians);
+WorldGradients GradientViewOf(Gaussians& gradients, Buffer<float>& screen);
+
+}  // namespace cosplat

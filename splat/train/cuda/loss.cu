@@ -1,0 +1,239 @@
+#include "splat/math/photometric.h"
+#include "splat/train/cuda/loss.h"
+#include "splat/train/cuda/ssim_tile.cuh"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr int kMoments = 4, kPartials = 3;
+
+// SSIM's sum over the tile, and its derivatives by the windowed means at every pixel.
+struct SsimKernel {
+  static constexpr unsigned kThreads = kLossThreads;
+  ComparedImages images;
+  SsimWeights window;
+  float* partials;  // [channel, partial, height, width]
+  double* sums;     // [blocks]
+
+  struct Shared {
+    HaloPlane u, v;
+    AlongPlane along[kMoments];  // of u, v, u^2, v^2
+    BlockSumScratch scratch;
+  };
+
+  __device__ void operator()() const {
+    Shared& s = SharedMemory<Shared>();
+    const LossTile tile(images.width, images.height);
+    LoadSums(tile, s);
+    __syncthreads();
+    SumAlong(tile, s);
+    __syncthreads();
+    float ssim = 0;
+    if (images.Contains(tile.x(), tile.y())) ssim = Compare(tile, s);
+    const double sum = BlockSum(ssim, s.scratch);
+    if (threadIdx.x == 0) sums[blockIdx.x] = sum;
+  }
+
+  __device__ void LoadSums(const LossTile& tile, Shared& s) const {
+    const ComparedImages& in = images;
+    tile.ForHalo([&](int r, int c, int x, int y) {
+      const bool inside = in.Contains(x, y);
+      const float picture = inside ? in.rendered[in.At(tile.channel, x, y)] : 0;
+      const float photograph = inside ? in.Photograph(tile.channel, x, y) : 0;
+      s.u[r][c] = picture + photograph;
+      s.v[r][c] = picture - photograph;
+    });
+  }
+
+  __device__ void SumAlong(const LossTile& tile, Shared& s) const {
+    const SsimWeights& w = window;
+    tile.ForAlong([&](int r, int c) {
+      const float *u = &s.u[r][c + math::kSsimRadius], *v = &s.v[r][c + math::kSsimRadius];
+      s.along[0][r][c] = Weigh(w, u, 1);
+      s.along[1][r][c] = Weigh(w, v, 1);
+      s.along[2][r][c] = WeighSquares(w, u);
+      s.along[3][r][c] = WeighSquares(w, v);
+    });
+  }
+
+  // At the thread's pixel: writes the partials, returns SSIM.
+  __device__ float Compare(const LossTile& tile, const Shared& s) const {
+    float m[kMoments];
+    for (int k = 0; k < kMoments; ++k)
+      m[k] = Weigh(window, &s.along[k][tile.row() + math::kSsimRadius][tile.column()], kLossSide);
+    const math::SsimMoments<float> moments{m[0], m[1], m[2], m[3]};
+    const math::SsimPartials<float> d = SsimVjp(moments);
+    const float values[kPartials] = {d.mean, d.uu, d.vv};
+    for (int k = 0; k < kPartials; ++k)
+      partials[images.At(kPartials * tile.channel + k, tile.x(), tile.y())] = values[k];
+    return Ssim(moments);
+  }
+};
+
+// The gradient, and the sum of the pointwise terms over the tile. The window is symmetric, so the
+// derivative of the windowed means is the same window over the partials.
+template <bool kWithSsim>
+struct GradientKernel {
+  static constexpr unsigned kThreads = kLossThreads;
+  ComparedImages images;
+  SsimWeights window;
+  const float* partials;
+  float l1, mse, dssim;  // of one value
+  float* d_rendered;
+  double* sums;  // [blocks]
+
+  struct Shared {
+    HaloPlane partials[kPartials];
+    AlongPlane along[kPartials];
+    BlockSumScratch scratch;
+  };
+
+  __device__ void operator()() const {
+    Shared& s = SharedMemory<Shared>();
+    const LossTile tile(images.width, images.height);
+    if constexpr (kWithSsim) {
+      LoadPartials(tile, s);
+      __syncthreads();
+      SumAlong(tile, s);
+      __syncthreads();
+    }
+    float value = 0;
+    if (images.Contains(tile.x(), tile.y())) value = StoreGradient(tile, s);
+    const double sum = BlockSum(value, s.scratch);
+    if (threadIdx.x == 0) sums[blockIdx.x] = sum;
+  }
+
+  __device__ void LoadPartials(const LossTile& tile, Shared& s) const {
+    const ComparedImages& in = images;
+    const float* from = partials;
+    tile.ForHalo([&](int r, int c, int x, int y) {
+      for (int k = 0; k < kPartials; ++k)
+        s.partials[k][r][c] =
+            in.Contains(x, y) ? from[in.At(kPartials * tile.channel + k, x, y)] : 0;
+    });
+  }
+
+  __device__ void SumAlong(const LossTile& tile, Shared& s) const {
+    const SsimWeights& w = window;
+    tile.ForAlong([&](int r, int c) {
+      for (int k = 0; k < kPartials; ++k)
+        s.along[k][r][c] = Weigh(w, &s.partials[k][r][c + math::kSsimRadius], 1);
+    });
+  }
+
+  // At the thread's pixel; returns its part of the pointwise sum.
+  __device__ float StoreGradient(const LossTile& tile, const Shared& s) const {
+    const size_t at = images.At(tile.channel, tile.x(), tile.y());
+    const float picture = images.rendered[at];
+    const float photograph = images.Photograph(tile.channel, tile.x(), tile.y());
+    const float u = picture + photograph, v = picture - photograph;
+    float d = math::PointwiseVjp(l1, 2 * mse, v);
+    if constexpr (kWithSsim) {
+      float c[kPartials];
+      for (int k = 0; k < kPartials; ++k)
+        c[k] = Weigh(window, &s.along[k][tile.row() + math::kSsimRadius][tile.column()], kLossSide);
+      d -= dssim * (c[0] + 2 * (u * c[1] + v * c[2]));
+    }
+    d_rendered[at] = d;
+    return math::Pointwise(l1, mse, v);
+  }
+};
+
+// One block adds up what the others left, each thread every 256th, and then the threads in order.
+struct AddUpLoss {
+  static constexpr unsigned kThreads = 256;
+  DeviceView<const double> pointwise, ssim;  // ssim: empty where it has no weight
+  double dssim, values;
+  double* loss;
+
+  struct Shared {
+    double of_thread[kThreads];
+  };
+
+  __device__ void operator()() const {
+    const double points = Sum(pointwise), similar = Sum(ssim);
+    if (threadIdx.x == 0) *loss = points + (ssim.count != 0 ? dssim * (1 - similar / values) : 0);
+  }
+  __device__ double Sum(const DeviceView<const double>& sums) const {
+    Shared& s = SharedMemory<Shared>();
+    double sum = 0;
+    for (size_t i = threadIdx.x; i < sums.count; i += kThreads) sum += sums[i];
+    s.of_thread[threadIdx.x] = sum;
+    __syncthreads();
+    if (threadIdx.x == 0)
+      for (unsigned t = 1; t < kThreads; ++t) sum += s.of_thread[t];
+    __syncthreads();
+    return sum;
+  }
+};
+
+size_t LossBlocks(int width, int height) {
+  const auto across = [](int px) { return size_t(px + kLossSide - 1) / kLossSide; };
+  return 3 * across(width) * across(height);
+}
+
+}  // namespace
+
+void DeviceTarget::ResizeLike(const Image8& image) {
+  width = image.width;
+  height = image.height;
+  channels = image.channels;
+  bytes.Refill(image.data.size());
+}
+
+void DeviceTarget::Upload(const Image8& image, cudaStream_t stream) {
+  ResizeLike(image);
+  bytes.Upload(image.data.data(), image.data.size(), stream);
+}
+
+void PhotometricLoss::Evaluate(const LossWeights& weights,
+                               const float* rendered,
+                               const DeviceTarget& target,
+                               const std::array<float, 3>& background,
+                               DeviceBuffer<float>& d_rendered,
+                               cudaStream_t stream) {
+  const size_t values = 3 * size_t(target.width) * target.height;
+  const size_t blocks = LossBlocks(target.width, target.height);
+  const bool with_ssim = weights.dssim != 0;
+  d_rendered.Refill(values);
+  partials_.Refill(with_ssim ? kPartials * values : 0);
+  ssim_sums_.Refill(with_ssim ? blocks : 0);
+  pointwise_sums_.Refill(blocks);
+  value_.Refill(1);
+  const ComparedImages images{rendered,
+                              target.bytes.data(),
+                              target.width,
+                              target.height,
+                              target.channels,
+                              {background[0], background[1], background[2]}};
+  SsimWeights window;
+  math::SsimWindow(window.w);
+  const float inv = 1.0f / float(values);
+  const auto gradient = [&](auto kernel) {
+    ForBlocks(blocks,
+              stream,
+              decltype(kernel){images,
+                               window,
+                               partials_.data(),
+                               weights.l1 * inv,
+                               weights.mse * inv,
+                               weights.dssim * inv,
+                               d_rendered.data(),
+                               pointwise_sums_.data()});
+  };
+  if (with_ssim) {
+    ForBlocks(blocks, stream, SsimKernel{images, window, partials_.data(), ssim_sums_.data()});
+    gradient(GradientKernel<true>{});
+  } else {
+    gradient(GradientKernel<false>{});
+  }
+  ForBlocks(1,
+            stream,
+            AddUpLoss{std::as_const(pointwise_sums_).view(),
+                      std::as_const(ssim_sums_).view(),
+                      weights.dssim,
+                      double(values),
+                      value_.data()});
+}
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,102 @@
+#include "splat/train/importance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/render/rasterizer.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kVolumeQuantile = 0.9;
+constexpr float kVolumePower = 0.1f;
+
+// Adds up pictures' contributions.
+class ContributionSum {
+ public:
+  explicit ContributionSum(size_t count)
+      : rasterizer_(MakeCpuRasterizer()), tape_(rasterizer_->MakeTape()), sum_(count) {}
+
+  void Add(const WorldGaussians& world,
+           Basis basis,
+           const Camera& camera,
+           const RenderSettings& settings) {
+    rasterizer_->Forward(world, basis, camera, settings, image_, *tape_);
+    rasterizer_->Contributions(image_, *tape_, view_);
+    for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += view_[i];
+  }
+  std::vector<Contribution> Take() { return std::move(sum_); }
+
+ private:
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<RenderTape> tape_;
+  RenderedImage image_;
+  Buffer<Contribution> view_;
+  std::vector<Contribution> sum_;
+};
+
+}  // namespace
+
+std::vector<Contribution> ContributionsToFrames(Subject& subject,
+                                                const Gaussians& gaussians,
+                                                const FrameChoice& choice) {
+  ContributionSum sum(gaussians.size());
+  for (size_t k = 0; k < choice.count(); ++k) {
+    const size_t f = choice[k];
+    sum.Add(subject.Place(gaussians, f),
+            gaussians.basis,
+            subject.frame(f).camera,
+            {choice.background, choice.degree});
+  }
+  return sum.Take();
+}
+
+double MeanPsnrOfFrames(Subject& subject, const Gaussians& gaussians, const FrameChoice& choice) {
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  Buffer<float> target;
+  double sum = 0;
+  for (size_t k = 0; k < choice.count(); ++k) {
+    const TrainFrame& frame = subject.frame(choice[k]);
+    rasterizer->Forward(subject.Place(gaussians, choice[k]),
+                        gaussians.basis,
+                        frame.camera,
+                        {choice.background, choice.degree},
+                        image,
+                        *tape);
+    for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
+    CompositeTarget(frame.target, choice.background, target);
+    sum += Psnr(image.color, target);
+  }
+  return choice.count() == 0 ? 0 : sum / double(choice.count());
+}
+
+std::vector<float> Significance(const Gaussians& gaussians,
+                                const std::vector<Contribution>& contributions) {
+  const size_t n = gaussians.size();
+  std::vector<float> volume_log(n);
+  for (size_t i = 0; i < n; ++i) {
+    const float* s = gaussians.at(kScaleLog, i);
+    volume_log[i] = s[0] + s[1] + s[2];
+  }
+  std::vector<float> significance(n);
+  if (n == 0) return significance;
+  std::vector<float> sorted = volume_log;
+  const size_t k = std::min(n - 1, size_t(kVolumeQuantile * double(n)));
+  std::nth_element(sorted.begin(), sorted.begin() + k, sorted.end());
+  for (size_t i = 0; i < n; ++i)
+    significance[i] = contributions[i].hits * std::exp(kVolumePower * (volume_log[i] - sorted[k]));
+  return significance;
+}
+
+std::vector<float> GlobalSignificance(const Gaussians& gaussians,
+                                      const std::vector<Camera>& cameras) {
+  ContributionSum sum(gaussians.size());
+  for (const Camera& camera : cameras)
+    sum.Add(ViewOf(gaussians), gaussians.basis, camera, {{0, 0, 0}, gaussians.degree});
+  return Significance(gaussians, sum.Take());
+}
+
+}  // namespace cosplat

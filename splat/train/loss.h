@@ -1,0 +1,48 @@
+// Photometric loss between a rendered image and its target, with its gradient.
+//   value = l1 * mean|x - y| + dssim * (1 - SSIM(x, y)) + mse * mean (x - y)^2
+// 3DGS: 0.8, 0.2, 0 (Kerbl et al. 2023, eq. 7). SplattingAvatar: 1, 0, 10.
+// Targets stay bytes: they are put over the background row by row, where the loss reads them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "splat/base/image.h"
+#include "splat/device/buffer.h"
+
+namespace cosplat {
+
+struct LossWeights {
+  float l1 = 0.8f;
+  float dssim = 0.2f;
+  float mse = 0.0f;
+};
+
+class PhotometricLoss {
+ public:
+  // rendered: [3, height, width]. target: that size; grey, RGB or straight-alpha RGBA, which is put
+  // over the background. Writes d_rendered, like rendered. Returns the loss.
+  double Evaluate(const LossWeights& weights,
+                  View<const float> rendered,
+                  const Image8& target,
+                  const std::array<float, 3>& background,
+                  Buffer<float>& d_rendered);
+
+ private:
+  std::vector<double> sums_;  // per job: pointwise terms, SSIM
+};
+
+// Mean SSIM over pixels and channels. Arguments as above.
+double MeanSsim(View<const float> rendered,
+                const Image8& target,
+                const std::array<float, 3>& background);
+
+// The target over the background -> planar [3, height, width] in [0, 1].
+void CompositeTarget(const Image8& image,
+                     const std::array<float, 3>& background,
+                     Buffer<float>& planar);
+
+// 10 log10(1 / mean squared difference); 100 for equal images. Same shapes.
+double Psnr(View<const float> a, View<const float> b);
+
+}  // namespace cosplat

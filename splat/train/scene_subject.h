@@ -1,0 +1,51 @@
+// Static scenes in the training loop of splat/train/trainer.h.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "splat/io/dataset.h"
+#include "splat/render/rasterizer.h"
+#include "splat/train/subject.h"
+
+namespace cosplat {
+
+// All that the training of a static scene begins with.
+struct TrainingScene {
+  std::vector<TrainFrame> train, test;
+  std::vector<float> points;           // [P, 3] world units; empty where the data has none
+  std::vector<uint8_t> point_colors;   // [P, 3] RGB
+  float extent = 1;                    // as SceneData's
+  bool white_background_hint = false;  // likewise
+};
+
+// A static scene: the Gaussians are where they are.
+class SceneSubject : public Subject {
+ public:
+  SceneSubject(std::vector<TrainFrame> frames, float extent)
+      : frames_(std::move(frames)), extent_(extent) {}
+  size_t frame_count() const override { return frames_.size(); }
+  const TrainFrame& frame(size_t i) const override { return frames_[i]; }
+  float extent() const override { return extent_; }
+  WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
+  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
+    WorldGradients view = GradientViewOf(gradients, screen);
+    view.drawn_groups_only = true;  // nothing but Adam reads them
+    return view;
+  }
+
+ private:
+  std::vector<TrainFrame> frames_;
+  float extent_;
+};
+
+// Loads every view's picture, in parallel. Views whose picture cannot be used go from `views` to
+// `skipped`.
+std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
+                                        std::vector<SkippedFrame>& skipped);
+
+// The same for both sets of a scene, with what else training needs. Throws Error where too many
+// views cannot be used (splat/base/skipped.h).
+TrainingScene LoadTrainingScene(SceneData& scene);
+
+}  // namespace cosplat

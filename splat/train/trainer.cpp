@@ -1,0 +1,287 @@
+#include "splat/train/trainer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <climits>
+#include <string>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kLeastReducedSide = 100;  // px
+
+void CheckSize(const TrainFrame& frame, size_t index) {
+  const Image8& image = frame.target;
+  const Camera& camera = frame.camera;
+  if (image.width == camera.width && image.height == camera.height) return;
+  const auto text = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+  throw Error("",
+              "training frame " + std::to_string(index),
+              "an image of " + text(image.width, image.height) + " pixels for a camera of " +
+                  text(camera.width, camera.height));
+}
+
+int LeastSide(const Subject& subject) {
+  int least = INT_MAX;
+  for (size_t i = 0; i < subject.frame_count(); ++i) {
+    const Camera& camera = subject.frame(i).camera;
+    least = std::min({least, camera.width, camera.height});
+  }
+  return least;
+}
+
+}  // namespace
+
+Trainer::Trainer(const TrainSettings& settings,
+                 Subject& subject,
+                 Gaussians first,
+                 const StepEngineMaker& make_engine)
+    : settings_(settings), subject_(subject) {
+  if (subject.frame_count() == 0) throw Error("", "training frames", "there is none");
+  least_side_ = LeastSide(subject);
+  state_.gaussians = std::move(first);
+  state_.adam = AdamState(state_.gaussians);
+  state_.statistics.Reset(state_.gaussians.size());
+  state_.rng.state = settings.seed;
+  HoldOut({});
+  engine_ = make_engine(settings_, subject_, state_);
+  MakePrunerFor(settings.prune);
+}
+
+void Trainer::MakePrunerFor(const PruneSettings& prune) {
+  settings_.prune = prune;
+  pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, state_.gaussians.size());
+  engine_->SetPruner(pruner_.get());
+}
+
+const TrainingState& Trainer::state() const {
+  engine_->Fetch();
+  return state_;
+}
+
+void Trainer::CheckSomeAreLeft(int iteration) const {
+  if (count() == 0)
+    throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+}
+
+int Trainer::active_degree() const {
+  const int raised =
+      settings_.first_degree + settings_.schedule.DegreeAt(state_.iteration, settings_.degree);
+  return std::min(raised, settings_.degree);
+}
+
+// Every frame once per pass, in random order.
+size_t Trainer::NextFrame() {
+  std::vector<uint32_t>& left = state_.frames_left;
+  if (left.empty()) {
+    left = frames_;
+    for (size_t i = left.size(); i > 1; --i) std::swap(left[i - 1], left[state_.rng.Below(i)]);
+  }
+  const size_t next = left.back();
+  left.pop_back();
+  return next;
+}
+
+std::array<float, 3> Trainer::NextBackground() {
+  if (settings_.background == Background::kBlack) return {0, 0, 0};
+  if (settings_.background == Background::kWhite) return {1, 1, 1};
+  std::array<float, 3> color{};
+  for (float& c : color) c = state_.rng.Uniform();
+  return color;
+}
+
+std::array<float, 3> Trainer::MeanBackground() const {
+  const bool white = settings_.background == Background::kWhite;
+  const float grey = settings_.background == Background::kRandom ? 0.5f : float(white);
+  return {grey, grey, grey};
+}
+
+// Not before all bands are trained: those that are not yet are still zero.
+bool Trainer::DropsBandsAt(int iteration) const {
+  return settings_.drop_bands > 0 && active_degree() == settings_.degree &&
+         BandSchedule::DropsAt(iteration, settings_.iterations);
+}
+
+AdamSettings Trainer::RatesAt(int iteration) const {
+  const LearningRates& r = settings_.rates;
+  AdamSettings adam;
+  adam.eps = settings_.eps;
+  adam.rate[kPosition] = subject_.extent() * settings_.schedule.PositionRate(
+                                                 iteration, r.position_first, r.position_last);
+  adam.rate[kRotation] = r.rotation;
+  adam.rate[kScaleLog] = r.scale;
+  adam.rate[kOpacityLogit] = r.opacity;
+  adam.rate[kColorDc] = r.color;
+  adam.rate[kColorRest] = r.RestRate();
+  const float share = settings_.schedule.RateShare(iteration);
+  for (const Attribute a : {kRotation, kScaleLog, kOpacityLogit, kColorDc, kColorRest})
+    adam.rate[a] *= share;
+  return adam;
+}
+
+void Trainer::HoldOut(std::vector<uint32_t> frames) {
+  std::sort(frames.begin(), frames.end());
+  frames_.clear();
+  for (uint32_t f = 0; f < subject_.frame_count(); ++f)
+    if (!std::binary_search(frames.begin(), frames.end(), f)) frames_.push_back(f);
+  if (frames_.empty()) throw Error("", "training frames", "none is left beside those held out");
+  state_.frames_left.clear();
+}
+
+double Trainer::PsnrOf(View<const uint32_t> frames) {
+  const FrameChoice choice{frames, active_degree(), MeanBackground(), frames.size()};
+  // At the end of a run nothing is put off: the Gaussians may be drawn where they are.
+  if (state_.iteration == settings_.iterations) return engine_->MeanPsnr(choice);
+  return MeanPsnrOfFrames(subject_, CaughtUp(), choice);
+}
+
+int Trainer::FirstPruneStep() const {
+  for (int i = 1; i <= settings_.iterations; ++i)
+    if (PrunesAt(i)) return i;
+  return 0;
+}
+
+Trainer::Checkpoint Trainer::Save() const { return {state(), subject_.SaveState(), drop_psnr_}; }
+
+void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) {
+  state_ = checkpoint.state;
+  subject_.RestoreState(checkpoint.subject);
+  drop_psnr_ = checkpoint.drop_psnr;
+  MakePrunerFor(prune);
+  engine_->Store();
+}
+
+// What the rule ranks lowest, and what the cap of groups takes.
+PruneRound Trainer::Rank(int iteration) {
+  engine_->FetchForRanking();
+  const DensityStatistics& statistics = state_.statistics;
+  if (PrunesAt(iteration)) {
+    return pruner_->Rank({iteration,
+                          *engine_,
+                          frames_,
+                          state_.gaussians,
+                          statistics,
+                          active_degree(),
+                          MeanBackground(),
+                          state_.rng});
+  }
+  PruneRound round;
+  for (size_t i = 0; i < state_.gaussians.size(); ++i) {
+    round.score.push_back(statistics.MeanPlasticity(i));
+    round.exempt.push_back(!(statistics.visible[i] > 0));
+  }
+  return round;
+}
+
+void Trainer::DropBands() {
+  engine_->Fetch();
+  drop_psnr_ += DropBandsInTraining(settings_.drop_bands,
+                                    *engine_,
+                                    frames_,
+                                    MeanBackground(),
+                                    state_.gaussians,
+                                    state_.adam,
+                                    [this] { engine_->Store(); });
+}
+
+void Trainer::ControlDensityAt(int iteration) {
+  const Schedule& schedule = settings_.schedule;
+  const bool densifies = schedule.DensifiesAt(iteration);
+  const bool prunes = PrunesAt(iteration);
+  const bool resets = schedule.ResetsOpacityAt(iteration);
+  const bool drops = DropsBandsAt(iteration);
+  if (densifies || prunes || resets || drops || iteration == settings_.iterations)
+    engine_->CatchUp(RatesAt(iteration - 1));
+  if (densifies) {
+    if (pruner_) pruner_->BeforeDensification();
+    engine_->ControlDensity(settings_.density, iteration > schedule.size_prune_after);
+    CheckSomeAreLeft(iteration);
+  }
+  if (densifies || prunes) {
+    if (settings_.prune.group_cap > 0 || prunes)
+      engine_->Prune(Rank(iteration), settings_.prune.group_cap, settings_.prune.group_floor);
+    CheckSomeAreLeft(iteration);
+    engine_->SortInSpace();
+    engine_->ResetStatistics();
+  }
+  if (resets) engine_->ResetOpacity();
+  if (drops) DropBands();
+}
+
+// The same for all frames: an engine keeps the pictures of one downscale. None gets smaller than
+// what a loss with windows can judge.
+int Trainer::DownscaleAt(int iteration) const {
+  int downscale = settings_.schedule.DownscaleAt(iteration);
+  while (downscale > 1 && least_side_ < kLeastReducedSide * downscale) downscale /= 2;
+  return downscale;
+}
+
+StepPlan Trainer::PlanOf(int iteration, size_t frame) {
+  return {iteration,
+          frame,
+          {NextBackground(), active_degree(), settings_.exp_degree},
+          RatesAt(state_.iteration),
+          iteration < settings_.schedule.densify_until,
+          DownscaleAt(iteration)};
+}
+
+StepReport Trainer::Step() {
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = ProcessorSeconds();
+  const int iteration = state_.iteration + 1;
+  const size_t index = NextFrame();
+  CheckSize(subject_.frame(index), index);
+  const double loss = engine_->Step(PlanOf(iteration, index));
+  {
+    ScopedPhase phase(times_, Phase::kDensity);
+    state_.iteration = iteration;
+    ControlDensityAt(iteration);
+    engine_->AfterStep(iteration);
+  }
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += seconds;
+  cpu_seconds_ += ProcessorSeconds() - cpu_start;
+  last_seconds_[steps_++ % last_seconds_.size()] = seconds;
+  return {iteration, loss, count(), engine_->TakeNotice()};
+}
+
+Gaussians Trainer::CaughtUp() const {
+  Gaussians gaussians = state().gaussians;
+  AdamState adam = state_.adam;
+  const AdamSettings rates = RatesAt(std::max(state_.iteration - 1, 0));
+  AdamCatchUpAll(rates, subject_.PositionRateScale(), gaussians, adam);
+  return gaussians;
+}
+
+TrainingStatistics Trainer::statistics() const {
+  engine_->Fetch();
+  TrainingStatistics s;
+  s.iterations = state_.iteration;
+  s.steps = steps_;
+  s.seconds = seconds_;
+  s.cpu_seconds = cpu_seconds_;
+  s.gaussians = state_.gaussians.size();
+  s.times = times_;
+  s.times += engine_->Times();
+  s.ignored_gradients = state_.ignored_gradients;
+  s.degrees = CountDegrees(state_.gaussians);
+  s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
+  s.drop_psnr = drop_psnr_;
+  const size_t count = std::min(steps_, last_seconds_.size());
+  if (count == 0) return s;
+  auto last = last_seconds_;
+  std::nth_element(last.begin(), last.begin() + count / 2, last.begin() + count);
+  s.ms_per_step = 1e3 * last[count / 2];
+  return s;
+}
+
+std::vector<MemoryPart> Trainer::Memory() const {
+  std::vector<MemoryPart> parts = engine_->Memory();
+  if (pruner_ && pruner_->Held() > 0) parts.push_back({"rule of pruning", pruner_->Held()});
+  return parts;
+}
+
+}  // namespace cosplat

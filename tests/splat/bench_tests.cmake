@@ -1,3 +1,0 @@
-cosplat_test(bench
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/bench_test.cpp
-  LIBRARIES cosplat::bench)

@@ -1,3 +1,0 @@
-cosplat_test(stability
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/stability_test.cpp
-  LIBRARIES cosplat::study)
