@@ -57,5 +57,6 @@ endfunction()
 function(cosplat_simd_sources)
   set_source_files_properties(${ARGN} PROPERTIES
     COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno"
-    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)")
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)"
+    SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

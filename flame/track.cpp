@@ -12,10 +12,6 @@
 
 namespace cosplat {
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 bool ProportionsDiffer(int width, int height, int other_width, int other_height) {
   return std::abs(double(other_width) * height / other_height - width) > 1;
 }

@@ -15,7 +15,7 @@
 namespace cosplat {
 namespace {
 
-struct Options {
+struct ExportOptions {
   ExportSource source;
   std::string vq, ply, glb;
   VqSettings settings;
@@ -23,7 +23,7 @@ struct Options {
   bool quiet = false;
 };
 
-void Check(const Options& o) {
+void Check(const ExportOptions& o) {
   if (o.vq.empty() && o.ply.empty() && o.glb.empty())
     throw Error("", "--vq, --ply, --glb", "none is given: at least one file must be written");
   if (o.source.model.empty() && o.source.splats.empty())
@@ -32,7 +32,7 @@ void Check(const Options& o) {
     throw Error("", "--measure", "compares a model's PLY with its --vq: give -m and --vq only");
 }
 
-void CheckGlb(const Options& o, const ExportSubject& subject) {
+void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {
   if (o.glb.empty()) return;
   if (subject.is_avatar())
     throw Error(o.source.model,
@@ -46,7 +46,7 @@ void CheckGlb(const Options& o, const ExportSubject& subject) {
 }
 
 // `what`: of an avatar.
-void Say(const Options& o,
+void Say(const ExportOptions& o,
          const std::string& path,
          const ExportSubject& subject,
          const char* what) {
@@ -58,7 +58,7 @@ void Say(const Options& o,
               subject.is_avatar() ? what : "");
 }
 
-void WriteQuantised(const Options& o, const ExportSubject& subject) {
+void WriteQuantised(const ExportOptions& o, const ExportSubject& subject) {
   ProgressBar bar("export", 2, o.quiet);
   bar.Update(0, "codebook");
   const QuantisedSplats splats = subject.Quantised(o.settings);
@@ -73,7 +73,7 @@ double MeanDegree(const QuantisedSplats& splats) {
 }
 
 // PSNR of what was trained and of the quantised file, both read back; into export.json, too.
-void MeasureBoth(const Options& o, ExportSubject& subject) {
+void MeasureBoth(const ExportOptions& o, ExportSubject& subject) {
   FileFigures ply, vq;
   {
     const TestViews trained = subject.AsTrained(), quantised = subject.FromFile(o.vq);
@@ -100,7 +100,7 @@ void MeasureBoth(const Options& o, ExportSubject& subject) {
   std::printf("quantised  %s\n", ToString(vq).c_str());
 }
 
-void Export(Options& o) {
+void Export(ExportOptions& o) {
   Check(o);
   o.source.quantise = !o.vq.empty();
   const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
@@ -125,7 +125,7 @@ void Export(Options& o) {
 void AddExport(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("export", "write a model's splats as .ply, .glb or quantised");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ExportOptions>();
   command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
   command->add_option(
       "--splats", o->source.splats, "a PLY or quantised file; in place of the model's own with -m");

@@ -9,12 +9,12 @@
 namespace cosplat {
 namespace {
 
-struct Options : MakeHeadOptions {
+struct MakeHeadChoices : MakeHeadOptions {
   std::string out;
   bool quiet = false;
 };
 
-void MakeHead(const Options& o) {
+void MakeHead(const MakeHeadChoices& o) {
   {
     ProgressBar bar("make-head", o.frames, o.quiet);
     WriteProceduralVideo(o.out, o, [&](int done, int) { bar.Update(done, "frames"); });
@@ -34,7 +34,7 @@ void MakeHead(const Options& o) {
 void AddMakeHead(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("make-head", "film the procedural head: a tracked video to train on");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<MakeHeadChoices>();
   command->add_option("-o,--out", o->out, "folder to write")->required();
   command->add_option("--frames", o->frames, "length of the video");
   command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");

@@ -23,7 +23,7 @@ using viewer::StartView;
 constexpr int kLargestSide = 8192;
 constexpr double kTurn = 6.283185307179586;
 
-struct Options {
+struct PlayOptions {
   std::string model, drive, flame, out, view = "splats", background, size, device = "cpu";
   double fps = 0;
   int frames = 0;  // 0: all of the drive, otherwise one
@@ -36,7 +36,7 @@ struct Size {
 };
 
 // "WxH"; without, as the content was filmed.
-Size SizeOf(const Options& o, const StartView& start) {
+Size SizeOf(const PlayOptions& o, const StartView& start) {
   if (o.size.empty()) return {start.camera.width, start.camera.height};
   Size size;
   char rest = 0;
@@ -47,7 +47,7 @@ Size SizeOf(const Options& o, const StartView& start) {
   return size;
 }
 
-void SetLook(const Options& o, Session& session) {
+void SetLook(const PlayOptions& o, Session& session) {
   const viewer::View view = viewer::ViewFromString(o.view, "--view");
   if (viewer::NeedsMesh(view) && !session.is_avatar())
     throw Error(o.model, "--view", o.view + " is of avatars; this is a scene");
@@ -65,7 +65,7 @@ Image8 WithoutAlpha(const Image8& rgba) {
 }
 
 // The sequence's frames, or as many views of a turn.
-void PlayIntoFiles(const Options& o, Session& session, Stage& stage, Size size) {
+void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size size) {
   if (IsLiveDrive(o.drive))
     throw Error("", "--headless", "plays recordings; '" + o.drive + "' needs the window");
   FrameSink sink(o.out);
@@ -85,7 +85,7 @@ void PlayIntoFiles(const Options& o, Session& session, Stage& stage, Size size) 
   if (!o.quiet) std::printf("%d frames: %s\n", sink.count(), o.out.c_str());
 }
 
-void Play(const Options& o) {
+void Play(const PlayOptions& o) {
   if (o.headless && o.out.empty())
     throw Error("", "--out", "is needed with --headless: a folder or a file that ends in .mp4");
   const Device device = DeviceFromString(o.device);
@@ -100,7 +100,7 @@ void Play(const Options& o) {
   viewer::ViewerWindow(session, stage, {o.scale, folder, DeviceTextureOn(device)}).Run();
 }
 
-void AddLook(CLI::App& command, Options& o) {
+void AddLook(CLI::App& command, PlayOptions& o) {
   command.add_option("--view", o.view, "splats, ellipsoids, triangles (by count) or wire");
   command
       .add_option("--background", o.background, "black or white; as it was evaluated if not given")
@@ -113,7 +113,7 @@ void AddLook(CLI::App& command, Options& o) {
 void AddPlay(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("play", "look at an avatar or a scene in a window, or render it to files");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<PlayOptions>();
   command->add_option("model", o->model, "a run's folder, an avatar's .glb, or a scene's splats")
       ->required();
   auto* drive =

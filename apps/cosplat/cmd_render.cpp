@@ -33,7 +33,7 @@ namespace {
 constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
 
-struct Options {
+struct RenderOptions {
   std::string model, source, splats, out, drive, flame, device = "cpu";
   bool orbit = false;
   int resolution = 0;  // 0: as trained
@@ -41,25 +41,25 @@ struct Options {
   bool quiet = false;
 };
 
-DataSplit SplitOf(const Options& o, const JsonField& run) {
+DataSplit SplitOf(const RenderOptions& o, const JsonField& run) {
   DataSplit split = SplitFromJson(run);
   if (o.resolution > 0) split.resolution = o.resolution;
   return split;
 }
 
-std::string SourceOf(const Options& o, const JsonField& run) {
+std::string SourceOf(const RenderOptions& o, const JsonField& run) {
   return o.source.empty() ? run["source"].String() : o.source;
 }
 
 // Of the folder of pictures of other splats than the run's own.
-std::string SuffixOf(const Options& o) {
+std::string SuffixOf(const RenderOptions& o) {
   return o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
 }
 
 // Frames to a folder or video, with a progress bar. A frame is encoded while the next is drawn.
 class Output {
  public:
-  Output(const Options& o, size_t total)
+  Output(const RenderOptions& o, size_t total)
       : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
   void Write(const RenderedImage& image) {
     writing_.wait();  // for the frame before; throws what went wrong with it
@@ -83,7 +83,7 @@ class Output {
   tbb::task_group writing_;  // last, as it waits for its task before what that needs is gone
 };
 
-void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Options& o) {
+void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const RenderOptions& o) {
   Output output(o, frames.size());
   Playback playback(player);
   for (const PlaybackFrame& frame : frames)
@@ -92,7 +92,7 @@ void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Op
   output.Finish();
 }
 
-void RenderScene(const Options& o, const JsonField& run) {
+void RenderScene(const RenderOptions& o, const JsonField& run) {
   if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
   const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
   const int iteration = SavedIteration(o.model, run);
@@ -144,7 +144,7 @@ void HeadFrame(const std::vector<float>& vertices,
   up = {0, 1, 0};  // FLAME's own; trackers keep the head roughly upright in their world
 }
 
-void RenderAvatarOrbit(const Options& o,
+void RenderAvatarOrbit(const RenderOptions& o,
                        const JsonField& run,
                        const FlameModel& flame,
                        Player& player) {
@@ -160,7 +160,7 @@ void RenderAvatarOrbit(const Options& o,
   PlayInto(frames, player, o);
 }
 
-void RenderDriven(const Options& o, const JsonField& run, Player& player) {
+void RenderDriven(const RenderOptions& o, const JsonField& run, Player& player) {
   const TrackedVideo sequence = LoadDrivingSequence(o.drive);
   std::vector<FlameParams> params;
   for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
@@ -171,7 +171,7 @@ void RenderDriven(const Options& o, const JsonField& run, Player& player) {
   PlayInto(frames, player, o);
 }
 
-void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& renderer) {
+void RenderFrames(const RenderOptions& o, const JsonField& run, AvatarRenderer& renderer) {
   const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !video.test.empty();
   const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
@@ -192,7 +192,7 @@ void RenderFrames(const Options& o, const JsonField& run, AvatarRenderer& render
   if (!o.quiet) std::printf("%zu frames: %s\n", frames.size(), writer.path().c_str());
 }
 
-void RenderAvatar(const Options& o, const JsonField& run) {
+void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   const Device device = DeviceFromString(o.device);
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
@@ -208,7 +208,7 @@ void RenderAvatar(const Options& o, const JsonField& run) {
   }
 }
 
-void Render(const Options& o) {
+void Render(const RenderOptions& o) {
   const Json json = ReadRun(o.model);
   const JsonField run(o.model + "/run.json", json);
   if (o.out.empty() && (o.orbit || !o.drive.empty()))
@@ -228,7 +228,7 @@ void Render(const Options& o) {
 void AddRender(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("render", "render test views, an orbit, or a driving sequence");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RenderOptions>();
   command->add_option("-m,--model_path", o->model, "a trained model's folder")->required();
   command->add_option("-s,--source_path", o->source, "data set; the one trained on if not given");
   command->add_option(

@@ -18,7 +18,7 @@
 namespace cosplat {
 namespace {
 
-struct Options {
+struct SendOptions {
   std::string sequence, to;
   double frames_per_second = 0, drop_percent = 0, bad_percent = 0;
   bool loop = false;
@@ -27,9 +27,9 @@ struct Options {
 };
 
 // Lines to standard output or datagrams to an address.
-class Output {
+class PacketOutput {
  public:
-  explicit Output(const std::string& to) {
+  explicit PacketOutput(const std::string& to) {
     if (to.empty()) return;
     const DriveAddress address = ParseDriveAddress(to);
     if (address.scheme != "udp" || address.port == 0)
@@ -71,7 +71,7 @@ struct Counts {
   long sent = 0, dropped = 0, bad = 0, lost = 0;
 };
 
-void Send(const Options& o, const Recording& recording, Output& output, Counts& counts) {
+void Send(const SendOptions& o, const Recording& recording, PacketOutput& output, Counts& counts) {
   using Seconds = std::chrono::duration<double>;
   const double length = double(recording.frames.back().timestep + 1) / recording.frames_per_second;
   const auto start = std::chrono::steady_clock::now();
@@ -98,13 +98,13 @@ void Send(const Options& o, const Recording& recording, Output& output, Counts& 
     }
 }
 
-void Run(const Options& o) {
+void Run(const SendOptions& o) {
   if (o.drop_percent + o.bad_percent > 100)
     throw Error("", "--drop and --bad", "are more than 100 percent together");
   LiveSourceOptions options;
   options.frames_per_second = o.frames_per_second;
   const Recording recording = LoadRecording(o.sequence, options);
-  Output output(o.to);
+  PacketOutput output(o.to);
   Counts counts;
   Send(o, recording, output, counts);
   if (o.quiet || o.to.empty()) return;
@@ -121,7 +121,7 @@ void Run(const Options& o) {
 void AddSend(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("send", "play a recorded sequence to a live avatar, as a tracker does");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<SendOptions>();
   command->add_option("sequence", o->sequence, "tracked video or .npz")->required();
   command->add_option("--to", o->to, "udp://HOST:PORT; lines on standard output if not given");
   command->add_option("--fps", o->frames_per_second, "frames per second; 0: its own, or 25")

@@ -10,7 +10,7 @@
 namespace cosplat::viewer {
 namespace {
 
-constexpr ImGuiWindowFlags kFixed =
+constexpr ImGuiWindowFlags kPanelWindow =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
 constexpr float kHalf = 0.5f;
 
@@ -188,7 +188,7 @@ void DrawCapturePanel(const ScreenState& state, ScreenResult& result) {
 void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenResult& result) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
-  ImGui::Begin("panels", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
+  ImGui::Begin("panels", nullptr, kPanelWindow & ~ImGuiWindowFlags_NoScrollbar);
   ImGui::TextUnformatted(session.title().c_str());
   ImGui::TextDisabled("%s, %s Gaussians",
                       session.is_avatar() ? "Avatar" : "Scene",
@@ -204,7 +204,7 @@ void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenR
 void DrawTimeline(Session& session, Place place) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
-  ImGui::Begin("timeline", nullptr, kFixed);
+  ImGui::Begin("timeline", nullptr, kPanelWindow);
   Timeline& timeline = session.timeline;
   const float letters = ImGui::GetFontSize();
   const bool plays = timeline.playing() && session.driver == Driver::kSequence;

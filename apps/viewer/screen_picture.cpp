@@ -12,9 +12,9 @@ namespace cosplat::viewer {
 namespace {
 
 constexpr float kOrbitPerHeight = 3.14159265f;  // radians for a drag over the picture's height
-constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings |
-                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr ImGuiWindowFlags kPictureWindow =
+    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+    ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 void MoveCamera(OrbitCamera& camera, const Place& place, ScreenResult& result) {
   const ImGuiIO& io = ImGui::GetIO();
@@ -117,7 +117,7 @@ void DrawPicture(Session& session, const ScreenState& state, Place place, Screen
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, {0.07f, 0.07f, 0.08f, 1});
-  ImGui::Begin("picture", nullptr, kFixed);
+  ImGui::Begin("picture", nullptr, kPictureWindow);
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();
   ImGui::InvisibleButton("hand",

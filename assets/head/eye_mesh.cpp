@@ -8,8 +8,6 @@
 namespace cosplat::procedural {
 namespace {
 
-constexpr float kDegree = 0.01745329f;
-constexpr int kSkinRings = 3;
 constexpr int kEyeballColumns = 24;
 constexpr int kEyeballRows = 12;
 constexpr float kCorneaHeight = 0.0005f;

@@ -13,7 +13,6 @@ constexpr int kHalf = kColumns / 2;
 constexpr int kRows = 48;           // from the crown's cap down to the cut below the shoulders
 constexpr int kCap = kColumns / 4;  // the crown is a square patch of kCap x kCap cells
 constexpr float kAxisZ = -0.035f;
-constexpr float kDegree = 0.01745329f;
 
 // A rectangle of cells left out of the grid, to be filled by rings.
 struct Block {

@@ -7,6 +7,8 @@
 
 namespace cosplat::procedural {
 
+constexpr int kSkinRings = 3;  // around the eyes and the mouth
+
 class MeshBuilder {
  public:
   HeadMesh mesh;

@@ -12,7 +12,6 @@ namespace cosplat::procedural {
 namespace {
 
 constexpr float kTwoPi = 6.2831853f;
-constexpr float kDegree = 0.01745329f;
 constexpr float kFocalPerWidth = 2.35f;
 constexpr Vec kTarget{0, -0.014f, -0.020f};
 

@@ -9,8 +9,6 @@
 namespace cosplat::procedural {
 namespace {
 
-constexpr int kSkinRings = 3;
-
 struct LipParameter {
   float along, upper;
 };

@@ -5,6 +5,8 @@
 
 namespace cosplat::procedural {
 
+constexpr float kDegree = 0.01745329f;  // radians
+
 struct Vec {
   float x = 0, y = 0, z = 0;
 

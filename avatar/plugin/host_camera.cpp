@@ -41,9 +41,9 @@ void CheckSize(uint32_t width, uint32_t height, const char* name) {
       uint64_t(width) * height > kMostPixels)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      std::string(name) + ".width, height",
-                     std::to_string(width) + "x" + std::to_string(height) +
-                         " pixels: sides are from 1 to " + std::to_string(COSPLAT_LARGEST_SIDE) +
-                         ", at most " + std::to_string(kMostPixels) + " pixels in all");
+                     SizeText(width, height) + " pixels: sides are from 1 to " +
+                         std::to_string(COSPLAT_LARGEST_SIDE) + ", at most " +
+                         std::to_string(kMostPixels) + " pixels in all");
 }
 
 Camera ToCamera(const cosplat_camera& given) {

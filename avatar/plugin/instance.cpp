@@ -166,9 +166,8 @@ Camera Instance::CameraFor(const cosplat_picture& picture) const {
   if (uint32_t(camera_->width) != picture.width || uint32_t(camera_->height) != picture.height)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      "picture.width, height",
-                     std::to_string(picture.width) + "x" + std::to_string(picture.height) +
-                         ", the camera has " + std::to_string(camera_->width) + "x" +
-                         std::to_string(camera_->height));
+                     SizeText(picture.width, picture.height) + ", the camera has " +
+                         SizeText(camera_->width, camera_->height));
   return *camera_;
 }
 

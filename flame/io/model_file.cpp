@@ -102,7 +102,7 @@ std::vector<float> ToFloats(const std::vector<double>& values) {
 }
 
 // [V, 3, K] in the file -> [count, V, 3] from direction `first` on.
-std::vector<float> Directions(const NpyArray& array, size_t first, size_t count) {
+std::vector<float> DirectionsOf(const NpyArray& array, size_t first, size_t count) {
   const size_t rows = array.shape[0] * array.shape[1];
   const size_t columns = array.shape[2];
   std::vector<float> out(count * rows);
@@ -135,8 +135,8 @@ void ReadShapeDirections(const ModelArrays& arrays, FlameModel& model) {
                   "has shape " + ShapeText(array.shape) + ", but n_shape + n_expr = " +
                       std::to_string(shapes) + " + " + std::to_string(expressions));
   }
-  model.shape_directions = Directions(array, 0, shapes);
-  model.expression_directions = Directions(array, shapes, total - shapes);
+  model.shape_directions = DirectionsOf(array, 0, shapes);
+  model.expression_directions = DirectionsOf(array, shapes, total - shapes);
   DropTrailingZeroDirections(model.shape_directions, 3 * v);
   DropTrailingZeroDirections(model.expression_directions, 3 * v);
   model.shape_count = int(model.shape_directions.size() / (3 * v));
@@ -178,7 +178,7 @@ FlameModel LoadFlameModel(const std::string& path) {
   model.template_vertices = ToFloats(vertices.values);
   ReadFaces(arrays, model);
   ReadShapeDirections(arrays, model);
-  model.pose_directions = Directions(
+  model.pose_directions = DirectionsOf(
       arrays.Get(arrays.NameOf("posedirs"), {v, 3, kFlamePoseFeatures}), 0, kFlamePoseFeatures);
   model.joint_regressor = ToFloats(arrays.Get("J_regressor", {kFlameJoints, v}).values);
   model.skinning_weights = ToFloats(arrays.Get("weights", {v, kFlameJoints}).values);

@@ -57,9 +57,6 @@ std::string FinishTrackedFrame(const Camera& lens,
 // The same for the camera alone.
 Camera CameraAt(const Camera& lens, int width, int height, int resolution, const Camera& pose);
 
-// "512x256", for errors.
-std::string SizeText(int width, int height);
-
 // More than a pixel between a size and another one scaled to the same height.
 bool ProportionsDiffer(int width, int height, int other_width, int other_height);
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace cosplat {
@@ -30,5 +31,10 @@ struct BasicImage {
 
 using Image = BasicImage<float>;     // [0, 1]
 using Image8 = BasicImage<uint8_t>;  // [0, 255]; four channels mean straight (unmultiplied) alpha
+
+// "640x480", for messages.
+inline std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
 
 }  // namespace cosplat

@@ -140,9 +140,8 @@ void WriteImage(const std::string& path, const Image8& image) {
       (jpeg && image.channels == 4))
     throw Error(path,
                 "",
-                "cannot store an image of " + std::to_string(image.width) + "x" +
-                    std::to_string(image.height) + " with " + std::to_string(image.channels) +
-                    " channels as " + extension);
+                "cannot store an image of " + SizeText(image.width, image.height) + " with " +
+                    std::to_string(image.channels) + " channels as " + extension);
   std::vector<uint8_t> bytes;
   if (!cv::imencode(extension, SwapRedBlue(Wrap(image)), bytes))
     throw Error(path, "", "image could not be encoded");
@@ -158,9 +157,8 @@ Image8 ResizeByArea(const Image8& image, int width, int height) {
   if (width < 1 || height < 1 || image.empty())
     throw Error("",
                 "image",
-                "cannot be resized from " + std::to_string(image.width) + "x" +
-                    std::to_string(image.height) + " to " + std::to_string(width) + "x" +
-                    std::to_string(height));
+                "cannot be resized from " + SizeText(image.width, image.height) + " to " +
+                    SizeText(width, height));
   cv::Mat resized;
   cv::resize(Premultiplied(image), resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
   return Unpremultiplied(resized);

@@ -137,9 +137,9 @@ std::vector<FeatureMap> OnnxNet::Run(const Image8& picture) {
   if (picture.channels != 3 || picture.width < least_side_ || picture.height < least_side_)
     throw Error(path_,
                 "",
-                "takes RGB pictures of at least " + std::to_string(least_side_) + "x" +
-                    std::to_string(least_side_) + ", not " + std::to_string(picture.width) + "x" +
-                    std::to_string(picture.height) + "x" + std::to_string(picture.channels));
+                "takes RGB pictures of at least " + SizeText(least_side_, least_side_) + ", not " +
+                    SizeText(picture.width, picture.height) + "x" +
+                    std::to_string(picture.channels));
   const std::string refusal = impl_->Forward(picture);
   if (!refusal.empty()) throw Error(path_, "", "cannot be run on a picture: " + refusal);
   std::vector<FeatureMap> maps;

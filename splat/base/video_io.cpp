@@ -81,8 +81,8 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
   if (width < 2 || height < 2 || !(frames_per_second > 0))
     throw Error(path,
                 "",
-                "cannot hold frames of " + std::to_string(width) + "x" + std::to_string(height) +
-                    " at " + std::to_string(frames_per_second) + " per second");
+                "cannot hold frames of " + SizeText(width, height) + " at " +
+                    std::to_string(frames_per_second) + " per second");
   impl_->path = path;
   impl_->temporary = TemporaryPath(path);
   impl_->width = width;
@@ -107,9 +107,8 @@ void VideoWriter::Write(const Image8& rgb) {
   if (rgb.width != impl_->width || rgb.height != impl_->height || rgb.channels != 3)
     throw Error(impl_->path,
                 "frame " + std::to_string(impl_->written),
-                "has size " + std::to_string(rgb.width) + "x" + std::to_string(rgb.height) + "x" +
-                    std::to_string(rgb.channels) + ", expected " + std::to_string(impl_->width) +
-                    "x" + std::to_string(impl_->height) + "x3");
+                "has size " + SizeText(rgb.width, rgb.height) + "x" + std::to_string(rgb.channels) +
+                    ", expected " + SizeText(impl_->width, impl_->height) + "x3");
   const cv::Mat full(rgb.height, rgb.width, CV_8UC3, const_cast<uint8_t*>(rgb.data.data()));
   cv::Mat bgr;
   cv::cvtColor(full(cv::Rect(0, 0, rgb.width & ~1, rgb.height & ~1)), bgr, cv::COLOR_RGB2BGR);

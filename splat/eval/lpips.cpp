@@ -123,10 +123,8 @@ Lpips::Lpips(const std::string& folder, const std::string& net)
 
 double Lpips::Distance(const Image8& a, const Image8& b) {
   if (a.width != b.width || a.height != b.height)
-    throw Error("",
-                "images",
-                std::to_string(a.width) + "x" + std::to_string(a.height) + " against " +
-                    std::to_string(b.width) + "x" + std::to_string(b.height));
+    throw Error(
+        "", "images", SizeText(a.width, a.height) + " against " + SizeText(b.width, b.height));
   std::vector<FeatureMap> maps_a, maps_b;
   tbb::parallel_invoke([&] { maps_a = nets_[0].Run(a); }, [&] { maps_b = nets_[1].Run(b); });
   double sum = 0;

@@ -13,8 +13,7 @@ namespace cosplat {
 namespace {
 
 std::string SizeOf(const Image8& image) {
-  return std::to_string(image.width) + "x" + std::to_string(image.height) + "x" +
-         std::to_string(image.channels);
+  return SizeText(image.width, image.height) + "x" + std::to_string(image.channels);
 }
 
 double SquaredDifference(const Image8& a, const Image8& b, size_t pixel) {

@@ -67,7 +67,7 @@ class Reader {
   std::string record_;
 };
 
-void ReadCameras(const std::string& path, ColmapModel& model) {
+void ReadCamerasBinary(const std::string& path, ColmapModel& model) {
   Reader in(path);
   const uint64_t count = in.Count("the number of cameras");
   for (uint64_t i = 0; i < count; ++i) {
@@ -86,7 +86,7 @@ void ReadCameras(const std::string& path, ColmapModel& model) {
   in.ExpectEnd();
 }
 
-void ReadImages(const std::string& path, ColmapModel& model) {
+void ReadImagesBinary(const std::string& path, ColmapModel& model) {
   Reader in(path);
   const uint64_t count = in.Count("the number of images");
   for (uint64_t i = 0; i < count; ++i) {
@@ -104,7 +104,7 @@ void ReadImages(const std::string& path, ColmapModel& model) {
   in.ExpectEnd();
 }
 
-void ReadPoints(const std::string& path, ColmapModel& model) {
+void ReadPointsBinary(const std::string& path, ColmapModel& model) {
   Reader in(path);
   const uint64_t count = in.Count("the number of points");
   for (uint64_t i = 0; i < count; ++i) {
@@ -122,10 +122,10 @@ void ReadPoints(const std::string& path, ColmapModel& model) {
 }  // namespace
 
 void ReadBinary(const std::string& folder, ColmapModel& model) {
-  ReadCameras(folder + "/cameras.bin", model);
-  ReadImages(folder + "/images.bin", model);
+  ReadCamerasBinary(folder + "/cameras.bin", model);
+  ReadImagesBinary(folder + "/images.bin", model);
   const std::string points = folder + "/points3D.bin";
-  if (std::filesystem::exists(points)) ReadPoints(points, model);
+  if (std::filesystem::exists(points)) ReadPointsBinary(points, model);
 }
 
 }  // namespace cosplat::colmap

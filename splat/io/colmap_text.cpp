@@ -86,7 +86,7 @@ class Lines {
   int number_ = 0;
 };
 
-void ReadCameras(const std::string& path, ColmapModel& model) {
+void ReadCamerasText(const std::string& path, ColmapModel& model) {
   Lines in(path);
   while (in.NextRecord()) {
     const uint32_t id = uint32_t(in.Integer("a camera id"));
@@ -99,7 +99,7 @@ void ReadCameras(const std::string& path, ColmapModel& model) {
   }
 }
 
-void ReadImages(const std::string& path, ColmapModel& model) {
+void ReadImagesText(const std::string& path, ColmapModel& model) {
   Lines in(path);
   while (in.NextRecord()) {
     ColmapImage image;
@@ -113,7 +113,7 @@ void ReadImages(const std::string& path, ColmapModel& model) {
   }
 }
 
-void ReadPoints(const std::string& path, ColmapModel& model) {
+void ReadPointsText(const std::string& path, ColmapModel& model) {
   Lines in(path);
   while (in.NextRecord()) {
     in.Integer("a point id");
@@ -130,10 +130,10 @@ void ReadPoints(const std::string& path, ColmapModel& model) {
 }  // namespace
 
 void ReadText(const std::string& folder, ColmapModel& model) {
-  ReadCameras(folder + "/cameras.txt", model);
-  ReadImages(folder + "/images.txt", model);
+  ReadCamerasText(folder + "/cameras.txt", model);
+  ReadImagesText(folder + "/images.txt", model);
   const std::string points = folder + "/points3D.txt";
-  if (std::filesystem::exists(points)) ReadPoints(points, model);
+  if (std::filesystem::exists(points)) ReadPointsText(points, model);
 }
 
 }  // namespace cosplat::colmap

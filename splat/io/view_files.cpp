@@ -12,10 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 // Rays from the principal point to the border: `kSteps` points on each of them, in this order.
 constexpr int kSteps = 12;
 constexpr int kRaysPerSide = 24;

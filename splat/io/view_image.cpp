@@ -6,10 +6,6 @@
 namespace cosplat {
 namespace {
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 Image8 GreyToRgb(const Image8& grey) {
   Image8 rgb(grey.width, grey.height, 3);
   for (size_t i = 0; i < grey.pixels(); ++i)

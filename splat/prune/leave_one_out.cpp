@@ -11,7 +11,7 @@ namespace cosplat {
 namespace {
 
 constexpr size_t kMostFrames = 100;
-constexpr double kShare = 0.2;  // of each round, without a target
+constexpr double kShareOfRound = 0.2;  // of each round, without a target
 
 class LeaveOneOutPruner : public Pruner {
  public:
@@ -31,7 +31,7 @@ class LeaveOneOutPruner : public Pruner {
     for (const Contribution& c : ContributionsIn(context, kMostFrames))
       round.score.push_back(c.change);
     round.remove = settings_.target == 0
-                       ? ShareOf(kShare, n)
+                       ? ShareOf(kShareOfRound, n)
                        : RemovalTowards(settings_.target, n, rounds_.LeftAfter(context.iteration));
     return round;
   }

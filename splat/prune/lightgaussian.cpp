@@ -7,7 +7,7 @@
 namespace cosplat {
 namespace {
 
-constexpr double kShare = 0.66;
+constexpr double kLightGaussianShare = 0.66;
 constexpr int kRound = 25000;  // of 30,000
 
 class LightGaussianPruner : public Pruner {
@@ -21,8 +21,8 @@ class LightGaussianPruner : public Pruner {
     const size_t n = context.gaussians.size();
     PruneRound round;
     round.score = Significance(context.gaussians, ContributionsIn(context));
-    round.remove =
-        settings_.target == 0 ? ShareOf(kShare, n) : RemovalTowards(settings_.target, n, 0);
+    round.remove = settings_.target == 0 ? ShareOf(kLightGaussianShare, n)
+                                         : RemovalTowards(settings_.target, n, 0);
     return round;
   }
 

@@ -16,11 +16,10 @@ void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
   const Camera& camera = frame.camera;
   if (image.width == camera.width && image.height == camera.height) return;
-  const auto text = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
   throw Error("",
               "training frame " + std::to_string(index),
-              "an image of " + text(image.width, image.height) + " pixels for a camera of " +
-                  text(camera.width, camera.height));
+              "an image of " + SizeText(image.width, image.height) + " pixels for a camera of " +
+                  SizeText(camera.width, camera.height));
 }
 
 int LeastSide(const Subject& subject) {

@@ -9,7 +9,7 @@
 namespace cosplat {
 namespace {
 
-constexpr size_t kGaussians = 3000;
+constexpr size_t kComponentSamples = 3000;
 
 // Eyeballs are all components but the first, the head.
 bool IsOnAnEye(const Surface& surface, int32_t face) {
@@ -60,8 +60,9 @@ StabilityCase EyeballShareCase(const StudyHead& head) {
   c.ours.name = "Evenly over the area";
   for (StabilityForm* form : {&c.naive, &c.ours}) {
     Rng rng{6};
-    const std::vector<SurfacePoint> points =
-        form == &c.ours ? SampleSurface(mesh, kGaussians, rng) : SampleFaces(mesh, kGaussians, rng);
+    const std::vector<SurfacePoint> points = form == &c.ours
+                                                 ? SampleSurface(mesh, kComponentSamples, rng)
+                                                 : SampleFaces(mesh, kComponentSamples, rng);
     form->value = EyeShare(surface, points) / share;
     if (form == &c.ours && CountStrays(surface, points) > 0)
       form->value = std::numeric_limits<double>::infinity();

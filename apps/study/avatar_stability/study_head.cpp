@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr size_t kGaussians = 15000;
+constexpr size_t kPainted = 15000;
 constexpr float kWider = 1.6f;      // than painted, so that the head is closed
 constexpr float kDistance = 0.85f;  // metres, of the camera
 constexpr float kLeastDeviation = 0.1f;
@@ -19,7 +19,7 @@ constexpr float kLeastDeviation = 0.1f;
 
 StudyHead::StudyHead()
     : head(MakeProceduralHeadParts()),
-      avatar(PaintedAvatar(head, kGaussians, 0)),
+      avatar(PaintedAvatar(head, kPainted, 0)),
       poser(head.model, {}) {
   for (float& s : avatar.gaussians.values[kScaleLog]) s += std::log(kWider);
 }

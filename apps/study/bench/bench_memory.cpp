@@ -6,8 +6,8 @@
 namespace cosplat {
 namespace {
 
-constexpr uint64_t kSeed = 1;
-constexpr int kSide = 512;  // px
+constexpr uint64_t kMemorySeed = 1;
+constexpr int kMemorySide = 512;  // px
 
 BenchSeries EmptySeries() {
   BenchSeries s;
@@ -41,16 +41,19 @@ BenchSeries MeasureMemory(const BenchRun& run, const std::vector<BenchScene>& sc
   BenchSeries s = EmptySeries();
   const size_t count = run.quick ? 20000 : 300000;
   run.progress("memory, " + WithThousands(count) + " Gaussians");
-  AddRun("random", MemoryOfSteps(MakeSyntheticView(count, kSide, kSide, kSeed), 3), count, s);
+  AddRun("random",
+         MemoryOfSteps(MakeSyntheticView(count, kMemorySide, kMemorySide, kMemorySeed), 3),
+         count,
+         s);
   for (const BenchScene& scene : scenes) {
     run.progress("memory, " + scene.name);
     const TrainedScene trained = TrainBenchScene(scene, {1, run.quick ? 40 : 1000});
     AddRun(scene.name, trained.memory, trained.gaussians.size(), s);
   }
   run.progress("memory, resident");
-  s.more["resident_bytes_per_gaussian"] = run.quick
-                                              ? ResidentBytesPerGaussian(10000, 50000, kSide)
-                                              : ResidentBytesPerGaussian(100000, 500000, kSide);
+  s.more["resident_bytes_per_gaussian"] =
+      run.quick ? ResidentBytesPerGaussian(10000, 50000, kMemorySide)
+                : ResidentBytesPerGaussian(100000, 500000, kMemorySide);
   return s;
 }
 

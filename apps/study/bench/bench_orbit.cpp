@@ -175,7 +175,7 @@ OrbitResult MeasureOrbit(const BenchRun& run, const OrbitSubject& subject) {
     marks.push_back({double(marks.size() + 1), 1e3 * time.seconds, ""});
   }
   const double mean_ms = 1e3 * seconds / double(times.size());
-  const std::string size = std::to_string(first.width) + "x" + std::to_string(first.height);
+  const std::string size = SizeText(first.width, first.height);
   BenchSeries s;
   s.key = "orbit";
   s.explanation = "Frame time of " + subject.name + " at " + size +

@@ -21,8 +21,7 @@ struct Drawn {
 };
 
 std::string NameOf(const std::string& scene, const Gaussians& g, const Camera& camera) {
-  return scene + ", " + WithThousands(g.size()) + " at " + std::to_string(camera.width) + "x" +
-         std::to_string(camera.height);
+  return scene + ", " + WithThousands(g.size()) + " at " + SizeText(camera.width, camera.height);
 }
 
 struct AccuracyCharts {

@@ -29,10 +29,6 @@ double StepMs(const BenchRun& run, const SyntheticView& view) {
 // The fastest of `ms` and what mark.y is from an earlier round; 0: from none.
 void KeepFastest(double ms, Mark& mark) { mark.y = mark.y > 0 ? std::min(mark.y, ms) : ms; }
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 // Exponent with which y grows with x between two marks: 1 is in proportion.
 double Slope(const Mark& from, const Mark& to) {
   return std::log(to.y / from.y) / std::log(to.x / from.x);
@@ -116,7 +112,7 @@ BenchSeries AgainstPixels(const BenchRun& run) {
   return s;
 }
 
-BenchSeries AsTrained(const BenchRun& run) {
+BenchSeries StepsAsTrained(const BenchRun& run) {
   std::vector<std::array<int, 2>> sizes{{400, 400}, {800, 800}, {1600, 1064}};
   if (run.quick) sizes = {{100, 100}, {200, 200}};
   std::vector<Mark> marks;
@@ -172,7 +168,7 @@ BenchSeries AgainstThreads(const BenchRun& run) {
 }  // namespace
 
 std::vector<BenchSeries> MeasureSteps(const BenchRun& run) {
-  return {AgainstGaussians(run), AgainstPixels(run), AsTrained(run), AgainstThreads(run)};
+  return {AgainstGaussians(run), AgainstPixels(run), StepsAsTrained(run), AgainstThreads(run)};
 }
 
 }  // namespace cosplat

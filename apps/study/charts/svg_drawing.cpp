@@ -7,14 +7,16 @@
 namespace cosplat {
 namespace {
 
-std::string Attribute(const std::string& name, const std::string& value) {
+std::string SvgAttribute(const std::string& name, const std::string& value) {
   return " " + name + "=\"" + value + "\"";
 }
-std::string Attribute(const std::string& name, double px) { return Attribute(name, SvgNumber(px)); }
+std::string SvgAttribute(const std::string& name, double px) {
+  return SvgAttribute(name, SvgNumber(px));
+}
 
 std::string AnchorAttribute(SvgAnchor anchor) {
-  if (anchor == SvgAnchor::kMiddle) return Attribute("text-anchor", "middle");
-  if (anchor == SvgAnchor::kEnd) return Attribute("text-anchor", "end");
+  if (anchor == SvgAnchor::kMiddle) return SvgAttribute("text-anchor", "middle");
+  if (anchor == SvgAnchor::kEnd) return SvgAttribute("text-anchor", "end");
   return "";
 }
 
@@ -22,18 +24,18 @@ std::string TextElement(double x,
                         double y,
                         const std::string& text,
                         const std::string& attributes) {
-  return "<text" + Attribute("x", x) + Attribute("y", y) + attributes + ">" + EscapeXml(text) +
-         "</text>\n";
+  return "<text" + SvgAttribute("x", x) + SvgAttribute("y", y) + attributes + ">" +
+         EscapeXml(text) + "</text>\n";
 }
 
 std::string LineElement(double x0, double y0, double x1, double y1, const std::string& attributes) {
-  return "<line" + Attribute("x1", x0) + Attribute("y1", y0) + Attribute("x2", x1) +
-         Attribute("y2", y1) + attributes + "/>\n";
+  return "<line" + SvgAttribute("x1", x0) + SvgAttribute("y1", y0) + SvgAttribute("x2", x1) +
+         SvgAttribute("y2", y1) + attributes + "/>\n";
 }
 
 std::string CircleElement(double x, double y, double radius, const std::string& attributes) {
-  return "<circle" + Attribute("cx", x) + Attribute("cy", y) + Attribute("r", radius) + attributes +
-         "/>\n";
+  return "<circle" + SvgAttribute("cx", x) + SvgAttribute("cy", y) + SvgAttribute("r", radius) +
+         attributes + "/>\n";
 }
 
 }  // namespace
@@ -75,7 +77,8 @@ std::string EscapeXml(const std::string& text) {
 }
 
 void SvgDrawing::Title(double x, double y, const std::string& text) {
-  body_ += TextElement(x, y, text, Attribute("font-weight", "bold") + Attribute("font-size", 15));
+  body_ +=
+      TextElement(x, y, text, SvgAttribute("font-weight", "bold") + SvgAttribute("font-size", 15));
 }
 
 void SvgDrawing::Text(double x, double y, const std::string& text, SvgAnchor anchor) {
@@ -87,9 +90,9 @@ void SvgDrawing::Label(
   body_ += TextElement(x,
                        y,
                        text,
-                       AnchorAttribute(anchor) + Attribute("fill", color) +
-                           Attribute("stroke", "#ffffff") + Attribute("stroke-width", 3) +
-                           Attribute("paint-order", "stroke"));
+                       AnchorAttribute(anchor) + SvgAttribute("fill", color) +
+                           SvgAttribute("stroke", "#ffffff") + SvgAttribute("stroke-width", 3) +
+                           SvgAttribute("paint-order", "stroke"));
 }
 
 void SvgDrawing::UprightText(double x, double y, const std::string& text) {
@@ -98,52 +101,52 @@ void SvgDrawing::UprightText(double x, double y, const std::string& text) {
       y,
       text,
       AnchorAttribute(SvgAnchor::kMiddle) +
-          Attribute("transform", "rotate(-90 " + SvgNumber(x) + " " + SvgNumber(y) + ")"));
+          SvgAttribute("transform", "rotate(-90 " + SvgNumber(x) + " " + SvgNumber(y) + ")"));
 }
 
 void SvgDrawing::Line(double x0, double y0, double x1, double y1, const std::string& color) {
-  body_ += LineElement(x0, y0, x1, y1, Attribute("stroke", color));
+  body_ += LineElement(x0, y0, x1, y1, SvgAttribute("stroke", color));
 }
 
 void SvgDrawing::DashedLine(double x0, double y0, double x1, double y1, const std::string& color) {
   body_ += LineElement(
-      x0, y0, x1, y1, Attribute("stroke", color) + Attribute("stroke-dasharray", "6 5"));
+      x0, y0, x1, y1, SvgAttribute("stroke", color) + SvgAttribute("stroke-dasharray", "6 5"));
 }
 
 void SvgDrawing::Rectangle(
     double x, double y, double width, double height, const std::string& color) {
-  body_ += "<rect" + Attribute("x", x) + Attribute("y", y) + Attribute("width", width) +
-           Attribute("height", height) + Attribute("fill", color) + "/>\n";
+  body_ += "<rect" + SvgAttribute("x", x) + SvgAttribute("y", y) + SvgAttribute("width", width) +
+           SvgAttribute("height", height) + SvgAttribute("fill", color) + "/>\n";
 }
 
 void SvgDrawing::Dot(double x, double y, const std::string& color) {
-  body_ += CircleElement(x, y, 4, Attribute("fill", color));
+  body_ += CircleElement(x, y, 4, SvgAttribute("fill", color));
 }
 
 void SvgDrawing::HollowDot(double x, double y, const std::string& color) {
-  body_ += CircleElement(
-      x,
-      y,
-      3.3,
-      Attribute("fill", "#ffffff") + Attribute("stroke", color) + Attribute("stroke-width", 2));
+  body_ += CircleElement(x,
+                         y,
+                         3.3,
+                         SvgAttribute("fill", "#ffffff") + SvgAttribute("stroke", color) +
+                             SvgAttribute("stroke-width", 2));
 }
 
 void SvgDrawing::Ring(double x, double y, const std::string& color) {
-  body_ += CircleElement(x, y, 7, Attribute("fill", "none") + Attribute("stroke", color));
+  body_ += CircleElement(x, y, 7, SvgAttribute("fill", "none") + SvgAttribute("stroke", color));
 }
 
 void SvgDrawing::Path(const std::string& points, const std::string& color) {
-  body_ += "<polyline" + Attribute("points", points) + Attribute("fill", "none") +
-           Attribute("stroke", color) + Attribute("stroke-width", 2) + "/>\n";
+  body_ += "<polyline" + SvgAttribute("points", points) + SvgAttribute("fill", "none") +
+           SvgAttribute("stroke", color) + SvgAttribute("stroke-width", 2) + "/>\n";
 }
 
 std::string SvgDrawing::Finish() const {
-  const std::string size = Attribute("width", width_) + Attribute("height", height_);
+  const std::string size = SvgAttribute("width", width_) + SvgAttribute("height", height_);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\"" +
-         Attribute("viewBox", "0 0 " + SvgNumber(width_) + " " + SvgNumber(height_)) + size +
-         Attribute("font-family", "system-ui,sans-serif") + Attribute("font-size", kSvgFont) +
-         Attribute("fill", "#222222") + ">\n<rect" + size + Attribute("fill", "#ffffff") + "/>\n" +
-         body_ + "</svg>\n";
+         SvgAttribute("viewBox", "0 0 " + SvgNumber(width_) + " " + SvgNumber(height_)) + size +
+         SvgAttribute("font-family", "system-ui,sans-serif") + SvgAttribute("font-size", kSvgFont) +
+         SvgAttribute("fill", "#222222") + ">\n<rect" + size + SvgAttribute("fill", "#ffffff") +
+         "/>\n" + body_ + "</svg>\n";
 }
 
 }  // namespace cosplat

@@ -32,10 +32,7 @@ void CheckArguments(const WorldGaussians& gaussians,
                     const Camera& camera,
                     const RenderSettings& settings) {
   if (camera.width < 1 || camera.height < 1)
-    throw Error("",
-                "camera",
-                "image of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                    " pixels");
+    throw Error("", "camera", "image of " + SizeText(camera.width, camera.height) + " pixels");
   if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
       settings.degree > kMaxTrainedDegree)
     throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");
