@@ -12,7 +12,7 @@ elseif(COSPLAT_CUDA)
   set(COSPLAT_HAS_CUDA TRUE)
 endif()
 if(COSPLAT_HAS_CUDA)
-  # One architecture keeps everyday builds short: a newer card compiles its PTX when a program
+  # One architecture keeps everyday builds short: a newer GPU compiles its PTX when a program
   # starts. The preset `cuda` has them all.
   if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     set(CMAKE_CUDA_ARCHITECTURES 80)

@@ -13,12 +13,12 @@ namespace cosplat::internal {
 
 // Beyond this a parameter is no pose or coefficient but a fault of the tracker: squared angles and
 // scaled directions would leave float's range and come back as NaN.
-constexpr double kLargestParameter = 1e6;
+constexpr double kMaxParameter = 1e6;
 
 template <class Range>
 void CheckParameters(const FlameModel& model, const char* name, const Range& values) {
   for (size_t i = 0; i < values.size(); ++i)
-    if (!(std::abs(double(values[i])) <= kLargestParameter))
+    if (!(std::abs(double(values[i])) <= kMaxParameter))
       throw Error(model.name,
                   name + ("[" + std::to_string(i) + "]"),
                   std::to_string(double(values[i])) + " is not a usable number");

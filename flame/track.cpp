@@ -98,13 +98,12 @@ void HoldCameraStill(TrackedVideo& video) {
 
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   const int resolution = request.options.resolution;
-  if (resolution < 1)
-    throw Error("", "resolution", std::to_string(resolution) + " is not positive");
-  if (!std::filesystem::exists(path)) throw Error(path, "", "does not exist");
+  if (resolution < 1) throw Error("resolution", std::to_string(resolution) + " is not positive");
+  if (!std::filesystem::exists(path)) throw Error(path, "does not exist");
   TrackedVideo video;
   video.source = path;
   if (IsDrivingNpz(path)) {
-    if (request.pictures) throw Error(path, "", "has parameters but no images to train on");
+    if (request.pictures) throw Error(path, "has parameters but no images to train on");
     LoadDrivingNpz(path, video);
   } else if (IsImavatarTrack(path)) {
     LoadImavatarTrack(path, request, video);
@@ -112,13 +111,12 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
     LoadVhapTrack(path, request, video);
   } else {
     throw Error(path,
-                "",
                 "holds no tracked video: expected flame_params.json (IMavatar) or "
                 "transforms_train.json (VHAP)");
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && video.layout != "npz")
-    throw Error(path, "", "holds no frames to train on");
+    throw Error(path, "holds no frames to train on");
   HoldCameraStill(video);
   return video;
 }

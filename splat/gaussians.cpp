@@ -70,8 +70,7 @@ void FindDegrees(Gaussians& g) {
 void ConvertBasis(Gaussians& g, Basis to) {
   if (g.basis == to) return;
   if (!IsHarmonic(g.basis, g.degree) || !IsHarmonic(to, g.degree))
-    throw Error("",
-                "basis",
+    throw Error("basis",
                 ToString(Basis::kDcshLiteral) +
                     " folds the direction and is not spherical harmonics: other programs cannot "
                     "show it");

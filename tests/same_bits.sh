@@ -2,7 +2,7 @@
 # tests/same_bits.sh OLD NEW [--scene FOLDER] [--keep FOLDER]: whether two builds of `cosplat` train to
 # the same bits on the CPU. Trains the same short runs with both, OLD on one thread, NEW on one and on
 # two, and compares every .ply and .glb by its SHA-256; exits with 1 where one differs.
-#   --scene FOLDER   a scene of photographs, too (transforms.json or COLMAP), at an eighth of its size
+#   --scene FOLDER   a scene of images, too (transforms.json or COLMAP), at an eighth of its size
 #   --keep FOLDER    where the runs go, and stay; without it they are deleted
 # For changes that must not change results: before and after a redesign.
 set -euo pipefail
@@ -60,11 +60,11 @@ compare "made head, as SplattingAvatar" "${avatar[@]}" --iterations 200 --preset
 compare "made head, released rules" "${avatar[@]}" --iterations 200 --preset splatting-avatar-released
 compare "made head, budget" "${avatar[@]}" --iterations 300 --budget auto --eval
 if [[ -n $scene ]]; then
-  photographs=(train-scene -s "$scene" -r 8)
-  compare "scene" "${photographs[@]}" --iterations 600
-  compare "scene, as 3DGS, SH" "${photographs[@]}" --iterations 600 --preset 3dgs --basis sh
-  compare "scene, pruned to 3000" "${photographs[@]}" --iterations 600 --prune-to 3000
-  compare "scene, learned mask" "${photographs[@]}" --iterations 400 --prune compact
-  compare "scene, budget" "${photographs[@]}" --iterations 400 --budget auto --eval
+  images=(train-scene -s "$scene" -r 8)
+  compare "scene" "${images[@]}" --iterations 600
+  compare "scene, as 3DGS, SH" "${images[@]}" --iterations 600 --preset 3dgs --basis sh
+  compare "scene, pruned to 3000" "${images[@]}" --iterations 600 --prune-to 3000
+  compare "scene, learned mask" "${images[@]}" --iterations 400 --prune compact
+  compare "scene, budget" "${images[@]}" --iterations 400 --budget auto --eval
 fi
 exit $differing

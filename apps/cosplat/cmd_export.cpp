@@ -25,11 +25,11 @@ struct ExportOptions {
 
 void Check(const ExportOptions& o) {
   if (o.vq.empty() && o.ply.empty() && o.glb.empty())
-    throw Error("", "--vq, --ply, --glb", "none is given: at least one file must be written");
+    throw Error("--vq, --ply, --glb", "none is given: at least one file must be written");
   if (o.source.model.empty() && o.source.splats.empty())
-    throw Error("", "-m", "or --splats is needed: what is to be exported");
+    throw Error("-m", "or --splats is needed: what is to be exported");
   if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
-    throw Error("", "--measure", "compares a model's PLY with its --vq: give -m and --vq only");
+    throw Error("--measure", "compares a model's PLY with its --vq: give -m and --vq only");
 }
 
 void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {

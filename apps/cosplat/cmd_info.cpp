@@ -210,7 +210,7 @@ void FolderInfo(const std::string& path) {
 }
 
 void Info(const std::string& path) {
-  if (!fs::exists(path)) throw Error(path, "", "does not exist");
+  if (!fs::exists(path)) throw Error(path, "does not exist");
   const std::string extension = fs::path(path).extension().string();
   if (fs::is_directory(path)) {
     FolderInfo(path);
@@ -227,7 +227,7 @@ void Info(const std::string& path) {
       TrackInfo(path, false);
     }
   } else {
-    throw Error(path, "", "is none of .ply, .glb, .pkl, .npz, quantised splats or a folder");
+    throw Error(path, "is none of .ply, .glb, .pkl, .npz, quantised splats or a folder");
   }
 }
 

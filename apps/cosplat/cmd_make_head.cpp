@@ -33,7 +33,7 @@ void MakeHead(const MakeHeadChoices& o) {
 
 void AddMakeHead(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("make-head", "film the procedural head: a tracked video to train on");
+      app.add_subcommand("make-head", "render the procedural head: a tracked video to train on");
   const auto o = std::make_shared<MakeHeadChoices>();
   command->add_option("-o,--out", o->out, "folder to write")->required();
   command->add_option("--frames", o->frames, "length of the video");

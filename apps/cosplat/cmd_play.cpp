@@ -20,7 +20,7 @@ using viewer::Session;
 using viewer::Stage;
 using viewer::StartView;
 
-constexpr int kLargestSide = 8192;
+constexpr int kMaxSide = 8192;
 constexpr double kTurn = 6.283185307179586;
 
 struct PlayOptions {
@@ -41,9 +41,9 @@ Size SizeOf(const PlayOptions& o, const StartView& start) {
   Size size;
   char rest = 0;
   const int read = std::sscanf(o.size.c_str(), "%dx%d%c", &size.width, &size.height, &rest);
-  if (read != 2 || size.width < 1 || size.height < 1 || size.width > kLargestSide ||
-      size.height > kLargestSide)
-    throw Error("", "--size", "is '" + o.size + "', expected WIDTHxHEIGHT such as 640x480");
+  if (read != 2 || size.width < 1 || size.height < 1 || size.width > kMaxSide ||
+      size.height > kMaxSide)
+    throw Error("--size", "is '" + o.size + "', expected WIDTHxHEIGHT such as 640x480");
   return size;
 }
 
@@ -67,7 +67,7 @@ Image8 WithoutAlpha(const Image8& rgba) {
 // The sequence's frames, or as many views of a turn.
 void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size size) {
   if (IsLiveDrive(o.drive))
-    throw Error("", "--headless", "plays recordings; '" + o.drive + "' needs the window");
+    throw Error("--headless", "plays recordings; '" + o.drive + "' needs the window");
   FrameSink sink(o.out);
   if (o.transparent && sink.is_video())
     throw Error(o.out, "--transparent", "videos have no alpha: give a folder");
@@ -87,14 +87,14 @@ void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size si
 
 void Play(const PlayOptions& o) {
   if (o.headless && o.out.empty())
-    throw Error("", "--out", "is needed with --headless: a folder or a file that ends in .mp4");
+    throw Error("--out", "is needed with --headless: a folder or a file that ends in .mp4");
   const Device device = DeviceFromString(o.device);
   Content content = LoadContent(o.model, o.flame);
   Session session(content);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
   SetLook(o, session);
   const Size size = SizeOf(o, content.start);
-  Stage stage(std::move(content), {DrawerOn(device), SceneDrawerOn(device)});
+  Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
   if (o.headless) return PlayIntoFiles(o, session, stage, size);
   const std::string folder = o.out.empty() ? "." : o.out;
   viewer::ViewerWindow(session, stage, {o.scale, folder, DeviceTextureOn(device)}).Run();
@@ -105,7 +105,7 @@ void AddLook(CLI::App& command, PlayOptions& o) {
   command
       .add_option("--background", o.background, "black or white; as it was evaluated if not given")
       ->check(CLI::IsMember({"black", "white"}));
-  command.add_flag("--transparent", o.transparent, "no background: pictures with alpha");
+  command.add_flag("--transparent", o.transparent, "no background: images with alpha");
 }
 
 }  // namespace
@@ -127,7 +127,8 @@ void AddPlay(CLI::App& app) {
   command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
   AddLook(*command, *o);
   command
-      ->add_option("--device", o->device, "what draws splats: cpu, cuda (an NVIDIA card) or auto")
+      ->add_option(
+          "--device", o->device, "where to render splats: cpu, cuda (an NVIDIA GPU) or auto")
       ->capture_default_str();
   auto* headless =
       command->add_flag("--headless", o->headless, "draw to files, without a window or a display");

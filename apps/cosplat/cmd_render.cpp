@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/avatar_renderer.h"
+#include "apps/cosplat/run/avatar_test_images.h"
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -171,7 +171,7 @@ void RenderDriven(const RenderOptions& o, const JsonField& run, Player& player) 
   PlayInto(frames, player, o);
 }
 
-void RenderFrames(const RenderOptions& o, const JsonField& run, AvatarRenderer& renderer) {
+void RenderFrames(const RenderOptions& o, const JsonField& run, AvatarTestImages& renderer) {
   const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !video.test.empty();
   const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
@@ -198,7 +198,7 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
   if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
-  AvatarRenderer renderer(std::move(model), flame, {o.preview, DrawerOn(device)});
+  AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
   } else if (!o.drive.empty()) {
@@ -212,9 +212,9 @@ void Render(const RenderOptions& o) {
   const Json json = ReadRun(o.model);
   const JsonField run(o.model + "/run.json", json);
   if (o.out.empty() && (o.orbit || !o.drive.empty()))
-    throw Error("", "--out", "is needed: a folder or a file that ends in .mp4");
+    throw Error("--out", "is needed: a folder or a file that ends in .mp4");
   if (o.out.empty() && o.preview)
-    throw Error("", "--preview", "needs --out: the figures of test views are of full pictures");
+    throw Error("--preview", "needs --out: test views are measured at full size");
   RequireSplats(run);
   if (run["kind"].String() == "avatar") {
     RenderAvatar(o, run);
@@ -242,11 +242,11 @@ void AddRender(CLI::App& app) {
       ->add_option("--drive", o->drive, "play an avatar with this tracked video's or .npz's motion")
       ->excludes(orbit);
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
-  command->add_option("-r,--resolution", o->resolution, "divide the pictures' size by this")
+  command->add_option("-r,--resolution", o->resolution, "divide the images' size by this")
       ->check(CLI::Range(0, 64));
   command->add_flag(
-      "--preview", o->preview, "draw at half the resolution and enlarge: faster and softer");
-  command->add_option("--device", o->device, "what draws: cpu, cuda (an NVIDIA card) or auto")
+      "--preview", o->preview, "render at half the resolution and enlarge: faster and softer");
+  command->add_option("--device", o->device, "where to render: cpu, cuda (an NVIDIA GPU) or auto")
       ->capture_default_str();
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Render(*o); });

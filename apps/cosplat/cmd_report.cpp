@@ -169,8 +169,7 @@ void Report(const std::string& model, bool quiet) {
   const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);
   if (!fs::exists(test))
-    throw Error(
-        model, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+    throw Error(model, "test", "holds no images: train with --eval or run `cosplat render` first");
   const std::string key = fs::path(test).filename().string();
   const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
   const JsonField stats(model + "/stats.json", stats_json);
@@ -198,7 +197,7 @@ void Report(const std::string& model, bool quiet) {
 
 void AddReport(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("report", "one HTML page about a trained model: pictures and figures");
+      app.add_subcommand("report", "one HTML page about a trained model: images and figures");
   const auto model = std::make_shared<std::string>();
   const auto quiet = std::make_shared<bool>(false);
   command->add_option("-m,--model_path", *model, "a trained model's folder")->required();

@@ -33,14 +33,14 @@ class PacketOutput {
     if (to.empty()) return;
     const DriveAddress address = ParseDriveAddress(to);
     if (address.scheme != "udp" || address.port == 0)
-      throw Error("--to", "", "found '" + to + "', expected udp://HOST:PORT");
+      throw Error("--to", "found '" + to + "', expected udp://HOST:PORT");
     socket_.emplace(UdpSocket::ConnectTo(address));
   }
   // False when it was lost before it left.
   bool Write(const std::string& packet) {
     if (socket_) return socket_->Send(packet);
     if (std::fputs((packet + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-      throw Error("standard output", "", "cannot be written");
+      throw Error("standard output", "cannot be written");
     return true;
   }
 
@@ -100,7 +100,7 @@ void Send(const SendOptions& o, const Recording& recording, PacketOutput& output
 
 void Run(const SendOptions& o) {
   if (o.drop_percent + o.bad_percent > 100)
-    throw Error("", "--drop and --bad", "are more than 100 percent together");
+    throw Error("--drop and --bad", "are more than 100 percent together");
   LiveSourceOptions options;
   options.frames_per_second = o.frames_per_second;
   const Recording recording = LoadRecording(o.sequence, options);

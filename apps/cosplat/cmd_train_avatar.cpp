@@ -5,7 +5,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
-#include "apps/cosplat/run/avatar_renderer.h"
+#include "apps/cosplat/run/avatar_test_images.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -30,7 +30,7 @@ void Evaluate(const AvatarOptions& o,
               const std::vector<Image8>& truth,
               const Trainer& trainer) {
   AvatarModel model = subject.Model(trainer.CaughtUp());
-  AvatarRenderer renderer(std::move(model), flame);
+  AvatarTestImages renderer(std::move(model), flame);
   TestImageWriter writer(o.model, "test", trainer.iteration(), o.EvaluationBackground());
   for (size_t i = 0; i < truth.size(); ++i)
     renderer.WriteTestImage(subject.video().test[i], truth[i], writer);
@@ -123,8 +123,7 @@ void Save(const AvatarOptions& o,
 void Train(AvatarOptions o, const std::string& config) {
   const Device device = o.ResolveDevice();
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
-    throw Error("",
-                "--sh_degree " + std::to_string(o.sh_degree),
+    throw Error("--sh_degree " + std::to_string(o.sh_degree),
                 "does not fit standard glTF files: give --truncate-degree to leave band 4 out of "
                 "what other programs read");
   o.ResolveBackground("random");

@@ -64,7 +64,7 @@ void SaveInputs(const SceneCommand& o,
 
 void Train(SceneCommand o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
-    throw Error("", "--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
+    throw Error("--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
   const Device device = o.ResolveDevice();
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
@@ -112,7 +112,7 @@ void AddTrainScene(CLI::App& app) {
                    options->random_points,
                    "where the data has no points, begin at so many random ones; 0: as the preset "
                    "says, by default where the photographs agree, 3dgs: 100,000")
-      ->check(CLI::Range(size_t(0), kMostGaussians));
+      ->check(CLI::Range(size_t(0), kMaxGaussians));
   command->callback([options, command, &app] { Train(*options, ConfigOf(app, *command)); });
 }
 

@@ -135,20 +135,20 @@ void InstallProperties(GObjectClass* c) {
   InstallNumber(c,
                 kAzimuth,
                 {"azimuth", "Azimuth", "Of the camera: degrees towards the subject's left"},
-                -hosts::kLargestAzimuth,
-                hosts::kLargestAzimuth,
+                -hosts::kMaxAzimuth,
+                hosts::kMaxAzimuth,
                 d.orbit.azimuth);
   InstallNumber(c,
                 kElevation,
                 {"elevation", "Elevation", "Of the camera: degrees upwards"},
-                -hosts::kLargestElevation,
-                hosts::kLargestElevation,
+                -hosts::kMaxElevation,
+                hosts::kMaxElevation,
                 d.orbit.elevation);
   InstallNumber(c,
                 kZoom,
                 {"zoom", "Zoom", "At 1 the head fills seven tenths of the shorter side"},
                 hosts::kSmallestZoom,
-                hosts::kLargestZoom,
+                hosts::kMaxZoom,
                 d.orbit.zoom);
   InstallSwitch(c, kIsLive, {"is-live", "Is live", kLiveBlurb});
 }

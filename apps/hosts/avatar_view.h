@@ -41,10 +41,10 @@ struct Orbit {
   bool operator==(const Orbit&) const = default;
 };
 // Degrees to which hosts let people go: cosplat_orbit_camera allows 1.5 radians.
-inline constexpr double kLargestAzimuth = 360;
-inline constexpr double kLargestElevation = 85;
+inline constexpr double kMaxAzimuth = 360;
+inline constexpr double kMaxElevation = 85;
 inline constexpr double kSmallestZoom = 0.01;
-inline constexpr double kLargestZoom = 100;
+inline constexpr double kMaxZoom = 100;
 
 struct Background {
   enum class Kind { kAvatar, kTransparent, kColor };

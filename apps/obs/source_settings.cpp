@@ -7,15 +7,15 @@ namespace cosplat::obs {
 
 namespace {
 
-constexpr double kMostFps = 240;
-constexpr int kMostSide = 4096;
+constexpr double kMaxFps = 240;
+constexpr int kMaxSide = 4096;
 
 std::string TextOf(obs_data_t* settings, const char* name) {
   return obs_data_get_string(settings, name);
 }
 
 uint32_t SideOf(obs_data_t* settings, const char* name) {
-  return uint32_t(std::clamp<long long>(obs_data_get_int(settings, name), 1, kMostSide));
+  return uint32_t(std::clamp<long long>(obs_data_get_int(settings, name), 1, kMaxSide));
 }
 
 hosts::Background BackgroundOf(obs_data_t* settings) {
@@ -77,11 +77,11 @@ obs_properties_t* MakeProperties() {
   obs_property_set_long_description(drive, obs_module_text("drive_help"));
   obs_properties_add_bool(p, "loop", obs_module_text("loop"));
   AddBackground(p);
-  obs_properties_add_int(p, "width", obs_module_text("width"), 1, kMostSide, 1);
-  obs_properties_add_int(p, "height", obs_module_text("height"), 1, kMostSide, 1);
-  AddNumber(p, "fps", 1, kMostFps, 1);
+  obs_properties_add_int(p, "width", obs_module_text("width"), 1, kMaxSide, 1);
+  obs_properties_add_int(p, "height", obs_module_text("height"), 1, kMaxSide, 1);
+  AddNumber(p, "fps", 1, kMaxFps, 1);
   AddNumber(p, "azimuth", -180, 180, 1);
-  AddNumber(p, "elevation", -hosts::kLargestElevation, hosts::kLargestElevation, 1);
+  AddNumber(p, "elevation", -hosts::kMaxElevation, hosts::kMaxElevation, 1);
   AddNumber(p, "zoom", 0.1, 10, 0.05);
   return p;
 }
@@ -98,7 +98,7 @@ PictureSettings ReadSettings(obs_data_t* settings) {
   out.background = BackgroundOf(settings);
   out.width = SideOf(settings, "width");
   out.height = SideOf(settings, "height");
-  out.fps = std::clamp(obs_data_get_double(settings, "fps"), 1.0, kMostFps);
+  out.fps = std::clamp(obs_data_get_double(settings, "fps"), 1.0, kMaxFps);
   return out;
 }
 

@@ -33,7 +33,7 @@ struct BenchCommand {
 // Before minutes of measuring rather than after them.
 void CheckWritable(const std::string& folder) {
   MakeDirectories(folder);
-  if (access(folder.c_str(), W_OK) != 0) throw Error(folder, "", "cannot be written to");
+  if (access(folder.c_str(), W_OK) != 0) throw Error(folder, "cannot be written to");
 }
 
 std::vector<BenchScene> ScenesOf(const BenchCommand& o) {

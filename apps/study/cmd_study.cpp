@@ -33,7 +33,7 @@ std::vector<StudyRun> WantedRuns(const StudyCommand& o) {
   std::vector<StudyRun> runs = ReadStudyList(o.list);
   const auto unwanted = [&](const StudyRun& run) { return !IsWanted(run, o.only); };
   runs.erase(std::remove_if(runs.begin(), runs.end(), unwanted), runs.end());
-  if (runs.empty()) throw Error("", "--only '" + o.only + "'", "matches no run of " + o.list);
+  if (runs.empty()) throw Error("--only '" + o.only + "'", "matches no run of " + o.list);
   return runs;
 }
 
@@ -135,7 +135,7 @@ void Study(const StudyCommand& o) {
   if (o.stability) return WriteStabilityPage(o.out, o.quiet);
   if (o.page) return WritePage(o);
   if (o.list.empty() || o.data.empty())
-    throw Error("", "--list, --data", "are needed; or --page or --stability, which need neither");
+    throw Error("--list, --data", "are needed; or --page or --stability, which need neither");
   const std::vector<StudyRun> runs = WantedRuns(o);
   if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
   const size_t failed = RunAll(o, runs);

@@ -9,7 +9,7 @@ namespace cosplat::viewer {
 namespace {
 
 constexpr float kBeyond = 0.25f;        // of its range in training that a slider reaches beyond it
-constexpr float kLeastBeyond = 0.5f;    // and at least so far
+constexpr float kMinBeyond = 0.5f;      // and at least so far
 constexpr int kRandomExpressions = 12;  // at most so many at once, or they cancel out
 constexpr float kRandomShare = 0.3f;    // of the joints' ranges
 
@@ -48,7 +48,7 @@ FaceControls::FaceControls(int expression_count,
     std::array<float, 2> usual{-SoftRange::kUsualExpression, SoftRange::kUsualExpression};
     if (trained && i < trained->expression_least.size())
       usual = {trained->expression_least[i], trained->expression_most[i]};
-    const float beyond = trained ? std::max(kLeastBeyond, kBeyond * (usual[1] - usual[0])) : 0;
+    const float beyond = trained ? std::max(kMinBeyond, kBeyond * (usual[1] - usual[0])) : 0;
     usual_.push_back(usual);
     expressions_.push_back({"Expression " + std::to_string(i + 1),
                             std::min(usual[0], 0.0f) - beyond,

@@ -20,7 +20,7 @@ constexpr float kHeadFocal = 2.0f, kSceneFocal = 1.2f;
 constexpr float kHeadShare = 0.7f;  // of the picture that a head fills
 // What lies further from a scene's middle than this many times the distance within which half of
 // its splats lie counts as surroundings or strays; of the rest nearly all are to be in the picture.
-constexpr float kFarthestOfHalf = 3, kMost = 0.99f;
+constexpr float kFarthestOfHalf = 3, kMax = 0.99f;
 constexpr float kSceneMargin = 1.1f;
 
 // At `distance` from `center` along `back`, upright; focal: in picture heights.
@@ -108,8 +108,8 @@ StartView BeforeSplats(const std::string& file, const Gaussians& gaussians) {
   const auto from_center = [&](const Vec3<float>& p) { return Distance(p, center); };
   const float most = kFarthestOfHalf * Quantile(points, 0.5f, from_center);
   std::erase_if(points, [&](const Vec3<float>& p) { return Distance(p, center) > most; });
-  center = Middle(points, kMost);
-  const float reach = Quantile(points, kMost, from_center);
+  center = Middle(points, kMax);
+  const float reach = Quantile(points, kMax, from_center);
   return Facing(center,
                 {0, 0, -1},
                 {0, -1, 0},

@@ -15,13 +15,12 @@ namespace cosplat::viewer {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 800;  // at scale 1
-constexpr float kMostOfScreen = 0.92f;
+constexpr float kMaxOfScreen = 0.92f;
 
 [[noreturn]] void ThrowNoWindow(const char* what) {
   const char* reason = nullptr;
   glfwGetError(&reason);
-  throw Error("",
-              what,
+  throw Error(what,
               std::string(reason ? reason : "cannot be had") +
                   "; --headless -o OUT draws to files without a window");
 }
@@ -38,8 +37,8 @@ GLFWwindow* Open(const std::string& title, float& scale) {
     if (scale <= 0) scale = across;
     int x = 0, y = 0, most_width = 0, most_height = 0;
     glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
-    width = std::min(int(kWidth * scale), int(kMostOfScreen * float(most_width)));
-    height = std::min(int(kHeight * scale), int(kMostOfScreen * float(most_height)));
+    width = std::min(int(kWidth * scale), int(kMaxOfScreen * float(most_width)));
+    height = std::min(int(kHeight * scale), int(kMaxOfScreen * float(most_height)));
   }
   if (scale <= 0) scale = 1;
   return glfwCreateWindow(

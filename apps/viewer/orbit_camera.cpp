@@ -13,7 +13,7 @@ using math::Vec3;
 
 constexpr float kZoomPerStep = 0.9f;
 constexpr float kNearest = 1 / 50.0f, kFarthest = 20;  // in the start's distances
-constexpr float kMostElevation = 1.5f;  // radians; short of the poles, where up is lost
+constexpr float kMaxElevation = 1.5f;  // radians; short of the poles, where up is lost
 
 Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 Vec3<float> Row(const Mat3<float>& m, int r) { return {m(r, 0), m(r, 1), m(r, 2)}; }
@@ -50,7 +50,7 @@ void OrbitCamera::Orbit(float right, float upwards) {
   const Mat3<float>& r = pose_.cam_from_world;
   const Vec3<float> forward = Row(r, 2);
   const float elevation = -std::asin(std::clamp(math::Dot(forward, up_), -1.0f, 1.0f));
-  const float limit = std::max(kMostElevation, std::abs(elevation));
+  const float limit = std::max(kMaxElevation, std::abs(elevation));
   const float rise = std::clamp(elevation + upwards, -limit, limit) - elevation;
   // The camera's own x, were it level; itself where it looks straight up or down.
   Vec3<float> level = math::Cross(forward, up_);

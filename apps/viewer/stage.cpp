@@ -30,7 +30,7 @@ AlphaMode AlphaOf(const Shot& shot) {
 View ViewFromString(const std::string& text, const std::string& field) {
   const auto found = std::find(kViewNames.begin(), kViewNames.end(), text);
   if (found != kViewNames.end()) return View(found - kViewNames.begin());
-  throw Error("", field, "is '" + text + "', expected splats, ellipsoids, triangles or wire");
+  throw Error(field, "is '" + text + "', expected splats, ellipsoids, triangles or wire");
 }
 
 bool SameShot(const Shot& a, const Shot& b) {
@@ -39,18 +39,18 @@ bool SameShot(const Shot& a, const Shot& b) {
          a.face.pose == b.face.pose && a.face.translation == b.face.translation;
 }
 
-Stage::Stage(Content content, const SplatDrawers& drawers) : content_(std::move(content)) {
+Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::move(content)) {
   if (content_.avatar) {
     Content::Avatar& avatar = *content_.avatar;
     player_ = std::make_unique<Player>(
-        std::move(avatar.model), avatar.flame, PlayerSettings{false, drawers.avatar});
+        std::move(avatar.model), avatar.flame, PlayerSettings{false, renderers.avatar});
     const size_t faces = player_->avatar().mesh.faces.size();
     counts_ = {CountColors(CountPerFace(player_->avatar().triangle, faces)), false};
     wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
   } else {
     SortByDegree(content_.scene);
-    if (drawers.scene) {
-      scene_drawer_ = drawers.scene(content_.scene);
+    if (renderers.scene) {
+      scene_renderer_ = renderers.scene(content_.scene);
       return;
     }
     rasterizer_ = MakeCpuRasterizer();
@@ -68,8 +68,8 @@ const RenderedImage& Stage::Splats(const Shot& shot) {
   if (player_) return player_->Draw(placed_, shot.camera, BackgroundOf(shot));
   const Gaussians& scene = content_.scene;
   const RenderSettings settings{BackgroundOf(shot), scene.degree};
-  if (scene_drawer_) {
-    scene_drawer_->Draw(shot.camera, settings, image_);
+  if (scene_renderer_) {
+    scene_renderer_->Draw(shot.camera, settings, image_);
   } else {
     rasterizer_->Forward(ViewOf(scene), scene.basis, shot.camera, settings, image_, *tape_);
   }
@@ -101,14 +101,14 @@ void Stage::Prepare(const Shot& shot) {
 }
 
 bool Stage::DrawsOnDevice(const Shot& shot) const {
-  return shot.view == View::kSplats && (player_ ? player_->DrawsOnDevice() : bool(scene_drawer_));
+  return shot.view == View::kSplats && (player_ ? player_->DrawsOnDevice() : bool(scene_renderer_));
 }
 
 void Stage::DrawToStay(const Shot& shot, std::unique_ptr<DevicePicture>& out) {
   Prepare(shot);
   const std::array<float, 3>& background = BackgroundOf(shot);
   if (player_) return player_->DrawToStay(placed_, shot.camera, background, AlphaOf(shot), out);
-  scene_drawer_->DrawToStay(shot.camera, {background, content_.scene.degree}, AlphaOf(shot), out);
+  scene_renderer_->DrawToStay(shot.camera, {background, content_.scene.degree}, AlphaOf(shot), out);
 }
 
 void Stage::Draw(const Shot& shot, Image8& out) {

@@ -14,7 +14,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/view.h"
 #include "avatar/play/player.h"
-#include "splat/render/scene_drawer.h"
+#include "splat/render/scene_renderer.h"
 
 namespace cosplat::viewer {
 
@@ -46,15 +46,15 @@ bool SameShot(const Shot& a, const Shot& b);
 
 // Who draws splats (avatar/play/player_device.h, splat/render/device.h); empty: the CPU, as it does
 // all else.
-struct SplatDrawers {
-  AvatarDrawerMaker avatar;
-  SceneDrawerMaker scene;
+struct SplatRenderers {
+  AvatarRendererMaker avatar;
+  SceneRendererMaker scene;
 };
 
 class Stage {
  public:
-  // Throws Error for what its drawer does not draw.
-  explicit Stage(Content content, const SplatDrawers& drawers = {});
+  // Throws Error for what its renderer does not draw.
+  explicit Stage(Content content, const SplatRenderers& renderers = {});
   Stage(const Stage&) = delete;  // the player refers to the content's FLAME model
   Stage& operator=(const Stage&) = delete;
 
@@ -73,8 +73,8 @@ class Stage {
   void Surfaces(const Shot& shot, Image8& out);
   WorldGaussians Posed();
 
-  Content content_;                            // without the avatar's model, which is the player's
-  std::unique_ptr<SceneDrawer> scene_drawer_;  // null: the two below
+  Content content_;  // without the avatar's model, which is the player's
+  std::unique_ptr<SceneRenderer> scene_renderer_;  // null: the two below
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;

@@ -9,7 +9,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
-constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;  // metres: of any head in any unit
+constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: of any head in any unit
 
 [[noreturn]] void Fail(const JsonField& field, const std::string& problem) {
   throw Error(field.file(), field.path(), problem);
@@ -63,7 +63,7 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
     const std::string name = rule["name"].String();
     if (name != kReleasedRule) Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule);
     const double unit = rule["unit"].Number();
-    if (!(unit >= kLeastUnit && unit <= kMostUnit))
+    if (!(unit >= kMinUnit && unit <= kMaxUnit))
       Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
     model.released = ReleasedRule{float(unit)};
   }

@@ -16,17 +16,17 @@ constexpr size_t kFirstJoint = 2;  // the jaw in FlameParams::pose; the eyes fol
 std::vector<float> ReadRows(const Npz& npz, const std::string& name, long columns) {
   const NpyArray& array = npz.Get(name, {long(kArkitBlendshapes), columns});
   const size_t width = array.shape[1];
-  if (width == 0 || width > kMostExpressions)
+  if (width == 0 || width > kMaxExpressions)
     throw Error(npz.path(), name, "has " + std::to_string(width) + " columns");
   for (size_t column = 0; column < width; ++column) {
     double most = 0;
     for (size_t row = 0; row < kArkitBlendshapes; ++row)
       most += std::abs(array.values[row * width + column]);
-    if (!(most <= kLargestParameter))
+    if (!(most <= kMaxParameter))
       throw Error(npz.path(),
                   name,
                   "column " + std::to_string(column) + " adds up to " + std::to_string(most) +
-                      ", at most " + std::to_string(int(kLargestParameter)) + " is a face");
+                      ", at most " + std::to_string(int(kMaxParameter)) + " is a face");
   }
   return {array.values.begin(), array.values.end()};
 }

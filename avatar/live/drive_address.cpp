@@ -19,7 +19,7 @@ int ParsePort(const std::string& drive, const std::string& text) {
 
 DriveAddress ParseDriveAddress(const std::string& drive) {
   const size_t scheme_end = drive.find("://");
-  if (scheme_end == std::string::npos) throw Error(drive, "", "expected SCHEME://HOST:PORT");
+  if (scheme_end == std::string::npos) throw Error(drive, "expected SCHEME://HOST:PORT");
   DriveAddress address;
   address.drive = drive;
   address.scheme = drive.substr(0, scheme_end);

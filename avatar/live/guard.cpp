@@ -16,12 +16,12 @@ double SecondsSince(int64_t begin_ns, int64_t now_ns) {
 }
 
 Verdict Judge(const FlameParams& frame) {
-  if (frame.expression.size() > kMostExpressions) return Verdict::kWrongSize;
+  if (frame.expression.size() > kMaxExpressions) return Verdict::kWrongSize;
   bool finite = true, small = true;
   const auto look = [&](const auto& numbers) {
     for (const float x : numbers) {
       finite = finite && std::isfinite(x);
-      small = small && std::abs(x) <= kLargestParameter;
+      small = small && std::abs(x) <= kMaxParameter;
     }
   };
   look(frame.expression);

@@ -25,9 +25,9 @@ namespace cosplat {
 
 // Numbers further from zero than this are no face's: FLAME's coefficients are standard deviations,
 // the rest is radians and metres.
-constexpr float kLargestParameter = 100;
+constexpr float kMaxParameter = 100;
 // More coefficients than any model has.
-constexpr size_t kMostExpressions = 65536;
+constexpr size_t kMaxExpressions = 65536;
 
 struct GuardPolicy {
   // Seconds. A face that has gone to rest between two frames is never cut to the next one; where
@@ -44,7 +44,7 @@ struct GuardCounts {
   uint64_t replaced = 0;      // good, but a newer one came before the next picture
   uint64_t late = 0;          // refused: older than one that was good
   uint64_t not_finite = 0;    // refused
-  uint64_t out_of_range = 0;  // refused: beyond kLargestParameter
+  uint64_t out_of_range = 0;  // refused: beyond kMaxParameter
   uint64_t wrong_size = 0;    // refused
   uint64_t softened = 0;      // of those shown: some of it was out of SoftRange
   uint64_t held = 0;          // pictures without a new frame, the last one held

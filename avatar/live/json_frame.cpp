@@ -11,13 +11,13 @@
 namespace cosplat {
 namespace {
 
-constexpr double kMostSeconds = 9e9;  // fits 64 bits of nanoseconds
-constexpr long kMostArrays = 64;      // thousands cost five times what as many bytes of numbers do
+constexpr double kMaxSeconds = 9e9;  // fits 64 bits of nanoseconds
+constexpr long kMaxArrays = 64;      // thousands cost five times what as many bytes of numbers do
 
 std::vector<float> NumbersOf(const JsonField& field, size_t count) {
   std::vector<float> numbers = field.Numbers(count);
   for (size_t i = 0; i < numbers.size(); ++i)
-    if (std::abs(numbers[i]) > kLargestParameter)
+    if (std::abs(numbers[i]) > kMaxParameter)
       throw Error(field.file(),
                   field.path() + "[" + std::to_string(i) + "]",
                   "is " + std::to_string(numbers[i]) + ", expected -100 to 100");
@@ -44,7 +44,7 @@ uint64_t SequenceOf(const JsonField& field) {
 
 double TimeOf(const JsonField& field) {
   const double time = field.Number();
-  if (std::abs(time) > kMostSeconds)
+  if (std::abs(time) > kMaxSeconds)
     throw Error(field.file(), field.path(), "is beyond 9e9 seconds");
   return time;
 }
@@ -83,9 +83,9 @@ void AppendNumbers(const char* name, const float* begin, size_t count, std::stri
 
 JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
   const auto arrays = std::count(line.begin(), line.end(), '[');
-  if (arrays + std::count(line.begin(), line.end(), '{') > kMostArrays)
+  if (arrays + std::count(line.begin(), line.end(), '{') > kMaxArrays)
     throw Error(
-        source, "", "holds more than " + std::to_string(kMostArrays) + " arrays and objects");
+        source, "", "holds more than " + std::to_string(kMaxArrays) + " arrays and objects");
   const Json json = ParseJson(source, line);
   const JsonField object(source, json);
   JsonFrame frame;

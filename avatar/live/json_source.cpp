@@ -13,7 +13,7 @@ namespace {
 
 // Of one poll. Ten times a sender of 120 frames per second polled 40 times; parsing that many of
 // the largest packets takes some milliseconds.
-constexpr size_t kMostPackets = 32;
+constexpr size_t kMaxPackets = 32;
 
 class JsonSource : public LiveSource {
  public:
@@ -63,7 +63,7 @@ class JsonSource : public LiveSource {
 
   std::unique_ptr<PacketInput> input_;
   FlameParams rest_;
-  NewestPackets packets_{kMostPackets};
+  NewestPackets packets_{kMaxPackets};
   SequenceFilter order_;
   SenderClock clock_;
   LiveCounts counts_;

@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr size_t kMostReadPerCall = 512 * 1024;
+constexpr size_t kMaxReadPerCall = 512 * 1024;
 
 class LineInput : public PacketInput {
  public:
@@ -18,7 +18,7 @@ class LineInput : public PacketInput {
       : descriptor_(descriptor), description_(std::move(description)) {}
 
   void Receive(NewestPackets& packets, LiveCounts& counts) override {
-    for (size_t total = 0; !ended_ && total < kMostReadPerCall && IsReady();) {
+    for (size_t total = 0; !ended_ && total < kMaxReadPerCall && IsReady();) {
       const ssize_t size = read(descriptor_, buffer_.data(), buffer_.size());
       if (size < 0 && (errno == EINTR || errno == EAGAIN)) return;
       ended_ = size <= 0;
@@ -44,11 +44,11 @@ class LineInput : public PacketInput {
   // Keeps no more of a line than is taken.
   void Append(std::string_view bytes) {
     line_bytes_ += bytes.size();
-    line_.append(bytes.substr(0, kMostPacketBytes - line_.size()));
+    line_.append(bytes.substr(0, kMaxPacketBytes - line_.size()));
   }
 
   void FinishLine(NewestPackets& packets, LiveCounts& counts) {
-    if (line_bytes_ > kMostPacketBytes) {
+    if (line_bytes_ > kMaxPacketBytes) {
       CountOversize(description_, line_bytes_, counts);
     } else if (line_.find_first_not_of(" \t\r") != std::string::npos) {
       CountFlooded(description_, packets.Push(line_), counts);

@@ -18,7 +18,7 @@ class NewestPackets {
   // Returns how many older ones that pushed out.
   size_t Push(std::string_view packet) {
     size_t pushed_out = 0;
-    for (; count_ > 0 && (count_ == slots_.size() || bytes_ + packet.size() > kMostBytes);
+    for (; count_ > 0 && (count_ == slots_.size() || bytes_ + packet.size() > kMaxBytes);
          ++pushed_out)
       PopOldest();
     slots_[(first_ + count_) % slots_.size()].assign(packet);
@@ -32,7 +32,7 @@ class NewestPackets {
 
  private:
   // Of all together: what a parser gets through in some milliseconds.
-  static constexpr size_t kMostBytes = 512 * 1024;
+  static constexpr size_t kMaxBytes = 512 * 1024;
 
   void PopOldest() {
     bytes_ -= slots_[first_].size();

@@ -106,9 +106,9 @@ std::string ParseMessage(std::string_view bytes, OscMessage& message) {
   std::string_view types = reader.Text();
   if (!types.starts_with(',')) return "has no OSC type tags";
   types.remove_prefix(1);
-  if (types.size() > kMostOscArguments)
+  if (types.size() > kMaxOscArguments)
     return "has " + std::to_string(types.size()) + " arguments, at most " +
-           std::to_string(kMostOscArguments) + " are taken";
+           std::to_string(kMaxOscArguments) + " are taken";
   for (const char type : types) {
     OscArgument& argument = message.arguments.emplace_back();
     argument.type = type;
@@ -120,7 +120,7 @@ std::string ParseMessage(std::string_view bytes, OscMessage& message) {
 
 std::string ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& messages) {
   if (!bytes.starts_with(kBundle)) return ParseMessage(bytes, messages.emplace_back());
-  if (bundles == kMostOscBundles) return "has too many OSC bundles inside each other";
+  if (bundles == kMaxOscBundles) return "has too many OSC bundles inside each other";
   Reader reader(bytes);
   reader.Text();
   reader.DoubleWord();  // when it shall count: always now

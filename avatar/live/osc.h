@@ -11,8 +11,8 @@
 
 namespace cosplat {
 
-constexpr size_t kMostOscArguments = 32;
-constexpr int kMostOscBundles = 8;  // inside each other
+constexpr size_t kMaxOscArguments = 32;
+constexpr int kMaxOscBundles = 8;  // inside each other
 
 struct OscArgument {
   char type = 0;

@@ -5,7 +5,7 @@ namespace cosplat {
 void CountOversize(const std::string& description, size_t bytes, LiveCounts& counts) {
   ++counts.oversize;
   counts.last_problem = description + ": a packet of " + std::to_string(bytes) +
-                        " bytes, at most " + std::to_string(kMostPacketBytes) + " are taken";
+                        " bytes, at most " + std::to_string(kMaxPacketBytes) + " are taken";
 }
 
 void CountFlooded(const std::string& description, size_t packets, LiveCounts& counts) {

@@ -15,7 +15,7 @@ namespace cosplat {
 
 // Longer packets and lines are dropped: FLAME's 400 coefficients with 20 digits each are half of
 // it.
-constexpr size_t kMostPacketBytes = 16 * 1024;
+constexpr size_t kMaxPacketBytes = 16 * 1024;
 
 class PacketInput {
  public:

@@ -26,7 +26,7 @@ int64_t SenderClock::Received(int64_t sent_ns, int64_t now_ns) {
   if (any_ && passed > 0) difference_ += uint64_t(passed) / 1000;
   last_now_ns_ = now_ns;
   int64_t delay = int64_t(difference - difference_);
-  if (!any_ || delay < 0 || delay > kMostDelayNs) {
+  if (!any_ || delay < 0 || delay > kMaxDelayNs) {
     difference_ = difference;
     delay = 0;
   }

@@ -23,11 +23,11 @@ class SequenceFilter {
 
 // The sender's timestamps by the receiver's clock. The two clocks' difference is the least seen of
 // (received - sent), as on the fastest way; it grows by a thousandth of the time that passes, so
-// that a sender's clock that goes slow is followed. A frame that would be more than kMostDelayNs
+// that a sender's clock that goes slow is followed. A frame that would be more than kMaxDelayNs
 // old means that the sender's clock was set: its difference counts from then on.
 class SenderClock {
  public:
-  static constexpr int64_t kMostDelayNs = 2'000'000'000;
+  static constexpr int64_t kMaxDelayNs = 2'000'000'000;
 
   // When it was so, by the clock of `now_ns`; not after it.
   int64_t Received(int64_t sent_ns, int64_t now_ns);

@@ -23,7 +23,7 @@ bool SoftRange::Bring(FlameParams& face) const {
   for (size_t i = 0; i < least_.size(); ++i) {
     float& x = face.expression[i];
     if (x >= least_[i] && x <= most_[i]) continue;
-    const float margin = std::max(kLeastMargin, 0.25f * (most_[i] - least_[i]));
+    const float margin = std::max(kMinMargin, 0.25f * (most_[i] - least_[i]));
     x = math::SoftClamp(x, least_[i], most_[i], margin);
     changed = true;
   }

@@ -24,7 +24,7 @@ class SoftRange {
   static constexpr float kUsualExpression = 3;
   // How far beyond the range a coefficient comes at most: a quarter of the range's width, at least
   // this.
-  static constexpr float kLeastMargin = 0.5f;
+  static constexpr float kMinMargin = 0.5f;
   // Radians, by joint. A neck turns by 70 to 80 degrees, an eye by up to 50; FLAME's jaw is wide
   // open at 30. The root is the whole head's place in the world and is free.
   static constexpr std::array<float, kFlameJoints> kUsualAngle{0, 1.3f, 0.6f, 0.9f, 0.9f};

@@ -29,7 +29,6 @@ std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
   if (address.scheme == "udp") return OpenJsonSource(OpenUdpInput(address), options);
   if (address.scheme == "vmc") return OpenVmc(address, options);
   throw Error(drive,
-              "",
               "expected a file, a folder, stdin:, udp://HOST:PORT or "
               "vmc://HOST:PORT?matrix=FILE");
 }

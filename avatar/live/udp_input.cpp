@@ -7,7 +7,7 @@ namespace cosplat {
 namespace {
 
 // Some milliseconds at most. What lies behind waits in the system's buffer, or is lost there.
-constexpr int kMostReadPerCall = 4096;
+constexpr int kMaxReadPerCall = 4096;
 
 class UdpInput : public PacketInput {
  public:
@@ -16,7 +16,7 @@ class UdpInput : public PacketInput {
         description_(address.scheme + "://" + socket_.LocalAddress()) {}
 
   void Receive(NewestPackets& packets, LiveCounts& counts) override {
-    for (int i = 0; i < kMostReadPerCall; ++i) {
+    for (int i = 0; i < kMaxReadPerCall; ++i) {
       const long size = socket_.Receive(buffer_.data(), buffer_.size());
       if (size < 0) return;
       if (size_t(size) > buffer_.size()) {
@@ -32,7 +32,7 @@ class UdpInput : public PacketInput {
  private:
   UdpSocket socket_;
   std::string description_;
-  std::array<char, kMostPacketBytes> buffer_;
+  std::array<char, kMaxPacketBytes> buffer_;
 };
 
 }  // namespace

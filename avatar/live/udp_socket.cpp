@@ -40,7 +40,7 @@ const addrinfo& Preferred(const addrinfo& list) {
 int OpenDescriptor(const DriveAddress& address, const addrinfo& target) {
   const int descriptor =
       socket(target.ai_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, target.ai_protocol);
-  if (descriptor < 0) throw Error(address.drive, "", std::strerror(errno));
+  if (descriptor < 0) throw Error(address.drive, std::strerror(errno));
   return descriptor;
 }
 
@@ -52,7 +52,7 @@ UdpSocket UdpSocket::Listen(const DriveAddress& address) {
   UdpSocket result(OpenDescriptor(address, target));
   setsockopt(result.descriptor_, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof(kReceiveBytes));
   if (bind(result.descriptor_, target.ai_addr, target.ai_addrlen) != 0)
-    throw Error(address.drive, "", std::string("cannot listen there: ") + std::strerror(errno));
+    throw Error(address.drive, std::string("cannot listen there: ") + std::strerror(errno));
   return result;
 }
 
@@ -61,7 +61,7 @@ UdpSocket UdpSocket::ConnectTo(const DriveAddress& address) {
   const addrinfo& target = Preferred(*list);
   UdpSocket result(OpenDescriptor(address, target));
   if (connect(result.descriptor_, target.ai_addr, target.ai_addrlen) != 0)
-    throw Error(address.drive, "", std::string("cannot send there: ") + std::strerror(errno));
+    throw Error(address.drive, std::string("cannot send there: ") + std::strerror(errno));
   return result;
 }
 

@@ -13,7 +13,7 @@ namespace {
 using math::AxisAngle;
 
 // Of one poll: four frames that come as a datagram per blendshape and bone.
-constexpr size_t kMostPackets = 512;
+constexpr size_t kMaxPackets = 512;
 
 constexpr std::string_view kValue = "/VMC/Ext/Blend/Val";
 constexpr std::string_view kApply = "/VMC/Ext/Blend/Apply";
@@ -114,7 +114,7 @@ class VmcSource : public LiveSource {
   std::unique_ptr<PacketInput> input_;
   BlendshapeMatrix matrix_;
   FlameParams rest_;
-  NewestPackets packets_{kMostPackets};
+  NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;
   VmcState state_, frame_;  // as sent so far; as the last frame ended
   uint64_t applied_ = 0;    // frames that have ended

@@ -58,17 +58,17 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
                 "vertices",
                 std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
                     std::to_string(surface_.vertex_count()));
-  if (!settings.make_drawer) return;
+  if (!settings.make_renderer) return;
   CheckEmbedding(avatar_.gaussians, avatar_, surface_.faces().size());
   const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
   reach_.emplace(posing.flame);
-  drawer_ = settings.make_drawer(avatar_, posing);
+  renderer_ = settings.make_renderer(avatar_, posing);
 }
 
 void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   if (out.IsFor(params)) return;
   poser_.FrameFor(params, frame_);
-  if (drawer_)
+  if (renderer_)
     Prepare(out);
   else
     PoseAndBind(out);
@@ -76,7 +76,7 @@ void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   out.params_.pose = params.pose;
   out.params_.translation = params.translation;
   out.id_ = ++last_id_;
-  if (!drawer_) out.posed_id_ = out.bound_id_ = out.id_;
+  if (!renderer_) out.posed_id_ = out.bound_id_ = out.id_;
 }
 
 void Player::PoseAndBind(PlacedAvatar& placed) {
@@ -141,7 +141,7 @@ void Player::DrawToStay(const PlacedAvatar& placed,
                         std::unique_ptr<DevicePicture>& out) {
   if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
   if (!DrawsOnDevice()) throw Error("avatar", "picture", "cannot stay: no device draws it");
-  drawer_->DrawToStay(
+  renderer_->DrawToStay(
       placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);
 }
 
@@ -149,7 +149,7 @@ void Player::DrawInto(const PlacedAvatar& placed,
                       const Camera& camera,
                       const RenderSettings& settings,
                       RenderedImage& image) {
-  if (drawer_) return drawer_->Draw(placed.rig_, placed.id_, camera, settings, image);
+  if (renderer_) return renderer_->Draw(placed.rig_, placed.id_, camera, settings, image);
   rasterizer_->Forward(PosedView(avatar_.gaussians, placed.gaussians_, avatar_.color_frame),
                        avatar_.gaussians.basis,
                        camera,

@@ -13,7 +13,7 @@
 
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/avatar_model.h"
-#include "avatar/play/avatar_drawer.h"
+#include "avatar/play/avatar_renderer.h"
 #include "avatar/surface/binding.h"
 #include "avatar/surface/surface.h"
 #include "flame/model.h"
@@ -25,7 +25,7 @@ struct PlayerSettings {
   // Draws a quarter of the pixels and enlarges them (avatar/play/preview.h).
   bool half_resolution = false;
   // Who draws (avatar/play/player_device.h); empty: the CPU.
-  AvatarDrawerMaker make_drawer{};
+  AvatarRendererMaker make_renderer{};
 };
 
 // An avatar's Gaussians in the world, for one frame's parameters. Player::Place fills it.
@@ -69,7 +69,7 @@ class Player {
                             const Camera& camera,
                             const std::array<float, 3>& background);
   // Whether pictures can stay where they are drawn: a device draws, in full size.
-  bool DrawsOnDevice() const { return drawer_ && !half_resolution_; }
+  bool DrawsOnDevice() const { return renderer_ && !half_resolution_; }
   // As Draw, but the picture stays on the device and is drawn each time. `out`: null, or of this
   // player. The background must be black but with AlphaMode::kOpaque. Throws Error without
   // DrawsOnDevice.
@@ -94,7 +94,7 @@ class Player {
   // Posed vertices of the last frame of RenderOver or Render, as VerticesOf.
   const std::vector<float>& vertices() { return VerticesOf(placed_); }
   // Seconds per phase of drawing; the caller resets it.
-  PhaseTimes& times() { return drawer_ ? drawer_->times : rasterizer_->times; }
+  PhaseTimes& times() { return renderer_ ? renderer_->times : rasterizer_->times; }
 
  private:
   struct Picture {
@@ -119,9 +119,9 @@ class Player {
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;
-  std::unique_ptr<AvatarDrawer> drawer_;  // null: the CPU draws, by the two after the next two
-  std::optional<PosingReach> reach_;      // where there is one
-  FlameRig<float> rig_;                   // of the next Place; keeps its memory
+  std::unique_ptr<AvatarRenderer> renderer_;  // null: the CPU draws, by the two after the next two
+  std::optional<PosingReach> reach_;          // where there is one
+  FlameRig<float> rig_;                       // of the next Place; keeps its memory
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   Picture last_;

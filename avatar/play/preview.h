@@ -1,7 +1,7 @@
 // Half-resolution preview: a quarter of the pixels drawn, the picture enlarged to the asked size.
 //
 // Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> picture. For looking around while
-// something faster than the picture is wanted; what it costs is in docs/design.md.
+// something faster than the picture is wanted; what it costs is in docs/decisions.md.
 #pragma once
 
 #include "splat/base/camera.h"

@@ -11,7 +11,8 @@ namespace cosplat::plugin {
 class CodedError : public Error {
  public:
   CodedError(cosplat_status status, const std::string& field, const std::string& problem)
-      : Error("", field, problem), status_(status) {}
+      : Error(field, problem), status_(status) {}
+  CodedError(cosplat_status status, const std::string& problem) : CodedError(status, "", problem) {}
   cosplat_status status() const { return status_; }
 
  private:

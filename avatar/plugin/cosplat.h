@@ -73,7 +73,7 @@ COSPLAT_API const char* cosplat_last_error(cosplat_avatar* avatar);
 
 /* --- Opening ---------------------------------------------------------------------------------- */
 
-/* AUTO: the library's choice; in this version always the CPU. CUDA: an NVIDIA card, where the
+/* AUTO: the library's choice; in this version always the CPU. CUDA: an NVIDIA GPU, where the
  * library was built with it. */
 enum { COSPLAT_DEVICE_AUTO = 0, COSPLAT_DEVICE_CPU = 1, COSPLAT_DEVICE_CUDA = 2 };
 

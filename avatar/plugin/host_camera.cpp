@@ -13,16 +13,16 @@ namespace {
 
 using math::Vec3;
 
-constexpr uint64_t kMostPixels = uint64_t(1) << 26;
+constexpr uint64_t kMaxPixels = uint64_t(1) << 26;
 // Beyond any lens and any room; far from where floats end.
-constexpr float kLargestCameraNumber = 1e7f;
+constexpr float kMaxCameraNumber = 1e7f;
 
 // The orbit's camera at zoom 1: a portrait lens (28 degrees across the shorter side) at the
 // distance where the head fills its share.
 constexpr float kFocalPerSide = 2, kHeadShare = 0.7f;
-constexpr float kMostElevation = 1.5f;  // short of the poles, where up is lost
-constexpr float kMostAzimuth = 1000;    // far beyond a turn; a float still tells degrees apart
-constexpr float kMostZoom = 100;
+constexpr float kMaxElevation = 1.5f;  // short of the poles, where up is lost
+constexpr float kMaxAzimuth = 1000;    // far beyond a turn; a float still tells degrees apart
+constexpr float kMaxZoom = 100;
 
 void CheckBetween(float value, float least, float most, const char* field) {
   if (!std::isfinite(value))
@@ -38,27 +38,27 @@ void CheckBetween(float value, float least, float most, const char* field) {
 
 void CheckSize(uint32_t width, uint32_t height, const char* name) {
   if (width < 1 || height < 1 || width > COSPLAT_LARGEST_SIDE || height > COSPLAT_LARGEST_SIDE ||
-      uint64_t(width) * height > kMostPixels)
+      uint64_t(width) * height > kMaxPixels)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      std::string(name) + ".width, height",
                      SizeText(width, height) + " pixels: sides are from 1 to " +
                          std::to_string(COSPLAT_LARGEST_SIDE) + ", at most " +
-                         std::to_string(kMostPixels) + " pixels in all");
+                         std::to_string(kMaxPixels) + " pixels in all");
 }
 
 Camera ToCamera(const cosplat_camera& given) {
   CheckSize(given.width, given.height, "camera");
-  const float least_focal = 1 / kLargestCameraNumber;
-  CheckBetween(given.fx, least_focal, kLargestCameraNumber, "camera.fx");
-  CheckBetween(given.fy, least_focal, kLargestCameraNumber, "camera.fy");
-  CheckBetween(given.cx, -kLargestCameraNumber, kLargestCameraNumber, "camera.cx");
-  CheckBetween(given.cy, -kLargestCameraNumber, kLargestCameraNumber, "camera.cy");
+  const float least_focal = 1 / kMaxCameraNumber;
+  CheckBetween(given.fx, least_focal, kMaxCameraNumber, "camera.fx");
+  CheckBetween(given.fy, least_focal, kMaxCameraNumber, "camera.fy");
+  CheckBetween(given.cx, -kMaxCameraNumber, kMaxCameraNumber, "camera.cx");
+  CheckBetween(given.cy, -kMaxCameraNumber, kMaxCameraNumber, "camera.cy");
   std::array<double, 9> rotation;
   std::array<double, 3> translation;
   for (size_t i = 0; i < 3; ++i) {
     for (size_t k = 0; k < 4; ++k) {
       const float x = given.cam_from_world[4 * i + k];
-      CheckBetween(x, -kLargestCameraNumber, kLargestCameraNumber, "camera.cam_from_world");
+      CheckBetween(x, -kMaxCameraNumber, kMaxCameraNumber, "camera.cam_from_world");
       (k < 3 ? rotation[3 * i + k] : translation[i]) = x;
     }
   }
@@ -91,9 +91,9 @@ cosplat_camera FromCamera(const Camera& camera) {
 
 Camera OrbitCamera(const OrbitTarget& target, uint32_t width, uint32_t height, const Orbit& orbit) {
   CheckSize(width, height, "camera");
-  CheckBetween(orbit.azimuth, -kMostAzimuth, kMostAzimuth, "azimuth");
-  CheckBetween(orbit.elevation, -kMostElevation, kMostElevation, "elevation");
-  CheckBetween(orbit.zoom, 1 / kMostZoom, kMostZoom, "zoom");
+  CheckBetween(orbit.azimuth, -kMaxAzimuth, kMaxAzimuth, "azimuth");
+  CheckBetween(orbit.elevation, -kMaxElevation, kMaxElevation, "elevation");
+  CheckBetween(orbit.zoom, 1 / kMaxZoom, kMaxZoom, "zoom");
   math::Mat3<float> world_from_flame;
   std::copy(target.rotation.begin(), target.rotation.end(), world_from_flame.m);
   const float sa = std::sin(orbit.azimuth), ca = std::cos(orbit.azimuth);

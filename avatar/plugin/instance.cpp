@@ -22,7 +22,7 @@ struct Box {
 };
 
 // Rows further apart than any picture needs: a stride that was never set.
-constexpr int64_t kLargestStride = int64_t(1) << 32;
+constexpr int64_t kMaxStride = int64_t(1) << 32;
 
 FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
   if (!path || !*path)
@@ -33,28 +33,28 @@ FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
   try {
     return LoadFlameModel(path);
   } catch (const Error& error) {
-    throw CodedError(COSPLAT_ERROR_FLAME, "", error.what());
+    throw CodedError(COSPLAT_ERROR_FLAME, error.what());
   }
 }
 
-// AUTO is the CPU until the device's parity tests have run on a card.
-AvatarDrawerMaker DrawerFor(uint32_t device) {
+// AUTO is the CPU until the device's parity tests have run on a GPU.
+AvatarRendererMaker RendererFor(uint32_t device) {
   if (device == COSPLAT_DEVICE_AUTO || device == COSPLAT_DEVICE_CPU) return {};
   if (device != COSPLAT_DEVICE_CUDA)
     throw CodedError(COSPLAT_ERROR_ARGUMENT, "device", std::to_string(device) + " is none");
   try {
-    return DrawerOn(DeviceFromString("cuda", "device"));
+    return AvatarRendererOn(DeviceFromString("cuda", "device"));
   } catch (const Error& error) {
-    throw CodedError(COSPLAT_ERROR_DEVICE, "", error.what());
+    throw CodedError(COSPLAT_ERROR_DEVICE, error.what());
   }
 }
 
-Player MakePlayer(AvatarModel avatar, const FlameModel& flame, AvatarDrawerMaker make_drawer) {
+Player MakePlayer(AvatarModel avatar, const FlameModel& flame, AvatarRendererMaker make_renderer) {
   try {
     AttachMesh(avatar, flame);
-    return Player(std::move(avatar), flame, {false, std::move(make_drawer)});
+    return Player(std::move(avatar), flame, {false, std::move(make_renderer)});
   } catch (const Error& error) {
-    throw CodedError(COSPLAT_ERROR_FLAME, "", error.what());
+    throw CodedError(COSPLAT_ERROR_FLAME, error.what());
   }
 }
 
@@ -112,8 +112,7 @@ cosplat_info InfoOf(const AvatarModel& avatar,
 ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char* field) {
   const int64_t row = 4 * int64_t(width);
   if (stride == 0) return ptrdiff_t(row);
-  if (stride < -kLargestStride || stride > kLargestStride || std::abs(stride) < row ||
-      stride % step != 0)
+  if (stride < -kMaxStride || stride > kMaxStride || std::abs(stride) < row || stride % step != 0)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      field,
                      std::to_string(stride) + " bytes: at least " + std::to_string(row) +
@@ -146,10 +145,10 @@ void CheckPicture(const cosplat_picture& picture) {
 
 Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
     : player_([&] {
-        AvatarDrawerMaker make_drawer = DrawerFor(options.device);
+        AvatarRendererMaker make_renderer = RendererFor(options.device);
         AvatarModel avatar = ReadAvatarGlb(avatar_path);
         flame_ = ReadFlame(options.flame_path, avatar);
-        return MakePlayer(std::move(avatar), flame_, std::move(make_drawer));
+        return MakePlayer(std::move(avatar), flame_, std::move(make_renderer));
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),
       parameters_(size_t(flame_.expression_count), rest_),

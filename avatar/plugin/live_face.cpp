@@ -5,16 +5,16 @@
 namespace cosplat::plugin {
 namespace {
 
-static_assert(kLargestParameter == COSPLAT_LARGEST_PARAMETER);
+static_assert(kMaxParameter == COSPLAT_LARGEST_PARAMETER);
 static_assert(uint32_t(FaceState::kRest) == COSPLAT_FACE_REST &&
               uint32_t(FaceState::kLive) == COSPLAT_FACE_LIVE &&
               uint32_t(FaceState::kDecaying) == COSPLAT_FACE_DECAYING &&
               uint32_t(FaceState::kReturning) == COSPLAT_FACE_RETURNING);
 
 // Beyond them a number is a mistake, and the arithmetic would suffer.
-constexpr float kLeastSeconds = 1e-6f, kMostSeconds = 1e6f;
-constexpr float kLeastCutoff = 1e-3f, kMostCutoff = 1e4f;
-constexpr float kMostBeta = 1e4f;
+constexpr float kMinSeconds = 1e-6f, kMaxSeconds = 1e6f;
+constexpr float kMinCutoff = 1e-3f, kMaxCutoff = 1e4f;
+constexpr float kMaxBeta = 1e4f;
 
 float Within(float value, float least, float most, double otherwise, const char* field) {
   if (value == 0) return float(otherwise);
@@ -35,7 +35,7 @@ bool Flag(uint32_t value, const char* field) {
 GuardPolicy PolicyOf(const cosplat_policy& given) {
   GuardPolicy policy;
   const auto seconds = [](float value, double otherwise, const char* field) {
-    return double(Within(value, kLeastSeconds, kMostSeconds, otherwise, field));
+    return double(Within(value, kMinSeconds, kMaxSeconds, otherwise, field));
   };
   policy.hold = seconds(given.hold_s, policy.hold, "policy.hold_s");
   policy.decay = seconds(given.decay_s, policy.decay, "policy.decay_s");
@@ -43,8 +43,8 @@ GuardPolicy PolicyOf(const cosplat_policy& given) {
   policy.soft_range = !Flag(given.range, "policy.range");
   math::OneEuro filter;
   filter.min_cutoff = Within(
-      given.min_cutoff_hz, kLeastCutoff, kMostCutoff, filter.min_cutoff, "policy.min_cutoff_hz");
-  filter.beta = Within(given.beta, 0, kMostBeta, filter.beta, "policy.beta");
+      given.min_cutoff_hz, kMinCutoff, kMaxCutoff, filter.min_cutoff, "policy.min_cutoff_hz");
+  filter.beta = Within(given.beta, 0, kMaxBeta, filter.beta, "policy.beta");
   if (Flag(given.smoothing, "policy.smoothing")) policy.smoothing = filter;
   return policy;
 }
@@ -69,7 +69,7 @@ void LiveFace::SetDrive(const char* drive) {
   try {
     source_ = drive ? OpenLiveSource(drive, source_options_) : nullptr;
   } catch (const Error& error) {
-    throw CodedError(COSPLAT_ERROR_DRIVE, "", error.what());
+    throw CodedError(COSPLAT_ERROR_DRIVE, error.what());
   }
 }
 

@@ -59,12 +59,12 @@ void LiveParameters::CheckTime(int64_t time_ns) const {
 }
 
 void LiveParameters::Set(const cosplat_parameters& given) {
-  if (given.expression_count > kMostExpressions)
+  if (given.expression_count > kMaxExpressions)
     throw BadFrame(Verdict::kWrongSize,
                    COSPLAT_ERROR_ARGUMENT,
                    "parameters.expression_count",
                    std::to_string(given.expression_count) + " is more than " +
-                       std::to_string(kMostExpressions));
+                       std::to_string(kMaxExpressions));
   CheckNumbers(given.expression, given.expression_count, "parameters.expression");
   CheckNumbers(given.joints[0], 3 * kFlameJoints, "parameters.joints");
   CheckNumbers(given.translation, 3, "parameters.translation");

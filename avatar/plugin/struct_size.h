@@ -16,14 +16,14 @@
 namespace cosplat::plugin {
 
 // Far above any structure of any version: a larger size was never set.
-constexpr uint32_t kLargestStruct = 1024;
+constexpr uint32_t kMaxStruct = 1024;
 
 template <class T>
 uint32_t CheckedStructSize(const T* theirs, const char* name) {
   if (!theirs) throw CodedError(COSPLAT_ERROR_ARGUMENT, name, "is NULL");
   uint32_t size = 0;
   std::memcpy(&size, theirs, sizeof(size));  // every structure begins with it
-  if (size < sizeof(T) || size > kLargestStruct)
+  if (size < sizeof(T) || size > kMaxStruct)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      std::string(name) + ".struct_size",
                      std::to_string(size) + ", expected " + std::to_string(sizeof(T)));

@@ -32,7 +32,7 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
       surface_(mesh_),
       unit_(MeshUnit(mesh_)) {
   if (settings_.refine_track && settings_.system == AvatarSystem::kReleased)
-    throw Error("", "--refine-track", "does not go with SplattingAvatar's released rule");
+    throw Error("--refine-track", "does not go with SplattingAvatar's released rule");
   LoadFrames();
   if (settings_.bust == AvatarSettings::BustChoice::kYes ||
       (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))

@@ -44,7 +44,7 @@ Sources FindSources(const std::string& path, const PictureFiles* pictures, Track
   if (!sources.image_folder.empty()) return sources;
   video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
   if (video.video_path.empty())
-    throw Error(path, "", "has no folder image or images and no video.mp4, .avi or .mkv");
+    throw Error(path, "has no folder image or images and no video.mp4, .avi or .mkv");
   sources.video = pictures->OpenVideo(video.video_path);
   video.video = sources.video.reader;
   return sources;

@@ -43,14 +43,12 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
   const Camera& camera = frame.camera;
   if (ProportionsDiffer(camera.width, camera.height, picture.width, picture.height))
     throw Error(PictureName(video, frame),
-                "",
                 "image is " + SizeText(picture.width, picture.height) + ", its camera " +
                     SizeText(camera.width, camera.height));
   Image8 mask;
   if (!frame.mask_path.empty()) mask = ReadImage(frame.mask_path);
   if (!mask.empty() && (mask.width != picture.width || mask.height != picture.height))
     throw Error(frame.mask_path,
-                "",
                 "mask is " + SizeText(mask.width, mask.height) + ", its image " +
                     SizeText(picture.width, picture.height));
   if (mask.empty() && picture.channels == 3)

@@ -29,7 +29,7 @@ void ReadSubject(const std::string& path, TrackedVideo& video) {
     if (offsets.size() == 3 * kVerticesWithTeeth) offsets.resize(3 * kFlameVertices);
     if (!AllZero(offsets)) problem = CopyFinite("static_offset", offsets, video.static_offset);
   }
-  if (!problem.empty()) throw Error(path, "", problem);
+  if (!problem.empty()) throw Error(path, problem);
 }
 
 // Copies an axis-angle vector, or what is wrong with it.

@@ -14,6 +14,8 @@ class Error : public std::runtime_error {
   // `problem`: what was found and what was expected, with the offending value.
   Error(const std::string& file, const std::string& field, const std::string& problem)
       : std::runtime_error(Format(file, field, problem)) {}
+  // Of a whole file, or of what is in no file: an option, an argument, a device.
+  Error(const std::string& what, const std::string& problem) : Error(what, "", problem) {}
 
  private:
   static std::string Format(const std::string& file,

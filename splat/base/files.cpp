@@ -35,7 +35,7 @@ class TemporaryFile {
   void RenameTo(const std::string& target) {
     std::error_code code;
     fs::rename(path_, target, code);
-    if (code) throw Error(target, "", "cannot be written: " + code.message());
+    if (code) throw Error(target, "cannot be written: " + code.message());
     kept_ = true;
   }
 
@@ -56,11 +56,11 @@ void WriteStream(const std::string& file,
                  const std::function<void(std::ostream&)>& write) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  if (!stream) throw Error(name_in_errors, "", "cannot be written: " + SystemReason("open failed"));
+  if (!stream) throw Error(name_in_errors, "cannot be written: " + SystemReason("open failed"));
   write(stream);
   stream.flush();
   if (stream) stream.close();
-  if (!stream) throw Error(name_in_errors, "", "write failed: " + SystemReason("stream error"));
+  if (!stream) throw Error(name_in_errors, "write failed: " + SystemReason("stream error"));
 }
 
 std::string TemporarySuffix() { return ".tmp." + std::to_string(getpid()); }
@@ -69,17 +69,17 @@ std::string TemporarySuffix() { return ".tmp." + std::to_string(getpid()); }
 
 std::vector<char> ReadFile(const std::string& path) {
   std::error_code code;
-  if (fs::is_directory(path, code)) throw Error(path, "", "is a folder, expected a file");
+  if (fs::is_directory(path, code)) throw Error(path, "is a folder, expected a file");
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(path, "", "cannot be read: " + SystemReason("open failed"));
+  if (!stream) throw Error(path, "cannot be read: " + SystemReason("open failed"));
   std::vector<char> bytes;
   const auto size = fs::file_size(path, code);
   if (!code) bytes.reserve(size);
   std::vector<char> block(1 << 16);
   while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
     bytes.insert(bytes.end(), block.data(), block.data() + stream.gcount());
-  if (stream.bad()) throw Error(path, "", "read failed: " + SystemReason("stream error"));
+  if (stream.bad()) throw Error(path, "read failed: " + SystemReason("stream error"));
   return bytes;
 }
 
@@ -112,7 +112,7 @@ void MakeDirectories(const std::string& path) {
   std::error_code code;
   fs::create_directories(path, code);
   if (!code && !fs::is_directory(path)) code = std::make_error_code(std::errc::not_a_directory);
-  if (code) throw Error(path, "", "folder cannot be made: " + code.message());
+  if (code) throw Error(path, "folder cannot be made: " + code.message());
 }
 
 std::string Sha256OfFile(const std::string& path) {

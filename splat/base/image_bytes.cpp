@@ -13,8 +13,7 @@ Image8 ToBytes(const Image& image) {
   for (size_t i = 0; i < image.data.size(); ++i) {
     if (std::isnan(image.data[i])) {
       const size_t pixel = i / image.channels;
-      throw Error("",
-                  "image",
+      throw Error("image",
                   "pixel (" + std::to_string(pixel % image.width) + ", " +
                       std::to_string(pixel / image.width) + ") is not a number");
     }

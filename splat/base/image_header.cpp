@@ -75,11 +75,10 @@ void CheckPng(const std::string& path, const std::vector<char>& bytes) {
   const bool complete = WalkPng(bytes, [&](const char* type, const char* data, size_t size) {
     const bool critical = (type[0] & 0x20) == 0;
     if (critical && Crc32(type, size + 4) != BigEndian(data + size, 4))
-      throw Error(path, "", "is damaged: checksum of chunk " + std::string(type, 4) + " is wrong");
+      throw Error(path, "is damaged: checksum of chunk " + std::string(type, 4) + " is wrong");
     return std::memcmp(type, "IEND", 4) != 0;
   });
-  if (!complete)
-    throw Error(path, "", "is cut off after " + std::to_string(bytes.size()) + " bytes");
+  if (!complete) throw Error(path, "is cut off after " + std::to_string(bytes.size()) + " bytes");
 }
 
 bool HasLength(uint8_t marker) {
@@ -135,11 +134,11 @@ bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info) {
 }
 
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes) {
-  if (bytes.empty()) throw Error(path, "", "is empty, expected an image");
+  if (bytes.empty()) throw Error(path, "is empty, expected an image");
   if (IsPng(bytes)) CheckPng(path, bytes);
   if (!IsJpeg(bytes)) return;
   if (!WalkJpeg(bytes, [](uint8_t marker, const char*, size_t) { return marker != 0xd9; }))
-    throw Error(path, "", "is cut off after " + std::to_string(bytes.size()) + " bytes");
+    throw Error(path, "is cut off after " + std::to_string(bytes.size()) + " bytes");
 }
 
 }  // namespace cosplat

@@ -83,9 +83,9 @@ cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
     const cv::Mat raw(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
     mat = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& error) {
-    throw Error(path, "", "cannot be decoded as an image: " + error.err);
+    throw Error(path, "cannot be decoded as an image: " + error.err);
   }
-  if (mat.empty()) throw Error(path, "", "cannot be decoded as an image");
+  if (mat.empty()) throw Error(path, "cannot be decoded as an image");
   if (mat.depth() == CV_16U) mat.convertTo(mat, CV_8U, 1.0 / 257);
   const int n = mat.channels();
   if (mat.depth() != CV_8U || (n != 1 && n != 3 && n != 4))
@@ -135,16 +135,15 @@ void WriteImage(const std::string& path, const Image8& image) {
   const std::string extension = ExtensionOf(path);
   const bool jpeg = extension == ".jpg" || extension == ".jpeg";
   if (!jpeg && extension != ".png")
-    throw Error(path, "", "unknown image extension '" + extension + "', expected .png or .jpg");
+    throw Error(path, "unknown image extension '" + extension + "', expected .png or .jpg");
   if (image.empty() || (image.channels != 1 && image.channels != 3 && image.channels != 4) ||
       (jpeg && image.channels == 4))
     throw Error(path,
-                "",
                 "cannot store an image of " + SizeText(image.width, image.height) + " with " +
                     std::to_string(image.channels) + " channels as " + extension);
   std::vector<uint8_t> bytes;
   if (!cv::imencode(extension, SwapRedBlue(Wrap(image)), bytes))
-    throw Error(path, "", "image could not be encoded");
+    throw Error(path, "image could not be encoded");
   WriteFileAtomically(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
   });
@@ -155,8 +154,7 @@ void WriteImage(const std::string& path, const Image& image) { WriteImage(path, 
 Image8 ResizeByArea(const Image8& image, int width, int height) {
   if (width == image.width && height == image.height) return image;
   if (width < 1 || height < 1 || image.empty())
-    throw Error("",
-                "image",
+    throw Error("image",
                 "cannot be resized from " + SizeText(image.width, image.height) + " to " +
                     SizeText(width, height));
   cv::Mat resized;

@@ -85,7 +85,7 @@ Json ParseJson(const std::string& source, std::string text) {
     const std::string found = offset < text.size() ? "unexpected text" : "it ends too early";
     throw Error(source, LineAndColumn(text, offset), "not valid JSON: " + found);
   } catch (const Json::exception& error) {  // a number outside double's range
-    throw Error(source, "", std::string("not valid JSON: ") + error.what());
+    throw Error(source, std::string("not valid JSON: ") + error.what());
   }
 }
 

@@ -97,7 +97,7 @@ void AddMember(zip_t* archive,
 Npz Npz::Read(const std::string& path) {
   int code = 0;
   const Archive archive(zip_open(path.c_str(), ZIP_RDONLY, &code), zip_discard);
-  if (!archive) throw Error(path, "", "cannot be read as .npz: " + Reason(code));
+  if (!archive) throw Error(path, "cannot be read as .npz: " + Reason(code));
   Npz npz;
   npz.path_ = path;
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
@@ -121,10 +121,10 @@ void Npz::Write(const std::string& path) const {
   WriteViaTemporary(path, [&](const std::string& temporary) {
     int code = 0;
     Archive archive(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code), zip_discard);
-    if (!archive) throw Error(path, "", "cannot be written: " + Reason(code));
+    if (!archive) throw Error(path, "cannot be written: " + Reason(code));
     for (const auto& [name, bytes] : members) AddMember(archive.get(), path, name, bytes);
     if (zip_close(archive.get()) != 0)
-      throw Error(path, "", std::string("write failed: ") + zip_strerror(archive.get()));
+      throw Error(path, std::string("write failed: ") + zip_strerror(archive.get()));
     archive.release();
   });
 }

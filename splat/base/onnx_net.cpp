@@ -14,7 +14,7 @@ namespace cosplat {
 namespace {
 
 // Networks that recognise things take 224 px and mostly less.
-constexpr int kLargestLeastSide = 256;
+constexpr int kMaxMinSide = 256;
 
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
@@ -28,7 +28,7 @@ cv::dnn::Net ReadNet(const std::string& path) {
   try {
     return cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
   } catch (const std::exception& error) {
-    throw Error(path, "", "cannot be read as an ONNX network: " + ReasonOf(error));
+    throw Error(path, "cannot be read as an ONNX network: " + ReasonOf(error));
   }
 }
 
@@ -116,8 +116,7 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
       throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
   std::string refusal;
   do {
-    if (++least_side_ > kLargestLeastSide)
-      throw Error(path, "", "takes no RGB picture: " + refusal);
+    if (++least_side_ > kMaxMinSide) throw Error(path, "takes no RGB picture: " + refusal);
     refusal = impl_->Try(least_side_);
   } while (!refusal.empty());
   for (size_t i = 0; i < outputs.size(); ++i) {
@@ -136,12 +135,11 @@ OnnxNet::OnnxNet(OnnxNet&&) noexcept = default;
 std::vector<FeatureMap> OnnxNet::Run(const Image8& picture) {
   if (picture.channels != 3 || picture.width < least_side_ || picture.height < least_side_)
     throw Error(path_,
-                "",
                 "takes RGB pictures of at least " + SizeText(least_side_, least_side_) + ", not " +
                     SizeText(picture.width, picture.height) + "x" +
                     std::to_string(picture.channels));
   const std::string refusal = impl_->Forward(picture);
-  if (!refusal.empty()) throw Error(path_, "", "cannot be run on a picture: " + refusal);
+  if (!refusal.empty()) throw Error(path_, "cannot be run on a picture: " + refusal);
   std::vector<FeatureMap> maps;
   for (const cv::Mat& map : impl_->maps)
     maps.push_back({map.ptr<float>(), map.size[1], map.size[2], map.size[3]});

@@ -11,14 +11,14 @@ void CheckSkipped(const std::string& source,
                   const std::vector<SkippedFrame>& skipped) {
   const size_t total = usable + skipped.size();
   if (usable > 0 && skipped.size() * 3 <= total) return;
-  if (total == 0) throw Error(source, "", "holds no frames");
+  if (total == 0) throw Error(source, "holds no frames");
   std::string text = std::to_string(skipped.size()) + " of " + std::to_string(total) +
                      " frames cannot be used, at most a third may: ";
   constexpr size_t kShown = 3;
   for (size_t i = 0; i < std::min(skipped.size(), kShown); ++i)
     text += (i ? "; " : "") + skipped[i].name + ": " + skipped[i].reason;
   if (skipped.size() > kShown) text += "; ...";
-  throw Error(source, "", text);
+  throw Error(source, text);
 }
 
 }  // namespace cosplat

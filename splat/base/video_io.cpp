@@ -30,17 +30,17 @@ struct VideoReader::Impl {
 
   void Open() {
     next = 0;
-    if (!capture.open(path, cv::CAP_FFMPEG)) throw Error(path, "", "cannot be opened as a video");
+    if (!capture.open(path, cv::CAP_FFMPEG)) throw Error(path, "cannot be opened as a video");
   }
 };
 
 VideoReader::VideoReader(const std::string& path) : impl_(std::make_unique<Impl>()) {
   QuietOpenCv();
-  if (!std::filesystem::is_regular_file(path)) throw Error(path, "", "is not a file");
+  if (!std::filesystem::is_regular_file(path)) throw Error(path, "is not a file");
   impl_->path = path;
   impl_->Open();
   impl_->count = CountFrames(path);
-  if (impl_->count == 0) throw Error(path, "", "has no frame that can be decoded");
+  if (impl_->count == 0) throw Error(path, "has no frame that can be decoded");
 }
 
 VideoReader::~VideoReader() = default;
@@ -77,10 +77,9 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
     : impl_(std::make_unique<Impl>()) {
   QuietOpenCv();
   const std::filesystem::path target(path);
-  if (target.extension() != ".mp4") throw Error(path, "", "unknown video extension, expected .mp4");
+  if (target.extension() != ".mp4") throw Error(path, "unknown video extension, expected .mp4");
   if (width < 2 || height < 2 || !(frames_per_second > 0))
     throw Error(path,
-                "",
                 "cannot hold frames of " + SizeText(width, height) + " at " +
                     std::to_string(frames_per_second) + " per second");
   impl_->path = path;
@@ -93,7 +92,7 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
   if (!impl_->writer.open(impl_->temporary, cv::CAP_FFMPEG, fourcc, frames_per_second, size)) {
     std::error_code ignored;
     std::filesystem::remove(impl_->temporary, ignored);
-    throw Error(path, "", "video cannot be written");
+    throw Error(path, "video cannot be written");
   }
 }
 
@@ -122,12 +121,11 @@ void VideoWriter::Finish() {
   const int readable = CountFrames(impl_->temporary);
   if (readable != impl_->written || impl_->written == 0)
     throw Error(impl_->path,
-                "",
                 "video could not be written: " + std::to_string(readable) + " of " +
                     std::to_string(impl_->written) + " frames are readable");
   std::error_code code;
   std::filesystem::rename(impl_->temporary, impl_->path, code);
-  if (code) throw Error(impl_->path, "", "cannot be written: " + code.message());
+  if (code) throw Error(impl_->path, "cannot be written: " + code.message());
 }
 
 }  // namespace cosplat

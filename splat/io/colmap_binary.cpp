@@ -50,7 +50,7 @@ class Reader {
 
   void ExpectEnd() const {
     if (at_ != bytes_.size())
-      throw Error(path_, "", std::to_string(bytes_.size() - at_) + " bytes follow the last record");
+      throw Error(path_, std::to_string(bytes_.size() - at_) + " bytes follow the last record");
   }
 
  private:

@@ -101,7 +101,7 @@ ColmapModel ReadColmapModel(const std::string& folder) {
     model.images_file = folder + "/images.txt";
     colmap::ReadText(folder, model);
   } else {
-    throw Error(folder, "", "holds no COLMAP model: neither cameras.bin nor cameras.txt");
+    throw Error(folder, "holds no COLMAP model: neither cameras.bin nor cameras.txt");
   }
   for (const ColmapImage& image : model.images)
     if (!model.cameras.contains(image.camera_id))

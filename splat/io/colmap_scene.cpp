@@ -48,11 +48,11 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   scene.layout = "colmap";
   const std::string numbered = path + "/sparse/0";
   ColmapModel model = ReadColmapModel(fs::is_directory(numbered) ? numbered : path + "/sparse");
-  if (model.images.empty()) throw Error(model.images_file, "", "holds no images");
+  if (model.images.empty()) throw Error(model.images_file, "holds no images");
   scene.points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   const FoundImage any = FindImage(path + "/images", model.images[0].name, options.resolution);
-  if (!any.folder_exists) throw Error(path, "", MissingFolderProblem(path, options.resolution));
+  if (!any.folder_exists) throw Error(path, MissingFolderProblem(path, options.resolution));
   for (const ColmapImage& image : model.images) {
     SceneView view;
     view.name = image.name;

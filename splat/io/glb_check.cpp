@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr size_t kLargest = std::numeric_limits<uint32_t>::max();
+constexpr size_t kMax = std::numeric_limits<uint32_t>::max();
 
 // Ours nest 9 deep. Readers descend once per level, so that a file could ask for any stack.
 constexpr int kMaxNesting = 64;
@@ -33,7 +33,7 @@ uint32_t NumberAt(const std::vector<char>& bytes, size_t offset) {
 
 Chunks SplitChunks(const std::string& path, const std::vector<char>& bytes) {
   if (bytes.size() < kHeaderBytes + kChunkHeaderBytes || NumberAt(bytes, 0) != kMagic)
-    throw Error(path, "", "is not a binary glTF file (.glb)");
+    throw Error(path, "is not a binary glTF file (.glb)");
   if (NumberAt(bytes, 4) != 2)
     throw Error(
         path, "version", "is " + std::to_string(NumberAt(bytes, 4)) + ", expected binary glTF 2");
@@ -156,7 +156,7 @@ BufferView CheckBufferView(const JsonField& field, size_t buffer_length) {
 }
 
 size_t ComponentBytes(const JsonField& accessor) {
-  switch (Whole(accessor, "componentType", 0, kLargest)) {
+  switch (Whole(accessor, "componentType", 0, kMax)) {
     case 5120:
     case 5121:
       return 1;
@@ -200,7 +200,7 @@ void CheckAccessor(const JsonField& field, const std::vector<BufferView>& views)
   const size_t offset = WholeOrZero(field, "byteOffset", view.length);
   if ((view.offset + offset) % component != 0)
     throw Error(field.file(), field.path(), "is not aligned to its components");
-  const size_t count = Whole(field, "count", 1, kLargest);
+  const size_t count = Whole(field, "count", 1, kMax);
   const size_t end = offset + (count - 1) * stride + element;
   if (end > view.length)
     throw Error(field.file(),

@@ -158,7 +158,7 @@ tinygltf::Model Load(const std::string& path, const std::vector<char>& bytes) {
                                   unsigned(bytes.size())))
     return model;
   std::replace(error.begin(), error.end(), '\n', ' ');
-  throw Error(path, "", "is not a usable glTF file: " + error);
+  throw Error(path, "is not a usable glTF file: " + error);
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ void WriteGlb(const GlbDocument& document) {
   WriteFileAtomically(document.path, [&](std::ostream& out) {
     constexpr bool kPretty = false, kBinary = true;
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, kPretty, kBinary))
-      throw Error(document.path, "", "could not be written as glTF");
+      throw Error(document.path, "could not be written as glTF");
   });
 }
 
@@ -200,7 +200,7 @@ GlbDocument ParseGlb(const std::string& path,
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    throw Error(path, "", std::string("is not a usable glTF file: ") + error.what());
+    throw Error(path, std::string("is not a usable glTF file: ") + error.what());
   }
 }
 

@@ -88,7 +88,6 @@ void WritePointsPly(const std::string& path,
                     const std::vector<uint8_t>& colors) {
   if (points.size() != colors.size() || points.size() % 3 != 0)
     throw Error(path,
-                "",
                 std::to_string(points.size()) + " coordinates do not fit " +
                     std::to_string(colors.size()) + " colour values");
   const size_t count = points.size() / 3;

@@ -42,7 +42,7 @@ void PlyReader::Enter(const std::string& element) {
     if (element_.name == element) return;
     while (row_ < element_.count) Next();
   }
-  throw Error(path_, "", "has no element " + element);
+  throw Error(path_, "has no element " + element);
 }
 
 void PlyReader::EnterNext() {
@@ -72,15 +72,15 @@ void PlyReader::ReadHeader() {
   for (int number = 0;; ++number) {
     const auto newline = std::find(bytes_.begin() + at_, bytes_.end(), '\n');
     if (newline == bytes_.end() || newline - (bytes_.begin() + at_) > 4096)
-      throw Error(path_, "", number == 0 ? "is not a PLY file" : "ends inside the header");
+      throw Error(path_, number == 0 ? "is not a PLY file" : "ends inside the header");
     std::string line(bytes_.begin() + at_, newline);
     if (line.ends_with('\r')) line.pop_back();
     at_ = size_t(newline - bytes_.begin()) + 1;
-    if (number == 0 && line != "ply") throw Error(path_, "", "is not a PLY file");
+    if (number == 0 && line != "ply") throw Error(path_, "is not a PLY file");
     if (line == end) break;
     if (number > 0) HeaderLine(line);
   }
-  if (!format_seen_) throw Error(path_, "", "has no format line");
+  if (!format_seen_) throw Error(path_, "has no format line");
 }
 
 void PlyReader::HeaderLine(const std::string& line) {

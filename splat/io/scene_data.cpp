@@ -30,9 +30,9 @@ void SortByName(std::vector<SceneView>& views) {
 }  // namespace
 
 SceneData LoadScene(const std::string& path, const SceneOptions& options) {
-  if (!std::filesystem::is_directory(path)) throw Error(path, "", "is not a folder");
+  if (!std::filesystem::is_directory(path)) throw Error(path, "is not a folder");
   if (options.resolution < 1)
-    throw Error("", "resolution", std::to_string(options.resolution) + " is not positive");
+    throw Error("resolution", std::to_string(options.resolution) + " is not positive");
   SceneData scene;
   scene.source = path;
   if (IsColmapScene(path)) {
@@ -43,7 +43,6 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
     LoadNerfstudioScene(path, options, scene);
   } else {
     throw Error(path,
-                "",
                 "holds no scene: expected sparse/ (COLMAP), transforms_train.json or "
                 "transforms.json");
   }
@@ -58,7 +57,6 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   if (options.fold) HoldOutEvery8th(scene);
   if (scene.train.empty())
     throw Error(path,
-                "",
                 "leaves no training views: the " + std::to_string(scene.test.size()) +
                     " there are belong to the test set");
   scene.extent = SceneExtent(scene.train);

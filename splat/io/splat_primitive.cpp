@@ -56,7 +56,7 @@ std::string SplatCoefficientName(int coefficient) {
 
 GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool truncate_degree) {
   const size_t n = gaussians.size();
-  if (n == 0) throw Error(document.path, "", "there are no Gaussians to write");
+  if (n == 0) throw Error(document.path, "there are no Gaussians to write");
   if (gaussians.degree > kMaxSplatFileDegree && !truncate_degree)
     throw Error(document.path,
                 "degree",

@@ -102,7 +102,6 @@ void FinishView(const Camera& lens, int divide_by, SceneView& view) {
   const double expected_height = double(lens.height) * info.width / lens.width;
   if (std::abs(expected_width - info.width) > 1 && std::abs(expected_height - info.height) > 1)
     throw Error(view.image_path,
-                "",
                 "image is " + SizeText(info.width, info.height) + ", its camera " +
                     SizeText(lens.width, lens.height) + ": the proportions differ");
   const Camera pose = view.camera;

@@ -19,7 +19,6 @@ Image8 WithMask(const Image8& image, const std::string& mask_path) {
   const double expected = double(image.width) * mask.height / image.height;
   if (std::abs(expected - mask.width) > 1)
     throw Error(mask_path,
-                "",
                 "mask is " + SizeText(mask.width, mask.height) + ", its image " +
                     SizeText(image.width, image.height));
   mask = ResizeByArea(mask, image.width, image.height);
@@ -37,7 +36,6 @@ Image8 LoadViewImage(const SceneView& view) {
   Image8 image = ReadImage(view.image_path);
   if (image.width != view.file_camera.width || image.height != view.file_camera.height)
     throw Error(view.image_path,
-                "",
                 "image is " + SizeText(image.width, image.height) + ", expected " +
                     SizeText(view.file_camera.width, view.file_camera.height));
   if (image.channels == 1) image = GreyToRgb(image);

@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr size_t kMostFrames = 100;
+constexpr size_t kMaxFrames = 100;
 constexpr double kShareOfRound = 0.2;  // of each round, without a target
 
 class LeaveOneOutPruner : public Pruner {
@@ -28,7 +28,7 @@ class LeaveOneOutPruner : public Pruner {
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round;
-    for (const Contribution& c : ContributionsIn(context, kMostFrames))
+    for (const Contribution& c : ContributionsIn(context, kMaxFrames))
       round.score.push_back(c.change);
     round.remove = settings_.target == 0
                        ? ShareOf(kShareOfRound, n)
@@ -48,8 +48,7 @@ std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
                                               int iterations) {
   const int first = std::max(1, schedule.densify_until);
   if (first + 4 >= iterations)
-    throw Error("",
-                "--prune leave-one-out",
+    throw Error("--prune leave-one-out",
                 "densification until step " + std::to_string(schedule.densify_until) + " of " +
                     std::to_string(iterations) + " leaves none to prune in");
   return std::make_unique<LeaveOneOutPruner>(settings, first, iterations);

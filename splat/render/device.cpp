@@ -25,10 +25,10 @@ std::string WhyNoCuda() {
 Device DeviceFromString(const std::string& name, const std::string& field) {
   if (name == "cpu") return Device::kCpu;
   if (name != "auto" && name != "cuda")
-    throw Error("", field, "'" + name + "' is none of auto, cpu, cuda");
+    throw Error(field, "'" + name + "' is none of auto, cpu, cuda");
   const std::string reason = WhyNoCuda();
   if (reason.empty()) return Device::kCuda;
-  if (name == "cuda") throw Error("", field, "cuda: " + reason);
+  if (name == "cuda") throw Error(field, "cuda: " + reason);
   return Device::kCpu;
 }
 
@@ -37,11 +37,11 @@ std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
 #if defined(COSPLAT_HAS_CUDA)
   return cuda::MakeCudaRasterizer(cuda::SumOrder::kFixed);
 #else
-  throw Error("", "device", "cuda: " + WhyNoCuda());
+  throw Error("device", "cuda: " + WhyNoCuda());
 #endif
 }
 
-SceneDrawerMaker SceneDrawerOn(Device device) {
+SceneRendererMaker SceneRendererOn(Device device) {
 #if defined(COSPLAT_HAS_CUDA)
   if (device == Device::kCuda) return cuda::MakeDeviceScene;
 #else

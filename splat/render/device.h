@@ -5,7 +5,7 @@
 #include <string>
 
 #include "splat/render/rasterizer.h"
-#include "splat/render/scene_drawer.h"
+#include "splat/render/scene_renderer.h"
 
 namespace cosplat {
 
@@ -20,6 +20,6 @@ Device DeviceFromString(const std::string& name, const std::string& field = "--d
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
 // For many pictures of one scene; empty for the CPU, which draws by a Rasterizer.
-SceneDrawerMaker SceneDrawerOn(Device device);
+SceneRendererMaker SceneRendererOn(Device device);
 
 }  // namespace cosplat

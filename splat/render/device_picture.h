@@ -1,7 +1,7 @@
 // A picture that stays on the device that drew it.
 //
-// SceneDrawer, AvatarDrawer -> DevicePicture -> DeviceTexture (splat/render/device_texture.h) or,
-// where it is wanted on the host after all, Download.
+// SceneRenderer, AvatarRenderer -> DevicePicture -> DeviceTexture (splat/render/device_texture.h)
+// or, where it is wanted on the host after all, Download.
 #pragma once
 
 #include "splat/base/image.h"

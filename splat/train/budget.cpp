@@ -8,9 +8,9 @@ namespace cosplat {
 namespace {
 
 constexpr double kFirstShare = 0.25;  // of the Gaussians, tried first
-constexpr double kLeastShare = 0.02;
+constexpr double kMinShare = 0.02;
 constexpr double kFineEnough = 1.2;  // ratio between the fewest that held and the most that did not
-constexpr int kMostTrials = 5;       // beside the unpruned one
+constexpr int kMaxTrials = 5;        // beside the unpruned one
 
 // Trains to the end from the checkpoint.
 class Trials {
@@ -46,9 +46,9 @@ BudgetReport FindBudget(const BudgetSettings& settings,
                         Trainer& trainer,
                         const std::function<void(size_t, const StepReport&)>& progress) {
   const int first = trainer.FirstPruneStep();
-  if (first == 0) throw Error("", "--budget auto", "the rule of pruning has no round in this run");
+  if (first == 0) throw Error("--budget auto", "the rule of pruning has no round in this run");
   if (settings.held_out.empty())
-    throw Error("", "--budget auto", "there are too few training frames to hold some out");
+    throw Error("--budget auto", "there are too few training frames to hold some out");
   PruneSettings prune = trainer.settings().prune, none = prune;
   none.rule = PruneRule::kNone;
   none.target = 0;
@@ -63,7 +63,7 @@ BudgetReport FindBudget(const BudgetSettings& settings,
   const double all = double(trials.trials()[0].gaussians);
   double held = 1, failed = 0;
   double share = kFirstShare;
-  for (int k = 0; k < kMostTrials && share >= kLeastShare; ++k) {
+  for (int k = 0; k < kMaxTrials && share >= kMinShare; ++k) {
     prune.target = size_t(std::max(1.0, std::round(share * all)));
     trials.Run(before, prune);
     (trials.LastHeld() ? held : failed) = share;

@@ -127,7 +127,7 @@ std::array<float, 3> Placement::Center(const Gaussians& gaussians, size_t i) con
 
 void Population::Gather(const Reordering& order) const {
   for (const int64_t step : adam.updated)
-    if (step != adam.step) throw Error("", "density control", "Adam has not caught up");
+    if (step != adam.step) throw Error("density control", "Adam has not caught up");
   gaussians.Gather(order.source);
   placement.Gather(order.source);
   statistics.Gather(order);

@@ -9,7 +9,7 @@ namespace cosplat {
 
 void CheckLoss(double loss, int iteration) {
   if (!std::isfinite(loss))
-    throw Error("", "iteration " + std::to_string(iteration), "the loss is not finite");
+    throw Error("iteration " + std::to_string(iteration), "the loss is not finite");
 }
 
 std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,

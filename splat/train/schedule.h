@@ -8,8 +8,8 @@
 namespace cosplat {
 
 struct Schedule {
-  static constexpr int kLeastDensifyEvery = 200;  // in runs shorter than 3DGS's
-  static constexpr int kLeastResetEvery = 500;
+  static constexpr int kMinDensifyEvery = 200;  // in runs shorter than 3DGS's
+  static constexpr int kMinResetEvery = 500;
 
   int densify_from = 500;
   int densify_until = 15000;
@@ -31,7 +31,7 @@ struct Schedule {
 
   // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
   // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
-  // from (measured in docs/design.md).
+  // from (measured in docs/decisions.md).
   static Schedule Fractions(int iterations) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {
@@ -41,8 +41,8 @@ struct Schedule {
     s.densify_from = scaled(full.densify_from);
     s.densify_until = scaled(full.densify_until);
     s.densify_every = scaled(full.densify_every);
-    if (iterations < 30000) s.densify_every = std::max(kLeastDensifyEvery, s.densify_every);
-    s.opacity_reset_every = std::max(kLeastResetEvery, scaled(full.opacity_reset_every));
+    if (iterations < 30000) s.densify_every = std::max(kMinDensifyEvery, s.densify_every);
+    s.opacity_reset_every = std::max(kMinResetEvery, scaled(full.opacity_reset_every));
     s.degree_every = scaled(full.degree_every);
     s.size_prune_after = scaled(full.size_prune_after);
     s.position_rate_steps = iterations;
@@ -71,7 +71,7 @@ struct Schedule {
   }
   // The last rate of positions in a run that keeps proportions: 3DGS's hundredth of the first is
   // for 30,000 steps. The way that a Gaussian can still go is rate times steps, so the share grows
-  // as a run gets shorter (measured in docs/design.md).
+  // as a run gets shorter (measured in docs/decisions.md).
   static float LastPositionRate(float first, int iterations) {
     return first * std::clamp(300.0f / float(iterations), 0.01f, 1.0f);
   }

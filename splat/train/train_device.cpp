@@ -16,14 +16,14 @@ StepEngineMaker StepEngineOn(Device device, bool deterministic) {
   return cuda::MakeDeviceStepEngine(deterministic ? cuda::SumOrder::kFixed : cuda::SumOrder::kAny);
 #else
   (void)deterministic;
-  throw Error("", "device", "this program was built without CUDA");
+  throw Error("device", "this program was built without CUDA");
 #endif
 }
 
 std::string NameOf(Device device) {
 #if defined(COSPLAT_HAS_CUDA)
-  const auto card = device == Device::kCuda ? cuda::FindDevice() : std::nullopt;
-  if (card) return card->name;
+  const auto gpu = device == Device::kCuda ? cuda::FindDevice() : std::nullopt;
+  if (gpu) return gpu->name;
 #endif
   return device == Device::kCpu ? "CPU" : "CUDA";
 }

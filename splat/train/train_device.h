@@ -12,7 +12,7 @@ namespace cosplat {
 // same run has the same bits, which on the CPU it always has.
 StepEngineMaker StepEngineOn(Device device, bool deterministic);
 
-// For people: "CPU", or the card's name.
+// For people: "CPU", or the GPU's name.
 std::string NameOf(Device device);
 
 }  // namespace cosplat

@@ -20,8 +20,8 @@ enum class Background { kBlack, kWhite, kRandom };
 
 // Rates of 3DGS (Kerbl et al. 2023, released code) unless said otherwise.
 struct LearningRates {
-  float position_first = 1.6e-4f;  // times the subject's extent
-  float position_last = 1.6e-6f;
+  float position_lr_init = 1.6e-4f;  // times the subject's extent
+  float position_lr_final = 1.6e-6f;
   float color = 2.5e-3f;
   float rest = 0;  // of the coefficients of bands 1..; 0: color / 20 (3DGS)
   float opacity = 0.05f;

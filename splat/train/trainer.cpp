@@ -10,14 +10,13 @@
 namespace cosplat {
 namespace {
 
-constexpr int kLeastReducedSide = 100;  // px
+constexpr int kMinReducedSide = 100;  // px
 
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
   const Camera& camera = frame.camera;
   if (image.width == camera.width && image.height == camera.height) return;
-  throw Error("",
-              "training frame " + std::to_string(index),
+  throw Error("training frame " + std::to_string(index),
               "an image of " + SizeText(image.width, image.height) + " pixels for a camera of " +
                   SizeText(camera.width, camera.height));
 }
@@ -38,7 +37,7 @@ Trainer::Trainer(const TrainSettings& settings,
                  Gaussians first,
                  const StepEngineMaker& make_engine)
     : settings_(settings), subject_(subject) {
-  if (subject.frame_count() == 0) throw Error("", "training frames", "there is none");
+  if (subject.frame_count() == 0) throw Error("training frames", "there is none");
   least_side_ = LeastSide(subject);
   state_.gaussians = std::move(first);
   state_.adam = AdamState(state_.gaussians);
@@ -62,7 +61,7 @@ const TrainingState& Trainer::state() const {
 
 void Trainer::CheckSomeAreLeft(int iteration) const {
   if (count() == 0)
-    throw Error("", "iteration " + std::to_string(iteration), "every Gaussian was pruned");
+    throw Error("iteration " + std::to_string(iteration), "every Gaussian was pruned");
 }
 
 int Trainer::active_degree() const {
@@ -107,8 +106,9 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   const LearningRates& r = settings_.rates;
   AdamSettings adam;
   adam.eps = settings_.eps;
-  adam.rate[kPosition] = subject_.extent() * settings_.schedule.PositionRate(
-                                                 iteration, r.position_first, r.position_last);
+  adam.rate[kPosition] =
+      subject_.extent() *
+      settings_.schedule.PositionRate(iteration, r.position_lr_init, r.position_lr_final);
   adam.rate[kRotation] = r.rotation;
   adam.rate[kScaleLog] = r.scale;
   adam.rate[kOpacityLogit] = r.opacity;
@@ -125,7 +125,7 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
   frames_.clear();
   for (uint32_t f = 0; f < subject_.frame_count(); ++f)
     if (!std::binary_search(frames.begin(), frames.end(), f)) frames_.push_back(f);
-  if (frames_.empty()) throw Error("", "training frames", "none is left beside those held out");
+  if (frames_.empty()) throw Error("training frames", "none is left beside those held out");
   state_.frames_left.clear();
 }
 
@@ -213,7 +213,7 @@ void Trainer::ControlDensityAt(int iteration) {
 // what a loss with windows can judge.
 int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);
-  while (downscale > 1 && least_side_ < kLeastReducedSide * downscale) downscale /= 2;
+  while (downscale > 1 && least_side_ < kMinReducedSide * downscale) downscale /= 2;
   return downscale;
 }
 

@@ -23,7 +23,7 @@ TEST(FaceSearch, GivesTheNearestFirstAndEachFaceOnce) {
       const FaceAtDistance entry{double(face % 7), face};  // many at the same distance
       const bool known = std::any_of(
           expected.begin(), expected.end(), [&](const auto& e) { return e.face == face; });
-      const bool room = expected.size() < FaceSearch::kMostFaces;
+      const bool room = expected.size() < FaceSearch::kMaxFaces;
       ASSERT_EQ(search->See(face), !known && room);
       if (known || !room) continue;
       search->Push(entry);

@@ -122,7 +122,7 @@ TEST(AvatarSystem, OnlyTheReleaseDoesNotWalk) {
   for (const AvatarSystem system : kSystems) {
     TrainSettings settings = ShortRun(150, 1000);
     settings.degree = 0;
-    settings.rates.position_first = 1.6e-3f;
+    settings.rates.position_lr_init = 1.6e-3f;
     settings.schedule.densify_until = 0;  // nothing but walking moves a Gaussian
     Training<> run(LoadSmallVideo(4, 3), SettingsOf(system, 1000), settings);
     run.Run(149);  // the steps since the last walk are still there

@@ -196,10 +196,10 @@ Crowd DrawCrowd(const Files& files, size_t count, bool threads, const std::vecto
 }
 
 void Many(const Files& files) {
-  constexpr size_t kMost = 16;
+  constexpr size_t kMax = 16;
   constexpr int kLast = 41;
   std::vector<Pixels> alone;
-  for (size_t a = 0; a < kMost; ++a) alone.push_back(Show(files).Draw(FrameOf(a, kLast)));
+  for (size_t a = 0; a < kMax; ++a) alone.push_back(Show(files).Draw(FrameOf(a, kLast)));
   std::printf("avatars  ms per picture in turn  a thread each  pictures unlike those alone\n");
   for (const size_t count : {1, 2, 4, 8, 16}) {
     const Crowd turn = DrawCrowd(files, count, false, alone);

@@ -4,7 +4,7 @@
 
 #include "apps/viewer/gl_window.h"
 #include "apps/viewer/picture_texture.h"
-#include "avatar/play/cuda/device_drawer.h"
+#include "avatar/play/cuda/device_avatar_renderer.h"
 #include "splat/base/image_io.h"
 #include "tests/support/cuda_on_host/cuda_gl_interop.h"
 #include "tests/support/expect_error.h"
@@ -21,8 +21,8 @@ using viewer::Stage;
 
 constexpr float kSmall = 0.3f;  // of the window: emulated kernels are slow
 
-viewer::SplatDrawers OnDevice() {
-  return {cuda::MakeDeviceDrawers(), SceneDrawerOn(Device::kCuda)};
+viewer::SplatRenderers OnDevice() {
+  return {cuda::MakeDeviceRenderers(), SceneRendererOn(Device::kCuda)};
 }
 
 Shot ShotOf(const viewer::Content& content, int width, int height, bool transparent) {

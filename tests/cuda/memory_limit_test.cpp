@@ -51,7 +51,7 @@ TEST_F(MemoryLimit, TrainingGoesOnWithWhatFits) {
 
 // Eight times the instances of a frame do not fit, those that there are do: their number is waited
 // for, and the run has the bits of one with all the memory that it wants.
-TEST_F(MemoryLimit, WhatIsForetoldMayBeMoreThanFits) {
+TEST_F(MemoryLimit, ThePredictedCapacityMayBeMoreThanFits) {
   test::TrainingRun run;
   run.settings.schedule.densify_until = 0;
   const StepEngineMaker foresees_much =

@@ -2,7 +2,7 @@
 // that are done again because they had more instances than was expected.
 #include <gtest/gtest.h>
 
-#include "splat/train/cuda/photographs.h"
+#include "splat/train/cuda/target_images.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 
@@ -46,15 +46,15 @@ TEST_F(NoWait, PhotographsAreSentMeanwhile) {
   const TrainingRun run;
   SceneSubject subject(run.frames, 1);
   const cuda::Stream stream;
-  cuda::Photographs photographs(subject, 0);
-  photographs.Of(0, 1, stream.get());
-  photographs.Of(1, 1, stream.get());  // pinned memory for both
+  cuda::TargetImages images(subject, 0);
+  images.Of(0, 1, stream.get());
+  images.Of(1, 1, stream.get());  // pinned memory for both
   stream.Wait();
   const Waits before = cuda_on_host::WaitsSoFar();
-  photographs.Of(2, 1, stream.get());
-  photographs.Of(3, 1, stream.get());
+  images.Of(2, 1, stream.get());
+  images.Of(3, 1, stream.get());
   EXPECT_EQ(Since(before).all, 0u);
-  photographs.Of(0, 1, stream.get());
+  images.Of(0, 1, stream.get());
   EXPECT_EQ(Since(before).all, 1u) << "for the last but one, whose memory it takes";
   EXPECT_EQ(Since(before).idle, 0u);
 }

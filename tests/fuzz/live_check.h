@@ -17,7 +17,7 @@ class MemoryInput : public PacketInput {
  public:
   explicit MemoryInput(const std::string* packet) : packet_(packet) {}
   void Receive(NewestPackets& packets, LiveCounts& counts) override {
-    if (packet_->size() > kMostPacketBytes) {
+    if (packet_->size() > kMaxPacketBytes) {
       CountOversize("memory", packet_->size(), counts);
     } else {
       packets.Push(*packet_);
@@ -32,7 +32,7 @@ class MemoryInput : public PacketInput {
 
 // What is wrong with a frame, or "".
 inline std::string FrameProblem(const FlameParams& params) {
-  const auto bad = [](float x) { return !(std::abs(x) <= kLargestParameter); };
+  const auto bad = [](float x) { return !(std::abs(x) <= kMaxParameter); };
   for (const float x : params.expression)
     if (bad(x)) return "expression holds " + std::to_string(x);
   for (const auto& joint : params.pose)

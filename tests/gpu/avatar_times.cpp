@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "avatar/play/cuda/device_drawer.h"
+#include "avatar/play/cuda/device_avatar_renderer.h"
 #include "avatar/play/cuda/device_poser.h"
 #include "avatar/surface/binding.h"
 #include "avatar/surface/cuda/device_binding.h"
@@ -152,10 +152,11 @@ AvatarTimes TimeAvatar(bool tiny) {
   times.side = made.camera.width;
   RenderedImage on_cpu, on_device;
   MeasureCpu(made, tiny ? 1 : 20, times, on_cpu);
-  const auto drawer = cuda::MakeDeviceDrawers()(made.model, {made.flame.arrays, {}});
+  const auto renderer = cuda::MakeDeviceRenderers()(made.model, {made.flame.arrays, {}});
   uint64_t placement = 0;
   const auto draw = [&](int i) {
-    drawer->Draw(made.rigs[size_t(i) % kPoses], ++placement, made.camera, made.settings, on_device);
+    renderer->Draw(
+        made.rigs[size_t(i) % kPoses], ++placement, made.camera, made.settings, on_device);
   };
   times.frame_to_host_ms = MeanMs(count, draw, [] {});
   draw(0);

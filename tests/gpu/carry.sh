@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tests/gpu/carry.sh [--scene FOLDER] [--every-test N] [FOLDER]: gathers what the lean build needs
 # beside the sources, from this machine's packages (libhwy-dev, libeigen3-dev, libgtest-dev,
-# libnanoflann-dev), into build/gpu-carried: about 7 MB. Take it along to the machine with the card;
+# libnanoflann-dev), into build/gpu-carried: about 7 MB. Take it along to the machine with the GPU;
 # tests/gpu/run.sh finds it there.
 #   --scene FOLDER   a scene for `train-scene`, too, packed by build/cpu's cosplat_pack_scene
 #   --every-test N   of its test views every N-th: 2

@@ -108,7 +108,7 @@ void CompareFirstStep(const SyntheticView& view, CpuStep& cpu, Result& result) {
   device->gradients.FillWithZeros(device->stream());  // of groups that are left alone
   device->Draw();
   device->Compare();
-  device->GoBack();
+  device->Backward();
   Buffer<float> color(device->image.color.size());
   Gaussians gradients = view.start;
   device->image.color.Download(color.data(), device->stream());
@@ -258,8 +258,8 @@ void Print(const Result& r) {
 }
 
 // Far below what any right picture and gradient give, far above what a wrong one does.
-constexpr double kLeastPsnr = 50;
-bool IsRight(const Result& r) { return r.same_bits && r.psnr > kLeastPsnr && r.cosine > 0.999; }
+constexpr double kMinPsnr = 50;
+bool IsRight(const Result& r) { return r.same_bits && r.psnr > kMinPsnr && r.cosine > 0.999; }
 
 int Run(const Options& o) {
   const auto device = cuda::FindDevice();
@@ -278,7 +278,7 @@ int Run(const Options& o) {
       1e3 / avatar.cpu_frame_ms,
       avatar.psnr);
   std::vector<Result> results;
-  bool right = avatar.psnr > kLeastPsnr;
+  bool right = avatar.psnr > kMinPsnr;
   for (const Size& size : o.tiny ? kTinySizes : kSizes) {
     results.push_back(Measure(size, o));
     Print(results.back());

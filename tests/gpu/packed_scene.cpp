@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMagic = "CoSplat scene 1\n";
-constexpr int kLargestSide = 1 << 16;
+constexpr int kMaxSide = 1 << 16;
 
 struct Header {
   uint32_t train, test, points, white;
@@ -38,7 +38,7 @@ Plane PlaneOf(int channels, int p) {
   return kPlanes[p + (channels == 4 ? 0 : 1)];
 }
 
-uint8_t Foretold(const std::vector<uint8_t>& plane, size_t i, int x, int width, bool first_row) {
+uint8_t Predicted(const std::vector<uint8_t>& plane, size_t i, int x, int width, bool first_row) {
   const int a = x > 0 ? plane[i - 1] : 0;
   const int b = first_row ? 0 : plane[i - size_t(width)];
   const int c = x > 0 && !first_row ? plane[i - size_t(width) - 1] : 0;
@@ -56,7 +56,7 @@ void WritePicture(std::ostream& out, const Image8& image) {
     for (size_t i = 0; i < plane.size(); ++i)
       left[i] = uint8_t(
           plane[i] -
-          Foretold(plane, i, int(i % size_t(image.width)), image.width, i < size_t(image.width)));
+          Predicted(plane, i, int(i % size_t(image.width)), image.width, i < size_t(image.width)));
     out.write(reinterpret_cast<const char*>(left.data()), std::streamsize(left.size()));
   }
 }
@@ -97,7 +97,7 @@ Image8 ReadPicture(Input& in, const ViewHeader& view) {
     for (size_t i = 0; i < plane.size(); ++i)
       plane[i] = uint8_t(
           plane[i] +
-          Foretold(plane, i, int(i % size_t(view.width)), view.width, i < size_t(view.width)));
+          Predicted(plane, i, int(i % size_t(view.width)), view.width, i < size_t(view.width)));
     planes[PlaneOf(view.channels, p).channel] = std::move(plane);
   }
   for (int p = 0; p < view.channels; ++p) {
@@ -110,7 +110,7 @@ Image8 ReadPicture(Input& in, const ViewHeader& view) {
 }
 
 void Check(const Input& in, const ViewHeader& view, const std::string& field) {
-  const auto side = [](int32_t s) { return s >= 1 && s <= kLargestSide; };
+  const auto side = [](int32_t s) { return s >= 1 && s <= kMaxSide; };
   if (!side(view.width) || !side(view.height) || (view.channels != 3 && view.channels != 4))
     in.Refuse(field,
               "is of " + std::to_string(view.width) + "x" + std::to_string(view.height) + "x" +

@@ -1,4 +1,4 @@
-// A static scene in one file that is read without any library: what a bare machine with a card
+// A static scene in one file that is read without any library: what a bare machine with a GPU
 // trains on (cosplat_pack_scene writes it, `cosplat_bench_cuda scene` reads it).
 //
 // Made to become small when it is compressed: pictures are stored as what a prediction leaves. All

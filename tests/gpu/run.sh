@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that needs a card, in one command, for a machine that has one and little else (nvcc,
+# Everything that needs a GPU, in one command, for a machine that has one and little else (nvcc,
 # CMake, ninja, a C++ compiler): builds the lean configuration, runs the parity tests, which fail
 # where there is no device, compute-sanitizer's tools over small cases, the tests over and over, and
 # the benchmark, and whole trainings of the scene that tests/gpu/carry.sh --scene packed. Writes
@@ -17,7 +17,7 @@ tests/gpu/run.sh [--out DIR] [--build DIR] [--carried DIR] [--minutes N] [--prun
                  not there
   --minutes N    for all of it, at most: 8
   --prune-to N   Gaussians that the packed scene's second training leaves: 56700
-  --dry-run      checks what can be checked without a card and says what would be run
+  --dry-run      checks what can be checked without a GPU and says what would be run
 Not covered, since it needs a display: pictures that go straight into a window (cosplat play --device cuda).
 TEXT
 }
@@ -80,7 +80,7 @@ step() {
   [[ $result == passed || $result == planned ]]
 }
 
-# The card's architecture; without a card nvcc's usual one.
+# The GPU's architecture; without a GPU nvcc's usual one.
 architecture() {
   local capability
   capability=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | head -n 1)
@@ -148,7 +148,7 @@ fi
 configure=(cmake --preset gpu-tests -S "$root" -B "$build" "-DCOSPLAT_CARRIED=$carried"
   "-DCMAKE_CUDA_ARCHITECTURES=$(architecture)")
 if $dry; then
-  # Configuring needs no card, and finds what is missing.
+  # Configuring needs no GPU, and finds what is missing.
   (cd "$root" && "${configure[@]}") >/dev/null || exit 1
 fi
 cd "$root" || exit 1

@@ -18,14 +18,14 @@ double Median(std::vector<double> values) {
 // Counted from what the kernels read and write once; gathers of 4 bytes as 4.
 std::array<double, kStageNames.size()> BytesOf(DeviceStep& step, bool records) {
   const double n = double(step.gaussians.size()), i = double(step.counts.instances);
-  const double visible = double(step.counts.visible), room = double(step.tape.lists.room());
+  const double visible = double(step.counts.visible), capacity = double(step.tape.lists.capacity());
   const double pixels = double(step.image.width) * step.image.height;
   double numbers = 0;  // of a Gaussian
   for (int a = 0; a < kAttributeCount; ++a) numbers += step.gaussians.width(a);
   constexpr double kSplat = sizeof(ProjectedSplat), kGradient = sizeof(SplatGradient);
   constexpr double kPair = 16;  // key and value, read and written, per pass over 8 bits
   const double tile_passes = std::ceil(std::bit_width(step.tape.lists.tiles()) / 8.0);
-  const double lists = i * 12 + room * (kPair * tile_passes + 12);
+  const double lists = i * 12 + capacity * (kPair * tile_passes + 12);
   const double checkpoints = 128 * i;
   return {n * (4 * numbers + kSplat + 4),
           n * (8 + 4 + 4 * kPair) + visible * 2 * kSplat + lists,
@@ -49,13 +49,13 @@ StepTimes TimeSteps(DeviceStep& step, int steps) {
     before_loss.Record(step.stream());
     step.Compare();
     after_loss.Record(step.stream());
-    step.GoBack();
+    step.Backward();
     before_adam.Record(step.stream());
     step.Update();
     after_adam.Record(step.stream());
     end.Record(step.stream());
-    const bool had_room = step.Settle();
-    if (s < steps || !had_room) continue;
+    const bool sufficed = step.Settle();
+    if (s < steps || !sufficed) continue;
     const Renderer& r = step.renderer;
     ms[0].push_back(r.MillisecondsBetween(Renderer::kStart, Renderer::kProjected));
     ms[1].push_back(r.MillisecondsBetween(Renderer::kProjected, Renderer::kSorted));

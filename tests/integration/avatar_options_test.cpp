@@ -48,8 +48,8 @@ TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
     EXPECT_FLOAT_EQ(s.loss.l1, 0.8f);
     EXPECT_FLOAT_EQ(s.loss.dssim, 0.2f);
     EXPECT_EQ(s.loss.mse, 0);
-    EXPECT_FLOAT_EQ(s.rates.position_first, 6.4e-4f);
-    EXPECT_FLOAT_EQ(s.rates.position_last, 3.2e-5f);
+    EXPECT_FLOAT_EQ(s.rates.position_lr_init, 6.4e-4f);
+    EXPECT_FLOAT_EQ(s.rates.position_lr_final, 3.2e-5f);
     EXPECT_EQ(s.schedule.densify_from, 100);
     EXPECT_EQ(s.schedule.densify_until, 3000);
     EXPECT_EQ(s.prune.group_cap, 64);
@@ -70,8 +70,8 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.scale_regularizer.weight, 4);  // 1, of lengths in units of a quarter metre
   EXPECT_FLOAT_EQ(s.scale_regularizer.limit, 0.002f);
   EXPECT_EQ(s.scale_regularizer.ratio, 10);
-  EXPECT_FLOAT_EQ(s.rates.position_first, 1.6e-4f);
-  EXPECT_FLOAT_EQ(s.rates.position_last, 1.6e-6f);
+  EXPECT_FLOAT_EQ(s.rates.position_lr_init, 1.6e-4f);
+  EXPECT_FLOAT_EQ(s.rates.position_lr_final, 1.6e-6f);
   EXPECT_FLOAT_EQ(s.rates.color, 2.5e-3f);
   EXPECT_FLOAT_EQ(s.rates.opacity, 0.05f);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
@@ -107,7 +107,7 @@ TEST(AvatarPreset, TheScheduleIsInProportionToTheRunAndTheRatesAreNot) {
   EXPECT_EQ(s.schedule.densify_from, 120);
   EXPECT_EQ(s.schedule.densify_until, 5800);
   EXPECT_EQ(s.schedule.position_rate_steps, 6000);
-  EXPECT_FLOAT_EQ(s.rates.position_first, 1.6e-4f);
+  EXPECT_FLOAT_EQ(s.rates.position_lr_init, 1.6e-4f);
 }
 
 TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
@@ -149,8 +149,8 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
     EXPECT_EQ(s.degree, 3);
     EXPECT_EQ(s.first_degree, 3);  // all from the first step
     EXPECT_EQ(s.prune.group_cap, 64);
-    EXPECT_FLOAT_EQ(s.rates.position_first, 0.001f);
-    EXPECT_FLOAT_EQ(s.rates.position_last, 1.6e-6f);
+    EXPECT_FLOAT_EQ(s.rates.position_lr_init, 0.001f);
+    EXPECT_FLOAT_EQ(s.rates.position_lr_final, 1.6e-6f);
     EXPECT_FLOAT_EQ(s.loss.l1, 0.8f);
     EXPECT_FLOAT_EQ(s.loss.dssim, 0.2f);
     EXPECT_EQ(s.loss.mse, 10);

@@ -24,8 +24,8 @@ class MaskParity : public test::DeviceTest {
     test::PicturesOf pictures(subject, gaussians);
     const std::vector<uint32_t> frames{0};
     pruner->Rank({195, pictures, frames, gaussians, {}, 0, {0, 0, 0}, rng});  // LP begins
-    halted.Refill(1);
-    halted.FillWithZeros(stream().get());
+    overflowed.Refill(1);
+    overflowed.FillWithZeros(stream().get());
     device_gaussians.Upload(gaussians, stream().get());
     learner.Upload(pruner->Mask(), stream().get());
     stream().Wait();
@@ -56,7 +56,7 @@ class MaskParity : public test::DeviceTest {
     EXPECT_EQ(before.After(learner.DrawsOf(kCount)).state, rng.state);
     learner.AfterBackward(device_gaussians,
                           std::as_const(device_radii).view(),
-                          halted.data(),
+                          overflowed.data(),
                           device_gradients,
                           stream().get());
     const double value = pruner->AfterBackward(gaussians, gradients, radii);
@@ -102,7 +102,7 @@ class MaskParity : public test::DeviceTest {
   std::optional<cuda::Stream> stream_;  // none where there is no device
   cuda::DeviceGaussians device_gaussians, device_gradients;
   cuda::DeviceBuffer<float> device_radii;
-  cuda::DeviceBuffer<uint32_t> halted;
+  cuda::DeviceBuffer<uint32_t> overflowed;
   cuda::MaskLearner learner;
 };
 
@@ -138,11 +138,11 @@ TEST_F(MaskParity, ItFollowsTheGaussians) {
   }
 }
 
-TEST_F(MaskParity, NothingIsLearnedWhileHalted) {
+TEST_F(MaskParity, NothingIsLearnedAfterAnOverflow) {
   Begin(PruneRule::kCompact);
   for (int step = 0; step < 3; ++step) Step(step);
   const uint32_t stop = 1;
-  halted.Upload(&stop, 1, stream().get());
+  overflowed.Upload(&stop, 1, stream().get());
   const LearnedMask before = *pruner->Mask().learned;
   Step(3);
   learner.TakeBack(1);

@@ -26,17 +26,17 @@ RenderedImage OnCpu(const test::ParityCase& c) {
 }
 
 TEST_F(PictureParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
-  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
   for (const int width : {45, 20, 45}) {
     picture.camera.width = width;
     const RenderedImage expected = OnCpu(picture);
     RenderedImage image;
-    drawer->Draw(picture.camera, picture.settings, image);
+    renderer->Draw(picture.camera, picture.settings, image);
     EXPECT_EQ(image.width, width);
     test::ExpectSamePicture(expected.color, image.color, {}, "colour");
     test::ExpectSamePicture(expected.transmittance, image.transmittance, {}, "transmittance");
   }
-  EXPECT_GT(drawer->times.seconds[size_t(Phase::kBlend)], 0);
+  EXPECT_GT(renderer->times.seconds[size_t(Phase::kBlend)], 0);
 }
 
 TEST_F(PictureParity, EverySceneCanBeKept) {
@@ -46,25 +46,25 @@ TEST_F(PictureParity, EverySceneCanBeKept) {
   cuda::MakeDeviceScene(none)->Draw(picture.camera, {{0.5f, 0, 0}, 0}, image);
   EXPECT_EQ(image.color[0], 0.5f);
   EXPECT_EQ(image.transmittance[0], 1);
-  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
   picture.camera.width = 0;
-  test::ExpectError([&] { drawer->Draw(picture.camera, {}, image); }, {"camera"});
+  test::ExpectError([&] { renderer->Draw(picture.camera, {}, image); }, {"camera"});
 }
 
 TEST_F(PictureParity, PicturesThatStayHaveTheHostsBytes) {
-  const auto drawer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
   RenderedImage image;
   std::unique_ptr<DevicePicture> stays;
   picture.settings.background = {0.2f, 1.5f, -1};  // clamped
-  drawer->Draw(picture.camera, picture.settings, image);
-  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kOpaque, stays);
+  renderer->Draw(picture.camera, picture.settings, image);
+  renderer->DrawToStay(picture.camera, picture.settings, AlphaMode::kOpaque, stays);
   test::ExpectBytesOf<AlphaMode::kOpaque>(image, *stays);
   picture.settings.background = {0, 0, 0};
   picture.camera.width = 31;
-  drawer->Draw(picture.camera, picture.settings, image);
-  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kStraight, stays);
+  renderer->Draw(picture.camera, picture.settings, image);
+  renderer->DrawToStay(picture.camera, picture.settings, AlphaMode::kStraight, stays);
   test::ExpectBytesOf<AlphaMode::kStraight>(image, *stays);
-  drawer->DrawToStay(picture.camera, picture.settings, AlphaMode::kPremultiplied, stays);
+  renderer->DrawToStay(picture.camera, picture.settings, AlphaMode::kPremultiplied, stays);
   test::ExpectBytesOf<AlphaMode::kPremultiplied>(image, *stays);
 }
 

@@ -6,7 +6,7 @@ set(COSPLAT_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/parity_case.cpp
   ${CMAKE_CURRENT_LIST_DIR}/picture_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/rasterizer_parity_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/room_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/capacity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sort_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/step_parity_test.cpp)
 # Of the whole training loop.

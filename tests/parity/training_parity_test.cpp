@@ -20,7 +20,7 @@ class TrainingParity : public test::DeviceTest {};
 
 // Roundings grow as a run goes on, and a Gaussian that is cloned in one and not in the other makes
 // them large at once. Measured on the emulation, three seeds, either order of sums: losses within
-// 4e-7 over the first 20 steps and 0.7 % to the end, the same counts, ends within 0.02 dB. A card's
+// 4e-7 over the first 20 steps and 0.7 % to the end, the same counts, ends within 0.02 dB. A GPU's
 // own exponential may bring such a moment about sooner, hence the room.
 TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   const TrainingRun run;
@@ -83,7 +83,7 @@ TEST_F(TrainingParity, TheRegulariserOfScales) {
 // Pictures that grow, and copies that share their opacity, with steps done again on the way.
 TEST_F(TrainingParity, GrowingPicturesAndSharedOpacity) {
   TrainingRun run;
-  run.frames = test::Photographs(test::TrueScene(1, 20), test::Ring(3, 2.2f, 200), true);
+  run.frames = test::TargetImages(test::TrueScene(1, 20), test::Ring(3, 2.2f, 200), true);
   run.settings.density.shares_opacity = true;
   run.settings.density.split_scale = 10;  // all are cloned
   run.settings.schedule.num_downscales = 1;
@@ -173,17 +173,17 @@ TEST_F(TrainingParity, ARuleThatIsTheProcessorsAloneIsRefused) {
                     {"--prune dcsharp-released", "--device cpu"});
 }
 
-// Photographs that there is no room for are sent with each step.
+// Target images that there is no memory for are sent with each step.
 TEST_F(TrainingParity, PhotographsBeyondTheLimitAreSentAgain) {
   const TrainingRun run;
   SceneSubject subject(run.frames, 1);
   const cuda::Stream stream;
   const size_t one = run.frames[0].target.data.size();
-  cuda::Photographs all(subject, 100 * one), two(subject, 5 * one / 2);
+  cuda::TargetImages all(subject, 100 * one), two(subject, 5 * one / 2);
   for (const size_t f : {0u, 1u, 2u, 3u, 2u, 0u}) {
     std::vector<uint8_t> bytes(one);
-    for (cuda::Photographs* photographs : {&all, &two}) {
-      photographs->Of(f, 1, stream.get()).bytes.Download(bytes.data(), stream.get());
+    for (cuda::TargetImages* images : {&all, &two}) {
+      images->Of(f, 1, stream.get()).bytes.Download(bytes.data(), stream.get());
       stream.Wait();
       EXPECT_EQ(bytes, run.frames[f].target.data);
     }

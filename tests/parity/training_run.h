@@ -19,7 +19,7 @@ struct TrainingRun {
   std::vector<TrainFrame> frames = Frames(true);
 
   static std::vector<TrainFrame> Frames(bool with_alpha) {
-    return Photographs(TrueScene(1, 20), Ring(4, 2.2f, 24), with_alpha);
+    return TargetImages(TrueScene(1, 20), Ring(4, 2.2f, 24), with_alpha);
   }
 
   TrainingRun() {

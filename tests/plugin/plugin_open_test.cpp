@@ -140,7 +140,7 @@ TEST(PluginOpen, RefusesWrongArguments) {
     EXPECT_EQ(Open(Path(), &options), COSPLAT_OK);
   }
   options.device = COSPLAT_DEVICE_CUDA;
-  setenv("CUDA_VISIBLE_DEVICES", "-1", 1);  // no card, whatever the machine has
+  setenv("CUDA_VISIBLE_DEVICES", "-1", 1);  // no GPU, whatever the machine has
   EXPECT_EQ(Open(Path(), &options), COSPLAT_ERROR_DEVICE);
   EXPECT_TRUE(Contains(cosplat_last_error(nullptr), "device: cuda"));
   options.device = 3;

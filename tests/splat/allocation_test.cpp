@@ -58,7 +58,7 @@ TEST(Allocation, NoneInASteadyStep) {
   // One thread: which of several makes its scratch when is for the scheduler to say.
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
   constexpr size_t kFrames = 5;
-  SceneSubject subject(Photographs(TrueScene(2), Ring(kFrames, 2.2f), true), 1);
+  SceneSubject subject(TargetImages(TrueScene(2), Ring(kFrames, 2.2f), true), 1);
   TrainSettings settings = ShortRun(1000, 2);
   settings.background = Background::kRandom;
   settings.scale_regularizer.weight = 0.1f;
@@ -79,7 +79,7 @@ TEST(Allocation, NoneInASteadyStep) {
 // (scratch of threads, a list of frames) is less than 5 %: measured, 0.1 %.
 TEST(Allocation, TheTrainerHoldsWhatItSays) {
   constexpr size_t kFirst = 20000;
-  SceneSubject subject(Photographs(TrueScene(3), Ring(5, 2.2f)), 1);
+  SceneSubject subject(TargetImages(TrueScene(3), Ring(5, 2.2f)), 1);
   TrainSettings settings = ShortRun(100, 3);
   settings.density.max_count = 30000;
   settings.density.gradient_threshold = 1e-7f;  // asks for more than that

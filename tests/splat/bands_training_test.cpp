@@ -23,7 +23,7 @@ struct SmallRun {
     }
     Gaussians truth = test::TrueScene(2);
     for (float& c : truth.values[kColorRest]) c *= shine;
-    frames = test::Photographs(truth, cameras);
+    frames = test::TargetImages(truth, cameras);
     settings.drop_bands = threshold;
     settings.schedule.degree_every = 20;
   }

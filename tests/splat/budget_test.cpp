@@ -23,7 +23,7 @@ TrainSettings Settings() {
   return s;
 }
 
-std::vector<TrainFrame> Frames() { return Photographs(TrueScene(1), Ring(10, 2.2f)); }
+std::vector<TrainFrame> Frames() { return TargetImages(TrueScene(1), Ring(10, 2.2f)); }
 
 const auto kSilent = [](size_t, const StepReport&) {};
 
@@ -142,7 +142,7 @@ TEST(Trainer, FramesHeldOutAreNotTrainedOn) {
 
 TEST(Trainer, PsnrIsThatOfPictures) {
   const Gaussians truth = TrueScene(0);
-  const std::vector<TrainFrame> frames = Photographs(truth, Ring(3, 2.2f));
+  const std::vector<TrainFrame> frames = TargetImages(truth, Ring(3, 2.2f));
   SceneSubject subject(frames, 1);
   Trainer trainer(ShortRun(kSteps, 0), subject, truth);
   // Bytes round: a quantisation noise of 1/sqrt(12) of a grey level is 58.9 dB.

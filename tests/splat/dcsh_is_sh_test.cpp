@@ -66,7 +66,7 @@ TrainSettings FullDegreeRun() {
   return settings;
 }
 
-std::vector<TrainFrame> Frames() { return Photographs(TrueScene(3), Ring(6, 2.2f)); }
+std::vector<TrainFrame> Frames() { return TargetImages(TrueScene(3), Ring(6, 2.2f)); }
 
 Gaussians First(Basis basis) {
   Gaussians g = FirstGaussians(250, 3, Basis::kDcsh);

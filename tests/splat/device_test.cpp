@@ -11,7 +11,7 @@ namespace cosplat {
 namespace {
 
 TEST(Device, IsChosenByName) {
-  setenv("CUDA_VISIBLE_DEVICES", "-1", 1);  // no card, whatever the machine has
+  setenv("CUDA_VISIBLE_DEVICES", "-1", 1);  // no GPU, whatever the machine has
   EXPECT_EQ(DeviceFromString("cpu"), Device::kCpu);
   EXPECT_EQ(DeviceFromString("auto"), Device::kCpu);
   test::ExpectError([] { DeviceFromString("cuda"); }, {"--device", "cuda"});

@@ -323,7 +323,7 @@ TEST(FailureModes, EveryPlaceOfTheListsIsWritten) {
 }
 
 TEST(FailureModes, TrainingMakesFewNeedles) {
-  SceneSubject subject(Photographs(TrueScene(1), Ring(6, 2.2f)), 1);
+  SceneSubject subject(TargetImages(TrueScene(1), Ring(6, 2.2f)), 1);
   const Gaussians g = Train(ShortRun(400, 1), subject, FirstGaussians(250, 1), 400).gaussians;
   std::vector<float> ratios;
   for (size_t i = 0; i < g.size(); ++i) {

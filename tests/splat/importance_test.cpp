@@ -144,7 +144,7 @@ TEST(Contributions, BitsDoNotDependOnThreads) {
 
 TEST(Importance, SumsOverFramesAndSparesTheRest) {
   const Gaussians truth = test::TrueScene(0);
-  SceneSubject subject(test::Photographs(truth, test::Ring(6, 2.2f)), 1);
+  SceneSubject subject(test::TargetImages(truth, test::Ring(6, 2.2f)), 1);
   const std::vector<uint32_t> frames{0, 1, 2, 3, 4, 5};
   const auto all = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 100});
   const auto three = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 3});

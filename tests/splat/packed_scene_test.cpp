@@ -26,7 +26,7 @@ using test::TemporaryFolder;
 // Blender's layout: three training views and a test view, 24 pixels a side.
 void WriteScene(const TemporaryFolder& folder) {
   const std::vector<TrainFrame> frames =
-      test::Photographs(test::TrueScene(1, 20), test::Ring(4, 2.2f, 24), true);
+      test::TargetImages(test::TrueScene(1, 20), test::Ring(4, 2.2f, 24), true);
   for (const std::string split : {"train", "test"}) {
     MakeDirectories(folder / split);
     Json json{{"camera_angle_x", 2 * std::atan(12 / frames[0].camera.fx)},

@@ -190,7 +190,7 @@ TrainSettings RunSettings(const PruneSettings& prune) {
   return s;
 }
 Outcome TrainUnder(const PruneSettings& prune) {
-  const std::vector<TrainFrame> frames = Photographs(TrueScene(1), Ring(6, 2.2f));
+  const std::vector<TrainFrame> frames = TargetImages(TrueScene(1), Ring(6, 2.2f));
   SceneSubject subject(frames, 1);
   const TrainingState state = Train(RunSettings(prune), subject, FirstGaussians(300, 1), 300);
   return {state.gaussians.size(), MeanPsnr(state.gaussians, frames)};
@@ -233,7 +233,7 @@ TEST(Pruner, LeavingOutByErrorBeatsChance) {
 TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
   for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
     const Gaussians g = TrueScene(0);
-    SceneSubject subject(Photographs(g, Ring(2, 2.2f)), 1);
+    SceneSubject subject(TargetImages(g, Ring(2, 2.2f)), 1);
     const auto pruner = MakePruner(Rule(rule), Every20(), 300, g.size());
     Rng rng{1};
     const std::vector<uint32_t> frames{0, 1};
@@ -272,7 +272,7 @@ TEST(Compact, WhatIsHiddenIsNotDrawn) {
 // The soft mask changes the picture; the opacities' gradient goes through it.
 TEST(Lp, GradientsGoThroughTheMask) {
   const Gaussians truth = TrueScene(0);
-  SceneSubject subject(Photographs(truth, Ring(1, 2.2f)), 1);
+  SceneSubject subject(TargetImages(truth, Ring(1, 2.2f)), 1);
   Gaussians g = truth;
   Rng colors{3};
   for (float& c : g.values[kColorDc]) c += 0.3f * colors.Normal();
@@ -321,7 +321,7 @@ TEST(Lp, GradientsGoThroughTheMask) {
 
 TEST(Pruner, SameSeedSameBits) {
   for (const PruneRule rule : {PruneRule::kLeaveOneOut, PruneRule::kLp, PruneRule::kCompact}) {
-    SceneSubject subject(Photographs(TrueScene(1), Ring(6, 2.2f)), 1);
+    SceneSubject subject(TargetImages(TrueScene(1), Ring(6, 2.2f)), 1);
     PruneSettings prune = Rule(rule);
     const TrainingState a = Train(RunSettings(prune), subject, FirstGaussians(300, 1), 220);
     const TrainingState b = Train(RunSettings(prune), subject, FirstGaussians(300, 1), 220);

@@ -28,8 +28,8 @@ TEST(Schedule, IsATenthOfItAtThreeThousand) {
   const Schedule s = Schedule::Fractions(3000);
   EXPECT_EQ(s.densify_from, 50);
   EXPECT_EQ(s.densify_until, 1500);
-  EXPECT_EQ(s.densify_every, Schedule::kLeastDensifyEvery);      // a tenth would be 10
-  EXPECT_EQ(s.opacity_reset_every, Schedule::kLeastResetEvery);  // and 300
+  EXPECT_EQ(s.densify_every, Schedule::kMinDensifyEvery);      // a tenth would be 10
+  EXPECT_EQ(s.opacity_reset_every, Schedule::kMinResetEvery);  // and 300
   EXPECT_EQ(s.degree_every, 100);
   EXPECT_EQ(s.size_prune_after, 300);
   EXPECT_EQ(s.position_rate_steps, 3000);

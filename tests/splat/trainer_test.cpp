@@ -18,7 +18,7 @@ namespace {
 using namespace test;
 
 TEST(Trainer, OverfitsASceneFromRandomPoints) {
-  const auto frames = Photographs(TrueScene(1), Ring(6, 2.2f));
+  const auto frames = TargetImages(TrueScene(1), Ring(6, 2.2f));
   for (const Basis basis : {Basis::kDcsh, Basis::kSh}) {
     SceneSubject subject(frames, 1);
     const Gaussians first = FirstGaussians(200, 1, basis);
@@ -36,7 +36,7 @@ TEST(Trainer, LargerImagesEndNoWorse) {
   double psnr[2], count[2];
   const int sides[2] = {48, 384};
   for (int i = 0; i < 2; ++i) {
-    const auto frames = Photographs(TrueScene(1), Ring(6, 2.2f, sides[i]));
+    const auto frames = TargetImages(TrueScene(1), Ring(6, 2.2f, sides[i]));
     SceneSubject subject(frames, 1);
     TrainSettings settings = ShortRun(600, 1);
     settings.density.max_count = 5000;
@@ -51,7 +51,7 @@ TEST(Trainer, LargerImagesEndNoWorse) {
 // The same bits as a run on the smaller pictures, until they grow; and no smaller than a loss with
 // windows can judge.
 TEST(Trainer, TheFirstPicturesAreSmaller) {
-  const auto frames = Photographs(TrueScene(1), Ring(3, 2.2f, 208));
+  const auto frames = TargetImages(TrueScene(1), Ring(3, 2.2f, 208));
   std::vector<TrainFrame> halves;
   for (const TrainFrame& frame : frames) halves.push_back(Reduced(frame, 2));
   TrainSettings settings = ShortRun(300, 1);
@@ -67,8 +67,8 @@ TEST(Trainer, TheFirstPicturesAreSmaller) {
 
 // A picture that must not be reduced keeps the others from it: an engine keeps those of one size.
 TEST(Trainer, PicturesOfSeveralSizesAreReducedAlike) {
-  auto frames = Photographs(TrueScene(1), Ring(3, 2.2f, 208));
-  frames[1] = Photographs(TrueScene(1), Ring(3, 2.2f, 150))[1];
+  auto frames = TargetImages(TrueScene(1), Ring(3, 2.2f, 208));
+  frames[1] = TargetImages(TrueScene(1), Ring(3, 2.2f, 150))[1];
   SceneSubject subject(frames, 1);
   TrainSettings settings = ShortRun(300, 1);
   const TrainingState full = Train(settings, subject, FirstGaussians(100, 1), 6);
@@ -85,7 +85,7 @@ Gaussians Perturbed(Gaussians g) {
 
 TEST(Trainer, RecoversAPerturbedScene) {
   const Gaussians truth = TrueScene(2);
-  const auto frames = Photographs(truth, Ring(6, 2.2f));
+  const auto frames = TargetImages(truth, Ring(6, 2.2f));
   const Gaussians first = Perturbed(truth);
   TrainSettings settings = ShortRun(300, 2);
   settings.first_degree = 2;
@@ -110,7 +110,7 @@ TrainSettings BusyRun() {
 }
 
 TrainingState RunBusily(const TrainSettings& settings) {
-  SceneSubject subject(Photographs(TrueScene(2), Ring(6, 2.2f), true), 1);
+  SceneSubject subject(TargetImages(TrueScene(2), Ring(6, 2.2f), true), 1);
   return Train(settings, subject, FirstGaussians(300, 2), 150);
 }
 
@@ -138,7 +138,7 @@ struct SceneSeenInParts {
   SceneSeenInParts() {
     Gaussians truth = TrueScene(1, 1000);
     for (float& s : truth.values[kScaleLog]) s -= std::log(4.0f);
-    frames = Photographs(truth, Ring(12, 0.3f));
+    frames = TargetImages(truth, Ring(12, 0.3f));
     first = Perturbed(truth);
     std::vector<std::array<float, 3>> centers;
     for (size_t i = 0; i < first.size(); ++i) {
@@ -191,7 +191,7 @@ TEST(Trainer, EveryFrameOncePerPass) {
     }
     std::vector<size_t> order;
   };
-  Counter subject(Photographs(TrueScene(0, 3), Ring(5, 2.2f, 16)), 1);
+  Counter subject(TargetImages(TrueScene(0, 3), Ring(5, 2.2f, 16)), 1);
   Train(ShortRun(100, 0), subject, TrueScene(0, 3), 20);
   std::vector<std::vector<size_t>> passes;
   for (int pass = 0; pass < 4; ++pass) {
@@ -204,7 +204,7 @@ TEST(Trainer, EveryFrameOncePerPass) {
 }
 
 TEST(Trainer, TheDegreeIsRaisedAndHigherBandsWait) {
-  SceneSubject subject(Photographs(TrueScene(2), Ring(3, 2.2f, 24)), 1);
+  SceneSubject subject(TargetImages(TrueScene(2), Ring(3, 2.2f, 24)), 1);
   TrainSettings settings = ShortRun(3000, 2);
   settings.schedule.degree_every = 4;
   Trainer trainer(settings, subject, FirstGaussians(50, 2));
@@ -227,7 +227,7 @@ TEST(Trainer, TheDegreeIsRaisedAndHigherBandsWait) {
 }
 
 TEST(Trainer, TheHardCapHoldsInEveryStep) {
-  SceneSubject subject(Photographs(TrueScene(1), Ring(6, 2.2f)), 1);
+  SceneSubject subject(TargetImages(TrueScene(1), Ring(6, 2.2f)), 1);
   TrainSettings settings = BusyRun();
   settings.background = Background::kBlack;
   settings.density.gradient_threshold = 0;
@@ -241,7 +241,7 @@ TEST(Trainer, TheHardCapHoldsInEveryStep) {
 
 TEST(Trainer, ARandomBackgroundKeepsTheOutsideTransparent) {
   const std::vector<Camera> cameras = Ring(6, 2.2f);
-  const auto frames = Photographs(TrueScene(0), cameras, true);
+  const auto frames = TargetImages(TrueScene(0), cameras, true);
   const auto alpha_outside = [&](Background background) {
     TrainSettings settings = ShortRun(300, 0);
     settings.background = background;
@@ -306,7 +306,7 @@ TEST(Trainer, TheRegulariserPullsNeedlesAlone) {
       g.at(kScaleLog, i)[k] = std::log(scale[i][k]);
       g.at(kPosition, i)[k] = 50;  // out of sight: no gradient from the image
     }
-  SceneSubject subject(Photographs(TrueScene(0, 3), Ring(2, 2.2f, 16)), 1);
+  SceneSubject subject(TargetImages(TrueScene(0, 3), Ring(2, 2.2f, 16)), 1);
   TrainSettings settings = ShortRun(100, 0);
   settings.scale_regularizer.weight = 0.3f;
   Trainer with(settings, subject, g);
@@ -327,7 +327,7 @@ TEST(Trainer, BadInputIsAnErrorThatNamesIt) {
   SceneSubject none({}, 1);
   ExpectError([&] { Trainer(ShortRun(10, 0), none, TrueScene(0, 1)); }, {"training frames"});
 
-  auto frames = Photographs(TrueScene(0, 2), Ring(1, 2.2f, 16));
+  auto frames = TargetImages(TrueScene(0, 2), Ring(1, 2.2f, 16));
   TrainSettings settings = ShortRun(10, 0);
   settings.loss.l1 = NAN;
   SceneSubject subject(frames, 1);
@@ -346,7 +346,7 @@ TEST(Trainer, BadInputIsAnErrorThatNamesIt) {
 }
 
 TEST(Trainer, PruningEverythingIsAnError) {
-  SceneSubject subject(Photographs(TrueScene(0, 2), Ring(1, 2.2f, 16)), 1);
+  SceneSubject subject(TargetImages(TrueScene(0, 2), Ring(1, 2.2f, 16)), 1);
   Gaussians g = TrueScene(0, 2);
   for (float& logit : g.values[kOpacityLogit]) logit = -9;
   TrainSettings settings = ShortRun(3, 0);
@@ -363,7 +363,7 @@ TEST(Trainer, PruningEverythingIsAnError) {
 }
 
 TEST(Trainer, ABrokenGaussianIsRemovedAndTheRestTrains) {
-  const auto frames = Photographs(TrueScene(1), Ring(6, 2.2f));
+  const auto frames = TargetImages(TrueScene(1), Ring(6, 2.2f));
   Gaussians first = FirstGaussians(200, 1);
   first.at(kPosition, 7)[1] = NAN;
   first.at(kColorRest, 9)[3] = INFINITY;
@@ -376,7 +376,7 @@ TEST(Trainer, ABrokenGaussianIsRemovedAndTheRestTrains) {
 }
 
 TEST(Trainer, StatisticsCountTheRun) {
-  SceneSubject subject(Photographs(TrueScene(0, 4), Ring(2, 2.2f, 16)), 1);
+  SceneSubject subject(TargetImages(TrueScene(0, 4), Ring(2, 2.2f, 16)), 1);
   Trainer trainer(ShortRun(3000, 0), subject, TrueScene(0, 4));
   EXPECT_EQ(trainer.statistics().iterations, 0);
   EXPECT_EQ(trainer.statistics().ms_per_step, 0);

@@ -45,9 +45,9 @@ inline RenderedImage Render(const Gaussians& g,
 }
 
 // The true scene's pictures: RGB on black, or RGBA with straight alpha.
-inline std::vector<TrainFrame> Photographs(const Gaussians& truth,
-                                           const std::vector<Camera>& cameras,
-                                           bool with_alpha = false) {
+inline std::vector<TrainFrame> TargetImages(const Gaussians& truth,
+                                            const std::vector<Camera>& cameras,
+                                            bool with_alpha = false) {
   std::vector<TrainFrame> frames;
   for (const Camera& camera : cameras) {
     const RenderedImage image = Render(truth, camera);
@@ -73,8 +73,8 @@ inline TrainSettings ShortRun(int iterations, int degree) {
   s.seed = 3;
   s.schedule = Schedule::Fractions(iterations);
   s.schedule.densify_every = 20;
-  s.rates.position_first = 3e-3f;
-  s.rates.position_last = 1e-4f;
+  s.rates.position_lr_init = 3e-3f;
+  s.rates.position_lr_final = 1e-4f;
   s.rates.color = 2e-2f;
   s.rates.scale = 2e-2f;
   s.rates.rotation = 1e-2f;

@@ -22,19 +22,19 @@ class DeviceStep {
     gradients.ResizeLike(gaussians);
     target_.Upload(photograph, stream());
     adam.Start(gaussians, stream());
-    halted_.Refill(1);
-    halted_.FillWithZeros(stream());
-    adam.halted = halted_.data();
+    overflowed_.Refill(1);
+    overflowed_.FillWithZeros(stream());
+    adam.overflowed = overflowed_.data();
   }
 
   void Draw() {
-    if (forecast_.Knows()) tape.lists.Expect(forecast_.Of(0, gaussians.size()), halted_.data());
+    if (forecast_.Knows()) tape.lists.Expect(forecast_.Of(0, gaussians.size()), overflowed_.data());
     renderer.Forward(gaussians.View(), basis_, camera_, settings_, true, image, tape);
   }
   void Compare() {
     loss.Evaluate({}, image.color.data(), target_, settings_.background, d_color_, stream());
   }
-  void GoBack() {
+  void Backward() {
     WorldGradients out = gradients.GradientView(screen_);
     out.drawn_groups_only = true;  // Adam reads no others
     renderer.Backward(gaussians.View(), image, d_color_.data(), tape, out);
@@ -45,16 +45,16 @@ class DeviceStep {
   void Run() {
     Draw();
     Compare();
-    GoBack();
+    Backward();
     Update();
   }
-  // Waits; the next Draw then does not. False where there was no room for the step, which changed
-  // nothing.
+  // Waits; the next Draw then does not. False where there was no capacity for the step, which
+  // changed nothing.
   bool Settle() {
     counts = readback_.Get(tape.lists.counts(), stream());
     forecast_.Saw(0, gaussians.size(), counts.instances);
-    if (counts.instances <= tape.lists.room()) return true;
-    halted_.FillWithZeros(stream());
+    if (counts.instances <= tape.lists.capacity()) return true;
+    overflowed_.FillWithZeros(stream());
     --adam.step;
     return false;
   }
@@ -75,7 +75,7 @@ class DeviceStep {
   AdamSettings rates_;
   cuda::DeviceTarget target_;
   cuda::DeviceBuffer<float> d_color_, screen_;
-  cuda::DeviceBuffer<uint32_t> halted_;
+  cuda::DeviceBuffer<uint32_t> overflowed_;
   cuda::InstanceForecast forecast_;
   cuda::Readback<cuda::TileLists::Counts> readback_;
 };

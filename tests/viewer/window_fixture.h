@@ -29,9 +29,9 @@ inline const VirtualDisplay& Display() {
 
 class Window : public testing::Test {
  protected:
-  explicit Window(const viewer::SplatDrawers& drawers = {},
+  explicit Window(const viewer::SplatRenderers& renderers = {},
                   viewer::WindowSettings window_settings = {})
-      : stage(viewer::Content(PaintedHead()), drawers), settings(std::move(window_settings)) {
+      : stage(viewer::Content(PaintedHead()), renderers), settings(std::move(window_settings)) {
     settings.folder = folder / "captures";
   }
   void SetUp() override {

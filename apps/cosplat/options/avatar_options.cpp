@@ -48,7 +48,7 @@ AvatarOptions::AvatarOptions() {
   sh_degree = 2;  // as good as 3 on held-out training frames (docs/results.md)
   // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
   // steps.
-  rates.position_first = 6.4e-4f;
+  rates.position_lr_init = 6.4e-4f;
   preset = "cosplat";
 }
 
@@ -60,7 +60,7 @@ void AvatarOptions::Declare(CLI::App& command) {
           "--test-frames", test_frames, "hold the last N frames out; -1: the video's own split")
       ->check(CLI::Range(-1, 1000000000));
   command.add_option("--gaussians", avatar.initial_gaussians, "Gaussians to start with")
-      ->check(CLI::Range(size_t(1), kMostGaussians));
+      ->check(CLI::Range(size_t(1), kMaxGaussians));
   command.add_option("--triangle_cap", triangle_cap, "most Gaussians on one triangle; 0: no limit")
       ->check(CLI::Range(0, 1000000000));
   command

@@ -28,9 +28,9 @@ TrainSettings TrainChoices::ToSettings(float extent) const {
   s.rates = rates;
   s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
   if (position_lr_final > 0)
-    s.rates.position_last = position_lr_final;
+    s.rates.position_lr_final = position_lr_final;
   else if (preset != "3dgs")
-    s.rates.position_last = Schedule::LastPositionRate(rates.position_first, iterations);
+    s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
   if (preset == "default") ImproveOn3dgs(s);
   if (scaling_lr > 0) s.rates.scale = scaling_lr;
   const auto override_with = [](int value, int& steps) {
@@ -48,9 +48,9 @@ TrainSettings TrainChoices::ToSettings(float extent) const {
   s.density.max_scale = 0.1f * extent;     // 3DGS
   s.density.max_count = max_gaussians;
   if (budget == "auto" && prune_to > 0)
-    throw Error("", "--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
+    throw Error("--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
   if (budget == "auto" && prune != "none" && prune != "leave-one-out")
-    throw Error("", "--prune " + prune, "--budget auto prunes by leave-one-out");
+    throw Error("--prune " + prune, "--budget auto prunes by leave-one-out");
   const bool counts = prune_to > 0 || budget == "auto";
   s.prune.rule = PruneRuleFromString(prune == "none" && counts ? "leave-one-out" : prune);
   s.prune.target = prune_to;

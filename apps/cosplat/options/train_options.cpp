@@ -30,7 +30,7 @@ const CLI::Validator kInterval(
 void TrainOptions::Declare(CLI::App& command) {
   command.add_option("-s,--source_path", source, "the data set's folder")->required();
   command.add_option("-m,--model_path", model, "where results go")->required();
-  command.add_option("-r,--resolution", resolution, "divide the pictures' size by this")
+  command.add_option("-r,--resolution", resolution, "divide the images' size by this")
       ->check(CLI::Range(1, 64));
   command.add_flag("--eval", eval, "hold test views out and evaluate on them at the end");
   command.add_flag(
@@ -60,20 +60,19 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_option("--test_iterations", test_iterations, "evaluate at these steps")
       ->default_str("");
   command.add_option("--save_iterations", save_iterations, "save at these steps")->default_str("");
-  command.add_option("--seed", seed, "of everything random");
+  command.add_option("--seed", seed, "seed of all random numbers");
   command.add_option("--max_gaussians", max_gaussians, "hard limit on their number")
-      ->check(CLI::Range(size_t(1), kMostGaussians));
+      ->check(CLI::Range(size_t(1), kMaxGaussians));
   command
-      .add_option(
-          "--device",
-          device,
-          "where the work is done: cpu; cuda, an NVIDIA card; auto: a card where there is one")
+      .add_option("--device",
+                  device,
+                  "where to train: cpu; cuda, an NVIDIA GPU; auto: a GPU if there is one")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
   command.add_flag(
       "--deterministic",
       deterministic,
-      "the same bits from the same run on a card, too, by sums in a fixed order; on the "
-      "processor it is always so");
+      "the same bits from the same run on a GPU, too, by sums in a fixed order; the CPU "
+      "always does so");
   command
       .add_option("--prune",
                   prune,
@@ -90,7 +89,7 @@ void TrainOptions::Declare(CLI::App& command) {
       .add_option(
           "--drop_bands",
           drop_bands,
-          "drop bands of colour that change the pictures by so little, in grey levels of 255 "
+          "drop bands of colour that change the images by at most this, in grey levels of 255 "
           "(root mean square); 0: none")
       ->check(kRate);
   command
@@ -124,14 +123,14 @@ void TrainOptions::Declare(CLI::App& command) {
   command
       .add_option("--num_downscales",
                   num_downscales,
-                  "how often the sides of the first pictures are halved; -1: as the preset says")
+                  "how often the sides of the first images are halved; -1: as the preset says")
       ->check(CLI::Range(-1, 6));
   command
       .add_option("--resolution_schedule",
                   resolution_schedule,
-                  "steps after which the sides of the pictures double; -1: a tenth of the run")
+                  "steps after which the sides of the images double; -1: a tenth of the run")
       ->check(kInterval);
-  command.add_option("--position_lr_init", rates.position_first, "first rate of positions")
+  command.add_option("--position_lr_init", rates.position_lr_init, "first rate of positions")
       ->check(kRate);
   command
       .add_option("--position_lr_final",

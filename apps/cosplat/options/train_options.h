@@ -10,7 +10,7 @@
 namespace cosplat {
 
 // Far more than any machine holds; more is a slip of the finger.
-constexpr size_t kMostGaussians = 1000000000;
+constexpr size_t kMaxGaussians = 1000000000;
 
 struct TrainOptions : TrainChoices {
   // Declares them on a sub-command; defaults are the values at the time of the call.

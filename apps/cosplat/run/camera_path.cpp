@@ -13,7 +13,7 @@ using math::Vec3;
 
 constexpr float kPi = 3.14159265f;
 // Wider gaps between neighbouring cameras' azimuths than this are not crossed.
-constexpr float kLargestGap = kPi / 2;
+constexpr float kMaxGap = kPi / 2;
 
 Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 
@@ -41,7 +41,7 @@ Arc CoveredArc(std::vector<float> angles) {
       gap = angles[i] - angles[i - 1];
       begin = angles[i];
     }
-  return gap < kLargestGap ? Arc{begin, 2 * kPi} : Arc{begin, 2 * kPi - gap};
+  return gap < kMaxGap ? Arc{begin, 2 * kPi} : Arc{begin, 2 * kPi - gap};
 }
 
 }  // namespace

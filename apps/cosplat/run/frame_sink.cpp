@@ -42,7 +42,7 @@ void FrameSink::Write(const Image8& image) {
 }
 
 void FrameSink::Finish() {
-  if (count_ == 0) throw Error(path_, "", "there is no frame to write");
+  if (count_ == 0) throw Error(path_, "there is no frame to write");
   if (video_) video_->Finish();
 }
 

@@ -195,8 +195,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
                                const std::function<void(int done, int total)>& progress) {
   const std::map<std::string, int> views = CountViews(folder + "/test");
   if (views.empty())
-    throw Error(
-        folder, "test", "holds no pictures: train with --eval or run `cosplat render` first");
+    throw Error(folder, "test", "holds no images: train with --eval or run `cosplat render` first");
   TestSummary summary;
   auto earlier = ReadEarlier(folder + "/per_view.json", summary.dropped);
   Json results = Json::object(), per_view = Json::object();

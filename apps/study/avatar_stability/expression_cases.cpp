@@ -13,7 +13,7 @@ namespace {
 
 using math::Vec3;
 
-constexpr int kMostSigmas = 6;
+constexpr int kMaxSigmas = 6;
 
 // Calls f(params) with each coefficient alone at +-sigmas deviations from the mean.
 template <class F>
@@ -38,7 +38,7 @@ FlameParams MeasureOverExpressions(const StudyHead& head, const F& measure, Stab
   c.chart.curves = {{c.naive.name, {}}, {c.ours.name, {}}};
   BoundBothWays bound(head.avatar);
   FlameParams worst;
-  for (int sigmas = 0; sigmas <= kMostSigmas; sigmas += 2) {
+  for (int sigmas = 0; sigmas <= kMaxSigmas; sigmas += 2) {
     c.naive.value = c.ours.value = 0;
     ForEachExtremeExpression(sigmas, [&](const FlameParams& params) {
       bound.Pose(head.Vertices(params));

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kPainted = 15000;
 constexpr float kWider = 1.6f;      // than painted, so that the head is closed
 constexpr float kDistance = 0.85f;  // metres, of the camera
-constexpr float kLeastDeviation = 0.1f;
+constexpr float kMinDeviation = 0.1f;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ ExpressionRange RangeOfExpressions() {
       const float d = coefficient(frame) - range.mean[k];
       square += share * d * d;
     }
-    range.deviation[k] = std::max(kLeastDeviation, std::sqrt(square));
+    range.deviation[k] = std::max(kMinDeviation, std::sqrt(square));
   }
   return range;
 }

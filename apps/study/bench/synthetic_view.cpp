@@ -31,8 +31,8 @@ Camera CameraFor(int width, int height) {
 float SigmaPx(size_t count, const Camera& camera) {
   const double area = kSyntheticLayers * camera.width * camera.height / double(count);
   const double variance = area / (2 * kPi * std::log(kMeanOpacity / kMinAlpha)) - kBlurVariance;
-  constexpr double kLeastVariance = 0.01;
-  return float(std::sqrt(std::max(kLeastVariance, variance)));
+  constexpr double kMinVariance = 0.01;
+  return float(std::sqrt(std::max(kMinVariance, variance)));
 }
 
 // Standard deviations along a Gaussian's axes, px at its depth, and its opacity.

@@ -55,12 +55,12 @@ void ChartScale::FitLinear(bool from_zero) {
 }
 
 void ChartScale::FitLog() {
-  constexpr int kMostTicks = 8;
+  constexpr int kMaxTicks = 8;
   int first = RoundIndexBelow(low_), last = RoundIndexAbove(high_);
   if (last == first) ++last;
   low_ = RoundNumber(first);
   high_ = RoundNumber(last);
-  const bool decades_only = last - first >= kMostTicks;
+  const bool decades_only = last - first >= kMaxTicks;
   for (int i = first; i <= last; ++i)
     if (!decades_only || i % 3 == 0) ticks_.push_back(RoundNumber(i));
 }

@@ -34,7 +34,7 @@ pid_t Spawn(const std::vector<std::string>& arguments, const sigset_t& signals) 
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (problem != 0)
-    throw Error(kProgram, "", std::string("cannot be started: ") + std::strerror(problem));
+    throw Error(kProgram, std::string("cannot be started: ") + std::strerror(problem));
   return child;
 }
 
@@ -69,7 +69,7 @@ void StudyChildren::Run(const std::vector<std::string>& arguments) const {
   const std::string how = WIFSIGNALED(status)
                               ? "was killed by signal " + std::to_string(WTERMSIG(status))
                               : "failed with code " + std::to_string(WEXITSTATUS(status));
-  throw Error("cosplat " + ShellLine(arguments), "", how);
+  throw Error("cosplat " + ShellLine(arguments), how);
 }
 
 }  // namespace cosplat

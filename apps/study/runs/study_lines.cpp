@@ -70,7 +70,7 @@ void ReadFileInto(const std::string& path, StudyLines& all) {
     if (end == bytes.end()) return;
     const std::string where = path + ", line " + std::to_string(number);
     const Json json = Json::parse(begin, end, nullptr, false);
-    if (json.is_discarded()) throw Error(where, "", "is not valid JSON");
+    if (json.is_discarded()) throw Error(where, "is not valid JSON");
     StudyLine line = FromJson(JsonField(where, json));
     const auto same = std::find_if(all.lines.begin(), all.lines.end(), [&](const StudyLine& other) {
       return other.Id() == line.Id();
@@ -113,15 +113,15 @@ StudyLines ReadStudyLines(const std::string& folder) {
 StudyLog::StudyLog(const std::string& folder) : path_(folder + "/runs.jsonl") {
   MakeDirectories(folder);
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0) throw Error(path_, "", std::string("cannot be written: ") + std::strerror(errno));
+  if (file_ < 0) throw Error(path_, std::string("cannot be written: ") + std::strerror(errno));
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
     close(file_);
-    throw Error(path_, "", "another study is writing to it");
+    throw Error(path_, "another study is writing to it");
   }
   const std::vector<char> bytes = ReadFile(path_);
   const auto end = std::find(bytes.rbegin(), bytes.rend(), '\n');
   if (ftruncate(file_, bytes.rend() - end) != 0)
-    throw Error(path_, "", std::string("cannot be cut: ") + std::strerror(errno));
+    throw Error(path_, std::string("cannot be cut: ") + std::strerror(errno));
 }
 
 StudyLog::~StudyLog() { close(file_); }
@@ -132,7 +132,7 @@ void StudyLog::Append(const StudyLine& line) {
   std::string problem = std::string("write failed: ") + std::strerror(errno);
   // What is there of the line would spoil the next one.
   if (ftruncate(file_, end) != 0) problem += "; the line that was begun could not be removed";
-  throw Error(path_, "", problem);
+  throw Error(path_, problem);
 }
 
 }  // namespace cosplat

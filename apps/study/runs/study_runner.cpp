@@ -30,7 +30,7 @@ void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren
     const std::vector<char> before = ReadFile(mark);
     if (std::string(before.begin(), before.end()) == with) return;
   } else if (fs::exists(folder)) {
-    throw Error(folder, "", "is there and no head that a study made: name the data differently");
+    throw Error(folder, "is there and no head that a study made: name the data differently");
   }
   fs::remove_all(folder);
   MakeDirectories(folder);
@@ -102,7 +102,7 @@ void ReadResults(const std::string& model, StudyLine& line) {
     return a.at("iterations") < b.at("iterations");
   };
   std::sort(line.checkpoints.begin(), line.checkpoints.end(), earlier);
-  if (line.checkpoints.empty()) throw Error(path, "", "has no figures: train with --eval");
+  if (line.checkpoints.empty()) throw Error(path, "has no figures: train with --eval");
   AddCosts(model, line.checkpoints.back());
 }
 

@@ -23,8 +23,8 @@ namespace {
 
 // One thread and its processor time: what else the machine does then hardly counts.
 constexpr int kThreads = 1;
-constexpr int kLeastPasses = 4;
-constexpr double kLeastSeconds = 1;  // of all passes, for views that are drawn in no time
+constexpr int kMinPasses = 4;
+constexpr double kMinSeconds = 1;  // of all passes, for views that are drawn in no time
 
 double SecondsOf(const std::function<void()>& f) {
   const double start = ProcessorSeconds();
@@ -37,7 +37,7 @@ double BestRate(size_t frames, const std::function<void()>& pass) {
   pass();  // takes the memory
   double best = std::numeric_limits<double>::infinity();
   const double start = ProcessorSeconds();
-  for (int i = 0; i < kLeastPasses || ProcessorSeconds() - start < kLeastSeconds; ++i)
+  for (int i = 0; i < kMinPasses || ProcessorSeconds() - start < kMinSeconds; ++i)
     best = std::min(best, SecondsOf(pass));
   return double(frames) / best;
 }

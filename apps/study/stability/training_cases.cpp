@@ -60,8 +60,8 @@ TrainSettings ShortRun(float regularizer) {
   s.seed = 3;
   s.schedule = Schedule::Fractions(kIterations);
   s.schedule.densify_every = 20;
-  s.rates.position_first = 3e-3f;
-  s.rates.position_last = 1e-4f;
+  s.rates.position_lr_init = 3e-3f;
+  s.rates.position_lr_final = 1e-4f;
   s.rates.color = s.rates.scale = 2e-2f;
   s.rates.rotation = 1e-2f;
   s.density.split_scale = 0.05f;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <mutex>
 
-#include "avatar/play/avatar_drawer.h"
+#include "avatar/play/avatar_renderer.h"
 #include "splat/device/cuda/memory.h"
 
 namespace cosplat::cuda {

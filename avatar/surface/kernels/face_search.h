@@ -21,7 +21,7 @@ struct FaceAtDistance {
 class FaceSearch {
  public:
   // A split moves a Gaussian by a few of its own widths, a few triangles on FLAME.
-  static constexpr int kMostFaces = 512;
+  static constexpr int kMaxFaces = 512;
 
   COSPLAT_HD void Start() {
     open_count_ = seen_count_ = 0;
@@ -30,7 +30,7 @@ class FaceSearch {
 
   // Whether `face` is one to look at: not seen before, while there is room for more.
   COSPLAT_HD bool See(int32_t face) {
-    if (seen_count_ == kMostFaces) return false;
+    if (seen_count_ == kMaxFaces) return false;
     // Knuth's multiplicative hash, then the next free slot: half of them stay free.
     uint32_t slot = uint32_t(face) * 2654435769u >> (32 - kSlotBits);
     for (; seen_[slot] != kFree; slot = (slot + 1) % kSlots)
@@ -39,7 +39,7 @@ class FaceSearch {
     ++seen_count_;
     return true;
   }
-  COSPLAT_HD bool IsFull() const { return seen_count_ == kMostFaces; }
+  COSPLAT_HD bool IsFull() const { return seen_count_ == kMaxFaces; }
 
   COSPLAT_HD bool IsEmpty() const { return open_count_ == 0; }
   // Of faces that See has let through: each goes in once.
@@ -67,8 +67,8 @@ class FaceSearch {
   static constexpr uint32_t kSlots = 1u << kSlotBits;
   static constexpr int32_t kFree = -1;
 
-  FaceAtDistance open_[kMostFaces];  // a binary heap
-  int32_t seen_[kSlots];             // by hash
+  FaceAtDistance open_[kMaxFaces];  // a binary heap
+  int32_t seen_[kSlots];            // by hash
   int open_count_, seen_count_;
 };
 

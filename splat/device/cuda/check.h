@@ -13,7 +13,7 @@ namespace cosplat::cuda {
 inline void Check(cudaError_t error, const char* call) {
   if (error == cudaSuccess) return;
   cudaGetLastError();  // so that the next call is not blamed for this one
-  throw Error("", "CUDA", std::string(call) + ": " + cudaGetErrorString(error));
+  throw Error("CUDA", std::string(call) + ": " + cudaGetErrorString(error));
 }
 
 }  // namespace cosplat::cuda

@@ -21,8 +21,7 @@ void* AllocateDevice(size_t bytes) {
     cudaGetLastError();
     size_t free = 0, total = 0;
     Check(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
-    throw Error("",
-                "CUDA",
+    throw Error("CUDA",
                 "the device has no room for " + Megabytes(bytes) + " more: " + Megabytes(free) +
                     " of " + Megabytes(total) + " are free");
   }

@@ -23,7 +23,7 @@ class CpuTape : public RenderTape {
             {"tile lists", lists.HeldForGaussians()},
             {"gradients per splat and tile", HeldBy(records, contributions)},
             {"gradients per splat", HeldBy(d_splats)},
-            {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
+            {"tiles", lists.HeldForTiles() + HeldBy(n_contrib), MemoryOf::kPixels}};
   }
 
   ViewParameters view{};
@@ -31,7 +31,7 @@ class CpuTape : public RenderTape {
   Buffer<ProjectedSplat> splats;  // [count]
   Buffer<float> radius;           // [count]
   TileLists lists;
-  Buffer<uint32_t> looked_at;          // [tiles] entries before the tile was opaque
+  Buffer<uint32_t> n_contrib;          // [tiles] entries before the tile was opaque
   Buffer<SplatGradient> records;       // [instances]
   Buffer<SplatGradient> d_splats;      // [count]
   Buffer<Contribution> contributions;  // [instances]; only once they were asked for
@@ -67,12 +67,12 @@ class CpuRasterizer : public Rasterizer {
     image.color.resize(3 * size_t(camera.width) * camera.height);
     image.transmittance.resize(size_t(camera.width) * camera.height);
     const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
-    tape.looked_at.resize(tiles);
+    tape.n_contrib.resize(tiles);
     tbb::parallel_for(0, tiles, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);
       job.color = image.color.data();
       job.transmittance = image.transmittance.data();
-      tape.looked_at[tile] = BlendTileForward(job);
+      tape.n_contrib[tile] = BlendTileForward(job);
     });
   }
 
@@ -88,9 +88,9 @@ class CpuRasterizer : public Rasterizer {
     tbb::parallel_for(0, tiles, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);
       job.color = const_cast<float*>(image.color.data());  // read only here
-      for (uint32_t k = tape.looked_at[tile]; k < job.entry_count; ++k)
+      for (uint32_t k = tape.n_contrib[tile]; k < job.entry_count; ++k)
         tape.records[job.entries[k].record] = SplatGradient{};
-      job.entry_count = tape.looked_at[tile];
+      job.entry_count = tape.n_contrib[tile];
       BlendTileBackward(job, d_color.data(), tape.records.data());
     });
     SumRecords(tape);
@@ -111,7 +111,7 @@ class CpuRasterizer : public Rasterizer {
     tbb::parallel_for(0, lists.tiles_x * lists.tiles_y, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);
       job.color = const_cast<float*>(image.color.data());  // read only here
-      job.entry_count = tape.looked_at[tile];
+      job.entry_count = tape.n_contrib[tile];
       SumContributions(job, tape.contributions.data());
     });
     sums.assign(tape.splats.size(), Contribution{});

@@ -55,7 +55,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
     drawn += std::exchange(chunks_[c].drawn, drawn);
   }
   if (covered >= math::kInstanceLimit)
-    throw Error("", "rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
+    throw Error("rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
   Refill(order, drawn);
   Refill(keys_, drawn);
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {

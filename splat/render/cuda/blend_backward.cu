@@ -158,7 +158,7 @@ struct SumRecords {
 BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image) {
   return {tape.lists.view(),
           tape.splats.view(),
-          tape.looked_at.view(),
+          tape.n_contrib.view(),
           tape.checkpoints.view(),
           image.color.view(),
           image.width,
@@ -172,7 +172,7 @@ void BlendBackward(Tape& tape,
                    cudaStream_t stream) {
   const TileListsView lists = tape.lists.view();
   const bool fixed = order == SumOrder::kFixed;
-  tape.records.Refill(fixed ? tape.lists.room() : 0);
+  tape.records.Refill(fixed ? tape.lists.capacity() : 0);
   tape.d_splats.Refill(tape.splats.size());
   if (!fixed) tape.d_splats.FillWithZeros(stream);
   const GradientSink sink{lists.record, tape.records.view(), tape.d_splats.view()};
@@ -190,7 +190,7 @@ void SumContributions(Tape& tape,
                       cudaStream_t stream) {
   const TileListsView lists = tape.lists.view();
   const size_t count = tape.splats.size();
-  tape.contributions.Refill(tape.lists.room());
+  tape.contributions.Refill(tape.lists.capacity());
   WalkBuckets(tape, image, ContributionWalk{lists.record, tape.contributions.view()}, stream);
   ForEach(count,
           stream,

@@ -14,12 +14,12 @@ struct ForwardKernel {
   int width, height;
   float background[3];
   DeviceView<float> color, transmittance;
-  DeviceView<uint32_t> looked_at;
+  DeviceView<uint32_t> n_contrib;
   DeviceView<PixelCheckpoint> checkpoints;  // empty: not kept
 
   struct Shared {
     BlendSplat splats[kThreads];
-    uint32_t looked_at[kThreads / kWarp];
+    uint32_t n_contrib[kThreads / kWarp];
   };
   using State = math::BlendState<float>;
 
@@ -47,7 +47,7 @@ struct ForwardKernel {
         BlendChunk(shared.splats + chunk, n, pixels, x, y, state);
       }
     }
-    StoreLookedAt(tile, looked, shared);
+    StoreContributors(tile, looked, shared);
     if (inside) StorePixel(size_t(y) * width + x, state);
   }
 
@@ -76,12 +76,12 @@ struct ForwardKernel {
     }
   }
 
-  __device__ void StoreLookedAt(int tile, uint32_t looked, Shared& shared) const {
-    if (Lane() == 0) shared.looked_at[WarpInBlock()] = looked;
+  __device__ void StoreContributors(int tile, uint32_t looked, Shared& shared) const {
+    if (Lane() == 0) shared.n_contrib[WarpInBlock()] = looked;
     __syncthreads();
     if (threadIdx.x != 0) return;
-    for (unsigned w = 1; w < kThreads / kWarp; ++w) looked = math::Max(looked, shared.looked_at[w]);
-    looked_at[tile] = looked;
+    for (unsigned w = 1; w < kThreads / kWarp; ++w) looked = math::Max(looked, shared.n_contrib[w]);
+    n_contrib[tile] = looked;
   }
 
   __device__ void StorePixel(size_t at, const State& state) const {
@@ -100,7 +100,7 @@ void BlendForward(Tape& tape, DeviceImage& image, cudaStream_t stream) {
   const size_t pixels = size_t(image.width) * image.height;
   image.color.Refill(3 * pixels);
   image.transmittance.Refill(pixels);
-  tape.looked_at.Refill(tape.lists.tiles());
+  tape.n_contrib.Refill(tape.lists.tiles());
   tape.checkpoints.Refill(tape.kept ? tape.lists.most_buckets() * kTilePixels : 0);
   const std::array<float, 3>& b = tape.settings.background;
   ForBlocks(tape.lists.tiles(),
@@ -112,7 +112,7 @@ void BlendForward(Tape& tape, DeviceImage& image, cudaStream_t stream) {
                           {b[0], b[1], b[2]},
                           image.color.view(),
                           image.transmittance.view(),
-                          tape.looked_at.view(),
+                          tape.n_contrib.view(),
                           tape.checkpoints.view()});
 }
 

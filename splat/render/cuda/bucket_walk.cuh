@@ -16,7 +16,7 @@ namespace cosplat::cuda {
 struct BucketLists {
   TileListsView lists;
   DeviceView<const ProjectedSplat> splats;
-  DeviceView<const uint32_t> looked_at;
+  DeviceView<const uint32_t> n_contrib;
   DeviceView<const PixelCheckpoint> checkpoints;
   DeviceView<const float> color;  // [3, height, width] the picture
   int width, height;
@@ -48,7 +48,7 @@ struct BucketKernel {
   // No barriers: warps are on their own.
   __device__ void operator()() const {
     const uint64_t bucket = uint64_t(blockIdx.x) * kWarps + WarpInBlock();
-    const int tiles = int(in.looked_at.count);
+    const int tiles = int(in.n_contrib.count);
     if (bucket >= in.lists.bucket_begin[tiles]) return;
     const int tile = TileOf(bucket, tiles);
     const uint32_t first = uint32_t(bucket - in.lists.bucket_begin[tile]) * kBucket;
@@ -58,7 +58,7 @@ struct BucketKernel {
     BlendSplat splat{};
     if (mine) splat = BlendSplat(in.splats[gaussian]);
     typename Walk::Sum sum{};
-    if (first < in.looked_at[tile]) {
+    if (first < in.n_contrib[tile]) {
       const TilePixels pixels(tile, in.lists.tiles_x);
       Pixel* shared = SharedMemory<Shared>().pixels[WarpInBlock()];
       LoadPixels(bucket, pixels, shared);
@@ -120,7 +120,7 @@ void WalkBuckets(const Tape& tape,
                  const Walk& walk,
                  cudaStream_t stream) {
   using Kernel = BucketKernel<Walk>;
-  if (tape.lists.room() == 0) return;
+  if (tape.lists.capacity() == 0) return;
   const size_t blocks = (tape.lists.most_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;
   ForBlocks(blocks, stream, Kernel{BucketListsOf(tape, image), walk});
 }

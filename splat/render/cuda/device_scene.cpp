@@ -6,7 +6,7 @@
 namespace cosplat::cuda {
 namespace {
 
-class DeviceScene : public SceneDrawer {
+class DeviceScene : public SceneRenderer {
  public:
   explicit DeviceScene(const Gaussians& scene) : basis_(scene.basis) {
     gaussians_.Upload(scene, pictures_.stream().get());
@@ -33,7 +33,7 @@ class DeviceScene : public SceneDrawer {
 
 }  // namespace
 
-std::unique_ptr<SceneDrawer> MakeDeviceScene(const Gaussians& scene) {
+std::unique_ptr<SceneRenderer> MakeDeviceScene(const Gaussians& scene) {
   return std::make_unique<DeviceScene>(scene);
 }
 

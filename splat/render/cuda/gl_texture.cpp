@@ -10,21 +10,21 @@
 namespace cosplat::cuda {
 namespace {
 
-constexpr unsigned kMostDevices = 32;  // that one context may be drawn by
+constexpr unsigned kMaxDevices = 32;  // that one context may be drawn by
 
-// Of Mesa's renderers, and of another card's driver, cudaGLGetDevices lists none or fails.
+// Of Mesa's renderers, and of another GPU's driver, cudaGLGetDevices lists none or fails.
 void CheckContext() {
   int own = 0;
   Check(cudaGetDevice(&own), "cudaGetDevice");
   unsigned count = 0;
-  int devices[kMostDevices];
-  const cudaError_t asked = cudaGLGetDevices(&count, devices, kMostDevices, cudaGLDeviceListAll);
+  int devices[kMaxDevices];
+  const cudaError_t asked = cudaGLGetDevices(&count, devices, kMaxDevices, cudaGLDeviceListAll);
   cudaGetLastError();  // so that the next call is not blamed for this one
   if (asked != cudaSuccess) count = 0;
   if (std::find(devices, devices + count, own) != devices + count) return;
   const std::string reason =
       asked == cudaSuccess ? "" : std::string(" (") + cudaGetErrorString(asked) + ")";
-  throw Error("", "OpenGL", "runs on another device" + reason);
+  throw Error("OpenGL", "runs on another device" + reason);
 }
 
 class GlTexture : public DeviceTexture {

@@ -33,8 +33,8 @@ class InstanceForecast {
 
  private:
   // By the counts of two runs on the processor (fox and chair at -r 8, seed 0) 4 of 2,000 and 17 of
-  // 3,000 steps have more than is foretold with this and the growth, most of them while opacities
-  // rise after a reset; in all, 1.16 and 1.34 times the instances that there are have room.
+  // 3,000 steps have more than was predicted with this and the growth, most of them while opacities
+  // rise after a reset; in all, the capacity is 1.16 and 1.34 times the instances.
   static constexpr double kMargin = 1.125;
   // What frames lately grew by since they were last drawn fades by half in 14 steps.
   static constexpr double kFade = 0.95;

@@ -105,7 +105,7 @@ std::vector<MemoryPart> Tape::Memory() const {
           {"gradients per splat and tile", HeldBy(records, contributions)},
           {"gradients per splat", HeldBy(d_splats)},
           {"pixels per bucket of splats", HeldBy(checkpoints)},
-          {"tiles", lists.HeldForTiles() + HeldBy(looked_at), MemoryOf::kPixels}};
+          {"tiles", lists.HeldForTiles() + HeldBy(n_contrib), MemoryOf::kPixels}};
 }
 
 }  // namespace cosplat::cuda

@@ -28,11 +28,11 @@ struct Tape {
   DeviceBuffer<ProjectedSplat> splats;  // [count]
   DeviceBuffer<float> radii;            // [count]
   TileLists lists;
-  DeviceBuffer<uint32_t> looked_at;           // [tiles] instances before the tile was opaque
+  DeviceBuffer<uint32_t> n_contrib;           // [tiles] instances before the tile was opaque
   DeviceBuffer<PixelCheckpoint> checkpoints;  // [buckets, pixels of a tile]
-  DeviceBuffer<SplatGradient> records;        // [room of the lists]; deterministic mode alone
+  DeviceBuffer<SplatGradient> records;        // [capacity of the lists]; deterministic mode alone
   DeviceBuffer<SplatGradient> d_splats;       // [count]
-  DeviceBuffer<Contribution> contributions;   // [room]; only once they were asked for
+  DeviceBuffer<Contribution> contributions;   // [capacity]; only once they were asked for
 
   std::vector<MemoryPart> Memory() const;
 };

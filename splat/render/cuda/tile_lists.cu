@@ -110,12 +110,12 @@ struct CountTiles {
 // How many there are, and whether that is more than was expected.
 struct TellCounts {
   DeviceView<const uint64_t> record_begin;
-  size_t room;
+  size_t capacity;
   uint64_t* instances;
   uint32_t* exceeded;  // null: nothing was expected
   __device__ void operator()(size_t) const {
     *instances = record_begin[record_begin.count - 1];
-    if (exceeded && *instances > room) *exceeded = 1;
+    if (exceeded && *instances > capacity) *exceeded = 1;
   }
 };
 
@@ -138,7 +138,7 @@ struct EmitInstances {
 };
 
 // Entries that no instance has: sorted behind the last tile.
-struct FillRoom {
+struct FillCapacity {
   DeviceView<const uint64_t> record_begin;
   uint32_t behind;
   DeviceView<uint32_t> tiles, records, of_record;
@@ -190,25 +190,25 @@ void TileLists::Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stre
       stream,
       CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_), record_begin_.view(), visible});
   sorter_.ExclusiveSum(record_begin_, stream);
-  ForEach(1,
-          stream,
-          TellCounts{
-              std::as_const(record_begin_).view(), room_, &counts_.data()->instances, exceeded_});
+  ForEach(
+      1,
+      stream,
+      TellCounts{
+          std::as_const(record_begin_).view(), capacity_, &counts_.data()->instances, exceeded_});
 }
 
 void TileLists::WaitForCounts(cudaStream_t stream) {
   known_ = readback_.Get(counts_.data(), stream);
   if (known_.instances >= math::kInstanceLimit)
-    throw Error("",
-                "rasterizer",
+    throw Error("rasterizer",
                 std::to_string(known_.instances) + " splat-tile pairs; the limit is 2^31");
-  room_ = known_.instances;
+  capacity_ = known_.instances;
 }
 
 void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
-  by_tile_.Refill(room_);
-  of_record_.Refill(room_);
-  gaussian_.Refill(room_);
+  by_tile_.Refill(capacity_);
+  of_record_.Refill(capacity_);
+  gaussian_.Refill(capacity_);
   const auto record_begin = std::as_const(record_begin_).view();
   const auto tiles_of = by_tile_.keys.view(), records = by_tile_.values.view();
   ForBlocks(BlocksOf(splats.count, EmitInstances::kThreads),
@@ -218,11 +218,11 @@ void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t strea
                           tiles_of,
                           records,
                           of_record_.view()});
-  ForEach(room_,
+  ForEach(capacity_,
           stream,
-          FillRoom{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
+          FillCapacity{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
   sorter_.Sort(by_tile_, std::bit_width(tiles()), stream);
-  ForEach(room_,
+  ForEach(capacity_,
           stream,
           GatherGaussians{std::as_const(by_tile_.values).view(),
                           std::as_const(of_record_).view(),
@@ -253,7 +253,7 @@ void TileLists::Build(DeviceView<const ProjectedSplat> splats,
 }
 
 void TileLists::Expect(size_t instances, uint32_t* exceeded) {
-  room_ = std::min<size_t>(instances, math::kInstanceLimit - 1);
+  capacity_ = std::min<size_t>(instances, math::kInstanceLimit - 1);
   exceeded_ = exceeded;
 }
 

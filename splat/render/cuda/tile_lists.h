@@ -15,11 +15,11 @@ namespace cosplat::cuda {
 constexpr uint32_t kBucket = 32;
 
 // What kernels get. Instance k of the lists, by tile, then by depth, is of gaussian[k]; its
-// gradient is kept at record[k]: contiguous per Gaussian. There is room for as many as were
+// gradient is kept at record[k]: contiguous per Gaussian. There is capacity for as many as were
 // expected; where there are more (!Complete()) no tile has any.
 struct TileListsView {
   int tiles_x = 0, tiles_y = 0;
-  DeviceView<const uint32_t> gaussian, record;  // [room]
+  DeviceView<const uint32_t> gaussian, record;  // [capacity]
   DeviceView<const uint32_t> tile_begin;        // [tiles + 1]
   DeviceView<const uint64_t> bucket_begin;      // [tiles + 1]
   // Gaussians by depth, equal depths by index, undrawn ones last; where the records of each begin.
@@ -56,11 +56,11 @@ class TileLists {
   const Counts* counts() const { return counts_.data(); }
   // What follows is sized by these, known without asking the device: entries of the lists, and
   // buckets, of which there are no more.
-  size_t room() const { return room_; }
-  size_t most_buckets() const { return room_ / kBucket + tiles(); }
+  size_t capacity() const { return capacity_; }
+  size_t most_buckets() const { return capacity_ / kBucket + tiles(); }
   size_t tiles() const { return size_t(tiles_x_) * tiles_y_; }
   TileListsView view() const;
-  size_t capacity() const { return gaussian_.capacity(); }  // of room
+  size_t allocated() const { return gaussian_.capacity(); }  // entries that there is memory for
   // Bytes held; the second with scratch.
   size_t HeldForInstances() const;
   size_t HeldForGaussians() const;
@@ -76,15 +76,15 @@ class TileLists {
   void FindTiles(cudaStream_t stream);
 
   int tiles_x_ = 0, tiles_y_ = 0;
-  size_t room_ = 0;
+  size_t capacity_ = 0;
   Counts known_{};
   uint32_t* exceeded_ = nullptr;         // of the next Build; null: it waits
   KeyedValues by_depth_;                 // [count] values: indices of Gaussians, undrawn ones last
   DeviceBuffer<uint64_t> record_begin_;  // [count + 1]
   DeviceBuffer<Counts> counts_;          // [1]
-  KeyedValues by_tile_;                  // [room] values: records
-  DeviceBuffer<uint32_t> of_record_;     // [room] a record's Gaussian
-  DeviceBuffer<uint32_t> gaussian_;      // [room] in the order of the lists
+  KeyedValues by_tile_;                  // [capacity] values: records
+  DeviceBuffer<uint32_t> of_record_;     // [capacity] a record's Gaussian
+  DeviceBuffer<uint32_t> gaussian_;      // [capacity] in the order of the lists
   DeviceBuffer<uint32_t> tile_begin_;    // [tiles + 1]
   DeviceBuffer<uint64_t> bucket_begin_;  // [tiles + 1]
   Sorter sorter_;

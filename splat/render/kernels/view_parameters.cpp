@@ -32,13 +32,12 @@ void CheckArguments(const WorldGaussians& gaussians,
                     const Camera& camera,
                     const RenderSettings& settings) {
   if (camera.width < 1 || camera.height < 1)
-    throw Error("", "camera", "image of " + SizeText(camera.width, camera.height) + " pixels");
+    throw Error("camera", "image of " + SizeText(camera.width, camera.height) + " pixels");
   if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
       settings.degree > kMaxTrainedDegree)
-    throw Error("", "degree", std::to_string(settings.degree) + " is more than is stored");
+    throw Error("degree", std::to_string(settings.degree) + " is more than is stored");
   if (settings.exp_degree < kMinExpDegree || settings.exp_degree > kMaxExpDegree)
-    throw Error("",
-                "exp_degree",
+    throw Error("exp_degree",
                 std::to_string(settings.exp_degree) + " is not from " +
                     std::to_string(kMinExpDegree) + " to " + std::to_string(kMaxExpDegree));
 }

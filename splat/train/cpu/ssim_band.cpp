@@ -8,8 +8,8 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "splat/math/photograph.h"
 #include "splat/math/photometric.h"
+#include "splat/math/target.h"
 #include "splat/train/cpu/ssim_window.h"
 
 COSPLAT_MATH_BEGIN
@@ -18,7 +18,7 @@ constexpr int kMoments = 4, kPartials = 3;
 // Zeros on both sides of a row: at least the window's radius.
 constexpr size_t kMargin = kLineFloats;
 
-// Sum and difference of a row of x and of the photograph. Plain loops, which the compiler
+// Sum and difference of a row of x and of the target image. Plain loops, which the compiler
 // vectorises for this target.
 template <int kChannels>
 void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HWY_RESTRICT v) {
@@ -34,9 +34,9 @@ void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HW
   }
   // Not in one loop: x - y of equal values is zero only if y was rounded before.
   for (int i = 0; i < width; ++i) {
-    const float photograph = u[i];
-    u[i] = x[i] + photograph;
-    v[i] = x[i] - photograph;
+    const float target = u[i];
+    u[i] = x[i] + target;
+    v[i] = x[i] - target;
   }
 }
 

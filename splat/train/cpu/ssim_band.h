@@ -1,5 +1,5 @@
 // The photometric loss over a band of rows of one channel: the vectorised inner part of
-// splat/train/loss.cpp. One pass: the rendering and the photograph's bytes are read and the
+// splat/train/loss.cpp. One pass: the rendering and the target image's bytes are read and the
 // gradient is written; what the window needs of the rows around is kept for fifteen rows, not for
 // an image.
 #pragma once

@@ -14,9 +14,9 @@ struct FindBehind {
   DeviceView<const float> radii;  // empty: all groups
   uint32_t before, after;         // steps
   DeviceView<uint32_t> updated, behind;
-  const uint32_t* halted;
+  const uint32_t* overflowed;
   __device__ void operator()(size_t g) const {
-    const bool now = !(halted && *halted != 0) && (radii.count == 0 || IsDrawn(g));
+    const bool now = !(overflowed && *overflowed != 0) && (radii.count == 0 || IsDrawn(g));
     behind[g] = now ? before - updated[g] : kNotNow;
     if (now) updated[g] = after;
   }
@@ -112,7 +112,7 @@ void Adam::Step(const AdamSettings& settings,
   behind_.Refill(updated.size());
   ForEach(updated.size(),
           stream,
-          FindBehind{radii, step, step + 1, updated.view(), behind_.view(), halted});
+          FindBehind{radii, step, step + 1, updated.view(), behind_.view(), overflowed});
   ++step;
   Update(settings, &gradients, position_rate_scale, values, stream);
 }

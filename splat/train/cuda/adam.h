@@ -33,7 +33,7 @@ class Adam {
   DeviceBuffer<uint32_t> updated;  // [groups] the step that each was last brought to
   uint32_t step = 0;
   // On the device, where not null: while it is not 0 there, Step changes nothing but `step`.
-  const uint32_t* halted = nullptr;
+  const uint32_t* overflowed = nullptr;
 
  private:
   void Update(const AdamSettings& settings,

@@ -45,8 +45,8 @@ Footprint FootprintOf(const DeviceGaussians& gaussians,
           instances_per_gaussian * BytesPerInstance(order)};
 }
 
-bool HasRoomFor(size_t instances, SumOrder order, const Tape& tape) {
-  if (instances <= tape.lists.capacity()) return true;
+bool HasCapacityFor(size_t instances, SumOrder order, const Tape& tape) {
+  if (instances <= tape.lists.allocated()) return true;
   // A tile's last bucket may be nearly empty.
   const double partial = double(tape.lists.tiles()) * kTileSize * kTileSize;
   const double wanted =

@@ -26,7 +26,7 @@ Footprint FootprintOf(const DeviceGaussians& gaussians,
 
 // Whether so many instances, drawn to be gone back from, fit into what the tape holds and what is
 // free. The driver is asked only where the tape would have to grow.
-bool HasRoomFor(size_t instances, SumOrder order, const Tape& tape);
+bool HasCapacityFor(size_t instances, SumOrder order, const Tape& tape);
 
 // One line for the user: that no more than these fit.
 std::string NoticeOfMemory(size_t gaussians);

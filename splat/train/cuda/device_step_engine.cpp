@@ -9,12 +9,11 @@
 namespace cosplat::cuda {
 namespace {
 
-constexpr double kPhotographShare = 0.25;  // of the memory that is free at first
+constexpr double kTargetShare = 0.25;  // of the memory that is free at first
 
 void CheckRule(PruneRule rule) {
   if (WorksOnProcessorOnly(rule))
-    throw Error("",
-                "--prune " + ToString(rule),
+    throw Error("--prune " + ToString(rule),
                 "works in every step on the processor: give --device cpu, or another rule");
 }
 
@@ -32,7 +31,7 @@ DeviceStepEngine::DeviceStepEngine(const TrainSettings& settings,
       on_device_(on_device ? std::move(on_device) : std::make_shared<DeviceSubject>()),
       order_(order),
       renderer_(order),
-      photographs_(subject, size_t(kPhotographShare * double(FreeMemory()))),
+      targets_(subject, size_t(kTargetShare * double(FreeMemory()))),
       density_(*on_device_, SpareCanvas()),
       forecast_(forecast) {
   CheckRule(settings.prune.rule);
@@ -200,7 +199,7 @@ std::vector<MemoryPart> DeviceStepEngine::Memory() const {
   parts.push_back({"picture and its gradient",
                    HeldBy(image_.color, image_.transmittance, d_color_),
                    MemoryOf::kPixels});
-  parts.push_back({"photographs", photographs_.held(), MemoryOf::kPixels});
+  parts.push_back({"photographs", targets_.held(), MemoryOf::kPixels});
   return parts;
 }
 

@@ -2,7 +2,7 @@
 //
 // Parameters, moments and statistics live there; a step sends a camera and rates. The host submits
 // all of it and then waits for the step before, whose loss and number of instances it reads, so
-// that the device always has something to do. How many instances there will be is foretold. Where
+// that the device always has something to do. The number of instances is predicted. Where
 // there are more, the device halts: that step and the one after it, which was submitted already,
 // change nothing, and the host does both again, waiting for the numbers. So a run has the bits of
 // one that always knew.
@@ -16,8 +16,8 @@
 #include "splat/render/cuda/renderer.h"
 #include "splat/train/cuda/density.h"
 #include "splat/train/cuda/device_subject.h"
-#include "splat/train/cuda/photographs.h"
 #include "splat/train/cuda/step_parts.h"
+#include "splat/train/cuda/target_images.h"
 #include "splat/train/step_engine.h"
 
 namespace cosplat::cuda {
@@ -56,8 +56,8 @@ class DeviceStepEngine : public StepEngine {
   // A step that was given to the stream, and what it tells when it is done.
   struct Submitted {
     StepPlan plan;
-    Rng rng;          // before what the step draws of it
-    size_t room = 0;  // for instances
+    Rng rng;              // before what the step draws of it
+    size_t capacity = 0;  // for instances
     bool masked = false;
     Readback<TileLists::Counts> counts;
     Readback<double> photometric, of_mask, of_needles;
@@ -69,7 +69,7 @@ class DeviceStepEngine : public StepEngine {
   // Gives the stream all of a step. waits: for the number of instances, and it is right for sure.
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
-  void GoBack(Submitted& step);
+  void Backward(Submitted& step);
   void LearnMask(Submitted& step);
   void Update(Submitted& step);
   // Waits for all that was submitted but the last `left` steps, and does again what was in vain.
@@ -92,7 +92,7 @@ class DeviceStepEngine : public StepEngine {
   SumOrder order_;
   Renderer renderer_;
   Population population_;
-  Photographs photographs_;
+  TargetImages targets_;
   DensityControl density_;
   NeedleRegularizer needles_;
   PhotometricLoss loss_;
@@ -105,9 +105,10 @@ class DeviceStepEngine : public StepEngine {
   InstanceForecast forecast_;
   std::array<Submitted, 2> steps_;  // in turn
   size_t oldest_ = 0, in_flight_ = 0;
-  std::optional<double> last_loss_;    // of what has settled
-  double instances_per_gaussian_ = 0;  // that there was room for, since the last density control
-  bool fetched_ = true;                // the state is up to date
+  std::optional<double> last_loss_;  // of what has settled
+  double instances_per_gaussian_ =
+      0;                 // that there was capacity for, since the last density control
+  bool fetched_ = true;  // the state is up to date
   bool told_of_memory_ = false;
   std::string notice_;
 };

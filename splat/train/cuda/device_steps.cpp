@@ -20,7 +20,7 @@ void DeviceStepEngine::Submit(const StepPlan& plan, const Rng& rng, bool waits) 
   step.rng = rng;
   step.masked = population_.mask.learns();
   Draw(step, waits);
-  GoBack(step);
+  Backward(step);
   Update(step);
   step.done.Record(stream());
   ++in_flight_;
@@ -31,7 +31,7 @@ void DeviceStepEngine::Settle(size_t left) {
   for (; in_flight_ > left; --in_flight_, oldest_ = (oldest_ + 1) % steps_.size()) {
     const Submitted& step = steps_[oldest_];
     step.done.Wait();
-    if (step.counts.Last().instances > step.room) {
+    if (step.counts.Last().instances > step.capacity) {
       Repeat();
       step.done.Wait();
     }
@@ -65,22 +65,22 @@ void DeviceStepEngine::Draw(Submitted& step, bool waits) {
   world_ = on_device_->Place(population_.values, plan.frame, stream());
   if (step.masked) population_.mask.BeforeDraw(population_.values, step.rng, world_, stream());
   const size_t expected = forecast_.Of(plan.frame, count());
-  // Where there is no room for a guess, what there is may still fit: the host waits to know.
-  if (!waits && HasRoomFor(expected, order_, tape_))
-    lists.Expect(expected, population_.halted.data());
-  const Camera& camera = photographs_.CameraOf(plan.frame, plan.downscale);
+  // Where there is no capacity for a guess, what there is may still fit: the host waits to know.
+  if (!waits && HasCapacityFor(expected, order_, tape_))
+    lists.Expect(expected, population_.overflowed.data());
+  const Camera& camera = targets_.CameraOf(plan.frame, plan.downscale);
   renderer_.Forward(world_, state_.gaussians.basis, camera, plan.render, true, image_, tape_);
   step.counts.Ask(lists.counts(), stream());
-  step.room = lists.room();
+  step.capacity = lists.capacity();
   instances_per_gaussian_ =
-      std::max(instances_per_gaussian_, double(step.room) / double(population_.size()));
+      std::max(instances_per_gaussian_, double(step.capacity) / double(population_.size()));
 }
 
-void DeviceStepEngine::GoBack(Submitted& step) {
+void DeviceStepEngine::Backward(Submitted& step) {
   const StepPlan& plan = step.plan;
   loss_.Evaluate(settings_.loss,
                  image_.color.data(),
-                 photographs_.Of(plan.frame, plan.downscale, stream()),
+                 targets_.Of(plan.frame, plan.downscale, stream()),
                  plan.render.background,
                  d_color_,
                  stream());
@@ -105,7 +105,7 @@ void DeviceStepEngine::GoBack(Submitted& step) {
 void DeviceStepEngine::LearnMask(Submitted& step) {
   population_.mask.AfterBackward(population_.values,
                                  std::as_const(tape_.radii).view(),
-                                 population_.halted.data(),
+                                 population_.overflowed.data(),
                                  population_.gradients,
                                  stream());
   step.of_mask.Ask(population_.mask.value(), stream());

@@ -39,9 +39,9 @@ struct SsimKernel {
     tile.ForHalo([&](int r, int c, int x, int y) {
       const bool inside = in.Contains(x, y);
       const float picture = inside ? in.rendered[in.At(tile.channel, x, y)] : 0;
-      const float photograph = inside ? in.Photograph(tile.channel, x, y) : 0;
-      s.u[r][c] = picture + photograph;
-      s.v[r][c] = picture - photograph;
+      const float target = inside ? in.Target(tile.channel, x, y) : 0;
+      s.u[r][c] = picture + target;
+      s.v[r][c] = picture - target;
     });
   }
 
@@ -125,8 +125,8 @@ struct GradientKernel {
   __device__ float StoreGradient(const LossTile& tile, const Shared& s) const {
     const size_t at = images.At(tile.channel, tile.x(), tile.y());
     const float picture = images.rendered[at];
-    const float photograph = images.Photograph(tile.channel, tile.x(), tile.y());
-    const float u = picture + photograph, v = picture - photograph;
+    const float target = images.Target(tile.channel, tile.x(), tile.y());
+    const float u = picture + target, v = picture - target;
     float d = math::PointwiseVjp(l1, 2 * mse, v);
     if constexpr (kWithSsim) {
       float c[kPartials];

@@ -1,7 +1,7 @@
 // The photometric loss and its gradient on the device: splat/train/loss.h there.
 //
-// picture, photograph's bytes -> SSIM's partials -> dL/d(picture), in two passes of 16x16 pixels a
-// block; sums are added in a fixed order.
+// picture, target image's bytes -> SSIM's partials -> dL/d(picture), in two passes of 16x16 pixels
+// a block; sums are added in a fixed order.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace cosplat::cuda {
 
-// A photograph's bytes on the device.
+// A target image's bytes on the device.
 struct DeviceTarget {
   int width = 0, height = 0, channels = 0;
   DeviceBuffer<uint8_t> bytes;  // [height, width, channels]

@@ -33,10 +33,10 @@ struct LearnMask {
   float share;
   math::AdamStep adam;
   DeviceView<const float> radii, importance, shown, drawn_logit, opacity_logit, d_scale_log;
-  const uint32_t* halted;
+  const uint32_t* overflowed;
   DeviceView<float> d_opacity_logit, mu, m, v;
   __device__ void operator()(size_t i) const {
-    if (*halted != 0) return;
+    if (*overflowed != 0) return;
     const float d = Gradient(i);
     math::AdamUpdate(adam, std::isfinite(d) ? d : 0.0f, mu[i], m[i], v[i]);
   }
@@ -134,7 +134,7 @@ void MaskLearner::BeforeDraw(const DeviceGaussians& gaussians,
 
 void MaskLearner::AfterBackward(const DeviceGaussians& gaussians,
                                 DeviceView<const float> radii,
-                                const uint32_t* halted,
+                                const uint32_t* overflowed,
                                 DeviceGaussians& gradients,
                                 cudaStream_t stream) {
   const size_t n = gaussians.size();
@@ -151,7 +151,7 @@ void MaskLearner::AfterBackward(const DeviceGaussians& gaussians,
                     std::as_const(opacity_logit_).view(),
                     gaussians.values[kOpacityLogit].view(),
                     std::as_const(gradients.values[kScaleLog]).view(),
-                    halted,
+                    overflowed,
                     gradients.values[kOpacityLogit].view(),
                     mu_.view(),
                     m_.view(),

@@ -25,10 +25,10 @@ class MaskLearner {
                   Rng rng,
                   WorldGaussians& world,
                   cudaStream_t stream);
-  // Learns nothing where *halted is not 0, but counts the step.
+  // Learns nothing where *overflowed is not 0, but counts the step.
   void AfterBackward(const DeviceGaussians& gaussians,
                      DeviceView<const float> radii,
-                     const uint32_t* halted,
+                     const uint32_t* overflowed,
                      DeviceGaussians& gradients,
                      cudaStream_t stream);
   // So many steps were in vain.

@@ -32,9 +32,9 @@ void Population::Upload(const TrainingState& state, cudaStream_t stream) {
   const std::vector<uint32_t> updated(state.adam.updated.begin(), state.adam.updated.end());
   adam.updated.Upload(updated.data(), updated.size(), stream);
   adam.step = uint32_t(state.adam.step);
-  halted.Refill(1);
+  overflowed.Refill(1);
   GoOn(stream);
-  adam.halted = halted.data();
+  adam.overflowed = overflowed.data();
   ignored_before_ = state.ignored_gradients;
 }
 

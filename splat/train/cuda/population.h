@@ -35,9 +35,9 @@ class Population {
   // this takes turns with.
   void Gather(DeviceView<const uint32_t> source, size_t first_fresh, cudaStream_t stream);
 
-  // Steps change nothing while `halted` is not 0: the device halts when it finds that a step cannot
-  // be right. This lets them go on, as Upload does.
-  void GoOn(cudaStream_t stream) { halted.FillWithZeros(stream); }
+  // Steps change nothing while `overflowed` is not 0: the step overflows when it finds that a step
+  // cannot be right. This lets them go on, as Upload does.
+  void GoOn(cudaStream_t stream) { overflowed.FillWithZeros(stream); }
 
   std::vector<MemoryPart> Memory() const;
 
@@ -45,7 +45,7 @@ class Population {
   Adam adam;
   Statistics statistics;
   MaskLearner mask;
-  DeviceBuffer<uint32_t> halted;  // [1]
+  DeviceBuffer<uint32_t> overflowed;  // [1]
 
  private:
   DeviceBuffer<float> spare_;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "splat/device/cuda/launch.cuh"
-#include "splat/math/photograph.h"
 #include "splat/math/ssim.h"
+#include "splat/math/target.h"
 
 namespace cosplat::cuda {
 
@@ -65,7 +65,7 @@ struct LossTile {
   }
 };
 
-// The picture beside the photograph, whose bytes are put over the background where they are read.
+// The picture beside the target image, whose bytes are put over the background where they are read.
 struct ComparedImages {
   const float* rendered;  // [3, height, width]
   const uint8_t* target;  // [height, width, channels]
@@ -78,7 +78,7 @@ struct ComparedImages {
   __device__ size_t At(int channel, int x, int y) const {
     return (size_t(channel) * height + y) * width + x;
   }
-  __device__ float Photograph(int channel, int x, int y) const {
+  __device__ float Target(int channel, int x, int y) const {
     const uint8_t* p = target + (size_t(y) * width + x) * channels;
     const uint8_t value = p[channels == 1 ? 0 : channel];
     if (channels != 4) return math::FromByte(value);

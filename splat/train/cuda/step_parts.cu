@@ -10,9 +10,9 @@ struct AccumulateStep {
   DeviceView<const float> radii, screen, d_scale_log, scale_log;
   int width, height;
   DeviceView<float> screen_gradient, plasticity, visible;
-  const uint32_t* halted;
+  const uint32_t* overflowed;
   __device__ void operator()(size_t i) const {
-    if (!(radii[i] > 0) || *halted != 0) return;
+    if (!(radii[i] > 0) || *overflowed != 0) return;
     const math::ShapeOfStep step =
         math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
     if (!step.IsUsable()) return;
@@ -118,7 +118,7 @@ void Accumulate(DeviceView<const float> radii,
                          s.screen_gradient.view(),
                          s.plasticity.view(),
                          s.visible.view(),
-                         population.halted.data()});
+                         population.overflowed.data()});
 }
 
 void AddContributions(DeviceView<const Contribution> of_picture,

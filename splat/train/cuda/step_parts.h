@@ -6,7 +6,7 @@
 
 namespace cosplat::cuda {
 
-// As DensityStatistics::Accumulate; nothing while the population is halted. screen: [N, 2].
+// As DensityStatistics::Accumulate; nothing while the population is overflowed. screen: [N, 2].
 void Accumulate(DeviceView<const float> radii,
                 DeviceView<const float> screen,
                 int width,

@@ -36,8 +36,8 @@ COSPLAT_HD float HardMaskVjp(float mu,
 // LP-3DGS (Zhang et al. 2024): a soft mask m = sigma((mu S + g1 - g2) / 0.5) dims an opacity o to
 // m o, S an importance score, g Gumbel noise; loss weight * mean m.
 constexpr float kMaskTemperature = 0.5f;
-constexpr float kLeastMask = 1e-6f;  // and of 1 - opacity: no division by zero
-constexpr int kMaskDraws = 2;        // random numbers of a Gaussian
+constexpr float kMinMask = 1e-6f;  // and of 1 - opacity: no division by zero
+constexpr int kMaskDraws = 2;      // random numbers of a Gaussian
 
 struct SoftMask {
   float mask, opacity_logit;  // m, and the logit of m o
@@ -50,8 +50,8 @@ COSPLAT_HD float Gumbel(Rng& rng) {
 COSPLAT_HD SoftMask SoftMaskOf(float mu, float importance, float opacity_logit, Rng& rng) {
   const float g1 = Gumbel(rng), g2 = Gumbel(rng);
   const float x = mu * importance + g1 - g2;
-  const float mask = Max(Sigmoid(x / kMaskTemperature), float(kLeastMask));
-  const float dimmed = Min(mask * Sigmoid(opacity_logit), 1 - kLeastMask);
+  const float mask = Max(Sigmoid(x / kMaskTemperature), float(kMinMask));
+  const float dimmed = Min(mask * Sigmoid(opacity_logit), 1 - kMinMask);
   return {mask, std::log(dimmed / (1 - dimmed))};
 }
 
@@ -66,7 +66,7 @@ COSPLAT_HD float SoftMaskVjp(const SoftMask& soft,
   const float m = soft.mask;
   float d_mask = share;
   if (drawn) {
-    const float rest = Max(1 - Sigmoid(soft.opacity_logit), float(kLeastMask));
+    const float rest = Max(1 - Sigmoid(soft.opacity_logit), float(kMinMask));
     d_mask += d_opacity_logit / (m * rest);
     d_opacity_logit *= (1 - Sigmoid(opacity_logit)) / rest;
   }

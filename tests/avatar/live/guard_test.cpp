@@ -120,7 +120,7 @@ Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& 
 // The ease's second derivative is at most 6 / duration^2: 0.2 s, 1e-6 s^2 per picture, faces at
 // most 2 apart; the courses underneath and rounding add less than half. A corner would show its
 // change of speed, which is above 2e-3 per picture where the decay is cut into.
-constexpr float kLeastCorner = 1.5f * 2 * 6 / (0.2f * 0.2f) * 1e-6f;
+constexpr float kMinCorner = 1.5f * 2 * 6 / (0.2f * 0.2f) * 1e-6f;
 
 TEST(FaceGuard, NeitherValueNorSpeedJumps) {
   // From rest to a face, which decays; another comes when it is half way.
@@ -130,7 +130,7 @@ TEST(FaceGuard, NeitherValueNorSpeedJumps) {
     if (t >= 1150 && t < 1500 && t % 40 == 0) Offer(guard, -1, t);
   });
   EXPECT_EQ(guard.counts().returned, 2u);
-  EXPECT_LT(motion.turn, kLeastCorner);
+  EXPECT_LT(motion.turn, kMinCorner);
   EXPECT_LT(motion.step, 1.5f * 2 / 200 * 1.5f);
 }
 
@@ -189,7 +189,7 @@ TEST(FaceGuard, RefusesAndCounts) {
     refused(verdict, [&](auto& f) { f.expression.assign(9, x); });  // those left out count too
   }
   refused(Verdict::kNotFinite, [&](auto& f) { f.expression = {1e30f, std::nanf("")}; });
-  refused(Verdict::kWrongSize, [](auto& f) { f.expression.resize(kMostExpressions + 1); });
+  refused(Verdict::kWrongSize, [](auto& f) { f.expression.resize(kMaxExpressions + 1); });
   EXPECT_EQ(Offer(guard, 1, 99), Verdict::kLate);
   EXPECT_EQ(Offer(guard, 1, 100), Verdict::kAccepted);
   const GuardCounts& counts = guard.counts();

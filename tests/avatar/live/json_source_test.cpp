@@ -52,7 +52,7 @@ TEST(JsonSource, TheNewestFrameOfADatagramEach) {
 TEST(JsonSource, WhatIsBadIsCountedAndTheRestIsTaken) {
   Connection connection;
   const std::string packets[] = {
-      Line(5), Line(4), Line(5), "{", "", std::string(kMostPacketBytes + 1, ' '), Line(6, 0.5f)};
+      Line(5), Line(4), Line(5), "{", "", std::string(kMaxPacketBytes + 1, ' '), Line(6, 0.5f)};
   for (const std::string& packet : packets) connection.Send(packet);
   LiveFrame frame;
   ASSERT_TRUE(connection.source->Poll(0, frame));
@@ -191,7 +191,7 @@ TEST(JsonSource, ALineThatIsTooLongCostsOnlyItself) {
   const auto source = OpenJsonSource(OpenLineInput(pipe.read_end, "standard input"), {});
   LiveFrame frame;
   for (int i = 0; i < 3; ++i) {
-    pipe.Write(std::string(kMostPacketBytes / 2, ' '));
+    pipe.Write(std::string(kMaxPacketBytes / 2, ' '));
     EXPECT_FALSE(source->Poll(0, frame));
   }
   pipe.Write("\n");

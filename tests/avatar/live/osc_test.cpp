@@ -83,7 +83,7 @@ TEST(Osc, WhatIsWrongIsSaid) {
       {a + OscText(",b") + OscWord(0xffffffff), "ends within"},
       {a + OscText(",b") + OscWord(5) + "1234", "ends within"},
       {a + OscText(",i") + OscWord(1) + OscWord(2), "longer than"},
-      {a + OscText("," + std::string(kMostOscArguments + 1, 'T')), "33 arguments"},
+      {a + OscText("," + std::string(kMaxOscArguments + 1, 'T')), "33 arguments"},
       {OscBundle({a}).substr(0, 12), "within an OSC bundle"},
       {OscBundle({a}) + "12", "within an OSC bundle"},
       {OscBundle({}) + OscWord(0x80000000), "within an OSC bundle"},
@@ -95,7 +95,7 @@ TEST(Osc, WhatIsWrongIsSaid) {
 
 TEST(Osc, BundlesInsideEachOtherEnd) {
   std::string packet = OscText("/a");
-  for (int i = 0; i < kMostOscBundles; ++i) packet = OscBundle({packet});
+  for (int i = 0; i < kMaxOscBundles; ++i) packet = OscBundle({packet});
   EXPECT_EQ(ProblemOf(packet), "");
   EXPECT_EQ(ProblemOf(OscBundle({packet})), "has too many OSC bundles inside each other");
 }

@@ -55,11 +55,11 @@ TEST(SenderClock, FollowsAClockThatIsSet) {
 }
 
 TEST(SenderClock, TakesAnyNumbers) {
-  constexpr int64_t kLeast = std::numeric_limits<int64_t>::min();
-  constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
+  constexpr int64_t kMin = std::numeric_limits<int64_t>::min();
+  constexpr int64_t kMax = std::numeric_limits<int64_t>::max();
   SenderClock clock;
-  for (const int64_t sent : {kLeast, int64_t(0), kMost})
-    for (const int64_t now : {int64_t(0), kMost}) EXPECT_LE(clock.Received(sent, now), now);
+  for (const int64_t sent : {kMin, int64_t(0), kMax})
+    for (const int64_t now : {int64_t(0), kMax}) EXPECT_LE(clock.Received(sent, now), now);
 }
 
 }  // namespace

@@ -71,8 +71,8 @@ TEST(SoftRange, BeyondTheRangeTheMarginIsTheMost) {
   FlameParams face = Face({50, 50, -50});
   EXPECT_TRUE(range.Bring(face));
   EXPECT_FLOAT_EQ(face.expression[0], 4 + 0.25f * 6);
-  EXPECT_FLOAT_EQ(face.expression[1], 1 + SoftRange::kLeastMargin);
-  EXPECT_FLOAT_EQ(face.expression[2], -SoftRange::kLeastMargin) << "not one of training's";
+  EXPECT_FLOAT_EQ(face.expression[1], 1 + SoftRange::kMinMargin);
+  EXPECT_FLOAT_EQ(face.expression[2], -SoftRange::kMinMargin) << "not one of training's";
 }
 
 TEST(SoftRange, WithoutTrainingsRangeAUsualOneIsTaken) {

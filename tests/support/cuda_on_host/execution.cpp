@@ -42,9 +42,9 @@ namespace cuda_on_host {
 namespace {
 
 constexpr size_t kStackBytes = 64 * 1024;
-constexpr unsigned kMostThreads = 1024;
-constexpr int kPoison = 0xff;      // four of them are a NaN
-constexpr size_t kMostShared = 8;  // variables of a block
+constexpr unsigned kMaxThreads = 1024;
+constexpr int kPoison = 0xff;     // four of them are a NaN
+constexpr size_t kMaxShared = 8;  // variables of a block
 
 using Place = std::source_location;
 std::string ToString(const Place& p) {
@@ -73,9 +73,9 @@ struct Fiber {
 struct Block {
   const std::function<void()>* thread = nullptr;
   unsigned count = 0, current = 0;
-  std::array<Fiber, kMostThreads> fibers;
-  std::array<Dim, kMostThreads> index;
-  std::array<Meeting, kMostThreads / kWarpSize> warps;
+  std::array<Fiber, kMaxThreads> fibers;
+  std::array<Dim, kMaxThreads> index;
+  std::array<Meeting, kMaxThreads / kWarpSize> warps;
   Meeting barrier;
   std::vector<unsigned> ready;
   void* scheduler = nullptr;  // its stack pointer
@@ -85,7 +85,7 @@ struct Block {
   struct {
     const void* key;
     size_t at;
-  } shared[kMostShared];
+  } shared[kMaxShared];
   size_t shared_count = 0, shared_used = 0;
 };
 Block run;
@@ -97,7 +97,7 @@ cosplat::Rng order;
 char* Memory() {
   static char* const memory = [] {
     void* p = mmap(nullptr,
-                   kSharedBytes + kMostThreads * kStackBytes,
+                   kSharedBytes + kMaxThreads * kStackBytes,
                    PROT_READ | PROT_WRITE,
                    MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
                    -1,
@@ -153,7 +153,7 @@ void SwitchToNext(void** from) {
 // Of thread t: blocks that follow each other have different ones, or their threads of one number
 // would be ordered.
 void* RaceContextOf(unsigned t, bool odd_block) {
-  static std::array<std::array<void*, kMostThreads>, 2> contexts{};
+  static std::array<std::array<void*, kMaxThreads>, 2> contexts{};
   void*& context = contexts[odd_block][t];
   if (!context) context = NewRaceContext();
   return context;
@@ -222,7 +222,7 @@ void SetSchedule(uint64_t seed) { order.state = seed; }
 
 void RunGrid(const Dim& grid, const Dim& block, const std::function<void()>& thread) {
   const unsigned count = block.x * block.y * block.z;
-  if (count == 0 || count > kMostThreads || count % kWarpSize != 0)
+  if (count == 0 || count > kMaxThreads || count % kWarpSize != 0)
     throw Fault("a block of " + std::to_string(count) + " threads: no warps, or too many");
   if (grid.x == 0 || grid.y == 0 || grid.z == 0) throw Fault("a grid without blocks");
   gridDim = grid;
@@ -284,7 +284,7 @@ void* SharedMemoryOf(const void* key, size_t bytes) {
     if (run.shared[i].key == key) return Memory() + run.shared[i].at;
   const size_t at = run.shared_used;
   run.shared_used += (bytes + 63) / 64 * 64;
-  if (run.shared_count == kMostShared || run.shared_used > kSharedBytes)
+  if (run.shared_count == kMaxShared || run.shared_used > kSharedBytes)
     throw Fault("more shared memory than a block has");
   run.shared[run.shared_count++] = {key, at};
   return Memory() + at;

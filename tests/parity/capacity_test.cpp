@@ -1,4 +1,5 @@
-// Lists with room for another number of instances than there are: splat/render/cuda/tile_lists.h.
+// Lists with capacity for another number of instances than there are:
+// splat/render/cuda/tile_lists.h.
 #include <gtest/gtest.h>
 
 #include "splat/render/cuda/device_gaussians.h"
@@ -12,11 +13,11 @@ namespace {
 
 using cuda::SumOrder;
 
-class Room : public test::DeviceTest {};
+class Capacity : public test::DeviceTest {};
 
 struct Drawn {
   std::vector<float> color, d_position;
-  size_t instances = 0, room = 0;
+  size_t instances = 0, capacity = 0;
   bool exceeded = false;
 };
 
@@ -47,26 +48,26 @@ Drawn Draw(const test::ParityCase& c, SumOrder order, const size_t* expected) {
   cuda::Readback<uint32_t> flag;
   drawn.instances = counts.Get(tape.lists.counts(), stream).instances;
   drawn.exceeded = flag.Get(exceeded.data(), stream) != 0;
-  drawn.room = tape.lists.room();
+  drawn.capacity = tape.lists.capacity();
   return drawn;
 }
 
-class RoomOf : public Room, public testing::WithParamInterface<SumOrder> {};
+class CapacityOf : public Capacity, public testing::WithParamInterface<SumOrder> {};
 INSTANTIATE_TEST_SUITE_P(Order,
-                         RoomOf,
+                         CapacityOf,
                          testing::Values(SumOrder::kAny, SumOrder::kFixed),
                          [](const auto& order) {
                            return order.param == SumOrder::kAny ? "Any" : "Fixed";
                          });
 
-TEST_P(RoomOf, MoreThanIsNeededChangesNothing) {
-  const test::ParityCase c = test::RandomCase("room", 200, 40, 24, Basis::kDcsh, 1);
+TEST_P(CapacityOf, MoreThanIsNeededChangesNothing) {
+  const test::ParityCase c = test::RandomCase("capacity", 200, 40, 24, Basis::kDcsh, 1);
   const Drawn waited = Draw(c, GetParam(), nullptr);
-  EXPECT_EQ(waited.room, waited.instances);
-  for (const size_t room : {waited.instances, 2 * waited.instances + 5}) {
-    const Drawn drawn = Draw(c, GetParam(), &room);
+  EXPECT_EQ(waited.capacity, waited.instances);
+  for (const size_t capacity : {waited.instances, 2 * waited.instances + 5}) {
+    const Drawn drawn = Draw(c, GetParam(), &capacity);
     EXPECT_FALSE(drawn.exceeded);
-    EXPECT_EQ(drawn.room, room);
+    EXPECT_EQ(drawn.capacity, capacity);
     EXPECT_EQ(drawn.instances, waited.instances);
     EXPECT_EQ(drawn.color, waited.color);
     if (GetParam() == SumOrder::kFixed) {
@@ -76,11 +77,11 @@ TEST_P(RoomOf, MoreThanIsNeededChangesNothing) {
 }
 
 // The background, no gradients, and no memory touched that there is not.
-TEST_P(RoomOf, TooLittleLeavesTheListsEmpty) {
-  const test::ParityCase c = test::RandomCase("room", 200, 40, 24, Basis::kDcsh, 1);
+TEST_P(CapacityOf, TooLittleLeavesTheListsEmpty) {
+  const test::ParityCase c = test::RandomCase("capacity", 200, 40, 24, Basis::kDcsh, 1);
   const size_t instances = Draw(c, GetParam(), nullptr).instances;
-  for (const size_t room : {instances - 1, size_t(1), size_t(0)}) {
-    const Drawn drawn = Draw(c, GetParam(), &room);
+  for (const size_t capacity : {instances - 1, size_t(1), size_t(0)}) {
+    const Drawn drawn = Draw(c, GetParam(), &capacity);
     EXPECT_TRUE(drawn.exceeded);
     EXPECT_EQ(drawn.instances, instances);
     const size_t plane = drawn.color.size() / 3;
@@ -90,11 +91,11 @@ TEST_P(RoomOf, TooLittleLeavesTheListsEmpty) {
   }
 }
 
-TEST_F(Room, NothingDrawnFitsIntoAny) {
+TEST_F(Capacity, NothingDrawnFitsIntoAny) {
   test::ParityCase c = test::RandomCase("nothing", 40, 40, 24, Basis::kDcsh, 1);
   for (size_t i = 0; i < c.gaussians.size(); ++i) *c.gaussians.at(kOpacityLogit, i) = -20;
-  for (const size_t room : {size_t(0), size_t(64)}) {
-    const Drawn drawn = Draw(c, SumOrder::kFixed, &room);
+  for (const size_t capacity : {size_t(0), size_t(64)}) {
+    const Drawn drawn = Draw(c, SumOrder::kFixed, &capacity);
     EXPECT_FALSE(drawn.exceeded);
     EXPECT_EQ(drawn.instances, 0u);
     for (const float d : drawn.d_position) ASSERT_EQ(d, 0);

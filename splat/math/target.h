@@ -1,4 +1,4 @@
-// A photograph's bytes as the numbers that a rendering is compared with.
+// A target image's bytes as the numbers that a rendering is compared with.
 #if defined(COSPLAT_SPLAT_MATH_PHOTOGRAPH_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_PHOTOGRAPH_H_
 #undef COSPLAT_SPLAT_MATH_PHOTOGRAPH_H_

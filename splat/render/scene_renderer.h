@@ -1,7 +1,7 @@
 // Draws one scene again and again where that is not the CPU: the device keeps the Gaussians.
 //
-// Gaussians -> SceneDrawerOn (splat/render/device.h) -> Draw -> picture.
-// avatar/play/avatar_drawer.h does the same for avatars.
+// Gaussians -> SceneRendererOn (splat/render/device.h) -> Draw -> picture.
+// avatar/play/avatar_renderer.h does the same for avatars.
 #pragma once
 
 #include <functional>
@@ -13,13 +13,13 @@
 
 namespace cosplat {
 
-class SceneDrawer {
+class SceneRenderer {
  public:
-  virtual ~SceneDrawer() = default;
+  virtual ~SceneRenderer() = default;
   // As Rasterizer::Forward.
   virtual void Draw(const Camera& camera, const RenderSettings& settings, RenderedImage& image) = 0;
   // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
-  // this drawer. The background must be black but with AlphaMode::kOpaque.
+  // this renderer. The background must be black but with AlphaMode::kOpaque.
   virtual void DrawToStay(const Camera& camera,
                           const RenderSettings& settings,
                           AlphaMode alpha,
@@ -29,6 +29,6 @@ class SceneDrawer {
 };
 
 // Of one scene, which need not outlive the call.
-using SceneDrawerMaker = std::function<std::unique_ptr<SceneDrawer>(const Gaussians&)>;
+using SceneRendererMaker = std::function<std::unique_ptr<SceneRenderer>(const Gaussians&)>;
 
 }  // namespace cosplat

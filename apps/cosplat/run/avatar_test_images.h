@@ -8,10 +8,10 @@
 
 namespace cosplat {
 
-class AvatarRenderer {
+class AvatarTestImages {
  public:
   // Keeps a reference to `flame`. The model must have its mesh.
-  AvatarRenderer(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
+  AvatarTestImages(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
 
   // Renders the frame over the writer's background and writes it beside `truth`, with the mouth's
   // rectangle.

@@ -1,4 +1,4 @@
-#include "avatar/play/cuda/device_drawer.h"
+#include "avatar/play/cuda/device_avatar_renderer.h"
 
 #include "avatar/play/cuda/device_poser.h"
 #include "avatar/surface/cuda/device_binding.h"
@@ -7,9 +7,9 @@
 namespace cosplat::cuda {
 namespace {
 
-class DeviceDrawer : public AvatarDrawer {
+class DeviceAvatarRenderer : public AvatarRenderer {
  public:
-  DeviceDrawer(const AvatarModel& avatar, const AvatarPosing& posing, DirectionStore& store)
+  DeviceAvatarRenderer(const AvatarModel& avatar, const AvatarPosing& posing, DirectionStore& store)
       : basis_(avatar.gaussians.basis),
         color_frame_(avatar.color_frame),
         poser_(posing, store, stream()),
@@ -66,10 +66,10 @@ class DeviceDrawer : public AvatarDrawer {
 
 }  // namespace
 
-AvatarDrawerMaker MakeDeviceDrawers() {
+AvatarRendererMaker MakeDeviceRenderers() {
   return [store = std::make_shared<DirectionStore>()](const AvatarModel& avatar,
                                                       const AvatarPosing& posing) {
-    return std::make_unique<DeviceDrawer>(avatar, posing, *store);
+    return std::make_unique<DeviceAvatarRenderer>(avatar, posing, *store);
   };
 }
 

@@ -1,10 +1,10 @@
-#include "splat/train/cuda/photographs.h"
+#include "splat/train/cuda/target_images.h"
 
 #include <utility>
 
 namespace cosplat::cuda {
 
-const DeviceTarget& Photographs::Of(size_t frame, int downscale, cudaStream_t stream) {
+const DeviceTarget& TargetImages::Of(size_t frame, int downscale, cudaStream_t stream) {
   if (std::exchange(downscale_, downscale) != downscale) {
     kept_ = std::vector<DeviceTarget>(kept_.size());  // freeing waits for the device
     held_ = 0;

@@ -1,7 +1,7 @@
 // Who draws an avatar for a Player, where that is not the CPU: the seam that avatar/*/cuda/ is
 // behind.
 //
-// Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarDrawer: vertices, surface,
+// Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarRenderer: vertices, surface,
 // binding, rasteriser -> picture. avatar/play/player_device.h chooses.
 #pragma once
 
@@ -24,9 +24,9 @@ struct AvatarPosing {
   View<const float> bust;  // [K, 3] metres, posed
 };
 
-class AvatarDrawer {
+class AvatarRenderer {
  public:
-  virtual ~AvatarDrawer() = default;
+  virtual ~AvatarRenderer() = default;
   // As Rasterizer::Forward, of the avatar in this pose, within float's range (PosingReach).
   // `placement` is another one where the pose is; 0 is none.
   virtual void Draw(const FlameRig<float>& rig,
@@ -35,7 +35,7 @@ class AvatarDrawer {
                     const RenderSettings& settings,
                     RenderedImage& image) = 0;
   // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
-  // this drawer. The background must be black but with AlphaMode::kOpaque.
+  // this renderer. The background must be black but with AlphaMode::kOpaque.
   virtual void DrawToStay(const FlameRig<float>& rig,
                           uint64_t placement,
                           const Camera& camera,
@@ -47,9 +47,9 @@ class AvatarDrawer {
 };
 
 // Of one avatar, whose arrays fit each other (CheckEmbedding) and which need not outlive the call;
-// of its posing FLAME's directions do, at the same place: drawers of one maker may share what they
-// make of them.
-using AvatarDrawerMaker =
-    std::function<std::unique_ptr<AvatarDrawer>(const AvatarModel&, const AvatarPosing&)>;
+// of its posing FLAME's directions do, at the same place: renderers of one maker may share what
+// they make of them.
+using AvatarRendererMaker =
+    std::function<std::unique_ptr<AvatarRenderer>(const AvatarModel&, const AvatarPosing&)>;
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// The photographs that are trained on, as bytes on the device.
+// The target images that are trained on, as bytes on the device.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace cosplat::cuda {
 
-class Photographs {
+class TargetImages {
  public:
   // Keeps up to `most_bytes` of them there, each from its first use on; what is beyond that is sent
   // again with each step.
-  Photographs(const Subject& subject, size_t most_bytes)
+  TargetImages(const Subject& subject, size_t most_bytes)
       : frames_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
 
   // downscale: as ReducedFrames::At's. Those of one are there at a time.
