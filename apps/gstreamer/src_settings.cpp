@@ -108,7 +108,7 @@ constexpr const char* kDriveBlurb =
 constexpr const char* kLoopBlurb =
     "Recordings begin again at their end; otherwise the stream ends there, unless it is live";
 constexpr const char* kBackgroundBlurb =
-    "avatar (what it was trained on), transparent (straight alpha) or #rrggbb";
+    "avatar (that of its evaluation), transparent (straight alpha) or #rrggbb";
 constexpr const char* kLiveBlurb =
     "Frames at the clock's pace, late ones left out, and not as fast as they are asked for";
 

@@ -105,7 +105,7 @@ typedef struct cosplat_info {
   uint32_t expression_count;
   uint32_t joint_count;
   float box_min[3], box_max[3]; /* metres: the Gaussians' centres at rest, world */
-  float background[3];          /* sRGB from 0 to 1: what the avatar was trained on */
+  float background[3];          /* sRGB from 0 to 1: that of its evaluation */
 } cosplat_info;
 
 COSPLAT_API cosplat_status cosplat_get_info(cosplat_avatar* avatar, cosplat_info* info);

@@ -13,7 +13,7 @@ $ours << EOD
 636 36.00 "20,500 steps"
 EOD
 $before << EOD
-1274 35.11 "30,000 steps, version 0.1"
+1274 35.11 "30,000 steps, commit c963d26"
 EOD
 $published << EOD
 720 35.98 "DCSH"

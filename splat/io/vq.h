@@ -24,7 +24,8 @@ QuantisedSplats Quantise(const Gaussians& gaussians,
                          View<const float> significance,
                          const VqSettings& settings);
 
-// Opacity times mean standard deviation: what stands in for significance where no view is known.
+// Opacity times the geometric mean of the standard deviations: what stands in for significance
+// where no view is known.
 std::vector<float> SizeSignificance(const Gaussians& gaussians);
 
 }  // namespace cosplat
