@@ -6,6 +6,7 @@
 
 #include "avatar/plugin/coded_error.h"
 #include "splat/base/camera_pose.h"
+#include "splat/base/image.h"
 #include "splat/math/vec.h"
 
 namespace cosplat::plugin {
