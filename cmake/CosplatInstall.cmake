@@ -26,13 +26,8 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/live_parameters.h
   avatar/plugin/struct_size.h
   avatar/surface/cuda/
-  avatar/surface/embed_packs.h
   avatar/surface/gather_rows.h
-  avatar/surface/kernels/
-  avatar/surface/parallel_for.h
   avatar/surface/released_binding.h
-  avatar/surface/surface_packs.h
-  avatar/train/cuda/
   flame/check_parameters.h
   flame/directions.h
   flame/io/pickle
@@ -42,6 +37,9 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/base/npy.h
   splat/base/opencv_quiet.h
   splat/device/cuda/
+  splat/device/for_each.h
+  splat/device/gather.h
+  splat/device/parallel_for.h
   splat/io/colmap_model.h
   splat/io/glb
   splat/io/nearest_row.h
@@ -53,13 +51,9 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/prune/rules.h
   splat/render/cpu/
   splat/render/cuda/
-  splat/render/kernels/pixel_bytes.h
-  splat/render/kernels/project
-  splat/render/kernels/rows.h
-  splat/render/kernels/tile_range.h
-  splat/render/kernels/view_parameters.h
   splat/train/cpu/
-  splat/train/cuda/)
+  splat/train/cuda/
+  splat/train/kernels/adam.h)
 
 # Call it when every target exists.
 function(cosplat_install)

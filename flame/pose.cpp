@@ -259,7 +259,7 @@ PosingArrays<T> FlamePoser<T>::Arrays() const {
 
 template <class T>
 typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
-                                                      const std::vector<T>& d_vertices,
+                                                      std::span<const T> d_vertices,
                                                       Cache& cache) const {
   const Impl& m = *impl_;
   const size_t size = m.shaped.size();

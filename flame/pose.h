@@ -9,6 +9,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "flame/model.h"
@@ -57,8 +58,8 @@ class FlamePoser {
 
   // d_vertices [V, 3] = dL/d(vertices) at `frame` -> gradients with respect to the frame. Cheaper
   // with the cache of the Forward before.
-  Frame Backward(const Frame& frame, const std::vector<T>& d_vertices, Cache& cache) const;
-  Frame Backward(const Frame& frame, const std::vector<T>& d_vertices) const {
+  Frame Backward(const Frame& frame, std::span<const T> d_vertices, Cache& cache) const;
+  Frame Backward(const Frame& frame, std::span<const T> d_vertices) const {
     Cache cache;
     return Backward(frame, d_vertices, cache);
   }

@@ -2,7 +2,7 @@
 // left when shape and joints are done.
 //
 // FlamePoser::Arrays (once) and FlamePoser::Prepare (each frame, some hundred numbers) -> the
-// kernels of flame/kernels/pose.h, on a device (avatar/play/cuda/device_poser.h) -> posed vertices.
+// kernels of flame/kernels/pose.h, on a device (avatar/play/rig_poser.h) -> posed vertices.
 #pragma once
 
 #include <array>

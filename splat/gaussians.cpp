@@ -35,7 +35,7 @@ void Gaussians::Gather(const std::vector<uint32_t>& source) {
     values[a] = std::move(gathered);
   }
   if (degrees.empty()) return;
-  std::vector<uint8_t> gathered;
+  Buffer<uint8_t> gathered;
   for (const uint32_t i : source) gathered.push_back(degrees[i]);
   degrees = std::move(gathered);
 }
@@ -46,6 +46,36 @@ Gaussians Gaussians::ZerosLike() const {
   zeros.basis = basis;
   zeros.Resize(size());
   return zeros;
+}
+
+void Gaussians::Upload(const Gaussians& from, Stream& stream) {
+  degree = from.degree;
+  basis = from.basis;
+  degrees.Upload(from.degrees.data(), from.degrees.size(), stream);
+  for (int a = 0; a < kAttributeCount; ++a)
+    values[a].Upload(from.values[a].data(), from.values[a].size(), stream);
+}
+
+void Gaussians::Download(Gaussians& to, Stream& stream) const {
+  to.degree = degree;
+  to.basis = basis;
+  to.degrees.resize(degrees.size());
+  degrees.Download(to.degrees.data(), stream);
+  for (int a = 0; a < kAttributeCount; ++a) {
+    to.values[a].resize(values[a].size());
+    values[a].Download(to.values[a].data(), stream);
+  }
+}
+
+void Gaussians::RefillLike(const Gaussians& other, Stream& stream) {
+  degree = other.degree;
+  basis = other.basis;
+  degrees.clear();
+  for (int a = 0; a < kAttributeCount; ++a) values[a].Refill(other.values[a].size(), stream);
+}
+
+void Gaussians::FillWithZeros(Stream& stream) {
+  for (Buffer<float>& v : values) v.FillWithZeros(stream);
 }
 
 int HighestBand(const Gaussians& g, size_t i) {

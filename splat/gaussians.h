@@ -31,7 +31,7 @@ struct Gaussians {
   Basis basis = Basis::kDcsh;
   // [N] each Gaussian's own degree, <= `degree`: coefficients of its higher bands are zero, are not
   // evaluated and get no gradient. Empty: `degree` for all.
-  std::vector<uint8_t> degrees;
+  Buffer<uint8_t> degrees;
   std::array<Buffer<float>, kAttributeCount> values;
 
   size_t size() const { return values[kOpacityLogit].size(); }
@@ -49,6 +49,17 @@ struct Gaussians {
   void Gather(const std::vector<uint32_t>& source);
   // The same layout, all zero.
   Gaussians ZerosLike() const;
+
+  // In a stream's memory; all of the above is the host's alone.
+
+  // Takes over Gaussians of the host's memory, which must stay until the stream was waited for.
+  void Upload(const Gaussians& from, Stream& stream);
+  // To Gaussians of the host's memory, which get this layout; they are there when the stream was
+  // waited for.
+  void Download(Gaussians& to, Stream& stream) const;
+  // Room for the same layout; any values.
+  void RefillLike(const Gaussians& other, Stream& stream);
+  void FillWithZeros(Stream& stream);
 };
 
 // Highest band of Gaussian i with a coefficient that is not zero.

@@ -62,7 +62,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"splat/base/", {"splat/base/", "splat/math/namespace.h"}},
       {"splat/math/",
        {"splat/math/", "splat/config.h", "splat/basis.h", "splat/basis_constants.h"}},
-      {"splat/device/", {"splat/device/", "splat/base/", "splat/math/namespace.h"}},
+      {"splat/device/", {"splat/device/", "splat/base/", "splat/math/"}},
       {"splat/render/", kRender},
       {"splat/io/", Join(kRender, {"splat/io/"})},
       {"splat/train/", kTrain},
@@ -204,7 +204,9 @@ std::vector<Source> AllSources() {
   for (const char* folder : {"splat", "flame", "avatar", "assets", "apps", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
-      if (!IsHeader(entry.path()) && extension != ".cpp" && extension != ".cu") continue;
+      if (!IsHeader(entry.path()) && extension != ".cpp" && extension != ".cu" &&
+          extension != ".cuh")
+        continue;
       std::ifstream file(entry.path());
       std::ostringstream text;
       text << file.rdbuf();
@@ -219,6 +221,50 @@ TEST(Layering, HoldsInEveryFile) {
   for (const Source& source : sources)
     for (const std::string& violation : Violations(source.path, source.text))
       ADD_FAILURE() << violation;
+}
+
+// Paths in backquotes, with one level of {a,b}.
+std::set<std::string> PathsNamedIn(const std::string& text) {
+  static const std::regex quoted("`([^`{]*)(\\{([^}`]*)\\})?([^`]*)`");
+  std::set<std::string> paths;
+  for (std::sregex_iterator m(text.begin(), text.end(), quoted), end; m != end; ++m) {
+    std::istringstream choices((*m)[3].matched ? (*m)[3].str() : std::string(" "));
+    for (std::string choice; std::getline(choices, choice, ',');)
+      paths.insert((*m)[1].str() + ((*m)[3].matched ? choice : "") + (*m)[4].str());
+  }
+  return paths;
+}
+
+// docs/design.md, "One core": what is written for CUDA alone. Nothing more may be.
+TEST(Layering, WhatIsWrittenForOneBackEndIsInTheTable) {
+  std::ifstream file(fs::path(COSPLAT_SOURCE_DIR) / "docs/design.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  const std::string page = text.str();
+  const size_t begin = page.find("What is written for one back end");
+  ASSERT_NE(begin, std::string::npos);
+  const std::set<std::string> listed =
+      PathsNamedIn(page.substr(begin, page.find("`tests/layering_test.cpp`", begin) - begin));
+  std::set<std::string> there;
+  for (const Source& source : AllSources())
+    if (source.path.find("/cuda/") != std::string::npos && !StartsWith(source.path, "tests/"))
+      there.insert(source.path);
+  for (const std::string& path : there) EXPECT_EQ(listed.count(path), 1u) << path;
+  for (const std::string& path : listed)
+    if (path.find("/cuda/") != std::string::npos) EXPECT_EQ(there.count(path), 1u) << path;
+}
+
+// Types that are a device's own: the choice of one, what is known of it, pictures and textures that
+// stay there.
+TEST(Layering, FewTypesAreADevices) {
+  static const std::regex type("\\b(class|struct) (Device[A-Za-z]*)");
+  std::set<std::string> types;
+  for (const Source& source : AllSources()) {
+    if (StartsWith(source.path, "tests/")) continue;
+    for (std::sregex_iterator m(source.text.begin(), source.text.end(), type), end; m != end; ++m)
+      types.insert((*m)[2]);
+  }
+  EXPECT_LE(types.size(), 4u) << testing::PrintToString(types);
 }
 
 TEST(Layering, MeshAndGltfLibrariesAreEachInOneFile) {
@@ -279,13 +325,13 @@ TEST(Layering, CheckSeesWhatIsForbidden) {
   EXPECT_TRUE(breaks("avatar/play/player.cpp", "\"avatar/train/trainer.h\""));
   EXPECT_TRUE(breaks("splat/train/trainer.cpp", "<cuda_runtime.h>"));
   EXPECT_TRUE(breaks("avatar/play/player.cpp", "<cuda_runtime.h>"));
-  EXPECT_TRUE(breaks("splat/device/cuda/sort.cu", "\"avatar/surface/cuda/device_surface.h\""));
+  EXPECT_TRUE(breaks("splat/device/cuda/sort.cu", "\"avatar/surface/surface.h\""));
   EXPECT_TRUE(breaks("splat/device/cuda/sort.cu", "\"tests/support/near.h\""));
   EXPECT_FALSE(breaks("flame/pose.cpp", "<Eigen/Core>"));
   EXPECT_FALSE(breaks("apps/gstreamer/cosplat_src.cpp", "<cosplat.h>"));
   EXPECT_FALSE(breaks("splat/math/vec.h", "<cmath>"));
   EXPECT_FALSE(breaks("splat/device/cuda/check.h", "<cuda_runtime.h>"));
-  EXPECT_FALSE(breaks("avatar/surface/cuda/device_surface.cu", "\"splat/device/cuda/memory.h\""));
+  EXPECT_FALSE(breaks("avatar/surface/cuda/kernels.cu", "\"splat/device/cuda/kernels.cuh\""));
   EXPECT_FALSE(breaks("tests/avatar/walk_test.cpp", "\"splat/render/cpu/pack.h\""));
 }
 

@@ -136,7 +136,7 @@ void Train(AvatarOptions o, const std::string& config) {
   Trainer trainer(o.ToSettings(subject.extent()),
                   subject,
                   subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
-                  AvatarEngineOn(device, o.deterministic, subject));
+                  AvatarEngineOn(device, o.deterministic));
   SaveInputs(o, video, config);
   if (!o.quiet) PrintSkipped(video.skipped);
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));

@@ -7,6 +7,7 @@
 #include "flame/math/rodrigues.h"
 #include "splat/base/error.h"
 #include "splat/config.h"
+#include "splat/math/scalar.h"
 #include "splat/train/initialize.h"
 
 namespace cosplat::viewer {
@@ -96,7 +97,7 @@ StartView AtCamera(const std::vector<Camera>& cameras) {
 }
 
 StartView BeforeSplats(const std::string& file, const Gaussians& gaussians) {
-  const float least = std::log(kMinAlpha / (1 - kMinAlpha));  // the logit of kMinAlpha
+  const float least = math::Logit(kMinAlpha);
   std::vector<Vec3<float>> points;
   for (size_t i = 0; i < gaussians.size(); ++i) {
     const float* p = gaussians.at(kPosition, i);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/viewer/surface_buffer.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat::viewer {
 
@@ -23,7 +24,7 @@ void DrawMesh(const std::vector<float>& vertices,
               SurfaceBuffer& buffer);
 
 // How many Gaussians each of `faces` faces has. triangle: [N].
-std::vector<int> CountPerFace(const std::vector<int32_t>& triangle, size_t faces);
+std::vector<int> CountPerFace(View<const int32_t> triangle, size_t faces);
 std::vector<Rgb> CountColors(const std::vector<int>& counts);
 
 }  // namespace cosplat::viewer

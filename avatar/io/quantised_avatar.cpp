@@ -31,7 +31,8 @@ void AddEmbedding(const Embedding& embedding, QuantisedSplats& splats) {
   std::vector<float> barycentric;
   for (const auto& [u, v] : embedding.barycentric) barycentric.insert(barycentric.end(), {u, v});
   splats.kind = kKind;
-  splats.more.Add("triangle", {n}, embedding.triangle);
+  const std::vector<int32_t> triangle(embedding.triangle.begin(), embedding.triangle.end());
+  splats.more.Add("triangle", {n}, triangle);
   splats.more.Add("barycentric", {n, 2}, barycentric);
 }
 

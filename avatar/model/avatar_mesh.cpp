@@ -139,7 +139,7 @@ void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) {
   vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
 }
 
-AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame, const std::vector<float>& d_vertices) {
+AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame, View<const float> d_vertices) {
   return poser_.Backward(
       frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
 }

@@ -42,7 +42,7 @@ class AvatarPoser {
   // written then. What did not change since the last call is not computed again.
   void Forward(const Frame& frame, std::vector<float>& vertices);
   // Cheaper right after the Forward of the same frame.
-  Frame Backward(const Frame& frame, const std::vector<float>& d_vertices);
+  Frame Backward(const Frame& frame, View<const float> d_vertices);
   // The head's part, and the bust's vertices, which are the same in every frame: [K, 3] metres.
   const FlamePoser<float>& flame() const { return poser_; }
   const std::vector<float>& bust() const { return posed_bust_; }

@@ -43,10 +43,14 @@ struct ReleasedRule {
 
 // Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`; and how it follows.
 struct Embedding {
-  std::vector<int32_t> triangle;  // [N] face index
+  Buffer<int32_t> triangle;  // [N] face index
   // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
-  std::vector<std::array<float, 2>> barycentric;
+  Buffer<std::array<float, 2>> barycentric;
   std::optional<ReleasedRule> released{};  // nothing: avatar/math/embed.h
+
+  // `barycentric` as [N, 2] numbers.
+  float* weights() { return reinterpret_cast<float*>(barycentric.data()); }
+  const float* weights() const { return reinterpret_cast<const float*>(barycentric.data()); }
 };
 
 // The faces that training frames made: beyond them an avatar was never seen.

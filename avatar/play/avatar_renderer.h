@@ -1,5 +1,5 @@
-// Who draws an avatar for a Player, where that is not the CPU: the seam that avatar/*/cuda/ is
-// behind.
+// Draws an avatar for a Player where that is not the CPU: everything but the joints stays on the
+// device.
 //
 // Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarRenderer: vertices, surface,
 // binding, rasteriser -> picture. avatar/play/player_device.h chooses.
@@ -10,45 +10,54 @@
 #include <memory>
 
 #include "avatar/model/avatar_model.h"
-#include "flame/posing.h"
-#include "splat/device/buffer.h"
-#include "splat/render/alpha_mode.h"
-#include "splat/render/device_picture.h"
-#include "splat/render/rasterizer.h"
+#include "avatar/play/rig_poser.h"
+#include "avatar/surface/binding.h"
+#include "splat/render/picture_renderer.h"
 
 namespace cosplat {
 
-// What an avatar's vertices are posed from: FLAME's head, then the bust, which keeps still.
-struct AvatarPosing {
-  PosingArrays<float> flame;
-  View<const float> bust;  // [K, 3] metres, posed
-};
-
 class AvatarRenderer {
  public:
-  virtual ~AvatarRenderer() = default;
+  // Arrays of the avatar fit each other (CheckEmbedding); it need not outlive the call. Of its
+  // posing FLAME's directions do, at the same place: renderers may share what `store` has of them.
+  // Throws Error where the avatar has the released rule, or the device has no room.
+  AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
+                 const AvatarModel& avatar,
+                 const AvatarPosing& posing,
+                 DirectionStore& store);
+
   // As Rasterizer::Forward, of the avatar in this pose, within float's range (PosingReach).
   // `placement` is another one where the pose is; 0 is none.
-  virtual void Draw(const FlameRig<float>& rig,
-                    uint64_t placement,
-                    const Camera& camera,
-                    const RenderSettings& settings,
-                    RenderedImage& image) = 0;
+  void Draw(const FlameRig<float>& rig,
+            uint64_t placement,
+            const Camera& camera,
+            const RenderSettings& settings,
+            RenderedImage& image);
   // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
   // this renderer. The background must be black but with AlphaMode::kOpaque.
-  virtual void DrawToStay(const FlameRig<float>& rig,
-                          uint64_t placement,
-                          const Camera& camera,
-                          const RenderSettings& settings,
-                          AlphaMode alpha,
-                          std::unique_ptr<DevicePicture>& out) = 0;
+  void DrawToStay(const FlameRig<float>& rig,
+                  uint64_t placement,
+                  const Camera& camera,
+                  const RenderSettings& settings,
+                  AlphaMode alpha,
+                  std::unique_ptr<DevicePicture>& out);
 
   PhaseTimes times;  // project, sort, blend; the caller resets it
+
+ private:
+  void Place(const FlameRig<float>& rig, uint64_t placement);
+  void Forward(const Camera& camera, const RenderSettings& settings);
+
+  PictureRenderer pictures_;
+  ColorFrame color_frame_;
+  RigPoser poser_;
+  Surface surface_;
+  Gaussians gaussians_;
+  Embedding embedding_;
+  PosedGaussians posed_;
+  uint64_t placed_ = 0;  // what posed_ is of
 };
 
-// Of one avatar, whose arrays fit each other (CheckEmbedding) and which need not outlive the call;
-// of its posing FLAME's directions do, at the same place: renderers of one maker may share what
-// they make of them.
 using AvatarRendererMaker =
     std::function<std::unique_ptr<AvatarRenderer>(const AvatarModel&, const AvatarPosing&)>;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "avatar/surface/parallel_for.h"
+#include "splat/device/parallel_for.h"
 #include "splat/render/kernels/pixel_bytes.h"
 
 namespace cosplat {

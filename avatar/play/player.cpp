@@ -185,15 +185,4 @@ void ToStraightAlphaBytes(const RenderedImage& image, Image8& out) {
   WritePicture(image, {}, out.data.data(), 4 * ptrdiff_t(out.width));
 }
 
-WorldGaussians PosedView(const Gaussians& gaussians,
-                         const PosedGaussians& posed,
-                         ColorFrame color_frame) {
-  WorldGaussians view = ViewOf(gaussians);
-  view.position = posed.position.data();
-  view.rotation = posed.rotation.data();
-  view.scale_log = posed.scale_log.data();
-  if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
-  return view;
-}
-
 }  // namespace cosplat

@@ -132,9 +132,4 @@ class Player {
 // ToBytes(image.ToStraightAlpha()), over the cores and without what lies between.
 void ToStraightAlphaBytes(const RenderedImage& image, Image8& out);
 
-// The Gaussians of one posed surface as the rasteriser takes them.
-WorldGaussians PosedView(const Gaussians& gaussians,
-                         const PosedGaussians& posed,
-                         ColorFrame color_frame);
-
 }  // namespace cosplat

@@ -1,18 +1,23 @@
 #include "avatar/play/player_device.h"
 
 #if defined(COSPLAT_HAS_CUDA)
-#include "avatar/play/cuda/device_avatar_renderer.h"
+#include "avatar/play/cuda/kernels.h"
+#include "avatar/surface/cuda/kernels.h"
 #endif
 
 namespace cosplat {
 
 AvatarRendererMaker AvatarRendererOn(Device device) {
+  if (device == Device::kCpu) return {};
 #if defined(COSPLAT_HAS_CUDA)
-  if (device == Device::kCuda) return cuda::MakeDeviceRenderers();
-#else
-  (void)device;  // DeviceFromString gives no other
+  cuda::ProvideSurfaceKernels();
+  cuda::ProvidePosingKernels();
 #endif
-  return {};
+  return [device, store = std::make_shared<DirectionStore>()](const AvatarModel& avatar,
+                                                              const AvatarPosing& posing) {
+    return std::make_unique<AvatarRenderer>(
+        MakeRasterizerOn(device, false), avatar, posing, *store);
+  };
 }
 
 }  // namespace cosplat

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "avatar/surface/parallel_for.h"
+#include "splat/device/parallel_for.h"
 
 namespace cosplat {
 namespace {

@@ -1,14 +1,14 @@
 #include "avatar/surface/binding.h"
 
 #include <algorithm>
-#include <memory>
+#include <bit>
 #include <string>
 
-#include "avatar/surface/embed_packs.h"
 #include "avatar/surface/kernels/embed.h"
-#include "avatar/surface/parallel_for.h"
 #include "avatar/surface/released_binding.h"
 #include "splat/base/error.h"
+#include "splat/device/for_each.h"
+#include "splat/device/gather.h"
 
 namespace cosplat {
 namespace {
@@ -25,32 +25,16 @@ EmbedJob JobOf(const Gaussians& gaussians, const Embedding& embedding, const Sur
   EmbedJob job;
   job.count = gaussians.size();
   if (job.count == 0) return job;
+  const SurfaceArrays arrays = surface.Arrays();
   job.triangle = embedding.triangle.data();
-  job.barycentric = embedding.barycentric.data()->data();
+  job.barycentric = embedding.weights();
   job.offset = gaussians.values[kPosition].data();
   job.rotation = gaussians.values[kRotation].data();
   job.scale_log = gaussians.values[kScaleLog].data();
-  job.faces = surface.faces().data()->data();
-  job.vertices = &surface.vertices().data()->position.x;
+  job.faces = arrays.faces;
+  job.vertices = arrays.vertices;
   job.canonical_areas = surface.canonical_areas().data();
   return job;
-}
-
-// Gaussians of each face, ascending: index[begin[f] .. begin[f + 1]).
-struct FaceLists {
-  std::vector<uint32_t> begin;
-  std::vector<uint32_t> index;
-};
-
-FaceLists GroupByFace(const std::vector<int32_t>& triangle, size_t face_count) {
-  FaceLists lists;
-  lists.begin.assign(face_count + 1, 0);
-  lists.index.resize(triangle.size());
-  for (int32_t f : triangle) ++lists.begin[f + 1];
-  for (size_t f = 0; f < face_count; ++f) lists.begin[f + 1] += lists.begin[f];
-  std::vector<uint32_t> next(lists.begin.begin(), lists.begin.end() - 1);
-  for (size_t i = 0; i < triangle.size(); ++i) lists.index[next[triangle[i]]++] = uint32_t(i);
-  return lists;
 }
 
 }  // namespace
@@ -74,39 +58,83 @@ void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size
                   std::to_string(embedding.triangle[i]) + " of " + std::to_string(face_count));
 }
 
-void PosedGaussians::Resize(size_t n) {
-  position.resize(3 * n);
-  rotation.resize(4 * n);
-  scale_log.resize(3 * n);
-  frame.resize(4 * n);
+void PosedGaussians::Refill(size_t n, Stream& stream) {
+  position.Refill(3 * n, stream);
+  rotation.Refill(4 * n, stream);
+  scale_log.Refill(3 * n, stream);
+  frame.Refill(4 * n, stream);
+}
+
+WorldGaussians PosedView(const Gaussians& gaussians,
+                         const PosedGaussians& posed,
+                         ColorFrame color_frame) {
+  WorldGaussians view = ViewOf(gaussians);
+  view.position = posed.position.data();
+  view.rotation = posed.rotation.data();
+  view.scale_log = posed.scale_log.data();
+  if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
+  return view;
+}
+
+void UploadEmbedding(const Embedding& from, Embedding& to, Stream& stream) {
+  if (from.released)
+    throw Error(
+        "avatar",
+        "mesh",
+        "is followed by the rule of the released SplattingAvatar, which is the CPU's alone");
+  to.triangle.Upload(from.triangle.data(), from.triangle.size(), stream);
+  to.barycentric.Upload(from.barycentric.data(), from.barycentric.size(), stream);
+}
+
+FaceListArrays FaceLists::Of(const Embedding& embedding, size_t face_count, Stream& stream) {
+  if (!known_) {
+    const size_t n = embedding.triangle.size();
+    by_face_.Refill(n, stream);
+    begin_.Refill(face_count + 1, stream);
+    ForEach(n,
+            stream,
+            FaceKeys{embedding.triangle.data(), by_face_.keys.view(), by_face_.values.view()});
+    stream.Sort(by_face_, std::bit_width(face_count));
+    ForEach(face_count + 1, stream, FindBegin{std::as_const(by_face_.keys).view(), begin_.view()});
+    known_ = true;
+  }
+  return {begin_.data(), by_face_.values.data()};
 }
 
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
           PosedGaussians& out) {
-  CheckEmbedding(gaussians, embedding, surface.faces().size());
-  out.Resize(gaussians.size());
+  Stream& stream = surface.stream();
+  if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
+  out.Refill(gaussians.size(), stream);
   if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
-  LaunchEmbed(JobOf(gaussians, embedding, surface),
-              {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()});
+  ForEachRow(
+      gaussians.size(),
+      stream,
+      EmbedKernel{
+          JobOf(gaussians, embedding, surface),
+          {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()}});
 }
 
 void BindBackward(const Gaussians& gaussians,
                   const Embedding& embedding,
-                  const Surface& surface,
+                  Surface& surface,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
-                  std::vector<float>* d_vertices) {
-  CheckEmbedding(gaussians, embedding, surface.faces().size());
+                  Buffer<float>* d_vertices,
+                  BindScratch& scratch) {
+  Stream& stream = surface.stream();
+  if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
   const size_t n = gaussians.size();
   CheckSize("d_position", d_posed.position.size(), 3 * n);
   CheckSize("d_rotation", d_posed.rotation.size(), 4 * n);
   CheckSize("d_scale_log", d_posed.scale_log.size(), 3 * n);
   if (!d_posed.frame.empty()) CheckSize("d_frame", d_posed.frame.size(), 4 * n);
-  d_gaussians.values[kPosition].resize(3 * n);
-  d_gaussians.values[kRotation].resize(4 * n);
-  d_gaussians.values[kScaleLog].resize(3 * n);
+  auto& d = d_gaussians.values;
+  d[kPosition].Refill(3 * n, stream);
+  d[kRotation].Refill(4 * n, stream);
+  d[kScaleLog].Refill(3 * n, stream);
   if (embedding.released) {
     if (d_vertices)
       throw Error("avatar", "mesh", "has no gradient by the rule of the released SplattingAvatar");
@@ -114,25 +142,26 @@ void BindBackward(const Gaussians& gaussians,
   }
   // Of each Gaussian's triangle. Every number is written: clearing them first would take as long as
   // using them.
-  const auto d_corners =
-      std::make_unique_for_overwrite<float[]>(d_vertices ? 3 * kSurfaceVertexFloats * n : 0);
-  LaunchEmbedVjp(JobOf(gaussians, embedding, surface),
-                 {d_posed.position.data(),
-                  d_posed.rotation.data(),
-                  d_posed.scale_log.data(),
-                  d_posed.frame.empty() ? nullptr : d_posed.frame.data()},
-                 {d_gaussians.values[kPosition].data(),
-                  d_gaussians.values[kRotation].data(),
-                  d_gaussians.values[kScaleLog].data(),
-                  d_vertices ? d_corners.get() : nullptr});
+  if (d_vertices) scratch.d_corners.Refill(3 * kSurfaceVertexFloats * n, stream);
+  float* d_corners = d_vertices ? scratch.d_corners.data() : nullptr;
+  ForEachRow(
+      n,
+      stream,
+      EmbedVjpKernel{JobOf(gaussians, embedding, surface),
+                     {d_posed.position.data(),
+                      d_posed.rotation.data(),
+                      d_posed.scale_log.data(),
+                      d_posed.frame.empty() ? nullptr : d_posed.frame.data()},
+                     {d[kPosition].data(), d[kRotation].data(), d[kScaleLog].data(), d_corners}});
   if (!d_vertices) return;
-  const FaceLists lists = GroupByFace(embedding.triangle, surface.faces().size());
-  Buffer<SurfaceVertex> d_surface(surface.vertex_count());
-  const math::SumAtVertexKernel sum{surface.Arrays(),
-                                    {lists.begin.data(), lists.index.data()},
-                                    d_corners.get(),
-                                    &d_surface.data()->position.x};
-  ParallelFor(d_surface.size(), [&](size_t v) { sum.Run(v); });
+  Buffer<SurfaceVertex>& d_surface = scratch.d_surface;
+  d_surface.Refill(surface.vertex_count(), stream);
+  ForEach(d_surface.size(),
+          stream,
+          math::SumAtVertexKernel{surface.Arrays(),
+                                  scratch.by_face.Of(embedding, surface.faces().size(), stream),
+                                  d_corners,
+                                  &d_surface.data()->position.x});
   surface.Backward(d_surface, *d_vertices);
 }
 

@@ -1,7 +1,7 @@
 #include "avatar/surface/released_binding.h"
 
 #include "avatar/math/released_embed.h"
-#include "avatar/surface/parallel_for.h"
+#include "splat/device/parallel_for.h"
 
 namespace cosplat {
 namespace {

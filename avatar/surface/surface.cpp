@@ -5,9 +5,9 @@
 #include <string>
 
 #include "avatar/surface/kernels/surface.h"
-#include "avatar/surface/parallel_for.h"
-#include "avatar/surface/surface_packs.h"
 #include "splat/base/error.h"
+#include "splat/device/for_each.h"
+#include "splat/device/memory_part.h"
 
 namespace cosplat {
 namespace {
@@ -22,7 +22,7 @@ static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
 constexpr double kFlameTemplateSize = 0.426091;
 constexpr double kPublishedEnlargement = 4;
 
-void CheckVertices(const std::vector<float>& vertices, size_t count) {
+void CheckVertices(View<const float> vertices, size_t count) {
   if (vertices.size() != 3 * count)
     throw Error(
         "surface",
@@ -37,27 +37,55 @@ void CheckVertices(const std::vector<float>& vertices, size_t count) {
 
 }  // namespace
 
-Surface::Surface(const CanonicalMesh& mesh)
+Surface::Surface(const CanonicalMesh& mesh, Stream& stream)
     : faces_(mesh.faces),
       topology_(BuildTopology("canonical mesh", mesh.faces, int(mesh.vertices.size() / 3))),
-      corner_places_(3 * mesh.faces.size()),
-      canonical_frames_(mesh.faces.size()),
-      vertices_(mesh.vertices.size() / 3),
-      posed_faces_(kPosedFaceFloats * (mesh.faces.size() + 1)),
-      sums_(kVertexSumFloats * vertices_.size()),
-      signs_(topology_.vertex_faces.size()) {
+      stream_(&stream) {
   if (faces_.empty()) throw Error("canonical mesh", "faces", "there are none");
-  CheckVertices(mesh.vertices);
+  cosplat::CheckVertices(mesh.vertices, mesh.vertices.size() / 3);
+  UploadMesh(mesh);
+  const size_t faces = faces_.size();
+  vertices_.Refill(mesh.vertices.size() / 3, stream);
+  posed_faces_.Refill(kPosedFaceFloats * (faces + 1), stream);
+  posed_faces_.FillWithZeros(stream);  // its last row stays so
+  sums_.Refill(kVertexSumFloats * vertices_.size(), stream);
+  signs_.Refill(topology_.vertex_faces.size(), stream);
+  PoseCanonically(mesh);
+}
+
+void Surface::UploadMesh(const CanonicalMesh& mesh) {
+  const size_t faces = faces_.size();
+  std::vector<math::Mat3<float>> frames;
   const auto at = [&](int32_t v) {
     return Vec3<float>{mesh.vertices[3 * v], mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]};
   };
-  for (size_t f = 0; f < faces_.size(); ++f)
-    canonical_frames_[f] = math::FaceFrame(at(faces_[f][0]), at(faces_[f][1]), at(faces_[f][2]));
-  for (size_t v = 0; v < vertices_.size(); ++v)
+  for (const auto& f : faces_) frames.push_back(math::FaceFrame(at(f[0]), at(f[1]), at(f[2])));
+  std::vector<int32_t> corner_places(3 * faces);
+  for (size_t v = 0; v + 1 < topology_.vertex_face_begin.size(); ++v)
     for (int32_t k = topology_.vertex_face_begin[v]; k < topology_.vertex_face_begin[v + 1]; ++k) {
       const size_t f = topology_.vertex_faces[k];
-      corner_places_[3 * f + CornerOf(faces_[f].data(), v)] = k;
+      corner_places[3 * f + CornerOf(faces_[f].data(), v)] = k;
     }
+  const MeshTopology& t = topology_;
+  face_vertices_.Upload(faces_.data()->data(), 3 * faces, *stream_);
+  face_neighbors_.Upload(t.face_neighbors.data()->data(), 3 * faces, *stream_);
+  neighbor_edges_.Upload(t.neighbor_edges.data()->data(), 3 * faces, *stream_);
+  vertex_face_begin_.Upload(t.vertex_face_begin.data(), t.vertex_face_begin.size(), *stream_);
+  vertex_faces_.Upload(t.vertex_faces.data(), t.vertex_faces.size(), *stream_);
+  corner_places_.Upload(corner_places.data(), 3 * faces, *stream_);
+  canonical_frames_.Upload(frames.data(), faces, *stream_);
+  stream_->Wait();  // for this memory
+}
+
+// On the host whatever the stream: walks and searches begin at the same bits everywhere.
+void Surface::PoseCanonically(const CanonicalMesh& mesh) {
+  if (!stream_->on_host()) {
+    const Surface host(mesh);
+    canonical_.Upload(host.canonical_.data(), host.canonical_.size(), *stream_);
+    canonical_areas_.Upload(host.canonical_areas_.data(), host.canonical_areas_.size(), *stream_);
+    stream_->Wait();
+    return;
+  }
   Pose(mesh.vertices);
   canonical_ = vertices_;
   canonical_areas_.resize(4 * faces_.size());
@@ -69,9 +97,9 @@ SurfaceArrays Surface::Arrays() const {
   SurfaceArrays arrays;
   arrays.face_count = faces_.size();
   arrays.vertex_count = vertices_.size();
-  arrays.faces = faces_.data()->data();
-  arrays.vertex_face_begin = topology_.vertex_face_begin.data();
-  arrays.vertex_faces = topology_.vertex_faces.data();
+  arrays.faces = face_vertices_.data();
+  arrays.vertex_face_begin = vertex_face_begin_.data();
+  arrays.vertex_faces = vertex_faces_.data();
   arrays.corner_places = corner_places_.data();
   arrays.canonical_frames = canonical_frames_.data()->m;
   arrays.vertices = const_cast<float*>(&vertices_.data()->position.x);
@@ -84,36 +112,45 @@ SurfaceArrays Surface::Arrays() const {
 MeshArrays Surface::CanonicalArrays() const {
   MeshArrays arrays;
   arrays.face_count = faces_.size();
-  arrays.faces = faces_.data()->data();
-  arrays.face_neighbors = topology_.face_neighbors.data()->data();
-  arrays.neighbor_edges = topology_.neighbor_edges.data()->data();
-  arrays.vertex_face_begin = topology_.vertex_face_begin.data();
-  arrays.vertex_faces = topology_.vertex_faces.data();
+  arrays.faces = face_vertices_.data();
+  arrays.face_neighbors = face_neighbors_.data();
+  arrays.neighbor_edges = neighbor_edges_.data();
+  arrays.vertex_face_begin = vertex_face_begin_.data();
+  arrays.vertex_faces = vertex_faces_.data();
   arrays.vertices = &canonical_.data()->position.x;
   return arrays;
 }
 
-void Surface::CheckVertices(const std::vector<float>& vertices) const {
+void Surface::CheckVertices(View<const float> vertices) const {
   cosplat::CheckVertices(vertices, vertices_.size());
 }
 
-void Surface::Pose(const std::vector<float>& vertices) {
-  CheckVertices(vertices);
-  for (size_t v = 0; v < vertices_.size(); ++v)
-    vertices_[v].position = {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-  LaunchPoseSurface(Arrays());
+void Surface::Pose(View<const float> vertices) {
+  if (stream_->on_host()) CheckVertices(vertices);
+  const SurfaceArrays arrays = Arrays();
+  ForEach(vertices_.size(), *stream_, math::PutPositionsKernel{vertices.data, arrays.vertices});
+  ForEachRow(faces_.size(), *stream_, PoseFacesKernel{arrays});
+  ForEachRow(vertices_.size(), *stream_, PoseVerticesKernel{arrays});
 }
 
-void Surface::Backward(const Buffer<SurfaceVertex>& d_surface,
-                       std::vector<float>& d_vertices) const {
-  Buffer<SurfaceVertex> d_sums(vertices_.size());
-  Buffer<float> d_corners(9 * faces_.size());
-  LaunchPoseSurfaceVjp(
-      Arrays(), &d_surface.data()->position.x, &d_sums.data()->position.x, d_corners.data());
-  d_vertices.resize(3 * vertices_.size());
-  const math::SumCornersKernel sum{
-      Arrays(), &d_sums.data()->position.x, d_corners.data(), d_vertices.data()};
-  ParallelFor(vertices_.size(), [&](size_t v) { sum.Run(v); });
+void Surface::Backward(const Buffer<SurfaceVertex>& d_surface, Buffer<float>& d_vertices) {
+  const SurfaceArrays arrays = Arrays();
+  d_sums_.Refill(vertices_.size(), *stream_);
+  d_corners_.Refill(9 * faces_.size(), *stream_);
+  d_vertices.Refill(3 * vertices_.size(), *stream_);
+  float* d_sums = &d_sums_.data()->position.x;
+  ForEachRow(
+      vertices_.size(), *stream_, VerticesVjpKernel{arrays, &d_surface.data()->position.x, d_sums});
+  ForEachRow(faces_.size(), *stream_, FacesVjpKernel{arrays, d_sums, d_corners_.data()});
+  ForEach(vertices_.size(),
+          *stream_,
+          math::SumCornersKernel{arrays, d_sums, d_corners_.data(), d_vertices.data()});
+}
+
+size_t Surface::held() const {
+  return HeldBy(face_vertices_, face_neighbors_, vertex_face_begin_, vertex_faces_) +
+         HeldBy(corner_places_, neighbor_edges_, canonical_frames_, canonical_, canonical_areas_) +
+         HeldBy(vertices_, posed_faces_, sums_, signs_, d_sums_, d_corners_);
 }
 
 double FaceArea(const CanonicalMesh& mesh, size_t face) {

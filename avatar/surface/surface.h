@@ -2,8 +2,9 @@
 // from the canonical mesh and the mean area around it; and the derivative of all of them.
 //
 // FLAME's posed vertices -> Surface::Pose -> avatar/surface/binding.h; back: dL/d(surface vertices)
-// -> Surface::Backward -> d_vertices -> FlamePoser::Backward. Sums run in a fixed order: the bits
-// do not depend on the number of threads.
+// -> Surface::Backward -> d_vertices -> FlamePoser::Backward. On the host or on a device, whose
+// memory then has all arrays but faces() and topology(). Sums run in a fixed order: the bits do not
+// depend on the number of threads.
 #pragma once
 
 #include <vector>
@@ -28,22 +29,24 @@ struct SurfacePoint {
 
 class Surface {
  public:
-  // Poses itself canonically. Throws Error when the mesh is no 2-manifold (see BuildTopology), has
-  // no faces, or has a coordinate that is not finite.
-  explicit Surface(const CanonicalMesh& mesh);
+  // Poses itself canonically. Keeps a reference to the stream. Throws Error when the mesh is no
+  // 2-manifold (see BuildTopology), has no faces, or has a coordinate that is not finite.
+  explicit Surface(const CanonicalMesh& mesh, Stream& stream = HostStream());
 
-  // vertices: [V, 3] metres. Throws Error on a wrong count or a coordinate that is not finite.
-  void CheckVertices(const std::vector<float>& vertices) const;
+  // vertices: [V, 3] metres, the host's. Throws Error on a wrong count or a coordinate that is not
+  // finite.
+  void CheckVertices(View<const float> vertices) const;
 
-  // Throws as CheckVertices does; the surface then keeps its last pose. A collapsed face has no
-  // weight in its vertices' normals and rotations; a vertex with none left keeps the identity and a
-  // zero normal.
-  void Pose(const std::vector<float>& vertices);
+  // vertices: [V, 3] metres, the stream's. On the host, throws as CheckVertices does; the surface
+  // then keeps its last pose. A collapsed face has no weight in its vertices' normals and
+  // rotations; a vertex with none left keeps the identity and a zero normal.
+  void Pose(View<const float> vertices);
 
   // d_surface [V]: dL/d(vertex()) at the last pose -> d_vertices [V, 3], overwritten. The canonical
   // mesh is held fixed.
-  void Backward(const Buffer<SurfaceVertex>& d_surface, std::vector<float>& d_vertices) const;
+  void Backward(const Buffer<SurfaceVertex>& d_surface, Buffer<float>& d_vertices);
 
+  Stream& stream() const { return *stream_; }
   size_t vertex_count() const { return vertices_.size(); }
   const std::vector<std::array<int32_t, 3>>& faces() const { return faces_; }
   const MeshTopology& topology() const { return topology_; }
@@ -55,17 +58,28 @@ class Surface {
   SurfaceArrays Arrays() const;
   // The canonical mesh and its adjacency likewise.
   MeshArrays CanonicalArrays() const;
+  size_t held() const;  // bytes of the stream's memory
 
  private:
+  void UploadMesh(const CanonicalMesh& mesh);
+  void PoseCanonically(const CanonicalMesh& mesh);
+
   std::vector<std::array<int32_t, 3>> faces_;
   MeshTopology topology_;
-  std::vector<int32_t> corner_places_;          // [F, 3] where vertex_faces lists the corner
-  Buffer<math::Mat3<float>> canonical_frames_;  // [F]
-  Buffer<SurfaceVertex> canonical_;             // [V]
+  Stream* stream_;
+  // In the stream's memory, as avatar/surface/kernels/arrays.h lays it out: the mesh,
+  Buffer<int32_t> face_vertices_, face_neighbors_, vertex_face_begin_, vertex_faces_;
+  Buffer<int32_t> corner_places_;
+  Buffer<int8_t> neighbor_edges_;
+  Buffer<math::Mat3<float>> canonical_frames_;
+  Buffer<SurfaceVertex> canonical_;
   Buffer<float> canonical_areas_;
-  // The last pose, as avatar/surface/kernels/arrays.h lays it out.
+  // its last pose,
   Buffer<SurfaceVertex> vertices_;
   Buffer<float> posed_faces_, sums_, signs_;
+  // and what Backward works on.
+  Buffer<SurfaceVertex> d_sums_;
+  Buffer<float> d_corners_;
 };
 
 // Square metres: of one face, of the whole mesh. Throws Error on a vertex that does not exist.

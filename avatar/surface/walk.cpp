@@ -2,68 +2,94 @@
 
 #include <string>
 
-#include "avatar/surface/kernels/walk.h"
-#include "avatar/surface/parallel_for.h"
 #include "splat/base/error.h"
+#include "splat/device/for_each.h"
 
 namespace cosplat {
-namespace {
-
-WalkResult ResultOf(const math::WalkEnd& end) { return {{end.face, {end.u, end.v}}, end.status}; }
-
-std::vector<WalkResult> WalkEach(const Gaussians& gaussians,
-                                 const Embedding& embedding,
-                                 const Surface& surface) {
-  std::vector<WalkResult> results(gaussians.size());
-  const MeshArrays mesh = surface.CanonicalArrays();
-  const float* offsets = gaussians.values[kPosition].data();
-  ParallelFor(results.size(), [&](size_t i) {
-    results[i] = ResultOf(math::WalkGaussian(
-        mesh, embedding.triangle[i], embedding.barycentric[i].data(), offsets + 3 * i));
-  });
-  return results;
-}
-
-}  // namespace
 
 WalkResult Walk(const Surface& surface, const SurfacePoint& start, float du, float dv) {
-  return ResultOf(math::WalkFrom(surface.CanonicalArrays(),
-                                 start.triangle,
-                                 start.barycentric[0],
-                                 start.barycentric[1],
-                                 du,
-                                 dv));
+  const math::WalkEnd end = math::WalkFrom(surface.CanonicalArrays(),
+                                           start.triangle,
+                                           start.barycentric[0],
+                                           start.barycentric[1],
+                                           du,
+                                           dv);
+  return {{end.face, {end.u, end.v}}, end.status};
+}
+
+void TriangleWalk::Run(const Surface& surface,
+                       int boundary_face_cap,
+                       FaceLists& by_face,
+                       Embedding& embedding,
+                       Buffer<float>& position) {
+  Stream& stream = surface.stream();
+  const size_t n = embedding.triangle.size();
+  float* barycentric = embedding.weights();
+  ends_.Refill(n, stream);
+  taken_.Refill(n, stream);
+  outcomes_.Refill(n, stream);
+  places_.Refill(n + 1, stream);
+  ForEach(n + 1,
+          stream,
+          WalkOne{surface.CanonicalArrays(),
+                  embedding.triangle.data(),
+                  barycentric,
+                  std::as_const(position).view(),
+                  ends_.view(),
+                  taken_.view(),
+                  places_.view()});
+  TakeInTurn(surface, boundary_face_cap, by_face, embedding);
+  ForEach(n,
+          stream,
+          SettleWalk{std::as_const(ends_).view(),
+                     std::as_const(taken_).view(),
+                     embedding.triangle.data(),
+                     barycentric,
+                     position.view(),
+                     outcomes_.view()});
+  by_face.Forget();
+}
+
+void TriangleWalk::TakeInTurn(const Surface& surface,
+                              int boundary_face_cap,
+                              FaceLists& by_face,
+                              const Embedding& embedding) {
+  Stream& stream = surface.stream();
+  const size_t n = embedding.triangle.size(), faces = surface.faces().size();
+  stream.ExclusiveSum(places_);
+  at_boundary_.Refill(n, stream);
+  ForEach(n, stream, ListTouching{std::as_const(places_).view(), at_boundary_.view()});
+  face_count_.Refill(faces, stream);
+  ForEach(
+      faces, stream, CountOnFace{by_face.Of(embedding, faces, stream).begin, face_count_.view()});
+  ForEach(1,
+          stream,
+          TakeEach{{surface.CanonicalArrays(), boundary_face_cap, face_count_.data()},
+                   embedding.triangle.data(),
+                   std::as_const(at_boundary_).view(),
+                   places_.data() + n,
+                   std::as_const(ends_).view(),
+                   taken_.view()});
+}
+
+void TriangleWalk::ResetMoment(Buffer<float>& moment, Stream& stream) const {
+  ForEach(outcomes_.size(), stream, ForgetMoment{outcomes_.view(), moment.view()});
 }
 
 WalkReport WalkAll(Gaussians& gaussians,
                    Embedding& embedding,
                    const Surface& surface,
                    int boundary_face_cap) {
-  std::vector<int32_t> count(surface.faces().size());
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    if (size_t(embedding.triangle[i]) >= count.size())
-      throw Error("avatar",
-                  "triangle[" + std::to_string(i) + "]",
-                  std::to_string(embedding.triangle[i]) + " of " + std::to_string(count.size()));
-    ++count[embedding.triangle[i]];
-  }
-  const std::vector<WalkResult> results = WalkEach(gaussians, embedding, surface);
-  const math::WalkTaker taker{surface.CanonicalArrays(), boundary_face_cap, count.data()};
+  CheckEmbedding(gaussians, embedding, surface.faces().size());
+  FaceLists by_face;
+  TriangleWalk walk;
+  walk.Run(surface, boundary_face_cap, by_face, embedding, gaussians.values[kPosition]);
   WalkReport report;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    float* offset = &gaussians.values[kPosition][3 * i];
-    offset[0] = offset[1] = 0;
-    const auto& [point, status] = results[i];
-    const bool invalid = status == WalkStatus::kInvalid;
-    const bool crossed = point.triangle != embedding.triangle[i];
-    const bool refused = !invalid && !taker.Take(embedding.triangle[i], point.triangle);
-    if (invalid) report.invalid.push_back(uint32_t(i));
-    if (status == WalkStatus::kBoundary || refused)
-      report.stopped_at_boundary.push_back(uint32_t(i));
-    if (invalid || refused) continue;
-    if (crossed) report.crossed.push_back(uint32_t(i));
-    embedding.triangle[i] = point.triangle;
-    embedding.barycentric[i] = point.barycentric;
+  for (uint32_t i = 0; i < walk.outcomes().size(); ++i) {
+    const uint8_t outcome = walk.outcomes()[i];
+    if (outcome & kWalkCrossed) report.crossed.push_back(i);
+    if (outcome & kWalkStopped) report.stopped_at_boundary.push_back(i);
+    if (outcome & kWalkInvalid) report.invalid.push_back(i);
   }
   return report;
 }

@@ -15,26 +15,15 @@
 #include <vector>
 
 #include "avatar/model/avatar_model.h"
-#include "avatar/surface/surface.h"
+#include "avatar/surface/binding.h"
+#include "avatar/surface/kernels/walk.h"
 
 namespace cosplat {
-
-enum class WalkStatus {
-  kWithin,    // ended in the triangle it began in
-  kCrossed,   // ended in another one
-  kBoundary,  // met a boundary on its way; may have crossed edges too
-  kInvalid    // not finite, or longer than kMaxWalkCrossings triangles: the point is left where it
-              // was
-};
 
 struct WalkResult {
   SurfacePoint point;
   WalkStatus status = WalkStatus::kWithin;
 };
-
-// A step between two walks is a few triangles long; this many is a quarter of the way round FLAME's
-// finely divided eyeballs.
-constexpr int kMaxWalkCrossings = 256;
 
 // Moves `start` by du, dv (changes of its barycentrics u, v) over the canonical mesh.
 WalkResult Walk(const Surface& surface, const SurfacePoint& start, float du, float dv);
@@ -50,10 +39,43 @@ struct WalkReport {
 // Of Gaussians on a face with a boundary edge, beyond which none walks onto it.
 constexpr int kBoundaryFaceCap = 64;
 
-// Walks every Gaussian with du or dv other than zero and sets those to zero. A Gaussian whose walk
-// would end in another face that has a boundary edge and already holds `boundary_face_cap` of them
-// stays where it was (and counts as stopped): a steady push does not pile them up at the mouth or
-// the neck. Throws Error when a triangle does not exist.
+// Walks Gaussians on the host or on a device, in the memory of the surface's stream. Reuse one: it
+// keeps its memory.
+class TriangleWalk {
+ public:
+  // Walks every Gaussian with du or dv (`position`: kPosition) other than zero and sets those to
+  // zero. A Gaussian whose walk would end in another face that has a boundary edge and already
+  // holds `boundary_face_cap` of them stays where it was (and counts as stopped): a steady push
+  // does not pile them up at the mouth or the neck. The triangles must exist.
+  void Run(const Surface& surface,
+           int boundary_face_cap,
+           FaceLists& by_face,
+           Embedding& embedding,
+           Buffer<float>& position);
+  // Zeroes what a moment of kPosition has for du and dv that have lost their meaning in the walk.
+  void ResetMoment(Buffer<float>& moment, Stream& stream) const;
+
+  const Buffer<uint8_t>& outcomes() const { return outcomes_; }  // [N] WalkOutcome of the last walk
+  // Bytes that grow with the Gaussians, and others.
+  size_t held() const { return HeldBy(ends_, taken_, outcomes_, places_, at_boundary_); }
+  size_t HeldForMesh() const { return HeldBy(face_count_); }
+  static constexpr size_t kBytesPerGaussian =
+      sizeof(math::WalkEnd) + 2 * sizeof(uint8_t) + sizeof(uint64_t) + sizeof(uint32_t);
+
+ private:
+  void TakeInTurn(const Surface& surface,
+                  int boundary_face_cap,
+                  FaceLists& by_face,
+                  const Embedding& embedding);
+
+  Buffer<math::WalkEnd> ends_;        // [N]
+  Buffer<uint8_t> taken_, outcomes_;  // [N]
+  Buffer<uint64_t> places_;           // [N + 1] of walks that touch a boundary's face
+  Buffer<uint32_t> at_boundary_;      // [N] they come first, ascending
+  Buffer<int32_t> face_count_;        // [F]
+};
+
+// The same on the host, said in lists. Throws Error when a triangle does not exist.
 WalkReport WalkAll(Gaussians& gaussians,
                    Embedding& embedding,
                    const Surface& surface,

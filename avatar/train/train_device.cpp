@@ -1,24 +1,18 @@
 #include "avatar/train/train_device.h"
 
-#include "splat/train/host_step_engine.h"
+#include "splat/train/train_device.h"
 
 #if defined(COSPLAT_HAS_CUDA)
-#include "avatar/train/cuda/device_avatar.h"
+#include "avatar/surface/cuda/kernels.h"
 #endif
 
 namespace cosplat {
 
-StepEngineMaker AvatarEngineOn(Device device, bool deterministic, AvatarSubject& subject) {
+StepEngineMaker AvatarEngineOn(Device device, bool deterministic) {
 #if defined(COSPLAT_HAS_CUDA)
-  if (device == Device::kCuda)
-    return cuda::MakeDeviceAvatarEngine(
-        deterministic ? cuda::SumOrder::kFixed : cuda::SumOrder::kAny, subject);
-#else
-  (void)device;  // DeviceFromString gives no other
-  (void)deterministic;
-  (void)subject;
+  if (device == Device::kCuda) cuda::ProvideSurfaceKernels();
 #endif
-  return MakeHostStepEngine;
+  return StepEngineOn(device, deterministic);
 }
 
 }  // namespace cosplat

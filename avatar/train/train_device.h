@@ -1,14 +1,13 @@
 // Where avatars are trained: splat/train/train_device.h for them.
 #pragma once
 
-#include "avatar/train/trainer.h"
 #include "splat/render/device.h"
 #include "splat/train/step_engine.h"
 
 namespace cosplat {
 
-// For Trainer, of `subject`, which must outlive it. `deterministic` as for StepEngineOn. On a
-// device the engine throws Error for AvatarSystem::kReleased, whose rule is the CPU's alone.
-StepEngineMaker AvatarEngineOn(Device device, bool deterministic, AvatarSubject& subject);
+// For Trainer, as StepEngineOn. On a device the engine throws Error for AvatarSystem::kReleased,
+// whose rule is the CPU's alone.
+StepEngineMaker AvatarEngineOn(Device device, bool deterministic);
 
 }  // namespace cosplat

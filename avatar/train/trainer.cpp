@@ -4,6 +4,8 @@
 
 #include "avatar/model/trained_range.h"
 #include "avatar/play/player.h"
+#include "avatar/surface/kernels/place.h"
+#include "splat/device/for_each.h"
 #include "splat/math/adam.h"
 
 namespace cosplat {
@@ -23,6 +25,12 @@ void ForEachNumber(AvatarPoser::Frame& a, const F& f) {
   for (size_t k = 0; k < 3; ++k) f(2, k, a.translation[k]);
 }
 
+// Searches over the mesh at a time, each with 12 kB: a round of density control on a head has some
+// hundred children.
+constexpr size_t kDeviceSearchers = 1024;
+// For posed vertices on a device: 8,000 frames of FLAME's.
+constexpr size_t kPosedVertexBytes = size_t(480) << 20;
+
 float* NumberOf(AvatarPoser::Frame& a, int group, size_t k) {
   if (group == 0) return &a.expression[k];
   return group == 1 ? &a.pose[k / 3][k % 3] : &a.translation[k];
@@ -39,9 +47,73 @@ void ScaleToUnit(float unit, TrainSettings& settings) {
 
 AvatarSubject::~AvatarSubject() = default;
 
+AvatarTrainingState AvatarSubject::State() const {
+  AvatarTrainingState state;
+  state.embedding.released = embedding_.released;
+  state.embedding.triangle.resize(embedding_.triangle.size());
+  state.embedding.barycentric.resize(embedding_.barycentric.size());
+  state.first_triangle.resize(first_triangle_.size());
+  embedding_.triangle.Download(state.embedding.triangle.data(), *stream_);
+  embedding_.barycentric.Download(state.embedding.barycentric.data(), *stream_);
+  first_triangle_.Download(state.first_triangle.data(), *stream_);
+  stream_->Wait();
+  state.track = track_;
+  return state;
+}
+
+std::shared_ptr<const SubjectState> AvatarSubject::SaveState() const {
+  return std::make_shared<AvatarTrainingState>(State());
+}
+
+void AvatarSubject::RestoreState(const SubjectState& saved) {
+  const auto& state = dynamic_cast<const AvatarTrainingState&>(saved);
+  Take(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
+  track_ = state.track;
+}
+
+Embedding AvatarSubject::EmbeddingIn(Stream& stream, const Embedding& on_host) {
+  if (stream.on_host()) return on_host;
+  Embedding embedding;
+  UploadEmbedding(on_host, embedding, stream);
+  stream.Wait();
+  return embedding;
+}
+
+void AvatarSubject::Take(Embedding embedding, const Buffer<int32_t>& first_triangle) {
+  first_triangle_.Upload(first_triangle.data(), first_triangle.size(), *stream_);
+  stream_->Wait();
+  embedding_ = std::move(embedding);
+  TrianglesChanged();
+}
+
+// Nothing changes where something of it does not fit.
+void AvatarSubject::WorkIn(Stream& stream) {
+  if (&stream == stream_) return;
+  const AvatarTrainingState state = State();
+  const bool on_host = stream.on_host();
+  Embedding embedding = EmbeddingIn(stream, state.embedding);
+  Surface surface(mesh_, stream);
+  Buffer<float> face_rates;
+  face_rates.Upload(face_rates_on_host_.data(), face_rates_on_host_.size(), stream);
+  // When there are children to place, there may be no memory left for it.
+  Buffer<math::FaceSearch> searches;
+  searches.Refill(on_host ? kHostSearchers : kDeviceSearchers, stream);
+  stream.Wait();
+  // Posing takes less time than sending, on a device alone.
+  const bool keeps = !on_host && !settings_.refine_track;
+  posed_vertices_ =
+      PosedVertices(frame_count(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
+  silhouettes_ = {};
+  stream_ = &stream;
+  surface_ = std::move(surface);
+  face_rates_ = std::move(face_rates);
+  searches_ = std::move(searches);
+  Take(std::move(embedding), state.first_triangle);
+}
+
 AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   AvatarModel model;
-  static_cast<Embedding&>(model) = state_.embedding;
+  static_cast<Embedding&>(model) = State().embedding;
   model.mesh = mesh_;
   model.canonical_frame = canonical_frame_;
   model.gaussians = gaussians;
@@ -56,15 +128,16 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
 }
 
 double AvatarSubject::WalkedShare() const {
+  const AvatarTrainingState state = State();
   size_t walked = 0;
-  for (size_t i = 0; i < state_.first_triangle.size(); ++i)
-    walked += state_.embedding.triangle[i] != state_.first_triangle[i];
-  return state_.first_triangle.empty() ? 0 : double(walked) / double(state_.first_triangle.size());
+  for (size_t i = 0; i < state.first_triangle.size(); ++i)
+    walked += state.embedding.triangle[i] != state.first_triangle[i];
+  return state.first_triangle.empty() ? 0 : double(walked) / double(state.first_triangle.size());
 }
 
 std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
   std::vector<FlameParams> track;
-  for (const RefinedFrame& frame : state_.track) {
+  for (const RefinedFrame& frame : track_) {
     FlameParams p;
     p.expression = frame.params.expression;
     p.pose = frame.params.pose;
@@ -74,65 +147,74 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
   return track;
 }
 
-const std::vector<float>& AvatarSubject::VerticesOf(size_t i) {
-  current_ = i;
-  poser_->Forward(state_.track[i].params, vertices_);
-  return vertices_;
+void AvatarSubject::TrianglesChanged() {
+  rates_known_ = false;
+  scratch_.by_face.Forget();
 }
 
-void AvatarSubject::PoseFrame(size_t i) {
-  poser_->Forward(state_.track[i].params, vertices_);
-  surface_.Pose(vertices_);
+const std::vector<float>& AvatarSubject::VerticesOf(size_t i) {
+  poser_->Forward(track_[i].params, vertices_);
+  return vertices_;
 }
 
 WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
   current_ = i;
-  PoseFrame(i);
-  Bind(gaussians, state_.embedding, surface_, posed_);
+  const auto pose = [&]() -> const std::vector<float>& {
+    const std::vector<float>& vertices = VerticesOf(i);
+    if (!stream_->on_host()) surface_.CheckVertices(vertices);
+    return vertices;
+  };
+  surface_.Pose(posed_vertices_.Of(i, pose, *stream_));
+  Bind(gaussians, embedding_, surface_, posed_);
   return PosedView(gaussians, posed_, settings_.color_frame);
 }
 
-WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) {
-  d_posed_.Resize(gradients.size());
-  WorldGradients view = GradientViewOf(gradients, screen);
+WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients,
+                                                Buffer<float>& screen,
+                                                Stream& stream) {
+  d_posed_.Refill(gradients.size(), stream);
+  WorldGradients view = GradientViewOf(gradients, screen, stream);
   view.position = d_posed_.position.data();
   view.rotation = d_posed_.rotation.data();
   view.scale_log = d_posed_.scale_log.data();
-  if (settings_.color_frame == ColorFrame::kSurface) {
+  if (settings_.color_frame == ColorFrame::kSurface)
     view.color_frame = d_posed_.frame.data();
-  } else {
+  else
     d_posed_.frame.clear();
-  }
   return view;
 }
 
 void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
+  const bool refines = settings_.refine_track;
   BindBackward(gaussians,
-               state_.embedding,
+               embedding_,
                surface_,
                d_posed_,
                gradients,
-               settings_.refine_track ? &d_vertices_ : nullptr);
-  if (settings_.refine_track) RefineFrame(d_vertices_);
+               refines ? &d_vertices_ : nullptr,
+               scratch_);
+  if (!refines) return;
+  if (stream_->on_host()) return RefineFrame(d_vertices_);
+  std::vector<float> of_host(d_vertices_.size());
+  d_vertices_.Download(of_host.data(), *stream_);
+  stream_->Wait();
+  RefineFrame(of_host);
 }
 
-// One Adam step on the current frame's own parameters.
-void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
-  RefinedFrame& frame = state_.track[current_];
+void AvatarSubject::RefineFrame(View<const float> d_vertices) {
+  RefinedFrame& frame = track_[current_];
   Frame gradient = poser_->Backward(frame.params, d_vertices);
   gradient.expression.resize(frame.params.expression.size(), 0.0f);
   const float rates[3] = {settings_.expression_rate,
                           settings_.pose_rate,
                           settings_.translation_rate * kEnlarged * unit_};
   ++frame.step;
-  math::AdamStep step;
-  const double c1 = 1 - std::pow(double(step.beta1), double(frame.step));
-  const double c2 = std::sqrt(1 - std::pow(double(step.beta2), double(frame.step)));
   constexpr double kEps = 1e-15;
-  step.scaled_eps = float(kEps * c2);
+  math::AdamStep steps[3];
+  for (int group = 0; group < 3; ++group)
+    steps[group] = math::AdamStepAt(rates[group], kEps, frame.step);
   ForEachNumber(gradient, [&](int group, size_t k, float g) {
-    step.step_size = float(rates[group] * c2 / c1);
-    math::AdamUpdate(step,
+    math::AdamUpdate(steps[group],
                      std::isfinite(g) ? g : 0.0f,
                      *NumberOf(frame.params, group, k),
                      *NumberOf(frame.m, group, k),
@@ -141,26 +223,47 @@ void AvatarSubject::RefineFrame(const std::vector<float>& d_vertices) {
 }
 
 View<const float> AvatarSubject::PositionRateScale() {
-  rate_scale_.resize(3 * state_.embedding.triangle.size());
-  for (size_t i = 0; i < state_.embedding.triangle.size(); ++i) {
-    rate_scale_[3 * i] = rate_scale_[3 * i + 1] = face_rates_[state_.embedding.triangle[i]];
-    rate_scale_[3 * i + 2] = 1;
+  if (!std::exchange(rates_known_, true)) {
+    const size_t n = embedding_.triangle.size();
+    rate_scale_.Refill(3 * n, *stream_);
+    ForEach(n,
+            *stream_,
+            RateEach{
+                std::as_const(face_rates_).view(), embedding_.triangle.data(), rate_scale_.view()});
   }
-  return rate_scale_;
+  return std::as_const(rate_scale_).view();
 }
 
-void AvatarSubject::SetPlaces(Embedding embedding, std::vector<int32_t> first_triangle) {
-  state_.embedding = std::move(embedding);
-  state_.first_triangle = std::move(first_triangle);
+void AvatarSubject::Act(int, Gaussians& gaussians, AdamState& adam) {
+  walk_.Run(surface_, kBoundaryFaceCap, scratch_.by_face, embedding_, gaussians.values[kPosition]);
+  for (Gaussians* moments : {&adam.m, &adam.v})
+    walk_.ResetMoment(moments->values[kPosition], *stream_);
+  TrianglesChanged();
 }
 
-void AvatarSubject::AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) {
-  if (iteration % settings_.walk_every != 0) return;
-  const WalkReport report = WalkAll(gaussians, state_.embedding, surface_);
-  for (const auto* list : {&report.crossed, &report.stopped_at_boundary, &report.invalid})
-    for (const uint32_t i : *list)
-      for (Gaussians* moments : {&adam.m, &adam.v})
-        moments->at(kPosition, i)[0] = moments->at(kPosition, i)[1] = 0;
+std::vector<MemoryPart> AvatarSubject::Memory() const {
+  if (stream_->on_host()) return {};
+  size_t silhouettes = 0;
+  for (const Buffer<uint8_t>& s : silhouettes_) silhouettes += HeldBy(s);
+  return {
+      {"places on the mesh",
+       HeldBy(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
+           HeldBy(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
+           scratch_.by_face.held() + walk_.held() + holes_.held()},
+      {"posed Gaussians", posed_.held() + d_posed_.held() + HeldBy(scratch_.d_corners)},
+      {"looking for holes", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
+      {"mesh and its poses",
+       surface_.held() + posed_vertices_.held() + scratch_.by_face.HeldForMesh() +
+           walk_.HeldForMesh() + HeldBy(scratch_.d_surface, searches_, face_rates_, d_vertices_),
+       MemoryOf::kFixed}};
+}
+
+size_t AvatarSubject::BytesPerGaussian() const {
+  const size_t place = sizeof(int32_t) + 2 * sizeof(float);
+  return 2 * PosedGaussians::kBytesPerGaussian + 2 * place + FaceLists::kBytesPerGaussian +
+         sizeof(int32_t) + 6 * sizeof(float) + TriangleWalk::kBytesPerGaussian +
+         HoleGuard::kBytesPerGaussian +
+         (settings_.refine_track ? BindScratch::kBytesPerGaussian : 0);
 }
 
 }  // namespace cosplat

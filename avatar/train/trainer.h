@@ -6,6 +6,7 @@
 // al. 2024 (SplattingAvatar).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,8 +15,12 @@
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/avatar_model.h"
 #include "avatar/surface/binding.h"
+#include "avatar/surface/kernels/face_search.h"
+#include "avatar/surface/kernels/holes.h"
 #include "avatar/surface/surface.h"
 #include "avatar/surface/walk.h"
+#include "avatar/train/hole_guard.h"
+#include "avatar/train/posed_vertices.h"
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/train/trainer.h"
@@ -64,12 +69,18 @@ struct RefinedFrame {
 };
 
 // What an avatar's run is beside TrainingState: both together make an exact checkpoint.
-struct AvatarTrainingState {
+struct AvatarTrainingState : SubjectState {
   Embedding embedding;
-  std::vector<int32_t> first_triangle;  // [N] where it, or its first ancestor, began
-  std::vector<RefinedFrame> track;      // [training frames]
+  Buffer<int32_t> first_triangle;   // [N] where it, or its first ancestor, began
+  std::vector<RefinedFrame> track;  // [training frames]
 };
 
+// Searches over the mesh at a time on the host, each with 12 kB.
+constexpr size_t kHostSearchers = 64;
+
+// On the host or on a device. There a frame's posed vertices are kept, up to a limit, or posed and
+// sent each time where the track is refined; then dL/d(vertices) comes back, too, and the host
+// waits for it.
 class AvatarSubject : public Subject {
  public:
   // Loads every training picture. Frames whose picture cannot be used are added to `video.skipped`;
@@ -78,13 +89,15 @@ class AvatarSubject : public Subject {
   AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);
   ~AvatarSubject() override;
 
-  // Isotropic, grey, opacity 0.1, spread by AvatarSettings::system.
+  // Isotropic, grey, opacity 0.1, spread by AvatarSettings::system. Before training.
   Gaussians InitialGaussians(int degree, Basis basis, uint64_t seed);
 
   // The avatar as it stands, with the trainer's Gaussians.
   AvatarModel Model(const Gaussians& gaussians) const;
-  const AvatarTrainingState& state() const { return state_; }
+  // On the host, wherever it works.
+  AvatarTrainingState State() const;
   const TrackedVideo& video() const { return video_; }
+  // In the stream that it works in.
   const Surface& surface() const { return surface_; }
   bool has_bust() const { return bust_.has_value(); }
   // Share of the Gaussians that are now on another triangle than they (or their parents) began on.
@@ -92,34 +105,33 @@ class AvatarSubject : public Subject {
   // Training frames' parameters as refined so far (equal to the track's without --refine-track).
   std::vector<FlameParams> RefinedTrack() const;
 
-  // What a device needs of it (avatar/train/cuda/device_avatar.h). Vertices of a frame as its track
-  // stands, [V, 3] metres, until the next call; and a step of that frame's own parameters.
-  const std::vector<float>& VerticesOf(size_t i);
-  void RefineFrame(const std::vector<float>& d_vertices);
-  const AvatarSettings& settings() const { return settings_; }
-  // [F] factors on the rates of du and dv on each face.
-  const std::vector<float>& face_rates() const { return face_rates_; }
-  // AvatarTrainingState's, as the device has moved them.
-  void SetPlaces(Embedding embedding, std::vector<int32_t> first_triangle);
-
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return unit_; }
+  void WorkIn(Stream& stream) override;
   WorldGaussians Place(const Gaussians& gaussians, size_t i) override;
-  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override;
+  WorldGradients WorldGradientsFor(Gaussians& gradients,
+                                   Buffer<float>& screen,
+                                   Stream& stream) override;
   void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) override;
+  bool WaitsInSteps() const override { return settings_.refine_track; }
   View<const float> PositionRateScale() override;
-  void AfterStep(int iteration, Gaussians& gaussians, AdamState& adam) override;
-  std::any SaveState() const override { return state_; }
-  void RestoreState(const std::any& state) override {
-    state_ = std::any_cast<const AvatarTrainingState&>(state);
-  }
+  bool ActsAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
+  void Act(int iteration, Gaussians& gaussians, AdamState& adam) override;
+  std::shared_ptr<const SubjectState> SaveState() const override;
+  void RestoreState(const SubjectState& state) override;
 
-  void Gather(const std::vector<uint32_t>& source) override;
-  void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) override;
-  std::array<float, 3> Center(const Gaussians& gaussians, size_t i) const override;
-  std::vector<int32_t> Groups() const override { return state_.embedding.triangle; }
-  void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) override;
+  void Gather(View<const uint32_t> source, Stream& stream) override;
+  void Move(View<const float> offsets, size_t first, Gaussians& gaussians, Stream& stream) override;
+  View<const float> Centers(const Gaussians& gaussians, Stream& stream) override;
+  std::vector<int32_t> Groups(Stream& stream) override;
+  void Veto(const Gaussians& gaussians,
+            const Canvas* canvas,
+            View<uint8_t> unwanted,
+            Stream& stream) override;
+
+  std::vector<MemoryPart> Memory() const override;
+  size_t BytesPerGaussian() const override;
 
  private:
   using Frame = AvatarPoser::Frame;
@@ -129,9 +141,16 @@ class AvatarSubject : public Subject {
   Bust MeanBustOfTrack() const;
   void BuildMesh();
   void SetFaceRates();
-  void SetSpacing(Gaussians& gaussians) const;
-  void PoseFrame(size_t i);
-  std::vector<uint32_t> LastOfTheirTriangle(const std::vector<uint32_t>& removed) const;
+  void SetSpacing(Gaussians& gaussians);
+  bool IsOurs() const { return settings_.system == AvatarSystem::kCosplat; }
+  void TrianglesChanged();
+  const std::vector<float>& VerticesOf(size_t i);
+  static Embedding EmbeddingIn(Stream& stream, const Embedding& on_host);
+  void Take(Embedding embedding, const Buffer<int32_t>& first_triangle);
+  // One Adam step on the current frame's own parameters. d_vertices: of the host.
+  void RefineFrame(View<const float> d_vertices);
+  // Of the mesh in the k-th frame that is searched for holes.
+  const Buffer<uint8_t>& SilhouetteOf(size_t k);
 
   const FlameModel& flame_;
   TrackedVideo video_;
@@ -140,17 +159,32 @@ class AvatarSubject : public Subject {
   std::optional<FlameParams> canonical_frame_;
   CanonicalMesh mesh_;
   std::unique_ptr<AvatarPoser> poser_;
-  Surface surface_;
   float unit_ = 1;  // metres per unit of a 4x FLAME mesh, for this subject
-  std::vector<float> face_rates_;
+  std::vector<float> face_rates_on_host_;
   std::vector<TrainFrame> frames_;
   size_t current_ = 0;
+  std::vector<RefinedFrame> track_;
+  std::vector<float> vertices_;  // that poser_ posed last
 
-  AvatarTrainingState state_;
-  // Scratch, kept between steps.
-  std::vector<float> vertices_, d_vertices_;
+  // In the memory of the stream that it works in.
+  Stream* stream_ = &HostStream();
+  Surface surface_;
+  Buffer<float> face_rates_;  // [F] factors on the rates of du and dv on each face
+  Embedding embedding_;
+  Buffer<int32_t> first_triangle_;
+  PosedVertices posed_vertices_;
   PosedGaussians posed_, d_posed_;
-  Buffer<float> rate_scale_;
+  Buffer<float> d_vertices_;
+  BindScratch scratch_;
+  TriangleWalk walk_;
+  HoleGuard holes_;
+  std::array<Buffer<uint8_t>, math::kHoleFrames> silhouettes_;
+  Buffer<math::FaceSearch> searches_;
+  Buffer<float> centers_;
+  Buffer<float> rate_scale_;  // [N, 3]
+  bool rates_known_ = false;
+  Buffer<int32_t> spare_triangle_;
+  Buffer<std::array<float, 2>> spare_barycentric_;
 };
 
 }  // namespace cosplat

@@ -1,101 +1,85 @@
 // Density control of an avatar: what splits is re-embedded, and what goes may not tear a hole.
 #include <algorithm>
 
-#include "avatar/play/player.h"
-#include "avatar/surface/kernels/holes.h"
 #include "avatar/surface/kernels/place.h"
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/trainer.h"
-#include "splat/render/kernels/project.h"
-#include "splat/render/kernels/view_parameters.h"
+#include "splat/device/for_each.h"
+#include "splat/device/gather.h"
 
 namespace cosplat {
-void AvatarSubject::Gather(const std::vector<uint32_t>& source) {
-  Embedding gathered;
-  gathered.released = state_.embedding.released;
-  std::vector<int32_t> first;
-  for (const uint32_t i : source) {
-    gathered.triangle.push_back(state_.embedding.triangle[i]);
-    gathered.barycentric.push_back(state_.embedding.barycentric[i]);
-    first.push_back(state_.first_triangle[i]);
-  }
-  state_.embedding = std::move(gathered);
-  state_.first_triangle = std::move(first);
+
+void AvatarSubject::Gather(View<const uint32_t> source, Stream& stream) {
+  GatherRows(embedding_.triangle, spare_triangle_, 1, source, source.count, stream);
+  GatherRows(embedding_.barycentric, spare_barycentric_, 1, source, source.count, stream);
+  GatherRows(first_triangle_, spare_triangle_, 1, source, source.count, stream);
+  TrianglesChanged();
 }
 
 // On the canonical mesh.
-std::array<float, 3> AvatarSubject::Center(const Gaussians& gaussians, size_t i) const {
-  const math::Vec3<float> p = math::CanonicalPlace(surface_.CanonicalArrays(),
-                                                   state_.embedding.triangle[i],
-                                                   state_.embedding.barycentric[i].data(),
-                                                   gaussians.at(kPosition, i));
-  return {p.x, p.y, p.z};
+View<const float> AvatarSubject::Centers(const Gaussians& gaussians, Stream& stream) {
+  centers_.Refill(3 * gaussians.size(), stream);
+  ForEach(gaussians.size(),
+          stream,
+          PlaceEach{surface_.CanonicalArrays(),
+                    embedding_.triangle.data(),
+                    embedding_.weights(),
+                    gaussians.values[kPosition].view(),
+                    centers_.view()});
+  return std::as_const(centers_).view();
 }
 
-void AvatarSubject::Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) {
-  math::FaceSearch search;
-  math::MoveOnMesh(surface_.CanonicalArrays(),
-                   {offset[0], offset[1], offset[2]},
-                   settings_.system != AvatarSystem::kCosplat,
-                   {&state_.embedding.triangle[i],
-                    state_.embedding.barycentric[i].data(),
-                    gaussians.at(kPosition, i)},
-                   search);
+void AvatarSubject::Move(View<const float> offsets,
+                         size_t first,
+                         Gaussians& gaussians,
+                         Stream& stream) {
+  ForEach(std::min(searches_.size(), offsets.count / 3),
+          stream,
+          MoveEach{surface_.CanonicalArrays(),
+                   offsets,
+                   first,
+                   !IsOurs(),
+                   searches_.view(),
+                   embedding_.triangle.data(),
+                   embedding_.weights(),
+                   gaussians.values[kPosition].view()});
+  TrianglesChanged();
 }
 
-// Those of `removed` (ascending) after whose removal their triangle has none.
-std::vector<uint32_t> AvatarSubject::LastOfTheirTriangle(
-    const std::vector<uint32_t>& removed) const {
-  std::vector<int> left(mesh_.faces.size(), 0);
-  for (const int32_t t : state_.embedding.triangle) ++left[t];
-  for (const uint32_t i : removed) --left[state_.embedding.triangle[i]];
-  std::vector<uint32_t> last;
-  for (const uint32_t i : removed)
-    if (left[state_.embedding.triangle[i]] == 0) last.push_back(i);
-  return last;
+std::vector<int32_t> AvatarSubject::Groups(Stream& stream) {
+  std::vector<int32_t> triangles(embedding_.triangle.size());
+  embedding_.triangle.Download(triangles.data(), stream);
+  stream.Wait();
+  return triangles;
+}
+
+const Buffer<uint8_t>& AvatarSubject::SilhouetteOf(size_t k) {
+  if (!silhouettes_[k].empty() && !settings_.refine_track) return silhouettes_[k];
+  const size_t f = math::HoleFrame(k, frames_.size());
+  const std::vector<uint8_t> silhouette =
+      MeshSilhouette(VerticesOf(f), mesh_.faces, frames_[f].camera);
+  silhouettes_[k].Refill(silhouette.size(), *stream_);
+  stream_->Send(silhouettes_[k].data(), silhouette.data(), silhouette.size());
+  return silhouettes_[k];
 }
 
 // Renders the silhouette's alpha without what is to be removed; where that opens a hole, the last
 // Gaussians of their triangles around it stay.
-void AvatarSubject::Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) {
-  if (settings_.system != AvatarSystem::kCosplat) return;
-  const std::vector<uint32_t> last = LastOfTheirTriangle(removed);
-  if (last.empty()) return;
-  Gaussians thinned = gaussians;
-  for (const uint32_t i : removed) thinned.at(kOpacityLogit, i)[0] = math::kGoneLogit;
-  const auto rasterizer = MakeCpuRasterizer();
-  const auto tape = rasterizer->MakeTape(), thin_tape = rasterizer->MakeTape();
-  RenderedImage before, after;
-  std::vector<uint8_t> stays(gaussians.size(), 0), holes;
+void AvatarSubject::Veto(const Gaussians& gaussians,
+                         const Canvas* canvas,
+                         View<uint8_t> unwanted,
+                         Stream& stream) {
+  const size_t faces = mesh_.faces.size();
+  if (!IsOurs() || !canvas ||
+      !holes_.Begin(
+          gaussians, scratch_.by_face.Of(embedding_, faces, stream), faces, unwanted, stream))
+    return;
   for (size_t k = 0; k < std::min(math::kHoleFrames, frames_.size()); ++k) {
     const size_t f = math::HoleFrame(k, frames_.size());
-    const Camera& camera = frames_[f].camera;
-    PoseFrame(f);
-    Bind(gaussians, state_.embedding, surface_, posed_);
-    const auto draw = [&](const Gaussians& g, RenderedImage& image, RenderTape& into) {
-      const RenderSettings black{{0, 0, 0}, 0};
-      rasterizer->Forward(
-          PosedView(g, posed_, ColorFrame::kWorld), g.basis, camera, black, image, into);
-    };
-    draw(gaussians, before, *tape);
-    draw(thinned, after, *thin_tape);
-    holes = MeshSilhouette(vertices_, mesh_.faces, camera);
-    for (size_t p = 0; p < holes.size(); ++p)
-      holes[p] = math::IsHole(holes[p], before.transmittance[p], after.transmittance[p]);
-    const math::HoleMask mask{holes.data(), camera.width, camera.height};
-    const auto pinhole = math::ToPinhole<float>(ViewOfCamera(camera, gaussians.basis, 0));
-    for (const uint32_t i : last) {
-      const float radius = tape->radii()[i];
-      if (stays[i] || !(radius > 0)) continue;
-      const float* p = &posed_.position[3 * size_t(i)];
-      const math::Vec2<float> center =
-          math::ProjectPoint(pinhole, math::ToCamera(pinhole, {p[0], p[1], p[2]}));
-      stays[i] = mask.HasWithin(center.x, center.y, radius);
-    }
+    WorldGaussians world = Place(gaussians, f);
+    world.color_frame = nullptr;  // no colour is looked at
+    holes_.Spare(*canvas, world, gaussians.basis, frames_[f].camera, SilhouetteOf(k), unwanted);
   }
-  removed.erase(
-      std::remove_if(removed.begin(), removed.end(), [&](uint32_t i) { return stays[i] != 0; }),
-      removed.end());
 }
 
 }  // namespace cosplat

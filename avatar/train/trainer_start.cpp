@@ -9,6 +9,7 @@
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/trainer.h"
 #include "splat/base/error.h"
+#include "splat/math/scalar.h"
 #include "splat/train/initialize.h"
 
 namespace cosplat {
@@ -29,8 +30,8 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
       video_(std::move(video)),
       settings_(settings),
       mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
-      surface_(mesh_),
-      unit_(MeshUnit(mesh_)) {
+      unit_(MeshUnit(mesh_)),
+      surface_(mesh_) {
   if (settings_.refine_track && settings_.system == AvatarSystem::kReleased)
     throw Error("--refine-track", "does not go with SplattingAvatar's released rule");
   LoadFrames();
@@ -41,15 +42,19 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
   if (bust_ || canonical_frame_) BuildMesh();
   poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
   SetFaceRates();
+  posed_vertices_ = PosedVertices(frame_count(), surface_.vertex_count(), 0);
 }
 
 // du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
 // SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
 void AvatarSubject::SetFaceRates() {
   for (size_t f = 0; f < mesh_.faces.size(); ++f)
-    face_rates_.push_back(settings_.system == AvatarSystem::kCosplat
-                              ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
-                              : 1 / unit_);
+    face_rates_on_host_.push_back(
+        settings_.system == AvatarSystem::kCosplat
+            ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
+            : 1 / unit_);
+  face_rates_.Upload(face_rates_on_host_.data(), face_rates_on_host_.size(), *stream_);
+  searches_.Refill(kHostSearchers, *stream_);
 }
 
 void AvatarSubject::LoadFrames() {
@@ -76,7 +81,7 @@ void AvatarSubject::LoadFrames() {
     refined.params.expression.resize(flame_.expression_count, 0.0f);
     refined.m.expression.resize(flame_.expression_count, 0.0f);
     refined.v.expression.resize(flame_.expression_count, 0.0f);
-    state_.track.push_back(std::move(refined));
+    track_.push_back(std::move(refined));
     usable.push_back(frame);
   }
   CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);
@@ -94,7 +99,7 @@ bool AvatarSubject::NeedsBust() const {
     const size_t f = k * frames_.size() / kBustFrames;
     const Image8& target = frames_[f].target;
     if (target.channels != 4) return false;  // no masks: nothing says what is the subject
-    head.Forward(state_.track[f].params, vertices);
+    head.Forward(track_[f].params, vertices);
     const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
     for (size_t p = 0; p < covered.size(); ++p) {
       if (target.data[4 * p + 3] < 128) continue;
@@ -117,7 +122,7 @@ void AvatarSubject::BuildMesh() {
 }
 
 // Gives each Gaussian its own spacing as scale.
-void AvatarSubject::SetSpacing(Gaussians& g) const {
+void AvatarSubject::SetSpacing(Gaussians& g) {
   if (settings_.system == AvatarSystem::kCosplat) {
     // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
     const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
@@ -126,8 +131,7 @@ void AvatarSubject::SetSpacing(Gaussians& g) const {
   }
   // In the enlarged mesh's units, for the sake of the least distance that 3DGS allows.
   std::vector<float> points;
-  for (size_t i = 0; i < g.size(); ++i)
-    for (const float x : Center(g, i)) points.push_back(x / unit_);
+  for (const float x : Centers(g, *stream_)) points.push_back(x / unit_);
   const std::vector<uint8_t> grey(points.size(), 128);
   g.values[kScaleLog] = InitializeFromPoints(points, grey, 0, g.basis).values[kScaleLog];
   for (float& s : g.values[kScaleLog]) s += std::log(unit_);
@@ -140,17 +144,18 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   g.basis = basis;
   g.Resize(settings_.initial_gaussians);
   const bool released = settings_.system == AvatarSystem::kReleased;
-  state_.embedding = {};
-  if (released) state_.embedding.released = ReleasedRule{unit_};
+  embedding_ = {};
+  if (released) embedding_.released = ReleasedRule{unit_};
   for (const SurfacePoint& p :
        released ? SampleFaces(mesh_, g.size(), rng) : SampleSurface(mesh_, g.size(), rng)) {
-    state_.embedding.triangle.push_back(p.triangle);
-    state_.embedding.barycentric.push_back(p.barycentric);
+    embedding_.triangle.push_back(p.triangle);
+    embedding_.barycentric.push_back(p.barycentric);
   }
-  state_.first_triangle = state_.embedding.triangle;
+  first_triangle_ = embedding_.triangle;
+  TrianglesChanged();
   for (size_t i = 0; i < g.size(); ++i) {
     g.at(kRotation, i)[0] = 1;
-    g.at(kOpacityLogit, i)[0] = std::log(kInitialOpacity / (1 - kInitialOpacity));
+    g.at(kOpacityLogit, i)[0] = math::Logit(kInitialOpacity);
   }
   SetSpacing(g);
   return g;

@@ -40,7 +40,7 @@ struct BlendShapesKernel {
   size_t expression_terms, pose_terms;
   T* unskinned;  // [V, 3]
 
-  COSPLAT_HD void Run(size_t i) const {
+  COSPLAT_HD void operator()(size_t i) const {
     const size_t rows = 3 * arrays.vertex_count;
     // Two sums, as FlamePoser keeps them.
     const T expressed = AddDirections(
@@ -69,7 +69,7 @@ struct SkinKernel {
     for (size_t i = 0; i < 3; ++i) translation[i] = rig.translation[i];
   }
 
-  COSPLAT_HD void Run(size_t v) const {
+  COSPLAT_HD void operator()(size_t v) const {
     T posed[3];
     SkinPoint<kFlameJoints>(
         rotation, joint_translation, weights + kFlameJoints * v, unskinned + 3 * v, posed);

@@ -32,7 +32,7 @@ Rows Take(View<const float> rows,
           const std::vector<uint32_t>& taken) {
   Rows out;
   for (const uint32_t i : taken) {
-    out.values.insert(out.values.end(), rows.data + i * width, rows.data + (i + 1) * width);
+    out.values.append(rows.data + i * width, rows.data + (i + 1) * width);
     out.weight.push_back(weight[i]);
   }
   return out;

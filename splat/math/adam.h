@@ -6,6 +6,9 @@
 #define COSPLAT_SPLAT_MATH_ADAM_H_
 #endif
 
+#include <cmath>
+#include <cstdint>
+
 #include "splat/math/scalar.h"
 
 COSPLAT_MATH_BEGIN
@@ -18,6 +21,16 @@ struct AdamStep {
   float step_size = 0;   // rate * sqrt(1 - beta2^t) / (1 - beta1^t)
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
+
+// Of step t, counted from 1.
+inline AdamStep AdamStepAt(float rate, double eps, int64_t t) {
+  AdamStep step;
+  const double correction1 = 1 - std::pow(double(step.beta1), double(t));
+  const double correction2 = std::sqrt(1 - std::pow(double(step.beta2), double(t)));
+  step.step_size = float(rate * correction2 / correction1);
+  step.scaled_eps = float(eps * correction2);
+  return step;
+}
 
 // Whether a gradient, and its square, is finite: others count as zero.
 COSPLAT_HD bool IsUsableGradient(float gradient) { return Abs(gradient) < 1e18f; }

@@ -53,6 +53,8 @@ template <class T>
 COSPLAT_HD T Sigmoid(const T& x) {
   return T(1) / (T(1) + Exp(-x));
 }
+// The inverse, for 0 < y < 1.
+inline float Logit(float y) { return std::log(y / (1 - y)); }
 // d_x given y = Sigmoid(x).
 template <class T>
 COSPLAT_HD T SigmoidVjp(const T& y, const T& d_y) {

@@ -27,36 +27,8 @@ class CompactPruner : public Pruner {
     return schedule_.DensifiesAt(iteration) || late_.At(iteration) || iteration == iterations_;
   }
 
-  void BeforeDraw(const Gaussians& gaussians, WorldGaussians& world, Rng&) override {
-    const Buffer<float>& logits = gaussians.values[kOpacityLogit];
-    opacity_logit_.assign(logits.begin(), logits.end());
-    for (size_t i = 0; i < mask_.size(); ++i)
-      if (math::MaskHides(mask_[i])) opacity_logit_[i] = math::kHiddenLogit;
-    world.opacity_logit = opacity_logit_.data();
-  }
-
-  double AfterBackward(const Gaussians& gaussians,
-                       Gaussians& gradients,
-                       View<const float> radii) override {
-    d_mask_.assign(mask_.size(), 0.0f);
-    const float share = weight_ / float(mask_.size());
-    double sum = 0;
-    for (size_t i = 0; i < mask_.size(); ++i) {
-      sum += math::Sigmoid(mask_[i]);
-      d_mask_[i] = math::HardMaskVjp(mask_[i],
-                                     share,
-                                     radii[i] > 0,
-                                     gradients.at(kScaleLog, i),
-                                     *gradients.at(kOpacityLogit, i),
-                                     *gaussians.at(kOpacityLogit, i));
-    }
-    mask_.Step(d_mask_);
-    return sum * share;
-  }
-
   MaskInSteps Mask() override { return {MaskKind::kHard, weight_, &mask_, nullptr}; }
-  void Gather(const Reordering& order) override { mask_.Gather(order); }
-  size_t Held() const override { return mask_.Held() + HeldBy(opacity_logit_, d_mask_); }
+  size_t Held() const override { return mask_.Held(); }
 
   PruneRound Rank(const PruneContext&) override {
     PruneRound round;
@@ -73,8 +45,6 @@ class CompactPruner : public Pruner {
   int iterations_;
   PruneRounds late_;
   LearnedMask mask_;
-  Buffer<float> opacity_logit_;
-  std::vector<float> d_mask_;
 };
 
 }  // namespace

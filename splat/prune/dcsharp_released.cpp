@@ -19,9 +19,9 @@ class DcsharpReleasedPruner : public Pruner {
 
   bool PrunesAt(int iteration) const override { return schedule_.DensifiesAt(iteration); }
 
-  double AfterBackward(const Gaussians& gaussians,
-                       Gaussians& gradients,
-                       View<const float> radii) override {
+  void AfterBackward(const Gaussians& gaussians,
+                     const Gaussians& gradients,
+                     View<const float> radii) override {
     for (size_t i = 0; i < sum_.size(); ++i) {
       if (!(radii[i] > 0)) continue;
       const float d = gradients.at(kScaleLog, i)[0] / std::exp(gaussians.at(kScaleLog, i)[0]);
@@ -29,7 +29,6 @@ class DcsharpReleasedPruner : public Pruner {
       sum_[i] += std::abs(d);
       seen_[i] += 1;
     }
-    return 0;
   }
 
   void BeforeDensification() override {

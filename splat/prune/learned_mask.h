@@ -6,7 +6,7 @@
 
 #include "splat/device/memory_part.h"
 #include "splat/math/adam.h"
-#include "splat/train/density.h"
+#include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
 
@@ -17,22 +17,14 @@ struct LearnedMask {
   size_t size() const { return value.size(); }
   size_t Held() const { return HeldBy(value, m, v); }
   float operator[](size_t i) const { return value[i]; }
-  // One Adam step with these gradients; those that are not finite count as zero.
-  void Step(const std::vector<float>& gradient);
-  // New ones have their parent's number and no momentum.
-  void Gather(const Reordering& order);
 
   float rate;
   std::vector<float> value, m, v;  // [N] and its moments
   int64_t step = 0;                // that were taken
 };
 
-// Of step `step`, counted from 1.
-math::AdamStep MaskAdamStep(float rate, int64_t step);
-
-enum class MaskKind { kHard, kSoft };
-
-// A mask that is learned in every step, for a device that does the steps.
+// A mask that is learned in every step, by MaskLearner (splat/train/mask_learner.h); what it has
+// learned is back here when a round of pruning ranks.
 struct MaskInSteps {
   MaskKind kind = MaskKind::kHard;
   float weight = 0;                          // of its mean in the loss

@@ -42,66 +42,19 @@ class LpPruner : public Pruner {
     return round;
   }
 
-  // o' = m o in place of o.
-  void BeforeDraw(const Gaussians& gaussians, WorldGaussians& world, Rng& rng) override {
-    if (!learning_) return;
-    const size_t n = gaussians.size();
-    mask_.resize(n);
-    opacity_logit_.resize(n);
-    for (size_t i = 0; i < n; ++i) {
-      const math::SoftMask soft =
-          math::SoftMaskOf(mu_[i], importance_[i], *gaussians.at(kOpacityLogit, i), rng);
-      mask_[i] = soft.mask;
-      opacity_logit_[i] = soft.opacity_logit;
-    }
-    world.opacity_logit = opacity_logit_.data();
-  }
-
-  double AfterBackward(const Gaussians& gaussians,
-                       Gaussians& gradients,
-                       View<const float> radii) override {
-    if (!learning_) return 0;
-    const size_t n = gaussians.size();
-    const float share = weight_ / float(n);
-    d_mu_.resize(n);
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i) {
-      sum += mask_[i];
-      d_mu_[i] = math::SoftMaskVjp({mask_[i], opacity_logit_[i]},
-                                   importance_[i],
-                                   share,
-                                   radii[i] > 0,
-                                   *gaussians.at(kOpacityLogit, i),
-                                   *gradients.at(kOpacityLogit, i));
-    }
-    mu_.Step(d_mu_);
-    return sum * share;
-  }
-
   MaskInSteps Mask() override {
     if (!learning_) return {};
     return {MaskKind::kSoft, weight_, &mu_, &importance_};
   }
 
-  void Gather(const Reordering& order) override {
-    if (!learning_) return;
-    mu_.Gather(order);
-    std::vector<float> gathered;
-    for (const uint32_t i : order.source) gathered.push_back(importance_[i]);
-    importance_ = std::move(gathered);
-  }
-
-  size_t Held() const override {
-    return mu_.Held() + HeldBy(importance_, mask_, d_mu_, opacity_logit_);
-  }
+  size_t Held() const override { return mu_.Held() + HeldBy(importance_); }
 
  private:
   float weight_;
   int begin_, end_;  // steps that learn
   bool learning_ = false;
-  std::vector<float> importance_, mask_, d_mu_;  // [N]
+  std::vector<float> importance_;  // [N]
   LearnedMask mu_{0, kFirst, kRate};
-  Buffer<float> opacity_logit_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Pruning: which Gaussians training takes away beyond those that density control does (transparent,
 // oversized). One rule a file; all of them rank, and the lowest go.
 //
-//   step -> BeforeDraw -> ... -> AfterBackward -> density control -> PrunesAt? -> Rank -> removal
+//   step (with its Mask) -> AfterBackward -> density control -> PrunesAt? -> Rank -> removal
 //
 // Rules, with the papers they are made after: docs/study.md.
 #pragma once
@@ -49,28 +49,21 @@ class Pruner {
   // Of the Gaussians as density control has left them.
   virtual PruneRound Rank(const PruneContext& context) = 0;
 
-  // Before a step draws: a learned mask hides or dims Gaussians.
-  virtual void BeforeDraw(const Gaussians& gaussians, WorldGaussians& world, Rng& rng) {
-    (void)gaussians;
-    (void)world;
-    (void)rng;
-  }
-  // After a step's gradients, before Adam. radii: [N] 0 where not drawn. Returns the loss that the
-  // rule adds.
-  virtual double AfterBackward(const Gaussians& gaussians,
-                               Gaussians& gradients,
-                               View<const float> radii) {
+  // After a step's gradients, before Adam, on the host (WorksOnProcessorOnly). radii: [N] 0 where
+  // not drawn.
+  virtual void AfterBackward(const Gaussians& gaussians,
+                             const Gaussians& gradients,
+                             View<const float> radii) {
     (void)gaussians;
     (void)gradients;
     (void)radii;
-    return 0;
   }
-  // The mask that these two work with; none for a rule that learns none, or not now.
+  // The mask that the rule has learned in every step; none for a rule that learns none, or not now.
   virtual MaskInSteps Mask() { return {}; }
   virtual void BeforeDensification() {}
   // Bytes that the rule holds.
   virtual size_t Held() const { return 0; }
-  // The rule's own data per Gaussian follows.
+  // The rule's own data per Gaussian follows, on the host.
   virtual void Gather(const Reordering& order) { (void)order; }
 };
 

@@ -1,11 +1,12 @@
 #include "splat/render/device.h"
 
 #include "splat/base/error.h"
+#include "splat/render/copying_rasterizer.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/device/cuda/device.h"
-#include "splat/render/cuda/cuda_rasterizer.h"
-#include "splat/render/cuda/device_scene.h"
+#include "splat/render/cuda/kernels.h"
+#include "splat/render/cuda/rasterizer.h"
 #endif
 
 namespace cosplat {
@@ -32,22 +33,29 @@ Device DeviceFromString(const std::string& name, const std::string& field) {
   return Device::kCpu;
 }
 
-std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
+std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic) {
   if (device == Device::kCpu) return MakeCpuRasterizer();
 #if defined(COSPLAT_HAS_CUDA)
-  return cuda::MakeCudaRasterizer(cuda::SumOrder::kFixed);
+  cuda::ProvideRenderKernels();
+  return std::make_unique<cuda::CudaRasterizer>(deterministic ? cuda::SumOrder::kFixed
+                                                              : cuda::SumOrder::kAny);
 #else
+  (void)deterministic;
   throw Error("device", "cuda: " + WhyNoCuda());
 #endif
 }
 
+std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
+  auto rasterizer = MakeRasterizerOn(device, true);
+  return device == Device::kCpu ? std::move(rasterizer)
+                                : MakeCopyingRasterizer(std::move(rasterizer));
+}
+
 SceneRendererMaker SceneRendererOn(Device device) {
-#if defined(COSPLAT_HAS_CUDA)
-  if (device == Device::kCuda) return cuda::MakeDeviceScene;
-#else
-  (void)device;  // DeviceFromString gives no other
-#endif
-  return {};
+  if (device == Device::kCpu) return {};
+  return [device](const Gaussians& scene) {
+    return std::make_unique<SceneRenderer>(MakeRasterizerOn(device, false), scene);
+  };
 }
 
 }  // namespace cosplat

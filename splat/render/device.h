@@ -15,8 +15,12 @@ enum class Device { kCpu, kCuda };
 // none; "auto", which is CUDA where both have it.
 Device DeviceFromString(const std::string& name, const std::string& field = "--device");
 
-// For single pictures: on a device everything is copied with each call, and gradients are added in
-// a fixed order, as on the CPU.
+// Of arrays in the device's memory. deterministic: gradients are added in a fixed order, as on the
+// CPU they always are.
+std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic);
+
+// Of arrays in the host's memory, for single pictures: for a device everything is copied with each
+// call. Deterministic.
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
 // For many pictures of one scene; empty for the CPU, which draws by a Rasterizer.

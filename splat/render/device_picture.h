@@ -4,19 +4,34 @@
 // or, where it is wanted on the host after all, Download.
 #pragma once
 
+#include <memory>
+
 #include "splat/base/image.h"
+#include "splat/render/alpha_mode.h"
+#include "splat/render/kernels/pixel_bytes.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat {
 
-// RGBA bytes, all drawn: whoever gets it need not wait. Of one device; give it back to whoever made
-// it, and its memory is used again. One call at a time, in any thread.
+// RGBA bytes. Once it was waited for, whoever gets it need not wait. Of one device; give it back to
+// whoever made it, and its memory is used again. One call at a time, in any thread.
 class DevicePicture {
  public:
-  virtual ~DevicePicture() = default;
-  virtual int width() const = 0;
-  virtual int height() const = 0;
+  explicit DevicePicture(const Stream& stream) : copies_(stream.Another()) {}
+
+  // The picture's floats as bytes; they are there when the stream has been waited for.
+  void Write(const RenderedImage& image, AlphaMode alpha, Stream& stream);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const PixelBytes* data() const { return pixels_.data(); }  // [height, width]
   // Keeps the memory of `out`.
-  virtual void Download(Image8& out) const = 0;
+  void Download(Image8& out) const;
+
+ private:
+  int width_ = 0, height_ = 0;
+  Buffer<PixelBytes> pixels_;
+  std::unique_ptr<Stream> copies_;
 };
 
 }  // namespace cosplat

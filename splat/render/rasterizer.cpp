@@ -22,6 +22,22 @@ Image RenderedImage::ToStraightAlpha() const {
   return out;
 }
 
+void RenderedImage::Upload(const RenderedImage& host, Stream& stream) {
+  width = host.width;
+  height = host.height;
+  color.Upload(host.color.data(), host.color.size(), stream);
+  transmittance.Upload(host.transmittance.data(), host.transmittance.size(), stream);
+}
+
+void RenderedImage::Download(RenderedImage& host, Stream& stream) const {
+  host.width = width;
+  host.height = height;
+  host.color.resize(color.size());
+  host.transmittance.resize(transmittance.size());
+  color.Download(host.color.data(), stream);
+  transmittance.Download(host.transmittance.data(), stream);
+}
+
 WorldGaussians ViewOf(const Gaussians& g) {
   WorldGaussians view;
   view.count = g.size();
@@ -36,8 +52,8 @@ WorldGaussians ViewOf(const Gaussians& g) {
   return view;
 }
 
-WorldGradients GradientViewOf(Gaussians& d, Buffer<float>& screen) {
-  screen.resize(2 * d.size());
+WorldGradients GradientViewOf(Gaussians& d, Buffer<float>& screen, Stream& stream) {
+  screen.Refill(2 * d.size(), stream);
   WorldGradients view;
   view.position = d.values[kPosition].data();
   view.rotation = d.values[kRotation].data();

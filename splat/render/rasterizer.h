@@ -1,8 +1,9 @@
 // The differentiable renderer: Gaussians + camera -> image, and back.
 //
 // Forward fills an image and a tape; Backward takes the tape and dL/d(image) and writes the
-// gradients of every Gaussian. Results are the same bits for any number of threads. Source: Kerbl
-// et al. 2023; the CPU back end is splat/render/cpu/.
+// gradients of every Gaussian. All arrays are in the memory of the rasteriser's stream. On the CPU,
+// results are the same bits for any number of threads. Source: Kerbl et al. 2023; back ends:
+// splat/render/cpu/, splat/render/cuda/.
 #pragma once
 
 #include <array>
@@ -30,6 +31,10 @@ struct RenderedImage {
   // RGB, or RGBA with straight alpha over no background (requires a black background).
   Image ToImage() const;
   Image ToStraightAlpha() const;
+
+  // Between a stream's memory and the host's, which is `host`; waited for by the caller.
+  void Upload(const RenderedImage& host, Stream& stream);
+  void Download(RenderedImage& host, Stream& stream) const;
 };
 
 struct RenderSettings {
@@ -38,21 +43,40 @@ struct RenderSettings {
   int exp_degree = kMaxExpDegree;            // of the blend loop's exponential (splat/config.h)
 };
 
+// (Gaussian, tile) pairs of a view, and Gaussians that it shows.
+struct InstanceCounts {
+  uint64_t instances = 0, visible = 0;
+};
+
 // What Backward needs of a Forward. Reuse one tape for many steps: it keeps its memory.
 class RenderTape {
  public:
   virtual ~RenderTape() = default;
   // [count] radius in px (3 standard deviations), 0 for Gaussians that were not drawn.
   virtual View<const float> radii() const = 0;
-  virtual size_t visible_count() const = 0;
-  virtual size_t instance_count() const = 0;  // (Gaussian, tile) pairs
+  // [1] of the last Forward, in the stream's memory.
+  virtual const InstanceCounts* counts() const = 0;
   virtual std::vector<MemoryPart> Memory() const = 0;
+
+  // Forward has to know how many instances there are before it can list them, and a device's host
+  // waits for that. It does not where it was told how many to expect: the next Forward makes room
+  // for so many and, where there are more, sets *exceeded (the stream's) to 1 and draws none.
+  // Returns false where that is not possible: no device, or no memory for the guess.
+  virtual bool Expect(size_t instances, uint32_t* exceeded) {
+    (void)instances;
+    (void)exceeded;
+    return false;
+  }
+  // Instances that the last Forward had room for.
+  virtual size_t capacity() const = 0;
 };
 
 class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
-  virtual std::unique_ptr<RenderTape> MakeTape() const = 0;
+  virtual Stream& stream() = 0;
+  // keep: for Backward or Contributions, for which a device keeps 128 bytes per instance.
+  virtual std::unique_ptr<RenderTape> MakeTape(bool keep = true) const = 0;
 
   // Throws Error when the image has no pixels, the settings' degree is not stored or there is no
   // exponential of their degree.
@@ -78,7 +102,18 @@ class Rasterizer {
                              RenderTape& tape,
                              Buffer<Contribution>& contributions) = 0;
 
-  PhaseTimes times;  // project, sort, blend, backward; the caller resets it
+  // Bytes of tapes per Gaussian where each has so many instances in the fullest view: what training
+  // on a device reckons with.
+  virtual double BytesPerGaussian(double instances) const {
+    (void)instances;
+    return 0;
+  }
+
+  // Project, sort, blend, backward; the caller resets it. A device adds its own when it is asked to
+  // and has been waited for.
+  PhaseTimes times;
+  virtual void AddForwardTimes() {}
+  virtual void AddBackwardTimes() {}
 };
 
 std::unique_ptr<Rasterizer> MakeCpuRasterizer();
@@ -86,6 +121,8 @@ std::unique_ptr<Rasterizer> MakeCpuRasterizer();
 // Borrowing views; kPosition must be a point in the world (for avatars: see
 // avatar/surface/binding.h).
 WorldGaussians ViewOf(const Gaussians& gaussians);
-WorldGradients GradientViewOf(Gaussians& gradients, Buffer<float>& screen);
+WorldGradients GradientViewOf(Gaussians& gradients,
+                              Buffer<float>& screen,
+                              Stream& stream = HostStream());
 
 }  // namespace cosplat

@@ -7,28 +7,45 @@
 #include <functional>
 #include <memory>
 
-#include "splat/render/alpha_mode.h"
-#include "splat/render/device_picture.h"
-#include "splat/render/rasterizer.h"
+#include "splat/render/picture_renderer.h"
 
 namespace cosplat {
 
 class SceneRenderer {
  public:
-  virtual ~SceneRenderer() = default;
+  // The scene need not outlive the call. Throws Error where the device has no room.
+  SceneRenderer(std::unique_ptr<Rasterizer> rasterizer, const Gaussians& scene)
+      : pictures_(std::move(rasterizer)) {
+    gaussians_.Upload(scene, pictures_.stream());
+    pictures_.stream().Wait();
+  }
+
   // As Rasterizer::Forward.
-  virtual void Draw(const Camera& camera, const RenderSettings& settings, RenderedImage& image) = 0;
+  void Draw(const Camera& camera, const RenderSettings& settings, RenderedImage& image) {
+    Forward(camera, settings);
+    pictures_.Download(image, times);
+  }
   // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
   // this renderer. The background must be black but with AlphaMode::kOpaque.
-  virtual void DrawToStay(const Camera& camera,
-                          const RenderSettings& settings,
-                          AlphaMode alpha,
-                          std::unique_ptr<DevicePicture>& out) = 0;
+  void DrawToStay(const Camera& camera,
+                  const RenderSettings& settings,
+                  AlphaMode alpha,
+                  std::unique_ptr<DevicePicture>& out) {
+    Forward(camera, settings);
+    pictures_.Keep(alpha, out, times);
+  }
 
   PhaseTimes times;  // project, sort, blend; the caller resets it
+
+ private:
+  void Forward(const Camera& camera, const RenderSettings& settings) {
+    pictures_.Forward(ViewOf(gaussians_), gaussians_.basis, camera, settings);
+  }
+
+  PictureRenderer pictures_;
+  Gaussians gaussians_;
 };
 
-// Of one scene, which need not outlive the call.
 using SceneRendererMaker = std::function<std::unique_ptr<SceneRenderer>(const Gaussians&)>;
 
 }  // namespace cosplat

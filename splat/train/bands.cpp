@@ -39,7 +39,7 @@ int CheapestDegree(const CutErrors& errors, int highest, double price) {
 
 // The highest price, to within a millionth, at which the errors add up to at most `allowed`.
 double HighestPrice(const std::vector<CutErrors>& errors,
-                    const std::vector<uint8_t>& highest,
+                    View<const uint8_t> highest,
                     double allowed) {
   double low = -100, high = 100;  // of its logarithm to base 2
   while (high - low > 1e-6) {
@@ -84,7 +84,7 @@ void DropBands(const Weights& weights, float threshold, Gaussians& g) {
   ZeroAbove(g.degrees, g);
 }
 
-void ZeroAbove(const std::vector<uint8_t>& degrees, Gaussians& of) {
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of) {
   const int width = of.width(kColorRest);
   for (size_t i = 0; i < degrees.size(); ++i) {
     float* rest = of.at(kColorRest, i);

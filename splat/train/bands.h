@@ -28,7 +28,7 @@ using Weights = std::vector<float>;
 void DropBands(const Weights& weights, float threshold, Gaussians& gaussians);
 
 // Sets what is above each Gaussian's own degree to zero: colours, or what is laid out as they are.
-void ZeroAbove(const std::vector<uint8_t>& degrees, Gaussians& of);
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of);
 
 // How many Gaussians have which degree.
 using DegreeCounts = std::array<size_t, kMaxTrainedDegree + 1>;

@@ -1,16 +1,15 @@
 #include "splat/train/density.h"
 
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "splat/base/error.h"
+#include "splat/device/for_each.h"
+#include "splat/device/gather.h"
 #include "splat/prune/pruner.h"
 #include "splat/prune/select.h"
-#include "splat/render/rasterizer.h"
-#include "splat/train/morton.h"
+#include "splat/train/kernels/control.h"
+#include "splat/train/kernels/step.h"
+#include "splat/train/mask_learner.h"
 
 namespace cosplat {
 namespace {
@@ -18,142 +17,98 @@ namespace {
 // How often a round of pruning chooses, with others in the place of those that must stay.
 constexpr int kChoices = 4;
 
-bool AllFinite(const Gaussians& g, size_t i) {
+void GatherGaussians(Gaussians& gaussians,
+                     Gaussians& spare,
+                     View<const uint32_t> source,
+                     size_t first_zero,
+                     Stream& stream) {
   for (int a = 0; a < kAttributeCount; ++a)
-    for (int k = 0; k < g.width(a); ++k)
-      if (!std::isfinite(g.values[a][i * g.width(a) + k])) return false;
-  return true;
+    GatherRows(gaussians.values[a],
+               spare.values[a],
+               size_t(gaussians.width(a)),
+               source,
+               first_zero,
+               stream);
+  if (!gaussians.degrees.empty())
+    GatherRows(gaussians.degrees, spare.degrees, 1, source, first_zero, stream);
 }
 
-// Gaussians whose mean screen gradient asks for more detail; at most `room`, the strongest.
-std::vector<uint32_t> SelectForDensifying(const DensitySettings& settings,
-                                          const DensityStatistics& statistics,
-                                          size_t count) {
-  std::vector<uint32_t> selected;
-  std::vector<float> mean(count, 0.0f);
-  for (size_t i = 0; i < count; ++i) {
-    mean[i] = math::MeanWhereVisible(statistics.screen_gradient[i], statistics.visible[i]);
-    if (mean[i] >= settings.gradient_threshold) selected.push_back(uint32_t(i));
-  }
-  const size_t room = settings.max_count > count ? settings.max_count - count : 0;
-  if (selected.size() > room) {
-    std::stable_sort(selected.begin(), selected.end(), [&](uint32_t a, uint32_t b) {
-      return mean[a] > mean[b];
-    });
-    selected.resize(room);
-    std::sort(selected.begin(), selected.end());
-  }
-  return selected;
-}
-
-// Which of the Gaussians after cloning and splitting go, by opacity, size and broken numbers.
-std::vector<uint8_t> MarkUnwanted(const DensitySettings& settings,
-                                  bool remove_oversized,
-                                  const Gaussians& gaussians,
-                                  DensityReport& report) {
-  const math::RemovalRule rule = RemovalRuleOf(settings, remove_oversized);
-  std::vector<uint8_t> unwanted(gaussians.size(), 0);
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    const bool broken = !AllFinite(gaussians, i);
-    const math::Removal removal =
-        RemovalOf(rule, gaussians.at(kOpacityLogit, i)[0], gaussians.at(kScaleLog, i));
-    unwanted[i] = broken || removal != math::Removal::kNone;
-    report.broken += broken;
-    report.transparent += !broken && removal == math::Removal::kTransparent;
-    report.oversized += !broken && removal == math::Removal::kOversized;
-  }
-  return unwanted;
-}
-
-// Puts those of `unwanted` that the placement keeps back to 0.
-void HeedVeto(Placement& placement, const Gaussians& gaussians, std::vector<uint8_t>& unwanted) {
-  std::vector<uint32_t> removed;
-  for (size_t i = 0; i < unwanted.size(); ++i)
-    if (unwanted[i]) removed.push_back(uint32_t(i));
-  if (removed.empty()) return;
-  placement.Veto(gaussians, removed);
-  std::fill(unwanted.begin(), unwanted.end(), 0);
-  for (const uint32_t i : removed) unwanted[i] = 1;
+void CheckCaughtUp(const AdamState& adam, const Stream& stream) {
+  if (!stream.on_host()) return;
+  for (const uint32_t step : adam.updated)
+    if (step != adam.step) throw Error("density control", "Adam has not caught up");
 }
 
 }  // namespace
 
 math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized) {
-  const float min_logit = std::log(settings.min_opacity / (1 - settings.min_opacity));
-  return {min_logit, remove_oversized, settings.max_scale};
+  return {math::Logit(settings.min_opacity), remove_oversized, settings.max_scale};
 }
 
-void DensityStatistics::Reset(size_t n) {
-  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible}) *b = Buffer<float>(n, 0.0f);
-}
-
-void DensityStatistics::Gather(const Reordering& order) {
-  for (Buffer<float>* b : {&screen_gradient, &plasticity, &visible}) {
-    Buffer<float> gathered(order.source.size());
-    for (size_t i = 0; i < gathered.size(); ++i) gathered[i] = (*b)[order.source[i]];
-    for (const uint32_t i : order.fresh) gathered[i] = 0;
-    *b = std::move(gathered);
+void DensityStatistics::Reset(size_t n, Stream& stream) {
+  for (Buffer<float>* b : all()) {
+    b->Refill(n, stream);
+    b->FillWithZeros(stream);
   }
 }
 
-void DensityStatistics::Accumulate(const RenderTape& tape,
-                                   const Buffer<float>& screen,
-                                   const Buffer<float>& d_scale_log,
-                                   const Buffer<float>& scale_log,
+void DensityStatistics::Accumulate(View<const float> radii,
+                                   View<const float> screen,
+                                   View<const float> d_scale_log,
+                                   View<const float> scale_log,
                                    int width,
-                                   int height) {
-  const View<const float> radii = tape.radii();
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, visible.size(), 4096), [&](const auto& range) {
-    for (size_t i = range.begin(); i < range.end(); ++i) {
-      if (!(radii[i] > 0)) continue;
-      const math::ShapeOfStep step =
-          math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
-      if (!step.IsUsable()) continue;
-      screen_gradient[i] += step.screen;
-      plasticity[i] += step.plasticity;
-      visible[i] += 1;
-    }
-  });
+                                   int height,
+                                   const uint32_t* overflowed,
+                                   Stream& stream) {
+  ForEach(visible.size(),
+          stream,
+          AccumulateStep{radii,
+                         screen,
+                         d_scale_log,
+                         scale_log,
+                         width,
+                         height,
+                         screen_gradient.view(),
+                         plasticity.view(),
+                         visible.view(),
+                         overflowed});
 }
 
-void Placement::Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset) {
-  for (int k = 0; k < 3; ++k) gaussians.at(kPosition, i)[k] += offset[k];
+void DensityStatistics::Upload(const DensityStatistics& from, Stream& stream) {
+  screen_gradient.Upload(from.screen_gradient.data(), from.screen_gradient.size(), stream);
+  plasticity.Upload(from.plasticity.data(), from.plasticity.size(), stream);
+  visible.Upload(from.visible.data(), from.visible.size(), stream);
 }
 
-std::array<float, 3> Placement::Center(const Gaussians& gaussians, size_t i) const {
-  const float* p = gaussians.at(kPosition, i);
-  return {p[0], p[1], p[2]};
+void DensityStatistics::Download(DensityStatistics& to, Stream& stream) const {
+  to.Reset(visible.size());
+  screen_gradient.Download(to.screen_gradient.data(), stream);
+  plasticity.Download(to.plasticity.data(), stream);
+  visible.Download(to.visible.data(), stream);
+}
+
+void Placement::Move(View<const float> offsets,
+                     size_t first,
+                     Gaussians& gaussians,
+                     Stream& stream) {
+  ForEach(offsets.count, stream, AddOffsets{offsets, first, gaussians.values[kPosition].view()});
 }
 
 void Population::Gather(const Reordering& order) const {
-  for (const int64_t step : adam.updated)
-    if (step != adam.step) throw Error("density control", "Adam has not caught up");
-  gaussians.Gather(order.source);
-  placement.Gather(order.source);
-  statistics.Gather(order);
-  if (pruner) pruner->Gather(order);
-  for (Gaussians* moments : {&adam.m, &adam.v}) {
-    moments->Gather(order.source);
-    for (int a = 0; a < kAttributeCount; ++a)
-      for (const uint32_t i : order.fresh)
-        std::fill_n(
-            moments->values[a].begin() + size_t(i) * moments->width(a), moments->width(a), 0.0f);
-  }
-  adam.updated.assign(AdamGroupCount(order.source.size()), adam.step);
-}
-
-size_t Population::Take(const std::vector<uint8_t>& unwanted) const {
-  Reordering remaining;
-  for (uint32_t i = 0; i < gaussians.size(); ++i)
-    if (!unwanted[i]) remaining.source.push_back(i);
-  const size_t removed = gaussians.size() - remaining.source.size();
-  if (removed > 0) Gather(remaining);
-  return removed;
-}
-
-size_t Population::Remove(std::vector<uint8_t> unwanted) const {
-  HeedVeto(placement, gaussians, unwanted);
-  return Take(unwanted);
+  CheckCaughtUp(adam, stream);
+  const View<const uint32_t> source = order.source;
+  const size_t n = source.count;
+  GatherGaussians(gaussians, gradients, source, n, stream);
+  GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
+  GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);
+  for (Buffer<float>* b : statistics.all())
+    GatherRows(*b, gradients.values[kOpacityLogit], 1, source, order.first_fresh, stream);
+  placement.Gather(source, stream);
+  if (pruner && stream.on_host()) pruner->Gather(order);
+  if (mask) mask->Gather(source, order.first_fresh, stream);
+  gradients.RefillLike(gaussians, stream);
+  adam.updated.Refill(AdamGroupCount(n), stream);
+  ForEach(adam.updated.size(), stream, FillNumbers{adam.updated.view(), adam.step});
 }
 
 std::vector<uint8_t> UnwantedBy(const PruneRound& round,
@@ -179,75 +134,168 @@ std::vector<uint8_t> UnwantedBy(const PruneRound& round,
   return unwanted;
 }
 
-size_t Population::Prune(const PruneRound& round, int group_cap, int group_floor) const {
-  return Take(UnwantedBy(
-      round,
-      gaussians.size(),
-      placement.Groups(),
-      group_cap,
-      group_floor,
-      [&](std::vector<uint8_t>& unwanted) { HeedVeto(placement, gaussians, unwanted); }));
+size_t DensityControl::PlacesOf(Buffer<uint64_t>& flags, Stream& stream) {
+  stream.ExclusiveSum(flags);
+  uint64_t count = 0;
+  stream.Download(&count, flags.data() + flags.size() - 1, sizeof(count));
+  stream.Wait();
+  return count;
 }
 
-DensityReport ControlDensity(const DensitySettings& settings,
-                             bool remove_oversized,
-                             const Population& population,
-                             Rng& rng) {
+size_t DensityControl::Select(const DensitySettings& settings, const Population& population) {
+  Stream& stream = population.stream;
+  const size_t n = population.gaussians.size();
+  mean_.Refill(n, stream);
+  kind_.Refill(n, stream);
+  kept_.Refill(n + 1, stream);
+  ForEach(n + 1,
+          stream,
+          FindKinds{population.statistics.screen_gradient.view(),
+                    population.statistics.visible.view(),
+                    population.gaussians.values[kScaleLog].view(),
+                    settings.gradient_threshold,
+                    settings.split_scale,
+                    mean_.view(),
+                    kind_.view(),
+                    kept_.view()});
+  return PlacesOf(kept_, stream);
+}
+
+void DensityControl::KeepStrongest(size_t room, Stream& stream) {
+  const size_t n = kind_.size();
+  order_.Refill(n, stream);
+  ForEach(n,
+          stream,
+          StrengthKey{std::as_const(mean_).view(),
+                      std::as_const(kind_).view(),
+                      order_.keys.view(),
+                      order_.values.view()});
+  stream.Sort(order_, 32);
+  if (room < n)
+    ForEach(n - room, stream, LetStay{std::as_const(order_.values).view(), room, kind_.view()});
+}
+
+DensityReport DensityControl::AddChildren(const Population& population, Rng& rng) {
+  Stream& stream = population.stream;
+  const size_t n = population.gaussians.size();
+  for (Buffer<uint64_t>* flags : {&kept_, &cloned_, &split_}) flags->Refill(n + 1, stream);
+  const View<const uint8_t> kind = std::as_const(kind_).view();
+  ForEach(n + 1, stream, FlagKinds{kind, kept_.view(), cloned_.view(), split_.view()});
   DensityReport report;
-  Gaussians& gaussians = population.gaussians;
-  const size_t before = gaussians.size();
-  const std::vector<uint32_t> selected =
-      SelectForDensifying(settings, population.statistics, before);
-  std::vector<uint8_t> is_split(before, 0);
-  std::vector<uint32_t> clones, splits;
-  for (const uint32_t i : selected) {
-    const bool split = math::LargestScale(gaussians.at(kScaleLog, i)) > settings.split_scale;
-    is_split[i] = split;
-    (split ? splits : clones).push_back(i);
-  }
-  report.cloned = clones.size();
-  report.split = splits.size();
-
-  if (settings.shares_opacity)  // before the copies are made
-    for (const uint32_t i : clones) {
-      float& logit = gaussians.at(kOpacityLogit, i)[0];
-      logit = math::SharedOpacityLogit(logit);
-    }
-  Reordering order;
-  for (size_t i = 0; i < before; ++i)
-    if (!is_split[i]) order.source.push_back(uint32_t(i));
-  const size_t kept = order.source.size();
-  order.source.insert(order.source.end(), clones.begin(), clones.end());
-  const size_t children = order.source.size();
-  for (const uint32_t i : splits) order.source.insert(order.source.end(), {i, i});
-  order.fresh.resize(order.source.size() - kept);
-  std::iota(order.fresh.begin(), order.fresh.end(), uint32_t(kept));
-  population.Gather(order);
-
-  for (size_t i = children; i < gaussians.size(); ++i) {
-    const math::Vec3<float> offset =
-        math::SplitOffset(gaussians.at(kRotation, i), gaussians.at(kScaleLog, i), rng);
-    population.placement.Move(gaussians, uint32_t(i), {offset.x, offset.y, offset.z});
-    for (int k = 0; k < 3; ++k) gaussians.at(kScaleLog, i)[k] -= std::log(math::kSplitShrink);
-  }
-  population.Remove(MarkUnwanted(settings, remove_oversized, gaussians, report));
+  const size_t kept = PlacesOf(kept_, stream);
+  report.cloned = PlacesOf(cloned_, stream);
+  report.split = PlacesOf(split_, stream);
+  const size_t first_child = kept + report.cloned, children = 2 * report.split;
+  source_.Refill(first_child + children, stream);
+  ForEach(n,
+          stream,
+          PlaceSources{kind,
+                       std::as_const(kept_).view(),
+                       std::as_const(cloned_).view(),
+                       std::as_const(split_).view(),
+                       kept,
+                       first_child,
+                       source_.view()});
+  population.Gather({std::as_const(source_).view(), kept});
+  auto& values = population.gaussians.values;
+  offsets_.Refill(3 * children, stream);
+  ForEach(children,
+          stream,
+          DrawChild{first_child,
+                    rng,
+                    std::log(math::kSplitShrink),
+                    std::as_const(values[kRotation]).view(),
+                    offsets_.view(),
+                    values[kScaleLog].view()});
+  population.placement.Move(
+      std::as_const(offsets_).view(), first_child, population.gaussians, stream);
+  rng = rng.After(children * math::kSplitDraws);
   return report;
 }
 
-void SortInSpace(const Population& population) {
-  std::vector<std::array<float, 3>> centers(population.gaussians.size());
-  for (size_t i = 0; i < centers.size(); ++i)
-    centers[i] = population.placement.Center(population.gaussians, i);
-  population.Gather({MortonOrder(centers), {}});
+DensityReport DensityControl::Control(const DensitySettings& settings,
+                                      bool remove_oversized,
+                                      const Population& population,
+                                      Rng& rng) {
+  Stream& stream = population.stream;
+  const size_t before = population.gaussians.size();
+  const size_t room = settings.max_count > before ? settings.max_count - before : 0;
+  const bool held_back = Select(settings, population) > room;
+  if (held_back) KeepStrongest(room, stream);
+  if (settings.shares_opacity)
+    ForEach(before,
+            stream,
+            ShareOpacity{std::as_const(kind_).view(),
+                         population.gaussians.values[kOpacityLogit].view()});
+  DensityReport report = AddChildren(population, rng);
+  report.held_back = held_back;
+  unwanted_.Refill(population.gaussians.size(), stream);
+  ForEach(population.gaussians.size(),
+          stream,
+          MarkUnwanted{RemovalRuleOf(settings, remove_oversized),
+                       ViewOf(population.gaussians),
+                       unwanted_.view()});
+  Remove(unwanted_.view(), population);
+  return report;
 }
 
-float ResetOpacityLogit() { return std::log(math::kResetOpacity / (1 - math::kResetOpacity)); }
+size_t DensityControl::Remove(View<uint8_t> unwanted, const Population& population) {
+  population.placement.Veto(population.gaussians, population.canvas, unwanted, population.stream);
+  return Take({unwanted.data, unwanted.count}, population);
+}
 
-void ResetOpacity(Gaussians& gaussians, AdamState& adam) {
-  const float limit = ResetOpacityLogit();
-  for (float& logit : gaussians.values[kOpacityLogit]) logit = std::min(logit, limit);
-  for (Gaussians* moments : {&adam.m, &adam.v})
-    std::fill(moments->values[kOpacityLogit].begin(), moments->values[kOpacityLogit].end(), 0.0f);
+size_t DensityControl::Take(View<const uint8_t> unwanted, const Population& population) {
+  Stream& stream = population.stream;
+  const size_t n = population.gaussians.size();
+  kept_.Refill(n + 1, stream);
+  ForEach(n + 1, stream, FlagKept{unwanted, kept_.view()});
+  const size_t kept = PlacesOf(kept_, stream);
+  if (kept == n) return 0;
+  source_.Refill(kept, stream);
+  ForEach(n, stream, PlaceKept{unwanted, std::as_const(kept_).view(), source_.view()});
+  population.Gather({std::as_const(source_).view(), kept});
+  return n - kept;
+}
+
+size_t DensityControl::Prune(const PruneRound& round,
+                             int group_cap,
+                             int group_floor,
+                             const Population& population) {
+  Stream& stream = population.stream;
+  const auto veto = [&](std::vector<uint8_t>& unwanted) {
+    unwanted_.Upload(unwanted.data(), unwanted.size(), stream);
+    population.placement.Veto(population.gaussians, population.canvas, unwanted_.view(), stream);
+    unwanted_.Download(unwanted.data(), stream);
+    stream.Wait();
+  };
+  const std::vector<uint8_t> unwanted = UnwantedBy(round,
+                                                   population.gaussians.size(),
+                                                   population.placement.Groups(stream),
+                                                   group_cap,
+                                                   group_floor,
+                                                   veto);
+  unwanted_.Upload(unwanted.data(), unwanted.size(), stream);
+  return Take(std::as_const(unwanted_).view(), population);
+}
+
+void DensityControl::SortInSpace(const Population& population) {
+  const View<const uint32_t> order = morton_.Order(
+      population.placement.Centers(population.gaussians, population.stream), population.stream);
+  population.Gather({order, order.count});
+}
+
+size_t DensityControl::held() const {
+  return HeldBy(mean_, kind_, unwanted_, kept_, cloned_, split_, source_, offsets_) +
+         order_.held() + morton_.held();
+}
+
+float ResetOpacityLogit() { return math::Logit(math::kResetOpacity); }
+
+void ResetOpacity(Gaussians& gaussians, AdamState& adam, Stream& stream) {
+  Buffer<float>& logits = gaussians.values[kOpacityLogit];
+  ForEach(logits.size(), stream, LowerTo{logits.view(), ResetOpacityLogit()});
+  adam.m.values[kOpacityLogit].FillWithZeros(stream);
+  adam.v.values[kOpacityLogit].FillWithZeros(stream);
 }
 
 }  // namespace cosplat

@@ -8,20 +8,24 @@
 #include <vector>
 
 #include "splat/base/rng.h"
+#include "splat/device/sort.h"
 #include "splat/gaussians.h"
+#include "splat/render/rasterizer.h"
 #include "splat/train/kernels/density.h"
+#include "splat/train/morton.h"
 #include "splat/train/optimizer.h"
 
 namespace cosplat {
 
+class MaskLearner;
 class Pruner;
-class RenderTape;
 struct PruneRound;
 
-// The order that density control leaves Gaussians in: entry i was source[i] before.
+// The order that density control leaves Gaussians in: entry i was source[i] before; from
+// first_fresh on they are new: cloned or split off, their moments and statistics start at zero.
 struct Reordering {
-  std::vector<uint32_t> source;
-  std::vector<uint32_t> fresh;  // entries that are new: cloned or split off, moments start at zero
+  View<const uint32_t> source;
+  size_t first_fresh = 0;
 };
 
 // Gathered over the steps since the last densification; one entry per Gaussian.
@@ -30,18 +34,23 @@ struct DensityStatistics {
   Buffer<float> plasticity;       // sum of |dL/ds|
   Buffer<float> visible;          // steps in which it was drawn
 
-  void Reset(size_t n);
+  std::array<Buffer<float>*, 3> all() { return {&screen_gradient, &plasticity, &visible}; }
+  void Reset(size_t n, Stream& stream = HostStream());
   // Of |dL/ds| over the steps in which it was drawn; 0 for one that was not.
   float MeanPlasticity(size_t i) const { return math::MeanWhereVisible(plasticity[i], visible[i]); }
-  // Those of new Gaussians are zero.
-  void Gather(const Reordering& order);
-  // `screen`: [N, 2] dL/d(centre) per px. d_scale_log, scale_log: [N, 3].
-  void Accumulate(const RenderTape& tape,
-                  const Buffer<float>& screen,
-                  const Buffer<float>& d_scale_log,
-                  const Buffer<float>& scale_log,
+  // radii: [N] 0 where not drawn; screen: [N, 2] dL/d(centre) per px; d_scale_log, scale_log:
+  // [N, 3]. Nothing while *overflowed is not 0.
+  void Accumulate(View<const float> radii,
+                  View<const float> screen,
+                  View<const float> d_scale_log,
+                  View<const float> scale_log,
                   int width,
-                  int height);
+                  int height,
+                  const uint32_t* overflowed,
+                  Stream& stream);
+  // As Gaussians' (splat/gaussians.h).
+  void Upload(const DensityStatistics& from, Stream& stream);
+  void Download(DensityStatistics& to, Stream& stream) const;
 };
 
 struct DensitySettings {
@@ -56,47 +65,63 @@ struct DensitySettings {
 
 math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized);
 
-struct DensityReport {
-  size_t cloned = 0, split = 0, transparent = 0, oversized = 0, broken = 0;
+// Who draws for density control, between steps, in the memory that steps have anyway.
+struct Canvas {
+  Rasterizer& rasterizer;
+  RenderedImage& image;
+  RenderTape& tape;
 };
 
 // What density control must know of where Gaussians are: a static scene moves a point, an avatar
-// re-embeds it on its mesh.
+// re-embeds it on its mesh. Arrays are in the stream's memory.
 class Placement {
  public:
   virtual ~Placement() = default;
   // Per-Gaussian data beside `Gaussians` follows the same reordering.
-  virtual void Gather(const std::vector<uint32_t>& source) { (void)source; }
-  // Moves Gaussian i by `offset` (in the frame that kRotation and kScaleLog are in).
-  virtual void Move(Gaussians& gaussians, uint32_t i, const std::array<float, 3>& offset);
-  // Where Gaussian i is, in a frame in which near means near in every frame.
-  virtual std::array<float, 3> Center(const Gaussians& gaussians, size_t i) const;
-  // Group of each Gaussian for pruning; empty: one group.
-  virtual std::vector<int32_t> Groups() const { return {}; }
-  // May veto removals (an avatar's holes): erases from `removed` (ascending) those that must stay.
-  virtual void Veto(const Gaussians& gaussians, std::vector<uint32_t>& removed) {
+  virtual void Gather(View<const uint32_t> source, Stream& stream) {
+    (void)source;
+    (void)stream;
+  }
+  // Moves all Gaussians from `first` on by a row of `offsets` ([rows, 3]) each, in the frame that
+  // kRotation and kScaleLog are in.
+  virtual void Move(View<const float> offsets, size_t first, Gaussians& gaussians, Stream& stream);
+  // [N, 3] where they are, in a frame in which near means near in every frame. Until the next call.
+  virtual View<const float> Centers(const Gaussians& gaussians, Stream& stream) {
+    (void)stream;
+    return gaussians.values[kPosition].view();
+  }
+  // Group of each Gaussian for pruning, on the host; empty: one group. Waits.
+  virtual std::vector<int32_t> Groups(Stream& stream) {
+    (void)stream;
+    return {};
+  }
+  // May veto removals (an avatar's holes): zeroes those of `unwanted` ([N], 1: goes) that stay.
+  // canvas: null where nobody draws.
+  virtual void Veto(const Gaussians& gaussians,
+                    const Canvas* canvas,
+                    View<uint8_t> unwanted,
+                    Stream& stream) {
     (void)gaussians;
-    (void)removed;
+    (void)canvas;
+    (void)unwanted;
+    (void)stream;
   }
 };
 
 // All that is per Gaussian, so that reordering moves it alike. Adam must have caught up
-// (splat/train/optimizer.h): Error otherwise.
+// (splat/train/optimizer.h): Error otherwise, on the host.
 struct Population {
   Placement& placement;
   Gaussians& gaussians;
   AdamState& adam;
   DensityStatistics& statistics;
-  Pruner* pruner = nullptr;  // or null: none has data of its own
+  Gaussians& gradients;  // their memory takes turns with the others': any values afterwards
+  Stream& stream;
+  const Canvas* canvas = nullptr;
+  Pruner* pruner = nullptr;     // or null: none has data of its own
+  MaskLearner* mask = nullptr;  // likewise
 
   void Gather(const Reordering& order) const;
-  // What `unwanted` ([N], 1) marks goes, unless the placement vetoes it. Returns how many went.
-  size_t Remove(std::vector<uint8_t> unwanted) const;
-  // What a round of pruning (splat/prune/pruner.h) and a cap of groups take goes. Returns how many.
-  size_t Prune(const PruneRound& round, int group_cap, int group_floor) const;
-
- private:
-  size_t Take(const std::vector<uint8_t>& unwanted) const;
 };
 
 // Puts those of `unwanted` ([N], 1) that must stay back to 0.
@@ -112,17 +137,52 @@ std::vector<uint8_t> UnwantedBy(const PruneRound& round,
                                 int group_floor,
                                 const Veto& veto);
 
-// Clone, split, remove what is transparent, oversized or broken. The statistics go along.
-DensityReport ControlDensity(const DensitySettings& settings,
-                             bool remove_oversized,
-                             const Population& population,
-                             Rng& rng);
+struct DensityReport {
+  size_t cloned = 0, split = 0;
+  bool held_back = false;  // by the limit on their number
+};
 
-// Puts the Gaussians in Morton order (splat/train/morton.h).
-void SortInSpace(const Population& population);
+// On the host or on a device: counted, places found by sums, gathered. Random numbers are drawn by
+// index. Reuse one: it keeps its memory.
+class DensityControl {
+ public:
+  // Clone, split, remove what is transparent, oversized or broken. The statistics go along.
+  DensityReport Control(const DensitySettings& settings,
+                        bool remove_oversized,
+                        const Population& population,
+                        Rng& rng);
+  // What `unwanted` ([N], 1) marks goes, unless the placement vetoes it. Returns how many went.
+  size_t Remove(View<uint8_t> unwanted, const Population& population);
+  // What a round of pruning (splat/prune/pruner.h) and a cap of groups take goes. Returns how many.
+  size_t Prune(const PruneRound& round,
+               int group_cap,
+               int group_floor,
+               const Population& population);
+  // Puts the Gaussians in Morton order (splat/train/morton.h).
+  void SortInSpace(const Population& population);
+  size_t held() const;  // bytes
+  void Release() { *this = DensityControl(); }
+
+ private:
+  size_t Select(const DensitySettings& settings, const Population& population);
+  void KeepStrongest(size_t room, Stream& stream);
+  DensityReport AddChildren(const Population& population, Rng& rng);
+  size_t Take(View<const uint8_t> unwanted, const Population& population);
+  // Turns flags ([n + 1], the last 0) into where each of them goes; returns how many are set.
+  size_t PlacesOf(Buffer<uint64_t>& flags, Stream& stream);
+
+  Buffer<float> mean_;    // [N] screen gradients
+  Buffer<uint8_t> kind_;  // [N] DensityKind
+  Buffer<uint8_t> unwanted_;
+  Buffer<uint64_t> kept_, cloned_, split_;  // [N + 1]
+  Buffer<uint32_t> source_;
+  Buffer<float> offsets_;  // [children, 3]
+  KeyedValues order_;
+  MortonSort morton_;
+};
 
 // Opacities above 0.01 are set to it, and their moments cleared (3DGS).
 float ResetOpacityLogit();
-void ResetOpacity(Gaussians& gaussians, AdamState& adam);
+void ResetOpacity(Gaussians& gaussians, AdamState& adam, Stream& stream = HostStream());
 
 }  // namespace cosplat

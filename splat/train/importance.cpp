@@ -38,37 +38,27 @@ class ContributionSum {
 
 }  // namespace
 
-std::vector<Contribution> ContributionsToFrames(Subject& subject,
-                                                const Gaussians& gaussians,
-                                                const FrameChoice& choice) {
-  ContributionSum sum(gaussians.size());
-  for (size_t k = 0; k < choice.count(); ++k) {
-    const size_t f = choice[k];
-    sum.Add(subject.Place(gaussians, f),
-            gaussians.basis,
-            subject.frame(f).camera,
-            {choice.background, choice.degree});
-  }
-  return sum.Take();
-}
-
-double MeanPsnrOfFrames(Subject& subject, const Gaussians& gaussians, const FrameChoice& choice) {
-  const auto rasterizer = MakeCpuRasterizer();
-  const auto tape = rasterizer->MakeTape();
-  RenderedImage image;
+double MeanPsnrOfFrames(Subject& subject,
+                        const Gaussians& gaussians,
+                        const FrameChoice& choice,
+                        Rasterizer& rasterizer,
+                        RenderTape& tape) {
+  RenderedImage image, on_host;
   Buffer<float> target;
   double sum = 0;
   for (size_t k = 0; k < choice.count(); ++k) {
     const TrainFrame& frame = subject.frame(choice[k]);
-    rasterizer->Forward(subject.Place(gaussians, choice[k]),
-                        gaussians.basis,
-                        frame.camera,
-                        {choice.background, choice.degree},
-                        image,
-                        *tape);
-    for (float& c : image.color) c = std::clamp(c, 0.0f, 1.0f);
+    rasterizer.Forward(subject.Place(gaussians, choice[k]),
+                       gaussians.basis,
+                       frame.camera,
+                       {choice.background, choice.degree},
+                       image,
+                       tape);
+    image.Download(on_host, rasterizer.stream());
+    rasterizer.stream().Wait();
+    for (float& c : on_host.color) c = std::clamp(c, 0.0f, 1.0f);
     CompositeTarget(frame.target, choice.background, target);
-    sum += Psnr(image.color, target);
+    sum += Psnr(on_host.color, target);
   }
   return choice.count() == 0 ? 0 : sum / double(choice.count());
 }

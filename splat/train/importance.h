@@ -24,15 +24,16 @@ struct FrameChoice {
   size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
 };
 
-// Sums over these frames of every Gaussian's contribution to the frame's picture. [N]
-std::vector<Contribution> ContributionsToFrames(Subject& subject,
-                                                const Gaussians& gaussians,
-                                                const FrameChoice& choice);
+// Mean PSNR of these frames, pictures clamped to what bytes can show, dB. Everything is in the
+// memory of the rasteriser's stream.
+double MeanPsnrOfFrames(Subject& subject,
+                        const Gaussians& gaussians,
+                        const FrameChoice& choice,
+                        Rasterizer& rasterizer,
+                        RenderTape& tape);
 
-// Mean PSNR of these frames, pictures clamped to what bytes can show, dB.
-double MeanPsnrOfFrames(Subject& subject, const Gaussians& gaussians, const FrameChoice& choice);
-
-// The same of Gaussians in training, wherever they are kept.
+// What pruners ask about Gaussians in training: sums over these frames of every Gaussian's
+// contribution to the frame's picture, [N]; and MeanPsnrOfFrames.
 class FramePictures {
  public:
   virtual ~FramePictures() = default;

@@ -10,6 +10,7 @@
 
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
+#include "splat/math/scalar.h"
 
 namespace cosplat {
 namespace {
@@ -62,7 +63,7 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
       g.at(kColorDc, i)[k] = (colors[3 * i + k] / 255.0f - 0.5f) / BasisConstants(basis)[0];
     }
     g.at(kRotation, i)[0] = 1;
-    g.at(kOpacityLogit, i)[0] = std::log(kInitialOpacity / (1 - kInitialOpacity));
+    g.at(kOpacityLogit, i)[0] = math::Logit(kInitialOpacity);
   });
   return g;
 }

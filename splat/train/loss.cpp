@@ -30,17 +30,22 @@ Bands BandsOf(int height) {
 // Rendering and target of each channel, for all rows.
 using Channels = std::array<SsimBand, 3>;
 
+size_t PixelsOf(const TargetView& target) { return size_t(target.width) * target.height; }
+TargetView ViewOf(const Image8& image) {
+  return {image.width, image.height, image.channels, image.data.data()};
+}
+
 Channels ChannelsOf(const float* rendered,
-                    const Image8& target,
+                    const TargetView& target,
                     const std::array<float, 3>& background) {
   Channels channels;
   const int n = target.channels;
   for (int c = 0; c < 3; ++c) {
     channels[c].width = target.width;
     channels[c].height = target.height;
-    channels[c].x = rendered + c * target.pixels();
-    channels[c].target = target.data.data() + (n == 1 ? 0 : c);
-    channels[c].alpha = n == 4 ? target.data.data() + 3 : nullptr;
+    channels[c].x = rendered + c * PixelsOf(target);
+    channels[c].target = target.bytes + (n == 1 ? 0 : c);
+    channels[c].alpha = n == 4 ? target.bytes + 3 : nullptr;
     channels[c].target_channels = n;
     channels[c].background = background[c];
   }
@@ -69,8 +74,18 @@ double PhotometricLoss::Evaluate(const LossWeights& weights,
                                  const Image8& target,
                                  const std::array<float, 3>& background,
                                  Buffer<float>& d_rendered) {
+  Evaluate(weights, rendered, ViewOf(target), background, d_rendered, HostStream());
+  return value_;
+}
+
+void PhotometricLoss::Evaluate(const LossWeights& weights,
+                               View<const float> rendered,
+                               const TargetView& target,
+                               const std::array<float, 3>& background,
+                               Buffer<float>& d_rendered,
+                               Stream&) {
   const Channels channels = ChannelsOf(rendered.data, target, background);
-  const size_t plane = target.pixels();
+  const size_t plane = PixelsOf(target);
   const float inv = 1.0f / float(3 * plane);
   d_rendered.resize(3 * plane);
   const int jobs = 3 * BandsOf(target.height).count;
@@ -87,13 +102,13 @@ double PhotometricLoss::Evaluate(const LossWeights& weights,
     pointwise += sums_[2 * job];
     ssim += sums_[2 * job + 1];
   }
-  return pointwise + (weights.dssim != 0 ? weights.dssim * (1 - ssim / double(3 * plane)) : 0);
+  value_ = pointwise + (weights.dssim != 0 ? weights.dssim * (1 - ssim / double(3 * plane)) : 0);
 }
 
 double MeanSsim(View<const float> rendered,
                 const Image8& target,
                 const std::array<float, 3>& background) {
-  const Channels channels = ChannelsOf(rendered.data, target, background);
+  const Channels channels = ChannelsOf(rendered.data, ViewOf(target), background);
   std::vector<double> sums(3 * BandsOf(target.height).count);
   ForBands(channels, [&](const SsimBand& band, int, int job, float* scratch) {
     sums[job] = SsimOfBand(band, scratch);

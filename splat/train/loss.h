@@ -18,10 +18,38 @@ struct LossWeights {
   float mse = 0.0f;
 };
 
-class PhotometricLoss {
+// A target image's bytes, in a stream's memory.
+struct TargetView {
+  int width = 0, height = 0, channels = 0;
+  const uint8_t* bytes = nullptr;  // [height, width, channels]
+};
+
+// Where the images are: its windows are written for each back end.
+class StepLoss {
  public:
+  virtual ~StepLoss() = default;
   // rendered: [3, height, width]. target: that size; grey, RGB or straight-alpha RGBA, which is put
-  // over the background. Writes d_rendered, like rendered. Returns the loss.
+  // over the background. Writes d_rendered, like rendered, and the loss to value().
+  virtual void Evaluate(const LossWeights& weights,
+                        View<const float> rendered,
+                        const TargetView& target,
+                        const std::array<float, 3>& background,
+                        Buffer<float>& d_rendered,
+                        Stream& stream) = 0;
+  // [1] in the stream's memory.
+  virtual const double* value() const = 0;
+};
+
+class PhotometricLoss : public StepLoss {
+ public:
+  void Evaluate(const LossWeights& weights,
+                View<const float> rendered,
+                const TargetView& target,
+                const std::array<float, 3>& background,
+                Buffer<float>& d_rendered,
+                Stream& stream) override;
+  const double* value() const override { return &value_; }
+  // Of an image, at once.
   double Evaluate(const LossWeights& weights,
                   View<const float> rendered,
                   const Image8& target,
@@ -30,6 +58,7 @@ class PhotometricLoss {
 
  private:
   std::vector<double> sums_;  // per job: pointwise terms, SSIM
+  double value_ = 0;
 };
 
 // Mean SSIM over pixels and channels. Arguments as above.

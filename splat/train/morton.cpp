@@ -1,36 +1,41 @@
 #include "splat/train/morton.h"
 
-#include <algorithm>
-#include <limits>
-#include <utility>
-
-#include "splat/train/kernels/density.h"
+#include "splat/device/for_each.h"
+#include "splat/train/kernels/control.h"
 
 namespace cosplat {
-namespace {
 
-using Point = std::array<float, 3>;
+View<const uint32_t> MortonSort::Order(View<const float> points, Stream& stream) {
+  const size_t n = points.count / 3;
+  const size_t blocks = (n + FindBoxes::kBlock - 1) / FindBoxes::kBlock;
+  boxes_.Refill(6 * blocks, stream);
+  codes_.Refill(n, stream);
+  order_.Refill(n, stream);
+  if (n == 0) return {};
+  ForEach(blocks, stream, FindBoxes{points, boxes_.view()});
+  ForEach(1, stream, JoinBoxes{boxes_.view()});
+  ForEach(n,
+          stream,
+          LowKeys{points,
+                  std::as_const(boxes_).view(),
+                  codes_.view(),
+                  order_.keys.view(),
+                  order_.values.view()});
+  stream.Sort(order_, 32);
+  ForEach(
+      n,
+      stream,
+      HighKeys{
+          std::as_const(codes_).view(), std::as_const(order_.values).view(), order_.keys.view()});
+  stream.Sort(order_, 32);
+  return std::as_const(order_.values).view();
+}
 
-}  // namespace
-
-std::vector<uint32_t> MortonOrder(const std::vector<Point>& points) {
-  Point low, high;
-  low.fill(std::numeric_limits<float>::max());
-  high.fill(std::numeric_limits<float>::lowest());
-  for (const Point& p : points) {
-    if (!math::IsFinitePoint(p.data())) continue;
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  }
-  std::vector<std::pair<uint64_t, uint32_t>> codes(points.size());
-  for (size_t i = 0; i < points.size(); ++i)
-    codes[i] = {math::MortonCode(points[i].data(), low.data(), high.data()), uint32_t(i)};
-  std::sort(codes.begin(), codes.end());
-  std::vector<uint32_t> order(points.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = codes[i].second;
-  return order;
+std::vector<uint32_t> MortonOrder(const std::vector<std::array<float, 3>>& points) {
+  MortonSort sort;
+  const View<const uint32_t> order =
+      sort.Order({points.empty() ? nullptr : points[0].data(), 3 * points.size()}, HostStream());
+  return {order.begin(), order.end()};
 }
 
 }  // namespace cosplat

@@ -7,8 +7,9 @@
 #include <atomic>
 #include <cmath>
 
-#include "splat/math/adam.h"
+#include "splat/device/for_each.h"
 #include "splat/train/cpu/adam_runs.h"
+#include "splat/train/kernels/adam.h"
 
 namespace cosplat {
 
@@ -17,26 +18,32 @@ namespace {
 constexpr size_t kLongestRun = 512;  // Gaussians
 constexpr size_t kRunsPerTask = 4;   // at least
 
-std::array<AdamArray, kAttributeCount> ArraysOf(const AdamSettings& settings,
-                                                const Gaussians* gradients,
-                                                View<const float> position_rate_scale,
-                                                Gaussians& values,
-                                                AdamState& state) {
-  std::array<AdamArray, kAttributeCount> arrays;
+void Update(const AdamSettings& settings,
+            const Gaussians* gradients,
+            View<const float> position_rate_scale,
+            Gaussians& values,
+            AdamState& state,
+            Stream& stream) {
+  UpdateNumbers kernel{{}, std::as_const(state.behind).view(), state.ignored.data()};
+  size_t most = 0;
   for (int a = 0; a < kAttributeCount; ++a) {
-    const math::AdamStep step = StepOf(settings, a, state.step);
-    arrays[a].width = values.width(a);
-    arrays[a].beta1 = step.beta1;
-    arrays[a].beta2 = step.beta2;
-    arrays[a].step_size = step.step_size;
-    arrays[a].scaled_eps = step.scaled_eps;
-    arrays[a].gradient = gradients ? gradients->values[a].data() : nullptr;
-    arrays[a].value = values.values[a].data();
-    arrays[a].m = state.m.values[a].data();
-    arrays[a].v = state.v.values[a].data();
-    arrays[a].rate_scale = a == kPosition ? position_rate_scale.data : nullptr;
+    AdamArray& array = kernel.attributes[a];
+    const math::AdamStep step = math::AdamStepAt(settings.rate[a], settings.eps[a], state.step);
+    array.beta1 = step.beta1;
+    array.beta2 = step.beta2;
+    array.step_size = step.step_size;
+    array.scaled_eps = step.scaled_eps;
+    array.numbers = values.values[a].size();
+    array.width = std::max(values.width(a), 1);
+    array.gradient = gradients ? gradients->values[a].data() : nullptr;
+    array.value = values.values[a].data();
+    array.m = state.m.values[a].data();
+    array.v = state.v.values[a].data();
+    array.rate_scale =
+        a == kPosition && !position_rate_scale.empty() ? position_rate_scale.data : nullptr;
+    most = std::max(most, array.numbers);
   }
-  return arrays;
+  ForEachRow(most, stream, kernel);
 }
 
 // Appends group g, which is `behind` steps late, to the last run or to a new one.
@@ -49,63 +56,88 @@ void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
   runs.back().end = end;
 }
 
-size_t Update(const std::array<AdamArray, kAttributeCount>& arrays,
-              const std::vector<AdamRun>& runs) {
-  std::atomic<size_t> bad{0};  // a count: the order of adding does not matter
-  const auto update = [&](const auto& task) {
-    for (const AdamArray& array : arrays)
-      bad += AdamRuns(array, runs.data() + task.begin(), task.size());
+}  // namespace
+
+void RunOnHost(size_t, const UpdateNumbers& kernel) {
+  thread_local std::vector<AdamRun> runs;  // keeps its memory
+  runs.clear();
+  const size_t count = kernel.attributes[kOpacityLogit].numbers;
+  const bool catches_up = !kernel.attributes[kOpacityLogit].gradient;
+  for (size_t g = 0; g < kernel.behind.size(); ++g) {
+    const uint32_t behind = kernel.behind[g];
+    if (behind == kNotNow || (catches_up && behind == 0)) continue;
+    Append(g, int(behind), count, runs);
+  }
+  std::atomic<uint32_t> bad{0};  // a count: the order of adding does not matter
+  const auto update = [&, all = runs.data()](const auto& task) {
+    for (const AdamArray& array : kernel.attributes)
+      if (array.numbers != 0) bad += uint32_t(AdamRuns(array, all + task.begin(), task.size()));
   };
   // Isolated: a thread that waits here must not take up another trainer's step, whose runs would
   // overwrite these.
   tbb::this_task_arena::isolate(
       [&] { tbb::parallel_for(tbb::blocked_range<size_t>(0, runs.size(), kRunsPerTask), update); });
-  return bad;
-}
-
-}  // namespace
-
-math::AdamStep StepOf(const AdamSettings& settings, int attribute, int64_t step) {
-  math::AdamStep s;
-  const double correction1 = 1 - std::pow(double(s.beta1), double(step));
-  const double correction2 = std::sqrt(1 - std::pow(double(s.beta2), double(step)));
-  s.step_size = float(settings.rate[attribute] * correction2 / correction1);
-  s.scaled_eps = float(settings.eps[attribute] * correction2);
-  return s;
+  *kernel.ignored += bad;
 }
 
 AdamState::AdamState(const Gaussians& gaussians)
     : m(gaussians.ZerosLike()),
       v(gaussians.ZerosLike()),
-      updated(AdamGroupCount(gaussians.size()), 0) {}
+      updated(AdamGroupCount(gaussians.size()), 0),
+      ignored(1, 0) {}
 
-size_t AdamStepAll(const AdamSettings& settings,
-                   const Gaussians& gradients,
-                   View<const float> position_rate_scale,
-                   View<const uint32_t> groups,
-                   Gaussians& values,
-                   AdamState& state) {
-  thread_local std::vector<AdamRun> runs;  // keeps its memory
-  runs.clear();
-  for (const uint32_t g : groups) {
-    Append(g, int(state.step - state.updated[g]), values.size(), runs);
-    state.updated[g] = state.step + 1;
-  }
+void AdamState::Upload(const AdamState& from, Stream& stream) {
+  m.Upload(from.m, stream);
+  v.Upload(from.v, stream);
+  step = from.step;
+  updated.Upload(from.updated.data(), from.updated.size(), stream);
+  ignored.Upload(from.ignored.data(), from.ignored.size(), stream);
+}
+
+void AdamState::Download(AdamState& to, Stream& stream) const {
+  m.Download(to.m, stream);
+  v.Download(to.v, stream);
+  to.step = step;
+  to.updated.resize(updated.size());
+  updated.Download(to.updated.data(), stream);
+  to.ignored.resize(ignored.size());
+  ignored.Download(to.ignored.data(), stream);
+}
+
+void AdamStepAll(const AdamSettings& settings,
+                 const Gaussians& gradients,
+                 View<const float> position_rate_scale,
+                 View<const float> moves,
+                 Gaussians& values,
+                 AdamState& state,
+                 Stream& stream,
+                 const uint32_t* overflowed) {
+  const size_t groups = state.updated.size();
+  state.behind.Refill(groups, stream);
+  ForEach(groups,
+          stream,
+          FindBehind{moves,
+                     state.step,
+                     state.step + 1,
+                     state.updated.view(),
+                     state.behind.view(),
+                     overflowed});
   ++state.step;
-  return Update(ArraysOf(settings, &gradients, position_rate_scale, values, state), runs);
+  Update(settings, &gradients, position_rate_scale, values, state, stream);
 }
 
 void AdamCatchUpAll(const AdamSettings& settings,
                     View<const float> position_rate_scale,
                     Gaussians& values,
-                    AdamState& state) {
-  std::vector<AdamRun> runs;
-  for (size_t g = 0; g < state.updated.size(); ++g) {
-    if (state.updated[g] == state.step) continue;
-    Append(g, int(state.step - state.updated[g]), values.size(), runs);
-    state.updated[g] = state.step;
-  }
-  Update(ArraysOf(settings, nullptr, position_rate_scale, values, state), runs);
+                    AdamState& state,
+                    Stream& stream) {
+  const size_t groups = state.updated.size();
+  state.behind.Refill(groups, stream);
+  ForEach(
+      groups,
+      stream,
+      FindBehind{{}, state.step, state.step, state.updated.view(), state.behind.view(), nullptr});
+  Update(settings, nullptr, position_rate_scale, values, state, stream);
 }
 
 }  // namespace cosplat

@@ -28,8 +28,10 @@ class SceneSubject : public Subject {
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return extent_; }
   WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
-  WorldGradients WorldGradientsFor(Gaussians& gradients, Buffer<float>& screen) override {
-    WorldGradients view = GradientViewOf(gradients, screen);
+  WorldGradients WorldGradientsFor(Gaussians& gradients,
+                                   Buffer<float>& screen,
+                                   Stream& stream) override {
+    WorldGradients view = GradientViewOf(gradients, screen, stream);
     view.drawn_groups_only = true;  // nothing but Adam reads them
     return view;
   }

@@ -1,21 +1,26 @@
 #include "splat/train/train_device.h"
 
 #include "splat/base/error.h"
-#include "splat/train/host_step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/device/cuda/device.h"
-#include "splat/train/cuda/device_step_engine.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/cuda/loss.h"
 #endif
 
 namespace cosplat {
 
-StepEngineMaker StepEngineOn(Device device, bool deterministic) {
+StepEngineMaker StepEngineOn(Device device, bool deterministic, const InstanceForecast& forecast) {
   if (device == Device::kCpu) return MakeHostStepEngine;
 #if defined(COSPLAT_HAS_CUDA)
-  return cuda::MakeDeviceStepEngine(deterministic ? cuda::SumOrder::kFixed : cuda::SumOrder::kAny);
+  cuda::ProvideTrainKernels();
+  return [=](const TrainSettings& settings, Subject& subject, TrainingState& state) {
+    StepDevice parts{MakeRasterizerOn(device, deterministic), cuda::MakeCudaLoss()};
+    return std::make_unique<StepEngine>(settings, subject, state, std::move(parts), forecast);
+  };
 #else
   (void)deterministic;
+  (void)forecast;
   throw Error("device", "this program was built without CUDA");
 #endif
 }

@@ -8,9 +8,11 @@
 
 namespace cosplat {
 
-// For Trainer; on a device, of static scenes. `deterministic`: sums in a fixed order, so that the
-// same run has the same bits, which on the CPU it always has.
-StepEngineMaker StepEngineOn(Device device, bool deterministic);
+// For Trainer, of static scenes (avatar/train/train_device.h for avatars). `deterministic`: sums in
+// a fixed order, so that the same run has the same bits, which on the CPU it always has.
+StepEngineMaker StepEngineOn(Device device,
+                             bool deterministic,
+                             const InstanceForecast& forecast = InstanceForecast());
 
 // For people: "CPU", or the GPU's name.
 std::string NameOf(Device device);

@@ -133,7 +133,7 @@ double Trainer::PsnrOf(View<const uint32_t> frames) {
   const FrameChoice choice{frames, active_degree(), MeanBackground(), frames.size()};
   // At the end of a run nothing is put off: the Gaussians may be drawn where they are.
   if (state_.iteration == settings_.iterations) return engine_->MeanPsnr(choice);
-  return MeanPsnrOfFrames(subject_, CaughtUp(), choice);
+  return engine_->MeanPsnrOf(CaughtUp(), choice);
 }
 
 int Trainer::FirstPruneStep() const {
@@ -146,7 +146,7 @@ Trainer::Checkpoint Trainer::Save() const { return {state(), subject_.SaveState(
 
 void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) {
   state_ = checkpoint.state;
-  subject_.RestoreState(checkpoint.subject);
+  if (checkpoint.subject) subject_.RestoreState(*checkpoint.subject);
   drop_psnr_ = checkpoint.drop_psnr;
   MakePrunerFor(prune);
   engine_->Store();
@@ -248,11 +248,7 @@ StepReport Trainer::Step() {
 }
 
 Gaussians Trainer::CaughtUp() const {
-  Gaussians gaussians = state().gaussians;
-  AdamState adam = state_.adam;
-  const AdamSettings rates = RatesAt(std::max(state_.iteration - 1, 0));
-  AdamCatchUpAll(rates, subject_.PositionRateScale(), gaussians, adam);
-  return gaussians;
+  return engine_->CaughtUp(RatesAt(std::max(state_.iteration - 1, 0)));
 }
 
 TrainingStatistics Trainer::statistics() const {
@@ -265,7 +261,7 @@ TrainingStatistics Trainer::statistics() const {
   s.gaussians = state_.gaussians.size();
   s.times = times_;
   s.times += engine_->Times();
-  s.ignored_gradients = state_.ignored_gradients;
+  s.ignored_gradients = state_.adam.ignored[0];
   s.degrees = CountDegrees(state_.gaussians);
   s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
   s.drop_psnr = drop_psnr_;

@@ -6,7 +6,6 @@
 // Where the work is done is the StepEngine's: here is when, in which order and with which numbers.
 #pragma once
 
-#include <any>
 #include <array>
 #include <functional>
 #include <memory>
@@ -15,7 +14,6 @@
 
 #include "splat/prune/pruner.h"
 #include "splat/train/bands.h"
-#include "splat/train/host_step_engine.h"
 #include "splat/train/step_engine.h"
 #include "splat/train/subject.h"
 #include "splat/train/train_settings.h"
@@ -73,7 +71,7 @@ class Trainer {
   // be one that keeps nothing between rounds. Times go on: what was tried was paid for.
   struct Checkpoint {
     TrainingState state;
-    std::any subject;
+    std::shared_ptr<const SubjectState> subject;
     double drop_psnr;
   };
   Checkpoint Save() const;

@@ -168,7 +168,7 @@ TEST(BindBackward, VertexGradientsMatchFiniteDifferences) {
   const auto posed = Posed(mesh, 0.08f);
   const PosedGaussians d = RandomAdjoint(model.size());
   Gaussians d_gaussians, d_without;
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
   surface.Pose(posed);
   BindBackward(model, surface, d, d_gaussians, &d_vertices);
   BindBackward(model, surface, d, d_without);
@@ -193,7 +193,7 @@ TEST(BindBackward, VertexGradientsMatchFiniteDifferences) {
 TEST(BindBackward, EmptyFrameGradientCountsAsZero) {
   const CanonicalMesh mesh = test::SphereMesh(1);
   const AvatarModel model = RandomAvatar(mesh, 5, 1);
-  const Surface surface(mesh);
+  Surface surface(mesh);
   PosedGaussians d = RandomAdjoint(5);
   std::fill(d.frame.begin(), d.frame.end(), 0.f);
   Gaussians with, without;
@@ -212,7 +212,7 @@ TEST(BindBackward, BitsDoNotDependOnThreads) {
     Surface surface(mesh);
     surface.Pose(Posed(mesh, 0.001f));
     Gaussians d_gaussians;
-    std::vector<float> d_vertices;
+    Buffer<float> d_vertices;
     BindBackward(model, surface, d, d_gaussians, &d_vertices);
     return std::pair(d_gaussians.values[kPosition], d_vertices);
   };
@@ -298,7 +298,7 @@ TEST(Bind, CollapsedMeshIsFinite) {
   for (size_t i = 0; i < out.scale_log.size(); ++i)  // a quarter, the lower bound
     EXPECT_NEAR(out.scale_log[i] - model.gaussians.values[kScaleLog][i], std::log(0.25), 1e-5);
   Gaussians d_gaussians;
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
   BindBackward(model, surface, RandomAdjoint(model.size()), d_gaussians, &d_vertices);
   EXPECT_TRUE(AllFinite(d_gaussians.values[kPosition]));
   for (float x : d_vertices) EXPECT_TRUE(std::isfinite(x));

@@ -102,7 +102,7 @@ TEST_P(EmbedPacks, BindBackwardIsTheFormulasDerivative) {
     for (float& x : *b) x = normal(rng);
   Buffer<SurfaceVertex> d_surface(surface.vertex_count());
   Gaussians d_gaussians, without;
-  std::vector<float> d_vertices, expected_vertices;
+  Buffer<float> d_vertices, expected_vertices;
   BindBackward(model, surface, d, d_gaussians, &d_vertices);
   BindBackward(model, surface, d, without);
   for (size_t i = 0; i < kCount; ++i) {

@@ -43,7 +43,7 @@ AvatarModel OnBall(size_t n, unsigned seed) {
 
 TEST(ReleasedBinding, AtRestGivesTheLocalGaussianOnItsPlaceWithoutItsStep) {
   AvatarModel model = OnBall(50, 1);
-  const Surface surface(model.mesh);
+  Surface surface(model.mesh);
   const PosedGaussians released = Bound(Released(model), surface);
   for (size_t i = 0; i < model.size(); ++i)
     for (int k = 0; k < 2; ++k) model.gaussians.values[kPosition][3 * i + k] = 0;
@@ -247,9 +247,9 @@ TEST(ReleasedBinding, ACollapsedMeshIsFinite) {
 
 TEST(ReleasedBinding, TheMeshHasNoGradient) {
   const AvatarModel model = Released(OnBall(5, 12));
-  const Surface surface(model.mesh);
+  Surface surface(model.mesh);
   Gaussians d_gaussians;
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
   ExpectError([&] { BindBackward(model, surface, RandomAdjoint(5), d_gaussians, &d_vertices); },
               {"mesh", "released"});
 }

@@ -111,7 +111,7 @@ TEST(Surface, BackwardMatchesFiniteDifferences) {
   const auto posed = Jittered(test::Turned(mesh.vertices, {0, 1, 0}, 2.2), 0.08f, 7);
   const auto d = RandomAdjoint(surface.vertex_count(), 8);
   surface.Pose(posed);
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
   surface.Backward(d, d_vertices);
   ASSERT_EQ(d_vertices.size(), posed.size());
   const float h = 2e-3f;
@@ -133,7 +133,7 @@ TEST(Surface, CollapsedFacesAreFiniteAndRecover) {
   Surface surface(mesh);
   const auto normal_pose = surface.vertices();
   const auto d = RandomAdjoint(surface.vertex_count(), 3);
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
 
   auto collapsed = mesh.vertices;  // one face to a point
   for (int c = 1; c < 3; ++c)
@@ -159,7 +159,7 @@ TEST(Surface, FlippedFaceIsFinite) {
   surface.Pose(folded);
   EXPECT_TRUE(AllFinite(surface.vertices()));
   for (const auto& v : surface.vertices()) EXPECT_NEAR(Norm(v.rotation), 1, 1e-5);
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
   surface.Backward(RandomAdjoint(surface.vertex_count(), 4), d_vertices);
   for (float x : d_vertices) EXPECT_TRUE(std::isfinite(x));
 }
@@ -198,7 +198,7 @@ TEST(Surface, BitsDoNotDependOnThreads) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Surface surface(mesh);
     surface.Pose(posed);
-    std::vector<float> d_vertices;
+    Buffer<float> d_vertices;
     surface.Backward(RandomAdjoint(surface.vertex_count(), 2), d_vertices);
     return d_vertices;
   };

@@ -139,7 +139,7 @@ class Chain {
     view.scale_log = d_posed.scale_log.data();
     view.color_frame = d_posed.frame.data();
     rasterizer_->Backward(world_, image_, d_color_, *tape_, view);
-    std::vector<float> d_vertices;
+    Buffer<float> d_vertices;
     BindBackward(model_, surface_, d_posed, gradients, &d_vertices);
     return poser_.Backward(frame, d_vertices);
   }

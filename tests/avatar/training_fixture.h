@@ -30,6 +30,23 @@ struct SmallVideo {
   }
 };
 
+// Those of `removed` (ascending) that the subject lets go.
+inline std::vector<uint32_t> Allowed(AvatarSubject& subject,
+                                     const Gaussians& gaussians,
+                                     const std::vector<uint32_t>& removed) {
+  Buffer<uint8_t> unwanted(gaussians.size(), 0);
+  for (const uint32_t i : removed) unwanted[i] = 1;
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  RenderedImage image;
+  const Canvas canvas{*rasterizer, image, *tape};
+  subject.Veto(gaussians, &canvas, unwanted, HostStream());
+  std::vector<uint32_t> allowed;
+  for (const uint32_t i : removed)
+    if (unwanted[i]) allowed.push_back(i);
+  return allowed;
+}
+
 // The first `frames` training frames at 96 / resolution pixels.
 inline TrackedVideo LoadSmallVideo(size_t frames, int resolution) {
   TrackedVideo video = LoadTrackedVideo(SmallVideo::Get().folder.path(), {-1, resolution});

@@ -1,9 +1,9 @@
 // An avatar's training on a device whose memory is nearly full: what is per Gaussian beside its
 // parameters counts, too.
+#include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
-#include "avatar/train/cuda/device_avatar.h"
-#include "splat/train/cuda/device_step_engine.h"
+#include "avatar/train/train_device.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat {
@@ -28,7 +28,7 @@ TEST_F(AvatarMemoryLimit, TrainingGoesOnWithWhatFits) {
   Trainer trainer(settings,
                   subject,
                   subject.InitialGaussians(1, Basis::kDcsh, 3),
-                  cuda::MakeDeviceAvatarEngine(cuda::SumOrder::kFixed, subject));
+                  AvatarEngineOn(Device::kCuda, true));
   size_t largest = 0;
   std::vector<std::string> notices;
   for (int i = 0; i < 26; ++i) {
@@ -55,10 +55,8 @@ Held HeldWith(size_t gaussians) {
   state.gaussians = subject.InitialGaussians(0, Basis::kDcsh, 3);
   state.adam = AdamState(state.gaussians);
   state.statistics.Reset(gaussians);
-  const auto on_device = std::make_shared<cuda::DeviceAvatar>(subject, 0);
   const TrainSettings settings;
-  const auto engine =
-      cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed, on_device)(settings, subject, state);
+  const auto engine = AvatarEngineOn(Device::kCuda, true)(settings, subject, state);
   engine->Step({1, 0, {}, {}, true});
   engine->AfterStep(avatar.walk_every);
   engine->CatchUp({});
@@ -66,8 +64,8 @@ Held HeldWith(size_t gaussians) {
   nothing.score.assign(gaussians, 1);
   engine->Prune(nothing, 0, 0);
   engine->SortInSpace();
-  Held held{0, on_device->BytesPerGaussian()};
-  for (const MemoryPart& part : on_device->Memory())
+  Held held{0, subject.BytesPerGaussian()};
+  for (const MemoryPart& part : subject.Memory())
     if (part.of == MemoryOf::kGaussians) held.bytes += part.bytes;
   return held;
 }

@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "splat/device/buffer.h"
 #include "splat/device/cuda/launch.cuh"
-#include "splat/device/cuda/memory.h"
 #include "splat/device/cuda/stream.h"
 #include "tests/support/expect_error.h"
 
@@ -17,7 +17,7 @@ using cuda_on_host::Fault;
 
 struct Emulation : testing::Test {
   void SetUp() override { cuda_on_host::SetSchedule(1); }
-  Stream stream;
+  CudaStream stream;
 };
 
 // A body for a whole block.
@@ -28,8 +28,8 @@ struct InBlock {
   void operator()() const { f(); }
 };
 template <unsigned kThreads, class F>
-void RunBlocks(size_t blocks, const Stream& stream, const F& f) {
-  ForBlocks(blocks, stream.get(), InBlock<kThreads, F>{f});
+void RunBlocks(size_t blocks, Stream& stream, const F& f) {
+  ForBlocks(blocks, stream, InBlock<kThreads, F>{f});
   stream.Wait();
 }
 
@@ -44,7 +44,7 @@ std::string FaultOf(const std::function<void()>& action) {
 
 TEST_F(Emulation, EveryThreadRunsOnce) {
   std::vector<int> runs(1000, 0);
-  ForEach(runs.size(), stream.get(), [&runs](size_t i) { ++runs[i]; });
+  ForEachThread(runs.size(), stream, [&runs](size_t i) { ++runs[i]; });
   EXPECT_EQ(runs[0], 0) << "before the host waits, nothing is done";
   stream.Wait();
   EXPECT_EQ(runs, std::vector<int>(1000, 1));
@@ -54,10 +54,10 @@ TEST_F(Emulation, AnEventIsWaitedForAlone) {
   int before = 0, after = 0;
   const Event event;
   event.Wait();  // never recorded
-  ForEach(1, stream.get(), [&before](size_t) { ++before; });
+  ForEachThread(1, stream, [&before](size_t) { ++before; });
   Event recorded;
-  recorded.Record(stream.get());
-  ForEach(1, stream.get(), [&after](size_t) { ++after; });
+  recorded.Record(stream);
+  ForEachThread(1, stream, [&after](size_t) { ++after; });
   const cuda_on_host::Waits waits = cuda_on_host::WaitsSoFar();
   recorded.Wait();
   EXPECT_EQ(before, 1);
@@ -140,18 +140,18 @@ TEST_F(Emulation, FindsMeetingsThatNotAllReach) {
 }
 
 TEST_F(Emulation, MemoryIsTheDevicesAlone) {
-  DeviceBuffer<float> buffer;
-  buffer.Refill(64);
+  Buffer<float> buffer;
+  buffer.Refill(64, stream);
   float first = 0;
-  Readback<float> readback;
-  first = readback.Get(buffer.data(), stream.get());
+  Readback<float> readback(stream);
+  first = readback.Get(buffer.data(), stream);
   EXPECT_NE(first, first) << "new memory is NaN";
   testing::GTEST_FLAG(death_test_style) = "threadsafe";
   EXPECT_DEATH({ *const_cast<volatile float*>(buffer.data()) = 1; }, "");
-  const DeviceView<float> view = buffer.view();
+  const View<float> view = buffer.view();
   EXPECT_DEATH(
       {
-        ForEach(65, stream.get(), [view](size_t i) { view[i] = 0; });
+        ForEachThread(65, stream, [view](size_t i) { view[i] = 0; });
         stream.Wait();
       },
       "i < count");
@@ -159,7 +159,7 @@ TEST_F(Emulation, MemoryIsTheDevicesAlone) {
   const size_t beyond = buffer.capacity();
   EXPECT_DEATH(
       {
-        ForEach(1, stream.get(), [=](size_t) { data[beyond] = 0; });
+        ForEachThread(1, stream, [=](size_t) { data[beyond] = 0; });
         stream.Wait();
       },
       "");
@@ -168,11 +168,12 @@ TEST_F(Emulation, MemoryIsTheDevicesAlone) {
 TEST_F(Emulation, RefusesWhatDoesNotFit) {
   const size_t before = cuda_on_host::FreeMemory();
   cuda_on_host::SetFreeMemory(1000);
-  DeviceBuffer<float> buffer;
-  test::ExpectError([&] { buffer.Refill(2000); }, {"CUDA", "no room for 0.0 MB", "are free"});
+  Buffer<float> buffer;
+  test::ExpectError([&] { buffer.Refill(2000, stream); },
+                    {"CUDA", "no room for 0.0 MB", "are free"});
   cuda_on_host::SetFreeMemory(before);
   EXPECT_TRUE(buffer.empty());
-  buffer.Refill(2000);
+  buffer.Refill(2000, stream);
   EXPECT_EQ(buffer.size(), 2000u);
 }
 

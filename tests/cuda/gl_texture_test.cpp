@@ -4,7 +4,7 @@
 
 #include "apps/viewer/gl_window.h"
 #include "apps/viewer/picture_texture.h"
-#include "avatar/play/cuda/device_avatar_renderer.h"
+#include "avatar/play/player_device.h"
 #include "splat/base/image_io.h"
 #include "tests/support/cuda_on_host/cuda_gl_interop.h"
 #include "tests/support/expect_error.h"
@@ -22,7 +22,7 @@ using viewer::Stage;
 constexpr float kSmall = 0.3f;  // of the window: emulated kernels are slow
 
 viewer::SplatRenderers OnDevice() {
-  return {cuda::MakeDeviceRenderers(), SceneRendererOn(Device::kCuda)};
+  return {AvatarRendererOn(Device::kCuda), SceneRendererOn(Device::kCuda)};
 }
 
 Shot ShotOf(const viewer::Content& content, int width, int height, bool transparent) {

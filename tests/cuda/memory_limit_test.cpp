@@ -1,7 +1,7 @@
 // Training on a device whose memory is nearly full: it goes on with as many Gaussians as fit.
+#include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
-#include "splat/train/cuda/device_memory.h"
 #include "tests/parity/training_run.h"
 
 namespace cosplat {
@@ -27,8 +27,7 @@ Outcome TrainWhereMemoryRunsOut() {
   run.settings.density.max_count = 100000;
   run.settings.schedule.densify_every = 5;
   SceneSubject subject(run.frames, 1);
-  Trainer trainer(
-      run.settings, subject, run.first, cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed));
+  Trainer trainer(run.settings, subject, run.first, test::OnDevice(cuda::SumOrder::kFixed));
   Outcome outcome;
   for (int i = 0; i < 40; ++i) {
     if (i == 12) cuda_on_host::SetFreeMemory(400000);
@@ -54,8 +53,7 @@ TEST_F(MemoryLimit, TrainingGoesOnWithWhatFits) {
 TEST_F(MemoryLimit, ThePredictedCapacityMayBeMoreThanFits) {
   test::TrainingRun run;
   run.settings.schedule.densify_until = 0;
-  const StepEngineMaker foresees_much =
-      cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed, nullptr, cuda::InstanceForecast(8));
+  const StepEngineMaker foresees_much = test::OnDevice(cuda::SumOrder::kFixed, InstanceForecast(8));
   const test::Training roomy = RunOn(run, foresees_much, 12);
   SceneSubject subject(run.frames, 1);
   Trainer trainer(run.settings, subject, run.first, foresees_much);

@@ -2,22 +2,21 @@
 // that are done again because they had more instances than was expected.
 #include <gtest/gtest.h>
 
-#include "splat/train/cuda/target_images.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/train/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 
 namespace cosplat {
 namespace {
 
-using cuda::InstanceForecast;
-using cuda::SumOrder;
 using cuda_on_host::Waits;
 using test::TrainingRun;
 
 class NoWait : public test::DeviceTest {};
 
 StepEngineMaker WithMargin(double margin) {
-  return cuda::MakeDeviceStepEngine(SumOrder::kFixed, nullptr, InstanceForecast(margin));
+  return test::OnDevice(cuda::SumOrder::kFixed, InstanceForecast(margin));
 }
 
 Waits Since(const Waits& before) {
@@ -45,16 +44,16 @@ TEST_F(NoWait, AStepIsAlwaysQueued) {
 TEST_F(NoWait, PhotographsAreSentMeanwhile) {
   const TrainingRun run;
   SceneSubject subject(run.frames, 1);
-  const cuda::Stream stream;
-  cuda::TargetImages images(subject, 0);
-  images.Of(0, 1, stream.get());
-  images.Of(1, 1, stream.get());  // pinned memory for both
+  cuda::CudaStream stream;
+  TargetStore images(subject, 0);
+  images.Of(0, 1, stream);
+  images.Of(1, 1, stream);  // pinned memory for both
   stream.Wait();
   const Waits before = cuda_on_host::WaitsSoFar();
-  images.Of(2, 1, stream.get());
-  images.Of(3, 1, stream.get());
+  images.Of(2, 1, stream);
+  images.Of(3, 1, stream);
   EXPECT_EQ(Since(before).all, 0u);
-  images.Of(0, 1, stream.get());
+  images.Of(0, 1, stream);
   EXPECT_EQ(Since(before).all, 1u) << "for the last but one, whose memory it takes";
   EXPECT_EQ(Since(before).idle, 0u);
 }

@@ -2,11 +2,11 @@
 // device (tests/support/cuda_on_host/races.h).
 #include <gtest/gtest.h>
 
+#include "splat/device/buffer.h"
 #include "splat/device/cuda/launch.cuh"
-#include "splat/device/cuda/memory.h"
 #include "splat/device/cuda/stream.h"
-#include "splat/train/cuda/device_step_engine.h"
 #include "splat/train/scene_subject.h"
+#include "splat/train/step_engine.h"
 #include "tests/parity/parity_case.h"
 #include "tests/support/device_step.h"
 
@@ -35,8 +35,8 @@ struct InBlock {
 template <class F>
 int RacesIn(const F& f) {
   const int before = reports;
-  const cuda::Stream stream;
-  cuda::ForBlocks(2, stream.get(), InBlock<F>{f});
+  cuda::CudaStream stream;
+  cuda::ForBlocks(2, stream, InBlock<F>{f});
   stream.Wait();
   return reports - before;
 }
@@ -76,8 +76,9 @@ TEST(Races, OfAWarpAreEndedBySyncwarpAlone) {
 }
 
 TEST(Races, BetweenBlocksAreFoundAndAtomicsAreNone) {
-  cuda::DeviceBuffer<unsigned> sum;
-  sum.Refill(1);
+  cuda::CudaStream stream;
+  Buffer<unsigned> sum;
+  sum.Refill(1, stream);
   unsigned* const p = sum.data();
   EXPECT_GT(RacesIn([p] {
               if (threadIdx.x == 0) *p = blockIdx.x;
@@ -100,9 +101,9 @@ TEST(Races, NoneInAStep) {
       step.Run();
       EXPECT_TRUE(step.Settle());
     }
-    cuda::DeviceBuffer<Contribution> contributions;
-    step.renderer.Contributions(step.image, step.tape, contributions);
-    step.renderer.stream().Wait();
+    Buffer<Contribution> contributions;
+    step.rasterizer.Contributions(step.image, step.tape, contributions);
+    step.stream().Wait();
     EXPECT_GT(step.counts.instances, 200u);
   }
   EXPECT_EQ(reports, before);
@@ -118,7 +119,12 @@ TEST(Races, NoneInTraining) {
   state.gaussians = c.gaussians;
   state.adam = AdamState(c.gaussians);
   state.statistics.Reset(c.gaussians.size());
-  cuda::DeviceStepEngine engine(settings, subject, state, cuda::SumOrder::kFixed, nullptr);
+  cuda::ProvideTrainKernels();
+  StepEngine engine(
+      settings,
+      subject,
+      state,
+      {std::make_unique<cuda::CudaRasterizer>(cuda::SumOrder::kFixed), cuda::MakeCudaLoss()});
   StepPlan plan{1, 0, c.settings, {}, true};
   plan.rates.rate.fill(1e-3f);
   engine.Step(plan);

@@ -258,7 +258,7 @@ TEST(FlamePose, RefusesUnusableParameters) {
   }
   EXPECT_THROW(Poser(model, {0, 0, 0, 1}), Error);
   EXPECT_THROW(Poser(model, {}, {1, 2, 3}), Error);
-  EXPECT_THROW(poser.Backward({}, {1, 2, 3}), Error);
+  EXPECT_THROW(poser.Backward({}, std::vector<double>{1, 2, 3}), Error);
 }
 
 TEST(FlameModel, ValidateNamesTheFault) {

@@ -34,9 +34,9 @@ std::vector<float> ByKernels(const Poser& poser, const Poser::Frame& frame) {
                                                    rig.expression_terms,
                                                    rig.terms.size() - rig.expression_terms,
                                                    unskinned.data()};
-  for (size_t i = 0; i < unskinned.size(); ++i) blend.Run(i);
+  for (size_t i = 0; i < unskinned.size(); ++i) blend(i);
   const flame_math::SkinKernel<float> skin(rig, arrays.weights, unskinned.data(), vertices.data());
-  for (size_t v = 0; v < arrays.vertex_count; ++v) skin.Run(v);
+  for (size_t v = 0; v < arrays.vertex_count; ++v) skin(v);
   return vertices;
 }
 

@@ -2,18 +2,26 @@
 
 #include <chrono>
 
-#include "avatar/play/cuda/device_avatar_renderer.h"
-#include "avatar/play/cuda/device_poser.h"
+#include "avatar/play/cuda/kernels.h"
+#include "avatar/play/player_device.h"
+#include "avatar/play/rig_poser.h"
 #include "avatar/surface/binding.h"
-#include "avatar/surface/cuda/device_binding.h"
-#include "splat/render/cuda/renderer.h"
-#include "splat/train/cuda/adam.h"
+#include "avatar/surface/cuda/kernels.h"
+#include "splat/render/cuda/rasterizer.h"
+#include "splat/train/cuda/kernels.h"
 #include "splat/train/cuda/loss.h"
 #include "splat/train/loss.h"
+#include "splat/train/optimizer.h"
 #include "tests/gpu/made_avatar.h"
 
 namespace cosplat::test {
 namespace {
+
+void ProvideKernels() {
+  cuda::ProvideTrainKernels();
+  cuda::ProvideSurfaceKernels();
+  cuda::ProvidePosingKernels();
+}
 
 // A frame and a training step with everything on the device.
 class DeviceAvatarStep {
@@ -21,27 +29,36 @@ class DeviceAvatarStep {
   explicit DeviceAvatarStep(const MadeAvatar& made)
       : made_(made),
         poser_({made.flame.arrays, {}}, directions_, stream()),
-        surface_(Surface(made.model.mesh), stream()) {
+        surface_(made.model.mesh, stream()),
+        target_{made.photograph.width, made.photograph.height, made.photograph.channels},
+        readback_(stream()) {
+    const AdamState first(made.model.gaussians);
     gaussians_.Upload(made.model.gaussians, stream());
-    gradients_.ResizeLike(gaussians_);
-    embedding_.Upload(made.model, surface_.face_count(), stream());
-    target_.Upload(made.photograph, stream());
-    adam_.Start(gaussians_, stream());
-    exceeded_.Refill(1);
+    gradients_.RefillLike(gaussians_, stream());
+    UploadEmbedding(made.model, embedding_, stream());
+    target_bytes_.Upload(made.photograph.data.data(), made.photograph.data.size(), stream());
+    target_.bytes = target_bytes_.data();
+    adam_.Upload(first, stream());
+    exceeded_.Refill(1, stream());
     exceeded_.FillWithZeros(stream());
     rates_.rate = {1e-6f, 1e-5f, 1e-5f, 1e-4f, 1e-4f, 1e-5f};
-    renderer_.stream().Wait();
+    stream().Wait();
   }
 
-  const float* Pose(int frame) {
-    return poser_.Pose(made_.rigs[size_t(frame) % kPoses], stream()).data();
+  const Buffer<float>& Pose(int frame) {
+    return poser_.Pose(made_.rigs[size_t(frame) % kPoses], stream());
   }
-  void Draw(int frame) { Draw(Pose(frame), false); }
+  void Draw(int frame) {
+    Draw(Pose(frame), picture_tape_);
+    most_ = std::max(most_, picture_tape_.capacity());  // which waits to have as many as there are
+  }
 
   void Train(int frame, bool track) {
     const std::vector<float>& posed = made_.poses[size_t(frame) % kPoses];
     vertices_.Upload(posed.data(), posed.size(), stream());
-    Draw(vertices_.data(), true);
+    // Waits for nothing: as many instances as any picture had before, and some.
+    if (most_ > 0) tape_.lists.Expect(most_ + most_ / 8, exceeded_.data());
+    Draw(vertices_, tape_);
     Step(track);
   }
   void Wait() {
@@ -50,62 +67,58 @@ class DeviceAvatarStep {
   }
 
  private:
-  // To train waits for nothing: as many instances as any frame had before, and some.
-  void Draw(const float* vertices, bool keep) {
-    surface_.Pose(vertices, stream());
-    binding_.Bind(gaussians_, embedding_, surface_, posed_, stream());
-    world_ = posed_.View(gaussians_, ColorFrame::kSurface);
-    if (keep && most_ > 0) tape_.lists.Expect(most_ + most_ / 8, exceeded_.data());
-    renderer_.Forward(
-        world_, made_.model.gaussians.basis, made_.camera, made_.settings, keep, image_, tape_);
-    most_ = std::max(most_, tape_.lists.instances());
+  void Draw(const Buffer<float>& vertices, cuda::CudaTape& tape) {
+    surface_.Pose(vertices);
+    Bind(gaussians_, embedding_, surface_, posed_);
+    world_ = PosedView(gaussians_, posed_, ColorFrame::kSurface);
+    rasterizer_.Forward(world_, gaussians_.basis, made_.camera, made_.settings, image_, tape);
   }
 
   void Step(bool track) {
-    loss_.Evaluate({}, image_.color.data(), target_, {0, 0, 0}, d_color_, stream());
-    d_posed_.Refill(gaussians_.size());
-    WorldGradients d_world = gradients_.GradientView(screen_);
+    loss_->Evaluate({}, image_.color, target_, {0, 0, 0}, d_color_, stream());
+    d_posed_.Refill(gaussians_.size(), stream());
+    WorldGradients d_world = GradientViewOf(gradients_, screen_, stream());
     d_world.position = d_posed_.position.data();
     d_world.rotation = d_posed_.rotation.data();
     d_world.scale_log = d_posed_.scale_log.data();
     d_world.color_frame = d_posed_.frame.data();
-    renderer_.Backward(world_, image_, d_color_.data(), tape_, d_world);
-    binding_.Backward(gaussians_,
-                      embedding_,
-                      surface_,
-                      d_posed_,
-                      gradients_,
-                      track ? &d_vertices_ : nullptr,
-                      stream());
-    adam_.Step(
-        rates_, gradients_, std::as_const(tape_.radii).view(), nullptr, gaussians_, stream());
+    rasterizer_.Backward(world_, image_, d_color_, tape_, d_world);
+    BindBackward(gaussians_,
+                 embedding_,
+                 surface_,
+                 d_posed_,
+                 gradients_,
+                 track ? &d_vertices_ : nullptr,
+                 scratch_);
+    AdamStepAll(rates_, gradients_, {}, tape_.radii(), gaussians_, adam_, stream());
     if (!track) return;
     d_vertices_on_host_.resize(d_vertices_.size());
     d_vertices_.Download(d_vertices_on_host_.data(), stream());
     Wait();
   }
-  cudaStream_t stream() const { return renderer_.stream().get(); }
+  Stream& stream() { return rasterizer_.stream(); }
 
   const MadeAvatar& made_;
-  cuda::Renderer renderer_{cuda::SumOrder::kAny};
-  cuda::DirectionStore directions_;
-  cuda::DevicePoser poser_;
-  cuda::DeviceSurface surface_;
-  cuda::DeviceGaussians gaussians_, gradients_;
-  cuda::DeviceEmbedding embedding_;
-  cuda::DeviceBinding binding_;
-  cuda::DevicePosed posed_, d_posed_;
-  cuda::DeviceBuffer<float> vertices_, d_vertices_, d_color_, screen_;
+  cuda::CudaRasterizer rasterizer_{cuda::SumOrder::kAny};
+  DirectionStore directions_;
+  RigPoser poser_;
+  Surface surface_;
+  Gaussians gaussians_, gradients_;
+  Embedding embedding_;
+  PosedGaussians posed_, d_posed_;
+  BindScratch scratch_;
+  Buffer<float> vertices_, d_vertices_, d_color_, screen_;
   std::vector<float> d_vertices_on_host_;
   WorldGaussians world_;
-  cuda::DeviceImage image_;
-  cuda::Tape tape_;
-  cuda::DeviceTarget target_;
-  cuda::PhotometricLoss loss_;
-  cuda::Adam adam_;
-  size_t most_ = 0;
-  cuda::DeviceBuffer<uint32_t> exceeded_;
-  cuda::Readback<uint32_t> readback_;
+  RenderedImage image_;
+  cuda::CudaTape picture_tape_{false, cuda::SumOrder::kAny}, tape_{true, cuda::SumOrder::kAny};
+  Buffer<uint8_t> target_bytes_;
+  TargetView target_;
+  std::unique_ptr<StepLoss> loss_ = cuda::MakeCudaLoss();
+  AdamState adam_;
+  size_t most_ = 0;  // instances of a picture
+  Buffer<uint32_t> exceeded_;
+  Readback<uint32_t> readback_;
   AdamSettings rates_;
 };
 
@@ -129,13 +142,13 @@ void MeasureCpu(const MadeAvatar& made, int count, AvatarTimes& times, RenderedI
   const auto draw = [&](int i) {
     surface.Pose(made.poses[size_t(i) % kPoses]);
     Bind(made.model, surface, posed);
-    WorldGaussians world = ViewOf(made.model.gaussians);
-    world.position = posed.position.data();
-    world.rotation = posed.rotation.data();
-    world.scale_log = posed.scale_log.data();
-    world.color_frame = posed.frame.data();
-    rasterizer->Forward(
-        world, made.model.gaussians.basis, made.camera, made.settings, image, *tape);
+    const Gaussians& gaussians = made.model.gaussians;
+    rasterizer->Forward(PosedView(gaussians, posed, ColorFrame::kSurface),
+                        gaussians.basis,
+                        made.camera,
+                        made.settings,
+                        image,
+                        *tape);
   };
   times.cpu_frame_ms = MeanMs(count, draw, [] {});
   draw(0);
@@ -152,7 +165,8 @@ AvatarTimes TimeAvatar(bool tiny) {
   times.side = made.camera.width;
   RenderedImage on_cpu, on_device;
   MeasureCpu(made, tiny ? 1 : 20, times, on_cpu);
-  const auto renderer = cuda::MakeDeviceRenderers()(made.model, {made.flame.arrays, {}});
+  ProvideKernels();
+  const auto renderer = AvatarRendererOn(Device::kCuda)(made.model, {made.flame.arrays, {}});
   uint64_t placement = 0;
   const auto draw = [&](int i) {
     renderer->Draw(

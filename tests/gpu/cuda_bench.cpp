@@ -70,12 +70,7 @@ struct CpuStep {
     WorldGradients out = GradientViewOf(gradients, screen);
     out.drawn_groups_only = true;
     rasterizer->Backward(world, image, d_color, *tape, out);
-    groups.clear();
-    const View<const float> radii = tape->radii();
-    for (size_t i = 0; i < radii.size(); ++i)
-      if (radii[i] > 0 && (groups.empty() || groups.back() != i / kGaussianGroup))
-        groups.push_back(uint32_t(i / kGaussianGroup));
-    AdamStepAll(Rates(), gradients, {}, groups, gaussians, adam);
+    AdamStepAll(Rates(), gradients, {}, tape->radii(), gaussians, adam);
   }
 
   const SyntheticView& view;
@@ -86,7 +81,6 @@ struct CpuStep {
   RenderedImage image;
   PhotometricLoss loss;
   Buffer<float> d_color, screen;
-  std::vector<uint32_t> groups;
 };
 
 double FastestCpuStepMs(CpuStep& step) {
@@ -113,7 +107,7 @@ void CompareFirstStep(const SyntheticView& view, CpuStep& cpu, Result& result) {
   Gaussians gradients = view.start;
   device->image.color.Download(color.data(), device->stream());
   device->gradients.Download(gradients, device->stream());
-  device->renderer.stream().Wait();
+  device->stream().Wait();
   result.psnr = Psnr(color, cpu.image.color);
   double aa = 0, bb = 0, ab = 0;
   for (int a = 0; a < kAttributeCount; ++a)
@@ -133,7 +127,7 @@ bool EndsInTheSameBits(const SyntheticView& view, int steps) {
     const auto step = StepOn(view, cuda::SumOrder::kFixed);
     for (int s = 0; s < steps; ++s) step->Run();
     step->gaussians.Download(end, step->stream());
-    step->renderer.stream().Wait();
+    step->stream().Wait();
   }
   for (int a = 0; a < kAttributeCount; ++a)
     if (std::memcmp(ends[0].values[a].data(),
@@ -169,7 +163,7 @@ Result Measure(const Size& size, const Options& o) {
   if (!o.picture.empty()) {
     RenderedImage image{size.width, size.height, Buffer<float>(any->image.color.size()), {}};
     any->image.color.Download(image.color.data(), any->stream());
-    any->renderer.stream().Wait();
+    any->stream().Wait();
     WritePpm(o.picture, ToBytes(image.ToImage()));
   }
   return result;

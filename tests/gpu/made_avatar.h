@@ -81,10 +81,10 @@ inline std::vector<float> PosedByCpu(const MadeModel& model, const FlameRig<floa
                                                    rig.expression_terms,
                                                    rig.terms.size() - rig.expression_terms,
                                                    unskinned.data()};
-  for (size_t i = 0; i < unskinned.size(); ++i) blend.Run(i);
+  for (size_t i = 0; i < unskinned.size(); ++i) blend(i);
   const flame_math::SkinKernel<float> skin(
       rig, model.arrays.weights, unskinned.data(), vertices.data());
-  for (size_t v = 0; v < model.arrays.vertex_count; ++v) skin.Run(v);
+  for (size_t v = 0; v < model.arrays.vertex_count; ++v) skin(v);
   return vertices;
 }
 

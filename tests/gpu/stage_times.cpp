@@ -7,7 +7,7 @@
 namespace cosplat::test {
 namespace {
 
-using cuda::Renderer;
+using cuda::CudaRasterizer;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -18,7 +18,7 @@ double Median(std::vector<double> values) {
 // Counted from what the kernels read and write once; gathers of 4 bytes as 4.
 std::array<double, kStageNames.size()> BytesOf(DeviceStep& step, bool records) {
   const double n = double(step.gaussians.size()), i = double(step.counts.instances);
-  const double visible = double(step.counts.visible), capacity = double(step.tape.lists.capacity());
+  const double visible = double(step.counts.visible), capacity = double(step.tape.capacity());
   const double pixels = double(step.image.width) * step.image.height;
   double numbers = 0;  // of a Gaussian
   for (int a = 0; a < kAttributeCount; ++a) numbers += step.gaussians.width(a);
@@ -56,13 +56,14 @@ StepTimes TimeSteps(DeviceStep& step, int steps) {
     end.Record(step.stream());
     const bool sufficed = step.Settle();
     if (s < steps || !sufficed) continue;
-    const Renderer& r = step.renderer;
-    ms[0].push_back(r.MillisecondsBetween(Renderer::kStart, Renderer::kProjected));
-    ms[1].push_back(r.MillisecondsBetween(Renderer::kProjected, Renderer::kSorted));
-    ms[2].push_back(r.MillisecondsBetween(Renderer::kSorted, Renderer::kBlended));
+    const CudaRasterizer& r = step.rasterizer;
+    ms[0].push_back(r.MillisecondsBetween(CudaRasterizer::kStart, CudaRasterizer::kProjected));
+    ms[1].push_back(r.MillisecondsBetween(CudaRasterizer::kProjected, CudaRasterizer::kSorted));
+    ms[2].push_back(r.MillisecondsBetween(CudaRasterizer::kSorted, CudaRasterizer::kBlended));
     ms[3].push_back(after_loss.MillisecondsSince(before_loss));
-    ms[4].push_back(r.MillisecondsBetween(Renderer::kBackStart, Renderer::kBlendedBack));
-    ms[5].push_back(r.MillisecondsBetween(Renderer::kBlendedBack, Renderer::kBack));
+    ms[4].push_back(
+        r.MillisecondsBetween(CudaRasterizer::kBackStart, CudaRasterizer::kBlendedBack));
+    ms[5].push_back(r.MillisecondsBetween(CudaRasterizer::kBlendedBack, CudaRasterizer::kBack));
     ms[6].push_back(after_adam.MillisecondsSince(before_adam));
     whole.push_back(end.MillisecondsSince(begin));
   }
@@ -76,19 +77,19 @@ StepTimes TimeSteps(DeviceStep& step, int steps) {
 }
 
 double CopyGbs(size_t bytes, int copies) {
-  const cuda::Stream stream;
-  cuda::DeviceBuffer<unsigned char> from, to;
-  from.Refill(bytes);
-  to.Refill(bytes);
-  from.FillWithZeros(stream.get());
+  cuda::CudaStream stream;
+  Buffer<unsigned char> from, to;
+  from.Refill(bytes, stream);
+  to.Refill(bytes, stream);
+  from.FillWithZeros(stream);
   std::vector<double> gbs;
   for (int c = 0; c < copies; ++c) {
     cuda::Event begin, end;
-    begin.Record(stream.get());
+    begin.Record(stream);
     cuda::Check(
         cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),
         "cudaMemcpyAsync");
-    end.Record(stream.get());
+    end.Record(stream);
     gbs.push_back(2e-6 * double(bytes) / double(end.MillisecondsSince(begin)));
   }
   return Median(gbs);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "splat/train/cuda/device_step_engine.h"
-#include "splat/train/host_step_engine.h"
 #include "splat/train/scene_subject.h"
+#include "splat/train/train_device.h"
+#include "splat/train/trainer.h"
 
 namespace cosplat::test {
 namespace {
@@ -50,8 +50,8 @@ void WriteTimes(std::FILE* file, const char* name, const TrainingTimes& t, const
 
 TrainingComparison CompareTraining(const SyntheticView& view, int steps) {
   constexpr int kCpuSteps = 2;
-  return {TimeTraining(view, cuda::MakeDeviceStepEngine(cuda::SumOrder::kAny), steps),
-          TimeTraining(view, cuda::MakeDeviceStepEngine(cuda::SumOrder::kFixed), steps),
+  return {TimeTraining(view, StepEngineOn(Device::kCuda, false), steps),
+          TimeTraining(view, StepEngineOn(Device::kCuda, true), steps),
           TimeTraining(view, MakeHostStepEngine, std::min(steps, kCpuSteps))};
 }
 

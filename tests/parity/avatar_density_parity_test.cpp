@@ -6,9 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "avatar/train/cuda/device_avatar.h"
-#include "splat/train/cuda/device_step_engine.h"
-#include "splat/train/host_step_engine.h"
+#include "avatar/train/train_device.h"
+#include "avatar/train/trainer.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/density_state.h"
 #include "tests/parity/device_fixture.h"
@@ -30,9 +29,8 @@ struct Side {
   Side(const AvatarSettings& avatar, bool on_device)
       : subject(test::MadeHead().model, test::MakeSmallVideo(4, 4), avatar) {
     state = test::AfterSomeSteps(FirstGaussians(), 5);
-    engine = on_device ? cuda::MakeDeviceAvatarEngine(cuda::SumOrder::kFixed, subject)(
-                             settings, subject, state)
-                       : MakeHostStepEngine(settings, subject, state);
+    engine =
+        AvatarEngineOn(on_device ? Device::kCuda : Device::kCpu, true)(settings, subject, state);
   }
 
  private:
@@ -62,7 +60,7 @@ struct Both {
     f(*device.engine);
     device.engine->Fetch();
     test::ExpectSame(device.state, cpu.state);
-    const AvatarTrainingState &got = device.subject.state(), &expected = cpu.subject.state();
+    const AvatarTrainingState got = device.subject.State(), expected = cpu.subject.State();
     EXPECT_EQ(got.first_triangle, expected.first_triangle);
     ASSERT_EQ(got.embedding.triangle, expected.embedding.triangle);
     for (size_t i = 0; i < expected.embedding.barycentric.size(); ++i)
@@ -137,7 +135,8 @@ TEST_F(AvatarDensityParity, TrianglesKeepToFloorAndCap) {
   both.Do([&](StepEngine& e) { e.Prune(RoundOf(before, before / 3), 5, 2); });
   EXPECT_LT(both.count(), before);
   std::map<int32_t, int> count;
-  for (const int32_t t : both.device.subject.state().embedding.triangle) ++count[t];
+  const AvatarTrainingState state = both.device.subject.State();
+  for (const int32_t t : state.embedding.triangle) ++count[t];
   for (const auto& [triangle, n] : count) EXPECT_LE(n, 5) << triangle;
 }
 

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "avatar/surface/binding.h"
-#include "avatar/surface/cuda/device_binding.h"
-#include "avatar/train/cuda/posed_vertices.h"
+#include "avatar/surface/cuda/kernels.h"
+#include "avatar/train/posed_vertices.h"
 #include "splat/device/cuda/stream.h"
 #include "tests/avatar/meshes.h"
 #include "tests/parity/compare.h"
@@ -18,7 +18,10 @@
 namespace cosplat {
 namespace {
 
-class BindingParity : public test::DeviceTest {};
+class BindingParity : public test::DeviceTest {
+ protected:
+  BindingParity() { cuda::ProvideSurfaceKernels(); }
+};
 
 struct BindingCase {
   std::string name;
@@ -63,11 +66,11 @@ std::vector<BindingCase> Cases() {
   return cases;
 }
 
-// Both back ends of one case, with the same random gradients.
+// What a stream makes of a case, with the same random gradients in all of them.
 struct Results {
   PosedGaussians posed;
   Gaussians d_gaussians;
-  std::vector<float> d_vertices;
+  Buffer<float> d_vertices;
 };
 
 PosedGaussians RandomGradients(size_t n) {
@@ -80,69 +83,63 @@ PosedGaussians RandomGradients(size_t n) {
   return d;
 }
 
-Results OnCpu(const BindingCase& c, bool with_frame = true) {
-  Surface surface(c.avatar.mesh);
-  surface.Pose(c.posed);
-  Results r;
-  Bind(c.avatar, surface, r.posed);
-  PosedGaussians d = RandomGradients(c.avatar.size());
-  if (!with_frame) d.frame.clear();
-  BindBackward(c.avatar, surface, d, r.d_gaussians, &r.d_vertices);
-  return r;
-}
+// A case in a stream's memory, which is used again from run to run.
+struct InStream {
+  InStream(const BindingCase& c, Stream& stream) : stream(stream), surface(c.avatar.mesh, stream) {
+    Send(c);
+  }
 
-// On the device; it is made new for each case.
-struct OnDevice {
-  explicit OnDevice(const BindingCase& c) : c(c), surface(Surface(c.avatar.mesh), stream.get()) {
-    gaussians.Upload(c.avatar.gaussians, stream.get());
-    embedding.Upload(c.avatar, surface.face_count(), stream.get());
-    d_gaussians.ResizeLike(gaussians);
-    vertices.Upload(c.posed.data(), c.posed.size(), stream.get());
+  void Send(const BindingCase& c) {
+    gaussians.Upload(c.avatar.gaussians, stream);
+    UploadEmbedding(c.avatar, embedding, stream);
+    vertices.Upload(c.posed.data(), c.posed.size(), stream);
+    stream.Wait();
+    scratch.by_face.Forget();
   }
 
   Results Run(bool with_frame = true) {
-    const size_t n = c.avatar.size();
-    surface.Pose(vertices.data(), stream.get());
-    binding.Bind(gaussians, embedding, surface, posed, stream.get());
+    const size_t n = gaussians.size();
+    surface.Pose(vertices);
+    Bind(gaussians, embedding, surface, posed);
     const PosedGaussians d = RandomGradients(n);
-    d_posed.Refill(n);
-    d_posed.position.Upload(d.position.data(), 3 * n, stream.get());
-    d_posed.rotation.Upload(d.rotation.data(), 4 * n, stream.get());
-    d_posed.scale_log.Upload(d.scale_log.data(), 3 * n, stream.get());
-    d_posed.frame.Upload(d.frame.data(), with_frame ? 4 * n : 0, stream.get());
-    binding.Backward(
-        gaussians, embedding, surface, d_posed, d_gaussians, &d_vertices, stream.get());
-    return Downloaded();
-  }
-
-  Results Downloaded() {
+    d_posed.position.Upload(d.position.data(), 3 * n, stream);
+    d_posed.rotation.Upload(d.rotation.data(), 4 * n, stream);
+    d_posed.scale_log.Upload(d.scale_log.data(), 3 * n, stream);
+    d_posed.frame.Upload(d.frame.data(), with_frame ? 4 * n : 0, stream);
+    BindBackward(gaussians, embedding, surface, d_posed, d_gaussians, &d_vertices, scratch);
     Results r;
-    const size_t n = c.avatar.size();
-    r.posed.Resize(n);
+    Fetch(posed.position, r.posed.position);
+    Fetch(posed.rotation, r.posed.rotation);
+    Fetch(posed.scale_log, r.posed.scale_log);
+    Fetch(posed.frame, r.posed.frame);
     for (const int a : {kPosition, kRotation, kScaleLog})
-      r.d_gaussians.values[a].resize(c.avatar.gaussians.values[a].size());
-    r.d_vertices.resize(d_vertices.size());
-    posed.position.Download(r.posed.position.data(), stream.get());
-    posed.rotation.Download(r.posed.rotation.data(), stream.get());
-    posed.scale_log.Download(r.posed.scale_log.data(), stream.get());
-    posed.frame.Download(r.posed.frame.data(), stream.get());
-    d_gaussians.values[kPosition].Download(r.d_gaussians.values[kPosition].data(), stream.get());
-    d_gaussians.values[kRotation].Download(r.d_gaussians.values[kRotation].data(), stream.get());
-    d_gaussians.values[kScaleLog].Download(r.d_gaussians.values[kScaleLog].data(), stream.get());
-    d_vertices.Download(r.d_vertices.data(), stream.get());
+      Fetch(d_gaussians.values[a], r.d_gaussians.values[a]);
+    Fetch(d_vertices, r.d_vertices);
     stream.Wait();
     return r;
   }
 
-  const BindingCase& c;
-  cuda::Stream stream;
-  cuda::DeviceSurface surface;
-  cuda::DeviceGaussians gaussians, d_gaussians;
-  cuda::DeviceEmbedding embedding;
-  cuda::DeviceBinding binding;
-  cuda::DevicePosed posed, d_posed;
-  cuda::DeviceBuffer<float> vertices, d_vertices;
+  void Fetch(const Buffer<float>& from, Buffer<float>& to) {
+    to.resize(from.size());
+    from.Download(to.data(), stream);
+  }
+
+  Stream& stream;
+  Surface surface;
+  Gaussians gaussians, d_gaussians;
+  Embedding embedding;
+  BindScratch scratch;
+  PosedGaussians posed, d_posed;
+  Buffer<float> vertices, d_vertices;
 };
+
+Results OnCpu(const BindingCase& c, bool with_frame = true) {
+  return InStream(c, HostStream()).Run(with_frame);
+}
+Results OnDevice(const BindingCase& c, bool with_frame = true) {
+  cuda::CudaStream stream;
+  return InStream(c, stream).Run(with_frame);
+}
 
 // Of numbers of order 1 that go through some dozens of operations (the packs' own tests have the
 // same bound).
@@ -161,7 +158,7 @@ const test::ParityTolerance kGradients = [] {
 
 // At vertices of faces whose area is rounding, so is the gradient: the direction of a cross product
 // of two equal edges, which is zero or not as a compiler fuses it. It is finite, and not compared.
-void ForgetCollapsedFaces(const BindingCase& c, std::vector<float>& d_vertices) {
+void ForgetCollapsedFaces(const BindingCase& c, Buffer<float>& d_vertices) {
   CanonicalMesh mesh = c.avatar.mesh;
   mesh.vertices = c.posed;
   for (const float x : d_vertices) ASSERT_TRUE(std::isfinite(x));
@@ -188,7 +185,7 @@ void ExpectSame(const Results& cpu, const Results& device) {
 TEST_F(BindingParity, ForwardAndBack) {
   for (const BindingCase& c : Cases()) {
     SCOPED_TRACE(c.name);
-    Results cpu = OnCpu(c), device = OnDevice(c).Run();
+    Results cpu = OnCpu(c), device = OnDevice(c);
     ForgetCollapsedFaces(c, cpu.d_vertices);
     ForgetCollapsedFaces(c, device.d_vertices);
     ExpectSame(cpu, device);
@@ -197,13 +194,13 @@ TEST_F(BindingParity, ForwardAndBack) {
 
 TEST_F(BindingParity, WithoutAGradientOfTheFrame) {
   const BindingCase c = CaseOn("closed", test::SphereMesh(2), 100);
-  ExpectSame(OnCpu(c, false), OnDevice(c).Run(false));
+  ExpectSame(OnCpu(c, false), OnDevice(c, false));
 }
 
 // No sum depends on the order of blocks, and memory that is used again leaves no trace.
 TEST_F(BindingParity, GivesTheSameBits) {
-  const BindingCase c = CaseOn("closed", test::SphereMesh(2), 300);
-  OnDevice device(c);
+  cuda::CudaStream stream;
+  InStream device(CaseOn("closed", test::SphereMesh(2), 300), stream);
   const Results first = device.Run();
   for (int run = 0; run < 4; ++run) {
     const Results again = device.Run();
@@ -216,41 +213,39 @@ TEST_F(BindingParity, GivesTheSameBits) {
 
 // What walking and density control leave: other triangles, another count.
 TEST_F(BindingParity, FollowsAnEmbeddingThatChanges) {
-  BindingCase c = CaseOn("closed", test::SphereMesh(2), 300);
-  OnDevice device(c);
+  cuda::CudaStream stream;
+  InStream device(CaseOn("closed", test::SphereMesh(2), 300), stream);
   device.Run();
-  c = CaseOn("fewer", test::SphereMesh(2), 120);
-  device.gaussians.Upload(c.avatar.gaussians, device.stream.get());
-  device.d_gaussians.ResizeLike(device.gaussians);
-  device.embedding.Upload(c.avatar, device.surface.face_count(), device.stream.get());
+  const BindingCase c = CaseOn("fewer", test::SphereMesh(2), 120);
+  device.Send(c);
   ExpectSame(OnCpu(c), device.Run());
 }
 
 TEST_F(BindingParity, RefusesTheReleasedRule) {
-  const cuda::Stream stream;
-  cuda::DeviceEmbedding embedding;
-  Embedding released;
+  cuda::CudaStream stream;
+  Embedding embedding, released;
   released.released.emplace();
-  test::ExpectError([&] { embedding.Upload(released, 8, stream.get()); }, {"released", "CPU"});
+  test::ExpectError([&] { UploadEmbedding(released, embedding, stream); }, {"released", "CPU"});
 }
 
 // Frames within the limit are posed once, those beyond each time.
 TEST_F(BindingParity, KeepsPosedVerticesWithinALimit) {
   constexpr size_t kVertices = 5, kFrames = 4, kFrameBytes = 3 * kVertices * sizeof(float);
-  const cuda::Stream stream;
-  cuda::PosedVertices posed(kFrames, kVertices, 2 * kFrameBytes + 1);
+  cuda::CudaStream stream;
+  PosedVertices posed(kFrames, kVertices, 2 * kFrameBytes + 1);
   EXPECT_EQ(posed.kept_frames(), 2u);
   std::vector<int> calls(kFrames);
   for (int pass = 0; pass < 3; ++pass)
     for (size_t frame = 0; frame < kFrames; ++frame) {
-      std::vector<float> vertices(3 * kVertices, float(frame));
+      const std::vector<float> vertices(3 * kVertices, float(frame));
       const auto pose = [&]() -> const std::vector<float>& {
         ++calls[frame];
         return vertices;
       };
-      const float* row = posed.Of(frame, pose, stream.get());
-      cuda::Readback<float> last;
-      EXPECT_EQ(last.Get(row + 3 * kVertices - 1, stream.get()), float(frame));
+      const View<const float> row = posed.Of(frame, pose, stream);
+      ASSERT_EQ(row.count, 3 * kVertices);
+      Readback<float> last(stream);
+      EXPECT_EQ(last.Get(row.data + row.count - 1, stream), float(frame));
     }
   EXPECT_EQ(calls, (std::vector<int>{1, 1, 3, 3}));
   EXPECT_GE(posed.held(), 3 * kFrameBytes);

@@ -2,8 +2,8 @@
 // splat/render/cuda/tile_lists.h.
 #include <gtest/gtest.h>
 
-#include "splat/render/cuda/device_gaussians.h"
-#include "splat/render/cuda/renderer.h"
+#include "splat/gaussians.h"
+#include "splat/render/cuda/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/parity_case.h"
@@ -23,32 +23,33 @@ struct Drawn {
 
 // There and back. expected: null where the host waits.
 Drawn Draw(const test::ParityCase& c, SumOrder order, const size_t* expected) {
-  cuda::Renderer renderer(order);
-  const cudaStream_t stream = renderer.stream().get();
-  cuda::DeviceGaussians gaussians, gradients;
-  cuda::Tape tape;
-  cuda::DeviceImage image;
-  cuda::DeviceBuffer<float> d_color, screen;
-  cuda::DeviceBuffer<uint32_t> exceeded;
+  cuda::CudaRasterizer rasterizer(order);
+  Stream& stream = rasterizer.stream();
+  Gaussians gaussians, gradients;
+  cuda::CudaTape tape(true, order);
+  RenderedImage image;
+  Buffer<float> d_color, screen;
+  Buffer<uint32_t> exceeded;
   gaussians.Upload(c.gaussians, stream);
-  gradients.ResizeLike(gaussians);
-  exceeded.Refill(1);
+  gradients.RefillLike(gaussians, stream);
+  exceeded.Refill(1, stream);
   exceeded.FillWithZeros(stream);
   if (expected) tape.lists.Expect(*expected, exceeded.data());
-  renderer.Forward(gaussians.View(), c.gaussians.basis, c.camera, c.settings, true, image, tape);
+  rasterizer.Forward(ViewOf(gaussians), gaussians.basis, c.camera, c.settings, image, tape);
   const std::vector<float> ones(image.color.size(), 1.0f);
   d_color.Upload(ones.data(), ones.size(), stream);
-  renderer.Backward(gaussians.View(), image, d_color.data(), tape, gradients.GradientView(screen));
+  rasterizer.Backward(
+      ViewOf(gaussians), image, d_color, tape, GradientViewOf(gradients, screen, stream));
   Drawn drawn;
   drawn.color.resize(image.color.size());
   drawn.d_position.resize(3 * gaussians.size());
   image.color.Download(drawn.color.data(), stream);
   gradients.values[kPosition].Download(drawn.d_position.data(), stream);
-  cuda::Readback<cuda::TileLists::Counts> counts;
-  cuda::Readback<uint32_t> flag;
-  drawn.instances = counts.Get(tape.lists.counts(), stream).instances;
+  Readback<InstanceCounts> counts(stream);
+  Readback<uint32_t> flag(stream);
+  drawn.instances = counts.Get(tape.counts(), stream).instances;
   drawn.exceeded = flag.Get(exceeded.data(), stream) != 0;
-  drawn.capacity = tape.lists.capacity();
+  drawn.capacity = tape.capacity();
   return drawn;
 }
 

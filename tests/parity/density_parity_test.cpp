@@ -31,20 +31,19 @@ struct Both {
   SceneSubject subject{{}, 1};
   TrainSettings settings;
   TrainingState on_cpu, on_device;
-  HostStepEngine cpu;
-  cuda::DeviceStepEngine device;
+  std::unique_ptr<StepEngine> cpu, device;
 
   explicit Both(const TrainingState& state)
       : on_cpu(state),
         on_device(state),
-        cpu(settings, subject, on_cpu),
-        device(settings, subject, on_device, cuda::SumOrder::kFixed, nullptr) {}
+        cpu(MakeHostStepEngine(settings, subject, on_cpu)),
+        device(test::OnDevice(cuda::SumOrder::kFixed)(settings, subject, on_device)) {}
 
   template <class F>
   void Do(const F& f) {
-    f(static_cast<StepEngine&>(cpu));
-    f(static_cast<StepEngine&>(device));
-    device.Fetch();
+    f(*cpu);
+    f(*device);
+    device->Fetch();
     test::ExpectSame(on_device, on_cpu);
   }
 };
@@ -53,7 +52,7 @@ TEST_F(DensityParity, CloneSplitAndRemove) {
   for (const bool oversized : {false, true}) {
     Both both(StateOf(3));
     both.Do([&](StepEngine& e) { e.ControlDensity(Settings(), oversized); });
-    EXPECT_NE(both.device.count(), kCount);
+    EXPECT_NE(both.device->count(), kCount);
     both.Do([](StepEngine& e) { e.SortInSpace(); });
     both.Do([](StepEngine& e) { e.ResetOpacity(); });
     both.Do([](StepEngine& e) { e.ResetStatistics(); });
@@ -78,7 +77,7 @@ TEST_F(DensityParity, AllMayGo) {
   settings.gradient_threshold = 10;
   both.Do([&](StepEngine& e) { e.ControlDensity(settings, false); });
   both.Do([](StepEngine& e) { e.SortInSpace(); });
-  EXPECT_EQ(both.device.count(), 0u);
+  EXPECT_EQ(both.device->count(), 0u);
 }
 
 TEST_F(DensityParity, WhatARoundOfPruningTakes) {
@@ -88,7 +87,7 @@ TEST_F(DensityParity, WhatARoundOfPruningTakes) {
   for (size_t i = 0; i < kCount; ++i) round.score.push_back(rng.Uniform());
   round.remove = 123;
   both.Do([&](StepEngine& e) { e.Prune(round, 0, 0); });
-  EXPECT_EQ(both.device.count(), kCount - 123);
+  EXPECT_EQ(both.device->count(), kCount - 123);
 }
 
 }  // namespace

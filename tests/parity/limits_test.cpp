@@ -1,7 +1,8 @@
 // Counts that only a device gets to in a test's time.
 #include <gtest/gtest.h>
 
-#include "splat/render/cuda/cuda_rasterizer.h"
+#include "splat/render/copying_rasterizer.h"
+#include "splat/render/cuda/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/parity_case.h"
@@ -11,6 +12,10 @@ namespace cosplat {
 namespace {
 
 class DeviceLimits : public test::DeviceTest {};
+
+std::unique_ptr<Rasterizer> OnDevice() {
+  return MakeCopyingRasterizer(std::make_unique<cuda::CudaRasterizer>(cuda::SumOrder::kAny));
+}
 
 // 2^32 pairs and a few more, whose lowest 32 bits are a few: refused before they are stored.
 TEST_F(DeviceLimits, TooManyInstancesAreRefused) {
@@ -22,7 +27,7 @@ TEST_F(DeviceLimits, TooManyInstancesAreRefused) {
     for (int k = 0; k < 3; ++k) c.gaussians.at(kScaleLog, i)[k] = 6;
     *c.gaussians.at(kOpacityLogit, i) = 5;
   }
-  const auto device = cuda::MakeCudaRasterizer(cuda::SumOrder::kAny);
+  const auto device = OnDevice();
   const auto tape = device->MakeTape();
   RenderedImage image;
   test::ExpectError(
@@ -36,13 +41,13 @@ TEST_F(DeviceLimits, AMillionGaussiansAgree) {
   for (size_t i = 0; i < c.gaussians.size(); ++i)
     for (int k = 0; k < 3; ++k) c.gaussians.at(kScaleLog, i)[k] -= 3;
   const auto cpu = MakeCpuRasterizer();
-  const auto device = cuda::MakeCudaRasterizer(cuda::SumOrder::kAny);
+  const auto device = OnDevice();
   RenderedImage pictures[2];
   size_t instances[2], k = 0;
   for (Rasterizer* r : {cpu.get(), device.get()}) {
     const auto tape = r->MakeTape();
     r->Forward(ViewOf(c), c.gaussians.basis, c.camera, c.settings, pictures[k], *tape);
-    instances[k++] = tape->instance_count();
+    instances[k++] = tape->counts()->instances;
   }
   EXPECT_NEAR(double(instances[1]), double(instances[0]), 1e-4 * double(instances[0]));
   ExpectSamePicture(pictures[0].color, pictures[1].color, c.tolerance, "colour");

@@ -34,17 +34,22 @@ void ExpectParity(const Pair& p, const LossWeights& weights) {
   Buffer<float> expected;
   const double value =
       PhotometricLoss().Evaluate(weights, p.rendered, p.target, background, expected);
-  const cuda::Stream stream;
-  cuda::DeviceTarget target;
-  target.Upload(p.target, stream.get());
-  cuda::DeviceBuffer<float> rendered, d_rendered;
-  rendered.Upload(p.rendered.data(), p.rendered.size(), stream.get());
-  cuda::PhotometricLoss loss;
-  loss.Evaluate(weights, rendered.data(), target, background, d_rendered, stream.get());
-  EXPECT_NEAR(loss.Value(stream.get()), value, 1e-6 * (1 + std::abs(value)));
+  cuda::CudaStream stream;
+  Buffer<float> rendered, d_rendered;
+  Buffer<uint8_t> target;
+  rendered.Upload(p.rendered.data(), p.rendered.size(), stream);
+  target.Upload(p.target.data.data(), p.target.data.size(), stream);
+  const auto loss = cuda::MakeCudaLoss();
+  loss->Evaluate(weights,
+                 rendered,
+                 {p.target.width, p.target.height, p.target.channels, target.data()},
+                 background,
+                 d_rendered,
+                 stream);
   Buffer<float> actual(d_rendered.size());
-  d_rendered.Download(actual.data(), stream.get());
-  stream.Wait();
+  d_rendered.Download(actual.data(), stream);
+  Readback<double> actual_value(stream);
+  EXPECT_NEAR(actual_value.Get(loss->value(), stream), value, 1e-6 * (1 + std::abs(value)));
   // Sums of about a hundred products of numbers near 1: a few units in the last place.
   test::ParityTolerance tolerance;
   tolerance.relative = 1e-4;

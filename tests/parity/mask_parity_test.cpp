@@ -1,11 +1,13 @@
-// Masks that rules of pruning learn, on the device against the rules themselves.
+// Masks that rules of pruning learn, on the device against the host.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 #include "splat/device/cuda/stream.h"
 #include "splat/prune/pruner.h"
-#include "splat/train/cuda/mask_learner.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/mask_learner.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 
@@ -14,26 +16,98 @@ namespace {
 
 constexpr size_t kCount = 70;
 
+// A learner with all that it works on, in a stream's memory.
+struct Side {
+  Side(const MaskInSteps& begun, const Gaussians& of_host, Stream& stream)
+      : stream(stream), learned(*begun.learned) {
+    if (begun.importance) importance = *begun.importance;
+    MaskInSteps mask = begun;
+    mask.learned = &learned;
+    mask.importance = begun.importance ? &importance : nullptr;
+    learner.Upload(mask, stream);
+    gaussians.Upload(of_host, stream);
+    overflowed.Refill(1, stream);
+    overflowed.FillWithZeros(stream);
+    stream.Wait();
+  }
+
+  void Step(const Gaussians& d, const std::vector<float>& r, const Rng& rng) {
+    gradients.Upload(d, stream);
+    radii.Upload(r.data(), r.size(), stream);
+    world = ViewOf(gaussians);
+    learner.BeforeDraw(gaussians, rng, world, stream);
+    learner.AfterBackward(gaussians, radii, overflowed.data(), gradients, stream);
+    stream.Wait();
+  }
+  void Gather(const std::vector<uint32_t>& source, size_t first_fresh) {
+    Buffer<uint32_t> there;
+    there.Upload(source.data(), source.size(), stream);
+    learner.Gather(there, first_fresh, stream);
+    stream.Wait();
+  }
+  void Stop() {
+    const uint32_t stop = 1;
+    overflowed.Upload(&stop, 1, stream);
+    stream.Wait();
+  }
+
+  double Value() { return Readback<double>(stream).Get(learner.value(), stream); }
+  std::vector<float> OpacityLogits() { return Fetched(world.opacity_logit); }
+  std::vector<float> Gradients() { return Fetched(gradients.values[kOpacityLogit].data()); }
+  std::vector<float> Fetched(const float* from) {
+    std::vector<float> to(kCount);
+    stream.Download(to.data(), from, kCount * sizeof(float));
+    stream.Wait();
+    return to;
+  }
+  const LearnedMask& Learned() {
+    learner.Download(stream);
+    return learned;
+  }
+
+  Stream& stream;
+  LearnedMask learned;
+  std::vector<float> importance;
+  MaskLearner learner;
+  Gaussians gaussians, gradients;
+  WorldGaussians world;
+  Buffer<float> radii;
+  Buffer<uint32_t> overflowed;
+};
+
+// Of numbers one of which a rule may have hidden: -100.
+void ExpectNear(const std::vector<float>& actual, const std::vector<float>& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i)
+    ASSERT_NEAR(actual[i], expected[i], 1e-3f * (1 + std::abs(expected[i]))) << i;
+}
+
+void ExpectSame(const LearnedMask& actual, const LearnedMask& expected) {
+  EXPECT_EQ(actual.step, expected.step);
+  ASSERT_EQ(actual.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(actual.value[i], expected.value[i], 1e-3f) << i;
+    EXPECT_NEAR(actual.m[i], expected.m[i], 1e-3f * (1 + std::abs(expected.m[i]))) << i;
+  }
+}
+
 class MaskParity : public test::DeviceTest {
  protected:
-  void Begin(PruneRule rule) {
+  // of_odd: the numbers that every second Gaussian begins with, where they are others.
+  void Begin(PruneRule rule, std::optional<float> of_odd = {}) {
+    cuda::ProvideTrainKernels();
     PruneSettings settings;
     settings.rule = rule;
-    pruner = MakePruner(settings, Schedule::Fractions(300), 300, kCount);
+    const auto pruner = MakePruner(settings, Schedule::Fractions(300), 300, kCount);
     SceneSubject subject(test::TrainingRun::Frames(true), 1);
     test::PicturesOf pictures(subject, gaussians);
     const std::vector<uint32_t> frames{0};
     pruner->Rank({195, pictures, frames, gaussians, {}, 0, {0, 0, 0}, rng});  // LP begins
-    overflowed.Refill(1);
-    overflowed.FillWithZeros(stream().get());
-    device_gaussians.Upload(gaussians, stream().get());
-    learner.Upload(pruner->Mask(), stream().get());
-    stream().Wait();
-  }
-
-  cuda::Stream& stream() {
-    if (!stream_) stream_.emplace();
-    return *stream_;
+    const MaskInSteps mask = pruner->Mask();
+    for (size_t i = 1; of_odd && i < kCount; i += 2) mask.learned->value[i] = *of_odd;
+    if (!stream) stream.emplace();
+    host.emplace(mask, gaussians, HostStream());
+    device.emplace(mask, gaussians, *stream);
   }
 
   // Of both, with the same gradients: pictures ask for every second Gaussian, and draw it in every
@@ -47,111 +121,77 @@ class MaskParity : public test::DeviceTest {
       radii[i] = float((i / 2 + step) % 2);
     }
     gradients.at(kScaleLog, 4)[1] = NAN;
-    device_gradients.Upload(gradients, stream().get());
-    device_radii.Upload(radii.data(), radii.size(), stream().get());
-    WorldGaussians world = ViewOf(gaussians), device_world = device_gaussians.View();
-    const Rng before = rng;
-    learner.BeforeDraw(device_gaussians, before, device_world, stream().get());
-    pruner->BeforeDraw(gaussians, world, rng);
-    EXPECT_EQ(before.After(learner.DrawsOf(kCount)).state, rng.state);
-    learner.AfterBackward(device_gaussians,
-                          std::as_const(device_radii).view(),
-                          overflowed.data(),
-                          device_gradients,
-                          stream().get());
-    const double value = pruner->AfterBackward(gaussians, gradients, radii);
-    cuda::Readback<double> device_value;
-    EXPECT_NEAR(device_value.Get(learner.value(), stream().get()), value, 1e-5 * value) << step;
-    ExpectNear(device_world.opacity_logit, world.opacity_logit, 1e-3f);
-    ExpectNear(device_gradients.values[kOpacityLogit].data(),
-               gradients.values[kOpacityLogit].data(),
-               1e-3f);
-  }
-
-  // [kCount]; what is hidden is -100.
-  void ExpectNear(const float* on_device, const float* expected, float tolerance) {
-    std::vector<float> actual(kCount);
-    cuda::Check(cudaMemcpyAsync(actual.data(),
-                                on_device,
-                                kCount * sizeof(float),
-                                cudaMemcpyDeviceToHost,
-                                stream().get()),
-                "cudaMemcpyAsync");
-    stream().Wait();
-    for (size_t i = 0; i < kCount; ++i)
-      ASSERT_NEAR(actual[i], expected[i], tolerance * (1 + std::abs(expected[i]))) << i;
-  }
-
-  // What was learned; the rule has the device's then.
-  void ExpectSame(size_t count) {
-    const LearnedMask of_rule = *pruner->Mask().learned;
-    learner.Download(stream().get());
-    const LearnedMask& of_device = *pruner->Mask().learned;
-    EXPECT_EQ(of_device.step, of_rule.step);
-    ASSERT_EQ(of_device.size(), count);
-    ASSERT_EQ(of_rule.size(), count);
-    for (size_t i = 0; i < count; ++i) {
-      EXPECT_NEAR(of_device.value[i], of_rule.value[i], 1e-3f) << i;
-      EXPECT_NEAR(of_device.m[i], of_rule.m[i], 1e-3f * (1 + std::abs(of_rule.m[i]))) << i;
-    }
+    for (Side* side : {&*host, &*device}) side->Step(gradients, radii, rng);
+    EXPECT_EQ(device->learner.DrawsOf(kCount), host->learner.DrawsOf(kCount));
+    rng = rng.After(host->learner.DrawsOf(kCount));
+    const double value = host->Value();
+    EXPECT_NEAR(device->Value(), value, 1e-5 * value) << step;
+    ExpectNear(device->OpacityLogits(), host->OpacityLogits());
+    ExpectNear(device->Gradients(), host->Gradients());
   }
 
   Gaussians gaussians = test::RandomGaussians(kCount, 0, Basis::kDcsh, 3);
   Rng rng{4};
-  std::unique_ptr<Pruner> pruner;
-  std::optional<cuda::Stream> stream_;  // none where there is no device
-  cuda::DeviceGaussians device_gaussians, device_gradients;
-  cuda::DeviceBuffer<float> device_radii;
-  cuda::DeviceBuffer<uint32_t> overflowed;
-  cuda::MaskLearner learner;
+  std::optional<cuda::CudaStream> stream;  // none where there is no device
+  std::optional<Side> host, device;
 };
 
 // What nothing asks for goes from just above the threshold to below it.
 TEST_F(MaskParity, AHardMaskHidesTheSame) {
-  Begin(PruneRule::kCompact);
-  for (size_t i = 1; i < kCount; i += 2) pruner->Mask().learned->value[i] = -4.4f;
-  learner.Upload(pruner->Mask(), stream().get());
+  Begin(PruneRule::kCompact, -4.4f);
   for (int step = 0; step < 60; ++step) Step(step);
-  ExpectSame(kCount);
-  WorldGaussians world = ViewOf(gaussians);
-  pruner->BeforeDraw(gaussians, world, rng);
-  EXPECT_LT(world.opacity_logit[1], -50);
-  EXPECT_GT(world.opacity_logit[0], -50);
+  EXPECT_EQ(host->learner.DrawsOf(kCount), 0u);
+  ExpectSame(device->Learned(), host->Learned());
+  Step(60);
+  EXPECT_LT(device->OpacityLogits()[1], -50);
+  EXPECT_GT(device->OpacityLogits()[0], -50);
 }
 
 TEST_F(MaskParity, ASoftMaskDimsTheSame) {
   Begin(PruneRule::kLp);
   for (int step = 0; step < 60; ++step) Step(step);
-  ExpectSame(kCount);
+  EXPECT_EQ(host->learner.DrawsOf(kCount), math::kMaskDraws * kCount);
+  ExpectSame(device->Learned(), host->Learned());
 }
 
 TEST_F(MaskParity, ItFollowsTheGaussians) {
   for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
     Begin(rule);
     for (int step = 0; step < 5; ++step) Step(step);
+    const LearnedMask before = device->Learned();
+    const std::vector<float> importance = device->importance;
     const std::vector<uint32_t> source{7, 3, 3, 0, 69, 3};
-    cuda::DeviceBuffer<uint32_t> on_device;
-    on_device.Upload(source.data(), source.size(), stream().get());
-    learner.Gather(std::as_const(on_device).view(), 4, stream().get());
-    pruner->Gather({source, {4, 5}});
-    ExpectSame(source.size());
+    for (Side* side : {&*host, &*device}) side->Gather(source, 4);
+    const LearnedMask& after = device->Learned();
+    ExpectSame(after, host->Learned());
+    ASSERT_EQ(after.size(), source.size());
+    for (size_t i = 0; i < source.size(); ++i) {
+      EXPECT_EQ(after.value[i], before.value[source[i]]) << i;
+      EXPECT_EQ(after.m[i], i < 4 ? before.m[source[i]] : 0.0f) << i;
+      EXPECT_EQ(after.v[i], i < 4 ? before.v[source[i]] : 0.0f) << i;
+      if (!importance.empty()) {
+        EXPECT_EQ(device->importance[i], importance[source[i]]) << i;
+      }
+    }
   }
 }
 
 TEST_F(MaskParity, NothingIsLearnedAfterAnOverflow) {
   Begin(PruneRule::kCompact);
   for (int step = 0; step < 3; ++step) Step(step);
-  const uint32_t stop = 1;
-  overflowed.Upload(&stop, 1, stream().get());
-  const LearnedMask before = *pruner->Mask().learned;
+  const LearnedMask before = device->Learned();
+  for (Side* side : {&*host, &*device}) side->Stop();
   Step(3);
-  learner.TakeBack(1);
-  *pruner->Mask().learned = before;
-  ExpectSame(kCount);
+  for (Side* side : {&*host, &*device}) {
+    side->learner.TakeBack(1);
+    ExpectSame(side->Learned(), before);
+  }
 }
 
 TEST_F(MaskParity, RulesWithoutAMaskLearnNone) {
-  learner.Upload(MaskInSteps(), stream().get());
+  cuda::CudaStream stream;
+  MaskLearner learner;
+  learner.Upload(MaskInSteps(), stream);
   EXPECT_FALSE(learner.learns());
   EXPECT_EQ(learner.DrawsOf(100), 0u);
 }

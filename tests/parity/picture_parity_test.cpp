@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "splat/render/cuda/device_scene.h"
+#include "splat/render/device.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/picture_bytes.h"
@@ -17,6 +17,10 @@ class PictureParity : public test::DeviceTest {
   test::ParityCase picture = test::RandomCase("kept", 200, 45, 38, Basis::kDcsh, 2);
 };
 
+std::unique_ptr<SceneRenderer> KeptScene(const Gaussians& scene) {
+  return SceneRendererOn(Device::kCuda)(scene);
+}
+
 RenderedImage OnCpu(const test::ParityCase& c) {
   const auto cpu = MakeCpuRasterizer();
   const auto tape = cpu->MakeTape();
@@ -26,7 +30,7 @@ RenderedImage OnCpu(const test::ParityCase& c) {
 }
 
 TEST_F(PictureParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
-  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = KeptScene(picture.gaussians);
   for (const int width : {45, 20, 45}) {
     picture.camera.width = width;
     const RenderedImage expected = OnCpu(picture);
@@ -43,16 +47,16 @@ TEST_F(PictureParity, EverySceneCanBeKept) {
   Gaussians none = picture.gaussians;
   none.Resize(0);
   RenderedImage image;
-  cuda::MakeDeviceScene(none)->Draw(picture.camera, {{0.5f, 0, 0}, 0}, image);
+  KeptScene(none)->Draw(picture.camera, {{0.5f, 0, 0}, 0}, image);
   EXPECT_EQ(image.color[0], 0.5f);
   EXPECT_EQ(image.transmittance[0], 1);
-  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = KeptScene(picture.gaussians);
   picture.camera.width = 0;
   test::ExpectError([&] { renderer->Draw(picture.camera, {}, image); }, {"camera"});
 }
 
 TEST_F(PictureParity, PicturesThatStayHaveTheHostsBytes) {
-  const auto renderer = cuda::MakeDeviceScene(picture.gaussians);
+  const auto renderer = KeptScene(picture.gaussians);
   RenderedImage image;
   std::unique_ptr<DevicePicture> stays;
   picture.settings.background = {0.2f, 1.5f, -1};  // clamped

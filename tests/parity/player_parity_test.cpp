@@ -6,8 +6,8 @@
 
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "assets/head/motion.h"
-#include "avatar/play/cuda/device_avatar_renderer.h"
 #include "avatar/play/playback.h"
+#include "avatar/play/player_device.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/picture_bytes.h"
@@ -26,7 +26,7 @@ const ProceduralHead& Head() {
 const FlameModel& Flame() { return Head().model; }
 
 PlayerSettings OnDevice(bool half_resolution = false) {
-  return {half_resolution, cuda::MakeDeviceRenderers()};
+  return {half_resolution, AvatarRendererOn(Device::kCuda)};
 }
 
 PlaybackFrame FrameAt(int i, int width = 50) {

@@ -6,7 +6,8 @@
 
 #include "assets/head/procedural_head.h"
 #include "avatar/model/avatar_mesh.h"
-#include "avatar/play/cuda/device_poser.h"
+#include "avatar/play/cuda/kernels.h"
+#include "avatar/play/rig_poser.h"
 #include "splat/device/cuda/stream.h"
 #include "tests/flame/random_model.h"
 #include "tests/parity/device_fixture.h"
@@ -15,7 +16,10 @@
 namespace cosplat {
 namespace {
 
-class PosingParity : public test::DeviceTest {};
+class PosingParity : public test::DeviceTest {
+ protected:
+  PosingParity() { cuda::ProvidePosingKernels(); }
+};
 
 // More vertices than a block has threads, more expressions than go by fours.
 const FlameModel& Flame() {
@@ -39,7 +43,7 @@ FlameParams RandomParams(unsigned seed, float expression, float angle, float met
 struct Posers {
   explicit Posers(const FlameModel& flame = Flame(), const std::optional<Bust>& bust = {})
       : host(flame, {0.7f, -1}, {}, bust),
-        device({host.flame().Arrays(), host.bust()}, store, stream.get()) {}
+        device({host.flame().Arrays(), host.bust()}, store, stream) {}
 
   std::vector<float> OnHost(const FlameParams& params) {
     std::vector<float> vertices;
@@ -50,7 +54,7 @@ struct Posers {
     FlameRig<float> rig;
     host.flame().Prepare(host.FrameFor(params), rig);
     std::vector<float> vertices(3 * device.vertex_count());
-    device.Pose(rig, stream.get()).Download(vertices.data(), stream.get());
+    device.Pose(rig, stream).Download(vertices.data(), stream);
     stream.Wait();
     return vertices;
   }
@@ -64,10 +68,10 @@ struct Posers {
       ASSERT_NEAR(cpu[i], there[i], 1e-6f * largest) << "number " << i;
   }
 
-  cuda::Stream stream;
-  cuda::DirectionStore store;
+  cuda::CudaStream stream;
+  DirectionStore store;
   AvatarPoser host;
-  cuda::DevicePoser device;
+  RigPoser device;
 };
 
 TEST_F(PosingParity, RandomFaces) {
@@ -137,16 +141,16 @@ TEST_F(PosingParity, KeepsNothingOfTheLastFace) {
 
 TEST_F(PosingParity, AModelsDirectionsAreThereOnce) {
   const FlameModel other = test::RandomModel(20, 3, 5);
-  const cuda::Stream stream;
-  cuda::DirectionStore store;
+  cuda::CudaStream stream;
+  DirectionStore store;
   const FlamePoser<float> poser(Flame(), {}), twin(Flame(), {1}), stranger(other, {});
-  auto directions = store.Get(poser.Arrays(), stream.get());
-  EXPECT_EQ(directions, store.Get(twin.Arrays(), stream.get()));
-  EXPECT_NE(directions, store.Get(stranger.Arrays(), stream.get()));
-  const std::weak_ptr<const cuda::DeviceDirections> gone = directions;
+  auto directions = store.Get(poser.Arrays(), stream);
+  EXPECT_EQ(directions, store.Get(twin.Arrays(), stream));
+  EXPECT_NE(directions, store.Get(stranger.Arrays(), stream));
+  const std::weak_ptr<const PosingDirections> gone = directions;
   directions.reset();
   EXPECT_TRUE(gone.expired()) << "nobody poses by it";
-  EXPECT_EQ(store.Get(poser.Arrays(), stream.get())->pose.size(), Flame().pose_directions.size());
+  EXPECT_EQ(store.Get(poser.Arrays(), stream)->pose.size(), Flame().pose_directions.size());
 }
 
 }  // namespace

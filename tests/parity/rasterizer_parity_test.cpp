@@ -4,7 +4,8 @@
 #include <cstring>
 
 #include "splat/base/rng.h"
-#include "splat/render/cuda/cuda_rasterizer.h"
+#include "splat/render/copying_rasterizer.h"
+#include "splat/render/cuda/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 
@@ -15,6 +16,10 @@ using cuda::SumOrder;
 using test::ParityCase;
 
 class RasterizerParity : public test::DeviceTest {};
+
+std::unique_ptr<Rasterizer> OnDevice(SumOrder order) {
+  return MakeCopyingRasterizer(std::make_unique<cuda::CudaRasterizer>(order));
+}
 
 struct Drawn {
   RenderedImage image;
@@ -36,8 +41,8 @@ Drawn Draw(Rasterizer& rasterizer, const ParityCase& c, bool drawn_groups_only =
   const WorldGaussians view = ViewOf(c);
   Drawn d;
   rasterizer.Forward(view, c.gaussians.basis, c.camera, c.settings, d.image, *tape);
-  d.visible = tape->visible_count();
-  d.instances = tape->instance_count();
+  d.visible = tape->counts()->visible;
+  d.instances = tape->counts()->instances;
   d.radii.assign(tape->radii().begin(), tape->radii().end());
   Buffer<float> d_color(d.image.color.size());
   Rng rng{3};
@@ -82,7 +87,7 @@ void ExpectSame(const Drawn& cpu, const Drawn& device, const test::ParityToleran
 
 void ExpectParity(SumOrder order) {
   const auto cpu = MakeCpuRasterizer();
-  const auto device = cuda::MakeCudaRasterizer(order);
+  const auto device = OnDevice(order);
   for (const ParityCase& c : test::ParityCases()) {
     SCOPED_TRACE(c.name);
     ExpectSame(Draw(*cpu, c), Draw(*device, c), c.tolerance);
@@ -100,7 +105,7 @@ bool SameBits(View<const float> a, View<const float> b) {
 // emulated.
 TEST_F(RasterizerParity, AFixedOrderGivesTheSameBits) {
   const ParityCase c = test::RandomCase("bits", 400, 60, 44, Basis::kDcsh, 2);
-  const auto device = cuda::MakeCudaRasterizer(SumOrder::kFixed);
+  const auto device = OnDevice(SumOrder::kFixed);
   const Drawn first = Draw(*device, c);
   for (int run = 0; run < 5; ++run) {
     const Drawn again = Draw(*device, c);
@@ -117,7 +122,7 @@ TEST_F(RasterizerParity, AFixedOrderGivesTheSameBits) {
 TEST_F(RasterizerParity, ReusedMemoryLeavesNoTrace) {
   const ParityCase large = test::RandomCase("large", 300, 70, 50, Basis::kDcsh, 1);
   const ParityCase small = test::RandomCase("small", 50, 20, 30, Basis::kDcsh, 1);
-  const auto device = cuda::MakeCudaRasterizer(SumOrder::kFixed);
+  const auto device = OnDevice(SumOrder::kFixed);
   const Drawn alone = Draw(*device, small);
   Draw(*device, large);
   const Drawn after = Draw(*device, small);
@@ -131,7 +136,7 @@ TEST_F(RasterizerParity, LeavesUndrawnGroupsAlone) {
   ParityCase c = test::RandomCase("groups", 100, 30, 30, Basis::kDcsh, 1);
   for (size_t i = 20; i < 70; ++i) *c.gaussians.at(kOpacityLogit, i) = -20;
   const auto cpu = MakeCpuRasterizer();
-  const auto device = cuda::MakeCudaRasterizer(SumOrder::kFixed);
+  const auto device = OnDevice(SumOrder::kFixed);
   const Drawn a = Draw(*cpu, c, true), b = Draw(*device, c, true);
   size_t left = 0;
   for (size_t i = 0; i < c.gaussians.size(); ++i) {

@@ -1,5 +1,5 @@
 // Sorting and adding up on the device.
-#include "splat/device/cuda/sort.h"
+#include "splat/device/sort.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,7 @@ namespace {
 class DeviceSort : public test::DeviceTest {};
 
 TEST_F(DeviceSort, IsStableAndSeesTheLowestBitsAlone) {
-  const Stream stream;
-  Sorter sorter;
+  CudaStream stream;
   KeyedValues pairs;
   for (const size_t n : {size_t(0), size_t(1), size_t(33), size_t(5000)}) {
     Rng rng{n};
@@ -30,12 +29,12 @@ TEST_F(DeviceSort, IsStableAndSeesTheLowestBitsAlone) {
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
       return keys[a] % 64 < keys[b] % 64;
     });
-    pairs.Refill(n);
-    pairs.keys.Upload(keys.data(), n, stream.get());
-    pairs.values.Upload(values.data(), n, stream.get());
-    sorter.Sort(pairs, 6, stream.get());
+    pairs.Refill(n, stream);
+    pairs.keys.Upload(keys.data(), n, stream);
+    pairs.values.Upload(values.data(), n, stream);
+    stream.Sort(pairs, 6);
     std::vector<uint32_t> sorted(n);
-    pairs.values.Download(sorted.data(), stream.get());
+    pairs.values.Download(sorted.data(), stream);
     stream.Wait();
     for (size_t i = 0; i < n; ++i) EXPECT_EQ(sorted[i], values[order[i]]) << i << " of " << n;
   }
@@ -43,15 +42,14 @@ TEST_F(DeviceSort, IsStableAndSeesTheLowestBitsAlone) {
 
 // Counts of instances are added as 64 bits: 2^32 does not wrap to something that looks possible.
 TEST_F(DeviceSort, SumsDoNotWrapAt32Bits) {
-  const Stream stream;
-  Sorter sorter;
-  DeviceBuffer<uint64_t> numbers;
+  CudaStream stream;
+  Buffer<uint64_t> numbers;
   const uint64_t large = uint64_t(1) << 31;
   const std::vector<uint64_t> counts{large, large, 5, large, 0};
-  numbers.Upload(counts.data(), counts.size(), stream.get());
-  sorter.ExclusiveSum(numbers, stream.get());
+  numbers.Upload(counts.data(), counts.size(), stream);
+  stream.ExclusiveSum(numbers);
   std::vector<uint64_t> sums(counts.size());
-  numbers.Download(sums.data(), stream.get());
+  numbers.Download(sums.data(), stream);
   stream.Wait();
   EXPECT_EQ(sums, (std::vector<uint64_t>{0, large, 2 * large, 2 * large + 5, 3 * large + 5}));
   EXPECT_EQ((math::TileRange{0, 70000, 0, 70000}.size()), uint64_t(70000) * 70000);

@@ -53,12 +53,7 @@ Trained TrainOnCpu(const ParityCase& c) {
     t.loss = loss.Evaluate({}, image.color, TargetOf(c), c.settings.background, d_color);
     rasterizer->Backward(
         ViewOf(t.gaussians), image, d_color, *tape, GradientViewOf(gradients, screen));
-    std::vector<uint32_t> groups;
-    const View<const float> radii = tape->radii();
-    for (size_t i = 0; i < radii.size(); ++i)
-      if (radii[i] > 0 && (groups.empty() || groups.back() != i / kGaussianGroup))
-        groups.push_back(uint32_t(i / kGaussianGroup));
-    AdamStepAll(Rates(), gradients, {}, groups, t.gaussians, adam);
+    AdamStepAll(Rates(), gradients, {}, tape->radii(), t.gaussians, adam);
   }
   AdamCatchUpAll(Rates(), {}, t.gaussians, adam);
   return t;
@@ -67,10 +62,10 @@ Trained TrainOnCpu(const ParityCase& c) {
 Trained TrainOnDevice(const ParityCase& c, SumOrder order) {
   test::DeviceStep device(c.gaussians, c.camera, TargetOf(c), c.settings, Rates(), order);
   for (int step = 0; step < kSteps; ++step) device.Run();
-  device.adam.CatchUpAll(Rates(), nullptr, device.gaussians, device.stream());
-  Trained t{c.gaussians};
+  AdamCatchUpAll(Rates(), {}, device.gaussians, device.adam, device.stream());
+  Trained t;
   device.gaussians.Download(t.gaussians, device.stream());
-  t.loss = device.loss.Value(device.stream());
+  t.loss = device.Loss();
   return t;
 }
 
@@ -98,18 +93,18 @@ TEST_F(StepParity, OverAFewSteps) {
 // A picture that is never gone back from keeps nothing for it, and is the same.
 TEST_F(StepParity, APictureAloneHasTheSameBits) {
   const ParityCase c = test::RandomCase("picture", 300, 60, 40, Basis::kDcsh, 2);
-  cuda::Renderer renderer(SumOrder::kAny);
-  const cudaStream_t stream = renderer.stream().get();
-  cuda::DeviceGaussians gaussians;
+  cuda::CudaRasterizer rasterizer(SumOrder::kAny);
+  Stream& stream = rasterizer.stream();
+  Gaussians gaussians;
   gaussians.Upload(c.gaussians, stream);
   std::vector<float> pictures[2];
   for (const bool keep : {true, false}) {
-    cuda::Tape tape;
-    cuda::DeviceImage image;
-    renderer.Forward(gaussians.View(), c.gaussians.basis, c.camera, c.settings, keep, image, tape);
+    cuda::CudaTape tape(keep, SumOrder::kAny);
+    RenderedImage image;
+    rasterizer.Forward(ViewOf(gaussians), gaussians.basis, c.camera, c.settings, image, tape);
     pictures[keep].resize(image.color.size());
     image.color.Download(pictures[keep].data(), stream);
-    renderer.stream().Wait();
+    stream.Wait();
     EXPECT_EQ(tape.checkpoints.empty(), !keep);
   }
   EXPECT_EQ(pictures[0], pictures[1]);

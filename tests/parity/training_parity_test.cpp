@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "splat/device/cuda/stream.h"
+#include "splat/train/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
@@ -40,7 +42,7 @@ TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   const double on_cpu = test::MeanPsnr(cpu.state.gaussians, opaque);
   const double on_device = test::MeanPsnr(device.state.gaussians, opaque);
   EXPECT_NEAR(on_device, on_cpu, 0.5);
-  for (const int64_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
+  for (const uint32_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
 }
 
 // What is saved in the middle of a run changes nothing, either.
@@ -120,9 +122,8 @@ TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
   EXPECT_FALSE(end.gaussians.degrees.empty());
   EXPECT_LT(trainer.statistics().bands.mean, 1);
   const std::vector<uint32_t> frames{0, 2};
-  EXPECT_NEAR(trainer.PsnrOf(frames),
-              MeanPsnrOfFrames(subject, end.gaussians, {frames, 1, {0.5f, 0.5f, 0.5f}, 2}),
-              0.01);
+  test::PicturesOf pictures(subject, end.gaussians);
+  EXPECT_NEAR(trainer.PsnrOf(frames), pictures.MeanPsnr({frames, 1, {0.5f, 0.5f, 0.5f}, 2}), 0.01);
   trainer.Restore(before, run.settings.prune);
   while (trainer.iteration() < 30) trainer.Step();
   EXPECT_TRUE(SameBits(end, trainer.state()));
@@ -158,7 +159,7 @@ TEST_F(TrainingParity, StepsDoneAgainGiveTheSameBits) {
   TrainingRun run;
   run.settings.iterations = 30;
   const auto with = [](double margin) {
-    return cuda::MakeDeviceStepEngine(SumOrder::kFixed, nullptr, cuda::InstanceForecast(margin));
+    return OnDevice(SumOrder::kFixed, InstanceForecast(margin));
   };
   const test::Training room = RunOn(run, with(8), 16), scant = RunOn(run, with(0.5), 16);
   EXPECT_EQ(scant.losses, room.losses);
@@ -177,13 +178,13 @@ TEST_F(TrainingParity, ARuleThatIsTheProcessorsAloneIsRefused) {
 TEST_F(TrainingParity, PhotographsBeyondTheLimitAreSentAgain) {
   const TrainingRun run;
   SceneSubject subject(run.frames, 1);
-  const cuda::Stream stream;
+  cuda::CudaStream stream;
   const size_t one = run.frames[0].target.data.size();
-  cuda::TargetImages all(subject, 100 * one), two(subject, 5 * one / 2);
+  TargetStore all(subject, 100 * one), two(subject, 5 * one / 2);
   for (const size_t f : {0u, 1u, 2u, 3u, 2u, 0u}) {
     std::vector<uint8_t> bytes(one);
-    for (cuda::TargetImages* images : {&all, &two}) {
-      images->Of(f, 1, stream.get()).bytes.Download(bytes.data(), stream.get());
+    for (TargetStore* images : {&all, &two}) {
+      stream.Download(bytes.data(), images->Of(f, 1, stream).bytes, one);
       stream.Wait();
       EXPECT_EQ(bytes, run.frames[f].target.data);
     }

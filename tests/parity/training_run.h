@@ -4,8 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "splat/train/cuda/device_step_engine.h"
+#include "splat/render/cuda/tape.h"
 #include "splat/train/scene_subject.h"
+#include "splat/train/train_device.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
@@ -45,6 +46,9 @@ inline Training RunOn(const TrainingRun& run, const StepEngineMaker& engine, int
   return training;
 }
 
-inline StepEngineMaker OnDevice(cuda::SumOrder order) { return cuda::MakeDeviceStepEngine(order); }
+inline StepEngineMaker OnDevice(cuda::SumOrder order,
+                                const InstanceForecast& forecast = InstanceForecast()) {
+  return StepEngineOn(Device::kCuda, order == cuda::SumOrder::kFixed, forecast);
+}
 
 }  // namespace cosplat::test

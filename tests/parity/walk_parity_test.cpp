@@ -4,17 +4,21 @@
 #include <cmath>
 #include <random>
 
-#include "avatar/surface/cuda/device_walk.h"
+#include "avatar/surface/cuda/kernels.h"
 #include "avatar/surface/kernels/place.h"
-#include "avatar/train/cuda/device_placement.h"
+#include "avatar/surface/walk.h"
 #include "splat/device/cuda/stream.h"
+#include "splat/device/for_each.h"
 #include "tests/avatar/meshes.h"
 #include "tests/parity/device_fixture.h"
 
 namespace cosplat {
 namespace {
 
-class WalkParity : public test::DeviceTest {};
+class WalkParity : public test::DeviceTest {
+ protected:
+  WalkParity() { cuda::ProvideSurfaceKernels(); }
+};
 
 // A sheet with faces of no area in its middle and along its boundary.
 CanonicalMesh Collapsed() {
@@ -59,22 +63,25 @@ AvatarModel Start(const WalkCase& c, size_t count) {
 }
 
 struct OnDevice {
-  cuda::Stream stream;
-  cuda::DeviceMesh mesh;
-  cuda::DeviceEmbedding embedding;
-  cuda::DeviceBuffer<float> position;
+  cuda::CudaStream stream;
+  Surface surface;
+  Embedding embedding;
+  Buffer<float> position;
+  FaceLists by_face;
 
-  OnDevice(const Surface& surface, const AvatarModel& avatar) : mesh(surface, stream.get()) {
-    embedding.Upload(avatar, surface.faces().size(), stream.get());
+  explicit OnDevice(const AvatarModel& avatar) : surface(avatar.mesh, stream) {
+    UploadEmbedding(avatar, embedding, stream);
     Send(avatar);
   }
   void Send(const AvatarModel& avatar) {
     const Buffer<float>& p = avatar.gaussians.values[kPosition];
-    position.Upload(p.data(), p.size(), stream.get());
+    position.Upload(p.data(), p.size(), stream);
+    stream.Wait();
   }
   void Fetch(AvatarModel& to) {
-    embedding.Download(to, stream.get());
-    position.Download(to.gaussians.values[kPosition].data(), stream.get());
+    embedding.triangle.Download(to.triangle.data(), stream);
+    embedding.barycentric.Download(to.barycentric.data(), stream);
+    position.Download(to.gaussians.values[kPosition].data(), stream);
     stream.Wait();
   }
 };
@@ -98,9 +105,9 @@ void ExpectSamePlaces(const AvatarModel& device, const AvatarModel& cpu, const s
 
 std::vector<uint8_t> OutcomesOf(const WalkReport& report, size_t count) {
   std::vector<uint8_t> outcomes(count, 0);
-  for (const uint32_t i : report.crossed) outcomes[i] |= cuda::DeviceWalk::kCrossed;
-  for (const uint32_t i : report.stopped_at_boundary) outcomes[i] |= cuda::DeviceWalk::kStopped;
-  for (const uint32_t i : report.invalid) outcomes[i] |= cuda::DeviceWalk::kInvalid;
+  for (const uint32_t i : report.crossed) outcomes[i] |= kWalkCrossed;
+  for (const uint32_t i : report.stopped_at_boundary) outcomes[i] |= kWalkStopped;
+  for (const uint32_t i : report.invalid) outcomes[i] |= kWalkInvalid;
   return outcomes;
 }
 
@@ -109,22 +116,22 @@ TEST_F(WalkParity, EndsWhereItEndsOnTheCpu) {
   for (const WalkCase& c : Cases()) {
     const Surface surface(c.mesh);
     AvatarModel cpu = Start(c, 400), back = cpu;
-    OnDevice device(surface, cpu);
-    cuda::DeviceWalk walk;
+    OnDevice device(cpu);
+    TriangleWalk walk;
     // Again from where the last ended, with the same push.
     const Buffer<float> push = cpu.gaussians.values[kPosition];
     for (int round = 0; round < 3; ++round) {
       cpu.gaussians.values[kPosition] = push;
       device.Send(cpu);
-      walk.Walk(device.mesh, c.cap, device.embedding, device.position, device.stream.get());
+      walk.Run(device.surface, c.cap, device.by_face, device.embedding, device.position);
       const std::vector<float> ones(push.size(), 1.0f);
-      cuda::DeviceBuffer<float> moment;
-      moment.Upload(ones.data(), ones.size(), device.stream.get());
-      walk.ResetMoment(moment, device.stream.get());
+      Buffer<float> moment;
+      moment.Upload(ones.data(), ones.size(), device.stream);
+      walk.ResetMoment(moment, device.stream);
       std::vector<uint8_t> outcomes(cpu.triangle.size());
       std::vector<float> left(ones.size());
-      walk.outcomes().Download(outcomes.data(), device.stream.get());
-      moment.Download(left.data(), device.stream.get());
+      walk.outcomes().Download(outcomes.data(), device.stream);
+      moment.Download(left.data(), device.stream);
       device.Fetch(back);
       const WalkReport report = WalkAll(cpu, surface, c.cap);
       ExpectSamePlaces(back, cpu, c.name);
@@ -136,21 +143,16 @@ TEST_F(WalkParity, EndsWhereItEndsOnTheCpu) {
       }
     }
   }
-  using Walk = cuda::DeviceWalk;
-  for (const int outcome : {0,
-                            int(Walk::kCrossed),
-                            int(Walk::kStopped),
-                            Walk::kCrossed | Walk::kStopped,
-                            int(Walk::kInvalid)})
+  for (const int outcome :
+       {0, int(kWalkCrossed), int(kWalkStopped), kWalkCrossed | kWalkStopped, int(kWalkInvalid)})
     EXPECT_GT(seen[outcome], 50) << outcome;
 }
 
 TEST_F(WalkParity, NobodyToWalk) {
   const WalkCase c{"none", test::SphereMesh(1), 1, 64};
-  const Surface surface(c.mesh);
-  OnDevice device(surface, Start(c, 0));
-  cuda::DeviceWalk walk;
-  walk.Walk(device.mesh, c.cap, device.embedding, device.position, device.stream.get());
+  OnDevice device(Start(c, 0));
+  TriangleWalk walk;
+  walk.Run(device.surface, c.cap, device.by_face, device.embedding, device.position);
   device.stream.Wait();
   EXPECT_TRUE(walk.outcomes().empty());
 }
@@ -169,22 +171,26 @@ std::vector<float> Offsets(size_t count) {
 TEST_F(WalkParity, ChildrenAreEmbeddedWhereTheyAreOnTheCpu) {
   for (const bool keeps_d : {false, true})
     for (const WalkCase& c : Cases()) {
-      const size_t count = 1500, first = 100;  // more than search at a time
+      const size_t count = 1500, first = 100, searchers = 1024;  // more than search at a time
       const Surface surface(c.mesh);
       AvatarModel cpu = Start(c, count), back = cpu;
       for (float& x : cpu.gaussians.values[kPosition]) x *= 0.1f;
-      OnDevice device(surface, cpu);
-      cuda::DevicePlacement placement;
+      OnDevice device(cpu);
       const std::vector<float> offsets = Offsets(count - first);
-      cuda::DeviceBuffer<float> sent;
-      sent.Upload(offsets.data(), offsets.size(), device.stream.get());
-      placement.Move(device.mesh,
-                     std::as_const(sent).view(),
-                     first,
-                     keeps_d,
-                     device.embedding,
-                     device.position,
-                     device.stream.get());
+      Buffer<float> sent;
+      Buffer<math::FaceSearch> searches;
+      sent.Upload(offsets.data(), offsets.size(), device.stream);
+      searches.Refill(searchers, device.stream);
+      ForEach(searchers,
+              device.stream,
+              MoveEach{device.surface.CanonicalArrays(),
+                       sent.view(),
+                       first,
+                       keeps_d,
+                       searches.view(),
+                       device.embedding.triangle.data(),
+                       device.embedding.weights(),
+                       device.position.view()});
       device.Fetch(back);
       math::FaceSearch search;
       for (size_t i = first; i < count; ++i) {
@@ -204,25 +210,26 @@ TEST_F(WalkParity, CentersAndRatesAreTheCpus) {
   const WalkCase c = Cases()[4];
   const Surface surface(c.mesh);
   const AvatarModel cpu = Start(c, 300);
-  OnDevice device(surface, cpu);
+  OnDevice device(cpu);
+  Stream& stream = device.stream;
   std::vector<float> rate_of_face(c.mesh.faces.size());
   for (size_t f = 0; f < rate_of_face.size(); ++f) rate_of_face[f] = 1 + float(f);
-  cuda::DevicePlacement placement;
-  cuda::DeviceBuffer<float> sent, rates;
-  sent.Upload(rate_of_face.data(), rate_of_face.size(), device.stream.get());
-  const auto centers =
-      placement.Centers(device.mesh, device.embedding, device.position, device.stream.get());
-  placement.Rates(std::as_const(sent).view(), device.embedding, rates, device.stream.get());
-  std::vector<float> got_centers(centers.count), got_rates(rates.size());
-  cudaMemcpyAsync(got_centers.data(),
-                  centers.data,
-                  centers.count * sizeof(float),
-                  cudaMemcpyDeviceToHost,
-                  device.stream.get());
-  rates.Download(got_rates.data(), device.stream.get());
-  device.stream.Wait();
-  ASSERT_EQ(got_centers.size(), 900u);
-  ASSERT_EQ(got_rates.size(), 900u);
+  Buffer<float> sent, rates, centers;
+  sent.Upload(rate_of_face.data(), rate_of_face.size(), stream);
+  centers.Refill(900, stream);
+  rates.Refill(900, stream);
+  ForEach(300,
+          stream,
+          PlaceEach{device.surface.CanonicalArrays(),
+                    device.embedding.triangle.data(),
+                    device.embedding.weights(),
+                    device.position.view(),
+                    centers.view()});
+  ForEach(300, stream, RateEach{sent.view(), device.embedding.triangle.data(), rates.view()});
+  std::vector<float> got_centers(900), got_rates(900);
+  centers.Download(got_centers.data(), stream);
+  rates.Download(got_rates.data(), stream);
+  stream.Wait();
   for (size_t i = 0; i < 300; ++i) {
     const auto p = math::CanonicalPlace(surface.CanonicalArrays(),
                                         cpu.triangle[i],

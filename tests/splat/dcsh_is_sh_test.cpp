@@ -40,13 +40,13 @@ class CountingSubject : public SceneSubject {
  public:
   CountingSubject(std::vector<TrainFrame> frames, size_t count)
       : SceneSubject(std::move(frames), 1), count_(count) {}
-  void Gather(const std::vector<uint32_t>& source) override {
+  void Gather(View<const uint32_t> source, Stream&) override {
     if (source.size() > count_) grown_ += source.size() - count_;
     count_ = source.size();
   }
-  void Move(Gaussians& g, uint32_t i, const std::array<float, 3>& offset) override {
-    ++moved_;
-    SceneSubject::Move(g, i, offset);
+  void Move(View<const float> offsets, size_t first, Gaussians& g, Stream& stream) override {
+    moved_ += offsets.count / 3;
+    SceneSubject::Move(offsets, first, g, stream);
   }
   size_t splits() const { return moved_ / 2; }
   size_t clones() const { return grown_ - splits(); }

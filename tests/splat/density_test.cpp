@@ -19,17 +19,17 @@ namespace {
 
 using namespace test;  // NOLINT: tagged Gaussians
 
-class FixedTape : public RenderTape {
- public:
-  explicit FixedTape(std::vector<float> radii) : radii_(std::move(radii)) {}
-  View<const float> radii() const override { return radii_; }
-  size_t visible_count() const override { return 0; }
-  size_t instance_count() const override { return 0; }
-  std::vector<MemoryPart> Memory() const override { return {}; }
-
- private:
-  std::vector<float> radii_;
-};
+// A step in which Gaussians with these radii were drawn.
+void Accumulate(DensityStatistics& s,
+                const std::vector<float>& radii,
+                const Buffer<float>& screen,
+                const Buffer<float>& d_scale_log,
+                const Buffer<float>& scale_log,
+                int width,
+                int height) {
+  const uint32_t overflowed = 0;
+  s.Accumulate(radii, screen, d_scale_log, scale_log, width, height, &overflowed, HostStream());
+}
 
 TEST(DensityStatistics, MeansAreOverTheStepsInWhichItWasSeen) {
   DensityStatistics s;
@@ -37,9 +37,9 @@ TEST(DensityStatistics, MeansAreOverTheStepsInWhichItWasSeen) {
   const Buffer<float> scale_log(6, std::log(0.5f));
   const Buffer<float> screen{3, 4, 100, 100}, d_scale_log{1, 2, 2, 100, 100, 100};
   // Gaussian 1 is not drawn in the first step; its gradients there must not count.
-  s.Accumulate(FixedTape({2, 0}), screen, d_scale_log, scale_log, 200, 100);
-  s.Accumulate(FixedTape({7, 5}), screen, d_scale_log, scale_log, 200, 100);
-  s.Accumulate(FixedTape({4, 0}), screen, d_scale_log, scale_log, 200, 100);
+  Accumulate(s, {2, 0}, screen, d_scale_log, scale_log, 200, 100);
+  Accumulate(s, {7, 5}, screen, d_scale_log, scale_log, 200, 100);
+  Accumulate(s, {4, 0}, screen, d_scale_log, scale_log, 200, 100);
   EXPECT_EQ(s.visible, Buffer<float>({3, 1}));
   // Per px -> per half image: |(3 * 100, 4 * 50)|.
   EXPECT_NEAR(s.screen_gradient[0], 3 * std::hypot(300.0f, 200.0f), 1e-3);
@@ -59,7 +59,7 @@ TEST(DensityStatistics, StayFinite) {
   const Buffer<float> scale_log{-200, -1, -1, -1, -1, -1, -1, -1, -1};
   const Buffer<float> d_scale_log{0, 1, 1, INFINITY, 0, 0, 0, 0, 0};
   const Buffer<float> screen{1, 1, 1, 1, NAN, 0};
-  s.Accumulate(FixedTape({1, 1, 1}), screen, d_scale_log, scale_log, 10, 10);
+  Accumulate(s, {1, 1, 1}, screen, d_scale_log, scale_log, 10, 10);
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(std::isfinite(s.plasticity[i])) << i;
     EXPECT_TRUE(std::isfinite(s.screen_gradient[i])) << i;
@@ -102,7 +102,7 @@ TEST(Density, WhatAdamHasPutOffMustHaveBeenMadeUpFor) {
   --p.adam.updated[0];
   test::ExpectError([&] { p.Control(); }, {"density control", "Adam"});
   Placement placement;
-  test::ExpectError([&] { SortInSpace(p.With(placement)); }, {"density control", "Adam"});
+  test::ExpectError([&] { p.control.SortInSpace(p.With(placement)); }, {"density control", "Adam"});
 }
 
 TEST(Density, SortingInSpaceMovesAllThatIsPerGaussian) {
@@ -118,7 +118,7 @@ TEST(Density, SortingInSpaceMovesAllThatIsPerGaussian) {
   const std::vector<uint32_t> order = MortonOrder(centers);
   const AdamState adam = p.adam;
   Placement placement;
-  SortInSpace(p.With(placement));
+  p.control.SortInSpace(p.With(placement));
   for (size_t i = 0; i < 40; ++i)
     for (int a = 0; a < kAttributeCount; ++a)
       for (int k = 0; k < before.width(a); ++k) {
@@ -219,22 +219,19 @@ TEST(Density, TransparentOversizedAndBrokenOnesGo) {
   p.g.at(kColorRest, 3)[4] = NAN;
   p.g.at(kScaleLog, 4)[2] = -INFINITY;
   TaggedGaussians later = p;
-  DensityReport report = p.Control();
-  EXPECT_EQ(report.transparent, 1u);
-  EXPECT_EQ(report.broken, 2u);
-  EXPECT_EQ(report.oversized, 0u);  // not yet
+  p.Control();  // not yet the oversized one
   EXPECT_EQ(p.Tags(), Tags({2, 3, 6}));
   Placement placement;
-  report = later.Control(placement, true);
-  EXPECT_EQ(report.oversized, 1u);
+  later.Control(placement, true);
   EXPECT_EQ(later.Tags(), Tags({3, 6}));
 }
 
 TEST(Density, APlacementMayKeepWhatWouldGo) {
   class Keeper : public Placement {
    public:
-    void Veto(const Gaussians& g, std::vector<uint32_t>& removed) override {
-      std::erase_if(removed, [&](uint32_t i) { return TagOf(g, i) == 2; });
+    void Veto(const Gaussians& g, const Canvas*, View<uint8_t> unwanted, Stream&) override {
+      for (size_t i = 0; i < unwanted.count; ++i)
+        if (TagOf(g, i) == 2) unwanted[i] = 0;
     }
   } keeper;
   TaggedGaussians p(3);
@@ -246,8 +243,9 @@ TEST(Density, APlacementMayKeepWhatWouldGo) {
 TEST(Density, InThePlaceOfWhatMustStayTheNextOfTheRankingGo) {
   class Keeper : public Placement {
    public:
-    void Veto(const Gaussians& g, std::vector<uint32_t>& removed) override {
-      std::erase_if(removed, [&](uint32_t i) { return TagOf(g, i) == 1 || TagOf(g, i) == 3; });
+    void Veto(const Gaussians& g, const Canvas*, View<uint8_t> unwanted, Stream&) override {
+      for (size_t i = 0; i < unwanted.count; ++i)
+        if (TagOf(g, i) == 1 || TagOf(g, i) == 3) unwanted[i] = 0;
     }
   } keeper;
   TaggedGaussians p(6);
@@ -255,14 +253,13 @@ TEST(Density, InThePlaceOfWhatMustStayTheNextOfTheRankingGo) {
   round.score = {1, 2, 3, 4, 5, 6};
   round.exempt = {0, 0, 0, 1, 0, 0};
   round.remove = 2;
-  const Population everyone{keeper, p.g, p.adam, p.statistics};
-  EXPECT_EQ(everyone.Prune(round, 0, 0), 2u);
+  EXPECT_EQ(p.control.Prune(round, 0, 0, p.With(keeper)), 2u);
   EXPECT_EQ(p.Tags(), Tags({1, 3, 4, 6}));
   // No more than may go.
   round.score = {1, 2, 3, 4};
   round.exempt.clear();
   round.remove = 4;
-  EXPECT_EQ(everyone.Prune(round, 0, 0), 2u);
+  EXPECT_EQ(p.control.Prune(round, 0, 0, p.With(keeper)), 2u);
   EXPECT_EQ(p.Tags(), Tags({1, 3}));
 }
 

@@ -89,7 +89,7 @@ Rendering ForwardBackward(const Gaussians& g, const Camera& camera) {
   for (size_t i = 0; i < d.size(); ++i) d[i] = Weight(i);
   r.gradients = g.ZerosLike();
   rasterizer->Backward(ViewOf(g), r.image, d, *tape, GradientViewOf(r.gradients, screen));
-  r.visible = tape->visible_count();
+  r.visible = tape->counts()->visible;
   return r;
 }
 
@@ -246,7 +246,7 @@ TEST(FailureModes, WhatIsAllButTransparentIsNotDrawn) {
     const auto tape = rasterizer->MakeTape();
     RenderedImage image;
     rasterizer->Forward(ViewOf(g), g.basis, Straight(32), {{0, 0, 0}, 1}, image, *tape);
-    EXPECT_EQ(tape->visible_count(), 0u) << logit;
+    EXPECT_EQ(tape->counts()->visible, 0u) << logit;
   }
 }
 

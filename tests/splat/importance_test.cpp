@@ -146,8 +146,9 @@ TEST(Importance, SumsOverFramesAndSparesTheRest) {
   const Gaussians truth = test::TrueScene(0);
   SceneSubject subject(test::TargetImages(truth, test::Ring(6, 2.2f)), 1);
   const std::vector<uint32_t> frames{0, 1, 2, 3, 4, 5};
-  const auto all = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 100});
-  const auto three = ContributionsToFrames(subject, truth, {frames, 0, {0, 0, 0}, 3});
+  test::PicturesOf pictures(subject, truth);
+  const auto all = pictures.Contributions({frames, 0, {0, 0, 0}, 100});
+  const auto three = pictures.Contributions({frames, 0, {0, 0, 0}, 3});
   double sum_all = 0, sum_three = 0;
   for (size_t i = 0; i < truth.size(); ++i) {
     sum_all += all[i].weight;

@@ -9,6 +9,7 @@
 
 #include "splat/prune/rounds.h"
 #include "splat/train/loss.h"
+#include "splat/train/mask_learner.h"
 #include "splat/train/scene_subject.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/tagged_gaussians.h"
@@ -45,11 +46,11 @@ struct Rounds {
       : p(p), pruner(MakePruner(settings, Every20(), 300, p.g.size())), subject({}, 1) {}
   size_t Run(Placement& placement, int iteration = 301, int cap = 0, int floor = 0) {
     pruner->BeforeDensification();
-    ControlDensity(p.settings, false, p.With(placement, pruner.get()), p.rng);
+    p.control.Control(p.settings, false, p.With(placement, pruner.get()), p.rng);
     PicturesOf pictures(subject, p.g);
     const PruneRound round =
         pruner->Rank({iteration, pictures, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
-    const size_t gone = p.With(placement, pruner.get()).Prune(round, cap, floor);
+    const size_t gone = p.control.Prune(round, cap, floor, p.With(placement, pruner.get()));
     p.statistics.Reset(p.g.size());
     return gone;
   }
@@ -228,6 +229,23 @@ TEST(Pruner, LeavingOutByErrorBeatsChance) {
             TrainUnder(Rule(PruneRule::kRandom, 60)).psnr + 1);
 }
 
+// A rule's mask, learned as training does.
+struct MaskInStep {
+  explicit MaskInStep(Pruner& pruner) { learner.Upload(pruner.Mask(), HostStream()); }
+  WorldGaussians BeforeDraw(const Gaussians& g, Rng& rng) {
+    WorldGaussians world = ViewOf(g);
+    learner.BeforeDraw(g, rng, world, HostStream());
+    rng = rng.After(learner.DrawsOf(g.size()));
+    return world;
+  }
+  double AfterBackward(const Gaussians& g, Gaussians& gradients, View<const float> radii) {
+    const uint32_t overflowed = 0;
+    learner.AfterBackward(g, radii, &overflowed, gradients, HostStream());
+    return *learner.value();
+  }
+  MaskLearner learner;
+};
+
 // Gaussians that the pictures do not need give their masks no gradient: the mask's own loss hides
 // them in time. Those whose opacity the pictures ask for stay.
 TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
@@ -241,13 +259,14 @@ TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
     const PruneContext context{195, pictures, frames, g, {}, 0, {0, 0, 0}, rng};
     EXPECT_EQ(pruner->Rank(context).remove, 0u) << ToString(rule);
     const std::vector<float> radii(g.size(), 1.0f);
+    MaskInStep mask(*pruner);
     for (int step = 0; step < 3000; ++step) {
-      WorldGaussians world = ViewOf(g);
-      pruner->BeforeDraw(g, world, rng);
+      mask.BeforeDraw(g, rng);
       Gaussians gradients = g.ZerosLike();
       for (size_t i = 0; i < g.size(); i += 2) *gradients.at(kOpacityLogit, i) = -1;
-      EXPECT_GE(pruner->AfterBackward(g, gradients, radii), 0);
+      EXPECT_GE(mask.AfterBackward(g, gradients, radii), 0);
     }
+    mask.learner.Download(HostStream());
     const PruneRound round = pruner->Rank(context);
     EXPECT_EQ(round.remove, g.size() / 2) << ToString(rule);
     for (size_t i = 0; i < g.size(); i += 2)
@@ -261,12 +280,10 @@ TEST(Compact, WhatIsHiddenIsNotDrawn) {
   Rng rng{1};
   const std::vector<float> radii(g.size(), 0.0f);
   Gaussians gradients = g.ZerosLike();
-  WorldGaussians world = ViewOf(g);
-  pruner->BeforeDraw(g, world, rng);
-  EXPECT_EQ(world.opacity_logit[0], *g.at(kOpacityLogit, 0));
-  for (int step = 0; step < 3000; ++step) pruner->AfterBackward(g, gradients, radii);
-  pruner->BeforeDraw(g, world, rng);
-  EXPECT_LT(world.opacity_logit[0], -50);
+  MaskInStep mask(*pruner);
+  EXPECT_EQ(mask.BeforeDraw(g, rng).opacity_logit[0], *g.at(kOpacityLogit, 0));
+  for (int step = 0; step < 3000; ++step) mask.AfterBackward(g, gradients, radii);
+  EXPECT_LT(mask.BeforeDraw(g, rng).opacity_logit[0], -50);
 }
 
 // The soft mask changes the picture; the opacities' gradient goes through it.
@@ -283,6 +300,7 @@ TEST(Lp, GradientsGoThroughTheMask) {
   const std::vector<uint32_t> frames{0};
   PicturesOf pictures(subject, g);
   pruner->Rank({195, pictures, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
+  MaskInStep mask(*pruner);
 
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
@@ -290,16 +308,14 @@ TEST(Lp, GradientsGoThroughTheMask) {
   Buffer<float> d_color, screen;
   const auto loss_of = [&](const Gaussians& at) {
     Rng rng{9};  // the same noise each time
-    WorldGaussians world = ViewOf(at);
-    pruner->BeforeDraw(at, world, rng);
+    const WorldGaussians world = mask.BeforeDraw(at, rng);
     rasterizer->Forward(world, at.basis, subject.frame(0).camera, {{0, 0, 0}, 0}, image, *tape);
     return PhotometricLoss().Evaluate(
         {0, 0, 1}, image.color, subject.frame(0).target, {0, 0, 0}, d_color);
   };
   loss_of(g);
   Rng rng{9};
-  WorldGaussians world = ViewOf(g);
-  pruner->BeforeDraw(g, world, rng);
+  const WorldGaussians world = mask.BeforeDraw(g, rng);
   Gaussians gradients = g.ZerosLike();
   rasterizer->Backward(world, image, d_color, *tape, GradientViewOf(gradients, screen));
   std::vector<double> numeric;
@@ -311,7 +327,7 @@ TEST(Lp, GradientsGoThroughTheMask) {
     numeric.push_back((loss_of(up) - loss_of(down)) / (2 * double(kStep)));
   }
   loss_of(g);
-  pruner->AfterBackward(g, gradients, tape->radii());
+  mask.AfterBackward(g, gradients, tape->radii());
   double largest = 0;
   for (const double d : numeric) largest = std::max(largest, std::abs(d));
   ASSERT_GT(largest, 1e-6);

@@ -21,7 +21,9 @@ struct TaggedGaussians {
   Gaussians g;
   AdamState adam;
   DensityStatistics statistics;
+  Gaussians gradients;
   DensitySettings settings;
+  DensityControl control;
   Rng rng{1};
 
   explicit TaggedGaussians(size_t n) {
@@ -60,11 +62,11 @@ struct TaggedGaussians {
     statistics.plasticity[i] = 4 * plasticity;
   }
   Population With(Placement& placement, Pruner* pruner = nullptr) {
-    return {placement, g, adam, statistics, pruner};
+    return {placement, g, adam, statistics, gradients, HostStream(), nullptr, pruner};
   }
   // Density control, after which the statistics begin anew.
   DensityReport Control(Placement& placement, bool oversized = false) {
-    const DensityReport report = ControlDensity(settings, oversized, With(placement), rng);
+    const DensityReport report = control.Control(settings, oversized, With(placement), rng);
     statistics.Reset(g.size());
     return report;
   }
@@ -86,7 +88,7 @@ class Recorder : public Placement {
   explicit Recorder(const TaggedGaussians& p) {
     for (const int tag : p.Tags()) tags.push_back(tag);
   }
-  void Gather(const std::vector<uint32_t>& source) override {
+  void Gather(View<const uint32_t> source, Stream&) override {
     std::vector<int> gathered;
     for (const uint32_t i : source) {
       ASSERT_LT(i, tags.size());
@@ -94,13 +96,15 @@ class Recorder : public Placement {
     }
     tags = gathered;
   }
-  void Move(Gaussians& g, uint32_t i, const std::array<float, 3>& offset) override {
-    ASSERT_LT(i, tags.size());
-    EXPECT_EQ(int(TagOf(g, i)), tags[i]);  // gathered before it is moved
-    moved.push_back(tags[i]);
-    Placement::Move(g, i, offset);
+  void Move(View<const float> offsets, size_t first, Gaussians& g, Stream& stream) override {
+    ASSERT_EQ(first + offsets.count / 3, tags.size());
+    for (size_t i = first; i < tags.size(); ++i) {
+      EXPECT_EQ(int(TagOf(g, i)), tags[i]);  // gathered before it is moved
+      moved.push_back(tags[i]);
+    }
+    Placement::Move(offsets, first, g, stream);
   }
-  std::vector<int32_t> Groups() const override {
+  std::vector<int32_t> Groups(Stream&) override {
     std::vector<int32_t> groups;
     for (const int tag : tags) groups.push_back(groups_of_tag.empty() ? 0 : groups_of_tag[tag]);
     return groups;

@@ -89,13 +89,28 @@ struct PicturesOf : FramePictures {
   PicturesOf(Subject& subject, const Gaussians& gaussians)
       : subject(subject), gaussians(gaussians) {}
   std::vector<Contribution> Contributions(const FrameChoice& choice) override {
-    return ContributionsToFrames(subject, gaussians, choice);
+    std::vector<Contribution> sums(gaussians.size());
+    RenderedImage image;
+    Buffer<Contribution> more;
+    for (size_t k = 0; k < choice.count(); ++k) {
+      rasterizer->Forward(subject.Place(gaussians, choice[k]),
+                          gaussians.basis,
+                          subject.frame(choice[k]).camera,
+                          {choice.background, choice.degree},
+                          image,
+                          *tape);
+      rasterizer->Contributions(image, *tape, more);
+      for (size_t i = 0; i < sums.size(); ++i) sums[i] += more[i];
+    }
+    return sums;
   }
   double MeanPsnr(const FrameChoice& choice) override {
-    return MeanPsnrOfFrames(subject, gaussians, choice);
+    return MeanPsnrOfFrames(subject, gaussians, choice, *rasterizer, *tape);
   }
   Subject& subject;
   const Gaussians& gaussians;
+  std::unique_ptr<Rasterizer> rasterizer = MakeCpuRasterizer();
+  std::unique_ptr<RenderTape> tape = rasterizer->MakeTape();
 };
 
 inline TrainingState Train(const TrainSettings& settings,

@@ -277,8 +277,8 @@ TEST(BenchSyntheticView, AsTrainedHasTheWorkOfATrainedScene) {
                       image,
                       *tape);
   const PairCounts counts = CountPairs(view.start, view.frame.camera);
-  EXPECT_NEAR(double(tape->instance_count()) / double(tape->visible_count()), 2.4, 0.3);
-  EXPECT_NEAR(double(counts.evaluated) / 16 / double(tape->instance_count()), 2.9, 1);
+  EXPECT_NEAR(double(tape->counts()->instances) / double(tape->counts()->visible), 2.4, 0.3);
+  EXPECT_NEAR(double(counts.evaluated) / 16 / double(tape->counts()->instances), 2.9, 1);
   EXPECT_NEAR(double(counts.contributing) / (kSide * kSide), 11.4, 4);
 }
 

@@ -2,10 +2,13 @@
 // the number of instances.
 #pragma once
 
-#include "splat/render/cuda/instance_forecast.h"
-#include "splat/render/cuda/renderer.h"
-#include "splat/train/cuda/adam.h"
+#include <memory>
+
+#include "splat/render/cuda/rasterizer.h"
+#include "splat/train/cuda/kernels.h"
 #include "splat/train/cuda/loss.h"
+#include "splat/train/instance_forecast.h"
+#include "splat/train/optimizer.h"
 
 namespace cosplat::test {
 
@@ -17,30 +20,39 @@ class DeviceStep {
              const RenderSettings& settings,
              const AdamSettings& rates,
              cuda::SumOrder order)
-      : renderer(order), basis_(start.basis), camera_(camera), settings_(settings), rates_(rates) {
+      : rasterizer(order),
+        tape(true, order),
+        camera_(camera),
+        settings_(settings),
+        rates_(rates),
+        target_{photograph.width, photograph.height, photograph.channels},
+        readback_(stream()) {
+    cuda::ProvideTrainKernels();
+    const AdamState first(start);
     gaussians.Upload(start, stream());
-    gradients.ResizeLike(gaussians);
-    target_.Upload(photograph, stream());
-    adam.Start(gaussians, stream());
-    overflowed_.Refill(1);
+    gradients.RefillLike(gaussians, stream());
+    adam.Upload(first, stream());
+    target_bytes_.Upload(photograph.data.data(), photograph.data.size(), stream());
+    target_.bytes = target_bytes_.data();
+    overflowed_.Refill(1, stream());
     overflowed_.FillWithZeros(stream());
-    adam.overflowed = overflowed_.data();
+    stream().Wait();  // for the host's memory
   }
 
   void Draw() {
     if (forecast_.Knows()) tape.lists.Expect(forecast_.Of(0, gaussians.size()), overflowed_.data());
-    renderer.Forward(gaussians.View(), basis_, camera_, settings_, true, image, tape);
+    rasterizer.Forward(ViewOf(gaussians), gaussians.basis, camera_, settings_, image, tape);
   }
   void Compare() {
-    loss.Evaluate({}, image.color.data(), target_, settings_.background, d_color_, stream());
+    loss_->Evaluate({}, image.color, target_, settings_.background, d_color_, stream());
   }
   void Backward() {
-    WorldGradients out = gradients.GradientView(screen_);
+    WorldGradients out = GradientViewOf(gradients, screen_, stream());
     out.drawn_groups_only = true;  // Adam reads no others
-    renderer.Backward(gaussians.View(), image, d_color_.data(), tape, out);
+    rasterizer.Backward(ViewOf(gaussians), image, d_color_, tape, out);
   }
   void Update() {
-    adam.Step(rates_, gradients, std::as_const(tape.radii).view(), nullptr, gaussians, stream());
+    AdamStepAll(rates_, gradients, {}, tape.radii(), gaussians, adam, stream(), overflowed_.data());
   }
   void Run() {
     Draw();
@@ -51,33 +63,35 @@ class DeviceStep {
   // Waits; the next Draw then does not. False where there was no capacity for the step, which
   // changed nothing.
   bool Settle() {
-    counts = readback_.Get(tape.lists.counts(), stream());
+    counts = readback_.Get(tape.counts(), stream());
     forecast_.Saw(0, gaussians.size(), counts.instances);
-    if (counts.instances <= tape.lists.capacity()) return true;
+    if (counts.instances <= tape.capacity()) return true;
     overflowed_.FillWithZeros(stream());
     --adam.step;
     return false;
   }
-  cudaStream_t stream() const { return renderer.stream().get(); }
+  // Of the last step; waits.
+  double Loss() { return Readback<double>(stream()).Get(loss_->value(), stream()); }
+  Stream& stream() { return rasterizer.stream(); }
 
-  cuda::Renderer renderer;
-  cuda::DeviceGaussians gaussians, gradients;
-  cuda::Tape tape;
-  cuda::DeviceImage image;
-  cuda::PhotometricLoss loss;
-  cuda::Adam adam;
-  cuda::TileLists::Counts counts{};  // as it settled last
+  cuda::CudaRasterizer rasterizer;
+  Gaussians gaussians, gradients;
+  cuda::CudaTape tape;
+  RenderedImage image;
+  AdamState adam;
+  InstanceCounts counts;  // as it settled last
 
  private:
-  Basis basis_;
   Camera camera_;
   RenderSettings settings_;
   AdamSettings rates_;
-  cuda::DeviceTarget target_;
-  cuda::DeviceBuffer<float> d_color_, screen_;
-  cuda::DeviceBuffer<uint32_t> overflowed_;
-  cuda::InstanceForecast forecast_;
-  cuda::Readback<cuda::TileLists::Counts> readback_;
+  std::unique_ptr<StepLoss> loss_ = cuda::MakeCudaLoss();
+  Buffer<uint8_t> target_bytes_;
+  TargetView target_;
+  Buffer<float> d_color_, screen_;
+  Buffer<uint32_t> overflowed_;
+  InstanceForecast forecast_;
+  Readback<InstanceCounts> readback_;
 };
 
 }  // namespace cosplat::test

@@ -82,7 +82,7 @@ Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<fl
       n += normals[f[c]] * b[c];
     }
     p += n * (avatar.gaussians.at(kPosition, i)[2] / std::sqrt(Dot(n, n)));
-    out.insert(out.end(), {p.x, p.y, p.z});
+    for (const float x : {p.x, p.y, p.z}) out.push_back(x);
   }
   return out;
 }

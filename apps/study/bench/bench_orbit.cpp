@@ -15,6 +15,7 @@
 #include "splat/base/error.h"
 #include "splat/config.h"
 #include "splat/io/splat_file.h"
+#include "splat/math/scalar.h"
 #include "splat/render/degree_order.h"
 #include "splat/render/rasterizer.h"
 
@@ -45,7 +46,7 @@ Range MostOf(std::vector<float>& values) {
 }
 
 std::vector<Point> VisiblePoints(const Gaussians& g) {
-  const float least = std::log(kMinAlpha / (1 - kMinAlpha));  // the logit of kMinAlpha
+  const float least = math::Logit(kMinAlpha);
   std::vector<Point> points;
   for (size_t i = 0; i < g.size(); ++i) {
     const float* p = g.at(kPosition, i);

@@ -48,7 +48,8 @@ std::vector<TrainFrame> Reduced(const std::vector<TrainFrame>& frames, int divis
 class HalfMomentsSubject : public SceneSubject {
  public:
   using SceneSubject::SceneSubject;
-  void AfterStep(int iteration, Gaussians&, AdamState& adam) override {
+  bool ActsAfter(int) const override { return true; }
+  void Act(int iteration, Gaussians&, AdamState& adam) override {
     Buffer<float>&m = adam.m.values[kColorRest], &v = adam.v.values[kColorRest];
     RoundMoments(uint32_t(iteration), 0, uint32_t(m.size()), m.data(), v.data());
   }

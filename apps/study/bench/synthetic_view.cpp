@@ -8,6 +8,7 @@
 #include "splat/base/image_io.h"
 #include "splat/base/rng.h"
 #include "splat/config.h"
+#include "splat/math/scalar.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {
@@ -77,7 +78,7 @@ Gaussians Spread(size_t count, const Camera& camera, Rng& rng, const DrawShape& 
       g.at(kScaleLog, i)[k] = std::log(shape.sigma_px[k] * per_px);
       g.at(kColorDc, i)[k] = rng.Normal();
     }
-    *g.at(kOpacityLogit, i) = std::log(shape.opacity / (1 - shape.opacity));
+    *g.at(kOpacityLogit, i) = math::Logit(shape.opacity);
     for (int k = 0; k < g.width(kColorRest); ++k) g.at(kColorRest, i)[k] = 0.05f * rng.Normal();
   }
   return g;

@@ -5,13 +5,10 @@
 
 #include "splat/base/rng.h"
 #include "splat/basis_constants.h"
+#include "splat/math/scalar.h"
 
 namespace cosplat {
-namespace {
-
-float Logit(float share) { return std::log(share / (1 - share)); }
-
-}  // namespace
+namespace {}  // namespace
 
 float PixelWeight(size_t i) { return 0.6f + 0.4f * std::sin(0.7f * float(i)); }
 
@@ -51,7 +48,7 @@ Gaussians RandomBlobs(size_t count, float depth, uint64_t seed, float scale) {
       g.at(kColorDc, i)[k] = 3.4f * (rng.Uniform() - 0.5f);
     }
     for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = rng.Normal();
-    *g.at(kOpacityLogit, i) = Logit(0.8f);
+    *g.at(kOpacityLogit, i) = math::Logit(0.8f);
     for (int k = 0; k < g.width(kColorRest); ++k) g.at(kColorRest, i)[k] = 0.06f * rng.Normal();
   }
   return g;
@@ -61,7 +58,7 @@ void Append(const Blob& blob, Gaussians& g) {
   const size_t i = g.size();
   g.Resize(i + 1);
   g.at(kRotation, i)[0] = 1;
-  *g.at(kOpacityLogit, i) = Logit(blob.opacity);
+  *g.at(kOpacityLogit, i) = math::Logit(blob.opacity);
   for (int k = 0; k < 3; ++k) {
     g.at(kPosition, i)[k] = blob.position[k];
     g.at(kScaleLog, i)[k] = std::log(blob.scale);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/device/buffer.h"
 #include "splat/math/namespace.h"
 
 namespace cosplat {
@@ -78,10 +79,58 @@ struct EmbedAdjoints {
   float* corners = nullptr;
 };
 
+// What ForEachRow (splat/device/for_each.h) runs; what each does: avatar/surface/kernels/surface.h
+// and embed.h.
+
+// Rows of faces.
+struct PoseFacesKernel {
+  SurfaceArrays s;
+};
+// Rows of vertices.
+struct PoseVerticesKernel {
+  SurfaceArrays s;
+};
+struct VerticesVjpKernel {
+  SurfaceArrays s;
+  const float* d_vertices;  // [V, kSurfaceVertexFloats]
+  float* d_sums;            // [V, kSurfaceVertexFloats]
+};
+struct FacesVjpKernel {
+  SurfaceArrays s;
+  const float* d_sums;  // [V, kSurfaceVertexFloats]
+  float* d_corners;     // [F, 3, 3]
+};
+// Rows of Gaussians.
+struct EmbedKernel {
+  EmbedJob job;
+  PosedArrays<float> out;
+};
+struct EmbedVjpKernel {
+  EmbedJob job;
+  PosedArrays<const float> d_posed;  // `frame` may be null: zero
+  EmbedAdjoints out;
+};
+// On SIMD packs, compiled per instruction set.
+void RunOnHost(size_t n, const PoseFacesKernel& kernel);
+void RunOnHost(size_t n, const PoseVerticesKernel& kernel);
+void RunOnHost(size_t n, const VerticesVjpKernel& kernel);
+void RunOnHost(size_t n, const FacesVjpKernel& kernel);
+void RunOnHost(size_t n, const EmbedKernel& kernel);
+void RunOnHost(size_t n, const EmbedVjpKernel& kernel);
+
 // Gaussians of each face, ascending: index[begin[f] .. begin[f + 1]).
 struct FaceListArrays {
   const uint32_t* begin = nullptr;  // [F + 1]
   const uint32_t* index = nullptr;  // [N]
+};
+// What they are sorted by.
+struct FaceKeys {
+  const int32_t* triangle;
+  View<uint32_t> keys, values;
+  COSPLAT_HD void operator()(size_t i) const {
+    keys[i] = uint32_t(triangle[i]);
+    values[i] = uint32_t(i);
+  }
 };
 
 }  // namespace cosplat

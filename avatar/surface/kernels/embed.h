@@ -1,6 +1,6 @@
-// Gaussians on the posed surface and the derivative, a Gaussian each: the bodies that the CPU runs
-// on SIMD packs (avatar/surface/embed_packs.cpp) and a device with a thread each
-// (avatar/surface/cuda/device_binding.cu). Formulas: avatar/math/embed.h.
+// Gaussians on the posed surface and the derivative, a Gaussian each: the kernels that the CPU runs
+// on SIMD packs (avatar/surface/packs.cpp) and a device with a thread each
+// (avatar/surface/cuda/kernels.cu). Formulas: avatar/math/embed.h.
 #if defined(COSPLAT_AVATAR_KERNELS_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_KERNELS_EMBED_H_
 #undef COSPLAT_AVATAR_KERNELS_EMBED_H_
@@ -46,67 +46,60 @@ COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbedJob& job, const Rows& 
   return in;
 }
 
-struct EmbedKernel {
-  EmbedJob job;
-  PosedArrays<float> out;
+template <class T>
+COSPLAT_HD_FORCED void Run(const EmbedKernel& kernel, const Rows& rows) {
+  const PosedArrays<float>& out = kernel.out;
+  const EmbedInput<T> in = LoadEmbedInput<T>(kernel.job, rows);
+  const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.local);
+  StoreVec3(posed.position, out.position, rows);
+  StoreQuat(posed.rotation, out.rotation, rows);
+  StoreVec3(posed.scale_log, out.scale_log, rows);
+  StoreQuat(posed.frame, out.frame, rows);
+}
 
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
-    const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.local);
-    StoreVec3(posed.position, out.position, rows);
-    StoreQuat(posed.rotation, out.rotation, rows);
-    StoreVec3(posed.scale_log, out.scale_log, rows);
-    StoreQuat(posed.frame, out.frame, rows);
+template <class T>
+COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d,
+                                    float* corners,
+                                    const Rows& rows) {
+  for (int c = 0; c < 3; ++c) {
+    const SurfaceVertex<T>& v = d[c];
+    const T row[kSurfaceVertexFloats] = {v.position.x,
+                                         v.position.y,
+                                         v.position.z,
+                                         v.normal.x,
+                                         v.normal.y,
+                                         v.normal.z,
+                                         v.rotation.w,
+                                         v.rotation.x,
+                                         v.rotation.y,
+                                         v.rotation.z,
+                                         v.area};
+    StoreRows<kSurfaceVertexFloats>(
+        row, corners + c * kSurfaceVertexFloats, 3 * kSurfaceVertexFloats, rows);
   }
-};
+}
 
-struct EmbedVjpKernel {
-  EmbedJob job;
-  PosedArrays<const float> d_posed;  // `frame` may be null: zero
-  EmbedAdjoints out;
-
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const T zero(0.0f);
-    const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
-    PosedGaussian<T> d{LoadVec3<T>(d_posed.position, rows),
-                       LoadQuat<T>(d_posed.rotation, rows),
-                       LoadVec3<T>(d_posed.scale_log, rows),
-                       {zero, zero, zero, zero}};
-    if (d_posed.frame) d.frame = LoadQuat<T>(d_posed.frame, rows);
-    LocalGaussian<T> d_local;
-    Three<SurfaceVertex<T>> d_corners;
-    for (int c = 0; c < 3; ++c)
-      d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
-    EmbedVjp(
-        in.vertices, in.canonical_area, in.local, d, d_local, out.corners ? &d_corners : nullptr);
-    StoreVec3(d_local.offset, out.offset, rows);
-    StoreQuat(d_local.rotation, out.rotation, rows);
-    StoreVec3(d_local.scale_log, out.scale_log, rows);
-    if (out.corners) StoreCorners(d_corners, rows);
-  }
-
-  template <class T>
-  COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d, const Rows& rows) const {
-    for (int c = 0; c < 3; ++c) {
-      const SurfaceVertex<T>& v = d[c];
-      const T row[kSurfaceVertexFloats] = {v.position.x,
-                                           v.position.y,
-                                           v.position.z,
-                                           v.normal.x,
-                                           v.normal.y,
-                                           v.normal.z,
-                                           v.rotation.w,
-                                           v.rotation.x,
-                                           v.rotation.y,
-                                           v.rotation.z,
-                                           v.area};
-      StoreRows<kSurfaceVertexFloats>(
-          row, out.corners + c * kSurfaceVertexFloats, 3 * kSurfaceVertexFloats, rows);
-    }
-  }
-};
+template <class T>
+COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
+  const auto& [job, d_posed, out] = kernel;
+  const T zero(0.0f);
+  const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
+  PosedGaussian<T> d{LoadVec3<T>(d_posed.position, rows),
+                     LoadQuat<T>(d_posed.rotation, rows),
+                     LoadVec3<T>(d_posed.scale_log, rows),
+                     {zero, zero, zero, zero}};
+  if (d_posed.frame) d.frame = LoadQuat<T>(d_posed.frame, rows);
+  LocalGaussian<T> d_local;
+  Three<SurfaceVertex<T>> d_corners;
+  for (int c = 0; c < 3; ++c)
+    d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
+  EmbedVjp(
+      in.vertices, in.canonical_area, in.local, d, d_local, out.corners ? &d_corners : nullptr);
+  StoreVec3(d_local.offset, out.offset, rows);
+  StoreQuat(d_local.rotation, out.rotation, rows);
+  StoreVec3(d_local.scale_log, out.scale_log, rows);
+  if (out.corners) StoreCorners(d_corners, out.corners, rows);
+}
 
 // Of one vertex: what the Gaussians around it have for it, in the order of its faces, then theirs.
 struct SumAtVertexKernel {
@@ -115,7 +108,7 @@ struct SumAtVertexKernel {
   const float* d_corners;  // [N, 3, kSurfaceVertexFloats]
   float* d_surface;        // [V, kSurfaceVertexFloats]
 
-  COSPLAT_HD void Run(size_t v) const {
+  COSPLAT_HD void operator()(size_t v) const {
     float sum[kSurfaceVertexFloats] = {};
     for (int32_t k = s.vertex_face_begin[v]; k < s.vertex_face_begin[v + 1]; ++k) {
       const size_t f = size_t(s.vertex_faces[k]);

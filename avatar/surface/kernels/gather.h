@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-#include "splat/render/kernels/rows.h"
+#include "splat/math/rows.h"
 
 // For bodies and what hands many packs over, which g++ would otherwise pass through memory: a tenth
 // of the time of binding.

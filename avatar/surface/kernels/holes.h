@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "splat/math/namespace.h"
+#include "avatar/surface/kernels/arrays.h"
+#include "splat/device/buffer.h"
+#include "splat/render/kernels/project.h"
 
 namespace cosplat::math {
 
@@ -52,3 +54,65 @@ struct HoleMask {
 };
 
 }  // namespace cosplat::math
+
+namespace cosplat {
+
+// The steps of HoleGuard (avatar/train/hole_guard.h).
+
+// A face each: which of its Gaussians would be the last to go.
+struct FindLast {
+  FaceListArrays lists;
+  View<const uint8_t> unwanted;
+  View<uint8_t> last;
+  View<uint64_t> any;  // [F + 1]
+  COSPLAT_HD void operator()(size_t f) const {
+    any[f] = 0;
+    if (f + 1 == any.count) return;
+    const uint32_t begin = lists.begin[f], end = lists.begin[f + 1];
+    bool none_left = true;
+    for (uint32_t k = begin; k < end; ++k)
+      if (!unwanted[lists.index[k]]) none_left = false;
+    for (uint32_t k = begin; k < end; ++k) last[lists.index[k]] = none_left;
+    any[f] = none_left && begin != end;
+  }
+};
+
+// A Gaussian each.
+struct ThinOut {
+  View<const float> logits;
+  View<const uint8_t> unwanted;
+  View<float> thinned;
+  COSPLAT_HD void operator()(size_t i) const {
+    thinned[i] = unwanted[i] ? math::kGoneLogit : logits[i];
+  }
+};
+
+// A pixel each.
+struct FindHoles {
+  View<const uint8_t> silhouette;
+  View<const float> before, after;
+  View<uint8_t> holes;
+  COSPLAT_HD void operator()(size_t p) const {
+    holes[p] = math::IsHole(silhouette[p] != 0, before[p], after[p]);
+  }
+};
+
+// A Gaussian each: stays where it is drawn near a hole.
+struct SpareOne {
+  math::HoleMask mask;
+  ViewParameters view;
+  const float* position;  // [N, 3] world
+  View<const uint8_t> last;
+  View<const float> radii;
+  View<uint8_t> unwanted;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (!last[i] || !unwanted[i] || !(radii[i] > 0)) return;
+    const math::Pinhole<float> pinhole = math::ToPinhole<float>(view);
+    const float* p = position + 3 * i;
+    const math::Vec2<float> center =
+        math::ProjectPoint(pinhole, math::ToCamera(pinhole, {p[0], p[1], p[2]}));
+    if (mask.HasWithin(center.x, center.y, radii[i])) unwanted[i] = 0;
+  }
+};
+
+}  // namespace cosplat

@@ -49,3 +49,56 @@ COSPLAT_HD void MoveOnMesh(const MeshArrays& mesh,
 }
 
 }  // namespace cosplat::math
+
+namespace cosplat {
+
+// Searcher s takes every so many-th child from the s-th on: each has 12 kB to search in.
+struct MoveEach {
+  MeshArrays mesh;
+  View<const float> offsets;  // [children, 3]
+  size_t first;               // child's Gaussian
+  bool keeps_d;
+  View<math::FaceSearch> searches;
+  int32_t* triangle;
+  float* barycentric;
+  View<float> position;
+  COSPLAT_HD void operator()(size_t s) const {
+    for (size_t c = s; 3 * c < offsets.count; c += searches.count) {
+      const size_t i = first + c;
+      math::MoveOnMesh(mesh,
+                       {offsets[3 * c], offsets[3 * c + 1], offsets[3 * c + 2]},
+                       keeps_d,
+                       {triangle + i, barycentric + 2 * i, &position[3 * i]},
+                       searches[s]);
+    }
+  }
+};
+
+// A Gaussian each.
+
+struct PlaceEach {
+  MeshArrays mesh;
+  const int32_t* triangle;
+  const float* barycentric;
+  View<const float> position;
+  View<float> centers;
+  COSPLAT_HD void operator()(size_t i) const {
+    const math::Vec3<float> p =
+        math::CanonicalPlace(mesh, triangle[i], barycentric + 2 * i, &position[3 * i]);
+    centers[3 * i] = p.x;
+    centers[3 * i + 1] = p.y;
+    centers[3 * i + 2] = p.z;
+  }
+};
+
+struct RateEach {
+  View<const float> face_rates;
+  const int32_t* triangle;
+  View<float> rates;  // [N, 3]
+  COSPLAT_HD void operator()(size_t i) const {
+    rates[3 * i] = rates[3 * i + 1] = face_rates[size_t(triangle[i])];
+    rates[3 * i + 2] = 1;
+  }
+};
+
+}  // namespace cosplat

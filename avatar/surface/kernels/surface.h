@@ -1,6 +1,6 @@
-// The posed surface and its derivative, element by element: the bodies that the CPU runs on SIMD
-// packs (avatar/surface/surface_packs.cpp) and a device with a thread each
-// (avatar/surface/cuda/device_surface.cu).
+// The posed surface and its derivative, element by element: the kernels that the CPU runs on SIMD
+// packs (avatar/surface/packs.cpp) and a device with a thread each
+// (avatar/surface/cuda/kernels.cu).
 //
 // vertices' positions -> PoseFaces -> PoseVertices; back: VerticesVjp -> FacesVjp -> SumCorners ->
 // d_vertices. Formulas: avatar/math/frame.h.
@@ -37,20 +37,17 @@ COSPLAT_HD_FORCED FaceCorners<T> LoadCorners(const SurfaceArrays& s, const Rows&
 }
 
 // Rows of faces: posed_faces.
-struct PoseFacesKernel {
-  SurfaceArrays s;
-
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const FaceCorners<T> at = LoadCorners<T>(s, rows);
-    Mat3<T> canonical;
-    LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
-    const Vec3<T> area = AreaVector(at.p[0], at.p[1], at.p[2]);
-    const Quat<T> q = FaceRotation(at.p[0], at.p[1], at.p[2], canonical);
-    const T row[kPosedFaceFloats] = {area.x, area.y, area.z, Length(area), q.w, q.x, q.y, q.z};
-    StoreRows<kPosedFaceFloats>(row, s.posed_faces, kPosedFaceFloats, rows);
-  }
-};
+template <class T>
+COSPLAT_HD_FORCED void Run(const PoseFacesKernel& kernel, const Rows& rows) {
+  const SurfaceArrays& s = kernel.s;
+  const FaceCorners<T> at = LoadCorners<T>(s, rows);
+  Mat3<T> canonical;
+  LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
+  const Vec3<T> area = AreaVector(at.p[0], at.p[1], at.p[2]);
+  const Quat<T> q = FaceRotation(at.p[0], at.p[1], at.p[2], canonical);
+  const T row[kPosedFaceFloats] = {area.x, area.y, area.z, Length(area), q.w, q.x, q.y, q.z};
+  StoreRows<kPosedFaceFloats>(row, s.posed_faces, kPosedFaceFloats, rows);
+}
 
 // The faces around the vertices of the lanes.
 template <class T>
@@ -109,101 +106,98 @@ COSPLAT_HD_FORCED VertexSums<T> SumFaces(const SurfaceArrays& s,
 }
 
 // Rows of vertices, of posed_faces: the vertices' other numbers, sums and signs.
-struct PoseVerticesKernel {
-  SurfaceArrays s;
-
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const T one(1.0f);
-    const Fans<T> fans(s, rows);
-    const VertexSums<T> sum = SumFaces<T>(s, fans, rows);
-    // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
-    // Normalize's floor, which is meant for quaternions of order 1, sees it.
-    const auto some = sum.area > T(0.0f);
-    const Quat<T> r = sum.rotation * (one / Select(some, sum.area, one));
-    const T sums[kVertexSumFloats] = {sum.normal.x, sum.normal.y, sum.normal.z, r.w, r.x, r.y, r.z};
-    StoreRows<kVertexSumFloats>(sums, s.sums, kVertexSumFloats, rows);
-    const Vec3<T> n = Normalize(sum.normal);
-    const Quat<T> q = Normalize(r);
-    const T area = sum.area / Max(fans.Counts(), one);
-    const T row[8] = {n.x, n.y, n.z, q.w, q.x, q.y, q.z, area};
-    StoreRows<8>(row, s.vertices + 3, kSurfaceVertexFloats, rows);
-  }
-};
+template <class T>
+COSPLAT_HD_FORCED void Run(const PoseVerticesKernel& kernel, const Rows& rows) {
+  const SurfaceArrays& s = kernel.s;
+  const T one(1.0f);
+  const Fans<T> fans(s, rows);
+  const VertexSums<T> sum = SumFaces<T>(s, fans, rows);
+  // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
+  // Normalize's floor, which is meant for quaternions of order 1, sees it.
+  const auto some = sum.area > T(0.0f);
+  const Quat<T> r = sum.rotation * (one / Select(some, sum.area, one));
+  const T sums[kVertexSumFloats] = {sum.normal.x, sum.normal.y, sum.normal.z, r.w, r.x, r.y, r.z};
+  StoreRows<kVertexSumFloats>(sums, s.sums, kVertexSumFloats, rows);
+  const Vec3<T> n = Normalize(sum.normal);
+  const Quat<T> q = Normalize(r);
+  const T area = sum.area / Max(fans.Counts(), one);
+  const T row[8] = {n.x, n.y, n.z, q.w, q.x, q.y, q.z, area};
+  StoreRows<8>(row, s.vertices + 3, kSurfaceVertexFloats, rows);
+}
 
 // Rows of vertices, to the sums over the faces: of the normals, of the rotations before their
 // division by the area (which changes the sum's norm only, and that Normalize ignores: the area may
 // be taken as a constant there), and of the areas.
-struct VerticesVjpKernel {
-  SurfaceArrays s;
-  const float* d_vertices;  // [V, kSurfaceVertexFloats]
-  float* d_sums;            // [V, kSurfaceVertexFloats]
-
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const T zero(0.0f), one(1.0f);
-    T d[kSurfaceVertexFloats], sum[kVertexSumFloats], mean_area[1];
-    LoadRows<kSurfaceVertexFloats>(d_vertices, kSurfaceVertexFloats, rows, d);
-    LoadRows<kVertexSumFloats>(s.sums, kVertexSumFloats, rows, sum);
-    LoadRows<1>(s.vertices + kSurfaceVertexFloats - 1, kSurfaceVertexFloats, rows, mean_area);
-    const T count = Max(Fans<T>(s, rows).Counts(), one);
-    const T area = mean_area[0] * count;
-    const auto some = area > zero;
-    const Vec3<T> n = NormalizeVjp(Vec3<T>{sum[0], sum[1], sum[2]}, Vec3<T>{d[3], d[4], d[5]});
-    const Quat<T> q =
-        NormalizeVjp(Quat<T>{sum[3], sum[4], sum[5], sum[6]}, Quat<T>{d[6], d[7], d[8], d[9]}) *
-        Select(some, one / Select(some, area, one), zero);
-    const T row[kSurfaceVertexFloats] = {
-        d[0], d[1], d[2], n.x, n.y, n.z, q.w, q.x, q.y, q.z, d[10] / count};
-    StoreRows<kSurfaceVertexFloats>(row, d_sums, kSurfaceVertexFloats, rows);
-  }
-};
+template <class T>
+COSPLAT_HD_FORCED void Run(const VerticesVjpKernel& kernel, const Rows& rows) {
+  const SurfaceArrays& s = kernel.s;
+  const T zero(0.0f), one(1.0f);
+  T d[kSurfaceVertexFloats], sum[kVertexSumFloats], mean_area[1];
+  LoadRows<kSurfaceVertexFloats>(kernel.d_vertices, kSurfaceVertexFloats, rows, d);
+  LoadRows<kVertexSumFloats>(s.sums, kVertexSumFloats, rows, sum);
+  LoadRows<1>(s.vertices + kSurfaceVertexFloats - 1, kSurfaceVertexFloats, rows, mean_area);
+  const T count = Max(Fans<T>(s, rows).Counts(), one);
+  const T area = mean_area[0] * count;
+  const auto some = area > zero;
+  const Vec3<T> n = NormalizeVjp(Vec3<T>{sum[0], sum[1], sum[2]}, Vec3<T>{d[3], d[4], d[5]});
+  const Quat<T> q =
+      NormalizeVjp(Quat<T>{sum[3], sum[4], sum[5], sum[6]}, Quat<T>{d[6], d[7], d[8], d[9]}) *
+      Select(some, one / Select(some, area, one), zero);
+  const T row[kSurfaceVertexFloats] = {
+      d[0], d[1], d[2], n.x, n.y, n.z, q.w, q.x, q.y, q.z, d[10] / count};
+  StoreRows<kSurfaceVertexFloats>(row, kernel.d_sums, kSurfaceVertexFloats, rows);
+}
 
 // Rows of faces, to their corners.
-struct FacesVjpKernel {
-  SurfaceArrays s;
-  const float* d_sums;  // [V, kSurfaceVertexFloats]
-  float* d_corners;     // [F, 3, 3]
-
-  template <class T>
-  COSPLAT_HD_FORCED void Run(const Rows& rows) const {
-    const T zero(0.0f);
-    const FaceCorners<T> at = LoadCorners<T>(s, rows);
-    Mat3<T> canonical;
-    LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
-    T face[kPosedFaceFloats];
-    LoadRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, rows, face);
-    const Quat<T> rotation{face[4], face[5], face[6], face[7]};
-    Vec3<T> d_vector{zero, zero, zero};
-    Quat<T> d_rotation{zero, zero, zero, zero};
-    T d_area = zero;
-    for (int c = 0; c < 3; ++c) {
-      T d[kSurfaceVertexFloats];
-      GatherRows<kSurfaceVertexFloats>(
-          d_sums, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), d);
-      const T sign = SignsOf<T>(rows, c);
-      const Quat<T> d_q{d[6], d[7], d[8], d[9]};
-      d_vector += Vec3<T>{d[3], d[4], d[5]};
-      d_rotation = d_rotation + d_q * (sign * face[3]);
-      d_area += d[10] + sign * Dot(rotation, d_q);
-    }
-    d_vector += LengthVjp(Vec3<T>{face[0], face[1], face[2]}, d_area);
-    Vec3<T> d[3];
-    for (Vec3<T>& corner : d) corner = {zero, zero, zero};
-    AreaVectorVjp(at.p[0], at.p[1], at.p[2], d_vector, d[0], d[1], d[2]);
-    FaceRotationVjp(at.p[0], at.p[1], at.p[2], canonical, d_rotation, d[0], d[1], d[2]);
-    const T row[9] = {d[0].x, d[0].y, d[0].z, d[1].x, d[1].y, d[1].z, d[2].x, d[2].y, d[2].z};
-    StoreRows<9>(row, d_corners, 9, rows);
+template <class T>
+COSPLAT_HD T SignsOf(const SurfaceArrays& s, const Rows& rows, int corner) {
+  PerLane<float, T> signs;
+  for (size_t l = 0; l < kLaneCount<T>; ++l) {
+    const size_t f = rows.first + (l < rows.count ? l : 0);
+    signs[l] = s.signs[s.corner_places[3 * f + size_t(corner)]];
   }
+  return FromLanes(signs);
+}
 
-  template <class T>
-  COSPLAT_HD T SignsOf(const Rows& rows, int corner) const {
-    PerLane<float, T> signs;
-    for (size_t l = 0; l < kLaneCount<T>; ++l) {
-      const size_t f = rows.first + (l < rows.count ? l : 0);
-      signs[l] = s.signs[s.corner_places[3 * f + size_t(corner)]];
-    }
-    return FromLanes(signs);
+template <class T>
+COSPLAT_HD_FORCED void Run(const FacesVjpKernel& kernel, const Rows& rows) {
+  const SurfaceArrays& s = kernel.s;
+  const T zero(0.0f);
+  const FaceCorners<T> at = LoadCorners<T>(s, rows);
+  Mat3<T> canonical;
+  LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
+  T face[kPosedFaceFloats];
+  LoadRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, rows, face);
+  const Quat<T> rotation{face[4], face[5], face[6], face[7]};
+  Vec3<T> d_vector{zero, zero, zero};
+  Quat<T> d_rotation{zero, zero, zero, zero};
+  T d_area = zero;
+  for (int c = 0; c < 3; ++c) {
+    T d[kSurfaceVertexFloats];
+    GatherRows<kSurfaceVertexFloats>(
+        kernel.d_sums, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), d);
+    const T sign = SignsOf<T>(s, rows, c);
+    const Quat<T> d_q{d[6], d[7], d[8], d[9]};
+    d_vector += Vec3<T>{d[3], d[4], d[5]};
+    d_rotation = d_rotation + d_q * (sign * face[3]);
+    d_area += d[10] + sign * Dot(rotation, d_q);
+  }
+  d_vector += LengthVjp(Vec3<T>{face[0], face[1], face[2]}, d_area);
+  Vec3<T> d[3];
+  for (Vec3<T>& corner : d) corner = {zero, zero, zero};
+  AreaVectorVjp(at.p[0], at.p[1], at.p[2], d_vector, d[0], d[1], d[2]);
+  FaceRotationVjp(at.p[0], at.p[1], at.p[2], canonical, d_rotation, d[0], d[1], d[2]);
+  const T row[9] = {d[0].x, d[0].y, d[0].z, d[1].x, d[1].y, d[1].z, d[2].x, d[2].y, d[2].z};
+  StoreRows<9>(row, kernel.d_corners, 9, rows);
+}
+
+// Of one vertex.
+struct PutPositionsKernel {
+  const float* positions;  // [V, 3]
+  float* vertices;         // [V, kSurfaceVertexFloats]
+
+  COSPLAT_HD void operator()(size_t v) const {
+    for (size_t k = 0; k < 3; ++k) vertices[kSurfaceVertexFloats * v + k] = positions[3 * v + k];
   }
 };
 
@@ -214,7 +208,7 @@ struct SumCornersKernel {
   const float* d_corners;  // [F, 3, 3]
   float* d_vertices;       // [V, 3]
 
-  COSPLAT_HD void Run(size_t v) const {
+  COSPLAT_HD void operator()(size_t v) const {
     const float* own = d_sums + kSurfaceVertexFloats * v;
     Vec3<float> sum{own[0], own[1], own[2]};
     for (int32_t k = s.vertex_face_begin[v]; k < s.vertex_face_begin[v + 1]; ++k) {

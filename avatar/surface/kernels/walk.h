@@ -3,9 +3,22 @@
 #pragma once
 
 #include "avatar/surface/kernels/triangle.h"
-#include "avatar/surface/walk.h"
 
-namespace cosplat::math {
+namespace cosplat {
+
+enum class WalkStatus {
+  kWithin,    // ended in the triangle it began in
+  kCrossed,   // ended in another one
+  kBoundary,  // met a boundary on its way; may have crossed edges too
+  kInvalid    // not finite, or longer than kMaxWalkCrossings triangles: the point is left where it
+              // was
+};
+
+// A step between two walks is a few triangles long; this many is a quarter of the way round FLAME's
+// finely divided eyeballs.
+constexpr int kMaxWalkCrossings = 256;
+
+namespace math {
 
 // Edge i of a face (corner i to corner i + 1) with the corner opposite to it.
 struct EdgeShape {
@@ -164,4 +177,93 @@ struct WalkTaker {
   }
 };
 
-}  // namespace cosplat::math
+}  // namespace math
+
+// What is said of a Gaussian that was walked; bits.
+enum WalkOutcome : uint8_t { kWalkCrossed = 1, kWalkStopped = 2, kWalkInvalid = 4 };
+
+// The steps of TriangleWalk (avatar/surface/walk.h). A Gaussian each:
+
+struct WalkOne {
+  MeshArrays mesh;
+  const int32_t* triangle;
+  const float* barycentric;
+  View<const float> position;
+  View<math::WalkEnd> ends;
+  View<uint8_t> taken;
+  View<uint64_t> touches;  // [N + 1] flags of walks from or to a face with a boundary edge
+  COSPLAT_HD void operator()(size_t i) const {
+    touches[i] = 0;
+    if (i == ends.count) return;
+    const int32_t from = triangle[i];
+    const math::WalkEnd end = math::WalkGaussian(mesh, from, barycentric + 2 * i, &position[3 * i]);
+    ends[i] = end;
+    taken[i] = end.status != WalkStatus::kInvalid;
+    touches[i] = taken[i] && end.face != from &&
+                 (math::HasBoundaryEdge(mesh, from) || math::HasBoundaryEdge(mesh, end.face));
+  }
+};
+
+struct ListTouching {
+  View<const uint64_t> places;
+  View<uint32_t> list;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (places[i + 1] != places[i]) list[places[i]] = uint32_t(i);
+  }
+};
+
+// A face each.
+struct CountOnFace {
+  const uint32_t* begin;  // [F + 1]
+  View<int32_t> count;
+  COSPLAT_HD void operator()(size_t f) const { count[f] = int32_t(begin[f + 1] - begin[f]); }
+};
+
+// All in one: who may stay on a face with a boundary edge depends on those that come before it.
+// Some in a hundred touch such a face.
+struct TakeEach {
+  math::WalkTaker taker;
+  const int32_t* triangle;
+  View<const uint32_t> list;
+  const uint64_t* how_many;
+  View<const math::WalkEnd> ends;
+  View<uint8_t> taken;
+  COSPLAT_HD void operator()(size_t) const {
+    for (size_t k = 0; k < *how_many; ++k) {
+      const uint32_t i = list[k];
+      taken[i] = taker.Take(triangle[i], ends[i].face);
+    }
+  }
+};
+
+struct SettleWalk {
+  View<const math::WalkEnd> ends;
+  View<const uint8_t> taken;
+  int32_t* triangle;
+  float* barycentric;
+  View<float> position;
+  View<uint8_t> outcomes;
+  COSPLAT_HD void operator()(size_t i) const {
+    const math::WalkEnd& end = ends[i];
+    position[3 * i] = position[3 * i + 1] = 0;
+    const bool invalid = end.status == WalkStatus::kInvalid;
+    const bool stopped = end.status == WalkStatus::kBoundary || (!invalid && !taken[i]);
+    const bool crossed = taken[i] && end.face != triangle[i];
+    outcomes[i] = uint8_t((crossed ? kWalkCrossed : 0) | (stopped ? kWalkStopped : 0) |
+                          (invalid ? kWalkInvalid : 0));
+    if (!taken[i]) return;
+    triangle[i] = end.face;
+    barycentric[2 * i] = end.u;
+    barycentric[2 * i + 1] = end.v;
+  }
+};
+
+struct ForgetMoment {
+  View<const uint8_t> outcomes;
+  View<float> moment;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (outcomes[i]) moment[3 * i] = moment[3 * i + 1] = 0;
+  }
+};
+
+}  // namespace cosplat

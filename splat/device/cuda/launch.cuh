@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "splat/device/cuda/check.h"
+#include "splat/device/cuda/stream.h"
 
 namespace cosplat::cuda {
 
@@ -25,52 +25,44 @@ __device__ T& SharedMemory() {
 __device__ inline unsigned Lane() { return threadIdx.x % kWarp; }
 __device__ inline unsigned WarpInBlock() { return threadIdx.x / kWarp; }
 
-__device__ inline uint32_t BitsOf(float x) {
-  union {
-    float value;
-    uint32_t bits;
-  } u{x};
-  return u.bits;
-}
-
 constexpr unsigned kElementThreads = 256;
 
 template <class Body>
-__global__ void __launch_bounds__(kElementThreads) ForEachKernel(size_t n, Body body) {
+__global__ void __launch_bounds__(kElementThreads) ThreadsKernel(size_t n, Body body) {
   const size_t i = size_t(blockIdx.x) * kElementThreads + threadIdx.x;
   if (i < n) body(i);
 }
 
 template <class Body>
-__global__ void __launch_bounds__(Body::kThreads) ForBlocksKernel(Body body) {
+__global__ void __launch_bounds__(Body::kThreads) BlocksKernel(Body body) {
   body();
 }
 
 template <class... Parameters, class... Arguments>
 void Launch(size_t blocks,
             unsigned threads,
-            cudaStream_t stream,
+            Stream& stream,
             void (*kernel)(Parameters...),
             const Arguments&... arguments) {
   if (blocks == 0) return;
   cudaLaunchConfig_t config{};
   config.gridDim = dim3(unsigned(blocks));
   config.blockDim = dim3(threads);
-  config.stream = stream;
+  config.stream = HandleOf(stream);
   Check(cudaLaunchKernelEx(&config, kernel, arguments...), "cudaLaunchKernelEx");
 }
 
 // body(i) for i < n, a thread each. n < 2^39.
 template <class Body>
-void ForEach(size_t n, cudaStream_t stream, const Body& body) {
+void ForEachThread(size_t n, Stream& stream, const Body& body) {
   const size_t blocks = (n + kElementThreads - 1) / kElementThreads;
-  Launch(blocks, kElementThreads, stream, &ForEachKernel<Body>, n, body);
+  Launch(blocks, kElementThreads, stream, &ThreadsKernel<Body>, n, body);
 }
 
 // body() in every thread of blocks of Body::kThreads.
 template <class Body>
-void ForBlocks(size_t blocks, cudaStream_t stream, const Body& body) {
-  Launch(blocks, Body::kThreads, stream, &ForBlocksKernel<Body>, body);
+void ForBlocks(size_t blocks, Stream& stream, const Body& body) {
+  Launch(blocks, Body::kThreads, stream, &BlocksKernel<Body>, body);
 }
 
 }  // namespace cosplat::cuda

@@ -1,26 +1,13 @@
-// Streams and events that are given back by themselves.
+// Streams and events of a CUDA device, which are given back by themselves.
 #pragma once
 
+#include <array>
+#include <memory>
+
+#include "splat/device/buffer.h"
 #include "splat/device/cuda/check.h"
 
 namespace cosplat::cuda {
-
-// Work in the order in which it was given. Not the default stream, which waits for all others.
-class Stream {
- public:
-  Stream() {
-    Check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
-  }
-  ~Stream() { cudaStreamDestroy(stream_); }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  cudaStream_t get() const { return stream_; }
-  // The host waits for all of it. What a kernel did wrong is found here.
-  void Wait() const { Check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
 
 // A moment in a stream.
 class Event {
@@ -30,6 +17,7 @@ class Event {
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
   void Record(cudaStream_t stream) { Check(cudaEventRecord(event_, stream), "cudaEventRecord"); }
+  void Record(const Stream& stream);
   // The host waits until it has come to pass; not at all where it was never recorded.
   void Wait() const { Check(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
   // From another that was recorded before, ms. Waits for this one.
@@ -43,5 +31,62 @@ class Event {
  private:
   cudaEvent_t event_ = nullptr;
 };
+
+// Work in the order in which it was given. Not the default stream, which waits for all others.
+class CudaStream : public Stream {
+ public:
+  CudaStream() {
+    Check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
+  }
+  ~CudaStream() override { cudaStreamDestroy(stream_); }
+  CudaStream(const CudaStream&) = delete;
+  CudaStream& operator=(const CudaStream&) = delete;
+
+  Memory& memory() const override;
+  void Upload(void* to, const void* from, size_t bytes) override;
+  void Download(void* to, const void* from, size_t bytes) override;
+  // By way of pinned memory, in two pieces in turn, since one may still be on its way: the driver
+  // may wait for the stream before it reads memory that is not pinned.
+  void Send(void* to, const void* from, size_t bytes) override;
+  void FillWithZeros(void* data, size_t bytes) override;
+  // The host waits for all of it. What a kernel did wrong is found here.
+  void Wait() override;
+  // By CUB.
+  void Sort(KeyedValues& pairs, int bits) override;
+  void ExclusiveSum(Buffer<uint64_t>& numbers) override;
+  size_t held() const override { return scratch_.capacity(); }
+  size_t FreeMemory() const override;
+  Memory& readback_memory() const override;  // pinned
+  std::unique_ptr<Moment> MakeMoment() override;
+  std::unique_ptr<Stream> Another() const override { return std::make_unique<CudaStream>(); }
+  cudaStream_t get() const { return stream_; }
+
+ private:
+  struct Piece {
+    Piece() = default;
+    ~Piece() { cudaFreeHost(memory); }
+    Piece(const Piece&) = delete;
+    Piece& operator=(const Piece&) = delete;
+
+    void* memory = nullptr;
+    size_t bytes = 0;
+    Event sent;
+  };
+
+  cudaStream_t stream_ = nullptr;
+  Buffer<unsigned char> scratch_;  // of sorts and sums
+  std::array<Piece, 2> pieces_;    // of what is sent
+  size_t next_ = 0;
+};
+
+// Bytes of the device that are free, as the driver says.
+size_t FreeMemory();
+
+// CUDA's name of a stream, which must be a device's.
+inline cudaStream_t HandleOf(const Stream& stream) {
+  return static_cast<const CudaStream&>(stream).get();
+}
+
+inline void Event::Record(const Stream& stream) { Record(HandleOf(stream)); }
 
 }  // namespace cosplat::cuda

@@ -16,8 +16,8 @@ namespace {
 class CpuTape : public RenderTape {
  public:
   View<const float> radii() const override { return radius; }
-  size_t visible_count() const override { return lists.order.size(); }
-  size_t instance_count() const override { return lists.entries.size(); }
+  const InstanceCounts* counts() const override { return &drawn; }
+  size_t capacity() const override { return lists.entries.size(); }
   std::vector<MemoryPart> Memory() const override {
     return {{"projected splats", HeldBy(splats, radius)},
             {"tile lists", lists.HeldForGaussians()},
@@ -31,6 +31,7 @@ class CpuTape : public RenderTape {
   Buffer<ProjectedSplat> splats;  // [count]
   Buffer<float> radius;           // [count]
   TileLists lists;
+  InstanceCounts drawn;
   Buffer<uint32_t> n_contrib;          // [tiles] entries before the tile was opaque
   Buffer<SplatGradient> records;       // [instances]
   Buffer<SplatGradient> d_splats;      // [count]
@@ -39,7 +40,8 @@ class CpuTape : public RenderTape {
 
 class CpuRasterizer : public Rasterizer {
  public:
-  std::unique_ptr<RenderTape> MakeTape() const override { return std::make_unique<CpuTape>(); }
+  Stream& stream() override { return HostStream(); }
+  std::unique_ptr<RenderTape> MakeTape(bool) const override { return std::make_unique<CpuTape>(); }
 
   void Forward(const WorldGaussians& gaussians,
                Basis basis,
@@ -60,6 +62,7 @@ class CpuRasterizer : public Rasterizer {
     {
       ScopedPhase phase(times, Phase::kSort);
       tape.lists.Build(tape.splats, tape.radius, camera.width, camera.height);
+      tape.drawn = {tape.lists.entries.size(), tape.lists.order.size()};
     }
     ScopedPhase phase(times, Phase::kBlend);
     image.width = camera.width;
@@ -83,7 +86,7 @@ class CpuRasterizer : public Rasterizer {
                 const WorldGradients& gradients) override {
     ScopedPhase phase(times, Phase::kBackward);
     auto& tape = static_cast<CpuTape&>(base_tape);
-    Refill(tape.records, tape.lists.entries.size());
+    tape.records.Refill(tape.lists.entries.size());
     const int tiles = tape.lists.tiles_x * tape.lists.tiles_y;
     tbb::parallel_for(0, tiles, [&](int tile) {
       TileJob job = JobOf(tape, tile, image.width, image.height);

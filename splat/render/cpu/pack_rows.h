@@ -1,4 +1,4 @@
-// Rows of arrays into SIMD packs and back (splat/render/kernels/rows.h): lane l of out[k] is number
+// Rows of arrays into SIMD packs and back (splat/math/rows.h): lane l of out[k] is number
 // k of row l, which is a transposition, done by 4x4 pieces in registers.
 #if defined(COSPLAT_SPLAT_CPU_PACK_ROWS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_CPU_PACK_ROWS_H_
@@ -7,8 +7,8 @@
 #define COSPLAT_SPLAT_CPU_PACK_ROWS_H_
 #endif
 
+#include "splat/math/rows.h"
 #include "splat/render/cpu/pack.h"
-#include "splat/render/kernels/rows.h"
 
 COSPLAT_MATH_BEGIN
 

@@ -56,8 +56,8 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
   }
   if (covered >= math::kInstanceLimit)
     throw Error("rasterizer", std::to_string(covered) + " splat-tile pairs; the limit is 2^31");
-  Refill(order, drawn);
-  Refill(keys_, drawn);
+  order.Refill(drawn);
+  keys_.Refill(drawn);
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {
     uint32_t to = chunks_[c].drawn;
     for (size_t i = begin; i < end; ++i) {
@@ -92,8 +92,8 @@ void TileLists::SortByDigit(int shift) {
 }
 
 void TileLists::SortByDepth() {
-  Refill(keys_swap_, keys_.size());
-  Refill(order_swap_, order.size());
+  keys_swap_.Refill(keys_.size());
+  order_swap_.Refill(order.size());
   for (int shift = 0; shift < 32; shift += kDigitBits) SortByDigit(shift);
 }
 
@@ -152,7 +152,7 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   CollectDrawn(splats, radii);
   SortByDepth();
   const size_t n = order.size();
-  Refill(record_begin, n + 1);
+  record_begin.Refill(n + 1);
   ForChunks(n,
             [&](size_t c, size_t begin, size_t end) { EmitChunk(splats, begin, end, chunks_[c]); });
 
@@ -171,7 +171,7 @@ void TileLists::Build(View<const ProjectedSplat> splats,
     record += chunks_[c].instances;
   }
   record_begin[n] = record;
-  Refill(entries, next);
+  entries.Refill(next);
   ForChunks(n, [&](size_t c, size_t begin, size_t end) { StoreChunk(begin, end, chunks_[c]); });
 }
 

@@ -1,4 +1,4 @@
-#include "splat/render/cuda/blend_backward.h"
+#include "splat/render/cuda/blend.h"
 #include "splat/render/cuda/bucket_walk.cuh"
 
 namespace cosplat::cuda {
@@ -12,9 +12,9 @@ __device__ math::Vec3<float> ColorAt(const float* planes, size_t plane, size_t a
 
 // Where the sum of one instance goes: to its Gaussian at once, or to its record.
 struct GradientSink {
-  DeviceView<const uint32_t> record;
-  DeviceView<SplatGradient> records;  // empty: atomics
-  DeviceView<SplatGradient> d_splats;
+  View<const uint32_t> record;
+  View<SplatGradient> records;  // empty: atomics
+  View<SplatGradient> d_splats;
 
   __device__ void Put(uint32_t k, uint32_t gaussian, const SplatGradient& d) const {
     if (records.count != 0) {
@@ -93,8 +93,8 @@ struct BackwardWalk {
 };
 
 struct ContributionWalk {
-  DeviceView<const uint32_t> record;
-  DeviceView<Contribution> records;
+  View<const uint32_t> record;
+  View<Contribution> records;
 
   struct Pixel {
     float transmittance;
@@ -142,8 +142,8 @@ struct ContributionWalk {
 template <class Record>
 struct SumRecords {
   TileListsView lists;
-  DeviceView<const Record> records;
-  DeviceView<Record> sums;
+  View<const Record> records;
+  View<Record> sums;
   __device__ void operator()(size_t k) const {
     Record sum{};
     const uint64_t begin = lists.record_begin[k];
@@ -155,7 +155,7 @@ struct SumRecords {
 
 }  // namespace
 
-BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image) {
+BucketLists BucketListsOf(const CudaTape& tape, const RenderedImage& image) {
   return {tape.lists.view(),
           tape.splats.view(),
           tape.n_contrib.view(),
@@ -165,37 +165,36 @@ BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image) {
           image.height};
 }
 
-void BlendBackward(Tape& tape,
-                   const DeviceImage& image,
+void BlendBackward(CudaTape& tape,
+                   const RenderedImage& image,
                    const float* d_color,
-                   SumOrder order,
-                   cudaStream_t stream) {
+                   Stream& stream) {
   const TileListsView lists = tape.lists.view();
-  const bool fixed = order == SumOrder::kFixed;
-  tape.records.Refill(fixed ? tape.lists.capacity() : 0);
-  tape.d_splats.Refill(tape.splats.size());
+  const bool fixed = tape.order == SumOrder::kFixed;
+  tape.records.Refill(fixed ? tape.lists.capacity() : 0, stream);
+  tape.d_splats.Refill(tape.splats.size(), stream);
   if (!fixed) tape.d_splats.FillWithZeros(stream);
   const GradientSink sink{lists.record, tape.records.view(), tape.d_splats.view()};
   WalkBuckets(tape, image, BackwardWalk{d_color, sink}, stream);
   if (fixed)
-    ForEach(
+    ForEachThread(
         tape.splats.size(),
         stream,
         SumRecords<SplatGradient>{lists, std::as_const(tape.records).view(), tape.d_splats.view()});
 }
 
-void SumContributions(Tape& tape,
-                      const DeviceImage& image,
+void SumContributions(CudaTape& tape,
+                      const RenderedImage& image,
                       Contribution* contributions,
-                      cudaStream_t stream) {
+                      Stream& stream) {
   const TileListsView lists = tape.lists.view();
   const size_t count = tape.splats.size();
-  tape.contributions.Refill(tape.lists.capacity());
+  tape.contributions.Refill(tape.lists.capacity(), stream);
   WalkBuckets(tape, image, ContributionWalk{lists.record, tape.contributions.view()}, stream);
-  ForEach(count,
-          stream,
-          SumRecords<Contribution>{
-              lists, std::as_const(tape.contributions).view(), {contributions, count}});
+  ForEachThread(count,
+                stream,
+                SumRecords<Contribution>{
+                    lists, std::as_const(tape.contributions).view(), {contributions, count}});
 }
 
 }  // namespace cosplat::cuda

@@ -1,5 +1,5 @@
 #include "splat/render/cuda/blend.cuh"
-#include "splat/render/cuda/blend_forward.h"
+#include "splat/render/cuda/blend.h"
 #include "splat/render/kernels/tile_range.h"
 
 namespace cosplat::cuda {
@@ -10,12 +10,12 @@ namespace {
 struct ForwardKernel {
   static constexpr unsigned kThreads = kTilePixels;
   TileListsView lists;
-  DeviceView<const ProjectedSplat> splats;
+  View<const ProjectedSplat> splats;
   int width, height;
   float background[3];
-  DeviceView<float> color, transmittance;
-  DeviceView<uint32_t> n_contrib;
-  DeviceView<PixelCheckpoint> checkpoints;  // empty: not kept
+  View<float> color, transmittance;
+  View<uint32_t> n_contrib;
+  View<PixelCheckpoint> checkpoints;  // empty: not kept
 
   struct Shared {
     BlendSplat splats[kThreads];
@@ -96,12 +96,12 @@ struct ForwardKernel {
 
 }  // namespace
 
-void BlendForward(Tape& tape, DeviceImage& image, cudaStream_t stream) {
+void BlendForward(CudaTape& tape, RenderedImage& image, Stream& stream) {
   const size_t pixels = size_t(image.width) * image.height;
-  image.color.Refill(3 * pixels);
-  image.transmittance.Refill(pixels);
-  tape.n_contrib.Refill(tape.lists.tiles());
-  tape.checkpoints.Refill(tape.kept ? tape.lists.most_buckets() * kTilePixels : 0);
+  image.color.Refill(3 * pixels, stream);
+  image.transmittance.Refill(pixels, stream);
+  tape.n_contrib.Refill(tape.lists.tiles(), stream);
+  tape.checkpoints.Refill(tape.kept ? tape.lists.most_buckets() * kTilePixels : 0, stream);
   const std::array<float, 3>& b = tape.settings.background;
   ForBlocks(tape.lists.tiles(),
             stream,

@@ -15,14 +15,14 @@ namespace cosplat::cuda {
 // The lists and pictures that any walk needs.
 struct BucketLists {
   TileListsView lists;
-  DeviceView<const ProjectedSplat> splats;
-  DeviceView<const uint32_t> n_contrib;
-  DeviceView<const PixelCheckpoint> checkpoints;
-  DeviceView<const float> color;  // [3, height, width] the picture
+  View<const ProjectedSplat> splats;
+  View<const uint32_t> n_contrib;
+  View<const PixelCheckpoint> checkpoints;
+  View<const float> color;  // [3, height, width] the picture
   int width, height;
 };
 
-BucketLists BucketListsOf(const Tape& tape, const DeviceImage& image);
+BucketLists BucketListsOf(const CudaTape& tape, const RenderedImage& image);
 
 // Walk has
 //   Pixel      what shared memory holds of a pixel at the bucket's start
@@ -115,10 +115,10 @@ struct BucketKernel {
 };
 
 template <class Walk>
-void WalkBuckets(const Tape& tape,
-                 const DeviceImage& image,
+void WalkBuckets(const CudaTape& tape,
+                 const RenderedImage& image,
                  const Walk& walk,
-                 cudaStream_t stream) {
+                 Stream& stream) {
   using Kernel = BucketKernel<Walk>;
   if (tape.lists.capacity() == 0) return;
   const size_t blocks = (tape.lists.most_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "splat/device/cuda/stream.h"
-#include "splat/render/cuda/device_pixels.h"
 
 namespace cosplat::cuda {
 namespace {
@@ -42,14 +41,14 @@ class GlTexture : public DeviceTexture {
   // The host waits, so that the picture may be drawn over and what went wrong is known here.
   void Fill(const DevicePicture& picture) override {
     Check(cudaGraphicsMapResources(1, &resource_, stream_.get()), "cudaGraphicsMapResources");
-    const cudaError_t copied = Copy(static_cast<const DevicePixels&>(picture));
+    const cudaError_t copied = Copy(picture);
     Check(cudaGraphicsUnmapResources(1, &resource_, stream_.get()), "cudaGraphicsUnmapResources");
     Check(copied, "copying to the texture");
     stream_.Wait();
   }
 
  private:
-  cudaError_t Copy(const DevicePixels& picture) {
+  cudaError_t Copy(const DevicePicture& picture) {
     cudaArray_t array = nullptr;
     const cudaError_t got = cudaGraphicsSubResourceGetMappedArray(&array, resource_, 0, 0);
     if (got != cudaSuccess) return got;
@@ -65,7 +64,7 @@ class GlTexture : public DeviceTexture {
                                     stream_.get());
   }
 
-  Stream stream_;
+  CudaStream stream_;
   cudaGraphicsResource_t resource_ = nullptr;
 };
 

@@ -11,30 +11,35 @@
 
 namespace cosplat::cuda {
 
-struct DeviceImage {
-  int width = 0, height = 0;
-  DeviceBuffer<float> color;          // [3, height, width]
-  DeviceBuffer<float> transmittance;  // [height, width]
-};
+// How a Gaussian's parts from its tiles are added up: as they come, by atomics, so that the last
+// bits differ from run to run; or in a fixed order, by way of a record for each instance.
+enum class SumOrder { kAny, kFixed };
 
 // A pixel as it was before a bucket: transmittance and colour so far.
 using PixelCheckpoint = float4;
 
-// Reuse one for many steps: it keeps its memory.
-struct Tape {
+struct CudaTape : RenderTape {
+  CudaTape(bool kept, SumOrder order) : kept(kept), order(order) {}
+
+  View<const float> radii() const override { return radius.view(); }
+  const InstanceCounts* counts() const override { return lists.counts(); }
+  std::vector<MemoryPart> Memory() const override;
+  // The driver is asked how much is free only where the tape would have to grow.
+  bool Expect(size_t instances, uint32_t* exceeded) override;
+  size_t capacity() const override { return lists.capacity(); }
+
+  bool kept;  // for Backward
+  SumOrder order;
   ViewParameters view{};
   RenderSettings settings;
-  bool kept = false;                    // for Backward
-  DeviceBuffer<ProjectedSplat> splats;  // [count]
-  DeviceBuffer<float> radii;            // [count]
+  Buffer<ProjectedSplat> splats;  // [count]
+  Buffer<float> radius;           // [count]
   TileLists lists;
-  DeviceBuffer<uint32_t> n_contrib;           // [tiles] instances before the tile was opaque
-  DeviceBuffer<PixelCheckpoint> checkpoints;  // [buckets, pixels of a tile]
-  DeviceBuffer<SplatGradient> records;        // [capacity of the lists]; deterministic mode alone
-  DeviceBuffer<SplatGradient> d_splats;       // [count]
-  DeviceBuffer<Contribution> contributions;   // [capacity]; only once they were asked for
-
-  std::vector<MemoryPart> Memory() const;
+  Buffer<uint32_t> n_contrib;           // [tiles] instances before the tile was opaque
+  Buffer<PixelCheckpoint> checkpoints;  // [buckets, pixels of a tile]
+  Buffer<SplatGradient> records;        // [capacity of the lists]; SumOrder::kFixed alone
+  Buffer<SplatGradient> d_splats;       // [count]
+  Buffer<Contribution> contributions;   // [capacity]; only once they were asked for
 };
 
 }  // namespace cosplat::cuda

@@ -2,8 +2,8 @@
 #include <bit>
 #include <string>
 
-#include "splat/device/cuda/find_begin.cuh"
 #include "splat/device/cuda/launch.cuh"
+#include "splat/device/gather.h"
 #include "splat/device/memory_part.h"
 #include "splat/render/cuda/tile_lists.h"
 #include "splat/render/kernels/tile_range.h"
@@ -17,9 +17,9 @@ constexpr uint64_t kFewTiles = 4;
 
 // Depths are positive: their bits order as values.
 struct DepthKey {
-  DeviceView<const ProjectedSplat> splats;
-  DeviceView<const float> radii;
-  DeviceView<uint32_t> keys, gaussians;
+  View<const ProjectedSplat> splats;
+  View<const float> radii;
+  View<uint32_t> keys, gaussians;
   __device__ void operator()(size_t i) const {
     keys[i] = radii[i] > 0 ? BitsOf(splats[i].depth) : kNotDrawn;
     gaussians[i] = uint32_t(i);
@@ -30,8 +30,8 @@ struct DepthKey {
 // visit(k, tile, n): tile `tile` is the n-th that Gaussian k of the order touches. Returns how many
 // the lane's own one touches. Counting and storing must not disagree: both are this.
 struct TileVisitor {
-  DeviceView<const ProjectedSplat> splats;
-  DeviceView<const uint32_t> keys, gaussians;
+  View<const ProjectedSplat> splats;
+  View<const uint32_t> keys, gaussians;
   int tiles_x, tiles_y;
 
   template <class Visit>
@@ -84,7 +84,7 @@ struct TileVisitor {
   }
 };
 
-TileVisitor VisitorOf(DeviceView<const ProjectedSplat> splats,
+TileVisitor VisitorOf(View<const ProjectedSplat> splats,
                       const KeyedValues& by_depth,
                       int tiles_x,
                       int tiles_y) {
@@ -94,8 +94,8 @@ TileVisitor VisitorOf(DeviceView<const ProjectedSplat> splats,
 struct CountTiles {
   static constexpr unsigned kThreads = 256;
   TileVisitor visitor;
-  DeviceView<uint64_t> counts;   // [keys + 1]; the last is 0
-  DeviceView<uint64_t> visible;  // [1]: 0 at first
+  View<uint64_t> counts;   // [keys + 1]; the last is 0
+  View<uint64_t> visible;  // [1]: 0 at first
   __device__ void operator()() const {
     const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
     const uint64_t n = visitor.Run(k, [](size_t, uint32_t, uint64_t) {});
@@ -109,7 +109,7 @@ struct CountTiles {
 
 // How many there are, and whether that is more than was expected.
 struct TellCounts {
-  DeviceView<const uint64_t> record_begin;
+  View<const uint64_t> record_begin;
   size_t capacity;
   uint64_t* instances;
   uint32_t* exceeded;  // null: nothing was expected
@@ -122,8 +122,8 @@ struct TellCounts {
 struct EmitInstances {
   static constexpr unsigned kThreads = 256;
   TileVisitor visitor;
-  DeviceView<const uint64_t> record_begin;
-  DeviceView<uint32_t> tiles, records, of_record;
+  View<const uint64_t> record_begin;
+  View<uint32_t> tiles, records, of_record;
   __device__ void operator()() const {
     if (record_begin[record_begin.count - 1] > tiles.count) return;
     const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
@@ -139,9 +139,9 @@ struct EmitInstances {
 
 // Entries that no instance has: sorted behind the last tile.
 struct FillCapacity {
-  DeviceView<const uint64_t> record_begin;
+  View<const uint64_t> record_begin;
   uint32_t behind;
-  DeviceView<uint32_t> tiles, records, of_record;
+  View<uint32_t> tiles, records, of_record;
   __device__ void operator()(size_t r) const {
     const uint64_t instances = record_begin[record_begin.count - 1];
     if (r < instances && instances <= tiles.count) return;
@@ -152,14 +152,14 @@ struct FillCapacity {
 };
 
 struct GatherGaussians {
-  DeviceView<const uint32_t> records, of_record;
-  DeviceView<uint32_t> gaussian;
+  View<const uint32_t> records, of_record;
+  View<uint32_t> gaussian;
   __device__ void operator()(size_t k) const { gaussian[k] = of_record[records[k]]; }
 };
 
 struct CountBuckets {
-  DeviceView<const uint32_t> tile_begin;
-  DeviceView<uint64_t> buckets;
+  View<const uint32_t> tile_begin;
+  View<uint64_t> buckets;
   __device__ void operator()(size_t t) const {
     const bool last = t + 1 == tile_begin.count;
     buckets[t] = last ? 0 : (tile_begin[t + 1] - tile_begin[t] + kBucket - 1) / kBucket;
@@ -170,45 +170,45 @@ size_t BlocksOf(size_t n, unsigned threads) { return (n + threads - 1) / threads
 
 }  // namespace
 
-void TileLists::SortByDepth(DeviceView<const ProjectedSplat> splats,
-                            DeviceView<const float> radii,
-                            cudaStream_t stream) {
+void TileLists::SortByDepth(View<const ProjectedSplat> splats,
+                            View<const float> radii,
+                            Stream& stream) {
   const size_t n = splats.count;
-  by_depth_.Refill(n);
-  ForEach(n, stream, DepthKey{splats, radii, by_depth_.keys.view(), by_depth_.values.view()});
-  sorter_.Sort(by_depth_, 32, stream);
+  by_depth_.Refill(n, stream);
+  ForEachThread(n, stream, DepthKey{splats, radii, by_depth_.keys.view(), by_depth_.values.view()});
+  stream.Sort(by_depth_, 32);
 }
 
-void TileLists::Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
+void TileLists::Count(View<const ProjectedSplat> splats, Stream& stream) {
   const size_t n = splats.count;
-  record_begin_.Refill(n + 1);
-  counts_.Refill(1);
+  record_begin_.Refill(n + 1, stream);
+  counts_.Refill(1, stream);
   counts_.FillWithZeros(stream);
-  const DeviceView<uint64_t> visible{&counts_.data()->visible, 1};
+  const View<uint64_t> visible{&counts_.data()->visible, 1};
   ForBlocks(
       BlocksOf(n + 1, CountTiles::kThreads),
       stream,
       CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_), record_begin_.view(), visible});
-  sorter_.ExclusiveSum(record_begin_, stream);
-  ForEach(
+  stream.ExclusiveSum(record_begin_);
+  ForEachThread(
       1,
       stream,
       TellCounts{
           std::as_const(record_begin_).view(), capacity_, &counts_.data()->instances, exceeded_});
 }
 
-void TileLists::WaitForCounts(cudaStream_t stream) {
-  known_ = readback_.Get(counts_.data(), stream);
-  if (known_.instances >= math::kInstanceLimit)
-    throw Error("rasterizer",
-                std::to_string(known_.instances) + " splat-tile pairs; the limit is 2^31");
-  capacity_ = known_.instances;
+void TileLists::WaitForCounts(Stream& stream) {
+  if (!readback_) readback_ = std::make_unique<Readback<InstanceCounts>>(stream);
+  const uint64_t instances = readback_->Get(counts_.data(), stream).instances;
+  if (instances >= math::kInstanceLimit)
+    throw Error("rasterizer", std::to_string(instances) + " splat-tile pairs; the limit is 2^31");
+  capacity_ = instances;
 }
 
-void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream) {
-  by_tile_.Refill(capacity_);
-  of_record_.Refill(capacity_);
-  gaussian_.Refill(capacity_);
+void TileLists::Emit(View<const ProjectedSplat> splats, Stream& stream) {
+  by_tile_.Refill(capacity_, stream);
+  of_record_.Refill(capacity_, stream);
+  gaussian_.Refill(capacity_, stream);
   const auto record_begin = std::as_const(record_begin_).view();
   const auto tiles_of = by_tile_.keys.view(), records = by_tile_.values.view();
   ForBlocks(BlocksOf(splats.count, EmitInstances::kThreads),
@@ -218,31 +218,33 @@ void TileLists::Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t strea
                           tiles_of,
                           records,
                           of_record_.view()});
-  ForEach(capacity_,
-          stream,
-          FillCapacity{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
-  sorter_.Sort(by_tile_, std::bit_width(tiles()), stream);
-  ForEach(capacity_,
-          stream,
-          GatherGaussians{std::as_const(by_tile_.values).view(),
-                          std::as_const(of_record_).view(),
-                          gaussian_.view()});
+  ForEachThread(
+      capacity_,
+      stream,
+      FillCapacity{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
+  stream.Sort(by_tile_, std::bit_width(tiles()));
+  ForEachThread(capacity_,
+                stream,
+                GatherGaussians{std::as_const(by_tile_.values).view(),
+                                std::as_const(of_record_).view(),
+                                gaussian_.view()});
 }
 
-void TileLists::FindTiles(cudaStream_t stream) {
-  tile_begin_.Refill(tiles() + 1);
-  bucket_begin_.Refill(tiles() + 1);
-  ForEach(tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
-  ForEach(
+void TileLists::FindTiles(Stream& stream) {
+  tile_begin_.Refill(tiles() + 1, stream);
+  bucket_begin_.Refill(tiles() + 1, stream);
+  ForEachThread(
+      tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
+  ForEachThread(
       tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
-  sorter_.ExclusiveSum(bucket_begin_, stream);
+  stream.ExclusiveSum(bucket_begin_);
 }
 
-void TileLists::Build(DeviceView<const ProjectedSplat> splats,
-                      DeviceView<const float> radii,
+void TileLists::Build(View<const ProjectedSplat> splats,
+                      View<const float> radii,
                       int width,
                       int height,
-                      cudaStream_t stream) {
+                      Stream& stream) {
   tiles_x_ = math::TilesAcross(width);
   tiles_y_ = math::TilesAcross(height);
   SortByDepth(splats, radii, stream);
@@ -273,7 +275,7 @@ size_t TileLists::HeldForInstances() const {
 }
 
 size_t TileLists::HeldForGaussians() const {
-  return by_depth_.held() + HeldForInstances() + sorter_.held() + HeldBy(record_begin_);
+  return by_depth_.held() + HeldForInstances() + HeldBy(record_begin_);
 }
 
 size_t TileLists::HeldForTiles() const { return HeldBy(tile_begin_, bucket_begin_); }

@@ -6,8 +6,10 @@
 
 #include <cstdint>
 
-#include "splat/device/cuda/sort.h"
+#include "splat/device/cuda/stream.h"
+#include "splat/device/sort.h"
 #include "splat/render/kernels/projected_splat.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::cuda {
 
@@ -19,12 +21,12 @@ constexpr uint32_t kBucket = 32;
 // expected; where there are more (!Complete()) no tile has any.
 struct TileListsView {
   int tiles_x = 0, tiles_y = 0;
-  DeviceView<const uint32_t> gaussian, record;  // [capacity]
-  DeviceView<const uint32_t> tile_begin;        // [tiles + 1]
-  DeviceView<const uint64_t> bucket_begin;      // [tiles + 1]
+  View<const uint32_t> gaussian, record;  // [capacity]
+  View<const uint32_t> tile_begin;        // [tiles + 1]
+  View<const uint64_t> bucket_begin;      // [tiles + 1]
   // Gaussians by depth, equal depths by index, undrawn ones last; where the records of each begin.
-  DeviceView<const uint32_t> order;         // [count]
-  DeviceView<const uint64_t> record_begin;  // [count + 1]
+  View<const uint32_t> order;         // [count]
+  View<const uint64_t> record_begin;  // [count + 1]
 
   __device__ bool Complete() const {
     return record_begin[record_begin.count - 1] <= gaussian.count;
@@ -33,27 +35,20 @@ struct TileListsView {
 
 class TileLists {
  public:
-  struct Counts {
-    uint64_t instances, visible;
-  };
-
   // Rebuilds for an image of this size. The host waits once, for the number of instances, unless it
   // was told what to expect. Throws Error when there are 2^31 or more, before storing any.
-  void Build(DeviceView<const ProjectedSplat> splats,
-             DeviceView<const float> radii,
+  void Build(View<const ProjectedSplat> splats,
+             View<const float> radii,
              int width,
              int height,
-             cudaStream_t stream);
+             Stream& stream);
 
   // The next Build makes room for so many instances and waits for nothing. Where there are more, it
   // sets *exceeded, which is the device's, to 1 and leaves the lists empty.
   void Expect(size_t instances, uint32_t* exceeded);
 
-  // Of a Build that waited.
-  size_t visible() const { return known_.visible; }
-  size_t instances() const { return known_.instances; }
-  // Of any, on the device.
-  const Counts* counts() const { return counts_.data(); }
+  // On the device.
+  const InstanceCounts* counts() const { return counts_.data(); }
   // What follows is sized by these, known without asking the device: entries of the lists, and
   // buckets, of which there are no more.
   size_t capacity() const { return capacity_; }
@@ -67,28 +62,24 @@ class TileLists {
   size_t HeldForTiles() const;
 
  private:
-  void SortByDepth(DeviceView<const ProjectedSplat> splats,
-                   DeviceView<const float> radii,
-                   cudaStream_t stream);
-  void Count(DeviceView<const ProjectedSplat> splats, cudaStream_t stream);
-  void WaitForCounts(cudaStream_t stream);
-  void Emit(DeviceView<const ProjectedSplat> splats, cudaStream_t stream);
-  void FindTiles(cudaStream_t stream);
+  void SortByDepth(View<const ProjectedSplat> splats, View<const float> radii, Stream& stream);
+  void Count(View<const ProjectedSplat> splats, Stream& stream);
+  void WaitForCounts(Stream& stream);
+  void Emit(View<const ProjectedSplat> splats, Stream& stream);
+  void FindTiles(Stream& stream);
 
   int tiles_x_ = 0, tiles_y_ = 0;
   size_t capacity_ = 0;
-  Counts known_{};
-  uint32_t* exceeded_ = nullptr;         // of the next Build; null: it waits
-  KeyedValues by_depth_;                 // [count] values: indices of Gaussians, undrawn ones last
-  DeviceBuffer<uint64_t> record_begin_;  // [count + 1]
-  DeviceBuffer<Counts> counts_;          // [1]
-  KeyedValues by_tile_;                  // [capacity] values: records
-  DeviceBuffer<uint32_t> of_record_;     // [capacity] a record's Gaussian
-  DeviceBuffer<uint32_t> gaussian_;      // [capacity] in the order of the lists
-  DeviceBuffer<uint32_t> tile_begin_;    // [tiles + 1]
-  DeviceBuffer<uint64_t> bucket_begin_;  // [tiles + 1]
-  Sorter sorter_;
-  Readback<Counts> readback_;
+  uint32_t* exceeded_ = nullptr;   // of the next Build; null: it waits
+  KeyedValues by_depth_;           // [count] values: indices of Gaussians, undrawn ones last
+  Buffer<uint64_t> record_begin_;  // [count + 1]
+  Buffer<InstanceCounts> counts_;  // [1]
+  KeyedValues by_tile_;            // [capacity] values: records
+  Buffer<uint32_t> of_record_;     // [capacity] a record's Gaussian
+  Buffer<uint32_t> gaussian_;      // [capacity] in the order of the lists
+  Buffer<uint32_t> tile_begin_;    // [tiles + 1]
+  Buffer<uint64_t> bucket_begin_;  // [tiles + 1]
+  std::unique_ptr<Readback<InstanceCounts>> readback_;
 };
 
 }  // namespace cosplat::cuda

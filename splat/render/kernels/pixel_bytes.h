@@ -46,4 +46,12 @@ COSPLAT_HD PixelBytes PixelAt(const PicturePlanes& planes, size_t p) {
 }
 
 }  // namespace math
+
+template <AlphaMode kMode>
+struct WritePixel {
+  PicturePlanes planes;
+  PixelBytes* pixels;
+  COSPLAT_HD void operator()(size_t p) const { pixels[p] = math::PixelAt<kMode>(planes, p); }
+};
+
 }  // namespace cosplat

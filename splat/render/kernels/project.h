@@ -11,8 +11,8 @@
 #include "splat/math/blend.h"
 #include "splat/math/dcsh.h"
 #include "splat/math/pinhole.h"
+#include "splat/math/rows.h"
 #include "splat/render/kernels/projected_splat.h"
-#include "splat/render/kernels/rows.h"
 #include "splat/render/kernels/world_gaussians.h"
 
 COSPLAT_MATH_BEGIN

@@ -8,12 +8,11 @@ namespace cosplat {
 
 // One attribute of all Gaussians, and the constants of this step's update (math/adam.h).
 struct AdamArray {
-  int width = 0;  // numbers per Gaussian
   float beta1 = 0, beta2 = 0, step_size = 0, scaled_eps = 0;
+  size_t numbers = 0;
+  int width = 1;                    // numbers per Gaussian
   const float* gradient = nullptr;  // null: nothing but what was put off
-  float* value = nullptr;
-  float* m = nullptr;
-  float* v = nullptr;
+  float *value = nullptr, *m = nullptr, *v = nullptr;
   const float* rate_scale = nullptr;  // multiplies the step of each number; or null
 };
 

@@ -142,7 +142,7 @@ struct GradientKernel {
 // One block adds up what the others left, each thread every 256th, and then the threads in order.
 struct AddUpLoss {
   static constexpr unsigned kThreads = 256;
-  DeviceView<const double> pointwise, ssim;  // ssim: empty where it has no weight
+  View<const double> pointwise, ssim;  // ssim: empty where it has no weight
   double dssim, values;
   double* loss;
 
@@ -154,7 +154,7 @@ struct AddUpLoss {
     const double points = Sum(pointwise), similar = Sum(ssim);
     if (threadIdx.x == 0) *loss = points + (ssim.count != 0 ? dssim * (1 - similar / values) : 0);
   }
-  __device__ double Sum(const DeviceView<const double>& sums) const {
+  __device__ double Sum(const View<const double>& sums) const {
     Shared& s = SharedMemory<Shared>();
     double sum = 0;
     for (size_t i = threadIdx.x; i < sums.count; i += kThreads) sum += sums[i];
@@ -172,36 +172,39 @@ size_t LossBlocks(int width, int height) {
   return 3 * across(width) * across(height);
 }
 
-}  // namespace
+class CudaLoss : public StepLoss {
+ public:
+  void Evaluate(const LossWeights& weights,
+                View<const float> rendered,
+                const TargetView& target,
+                const std::array<float, 3>& background,
+                Buffer<float>& d_rendered,
+                Stream& stream) override;
+  const double* value() const override { return value_.data(); }
 
-void DeviceTarget::ResizeLike(const Image8& image) {
-  width = image.width;
-  height = image.height;
-  channels = image.channels;
-  bytes.Refill(image.data.size());
-}
+ private:
+  Buffer<float> partials_;    // [channel, partial, height, width]
+  Buffer<double> ssim_sums_;  // [blocks]
+  Buffer<double> pointwise_sums_;
+  Buffer<double> value_;
+};
 
-void DeviceTarget::Upload(const Image8& image, cudaStream_t stream) {
-  ResizeLike(image);
-  bytes.Upload(image.data.data(), image.data.size(), stream);
-}
-
-void PhotometricLoss::Evaluate(const LossWeights& weights,
-                               const float* rendered,
-                               const DeviceTarget& target,
-                               const std::array<float, 3>& background,
-                               DeviceBuffer<float>& d_rendered,
-                               cudaStream_t stream) {
+void CudaLoss::Evaluate(const LossWeights& weights,
+                        View<const float> rendered,
+                        const TargetView& target,
+                        const std::array<float, 3>& background,
+                        Buffer<float>& d_rendered,
+                        Stream& stream) {
   const size_t values = 3 * size_t(target.width) * target.height;
   const size_t blocks = LossBlocks(target.width, target.height);
   const bool with_ssim = weights.dssim != 0;
-  d_rendered.Refill(values);
-  partials_.Refill(with_ssim ? kPartials * values : 0);
-  ssim_sums_.Refill(with_ssim ? blocks : 0);
-  pointwise_sums_.Refill(blocks);
-  value_.Refill(1);
-  const ComparedImages images{rendered,
-                              target.bytes.data(),
+  d_rendered.Refill(values, stream);
+  partials_.Refill(with_ssim ? kPartials * values : 0, stream);
+  ssim_sums_.Refill(with_ssim ? blocks : 0, stream);
+  pointwise_sums_.Refill(blocks, stream);
+  value_.Refill(1, stream);
+  const ComparedImages images{rendered.data,
+                              target.bytes,
                               target.width,
                               target.height,
                               target.channels,
@@ -235,5 +238,9 @@ void PhotometricLoss::Evaluate(const LossWeights& weights,
                       double(values),
                       value_.data()});
 }
+
+}  // namespace
+
+std::unique_ptr<StepLoss> MakeCudaLoss() { return std::make_unique<CudaLoss>(); }
 
 }  // namespace cosplat::cuda

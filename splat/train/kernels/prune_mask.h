@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "splat/base/rng.h"
+#include "splat/device/buffer.h"
+#include "splat/math/adam.h"
 #include "splat/math/scalar.h"
 
 namespace cosplat::math {
@@ -74,3 +76,82 @@ COSPLAT_HD float SoftMaskVjp(const SoftMask& soft,
 }
 
 }  // namespace cosplat::math
+
+namespace cosplat {
+
+enum class MaskKind { kHard, kSoft };
+
+// The steps of MaskLearner (splat/train/mask_learner.h). A Gaussian each:
+
+struct HideMasked {
+  View<const float> mu, opacity_logit;
+  View<float> shown, drawn_logit;
+  COSPLAT_HD void operator()(size_t i) const {
+    shown[i] = math::Sigmoid(mu[i]);
+    drawn_logit[i] = math::MaskHides(mu[i]) ? math::kHiddenLogit : opacity_logit[i];
+  }
+};
+
+struct DimMasked {
+  View<const float> mu, importance, opacity_logit;
+  Rng rng;
+  View<float> shown, drawn_logit;
+  COSPLAT_HD void operator()(size_t i) const {
+    Rng mine = rng.After(i * math::kMaskDraws);
+    const math::SoftMask soft = math::SoftMaskOf(mu[i], importance[i], opacity_logit[i], mine);
+    shown[i] = soft.mask;
+    drawn_logit[i] = soft.opacity_logit;
+  }
+};
+
+// One step of the mask's Adam.
+struct LearnMask {
+  MaskKind kind;
+  float share;
+  math::AdamStep adam;
+  View<const float> radii, importance, shown, drawn_logit, opacity_logit, d_scale_log;
+  const uint32_t* overflowed;
+  View<float> d_opacity_logit, mu, m, v;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (*overflowed != 0) return;
+    const float d = Gradient(i);
+    math::AdamUpdate(adam, std::isfinite(d) ? d : 0.0f, mu[i], m[i], v[i]);
+  }
+  COSPLAT_HD float Gradient(size_t i) const {
+    const bool drawn = radii[i] > 0;
+    if (kind == MaskKind::kHard)
+      return math::HardMaskVjp(
+          mu[i], share, drawn, &d_scale_log[3 * i], d_opacity_logit[i], opacity_logit[i]);
+    return math::SoftMaskVjp({shown[i], drawn_logit[i]},
+                             importance[i],
+                             share,
+                             drawn,
+                             opacity_logit[i],
+                             d_opacity_logit[i]);
+  }
+};
+
+// Of each block of 256, in order.
+struct SumShown {
+  static constexpr size_t kBlock = 256;
+  View<const float> shown;
+  View<double> sums;
+  COSPLAT_HD void operator()(size_t b) const {
+    double sum = 0;
+    for (size_t i = b * kBlock; i < math::Min((b + 1) * kBlock, shown.count); ++i) sum += shown[i];
+    sums[b] = sum;
+  }
+};
+
+struct AddUpShown {
+  View<const double> sums;
+  float share;
+  double* value;
+  COSPLAT_HD void operator()(size_t) const {
+    double sum = 0;
+    for (size_t b = 0; b < sums.count; ++b) sum += sums[b];
+    *value = sum * share;
+  }
+};
+
+}  // namespace cosplat

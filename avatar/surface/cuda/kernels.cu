@@ -1,0 +1,27 @@
+#include "avatar/surface/cuda/kernels.h"
+#include "avatar/surface/kernels/embed.h"
+#include "avatar/surface/kernels/holes.h"
+#include "avatar/surface/kernels/place.h"
+#include "avatar/surface/kernels/surface.h"
+#include "avatar/surface/kernels/walk.h"
+#include "splat/device/cuda/kernels.cuh"
+#include "splat/device/gather.h"
+
+namespace cosplat::cuda {
+
+void ProvideSurfaceKernels() {
+  ProvideRows<PoseFacesKernel,
+              PoseVerticesKernel,
+              VerticesVjpKernel,
+              FacesVjpKernel,
+              EmbedKernel,
+              EmbedVjpKernel>();
+  Provide<math::PutPositionsKernel, math::SumCornersKernel, math::SumAtVertexKernel>();
+  Provide<FaceKeys, FindBegin>();
+  Provide<WalkOne, ListTouching, CountOnFace, TakeEach, SettleWalk, ForgetMoment>();
+  Provide<MoveEach, PlaceEach, RateEach>();
+  Provide<FindLast, ThinOut, FindHoles, SpareOne>();
+  Provide<GatherRow<std::array<float, 2>>>();
+}
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,110 @@
+#include "splat/device/cuda/stream.h"
+
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+namespace cosplat::cuda {
+namespace {
+
+std::string Megabytes(size_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f MB", double(bytes) * 1e-6);
+  return text;
+}
+
+class CudaMemory : public Memory {
+ public:
+  // Throws Error with how much was wanted and how much there is.
+  void* Allocate(size_t bytes) override {
+    void* p = nullptr;
+    const cudaError_t error = cudaMalloc(&p, bytes);
+    if (error == cudaErrorMemoryAllocation) {
+      cudaGetLastError();
+      size_t free = 0, total = 0;
+      Check(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+      throw Error("CUDA",
+                  "the device has no room for " + Megabytes(bytes) + " more: " + Megabytes(free) +
+                      " of " + Megabytes(total) + " are free");
+    }
+    Check(error, "cudaMalloc");
+    return p;
+  }
+  void Free(void* data, size_t) override { cudaFree(data); }
+};
+
+class PinnedMemory : public Memory {
+ public:
+  void* Allocate(size_t bytes) override {
+    void* p = nullptr;
+    Check(cudaMallocHost(&p, bytes), "cudaMallocHost");
+    return p;
+  }
+  void Free(void* data, size_t) override { cudaFreeHost(data); }
+};
+
+class EventMoment : public Moment {
+ public:
+  explicit EventMoment(cudaStream_t stream) : stream_(stream) {}
+  void Record() override { event_.Record(stream_); }
+  void Wait() const override { event_.Wait(); }
+
+ private:
+  cudaStream_t stream_;
+  Event event_;
+};
+
+}  // namespace
+
+std::unique_ptr<Moment> CudaStream::MakeMoment() { return std::make_unique<EventMoment>(stream_); }
+
+size_t FreeMemory() {
+  size_t free = 0, total = 0;
+  Check(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+  return free;
+}
+
+Memory& CudaStream::memory() const {
+  // Never destroyed: buffers may outlive what is static.
+  static CudaMemory& memory = *new CudaMemory;
+  return memory;
+}
+
+Memory& CudaStream::readback_memory() const {
+  static PinnedMemory& memory = *new PinnedMemory;
+  return memory;
+}
+
+size_t CudaStream::FreeMemory() const { return cuda::FreeMemory(); }
+
+void CudaStream::Upload(void* to, const void* from, size_t bytes) {
+  Check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_), "cudaMemcpyAsync");
+}
+
+void CudaStream::Download(void* to, const void* from, size_t bytes) {
+  Check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_), "cudaMemcpyAsync");
+}
+
+void CudaStream::Send(void* to, const void* from, size_t bytes) {
+  if (bytes == 0) return;
+  Piece& piece = pieces_[next_];
+  next_ = 1 - next_;
+  piece.sent.Wait();
+  if (bytes > piece.bytes) {
+    Check(cudaFreeHost(std::exchange(piece.memory, nullptr)), "cudaFreeHost");
+    piece.bytes = 0;
+    Check(cudaMallocHost(&piece.memory, bytes), "cudaMallocHost");
+    piece.bytes = bytes;
+  }
+  std::memcpy(piece.memory, from, bytes);
+  Upload(to, piece.memory, bytes);
+  piece.sent.Record(stream_);
+}
+
+void CudaStream::FillWithZeros(void* data, size_t bytes) {
+  Check(cudaMemsetAsync(data, 0, bytes, stream_), "cudaMemsetAsync");
+}
+
+void CudaStream::Wait() { Check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
+
+}  // namespace cosplat::cuda

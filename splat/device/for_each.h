@@ -1,0 +1,45 @@
+// Runs a kernel over elements, on the host or on a device: the text of a kernel is one for both.
+//
+// A kernel is a struct of Views and numbers with `COSPLAT_HD void operator()(size_t i) const`,
+// whose elements do not depend on each other: the bits do not depend on the number of threads. A
+// back end that has devices lists the kernels that it compiles for them
+// (splat/device/cuda/kernels.cuh).
+#pragma once
+
+#include <string>
+#include <typeinfo>
+
+#include "splat/base/error.h"
+#include "splat/device/parallel_for.h"
+#include "splat/device/stream.h"
+
+namespace cosplat {
+
+// Where a device's back end says how it launches the kernel; null: it does not.
+template <class Kernel>
+struct KernelLaunch {
+  using Function = void (*)(size_t n, Stream& stream, const Kernel& kernel);
+  static inline Function function = nullptr;
+
+  static void Run(size_t n, Stream& stream, const Kernel& kernel) {
+    if (!function) throw Error("device", std::string("has no kernel ") + typeid(Kernel).name());
+    function(n, stream, kernel);
+  }
+};
+
+// kernel(i) for i < n.
+template <class Kernel>
+void ForEach(size_t n, Stream& stream, const Kernel& kernel) {
+  if (!stream.on_host()) return KernelLaunch<Kernel>::Run(n, stream, kernel);
+  ParallelFor(n, kernel);
+}
+
+// For kernels that work on SIMD packs of elements on the host: there, RunOnHost(n, kernel) does it,
+// compiled once per instruction set, and on a device Run<float>(kernel, Rows{i, 1}), a thread each.
+template <class Kernel>
+void ForEachRow(size_t n, Stream& stream, const Kernel& kernel) {
+  if (!stream.on_host()) return KernelLaunch<Kernel>::Run(n, stream, kernel);
+  RunOnHost(n, kernel);
+}
+
+}  // namespace cosplat

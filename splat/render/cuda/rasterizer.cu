@@ -1,0 +1,116 @@
+#include "splat/basis_constants.h"
+#include "splat/device/cuda/launch.cuh"
+#include "splat/render/cuda/blend.h"
+#include "splat/render/cuda/rasterizer.h"
+#include "splat/render/kernels/project.h"
+#include "splat/render/kernels/view_parameters.h"
+
+namespace cosplat::cuda {
+namespace {
+
+struct Project {
+  math::ProjectKernel kernel;
+  __device__ void operator()(size_t i) const { kernel.Run<float>(math::Rows{i, 1}); }
+};
+
+struct ProjectBack {
+  math::ProjectVjpKernel kernel;
+  __device__ void operator()(size_t i) const {
+    if (kernel.out.drawn_groups_only && !GroupIsDrawn(i)) return;
+    kernel.Run<float>(math::Rows{i, 1});
+  }
+  __device__ bool GroupIsDrawn(size_t i) const {
+    const size_t begin = i / kGaussianGroup * kGaussianGroup;
+    const size_t end = math::Min(begin + kGaussianGroup, kernel.gaussians.count);
+    for (size_t k = begin; k < end; ++k)
+      if (kernel.radii[k] > 0) return true;
+    return false;
+  }
+};
+
+}  // namespace
+
+// Every basis once and for all: copying from ordinary memory makes the host wait for the stream.
+CudaRasterizer::CudaRasterizer(SumOrder order) : order_(order) {
+  std::vector<float> constants;
+  for (size_t b = 0; b < kBasisNames.size(); ++b) {
+    const float* of_basis = BasisConstants(Basis(b));
+    constants.insert(constants.end(), of_basis, of_basis + kMaxCoefficients);
+  }
+  basis_constants_.Upload(constants.data(), constants.size(), stream_);
+}
+
+void CudaRasterizer::Forward(const WorldGaussians& gaussians,
+                             Basis basis,
+                             const Camera& camera,
+                             const RenderSettings& settings,
+                             RenderedImage& image,
+                             RenderTape& base_tape) {
+  CheckArguments(gaussians, camera, settings);
+  auto& tape = static_cast<CudaTape&>(base_tape);
+  Stream& stream = stream_;
+  tape.view = ViewOfCamera(camera, basis, settings.degree);
+  tape.view.basis_constants = basis_constants_.data() + size_t(basis) * kMaxCoefficients;
+  tape.settings = settings;
+  image.width = camera.width;
+  image.height = camera.height;
+  tape.splats.Refill(gaussians.count, stream);
+  tape.radius.Refill(gaussians.count, stream);
+  marks_[kStart].Record(stream);
+  ForEachThread(gaussians.count,
+                stream,
+                Project{{gaussians, tape.view, tape.splats.data(), tape.radius.data()}});
+  marks_[kProjected].Record(stream);
+  tape.lists.Build(std::as_const(tape.splats).view(),
+                   std::as_const(tape.radius).view(),
+                   camera.width,
+                   camera.height,
+                   stream);
+  marks_[kSorted].Record(stream);
+  BlendForward(tape, image, stream);
+  marks_[kBlended].Record(stream);
+}
+
+void CudaRasterizer::Backward(const WorldGaussians& gaussians,
+                              const RenderedImage& image,
+                              const Buffer<float>& d_color,
+                              RenderTape& base_tape,
+                              const WorldGradients& gradients) {
+  auto& tape = static_cast<CudaTape&>(base_tape);
+  Stream& stream = stream_;
+  marks_[kBackStart].Record(stream);
+  BlendBackward(tape, image, d_color.data(), stream);
+  marks_[kBlendedBack].Record(stream);
+  ForEachThread(gaussians.count,
+                stream,
+                ProjectBack{{gaussians,
+                             tape.view,
+                             tape.splats.data(),
+                             tape.radius.data(),
+                             tape.d_splats.data(),
+                             gradients}});
+  marks_[kBack].Record(stream);
+}
+
+void CudaRasterizer::Contributions(const RenderedImage& image,
+                                   RenderTape& base_tape,
+                                   Buffer<Contribution>& sums) {
+  auto& tape = static_cast<CudaTape&>(base_tape);
+  sums.Refill(tape.splats.size(), stream_);
+  SumContributions(tape, image, sums.data(), stream_);
+}
+
+void CudaRasterizer::AddForwardTimes() {
+  const auto add = [&](Phase phase, Mark from, Mark to) {
+    times.seconds[size_t(phase)] += 1e-3 * MillisecondsBetween(from, to);
+  };
+  add(Phase::kProject, kStart, kProjected);
+  add(Phase::kSort, kProjected, kSorted);
+  add(Phase::kBlend, kSorted, kBlended);
+}
+
+void CudaRasterizer::AddBackwardTimes() {
+  times.seconds[size_t(Phase::kBackward)] += 1e-3 * MillisecondsBetween(kBackStart, kBack);
+}
+
+}  // namespace cosplat::cuda

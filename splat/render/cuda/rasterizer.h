@@ -1,0 +1,53 @@
+// splat/render/rasterizer.h on a CUDA device.
+//
+// One stream; nothing waits but Forward, once, for the number of instances, and it does not where
+// it was told how many to expect (RenderTape::Expect). The exponential is the device's own,
+// whatever RenderSettings::exp_degree says.
+#pragma once
+
+#include "splat/device/cuda/stream.h"
+#include "splat/render/cuda/tape.h"
+
+namespace cosplat::cuda {
+
+class CudaRasterizer : public Rasterizer {
+ public:
+  explicit CudaRasterizer(SumOrder order);
+
+  Stream& stream() override { return stream_; }
+  std::unique_ptr<RenderTape> MakeTape(bool keep = true) const override {
+    return std::make_unique<CudaTape>(keep, order_);
+  }
+  void Forward(const WorldGaussians& gaussians,
+               Basis basis,
+               const Camera& camera,
+               const RenderSettings& settings,
+               RenderedImage& image,
+               RenderTape& tape) override;
+  void Backward(const WorldGaussians& gaussians,
+                const RenderedImage& image,
+                const Buffer<float>& d_color,
+                RenderTape& tape,
+                const WorldGradients& gradients) override;
+  void Contributions(const RenderedImage& image,
+                     RenderTape& tape,
+                     Buffer<Contribution>& contributions) override;
+  double BytesPerGaussian(double instances) const override;
+  void AddForwardTimes() override;
+  void AddBackwardTimes() override;
+
+  // Between the stages of the last Forward and Backward, in their order: project, sort, blend; and
+  // blend back, project back. For whoever has waited for the stream.
+  enum Mark { kStart, kProjected, kSorted, kBlended, kBackStart, kBlendedBack, kBack, kMarks };
+  float MillisecondsBetween(Mark from, Mark to) const {
+    return marks_[to].MillisecondsSince(marks_[from]);
+  }
+
+ private:
+  SumOrder order_;
+  CudaStream stream_;
+  Event marks_[kMarks];
+  Buffer<float> basis_constants_;  // [bases, kMaxCoefficients]
+};
+
+}  // namespace cosplat::cuda

@@ -1,0 +1,49 @@
+#include "splat/render/cuda/tape.h"
+
+#include "splat/config.h"
+#include "splat/render/cuda/rasterizer.h"
+
+namespace cosplat::cuda {
+namespace {
+
+constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // Buffer
+// Per Gaussian: the projected splat with its radius and gradient, and sorting by depth.
+constexpr double kPerSplat = sizeof(ProjectedSplat) + sizeof(float) + sizeof(SplatGradient) +
+                             4 * sizeof(uint32_t) + sizeof(uint64_t);
+// Lists: two pairs of keys and values, the record's Gaussian, the list's; and a bucket's pixels.
+constexpr double kPerInstance =
+    6 * sizeof(uint32_t) + double(kTileSize) * kTileSize * sizeof(PixelCheckpoint) / kBucket;
+
+double BytesPerInstance(SumOrder order) {
+  return kPerInstance + (order == SumOrder::kFixed ? sizeof(SplatGradient) : 0);
+}
+
+}  // namespace
+
+double CudaRasterizer::BytesPerGaussian(double instances) const {
+  return kPerSplat + instances * BytesPerInstance(order_);
+}
+
+bool CudaTape::Expect(size_t instances, uint32_t* exceeded) {
+  if (instances > lists.allocated()) {
+    // A tile's last bucket may be nearly empty.
+    const double partial = double(lists.tiles()) * kTileSize * kTileSize;
+    const double wanted =
+        kGrowth * (double(instances) * BytesPerInstance(order) + partial * sizeof(PixelCheckpoint));
+    const size_t held = lists.HeldForInstances() + HeldBy(checkpoints, records);
+    if (wanted > double(held) + kUsableMemory * double(FreeMemory())) return false;
+  }
+  lists.Expect(instances, exceeded);
+  return true;
+}
+
+std::vector<MemoryPart> CudaTape::Memory() const {
+  return {{"projected splats", HeldBy(splats, radius)},
+          {"tile lists", lists.HeldForGaussians()},
+          {"gradients per splat and tile", HeldBy(records, contributions)},
+          {"gradients per splat", HeldBy(d_splats)},
+          {"pixels per bucket of splats", HeldBy(checkpoints)},
+          {"tiles", lists.HeldForTiles() + HeldBy(n_contrib), MemoryOf::kPixels}};
+}
+
+}  // namespace cosplat::cuda

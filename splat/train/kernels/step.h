@@ -1,0 +1,104 @@
+// The smaller parts of a training step, element by element: what density control gathers, the
+// regulariser of scales, sums of contributions.
+#pragma once
+
+#include "splat/device/buffer.h"
+#include "splat/render/contribution.h"
+#include "splat/train/kernels/density.h"
+
+namespace cosplat {
+
+// A Gaussian each. Nothing while *overflowed is not 0: the step will be done again.
+struct AccumulateStep {
+  View<const float> radii, screen, d_scale_log, scale_log;
+  int width, height;
+  View<float> screen_gradient, plasticity, visible;
+  const uint32_t* overflowed;
+  COSPLAT_HD void operator()(size_t i) const {
+    if (!(radii[i] > 0) || *overflowed != 0) return;
+    const math::ShapeOfStep step =
+        math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
+    if (!step.IsUsable()) return;
+    screen_gradient[i] += step.screen;
+    plasticity[i] += step.plasticity;
+    visible[i] += 1;
+  }
+};
+
+struct AddContributions {
+  View<const Contribution> more;
+  View<Contribution> sums;
+  COSPLAT_HD void operator()(size_t i) const { sums[i] += more[i]; }
+};
+
+// Which Gaussians ScaleRegularizer (splat/train/train_settings.h) pulls at: the needle-like ones.
+struct NeedleRule {
+  float limit_log, ratio_log;
+  // The axis of its length; -1 for one that is no needle.
+  COSPLAT_HD int AxisOf(const float* s) const {
+    int longest = 0, shortest = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (s[longest] < s[k]) longest = k;
+      if (s[k] < s[shortest]) shortest = k;
+    }
+    return s[longest] <= limit_log || s[longest] - s[shortest] <= ratio_log ? -1 : longest;
+  }
+};
+
+// The lengths of a block of Gaussians' needles, and how many; in order.
+struct SumNeedles {
+  static constexpr size_t kBlock = 256;
+  NeedleRule rule;
+  View<const float> scale_log;  // [N, 3]
+  View<double> sums, counts;    // [blocks]
+  COSPLAT_HD void operator()(size_t b) const {
+    const size_t n = scale_log.count / 3, last = (b + 1) * kBlock < n ? (b + 1) * kBlock : n;
+    double sum = 0, count = 0;
+    for (size_t i = b * kBlock; i < last; ++i) {
+      const int axis = rule.AxisOf(&scale_log[3 * i]);
+      if (axis < 0) continue;
+      sum += std::exp(scale_log[3 * i + axis]);
+      count += 1;
+    }
+    sums[b] = sum;
+    counts[b] = count;
+  }
+};
+
+struct NeedleTotal {
+  double value = 0;  // of the loss
+  float scale = 0;   // weight / how many
+};
+
+// All in one.
+struct AddUpNeedles {
+  View<const double> sums, counts;
+  float weight;
+  NeedleTotal* total;
+  COSPLAT_HD void operator()(size_t) const {
+    double sum = 0, count = 0;
+    for (size_t b = 0; b < sums.count; ++b) {
+      sum += sums[b];
+      count += counts[b];
+    }
+    const double scale = count > 0 ? weight / count : 0;
+    *total = {sum * scale, float(scale)};
+  }
+};
+
+// Adds to the gradient of a needle's length. `moves`: what Adam works on, those with a radius and
+// needles.
+struct PullNeedles {
+  NeedleRule rule;
+  View<const float> scale_log, radii;
+  const NeedleTotal* total;
+  View<float> d_scale_log, moves;
+  COSPLAT_HD void operator()(size_t i) const {
+    const float* s = &scale_log[3 * i];
+    const int axis = rule.AxisOf(s);
+    moves[i] = axis < 0 ? radii[i] : 1.0f;
+    if (axis >= 0) d_scale_log[3 * i + axis] += total->scale * std::exp(s[axis]);
+  }
+};
+
+}  // namespace cosplat

@@ -1,0 +1,462 @@
+#include "splat/train/step_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "splat/base/error.h"
+#include "splat/device/for_each.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kTargetShare = 0.25;            // of the memory that is free at first
+constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // Buffer
+
+// Beside parameters, gradients and moments: three statistics and one in turn, the regulariser's
+// moves, the screen's gradient, and density control.
+constexpr double kBesideParameters = 5 * sizeof(float) + 2 * sizeof(float) + 4 * sizeof(uint64_t) +
+                                     6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 3 * sizeof(float);
+
+void CheckRule(PruneRule rule) {
+  if (WorksOnProcessorOnly(rule))
+    throw Error("--prune " + ToString(rule),
+                "works in every step on the processor: give --device cpu, or another rule");
+}
+
+size_t TargetBytes(const Stream& stream) {
+  return stream.on_host() ? 0 : size_t(kTargetShare * double(stream.FreeMemory()));
+}
+
+std::string NoticeOfMemory(const Stream& stream, size_t gaussians) {
+  char text[160];
+  std::snprintf(text,
+                sizeof text,
+                "the device's memory is nearly full (%.2f GB are free): training goes on with "
+                "about %zu Gaussians",
+                1e-9 * double(stream.FreeMemory()),
+                gaussians);
+  return text;
+}
+
+}  // namespace
+
+void CheckLoss(double loss, int iteration) {
+  if (!std::isfinite(loss))
+    throw Error("iteration " + std::to_string(iteration), "the loss is not finite");
+}
+
+StepDevice HostStepDevice() { return {MakeCpuRasterizer(), std::make_unique<PhotometricLoss>()}; }
+
+std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
+                                               Subject& subject,
+                                               TrainingState& state) {
+  return std::make_unique<StepEngine>(settings, subject, state, HostStepDevice());
+}
+
+StepEngine::StepEngine(const TrainSettings& settings,
+                       Subject& subject,
+                       TrainingState& state,
+                       StepDevice device,
+                       const InstanceForecast& forecast)
+    : settings_(settings),
+      subject_(subject),
+      state_(state),
+      device_(std::move(device)),
+      stream_(device_.rasterizer->stream()),
+      now_(stream_.on_host() ? &state_ : &on_device_),
+      targets_(subject, TargetBytes(stream_)),
+      tape_(device_.rasterizer->MakeTape()),
+      forecast_(forecast),
+      steps_{Submitted(stream_), Submitted(stream_)} {
+  if (!on_host()) CheckRule(settings.prune.rule);
+  subject_.WorkIn(stream_);
+  try {
+    Store();
+  } catch (const std::exception&) {
+    subject_.WorkIn(HostStream());  // this stream goes
+    throw;
+  }
+}
+
+StepEngine::~StepEngine() {
+  try {
+    stream_.Wait();  // for what is in flight, which uses what goes now
+    subject_.WorkIn(HostStream());
+  } catch (const std::exception&) {
+    // What went wrong has been said by whoever waited first.
+  }
+}
+
+Population StepEngine::Everyone() {
+  canvas_.emplace(Canvas{*device_.rasterizer, image_, *tape_});
+  return {subject_,
+          now_->gaussians,
+          now_->adam,
+          now_->statistics,
+          gradients_,
+          stream_,
+          &*canvas_,
+          pruner_,
+          mask_.learns() ? &mask_ : nullptr};
+}
+
+// On the host, what is sized for the Gaussians: while they are copied it need not be there, and
+// afterwards it is made anew for as many as there then are.
+void StepEngine::ReleaseScratch() {
+  if (!on_host()) return;
+  gradients_ = {};
+  screen_ = {};
+  moves_ = {};
+  density_.Release();
+  tape_ = device_.rasterizer->MakeTape();
+}
+
+void StepEngine::StoreMask() { mask_.Upload(pruner_ ? pruner_->Mask() : MaskInSteps(), stream_); }
+
+void StepEngine::SetPruner(Pruner* pruner) {
+  pruner_ = pruner;
+  StoreMask();
+}
+
+void StepEngine::Store() {
+  if (!on_host()) {
+    on_device_.gaussians.Upload(state_.gaussians, stream_);
+    on_device_.adam.Upload(state_.adam, stream_);
+    on_device_.statistics.Upload(state_.statistics, stream_);
+  }
+  ReleaseScratch();
+  gradients_.RefillLike(now_->gaussians, stream_);
+  overflowed_.Refill(1, stream_);
+  overflowed_.FillWithZeros(stream_);
+  StoreMask();
+  stream_.Wait();  // for the state's memory
+  in_flight_ = 0;  // steps of another state
+  fetched_ = true;
+}
+
+void StepEngine::Fetch() {
+  if (fetched_) return;
+  Settle(0);
+  if (!on_host()) {
+    on_device_.gaussians.Download(state_.gaussians, stream_);
+    on_device_.adam.Download(state_.adam, stream_);
+    on_device_.statistics.Download(state_.statistics, stream_);
+    stream_.Wait();
+  }
+  mask_.Download(stream_);
+  fetched_ = true;
+}
+
+void StepEngine::FetchForRanking() {
+  if (!on_host()) {
+    const Gaussians& from = on_device_.gaussians;
+    state_.gaussians.Resize(count());
+    for (int a = 0; a < kAttributeCount; ++a)
+      if (a != kColorRest) from.values[a].Download(state_.gaussians.values[a].data(), stream_);
+    state_.gaussians.degrees.resize(from.degrees.size());
+    from.degrees.Download(state_.gaussians.degrees.data(), stream_);
+    on_device_.statistics.Download(state_.statistics, stream_);
+    stream_.Wait();
+  }
+  mask_.Download(stream_);
+}
+
+Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
+  Fetch();
+  Gaussians gaussians = state_.gaussians;
+  AdamState adam = state_.adam;
+  const View<const float> scale = subject_.PositionRateScale();
+  Buffer<float> of_host(scale.count);
+  if (!scale.empty()) stream_.Download(of_host.data(), scale.data, scale.count * sizeof(float));
+  stream_.Wait();
+  AdamCatchUpAll(rates, of_host, gaussians, adam);
+  return gaussians;
+}
+
+void StepEngine::CatchUp(const AdamSettings& rates) {
+  Settle(0);
+  AdamCatchUpAll(rates, subject_.PositionRateScale(), now_->gaussians, now_->adam, stream_);
+  fetched_ = false;
+}
+
+void StepEngine::AfterStep(int iteration) {
+  if (!subject_.ActsAfter(iteration)) return;
+  Settle(0);
+  subject_.Act(iteration, now_->gaussians, now_->adam);
+  fetched_ = false;
+}
+
+size_t StepEngine::MostThatFit() const {
+  if (on_host()) return size_t(-1);
+  size_t numbers = 0;
+  for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(now_->gaussians.width(a));
+  const double per_gaussian = 4 * sizeof(float) * double(numbers) + kBesideParameters +
+                              device_.rasterizer->BytesPerGaussian(instances_per_gaussian_) +
+                              double(subject_.BytesPerGaussian());
+  size_t held = 0;
+  for (const MemoryPart& part : Memory())
+    if (part.of == MemoryOf::kGaussians) held += part.bytes;
+  return size_t((double(held) + kUsableMemory * double(stream_.FreeMemory())) /
+                (kGrowth * per_gaussian));
+}
+
+void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
+  DensitySettings limited = settings;
+  limited.max_count = std::min(settings.max_count, MostThatFit());
+  ReleaseScratch();
+  const DensityReport report = density_.Control(limited, remove_oversized, Everyone(), state_.rng);
+  fetched_ = false;
+  instances_per_gaussian_ = 0;
+  if (!report.held_back || limited.max_count == settings.max_count || told_of_memory_) return;
+  told_of_memory_ = true;
+  notice_ = NoticeOfMemory(stream_, count());
+}
+
+void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
+  StoreMask();  // ranking may have begun or ended it
+  density_.Prune(round, group_cap, group_floor, Everyone());
+  fetched_ = false;
+}
+
+void StepEngine::SortInSpace() {
+  density_.SortInSpace(Everyone());
+  ReleaseScratch();
+  fetched_ = false;
+}
+
+void StepEngine::ResetStatistics() {
+  now_->statistics.Reset(count(), stream_);
+  fetched_ = false;
+}
+
+void StepEngine::ResetOpacity() {
+  cosplat::ResetOpacity(now_->gaussians, now_->adam, stream_);
+  fetched_ = false;
+}
+
+double StepEngine::Step(const StepPlan& plan) {
+  const Rng rng = state_.rng;
+  state_.rng = rng.After(mask_.DrawsOf(count()));
+  Submit(plan, rng, on_host() || subject_.WaitsInSteps() || !forecast_.Knows());
+  Settle(!on_host() && last_loss_ ? 1 : 0);
+  return *last_loss_;
+}
+
+void StepEngine::Submit(const StepPlan& plan, const Rng& rng, bool waits) {
+  Submitted& step = steps_[(oldest_ + in_flight_) % kInFlight];
+  step.plan = plan;
+  step.rng = rng;
+  step.masked = mask_.learns();
+  Draw(step, waits);
+  Backward(step);
+  Update(step);
+  step.done->Record();
+  ++in_flight_;
+  fetched_ = false;
+}
+
+void StepEngine::Settle(size_t left) {
+  for (; in_flight_ > left; --in_flight_, oldest_ = (oldest_ + 1) % kInFlight) {
+    const Submitted& step = steps_[oldest_];
+    step.done->Wait();
+    if (step.counts.Last().instances > step.capacity) {
+      Repeat();
+      step.done->Wait();
+    }
+    if (!on_host()) forecast_.Saw(step.plan.frame, count(), step.counts.Last().instances);
+    last_loss_ = LossOf(step);
+  }
+}
+
+void StepEngine::Repeat() {
+  overflowed_.FillWithZeros(stream_);
+  now_->adam.step -= uint32_t(in_flight_);
+  mask_.TakeBack(int64_t(in_flight_));
+  const size_t count = std::exchange(in_flight_, 0);
+  for (size_t k = 0; k < count; ++k) {
+    const Submitted& step = steps_[(oldest_ + k) % kInFlight];
+    Submit(StepPlan(step.plan), Rng(step.rng), true);
+  }
+}
+
+double StepEngine::LossOf(const Submitted& step) const {
+  double loss = step.photometric.Last();
+  CheckLoss(loss, step.plan.iteration);
+  if (step.masked) loss += step.of_mask.Last();
+  if (settings_.scale_regularizer.weight != 0) loss += step.of_needles.Last();
+  return loss;
+}
+
+void StepEngine::Draw(Submitted& step, bool waits) {
+  const StepPlan& plan = step.plan;
+  {
+    ScopedPhase phase(times_, Phase::kData);
+    if (gradients_.size() != count()) gradients_.RefillLike(now_->gaussians, stream_);
+  }
+  {
+    ScopedPhase phase(times_, Phase::kPose);
+    world_ = subject_.Place(now_->gaussians, plan.frame);
+    if (step.masked) mask_.BeforeDraw(now_->gaussians, step.rng, world_, stream_);
+  }
+  if (!waits) tape_->Expect(forecast_.Of(plan.frame, count()), overflowed_.data());
+  device_.rasterizer->Forward(world_,
+                              now_->gaussians.basis,
+                              targets_.CameraOf(plan.frame, plan.downscale),
+                              plan.render,
+                              image_,
+                              *tape_);
+  step.counts.Ask(tape_->counts(), stream_);
+  step.capacity = tape_->capacity();
+  instances_per_gaussian_ =
+      std::max(instances_per_gaussian_, double(step.capacity) / double(count()));
+}
+
+void StepEngine::Backward(Submitted& step) {
+  const StepPlan& plan = step.plan;
+  {
+    ScopedPhase phase(times_, Phase::kLoss);
+    device_.loss->Evaluate(settings_.loss,
+                           image_.color,
+                           targets_.Of(plan.frame, plan.downscale, stream_),
+                           plan.render.background,
+                           d_color_,
+                           stream_);
+    step.photometric.Ask(device_.loss->value(), stream_);
+  }
+  // On the host nothing has changed yet.
+  if (on_host()) CheckLoss(step.photometric.Last(), plan.iteration);
+  WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_, stream_);
+  // Adam then reads those of others, too.
+  if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
+    d_world.drawn_groups_only = false;
+  device_.rasterizer->Backward(world_, image_, d_color_, *tape_, d_world);
+  {
+    ScopedPhase phase(times_, Phase::kPose);
+    subject_.PlaceBackward(now_->gaussians, gradients_);
+  }
+  // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
+  ScopedPhase phase(times_, Phase::kDensity);
+  if (plan.gathers_statistics)
+    now_->statistics.Accumulate(tape_->radii(),
+                                screen_,
+                                gradients_.values[kScaleLog],
+                                now_->gaussians.values[kScaleLog],
+                                image_.width,
+                                image_.height,
+                                overflowed_.data(),
+                                stream_);
+  if (step.masked) LearnMask(step);
+  if (pruner_ && on_host()) pruner_->AfterBackward(state_.gaussians, gradients_, tape_->radii());
+}
+
+void StepEngine::LearnMask(Submitted& step) {
+  mask_.AfterBackward(now_->gaussians, tape_->radii(), overflowed_.data(), gradients_, stream_);
+  step.of_mask.Ask(mask_.value(), stream_);
+}
+
+View<const float> StepEngine::RegularizeScale(Submitted& step) {
+  const ScaleRegularizer& settings = settings_.scale_regularizer;
+  if (settings.weight == 0) return tape_->radii();
+  const size_t n = count(), blocks = (n + SumNeedles::kBlock - 1) / SumNeedles::kBlock;
+  const NeedleRule rule{std::log(settings.limit), std::log(settings.ratio)};
+  const View<const float> scale_log = std::as_const(now_->gaussians.values[kScaleLog]).view();
+  needle_sums_.Refill(blocks, stream_);
+  needle_counts_.Refill(blocks, stream_);
+  needles_.Refill(1, stream_);
+  moves_.Refill(n, stream_);
+  ForEach(blocks, stream_, SumNeedles{rule, scale_log, needle_sums_.view(), needle_counts_.view()});
+  ForEach(1,
+          stream_,
+          AddUpNeedles{std::as_const(needle_sums_).view(),
+                       std::as_const(needle_counts_).view(),
+                       settings.weight,
+                       needles_.data()});
+  ForEach(n,
+          stream_,
+          PullNeedles{rule,
+                      scale_log,
+                      tape_->radii(),
+                      needles_.data(),
+                      gradients_.values[kScaleLog].view(),
+                      moves_.view()});
+  step.of_needles.Ask(&needles_.data()->value, stream_);
+  return std::as_const(moves_).view();
+}
+
+void StepEngine::Update(Submitted& step) {
+  const View<const float> moves = RegularizeScale(step);
+  ScopedPhase phase(times_, Phase::kAdam);
+  AdamStepAll(step.plan.rates,
+              gradients_,
+              subject_.PositionRateScale(),
+              settings_.adam_on == AdamOn::kAll ? View<const float>() : moves,
+              now_->gaussians,
+              now_->adam,
+              stream_,
+              overflowed_.data());
+}
+
+std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
+  contributions_.Refill(count(), stream_);
+  contributions_.FillWithZeros(stream_);
+  for (size_t k = 0; k < choice.count(); ++k) {
+    device_.rasterizer->Forward(subject_.Place(now_->gaussians, choice[k]),
+                                now_->gaussians.basis,
+                                subject_.frame(choice[k]).camera,
+                                {choice.background, choice.degree},
+                                image_,
+                                *tape_);
+    device_.rasterizer->Contributions(image_, *tape_, of_picture_);
+    ForEach(count(),
+            stream_,
+            AddContributions{std::as_const(of_picture_).view(), contributions_.view()});
+  }
+  std::vector<Contribution> sums(count());
+  contributions_.Download(sums.data(), stream_);
+  stream_.Wait();
+  return sums;
+}
+
+double StepEngine::MeanPsnr(const FrameChoice& choice) {
+  return MeanPsnrOfFrames(subject_, now_->gaussians, choice, *device_.rasterizer, *tape_);
+}
+
+double StepEngine::MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice) {
+  if (on_host()) return MeanPsnrOfFrames(subject_, gaussians, choice, *device_.rasterizer, *tape_);
+  Gaussians copy;
+  copy.Upload(gaussians, stream_);
+  return MeanPsnrOfFrames(subject_, copy, choice, *device_.rasterizer, *tape_);
+}
+
+PhaseTimes StepEngine::Times() const {
+  if (!on_host()) return {};  // work that was submitted takes the host no time
+  PhaseTimes times = times_;
+  return times += device_.rasterizer->times;
+}
+
+std::vector<MemoryPart> StepEngine::Memory() const {
+  const DensityStatistics& d = now_->statistics;
+  std::vector<MemoryPart> parts{
+      {"parameters", HeldBy(now_->gaussians)},
+      {"gradients", HeldBy(gradients_)},
+      {"first moments", HeldBy(now_->adam.m)},
+      {"second moments", HeldBy(now_->adam.v)},
+      {"groups of Adam", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},
+      {"learned mask", mask_.held()},
+      {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible)},
+      {"density control", density_.held()},
+      {"screen gradients", HeldBy(screen_)},
+      {"sums and sorting", stream_.held() + HeldBy(contributions_, of_picture_)},
+      {"picture and its gradient",
+       HeldBy(image_.color, image_.transmittance, d_color_),
+       MemoryOf::kPixels},
+      {"photographs", targets_.held(), MemoryOf::kPixels},
+      {"smaller photographs", targets_.HeldForReduced(), MemoryOf::kPixels}};
+  for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
+  for (MemoryPart& part : subject_.Memory()) parts.push_back(std::move(part));
+  std::erase_if(parts, [](const MemoryPart& part) { return part.bytes == 0; });
+  return parts;
+}
+
+}  // namespace cosplat
