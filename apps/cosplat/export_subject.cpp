@@ -57,7 +57,7 @@ class AvatarSplats : public ExportSubject {
     Gaussians g = model_.gaussians;
     ConvertBasis(g, Basis::kSh);
     QuantisedSplats splats = Quantise(g, SizeSignificance(g), settings);
-    AddEmbedding(model_, splats);
+    AddEmbedding(model_.embedding, splats);
     return splats;
   }
   TestViews AsTrained() override { return ViewsOfAvatar(model_, flame_, video_, background_); }

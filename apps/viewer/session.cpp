@@ -14,7 +14,7 @@ FaceControls ControlsOf(const Content& content) {
 int MostPerFace(const Content& content) {
   if (!content.avatar) return 0;
   const AvatarModel& model = content.avatar->model;
-  const std::vector<int> counts = CountPerFace(model.triangle, model.mesh.faces.size());
+  const std::vector<int> counts = CountPerFace(model.embedding.triangle, model.mesh.faces.size());
   return *std::max_element(counts.begin(), counts.end());
 }
 

@@ -45,7 +45,7 @@ Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::m
     player_ = std::make_unique<Player>(
         std::move(avatar.model), avatar.flame, PlayerSettings{false, renderers.avatar});
     const size_t faces = player_->avatar().mesh.faces.size();
-    counts_ = {CountColors(CountPerFace(player_->avatar().triangle, faces)), false};
+    counts_ = {CountColors(CountPerFace(player_->avatar().embedding.triangle, faces)), false};
     wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
   } else {
     SortByDegree(content_.scene);

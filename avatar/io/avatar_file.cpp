@@ -41,8 +41,9 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
     CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
     CheckArray(path, "trained angle", range->angle, kFlameJoints);
   }
-  if (model.released && !(model.released->unit > 0 && std::isfinite(model.released->unit)))
-    throw Error(path, "rule unit", "is " + std::to_string(model.released->unit));
+  if (model.embedding.released &&
+      !(model.embedding.released->unit > 0 && std::isfinite(model.embedding.released->unit)))
+    throw Error(path, "rule unit", "is " + std::to_string(model.embedding.released->unit));
   if (model.canonical_frame) {
     const FlameParams& frame = *model.canonical_frame;
     CheckArray(path, "canonical expression", frame.expression, frame.expression.size());
@@ -60,13 +61,13 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
     throw Error(path, "degree", "is " + std::to_string(degree) + ", expected 0 to 4");
   for (int a = 0; a < kAttributeCount; ++a)
     CheckArray(path, kNames[a], model.gaussians.values[a], n * model.gaussians.width(a));
-  if (model.triangle.size() != n || model.barycentric.size() != n)
+  if (model.embedding.triangle.size() != n || model.embedding.barycentric.size() != n)
     throw Error(path,
                 "triangle, barycentric",
-                "have " + std::to_string(model.triangle.size()) + " and " +
-                    std::to_string(model.barycentric.size()) + " elements, expected " +
+                "have " + std::to_string(model.embedding.triangle.size()) + " and " +
+                    std::to_string(model.embedding.barycentric.size()) + " elements, expected " +
                     std::to_string(n));
-  for (const auto& uv : model.barycentric) CheckArray(path, "barycentric", uv, 2);
+  for (const auto& uv : model.embedding.barycentric) CheckArray(path, "barycentric", uv, 2);
   if (model.mesh.faces.empty())
     throw Error(path, "mesh", "is empty: attach it from the FLAME model first");
   CheckArray(path, "shape", model.shape, model.shape.size());
@@ -179,7 +180,7 @@ void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
   if (model.mesh.faces.empty()) {
     CanonicalMesh mesh = MakeCanonicalMesh(
         flame, model.shape, model.static_offset, model.bust, model.canonical_frame);
-    for (int32_t triangle : model.triangle)
+    for (int32_t triangle : model.embedding.triangle)
       if (size_t(triangle) >= mesh.faces.size())
         throw Error("avatar",
                     "flame",

@@ -46,7 +46,7 @@ void FillFloats(const GlbDocument& document,
                 AvatarModel& model,
                 Attribute attribute) {
   const int width = model.gaussians.width(attribute);
-  const auto values = Floats(document, field, width, model.triangle.size());
+  const auto values = Floats(document, field, width, model.embedding.triangle.size());
   model.gaussians.values[attribute].assign(values.begin(), values.end());
 }
 
@@ -65,7 +65,7 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
     const double unit = rule["unit"].Number();
     if (!(unit >= kMinUnit && unit <= kMaxUnit))
       Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
-    model.released = ReleasedRule{float(unit)};
+    model.embedding.released = ReleasedRule{float(unit)};
   }
   if (!binding.Has("canonicalFrame")) return;
   const JsonField field = binding["canonicalFrame"];
@@ -213,11 +213,11 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   const size_t vertex_count = IntegerWithin(mesh["vertexCount"], 1, kMaxCount);
   const size_t face_count = IntegerWithin(mesh["faceCount"], 1, kMaxCount);
   ReadMesh(document, mesh, vertex_count, face_count, model.mesh);
-  model.triangle = ReadTriangles(document, binding["triangle"], face_count);
-  const size_t n = model.triangle.size();
+  model.embedding.triangle = ReadTriangles(document, binding["triangle"], face_count);
+  const size_t n = model.embedding.triangle.size();
   const auto barycentric = Floats(document, binding["barycentric"], 2, n);
   for (size_t i = 0; i < n; ++i)
-    model.barycentric.push_back({barycentric[2 * i], barycentric[2 * i + 1]});
+    model.embedding.barycentric.push_back({barycentric[2 * i], barycentric[2 * i + 1]});
   FillFloats(document, binding["offset"], model, kPosition);
   FillFloats(document, binding["rotation"], model, kRotation);
   FillFloats(document, binding["scaleLog"], model, kScaleLog);
@@ -240,7 +240,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   const AvatarModel model = ReadBinding(document, json);
   GlbSummary::Avatar summary;
   summary.version = json["version"].get<int>();  // checked by ReadBinding
-  summary.released = model.released.has_value();
+  summary.released = model.embedding.released.has_value();
   summary.degree = model.gaussians.degree;
   summary.basis = model.gaussians.basis;
   summary.color_frame = model.color_frame;

@@ -11,14 +11,15 @@ int AddArray(GlbDocument& document, View<const float> values, int width) {
 }
 
 int AddTriangles(GlbDocument& document, const AvatarModel& model) {
-  const std::vector<uint32_t> indices(model.triangle.begin(), model.triangle.end());
+  const std::vector<uint32_t> indices(model.embedding.triangle.begin(),
+                                      model.embedding.triangle.end());
   return AddUnsigned(document, indices, GlbUse::kData);
 }
 
 int AddBarycentric(GlbDocument& document, const AvatarModel& model) {
   std::vector<float> flat;
   flat.reserve(2 * model.size());
-  for (const auto& [u, v] : model.barycentric) flat.insert(flat.end(), {u, v});
+  for (const auto& [u, v] : model.embedding.barycentric) flat.insert(flat.end(), {u, v});
   return AddArray(document, flat, 2);
 }
 
@@ -54,8 +55,8 @@ std::string Utf8(const std::string& text) {
 
 // What version 1 does not know: its readers would play the avatar wrongly.
 void AddVersion2(const AvatarModel& model, Json& binding) {
-  if (model.released)
-    binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.released->unit)}};
+  if (model.embedding.released)
+    binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.embedding.released->unit)}};
   if (model.canonical_frame) {
     const FlameParams& frame = *model.canonical_frame;
     Json pose = Json::array();
@@ -64,7 +65,7 @@ void AddVersion2(const AvatarModel& model, Json& binding) {
                                  {"pose", pose},
                                  {"translation", Numbers(frame.translation)}};
   }
-  binding["version"] = model.released || model.canonical_frame ? kBindingVersion : 1;
+  binding["version"] = model.embedding.released || model.canonical_frame ? kBindingVersion : 1;
 }
 
 }  // namespace

@@ -45,10 +45,10 @@ void ReadQuantisedAvatar(const std::string& path, AvatarModel& model) {
   for (size_t i = 0; i < barycentric.size(); ++i)
     if (!std::isfinite(float(barycentric.values[i])))
       throw Error(path, "barycentric", "number " + std::to_string(i) + " is not finite");
-  model.triangle = triangles;
-  model.barycentric.clear();
+  model.embedding.triangle = triangles;
+  model.embedding.barycentric.clear();
   for (size_t i = 0; i < splats.size(); ++i)
-    model.barycentric.push_back(
+    model.embedding.barycentric.push_back(
         {float(barycentric.values[2 * i]), float(barycentric.values[2 * i + 1])});
   model.gaussians = Dequantise(splats);
 }

@@ -44,11 +44,11 @@ struct SurfaceVertex {
   T area;            // mean area of the faces around it
 };
 
-// A Gaussian on its triangle. `base_u`, `base_v`: the barycentrics that du, dv are added to.
+// A Gaussian on its triangle. du, dv are added to its barycentrics.
 template <class T>
-struct LocalGaussian {
-  T base_u, base_v;
-  Vec3<T> offset;  // (du, dv, d)
+struct EmbeddedGaussian {
+  T barycentric[2];  // (u, v)
+  Vec3<T> offset;    // (du, dv, d)
   Quat<T> rotation;
   Vec3<T> scale_log;
 };
@@ -62,8 +62,8 @@ struct PosedGaussian {
 };
 
 template <class T>
-COSPLAT_HD Three<T> BarycentricOf(const LocalGaussian<T>& g) {
-  const T u = g.base_u + g.offset.x, v = g.base_v + g.offset.y;
+COSPLAT_HD Three<T> BarycentricOf(const EmbeddedGaussian<T>& g) {
+  const T u = g.barycentric[0] + g.offset.x, v = g.barycentric[1] + g.offset.y;
   return {{u, v, T(1) - u - v}};
 }
 
@@ -157,7 +157,7 @@ COSPLAT_HD T Blend(const Three<T>& x, const Three<T>& w) {
 template <class T>
 COSPLAT_HD PosedGaussian<T> Embed(const Three<SurfaceVertex<T>>& v,
                                   const Three<T>& canonical_area,
-                                  const LocalGaussian<T>& g) {
+                                  const EmbeddedGaussian<T>& g) {
   const Three<T> b = BarycentricOf(g), w = PositivePart(b);
   const Vec3<T> n = Normalize(Blend(v[0].normal, v[1].normal, v[2].normal, b));
   const Quat<T> q = BlendRotations({{v[0].rotation, v[1].rotation, v[2].rotation}}, w);
@@ -173,9 +173,9 @@ COSPLAT_HD PosedGaussian<T> Embed(const Three<SurfaceVertex<T>>& v,
 template <class T>
 COSPLAT_HD void EmbedVjp(const Three<SurfaceVertex<T>>& v,
                          const Three<T>& canonical_area,
-                         const LocalGaussian<T>& g,
+                         const EmbeddedGaussian<T>& g,
                          const PosedGaussian<T>& d,
-                         LocalGaussian<T>& d_g,
+                         EmbeddedGaussian<T>& d_g,
                          Three<SurfaceVertex<T>>* d_v) {
   const Three<T> b = BarycentricOf(g), w = PositivePart(b);
   const T zero(0);
@@ -206,7 +206,7 @@ COSPLAT_HD void EmbedVjp(const Three<SurfaceVertex<T>>& v,
     d_w[i] = d_w[i] + v[i].area * d_area + canonical_area[i] * d_canonical;
   const Three<T> d_cut = PositivePartVjp(b, d_w);
   for (int i = 0; i < 3; ++i) d_b[i] = d_b[i] + d_cut[i];
-  d_g.base_u = d_g.base_v = zero;  // fixed between walks
+  d_g.barycentric[0] = d_g.barycentric[1] = zero;  // fixed between walks
   d_g.offset = {d_b[0] - d_b[2], d_b[1] - d_b[2], Dot(Normalize(sum), d.position)};
   d_g.scale_log = d.scale_log;
   if (!d_v) return;

@@ -28,8 +28,8 @@ struct ReleasedFace {
 };
 
 template <class T>
-COSPLAT_HD Three<T> ReleasedWeights(const LocalGaussian<T>& g) {
-  return {{g.base_u, g.base_v, T(1) - g.base_u - g.base_v}};
+COSPLAT_HD Three<T> ReleasedWeights(const EmbeddedGaussian<T>& g) {
+  return {{g.barycentric[0], g.barycentric[1], T(1) - g.barycentric[0] - g.barycentric[1]}};
 }
 template <class T>
 COSPLAT_HD Quat<T> ReleasedRotation(const Three<SurfaceVertex<T>>& v, const Three<T>& b) {
@@ -40,7 +40,7 @@ COSPLAT_HD Quat<T> ReleasedRotation(const Three<SurfaceVertex<T>>& v, const Thre
 template <class T>
 COSPLAT_HD PosedGaussian<T> ReleasedEmbed(const Three<SurfaceVertex<T>>& v,
                                           const ReleasedFace<T>& face,
-                                          const LocalGaussian<T>& g) {
+                                          const EmbeddedGaussian<T>& g) {
   const Three<T> b = ReleasedWeights(g);
   const Vec3<T> n = Normalize(Blend(v[0].normal, v[1].normal, v[2].normal, b));
   const Quat<T> q = ReleasedRotation(v, b);
@@ -53,13 +53,13 @@ COSPLAT_HD PosedGaussian<T> ReleasedEmbed(const Three<SurfaceVertex<T>>& v,
 template <class T>
 COSPLAT_HD void ReleasedEmbedVjp(const Three<SurfaceVertex<T>>& v,
                                  const ReleasedFace<T>& face,
-                                 const LocalGaussian<T>& g,
+                                 const EmbeddedGaussian<T>& g,
                                  const PosedGaussian<T>& d,
-                                 LocalGaussian<T>& d_g) {
+                                 EmbeddedGaussian<T>& d_g) {
   const T zero(0);
   const Three<T> b = ReleasedWeights(g);
   const Vec3<T> n = Normalize(Blend(v[0].normal, v[1].normal, v[2].normal, b));
-  d_g.base_u = d_g.base_v = zero;
+  d_g.barycentric[0] = d_g.barycentric[1] = zero;
   d_g.offset = {zero, zero, Dot(n, d.position)};
   d_g.rotation = Multiply(Conjugate(ReleasedRotation(v, b)), d.rotation);
   d_g.scale_log = d.scale_log * ReleasedAreaRatio(face.area, face.canonical_area, face.unit);

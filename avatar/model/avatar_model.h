@@ -49,8 +49,10 @@ struct Embedding {
   std::optional<ReleasedRule> released{};  // nothing: avatar/math/embed.h
 
   // `barycentric` as [N, 2] numbers.
-  float* weights() { return reinterpret_cast<float*>(barycentric.data()); }
-  const float* weights() const { return reinterpret_cast<const float*>(barycentric.data()); }
+  float* barycentric_data() { return reinterpret_cast<float*>(barycentric.data()); }
+  const float* barycentric_data() const {
+    return reinterpret_cast<const float*>(barycentric.data());
+  }
 };
 
 // The faces that training frames made: beyond them an avatar was never seen.
@@ -59,11 +61,12 @@ struct TrainedRange {
   std::array<float, kFlameJoints> angle{};               // radians, the largest of each joint
 };
 
-struct AvatarModel : Embedding {
+struct AvatarModel {
   CanonicalMesh mesh;
   // What `mesh` is posed by where it is not at rest: expression, pose and translation alone count.
   std::optional<FlameParams> canonical_frame;
-  // kPosition: [N, 3] (delta_u, delta_v, d): barycentric offsets from `barycentric`, d along the
+  Embedding embedding;
+  // kPosition: [N, 3] (delta_u, delta_v, d): offsets from `embedding.barycentric`, d along the
   // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
   // rotation q and the area ratio are applied.
   Gaussians gaussians;

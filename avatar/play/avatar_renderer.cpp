@@ -13,7 +13,7 @@ AvatarRenderer::AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
       poser_(posing, store, pictures_.stream()),
       surface_(avatar.mesh, pictures_.stream()) {
   gaussians_.Upload(avatar.gaussians, pictures_.stream());
-  UploadEmbedding(avatar, embedding_, pictures_.stream());
+  UploadEmbedding(avatar.embedding, embedding_, pictures_.stream());
   pictures_.stream().Wait();  // for the avatar's memory
 }
 

@@ -28,13 +28,14 @@ bool SameBits(const T& a, const T& b) {
 
 void SortAvatar(AvatarModel& avatar) {
   const size_t n = avatar.size();
-  if (avatar.triangle.size() != n || avatar.barycentric.size() != n) return;  // Bind says so
+  if (avatar.embedding.triangle.size() != n || avatar.embedding.barycentric.size() != n)
+    return;  // Bind says so
   const std::vector<uint32_t> order = SortByDegree(avatar.gaussians);
   if (order.empty()) return;
-  const Embedding before = avatar;
+  const Embedding before = avatar.embedding;
   for (size_t i = 0; i < order.size(); ++i) {
-    avatar.triangle[i] = before.triangle[order[i]];
-    avatar.barycentric[i] = before.barycentric[order[i]];
+    avatar.embedding.triangle[i] = before.triangle[order[i]];
+    avatar.embedding.barycentric[i] = before.barycentric[order[i]];
   }
 }
 
@@ -59,7 +60,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
                 std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
                     std::to_string(surface_.vertex_count()));
   if (!settings.make_renderer) return;
-  CheckEmbedding(avatar_.gaussians, avatar_, surface_.faces().size());
+  CheckEmbedding(avatar_.gaussians, avatar_.embedding, surface_.faces().size());
   const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
   reach_.emplace(posing.flame);
   renderer_ = settings.make_renderer(avatar_, posing);

@@ -21,20 +21,22 @@ void CheckSize(const char* field, size_t found, size_t expected) {
         std::to_string(found) + " numbers where " + std::to_string(expected) + " are expected");
 }
 
-EmbedJob JobOf(const Gaussians& gaussians, const Embedding& embedding, const Surface& surface) {
-  EmbedJob job;
-  job.count = gaussians.size();
-  if (job.count == 0) return job;
-  const SurfaceArrays arrays = surface.Arrays();
-  job.triangle = embedding.triangle.data();
-  job.barycentric = embedding.weights();
-  job.offset = gaussians.values[kPosition].data();
-  job.rotation = gaussians.values[kRotation].data();
-  job.scale_log = gaussians.values[kScaleLog].data();
-  job.faces = arrays.faces;
-  job.vertices = arrays.vertices;
-  job.canonical_areas = surface.canonical_areas().data();
-  return job;
+EmbeddedArrays ArraysOf(const Gaussians& gaussians,
+                        const Embedding& embedding,
+                        const Surface& surface) {
+  EmbeddedArrays arrays;
+  arrays.count = gaussians.size();
+  if (arrays.count == 0) return arrays;
+  const SurfaceArrays posed = surface.Arrays();
+  arrays.triangle = embedding.triangle.data();
+  arrays.barycentric = embedding.barycentric_data();
+  arrays.offset = gaussians.values[kPosition].data();
+  arrays.rotation = gaussians.values[kRotation].data();
+  arrays.scale_log = gaussians.values[kScaleLog].data();
+  arrays.faces = posed.faces;
+  arrays.vertices = posed.vertices;
+  arrays.canonical_areas = surface.canonical_areas().data();
+  return arrays;
 }
 
 }  // namespace
@@ -113,7 +115,7 @@ void Bind(const Gaussians& gaussians,
       gaussians.size(),
       stream,
       EmbedKernel{
-          JobOf(gaussians, embedding, surface),
+          ArraysOf(gaussians, embedding, surface),
           {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()}});
 }
 
@@ -147,7 +149,7 @@ void BindBackward(const Gaussians& gaussians,
   ForEachRow(
       n,
       stream,
-      EmbedVjpKernel{JobOf(gaussians, embedding, surface),
+      EmbedVjpKernel{ArraysOf(gaussians, embedding, surface),
                      {d_posed.position.data(),
                       d_posed.rotation.data(),
                       d_posed.scale_log.data(),

@@ -64,7 +64,7 @@ void Bind(const Gaussians& gaussians,
           const Surface& surface,
           PosedGaussians& out);
 inline void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out) {
-  Bind(model.gaussians, model, surface, out);
+  Bind(model.gaussians, model.embedding, surface, out);
 }
 
 // What BindBackward works in for d_vertices. Reuse it: it keeps its memory.
@@ -92,7 +92,8 @@ inline void BindBackward(const AvatarModel& model,
                          Gaussians& d_gaussians,
                          Buffer<float>* d_vertices = nullptr) {
   BindScratch scratch;
-  BindBackward(model.gaussians, model, surface, d_posed, d_gaussians, d_vertices, scratch);
+  BindBackward(
+      model.gaussians, model.embedding, surface, d_posed, d_gaussians, d_vertices, scratch);
 }
 
 }  // namespace cosplat

@@ -10,7 +10,7 @@ using math::Quat;
 using math::Three;
 using math::Vec3;
 using ReleasedFace = math::ReleasedFace<float>;
-using LocalGaussian = math::LocalGaussian<float>;
+using EmbeddedGaussian = math::EmbeddedGaussian<float>;
 
 struct FaceState {
   Quat<float> rotation;  // canonical to posed; either sign, as the conversion has it
@@ -61,7 +61,7 @@ struct ReleasedSurface {
 struct Input {
   Three<SurfaceVertex> corners;
   ReleasedFace face;
-  LocalGaussian local;
+  EmbeddedGaussian gaussian;
 };
 
 Vec3<float> Vec3At(const Buffer<float>& array, size_t i) {
@@ -85,11 +85,11 @@ Input InputOf(const Gaussians& gaussians,
   }
   const FaceState& face = released.faces[triangle];
   in.face = {face.area, face.canonical_area, embedding.released->unit};
-  in.local = {embedding.barycentric[i][0],
-              embedding.barycentric[i][1],
-              Vec3At(gaussians.values[kPosition], i),
-              QuatAt(gaussians.values[kRotation], i),
-              Vec3At(gaussians.values[kScaleLog], i)};
+  in.gaussian = {embedding.barycentric[i][0],
+                 embedding.barycentric[i][1],
+                 Vec3At(gaussians.values[kPosition], i),
+                 QuatAt(gaussians.values[kRotation], i),
+                 Vec3At(gaussians.values[kScaleLog], i)};
   return in;
 }
 
@@ -114,7 +114,7 @@ void BindReleased(const Gaussians& gaussians,
   const ReleasedSurface released(surface);
   ParallelFor(gaussians.size(), [&](size_t i) {
     const Input in = InputOf(gaussians, embedding, surface, released, i);
-    const auto posed = math::ReleasedEmbed(in.corners, in.face, in.local);
+    const auto posed = math::ReleasedEmbed(in.corners, in.face, in.gaussian);
     Put(posed.position, &out.position[3 * i]);
     Put(posed.rotation, &out.rotation[4 * i]);
     Put(posed.scale_log, &out.scale_log[3 * i]);
@@ -134,8 +134,8 @@ void BindReleasedBackward(const Gaussians& gaussians,
                                        QuatAt(d_posed.rotation, i),
                                        Vec3At(d_posed.scale_log, i),
                                        {0, 0, 0, 0}};
-    LocalGaussian d_local;
-    math::ReleasedEmbedVjp(in.corners, in.face, in.local, d, d_local);
+    EmbeddedGaussian d_local;
+    math::ReleasedEmbedVjp(in.corners, in.face, in.gaussian, d, d_local);
     Put(d_local.offset, &d_gaussians.values[kPosition][3 * i]);
     Put(d_local.rotation, &d_gaussians.values[kRotation][4 * i]);
     Put(d_local.scale_log, &d_gaussians.values[kScaleLog][3 * i]);

@@ -58,7 +58,8 @@ EmbeddedPoint Reembed(const Surface& surface, const std::array<float, 3>& point,
   if (!std::isfinite(x.x + x.y + x.z)) throw Error("embedding", "point", "is not finite");
   math::FaceSearch search;
   const math::Reembedded e = math::ReembedNear(surface.CanonicalArrays(), start, x, search);
-  return {{e.face, {float(e.at[0]), float(e.at[1])}}, float(e.d), float(e.residual)};
+  return {
+      {e.face, {float(e.barycentric[0]), float(e.barycentric[1])}}, float(e.d), float(e.residual)};
 }
 
 }  // namespace cosplat

@@ -24,7 +24,7 @@ void TriangleWalk::Run(const Surface& surface,
                        Buffer<float>& position) {
   Stream& stream = surface.stream();
   const size_t n = embedding.triangle.size();
-  float* barycentric = embedding.weights();
+  float* barycentric = embedding.barycentric_data();
   ends_.Refill(n, stream);
   taken_.Refill(n, stream);
   outcomes_.Refill(n, stream);

@@ -83,7 +83,7 @@ WalkReport WalkAll(Gaussians& gaussians,
 inline WalkReport WalkAll(AvatarModel& model,
                           const Surface& surface,
                           int boundary_face_cap = kBoundaryFaceCap) {
-  return WalkAll(model.gaussians, model, surface, boundary_face_cap);
+  return WalkAll(model.gaussians, model.embedding, surface, boundary_face_cap);
 }
 
 }  // namespace cosplat

@@ -113,7 +113,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
 
 AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   AvatarModel model;
-  static_cast<Embedding&>(model) = State().embedding;
+  model.embedding = State().embedding;
   model.mesh = mesh_;
   model.canonical_frame = canonical_frame_;
   model.gaussians = gaussians;

@@ -23,7 +23,7 @@ View<const float> AvatarSubject::Centers(const Gaussians& gaussians, Stream& str
           stream,
           PlaceEach{surface_.CanonicalArrays(),
                     embedding_.triangle.data(),
-                    embedding_.weights(),
+                    embedding_.barycentric_data(),
                     gaussians.values[kPosition].view(),
                     centers_.view()});
   return std::as_const(centers_).view();
@@ -41,7 +41,7 @@ void AvatarSubject::Move(View<const float> offsets,
                    !IsOurs(),
                    searches_.view(),
                    embedding_.triangle.data(),
-                   embedding_.weights(),
+                   embedding_.barycentric_data(),
                    gaussians.values[kPosition].view()});
   TrianglesChanged();
 }

@@ -55,8 +55,8 @@ AvatarModel BallAvatar(const FlameModel& flame, size_t n, int degree, Basis basi
     model.static_offset[i] = 1e-4f * float(int(i % 7) - 3);
   AttachMesh(model, flame);
   const AvatarModel embedded = test::RandomAvatar(model.mesh, n, 3);
-  model.triangle = embedded.triangle;
-  model.barycentric = embedded.barycentric;
+  model.embedding.triangle = embedded.embedding.triangle;
+  model.embedding.barycentric = embedded.embedding.barycentric;
   model.gaussians = test::RandomGaussians(n, degree, basis, 4);
   for (int a : {kPosition, kRotation}) model.gaussians.values[a] = embedded.gaussians.values[a];
   for (size_t i = 0; i < n; ++i) model.gaussians.at(kPosition, i)[2] *= 0.1f;
@@ -78,8 +78,8 @@ void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
   EXPECT_EQ(a.gaussians.basis, b.gaussians.basis);
   for (int i = 0; i < kAttributeCount; ++i)
     ExpectSameBits(a.gaussians.values[i], b.gaussians.values[i], "attribute " + std::to_string(i));
-  ExpectSameBits(a.triangle, b.triangle, "triangle");
-  ExpectSameBits(a.barycentric, b.barycentric, "barycentric");
+  ExpectSameBits(a.embedding.triangle, b.embedding.triangle, "triangle");
+  ExpectSameBits(a.embedding.barycentric, b.embedding.barycentric, "barycentric");
   ExpectSameBits(a.shape, b.shape, "shape");
   ExpectSameBits(a.static_offset, b.static_offset, "static_offset");
   ExpectSameBits(a.background, b.background, "background");
@@ -174,7 +174,7 @@ TEST_F(AvatarFile, ABustComesBackToo) {
     model.mesh = {};
     AttachMesh(model, flame_);
     ASSERT_GT(model.mesh.faces.size(), flame_.faces.size());
-    model.triangle[5] = int32_t(model.mesh.faces.size()) - 1;
+    model.embedding.triangle[5] = int32_t(model.mesh.faces.size()) - 1;
     WriteAvatarGlb(path_, model, &flame_);
     EXPECT_TRUE(SummarizeGlb(path_).avatar->has_bust);
     AvatarModel read = ReadAvatarGlb(path_);
@@ -230,7 +230,7 @@ TEST_F(AvatarFile, TheLiteralBasisIsNotWritten) {
 
 AvatarModel Version2Avatar(const FlameModel& flame) {
   AvatarModel model = BallAvatar(flame, 10, 1, Basis::kSh);
-  model.released = ReleasedRule{0.2497f};
+  model.embedding.released = ReleasedRule{0.2497f};
   FlameParams& frame = model.canonical_frame.emplace();
   frame.expression = {0.3f, -0.1f};
   frame.pose[0] = {0.1f, 0.2f, 0.3f};
@@ -248,8 +248,8 @@ TEST_F(AvatarFile, ARuleAndACanonicalFrameComeBackInVersion2) {
   AvatarModel read = ReadAvatarGlb(path_);
   AttachMesh(read, flame_);
   ExpectSameAvatar(model, read);
-  ASSERT_TRUE(read.released && read.canonical_frame);
-  EXPECT_EQ(read.released->unit, model.released->unit);
+  ASSERT_TRUE(read.embedding.released && read.canonical_frame);
+  EXPECT_EQ(read.embedding.released->unit, model.embedding.released->unit);
   EXPECT_EQ(read.canonical_frame->expression, model.canonical_frame->expression);
   EXPECT_EQ(read.canonical_frame->pose, model.canonical_frame->pose);
   EXPECT_EQ(read.canonical_frame->translation, model.canonical_frame->translation);
@@ -383,14 +383,19 @@ TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
     EXPECT_NE(refused([&](AvatarModel& m) { m.gaussians.values[a].pop_back(); }), "") << a;
   }
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.mesh = {}; }), "mesh"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle[7] = 100000; }), "triangle[7]"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle[7] = -1; }), "triangle[7]"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.triangle.pop_back(); }), "triangle"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.barycentric[2][1] = INFINITY; }), "bary"));
+  EXPECT_TRUE(
+      Contains(refused([](AvatarModel& m) { m.embedding.triangle[7] = 100000; }), "triangle[7]"));
+  EXPECT_TRUE(
+      Contains(refused([](AvatarModel& m) { m.embedding.triangle[7] = -1; }), "triangle[7]"));
+  EXPECT_TRUE(
+      Contains(refused([](AvatarModel& m) { m.embedding.triangle.pop_back(); }), "triangle"));
+  EXPECT_TRUE(
+      Contains(refused([](AvatarModel& m) { m.embedding.barycentric[2][1] = INFINITY; }), "bary"));
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.static_offset.pop_back(); }), "static_"));
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.shape[0] = NAN; }), "shape"));
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.background[0] = NAN; }), "background"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.released = ReleasedRule{0}; }), "rule"));
+  EXPECT_TRUE(
+      Contains(refused([](AvatarModel& m) { m.embedding.released = ReleasedRule{0}; }), "rule"));
   const auto bad_frame = [](AvatarModel& m) { m.canonical_frame.emplace().pose[1][2] = NAN; };
   EXPECT_TRUE(Contains(refused(bad_frame), "canonical pose"));
   EXPECT_EQ(Slurp(path_), before);  // nothing was half written
@@ -501,8 +506,8 @@ AvatarModel GoldenAvatar(FlameModel& flame) {
   model.flame_name = flame.name;
   model.mesh.vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
   model.mesh.faces = flame.faces;
-  model.triangle = {0, 1};
-  model.barycentric = {{{0.25f, 0.5f}, {0.125f, 0.125f}}};
+  model.embedding.triangle = {0, 1};
+  model.embedding.barycentric = {{{0.25f, 0.5f}, {0.125f, 0.125f}}};
   model.shape = {0.5f, -2};
   model.static_offset.assign(12, 0.0078125f);
   model.background = {1, 0.5f, 0};

@@ -60,12 +60,12 @@ bool AllFinite(const PosedGaussians& g) {
          AllFinite(g.frame);
 }
 
-TEST(Bind, CanonicalPoseGivesTheLocalGaussian) {
+TEST(Bind, CanonicalPoseGivesTheEmbeddedGaussian) {
   CanonicalMesh mesh;
   mesh.vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   mesh.faces = {{0, 1, 2}};
   AvatarModel model = RandomAvatar(mesh, 1, 1);
-  model.barycentric[0] = {0.2f, 0.3f};
+  model.embedding.barycentric[0] = {0.2f, 0.3f};
   const float offset[3] = {0.1f, 0.1f, 0.5f};
   std::copy(offset, offset + 3, model.gaussians.values[kPosition].begin());
   PosedGaussians out;
@@ -265,8 +265,8 @@ TEST(Bind, NothingJumpsAtAnEdge) {
       std::array<float, 3> here{}, there{};
       here[e] = there[(e2 + 1) % 3] = 0.37f;
       here[(e + 1) % 3] = there[e2] = 0.63f;
-      model.triangle = {int32_t(f), topology.face_neighbors[f][e]};
-      model.barycentric = {{here[0], here[1]}, {there[0], there[1]}};
+      model.embedding.triangle = {int32_t(f), topology.face_neighbors[f][e]};
+      model.embedding.barycentric = {{here[0], here[1]}, {there[0], there[1]}};
       auto& values = model.gaussians.values;
       for (int k = 0; k < 3; ++k) {
         values[kPosition][k] = values[kPosition][3 + k] = k == 2 ? 0.2f : 0;
@@ -309,16 +309,16 @@ TEST(Bind, BadModelIsNamed) {
   const Surface surface(mesh);
   PosedGaussians out;
   AvatarModel model = RandomAvatar(mesh, 3, 1);
-  model.triangle[2] = 8;
+  model.embedding.triangle[2] = 8;
   try {
     Bind(model, surface, out);
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("triangle[2]: 8 of 8"), std::string::npos) << e.what();
   }
-  model.triangle[2] = -1;
+  model.embedding.triangle[2] = -1;
   EXPECT_THROW(Bind(model, surface, out), Error);
-  model.triangle.pop_back();
+  model.embedding.triangle.pop_back();
   EXPECT_THROW(Bind(model, surface, out), Error);
 }
 

@@ -59,10 +59,10 @@ Three<float> CanonicalAreas(const Surface& surface, int32_t face) {
   for (int c = 0; c < 3; ++c) a[c] = surface.canonical()[surface.faces()[face][c]].area;
   return a;
 }
-math::LocalGaussian<float> LocalOf(const AvatarModel& m, size_t i) {
+math::EmbeddedGaussian<float> LocalOf(const AvatarModel& m, size_t i) {
   const auto& values = m.gaussians.values;
-  return {m.barycentric[i][0],
-          m.barycentric[i][1],
+  return {m.embedding.barycentric[i][0],
+          m.embedding.barycentric[i][1],
           V(values[kPosition], i),
           Q(values[kRotation], i),
           V(values[kScaleLog], i)};
@@ -77,7 +77,7 @@ TEST_P(EmbedPacks, BindIsTheFormula) {
     PosedGaussians out;
     Bind(model, surface, out);
     for (size_t i = 0; i < n; ++i) {
-      const int32_t face = model.triangle[i];
+      const int32_t face = model.embedding.triangle[i];
       const auto expected =
           Embed(CornersOf(surface, face), CanonicalAreas(surface, face), LocalOf(model, i));
       ExpectNear(V(out.position, i), expected.position);
@@ -106,8 +106,8 @@ TEST_P(EmbedPacks, BindBackwardIsTheFormulasDerivative) {
   BindBackward(model, surface, d, d_gaussians, &d_vertices);
   BindBackward(model, surface, d, without);
   for (size_t i = 0; i < kCount; ++i) {
-    const int32_t face = model.triangle[i];
-    math::LocalGaussian<float> expected;
+    const int32_t face = model.embedding.triangle[i];
+    math::EmbeddedGaussian<float> expected;
     Three<SurfaceVertex> corners{};
     EmbedVjp(CornersOf(surface, face),
              CanonicalAreas(surface, face),

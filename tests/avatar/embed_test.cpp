@@ -297,7 +297,7 @@ Three<math::SurfaceVertex<T>> VerticesOf(const std::vector<T>& x) {
   return v;
 }
 template <class T>
-math::LocalGaussian<T> LocalOf(const std::vector<T>& x) {
+math::EmbeddedGaussian<T> LocalOf(const std::vector<T>& x) {
   const size_t at = 3 * kVertexWidth;
   return {T(kBase[0]), T(kBase[1]), V(x, at), Q(x, at + 3), V(x, at + 7)};
 }
@@ -315,7 +315,7 @@ struct EmbedFunction {
   }
 };
 std::vector<double> EmbedVjpFunction(const std::vector<double>& x, const std::vector<double>& d) {
-  math::LocalGaussian<double> d_g;
+  math::EmbeddedGaussian<double> d_g;
   Three<math::SurfaceVertex<double>> d_v{};
   math::EmbedVjp(VerticesOf(x),
                  {{.9, 1.1, 1.3}},
@@ -350,11 +350,11 @@ TEST(EmbedFormula, NormalsThatCancelLeaveThePointOnTheTriangle) {
   v[0] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0, 0}, 1};
   v[1] = {{1, 0, 0}, {0, 0, -1}, {1, 0, 0, 0}, 1};
   v[2] = {{0, 1, 0}, {0, 0, 0}, {1, 0, 0, 0}, 1};
-  const math::LocalGaussian<double> g{.25, .25, {0, 0, 5}, {1, 0, 0, 0}, {0, 0, 0}};
+  const math::EmbeddedGaussian<double> g{.25, .25, {0, 0, 5}, {1, 0, 0, 0}, {0, 0, 0}};
   const auto p = math::Embed(v, {{1, 1, 1}}, g);
   EXPECT_EQ(p.position.z, 0);
   EXPECT_NEAR(p.position.x, .25, 1e-15);
-  math::LocalGaussian<double> d;
+  math::EmbeddedGaussian<double> d;
   math::EmbedVjp(v, {{1, 1, 1}}, g, {{1, 1, 1}, {}, {}, {}}, d, &v);
   EXPECT_TRUE(std::isfinite(d.offset.x + d.offset.y + d.offset.z));
 }

@@ -165,9 +165,9 @@ inline AvatarModel RandomAvatar(const CanonicalMesh& mesh, size_t n, unsigned se
   auto& values = model.gaussians.values;
   values[kOpacityLogit].resize(n);
   for (size_t i = 0; i < n; ++i) {
-    model.triangle.push_back(int32_t(rng() % mesh.faces.size()));
+    model.embedding.triangle.push_back(int32_t(rng() % mesh.faces.size()));
     const float s = std::sqrt(uniform(rng)), t = uniform(rng);
-    model.barycentric.push_back({1 - s, s * t});
+    model.embedding.barycentric.push_back({1 - s, s * t});
     for (float scale : {0.2f, 0.2f, 0.05f}) values[kPosition].push_back(scale * normal(rng));
     for (int k = 0; k < 4; ++k) values[kRotation].push_back(normal(rng));
     for (int k = 0; k < 3; ++k) values[kScaleLog].push_back(-3 + 0.5f * normal(rng));

@@ -64,7 +64,7 @@ class PosedAvatar {
     return posed_;
   }
   bool IsOnBust(size_t i) const {
-    const int32_t v = model.mesh.faces[size_t(model.triangle[i])][0];
+    const int32_t v = model.mesh.faces[size_t(model.embedding.triangle[i])][0];
     return v >= Flame().vertex_count;
   }
   AvatarModel model;
@@ -125,7 +125,7 @@ TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
 TEST(Player, GaussiansWithoutATriangleAreAnError) {
   AvatarModel model = Trained().Model();
   std::fill_n(model.gaussians.at(kColorRest, 0), model.gaussians.width(kColorRest), 0.0f);
-  model.triangle = {};
+  model.embedding.triangle = {};
   PlacedAvatar placed;
   ExpectError([&] { Player(model, Flame()).Place(Frame(0).params, placed); }, {"triangle"});
 }
@@ -237,8 +237,8 @@ TEST(Player, CoefficientsBeyondTheModelsAreLeftOut) {
 TEST(Player, AnEmptyAvatarIsTheBackground) {
   AvatarModel model = Trained().Model();
   model.gaussians.Resize(0);
-  model.triangle.clear();
-  model.barycentric.clear();
+  model.embedding.triangle.clear();
+  model.embedding.barycentric.clear();
   Player player(std::move(model), Flame());
   const RenderedImage image = Render(player, {});
   for (const float c : image.color) ASSERT_EQ(c, 1);

@@ -28,7 +28,7 @@ AvatarModel BallAvatar(size_t n) {
 
 QuantisedSplats Quantised(const AvatarModel& model) {
   QuantisedSplats splats = Quantise(model.gaussians, SizeSignificance(model.gaussians), {32, 1, 0});
-  AddEmbedding(model, splats);
+  AddEmbedding(model.embedding, splats);
   return splats;
 }
 
@@ -37,12 +37,12 @@ TEST(QuantisedAvatar, ComesBackOnItsTriangles) {
   const AvatarModel model = BallAvatar(200);
   WriteVqFile(folder / "a.zip", Quantised(model));
   AvatarModel read = model;
-  read.triangle.clear();
-  read.barycentric.clear();
+  read.embedding.triangle.clear();
+  read.embedding.barycentric.clear();
   read.gaussians = {};
   ReadQuantisedAvatar(folder / "a.zip", read);
-  EXPECT_EQ(read.triangle, model.triangle);
-  EXPECT_EQ(read.barycentric, model.barycentric);
+  EXPECT_EQ(read.embedding.triangle, model.embedding.triangle);
+  EXPECT_EQ(read.embedding.barycentric, model.embedding.barycentric);
   EXPECT_EQ(read.gaussians.basis, Basis::kSh);
   EXPECT_EQ(read.gaussians.values[kPosition], model.gaussians.values[kPosition]);
   for (const Attribute a : {kScaleLog, kOpacityLogit, kColorDc, kColorRest})

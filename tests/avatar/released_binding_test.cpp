@@ -27,7 +27,7 @@ PosedGaussians Bound(const AvatarModel& model, const Surface& surface) {
 }
 
 AvatarModel Released(AvatarModel model) {
-  model.released = ReleasedRule{MeshUnit(model.mesh)};
+  model.embedding.released = ReleasedRule{MeshUnit(model.mesh)};
   return model;
 }
 
@@ -41,7 +41,7 @@ AvatarModel OnBall(size_t n, unsigned seed) {
   return model;
 }
 
-TEST(ReleasedBinding, AtRestGivesTheLocalGaussianOnItsPlaceWithoutItsStep) {
+TEST(ReleasedBinding, AtRestGivesTheEmbeddedGaussianOnItsPlaceWithoutItsStep) {
   AvatarModel model = OnBall(50, 1);
   Surface surface(model.mesh);
   const PosedGaussians released = Bound(Released(model), surface);
@@ -136,7 +136,7 @@ TEST(ReleasedBinding, StepsOnTheSurfaceGetNoGradientButOursDo) {
 
 // Layout of x: offset 3, rotation 4, scale 3.
 template <class T>
-math::LocalGaussian<T> LocalOf(const std::vector<T>& x) {
+math::EmbeddedGaussian<T> LocalOf(const std::vector<T>& x) {
   return {T(.3), T(.25), {x[0], x[1], x[2]}, {x[3], x[4], x[5], x[6]}, {x[7], x[8], x[9]}};
 }
 template <class T>
@@ -171,7 +171,7 @@ TEST(ReleasedBinding, VjpMatchesDualNumbers) {
                                 p.scale_log.z};
         },
         [](const auto& x, const auto& d) {
-          math::LocalGaussian<double> g;
+          math::EmbeddedGaussian<double> g;
           math::ReleasedEmbedVjp(
               Corners<double>(),
               {2e-5, 1e-5, .25},

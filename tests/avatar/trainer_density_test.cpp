@@ -17,7 +17,7 @@ class Watched : public AvatarSubject {
   using AvatarSubject::AvatarSubject;
 
   void Watch(const Gaussians& gaussians) {
-    for (const int32_t t : Model(gaussians).triangle)
+    for (const int32_t t : Model(gaussians).embedding.triangle)
       component_.push_back(surface().topology().face_component[t]);
   }
   void Gather(View<const uint32_t> source, Stream& stream) override {
@@ -89,8 +89,8 @@ TEST(AvatarDensity, ChildrenStayWhereTheyWereDrawnAndOnTheirComponent) {
   const std::vector<int32_t>& component_of = subject.surface().topology().face_component;
   std::map<int32_t, int> count;
   for (size_t i = 0; i < model.size(); ++i) {
-    EXPECT_EQ(component_of[model.triangle[i]], subject.component()[i]) << i;
-    ++count[component_of[model.triangle[i]]];
+    EXPECT_EQ(component_of[model.embedding.triangle[i]], subject.component()[i]) << i;
+    ++count[component_of[model.embedding.triangle[i]]];
   }
   EXPECT_EQ(count.size(), size_t(subject.surface().topology().component_count));
   EXPECT_GE(count.size(), 3u);  // head and eyeballs
@@ -108,7 +108,8 @@ TEST(AvatarDensity, TrianglesHoldAtMostTheCap) {
   Trainer trainer(settings, run.subject, run.gaussians());
   for (int i = 0; i < 16; ++i) trainer.Step();
   std::map<int32_t, int> count;
-  for (const int32_t t : run.subject.Model(trainer.state().gaussians).triangle) ++count[t];
+  for (const int32_t t : run.subject.Model(trainer.state().gaussians).embedding.triangle)
+    ++count[t];
   int most = 0;
   for (const auto& [triangle, n] : count) most = std::max(most, n);
   EXPECT_EQ(most, 64);

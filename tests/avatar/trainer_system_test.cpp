@@ -48,9 +48,9 @@ TEST(AvatarSystem, TheCanonicalMeshIsTheShapeOrFrame0) {
     const bool ours = system == AvatarSystem::kCosplat;
     EXPECT_EQ(model.mesh.vertices, ours ? rest.vertices : frame0);
     EXPECT_EQ(model.canonical_frame.has_value(), !ours);
-    EXPECT_EQ(model.released.has_value(), system == AvatarSystem::kReleased);
-    if (model.released) {
-      EXPECT_EQ(model.released->unit, subject.extent());
+    EXPECT_EQ(model.embedding.released.has_value(), system == AvatarSystem::kReleased);
+    if (model.embedding.released) {
+      EXPECT_EQ(model.embedding.released->unit, subject.extent());
     }
   }
 }
@@ -73,7 +73,8 @@ TEST(AvatarSystem, OnlyTheReleaseBeginsWithoutRegardToArea) {
       small.insert(f);
     }
     double share = 0;
-    for (const int32_t t : model.triangle) share += small.contains(t) / double(model.size());
+    for (const int32_t t : model.embedding.triangle)
+      share += small.contains(t) / double(model.size());
     EXPECT_NEAR(share, system == AvatarSystem::kReleased ? 0.5 : area, 0.015);
     ASSERT_LT(area, 0.4);
   }
@@ -107,7 +108,8 @@ TEST(AvatarSystem, StepsOnTheSurfaceAreMetricOrInBarycentricUnits) {
     const AvatarModel model = subject.Model(subject.InitialGaussians(0, Basis::kSh, 0));
     const View<const float> scale = subject.PositionRateScale();
     for (size_t i = 0; i < model.size(); ++i) {
-      const double metres = std::sqrt(2 * FaceArea(model.mesh, size_t(model.triangle[i])));
+      const double metres =
+          std::sqrt(2 * FaceArea(model.mesh, size_t(model.embedding.triangle[i])));
       const double unit = system == AvatarSystem::kCosplat ? metres : subject.extent();
       EXPECT_NEAR(scale[3 * i] * unit, 1, 1e-4);
       EXPECT_EQ(scale[3 * i + 1], scale[3 * i]);
@@ -188,7 +190,7 @@ TEST(AvatarSystem, AFrameIsPlayedByTheRuleOfItsTraining) {
     AvatarModel model = subject.Model(g);
     const Buffer<float> played = placed(model);
     EXPECT_TRUE(std::equal(played.begin(), played.end(), trained.scale_log));
-    model.released.reset();
+    model.embedding.released.reset();
     EXPECT_EQ(placed(model) == played, system != AvatarSystem::kReleased);
   }
 }

@@ -149,8 +149,9 @@ Outcome Train(uint64_t seed, int threads) {
 }
 
 bool SameOutcome(const Outcome& a, const Outcome& b) {
-  bool same = a.loss == b.loss && a.avatar.triangle == b.avatar.triangle &&
-              a.avatar.barycentric == b.avatar.barycentric && a.track.size() == b.track.size();
+  bool same = a.loss == b.loss && a.avatar.embedding.triangle == b.avatar.embedding.triangle &&
+              a.avatar.embedding.barycentric == b.avatar.embedding.barycentric &&
+              a.track.size() == b.track.size();
   for (int k = 0; k < kAttributeCount; ++k)
     same = same && SameBits(a.avatar.gaussians.values[k], b.avatar.gaussians.values[k]);
   for (size_t i = 0; same && i < a.track.size(); ++i)

@@ -253,7 +253,7 @@ AvatarModel AvatarAt(const CanonicalMesh& mesh, size_t n, unsigned seed) {
 
 void Push(AvatarModel& model, const Vec3<double>& step) {
   for (size_t i = 0; i < model.size(); ++i) {
-    const auto [du, dv] = StepOf(model.mesh, model.triangle[i], step);
+    const auto [du, dv] = StepOf(model.mesh, model.embedding.triangle[i], step);
     model.gaussians.values[kPosition][3 * i] = du;
     model.gaussians.values[kPosition][3 * i + 1] = dv;
   }
@@ -278,13 +278,13 @@ TEST(WalkAll, MovesReportsAndZeroes) {
     EXPECT_EQ(offsets[3 * i + 1], 0);
     EXPECT_EQ(offsets[3 * i + 2], 0.5f);
     const bool listed = std::binary_search(report.crossed.begin(), report.crossed.end(), i);
-    EXPECT_EQ(listed, model.triangle[i] != before.triangle[i]);
+    EXPECT_EQ(listed, model.embedding.triangle[i] != before.embedding.triangle[i]);
   }
   for (int i : {0, 1}) {
-    EXPECT_EQ(model.triangle[i], before.triangle[i]);
-    EXPECT_EQ(model.barycentric[i], before.barycentric[i]);
+    EXPECT_EQ(model.embedding.triangle[i], before.embedding.triangle[i]);
+    EXPECT_EQ(model.embedding.barycentric[i], before.embedding.barycentric[i]);
   }
-  model.triangle[3] = 999;
+  model.embedding.triangle[3] = 999;
   EXPECT_THROW(WalkAll(model, surface), Error);
 }
 
@@ -296,14 +296,14 @@ TEST(WalkAll, BitsDoNotDependOnThreads) {
     AvatarModel model = AvatarAt(mesh, 5000, 2);
     Push(model, {0.3, 0.1, 0});
     WalkAll(model, surface, 8);
-    return std::pair(model.triangle, model.barycentric);
+    return std::pair(model.embedding.triangle, model.embedding.barycentric);
   };
   EXPECT_EQ(run(1), run(4));
 }
 
 int LargestBoundaryCount(const AvatarModel& model, const Surface& surface) {
   std::vector<int> count(surface.faces().size());
-  for (int32_t f : model.triangle) ++count[f];
+  for (int32_t f : model.embedding.triangle) ++count[f];
   int largest = 0;
   for (size_t f = 0; f < count.size(); ++f) {
     const auto& n = surface.topology().face_neighbors[f];
@@ -323,7 +323,7 @@ TEST(WalkAll, ASteadyPushDoesNotPileUpAtTheBoundary) {
     ASSERT_LE(LargestBoundaryCount(model, surface), cap);
   }
   for (size_t i = 0; i < model.size(); ++i)
-    ASSERT_TRUE(Inside({model.triangle[i], model.barycentric[i]}));
+    ASSERT_TRUE(Inside({model.embedding.triangle[i], model.embedding.barycentric[i]}));
   // The cap did something: without it they gather in the corner.
   AvatarModel uncapped = AvatarAt(mesh, 2000, 3);
   for (int round = 0; round < 100; ++round) {
@@ -339,7 +339,8 @@ TEST(WalkAll, GaussiansStayOnTheirComponent) {
   const Surface surface(mesh);
   AvatarModel model = AvatarAt(mesh, 500, 4);
   std::vector<int32_t> component;
-  for (int32_t f : model.triangle) component.push_back(surface.topology().face_component[f]);
+  for (int32_t f : model.embedding.triangle)
+    component.push_back(surface.topology().face_component[f]);
   std::mt19937 rng(5);
   std::normal_distribution<double> normal(0, 0.03);
   for (int round = 0; round < 20; ++round) {
@@ -347,7 +348,7 @@ TEST(WalkAll, GaussiansStayOnTheirComponent) {
     EXPECT_TRUE(WalkAll(model, surface).invalid.empty());
   }
   for (size_t i = 0; i < model.size(); ++i)
-    EXPECT_EQ(surface.topology().face_component[model.triangle[i]], component[i]);
+    EXPECT_EQ(surface.topology().face_component[model.embedding.triangle[i]], component[i]);
 }
 
 // The mouth's and the neck's loops of the real topology.
@@ -357,7 +358,8 @@ TEST(WalkAll, FlameBoundariesHold) {
   const Surface surface(mesh);
   AvatarModel model = AvatarAt(mesh, 20000, 6);
   std::vector<int32_t> component;
-  for (int32_t f : model.triangle) component.push_back(surface.topology().face_component[f]);
+  for (int32_t f : model.embedding.triangle)
+    component.push_back(surface.topology().face_component[f]);
   const int cap = std::max(64, LargestBoundaryCount(model, surface));
   size_t crossed = 0, stopped = 0;
   for (int round = 0; round < 30; ++round) {
@@ -369,8 +371,8 @@ TEST(WalkAll, FlameBoundariesHold) {
     EXPECT_LT(report.invalid.size(), model.size() / 1000);
   }
   for (size_t i = 0; i < model.size(); ++i) {
-    ASSERT_TRUE(Inside({model.triangle[i], model.barycentric[i]}));
-    ASSERT_EQ(surface.topology().face_component[model.triangle[i]], component[i]);
+    ASSERT_TRUE(Inside({model.embedding.triangle[i], model.embedding.barycentric[i]}));
+    ASSERT_EQ(surface.topology().face_component[model.embedding.triangle[i]], component[i]);
   }
   EXPECT_GT(crossed, model.size());
   EXPECT_GT(stopped, 100u);

@@ -35,7 +35,7 @@ class DeviceAvatarStep {
     const AdamState first(made.model.gaussians);
     gaussians_.Upload(made.model.gaussians, stream());
     gradients_.RefillLike(gaussians_, stream());
-    UploadEmbedding(made.model, embedding_, stream());
+    UploadEmbedding(made.model.embedding, embedding_, stream());
     target_bytes_.Upload(made.photograph.data.data(), made.photograph.data.size(), stream());
     target_.bytes = target_bytes_.data();
     adam_.Upload(first, stream());

@@ -98,9 +98,9 @@ inline MadeAvatar MakeAvatar(size_t count, int side, int levels) {
   Rng rng{7};
   const float spacing = std::sqrt(4 * 3.14159f * kRadius * kRadius / float(count));
   for (size_t i = 0; i < count; ++i) {
-    made.model.triangle.push_back(int32_t(rng.Below(made.model.mesh.faces.size())));
+    made.model.embedding.triangle.push_back(int32_t(rng.Below(made.model.mesh.faces.size())));
     const float s = std::sqrt(float(rng.Uniform())), t = float(rng.Uniform());
-    made.model.barycentric.push_back({1 - s, s * t});
+    made.model.embedding.barycentric.push_back({1 - s, s * t});
     for (int k = 0; k < 3; ++k) {
       made.model.gaussians.at(kPosition, i)[k] = 0;
       made.model.gaussians.at(kScaleLog, i)[k] = std::log(spacing * (k == 2 ? 0.2f : 0.7f));

@@ -12,8 +12,8 @@ int main() {
   const FlameModel head = MakeProceduralHead();
   AvatarModel avatar;
   avatar.mesh = {head.template_vertices, head.faces};
-  avatar.triangle = {0};
-  avatar.barycentric = {{1.0f, 0.0f}};  // the triangle's first vertex
+  avatar.embedding.triangle = {0};
+  avatar.embedding.barycentric = {{1.0f, 0.0f}};  // the triangle's first vertex
   Gaussians& g = avatar.gaussians;
   g.Resize(1);
   g.at(kRotation, 0)[0] = 1;

@@ -56,7 +56,9 @@ std::vector<BindingCase> Cases() {
   cases.push_back(CaseOn("one Gaussian", ball, 1));
   cases.push_back(CaseOn("none", ball, 0));
   cases.push_back(CaseOn("all on one face", ball, 200));
-  std::fill(cases.back().avatar.triangle.begin(), cases.back().avatar.triangle.end(), 7);
+  std::fill(cases.back().avatar.embedding.triangle.begin(),
+            cases.back().avatar.embedding.triangle.end(),
+            7);
   cases.push_back(CaseOn("collapsed faces", ball, 300));
   for (size_t f = 0; f < 20; f += 5) Collapse(ball, f, cases.back().posed);
   cases.push_back(CaseOn("all in one place", ball, 50));
@@ -91,7 +93,7 @@ struct InStream {
 
   void Send(const BindingCase& c) {
     gaussians.Upload(c.avatar.gaussians, stream);
-    UploadEmbedding(c.avatar, embedding, stream);
+    UploadEmbedding(c.avatar.embedding, embedding, stream);
     vertices.Upload(c.posed.data(), c.posed.size(), stream);
     stream.Wait();
     scratch.by_face.Forget();

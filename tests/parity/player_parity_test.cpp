@@ -61,8 +61,8 @@ void ExpectSamePlayed(const AvatarModel& avatar, int frames, bool half_resolutio
 
 AvatarModel FirstOnes(const AvatarModel& avatar, size_t count) {
   AvatarModel few = avatar;
-  few.triangle.resize(count);
-  few.barycentric.resize(count);
+  few.embedding.triangle.resize(count);
+  few.embedding.barycentric.resize(count);
   for (int a = 0; a < kAttributeCount; ++a)
     few.gaussians.values[a].resize(count * size_t(few.gaussians.width(a)));
   few.gaussians.degrees.resize(std::min(few.gaussians.degrees.size(), count));
@@ -116,7 +116,7 @@ TEST_F(PlayerParity, DrawsABust) {
   avatar.mesh = MakeCanonicalMesh(Flame(), {}, {}, avatar.bust);
   const size_t bust_faces = avatar.mesh.faces.size() - head_faces;
   for (size_t i = 0; i < avatar.size(); i += 3)
-    avatar.triangle[i] = int32_t(head_faces + (7 * i) % bust_faces);
+    avatar.embedding.triangle[i] = int32_t(head_faces + (7 * i) % bust_faces);
   ExpectSamePlayed(avatar, 2);
 }
 
@@ -194,10 +194,10 @@ TEST_F(PlayerParity, RefusesWhatTheCpuRefuses) {
   test::ExpectError([&] { Draw(player, bad); }, {"camera"});
   EXPECT_EQ(Draw(player, FrameAt(0)).color, before.color);
   AvatarModel broken = avatar;
-  broken.triangle[7] = 1 << 20;
+  broken.embedding.triangle[7] = 1 << 20;
   test::ExpectError([&] { Player(broken, Flame(), OnDevice()); }, {"triangle[7]"});
   AvatarModel released = avatar;
-  released.released.emplace();
+  released.embedding.released.emplace();
   test::ExpectError([&] { Player(released, Flame(), OnDevice()); }, {"released", "CPU"});
 }
 

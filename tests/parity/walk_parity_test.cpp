@@ -57,7 +57,7 @@ AvatarModel Start(const WalkCase& c, size_t count) {
     for (int k = 0; k < 2; ++k) step[k] = i % 9 == 0 ? 0 : normal(rng);
     if (i % 50 == 1) step[i % 2] = NAN;
     if (i % 50 == 2) step[0] = 1e6f;
-    if (i % 50 == 3) avatar.barycentric[i] = {1.4f, -0.2f};  // outside
+    if (i % 50 == 3) avatar.embedding.barycentric[i] = {1.4f, -0.2f};  // outside
   }
   return avatar;
 }
@@ -70,7 +70,7 @@ struct OnDevice {
   FaceLists by_face;
 
   explicit OnDevice(const AvatarModel& avatar) : surface(avatar.mesh, stream) {
-    UploadEmbedding(avatar, embedding, stream);
+    UploadEmbedding(avatar.embedding, embedding, stream);
     Send(avatar);
   }
   void Send(const AvatarModel& avatar) {
@@ -79,8 +79,8 @@ struct OnDevice {
     stream.Wait();
   }
   void Fetch(AvatarModel& to) {
-    embedding.triangle.Download(to.triangle.data(), stream);
-    embedding.barycentric.Download(to.barycentric.data(), stream);
+    embedding.triangle.Download(to.embedding.triangle.data(), stream);
+    embedding.barycentric.Download(to.embedding.barycentric.data(), stream);
     position.Download(to.gaussians.values[kPosition].data(), stream);
     stream.Wait();
   }
@@ -88,10 +88,11 @@ struct OnDevice {
 
 // In float; walks are in double, whose rounding may differ by the device.
 void ExpectSamePlaces(const AvatarModel& device, const AvatarModel& cpu, const std::string& name) {
-  ASSERT_EQ(device.triangle, cpu.triangle) << name;
-  for (size_t i = 0; i < cpu.triangle.size(); ++i) {
+  ASSERT_EQ(device.embedding.triangle, cpu.embedding.triangle) << name;
+  for (size_t i = 0; i < cpu.embedding.triangle.size(); ++i) {
     for (int k = 0; k < 2; ++k)
-      ASSERT_NEAR(device.barycentric[i][k], cpu.barycentric[i][k], 1e-6f) << name << " " << i;
+      ASSERT_NEAR(device.embedding.barycentric[i][k], cpu.embedding.barycentric[i][k], 1e-6f)
+          << name << " " << i;
     for (int k = 0; k < 3; ++k) {
       const float expected = cpu.gaussians.values[kPosition][3 * i + k];
       const float actual = device.gaussians.values[kPosition][3 * i + k];
@@ -128,14 +129,14 @@ TEST_F(WalkParity, EndsWhereItEndsOnTheCpu) {
       Buffer<float> moment;
       moment.Upload(ones.data(), ones.size(), device.stream);
       walk.ResetMoment(moment, device.stream);
-      std::vector<uint8_t> outcomes(cpu.triangle.size());
+      std::vector<uint8_t> outcomes(cpu.embedding.triangle.size());
       std::vector<float> left(ones.size());
       walk.outcomes().Download(outcomes.data(), device.stream);
       moment.Download(left.data(), device.stream);
       device.Fetch(back);
       const WalkReport report = WalkAll(cpu, surface, c.cap);
       ExpectSamePlaces(back, cpu, c.name);
-      ASSERT_EQ(outcomes, OutcomesOf(report, cpu.triangle.size())) << c.name;
+      ASSERT_EQ(outcomes, OutcomesOf(report, cpu.embedding.triangle.size())) << c.name;
       for (size_t i = 0; i < outcomes.size(); ++i) {
         ++seen[outcomes[i]];
         for (int k = 0; k < 3; ++k)
@@ -189,18 +190,19 @@ TEST_F(WalkParity, ChildrenAreEmbeddedWhereTheyAreOnTheCpu) {
                        keeps_d,
                        searches.view(),
                        device.embedding.triangle.data(),
-                       device.embedding.weights(),
+                       device.embedding.barycentric_data(),
                        device.position.view()});
       device.Fetch(back);
       math::FaceSearch search;
       for (size_t i = first; i < count; ++i) {
         const float* by = &offsets[3 * (i - first)];
-        math::MoveOnMesh(
-            surface.CanonicalArrays(),
-            {by[0], by[1], by[2]},
-            keeps_d,
-            {&cpu.triangle[i], cpu.barycentric[i].data(), &cpu.gaussians.values[kPosition][3 * i]},
-            search);
+        math::MoveOnMesh(surface.CanonicalArrays(),
+                         {by[0], by[1], by[2]},
+                         keeps_d,
+                         {&cpu.embedding.triangle[i],
+                          cpu.embedding.barycentric[i].data(),
+                          &cpu.gaussians.values[kPosition][3 * i]},
+                         search);
       }
       ExpectSamePlaces(back, cpu, c.name);
     }
@@ -222,7 +224,7 @@ TEST_F(WalkParity, CentersAndRatesAreTheCpus) {
           stream,
           PlaceEach{device.surface.CanonicalArrays(),
                     device.embedding.triangle.data(),
-                    device.embedding.weights(),
+                    device.embedding.barycentric_data(),
                     device.position.view(),
                     centers.view()});
   ForEach(300, stream, RateEach{sent.view(), device.embedding.triangle.data(), rates.view()});
@@ -232,8 +234,8 @@ TEST_F(WalkParity, CentersAndRatesAreTheCpus) {
   stream.Wait();
   for (size_t i = 0; i < 300; ++i) {
     const auto p = math::CanonicalPlace(surface.CanonicalArrays(),
-                                        cpu.triangle[i],
-                                        cpu.barycentric[i].data(),
+                                        cpu.embedding.triangle[i],
+                                        cpu.embedding.barycentric[i].data(),
                                         &cpu.gaussians.values[kPosition][3 * i]);
     const float expected[3] = {p.x, p.y, p.z};
     for (int k = 0; k < 3; ++k) {
@@ -241,7 +243,8 @@ TEST_F(WalkParity, CentersAndRatesAreTheCpus) {
         EXPECT_NEAR(got_centers[3 * i + k], expected[k], 1e-6f * (1 + std::abs(expected[k]))) << i;
       else
         EXPECT_FALSE(std::isfinite(got_centers[3 * i + k])) << i;
-      EXPECT_EQ(got_rates[3 * i + k], k == 2 ? 1.0f : rate_of_face[size_t(cpu.triangle[i])]);
+      EXPECT_EQ(got_rates[3 * i + k],
+                k == 2 ? 1.0f : rate_of_face[size_t(cpu.embedding.triangle[i])]);
     }
   }
 }

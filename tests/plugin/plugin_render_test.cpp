@@ -255,8 +255,8 @@ TEST(PluginDepth, IsTheMeanOverWhatIsSeen) {
   const PluginFiles& files = PluginFiles::Get();
   AvatarModel model = files.avatar;
   model.gaussians.degrees.clear();
-  model.triangle = {0, 0};
-  model.barycentric = {{1, 0}, {1, 0}};
+  model.embedding.triangle = {0, 0};
+  model.embedding.barycentric = {{1, 0}, {1, 0}};
   Gaussians& g = model.gaussians;
   g.Resize(0);
   g.Resize(2);

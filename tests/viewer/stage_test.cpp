@@ -141,8 +141,11 @@ TEST(Stage, TheNearerEllipsoidHidesTheOther) {
 TEST(Stage, TrianglesShowTheirCounts) {
   Content head = PaintedHead();
   const size_t faces = head.avatar->model.mesh.faces.size();
-  std::fill(head.avatar->model.triangle.begin(), head.avatar->model.triangle.end(), 0);
-  const std::vector<int> counts = viewer::CountPerFace(head.avatar->model.triangle, faces);
+  std::fill(head.avatar->model.embedding.triangle.begin(),
+            head.avatar->model.embedding.triangle.end(),
+            0);
+  const std::vector<int> counts =
+      viewer::CountPerFace(head.avatar->model.embedding.triangle, faces);
   EXPECT_EQ(counts[0], int(head.avatar->model.size()));
   EXPECT_EQ(counts[1], 0);
   const std::vector<Rgb> colors = viewer::CountColors(counts);

@@ -170,7 +170,7 @@ StabilityCase HolesCase(const StudyHead& head) {
   const std::vector<uint8_t> front = FrontOf(head, vertices, facing, camera);
   AvatarModel half = head.avatar;
   for (size_t i = 0; i < half.size(); ++i)
-    if (facing[half.triangle[i]] < 0) *half.gaussians.at(kOpacityLogit, i) = kNothing;
+    if (facing[half.embedding.triangle[i]] < 0) *half.gaussians.at(kOpacityLogit, i) = kNothing;
   BoundBothWays bound(half);
   bound.Pose(vertices);
   for (const bool is_ours : {false, true}) {

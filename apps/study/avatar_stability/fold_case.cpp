@@ -32,10 +32,10 @@ AvatarModel PlacesAcrossTheFold() {
   for (int face = 0; face < 2; ++face)
     for (int i = 0; i < kAcross; ++i) {
       const float outwards = float(i) / kAcross;
-      avatar.triangle.push_back(face);
-      avatar.barycentric.push_back({outwards, 0.5f * (1 - outwards)});
+      avatar.embedding.triangle.push_back(face);
+      avatar.embedding.barycentric.push_back({outwards, 0.5f * (1 - outwards)});
     }
-  avatar.gaussians.Resize(avatar.triangle.size());
+  avatar.gaussians.Resize(avatar.embedding.triangle.size());
   for (size_t i = 0; i < avatar.size(); ++i) {
     avatar.gaussians.at(kPosition, i)[2] = kOffset;
     avatar.gaussians.at(kRotation, i)[0] = 1;
@@ -48,10 +48,10 @@ struct ByFaceNormals {
   std::vector<Vec3<float>> on, off;
   ByFaceNormals(const AvatarModel& avatar, const std::vector<float>& vertices) {
     for (size_t i = 0; i < avatar.size(); ++i) {
-      const auto& f = avatar.mesh.faces[avatar.triangle[i]];
+      const auto& f = avatar.mesh.faces[avatar.embedding.triangle[i]];
       const Vec3<float> p[3] = {
           VertexAt(vertices, f[0]), VertexAt(vertices, f[1]), VertexAt(vertices, f[2])};
-      const auto [u, v] = avatar.barycentric[i];
+      const auto [u, v] = avatar.embedding.barycentric[i];
       on.push_back(p[0] * u + p[1] * v + p[2] * (1 - u - v));
       off.push_back(on.back() + math::Normalize(math::AreaVector(p[0], p[1], p[2])) * kOffset);
     }

@@ -39,9 +39,9 @@ AvatarModel PaintedAvatar(const ProceduralHead& head,
   const float dc = BasisConstants(g.basis)[0];
   const float spacing = float(std::sqrt(SurfaceArea(avatar.mesh) / double(points.size())));
   for (const SurfacePoint& p : points) {
-    const size_t i = avatar.triangle.size();
-    avatar.triangle.push_back(p.triangle);
-    avatar.barycentric.push_back(p.barycentric);
+    const size_t i = avatar.embedding.triangle.size();
+    avatar.embedding.triangle.push_back(p.triangle);
+    avatar.embedding.barycentric.push_back(p.barycentric);
     const float b[3] = {
         p.barycentric[0], p.barycentric[1], 1 - p.barycentric[0] - p.barycentric[1]};
     math::Vec3<float> normal{0, 0, 0};

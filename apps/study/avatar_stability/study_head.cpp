@@ -75,7 +75,7 @@ float LargestScale(const PosedGaussians& posed, size_t i) {
 
 BoundBothWays::BoundBothWays(const AvatarModel& avatar, float unit) : surface_(avatar.mesh) {
   naive.model = ours.model = avatar;
-  naive.model.released = ReleasedRule{unit};
+  naive.model.embedding.released = ReleasedRule{unit};
   Pose(avatar.mesh.vertices);
 }
 

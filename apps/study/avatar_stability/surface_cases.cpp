@@ -73,8 +73,8 @@ Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<fl
   for (Vec3<float>& n : normals) n = n * (1 / std::sqrt(Dot(n, n)));
   Buffer<float> out;
   for (size_t i = 0; i < avatar.size(); ++i) {
-    const auto& f = faces[avatar.triangle[i]];
-    const auto [u, v] = avatar.barycentric[i];
+    const auto& f = faces[avatar.embedding.triangle[i]];
+    const auto [u, v] = avatar.embedding.barycentric[i];
     const float b[3] = {u, v, 1 - u - v};
     Vec3<float> p{0, 0, 0}, n{0, 0, 0};
     for (int c = 0; c < 3; ++c) {
@@ -93,8 +93,8 @@ std::vector<bool> Astray(const AvatarModel& avatar,
                          const Buffer<float>& positions) {
   std::vector<bool> astray(avatar.size());
   for (size_t i = 0; i < avatar.size(); ++i) {
-    const auto& f = avatar.mesh.faces[avatar.triangle[i]];
-    const auto [u, v] = avatar.barycentric[i];
+    const auto& f = avatar.mesh.faces[avatar.embedding.triangle[i]];
+    const auto [u, v] = avatar.embedding.barycentric[i];
     const Vec3<float> p = VertexAt(vertices, f[0]) * u + VertexAt(vertices, f[1]) * v +
                           VertexAt(vertices, f[2]) * (1 - u - v);
     const Vec3<float> q{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};

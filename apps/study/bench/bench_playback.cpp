@@ -27,8 +27,8 @@ AvatarModel MakeAvatar(const FlameModel& flame, size_t count) {
   avatar.mesh = MakeCanonicalMesh(flame, {}, {}, {});
   Rng rng{1};
   for (const SurfacePoint& p : SampleSurface(avatar.mesh, count, rng)) {
-    avatar.triangle.push_back(p.triangle);
-    avatar.barycentric.push_back(p.barycentric);
+    avatar.embedding.triangle.push_back(p.triangle);
+    avatar.embedding.barycentric.push_back(p.barycentric);
   }
   Gaussians& g = avatar.gaussians;
   g.degree = 2;

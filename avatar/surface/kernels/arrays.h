@@ -49,7 +49,7 @@ COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
 }
 
 // Gaussians on the triangles of a posed mesh. The triangles must exist.
-struct EmbedJob {
+struct EmbeddedArrays {
   size_t count = 0;
   const int32_t* triangle = nullptr;       // [N]
   const float* barycentric = nullptr;      // [N, 2] (u, v)
@@ -72,7 +72,7 @@ struct PosedArrays {
 
 // Derivatives, overwritten. `corners`: [N, 3, kSurfaceVertexFloats] of the triangle's vertices for
 // each Gaussian, or null.
-struct EmbedAdjoints {
+struct EmbeddedGradients {
   float* offset = nullptr;
   float* rotation = nullptr;
   float* scale_log = nullptr;
@@ -102,13 +102,13 @@ struct FacesVjpKernel {
 };
 // Rows of Gaussians.
 struct EmbedKernel {
-  EmbedJob job;
+  EmbeddedArrays gaussians;
   PosedArrays<float> out;
 };
 struct EmbedVjpKernel {
-  EmbedJob job;
+  EmbeddedArrays gaussians;
   PosedArrays<const float> d_posed;  // `frame` may be null: zero
-  EmbedAdjoints out;
+  EmbeddedGradients out;
 };
 // On SIMD packs, compiled per instruction set.
 void RunOnHost(size_t n, const PoseFacesKernel& kernel);

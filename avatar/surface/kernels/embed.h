@@ -19,38 +19,36 @@ template <class T>
 struct EmbedInput {
   Three<SurfaceVertex<T>> vertices;
   Three<T> canonical_area;
-  LocalGaussian<T> local;
+  EmbeddedGaussian<T> gaussian;
 };
 
 template <class T>
-COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbedJob& job, const Rows& rows) {
+COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbeddedArrays& gaussians, const Rows& rows) {
   EmbedInput<T> in;
-  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return job.triangle[i]; });
+  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return gaussians.triangle[i]; });
   for (int c = 0; c < 3; ++c) {
     LaneRows<T> corner;
-    for (size_t l = 0; l < kLaneCount<T>; ++l) corner[l] = job.faces[3 * size_t(faces[l]) + c];
+    for (size_t l = 0; l < kLaneCount<T>; ++l)
+      corner[l] = gaussians.faces[3 * size_t(faces[l]) + c];
     T v[kSurfaceVertexFloats];
-    GatherRows<kSurfaceVertexFloats>(job.vertices, kSurfaceVertexFloats, corner, v);
+    GatherRows<kSurfaceVertexFloats>(gaussians.vertices, kSurfaceVertexFloats, corner, v);
     in.vertices[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
   }
   T area[4];
-  GatherRows<4>(job.canonical_areas, 4, faces, area);
+  GatherRows<4>(gaussians.canonical_areas, 4, faces, area);
   in.canonical_area = {{area[0], area[1], area[2]}};
-  T base[2];
-  LoadRows<2>(job.barycentric, 2, rows, base);
-  in.local = {base[0],
-              base[1],
-              LoadVec3<T>(job.offset, rows),
-              LoadQuat<T>(job.rotation, rows),
-              LoadVec3<T>(job.scale_log, rows)};
+  LoadRows<2>(gaussians.barycentric, 2, rows, in.gaussian.barycentric);
+  in.gaussian.offset = LoadVec3<T>(gaussians.offset, rows);
+  in.gaussian.rotation = LoadQuat<T>(gaussians.rotation, rows);
+  in.gaussian.scale_log = LoadVec3<T>(gaussians.scale_log, rows);
   return in;
 }
 
 template <class T>
 COSPLAT_HD_FORCED void Run(const EmbedKernel& kernel, const Rows& rows) {
   const PosedArrays<float>& out = kernel.out;
-  const EmbedInput<T> in = LoadEmbedInput<T>(kernel.job, rows);
-  const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.local);
+  const EmbedInput<T> in = LoadEmbedInput<T>(kernel.gaussians, rows);
+  const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.gaussian);
   StoreVec3(posed.position, out.position, rows);
   StoreQuat(posed.rotation, out.rotation, rows);
   StoreVec3(posed.scale_log, out.scale_log, rows);
@@ -81,20 +79,20 @@ COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d,
 
 template <class T>
 COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
-  const auto& [job, d_posed, out] = kernel;
+  const auto& [gaussians, d_posed, out] = kernel;
   const T zero(0.0f);
-  const EmbedInput<T> in = LoadEmbedInput<T>(job, rows);
+  const EmbedInput<T> in = LoadEmbedInput<T>(gaussians, rows);
   PosedGaussian<T> d{LoadVec3<T>(d_posed.position, rows),
                      LoadQuat<T>(d_posed.rotation, rows),
                      LoadVec3<T>(d_posed.scale_log, rows),
                      {zero, zero, zero, zero}};
   if (d_posed.frame) d.frame = LoadQuat<T>(d_posed.frame, rows);
-  LocalGaussian<T> d_local;
+  EmbeddedGaussian<T> d_local;
   Three<SurfaceVertex<T>> d_corners;
   for (int c = 0; c < 3; ++c)
     d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
   EmbedVjp(
-      in.vertices, in.canonical_area, in.local, d, d_local, out.corners ? &d_corners : nullptr);
+      in.vertices, in.canonical_area, in.gaussian, d, d_local, out.corners ? &d_corners : nullptr);
   StoreVec3(d_local.offset, out.offset, rows);
   StoreQuat(d_local.rotation, out.rotation, rows);
   StoreVec3(d_local.scale_log, out.scale_log, rows);

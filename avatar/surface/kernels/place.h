@@ -24,7 +24,7 @@ COSPLAT_HD Vec3<float> CanonicalPlace(const MeshArrays& mesh,
     corners[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
     area[c] = v[10];
   }
-  const LocalGaussian<float> local{
+  const EmbeddedGaussian<float> local{
       barycentric[0], barycentric[1], {offset[0], offset[1], offset[2]}, {1, 0, 0, 0}, {0, 0, 0}};
   return Embed(corners, area, local).position;
 }
@@ -42,8 +42,8 @@ COSPLAT_HD void MoveOnMesh(const MeshArrays& mesh,
   if (!std::isfinite(x.x + x.y + x.z)) return;
   const Reembedded found = ReembedNear(mesh, *place.triangle, x, search);
   *place.triangle = found.face;
-  place.barycentric[0] = float(found.at[0]);
-  place.barycentric[1] = float(found.at[1]);
+  place.barycentric[0] = float(found.barycentric[0]);
+  place.barycentric[1] = float(found.barycentric[1]);
   place.offset[0] = place.offset[1] = 0;
   if (!keeps_d) place.offset[2] = float(found.d);
 }

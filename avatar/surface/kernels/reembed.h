@@ -71,7 +71,7 @@ COSPLAT_HD Weights ClosestOnTriangle(const CanonicalTriangle& t, const Vec3<doub
 
 struct ClosestPlace {
   int32_t face;
-  Weights at;
+  Weights barycentric;
   double distance2;
 };
 
@@ -112,7 +112,7 @@ COSPLAT_HD ClosestPlace ClosestAround(const MeshArrays& mesh,
 
 struct Reembedded {
   int32_t face;
-  Weights at;
+  Weights barycentric;
   double d;
   double residual;
 };
@@ -158,9 +158,9 @@ COSPLAT_HD Reembedded ReembedNear(const MeshArrays& mesh,
                                   const Vec3<double>& x,
                                   FaceSearch& search) {
   const ClosestPlace from = ClosestAround(mesh, start, x, search);
-  Reembedded best = ProjectOnFace(mesh, from.face, KeepInsideTriangle(from.at), x);
+  Reembedded best = ProjectOnFace(mesh, from.face, KeepInsideTriangle(from.barycentric), x);
   int32_t face = from.face;
-  Weights b = from.at;
+  Weights b = from.barycentric;
   for (int change = 0; change <= kMaxFaceChanges; ++change) {
     if (!SolveOnTriangle(TriangleOf(mesh, face), x, b)) break;
     const Reembedded here = ProjectOnFace(mesh, face, KeepInsideTriangle(b), x);
@@ -171,7 +171,7 @@ COSPLAT_HD Reembedded ReembedNear(const MeshArrays& mesh,
     if (b[lowest] >= 0) break;
     face = NeighborOf(mesh, face, (lowest + 1) % 3);
     if (face < 0) break;
-    b = ClosestOnFace(mesh, face, x).at;
+    b = ClosestOnFace(mesh, face, x).barycentric;
   }
   return best;
 }

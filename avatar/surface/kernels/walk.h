@@ -40,13 +40,13 @@ COSPLAT_HD EdgeShape ShapeOfEdge(const MeshArrays& mesh, int32_t face, int edge)
 
 struct Walker {
   int32_t face;
-  Weights at;    // barycentrics
-  Weights step;  // what is left of the step, as changes of the barycentrics; sums to zero
+  Weights barycentric;
+  Weights offset;  // what is left of (du, dv), as changes of all three; sums to zero
 
   // A weight falls by 1 at most in each triangle of about the same size.
   COSPLAT_HD bool IsTooLong() const {
     for (int i = 0; i < 3; ++i)
-      if (Abs(step[i]) > kMaxWalkCrossings) return true;
+      if (Abs(offset[i]) > kMaxWalkCrossings) return true;
     return false;
   }
 
@@ -56,8 +56,8 @@ struct Walker {
     int corner = -1;
     fraction = 1;
     for (int i = 0; i < 3; ++i) {
-      if (!(step[i] < 0) || !(at[i] < -step[i] * fraction)) continue;
-      fraction = at[i] / -step[i];
+      if (!(offset[i] < 0) || !(barycentric[i] < -offset[i] * fraction)) continue;
+      fraction = barycentric[i] / -offset[i];
       corner = i;
     }
     return corner;
@@ -65,23 +65,23 @@ struct Walker {
 
   COSPLAT_HD void Advance(double fraction) {
     for (int i = 0; i < 3; ++i) {
-      at[i] += fraction * step[i];
-      step[i] *= 1 - fraction;
+      barycentric[i] += fraction * offset[i];
+      offset[i] *= 1 - fraction;
     }
   }
 
   // Length of the step along `edge`.
   COSPLAT_HD double Along(int edge, const EdgeShape& shape) const {
-    return step[(edge + 1) % 3] * shape.length + step[(edge + 2) % 3] * shape.foot;
+    return offset[(edge + 1) % 3] * shape.length + offset[(edge + 2) % 3] * shape.foot;
   }
 
   // The step's part along the boundary edge is kept.
   COSPLAT_HD void Slide(int edge, const EdgeShape& shape) {
     const double share = shape.length > 0 ? Along(edge, shape) / shape.length : 0;
-    step[(edge + 1) % 3] = share;
-    step[edge] = -share;
-    step[(edge + 2) % 3] = 0;
-    at = KeepInsideTriangle(at);
+    offset[(edge + 1) % 3] = share;
+    offset[edge] = -share;
+    offset[(edge + 2) % 3] = 0;
+    barycentric = KeepInsideTriangle(barycentric);
   }
 
   // Into the face across `edge`, unfolded into this one's plane: the step's parts along the edge
@@ -90,16 +90,16 @@ struct Walker {
   COSPLAT_HD void Cross(
       int edge, const EdgeShape& shape, int32_t next, int next_edge, const EdgeShape& shape2) {
     const double along = Along(edge, shape);
-    const double across = -step[(edge + 2) % 3] * shape.height;
-    const double a = at[(edge + 1) % 3], b = at[edge];
+    const double across = -offset[(edge + 2) % 3] * shape.height;
+    const double a = barycentric[(edge + 1) % 3], b = barycentric[edge];
     const int end = (next_edge + 1) % 3, apex = (next_edge + 2) % 3;
     face = next;
-    at[next_edge] = a;
-    at[end] = b;
-    at[apex] = 0;
-    step[apex] = across / shape2.height;
-    step[end] = (-along - step[apex] * shape2.foot) / shape2.length;
-    step[next_edge] = -step[apex] - step[end];
+    barycentric[next_edge] = a;
+    barycentric[end] = b;
+    barycentric[apex] = 0;
+    offset[apex] = across / shape2.height;
+    offset[end] = (-along - offset[apex] * shape2.foot) / shape2.length;
+    offset[next_edge] = -offset[apex] - offset[end];
   }
 };
 
@@ -110,9 +110,9 @@ COSPLAT_HD bool FollowStep(const MeshArrays& mesh, Walker& walker, bool& met_bou
     double fraction;
     const int corner = walker.ExitCorner(fraction);
     walker.Advance(fraction);
-    if (corner < 0) return AllFinite(walker.at);
+    if (corner < 0) return AllFinite(walker.barycentric);
     const int edge = (corner + 1) % 3;
-    walker.at[corner] = 0;
+    walker.barycentric[corner] = 0;
     const EdgeShape shape = ShapeOfEdge(mesh, walker.face, edge);
     const int32_t next = NeighborOf(mesh, walker.face, edge);
     const int next_edge = mesh.neighbor_edges[3 * size_t(walker.face) + edge];
@@ -123,7 +123,7 @@ COSPLAT_HD bool FollowStep(const MeshArrays& mesh, Walker& walker, bool& met_bou
       continue;
     }
     met_boundary = true;
-    if (slid_here) return AllFinite(walker.at);
+    if (slid_here) return AllFinite(walker.barycentric);
     walker.Slide(edge, shape);
     slid_here = true;
   }
@@ -141,15 +141,16 @@ COSPLAT_HD WalkEnd
 WalkFrom(const MeshArrays& mesh, int32_t face, float u, float v, float du, float dv) {
   const WalkEnd stays{face, u, v, WalkStatus::kInvalid};
   Walker walker{face, {{u, v, 1 - double(u) - double(v)}}, {{du, dv, -double(du) - double(dv)}}};
-  if (!AllFinite(walker.at) || !AllFinite(walker.step) || walker.IsTooLong()) return stays;
-  walker.at = KeepInsideTriangle(walker.at);
+  if (!AllFinite(walker.barycentric) || !AllFinite(walker.offset) || walker.IsTooLong())
+    return stays;
+  walker.barycentric = KeepInsideTriangle(walker.barycentric);
   bool met_boundary = false;
   if (!FollowStep(mesh, walker, met_boundary)) return stays;
-  const Weights at = KeepInsideTriangle(walker.at);
+  const Weights barycentric = KeepInsideTriangle(walker.barycentric);
   const WalkStatus status = met_boundary          ? WalkStatus::kBoundary
                             : walker.face != face ? WalkStatus::kCrossed
                                                   : WalkStatus::kWithin;
-  return {walker.face, float(at[0]), float(at[1]), status};
+  return {walker.face, float(barycentric[0]), float(barycentric[1]), status};
 }
 
 // Of a Gaussian that has not been pushed nothing is touched.
