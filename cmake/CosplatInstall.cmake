@@ -7,15 +7,11 @@ include(CMakePackageConfigHelpers)
 # may not include them (tests/layering_test.cpp). Only they may include OpenCV, oneTBB or Highway.
 set(COSPLAT_PRIVATE_HEADERS
   avatar/io/binding_extension.h
-  avatar/live/arkit.h
   avatar/live/blendshape_matrix.h
-  avatar/live/json_source.h
   avatar/live/newest_packets.h
   avatar/live/osc.h
   avatar/live/packet_input.h
   avatar/live/sender_clock.h
-  avatar/live/vmc_source.h
-  avatar/play/cuda/
   avatar/plugin/boundary.h
   avatar/plugin/coded_error.h
   avatar/plugin/depth_pass.h
@@ -27,24 +23,18 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/struct_size.h
   avatar/surface/cuda/
   avatar/surface/gather_rows.h
-  avatar/surface/released_binding.h
   flame/check_parameters.h
   flame/directions.h
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/
-  splat/base/image_header.h
-  splat/base/npy.h
-  splat/base/opencv_quiet.h
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
-  splat/device/parallel_for.h
   splat/io/colmap_model.h
   splat/io/glb
   splat/io/nearest_row.h
   splat/io/ply_
-  splat/io/scene_layouts.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
   splat/prune/rounds.h

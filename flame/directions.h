@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "flame/math/blend_shapes.h"
+#include "flame/math/skinning.h"
 
 namespace cosplat::internal {
 

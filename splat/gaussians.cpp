@@ -2,7 +2,7 @@
 
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat {
 
@@ -119,6 +119,16 @@ size_t HeldBy(const Gaussians& gaussians) {
   size_t bytes = HeldBy(gaussians.degrees);
   for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);
   return bytes;
+}
+
+std::vector<uint32_t> SortByDegree(Gaussians& g) {
+  FindDegrees(g);
+  std::vector<uint32_t> order;
+  for (int degree = 0; degree <= g.degree; ++degree)
+    for (size_t i = 0; i < g.degrees.size(); ++i)
+      if (g.degrees[i] == degree) order.push_back(uint32_t(i));
+  if (!order.empty()) g.Gather(order);
+  return order;
 }
 
 }  // namespace cosplat

@@ -10,7 +10,7 @@
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/io/ply.h"
-#include "splat/io/scene_glb.h"
+#include "splat/io/splat_file.h"
 
 namespace cosplat {
 namespace {

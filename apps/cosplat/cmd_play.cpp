@@ -8,7 +8,7 @@
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/viewer/window.h"
-#include "avatar/play/player_device.h"
+#include "avatar/play/avatar_renderer.h"
 #include "splat/base/error.h"
 #include "splat/render/device_texture.h"
 

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/avatar_test_images.h"
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -15,16 +14,15 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
-#include "avatar/io/quantised_avatar.h"
+#include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
-#include "avatar/play/player_device.h"
 #include "avatar/play/preview.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/gaussians.h"
 #include "splat/io/dataset.h"
 #include "splat/io/splat_file.h"
-#include "splat/render/degree_order.h"
 #include "splat/render/device.h"
 
 namespace cosplat {

@@ -24,14 +24,11 @@ constexpr size_t kPreviewFrames = 48;  // of the moving preview
 constexpr int kPreviewWidth = 320;     // px
 
 // A data URI of the picture as JPEG, at most `width` wide.
-std::string Embed(const std::string& path, int width, const std::string& scratch) {
+std::string Embed(const std::string& path, int width) {
   Image8 image = ReadImage(path);
   if (image.width > width)
     image = ResizeByArea(image, width, std::max(1, image.height * width / image.width));
-  WriteImage(scratch, image);
-  const std::string uri = DataUri("image/jpeg", ReadFile(scratch));
-  fs::remove(scratch);
-  return uri;
+  return ImageUri(image, ".jpg");
 }
 
 std::vector<std::string> Spread(const std::vector<std::string>& all, size_t count) {
@@ -128,25 +125,21 @@ std::string BudgetChart(const std::string& path) {
   return ToSvg(chart);
 }
 
-std::string PairsHtml(const std::string& test,
-                      const std::vector<std::string>& names,
-                      const std::string& scratch) {
+std::string PairsHtml(const std::string& test, const std::vector<std::string>& names) {
   std::string html = "<div class='pairs'>";
   for (const std::string& name : Spread(names, kPairs))
-    html += "<figure><img src='" + Embed(test + "/renders/" + name, 512, scratch) +
+    html += "<figure><img src='" + Embed(test + "/renders/" + name, 512) +
             "'><figcaption>rendered, " + name + "</figcaption></figure><figure><img src='" +
-            Embed(test + "/gt/" + name, 512, scratch) +
+            Embed(test + "/gt/" + name, 512) +
             "'><figcaption>held-out picture</figcaption></figure>";
   return html + "</div>";
 }
 
-std::string PreviewHtml(const std::string& test,
-                        const std::vector<std::string>& names,
-                        const std::string& scratch) {
+std::string PreviewHtml(const std::string& test, const std::vector<std::string>& names) {
   std::string frames;
   for (const std::string& name : Spread(names, kPreviewFrames))
-    frames += (frames.empty() ? "\"" : ",\n\"") +
-              Embed(test + "/renders/" + name, kPreviewWidth, scratch) + "\"";
+    frames +=
+        (frames.empty() ? "\"" : ",\n\"") + Embed(test + "/renders/" + name, kPreviewWidth) + "\"";
   return "<img id='preview' width='" + std::to_string(kPreviewWidth) + "'><script>const frames=[" +
          frames +
          "];let i=0;const img=document.getElementById('preview');"
@@ -177,15 +170,14 @@ void Report(const std::string& model, bool quiet) {
       NumbersIn(JsonField(model + "/per_view.json", per_view_json)[key]["PSNR"]);
   std::vector<std::string> names;
   for (const auto& [name, value] : psnr) names.push_back(name);
-  const std::string scratch = model + "/report.tmp.jpg";
   const bool avatar = run["kind"].String() == "avatar";
   const std::string title = avatar ? "Head avatar" : "Scene";
   const std::string html =
       "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
       "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
-      "</h1><div class='row'><div>" + PreviewHtml(test, names, scratch) +
+      "</h1><div class='row'><div>" + PreviewHtml(test, names) +
       "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
-      "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names, scratch) +
+      "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names) +
       "<div class='row'>" + ViewChart(psnr) + PhaseChart(NumbersIn(stats["phases_ms"])) +
       BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
       EscapeXml(run_json.dump(2)) + "</pre></html>\n";

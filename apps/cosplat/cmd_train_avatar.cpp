@@ -5,21 +5,19 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
-#include "apps/cosplat/run/avatar_test_images.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "apps/cosplat/run/train_run.h"
 #include "avatar/io/avatar_file.h"
-#include "avatar/train/train_device.h"
 #include "avatar/train/trainer.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
-#include "splat/io/scene_glb.h"
+#include "splat/io/splat_file.h"
 
 namespace cosplat {
 namespace {

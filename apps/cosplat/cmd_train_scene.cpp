@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/options/train_options.h"
+#include "apps/cosplat/options/train_choices.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"

@@ -3,7 +3,6 @@
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
-#include "avatar/io/quantised_avatar.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/io/splat_file.h"

@@ -4,7 +4,7 @@
 
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
-#include "apps/viewer/framing.h"
+#include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/live/recording.h"
 #include "flame/io/model_file.h"

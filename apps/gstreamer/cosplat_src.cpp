@@ -1,12 +1,13 @@
-#include "apps/gstreamer/cosplat_src.h"
-
+// cosplatsrc: a GStreamer source of pictures of an avatar.
+//
+// properties -> AvatarView -> video/x-raw, RGBA or BGRA with straight alpha -> pipeline.
+#include <gst/base/gstpushsrc.h>
 #include <gst/video/video.h>
 
 #include <memory>
 
 #include "apps/gstreamer/frame_clock.h"
 #include "apps/gstreamer/src_settings.h"
-#include "apps/gstreamer/src_stats.h"
 
 using cosplat::gstreamer::FrameClock;
 using cosplat::gstreamer::FrameTime;
@@ -14,6 +15,10 @@ using cosplat::gstreamer::SrcSettings;
 using cosplat::gstreamer::SrcStats;
 using cosplat::hosts::AvatarView;
 using cosplat::hosts::ViewError;
+
+G_BEGIN_DECLS
+G_DECLARE_FINAL_TYPE(CosplatSrc, cosplat_src, COSPLAT, SRC, GstPushSrc)
+G_END_DECLS
 
 GST_DEBUG_CATEGORY_STATIC(cosplat_src_debug);
 #define GST_CAT_DEFAULT cosplat_src_debug
@@ -297,3 +302,20 @@ static void cosplat_src_class_init(CosplatSrcClass* src_class) {
   base_class->query = Query;
   GST_PUSH_SRC_CLASS(src_class)->fill = Fill;
 }
+
+// libgstcosplat.so: registers cosplatsrc.
+#define PACKAGE "cosplat"
+
+static gboolean plugin_init(GstPlugin* plugin) {
+  return gst_element_register(plugin, "cosplatsrc", GST_RANK_NONE, cosplat_src_get_type());
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR,
+                  GST_VERSION_MINOR,
+                  cosplat,
+                  "Head avatars of Gaussian splats",
+                  plugin_init,
+                  COSPLAT_VERSION_TEXT,
+                  "Apache 2.0",
+                  "CoSplat",
+                  "CoSplat")

@@ -1,4 +1,4 @@
-#include "apps/gstreamer/src_stats.h"
+#include "apps/gstreamer/src_settings.h"
 
 namespace cosplat::gstreamer {
 

@@ -94,3 +94,16 @@ void RegisterAvatarSource() {
 }
 
 }  // namespace cosplat::obs
+
+// cosplat.so, the OBS module.
+OBS_DECLARE_MODULE()
+OBS_MODULE_USE_DEFAULT_LOCALE("cosplat", "en-US")
+
+MODULE_EXPORT const char* obs_module_description() {
+  return "Head avatars of Gaussian splats as a source";
+}
+
+bool obs_module_load() {
+  cosplat::obs::RegisterAvatarSource();
+  return true;
+}

@@ -6,10 +6,14 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/avatar_stability/cases.h"
+#include "apps/study/bench/machine.h"
 #include "apps/study/runs/study_page.h"
 #include "apps/study/runs/study_runner.h"
-#include "apps/study/stability_command.h"
+#include "apps/study/stability/cases.h"
+#include "apps/study/stability/stability_page.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/eval/lpips.h"
 
 namespace cosplat {
@@ -129,6 +133,34 @@ void PrintRuns(const std::vector<StudyRun>& runs, const std::vector<StudyLine>& 
 void WritePage(const StudyCommand& o) {
   WriteStudyPage(o.out, o.charts);
   if (!o.quiet) std::printf("page: %s/index.html\n", o.out.c_str());
+}
+
+void AppendCases(std::vector<StabilityCase> more, std::vector<StabilityCase>& all) {
+  for (StabilityCase& s : more) all.push_back(std::move(s));
+}
+
+// Runs every case of the stability suite, times the ways to evaluate colour, and writes
+// <folder>/basis_forms.svg, <folder>/stability.html, one self-contained page, and last
+// <folder>/stability.json. Throws Error when the folder cannot be written to.
+void WriteStabilityPage(const std::string& folder, bool quiet) {
+  constexpr int kTimedBatches = 200;
+  constexpr int kParts = 3;
+  MakeDirectories(folder);
+  StabilityResults results;
+  results.machine = CpuName() + ", " + SimdTargets().at(0).name;
+  {
+    ProgressBar bar("stability", kParts, quiet);
+    bar.Update(0, "forms of the basis");
+    results.forms = MeasureBasisForms(kTimedBatches);
+    bar.Update(1, "splats");
+    AppendCases(SplatStability(), results.cases);
+    bar.Update(2, "avatars");
+    AppendCases(AvatarStability(), results.cases);
+  }
+  WriteFileAtomically(folder + "/basis_forms.svg", ToSvg(FormsChart(results.forms)));
+  WriteFileAtomically(folder + "/stability.html", StabilityHtml(results));
+  WriteFileAtomically(folder + "/stability.json", StabilityJson(results).dump(2) + "\n");
+  if (!quiet) std::printf("%zu cases: %s/stability.html\n", results.cases.size(), folder.c_str());
 }
 
 void Study(const StudyCommand& o) {

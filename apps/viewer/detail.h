@@ -2,17 +2,32 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace cosplat::viewer {
 
 class Detail {
  public:
   // A picture with sides divided by `divisor` took so long.
-  void Drawn(int divisor, double milliseconds);
+  void Drawn(int divisor, double milliseconds) {
+    milliseconds_[divisor >= 4 ? 2 : divisor >= 2 ? 1 : 0] = milliseconds;
+  }
   // 1, 2 or 4. At rest, always 1.
-  int Divisor(bool dragging) const;
+  int Divisor(bool dragging) const {
+    if (!dragging) return 1;
+    double last = 0;
+    for (size_t i = 0; i + 1 < milliseconds_.size(); ++i) {
+      last = milliseconds_[i] > 0 ? milliseconds_[i] : kGuessedShare * last;
+      if (last <= kBudget) return 1 << i;
+    }
+    return 4;
+  }
 
  private:
+  static constexpr double kBudget = 50;  // ms: twenty images per second still follow a hand
+  // Of an image with half the sides, where none was drawn yet: part of the work, posing and
+  // sorting, does not shrink with the pixels.
+  static constexpr double kGuessedShare = 0.5;
   std::array<double, 3> milliseconds_{};  // of the last picture by divisor; 0: none yet
 };
 

@@ -1,11 +1,10 @@
-#include "apps/viewer/ellipsoid_view.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "apps/viewer/mesh_view.h"
 #include "splat/basis_constants.h"
 #include "splat/config.h"
 #include "splat/math/gaussian.h"

@@ -1,9 +1,8 @@
-#include "apps/viewer/framing.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "apps/viewer/orbit_camera.h"
 #include "flame/math/rodrigues.h"
 #include "splat/base/error.h"
 #include "splat/config.h"

@@ -7,6 +7,7 @@
 
 #include "apps/viewer/surface_buffer.h"
 #include "splat/device/buffer.h"
+#include "splat/render/kernels/world_gaussians.h"
 
 namespace cosplat::viewer {
 
@@ -26,5 +27,12 @@ void DrawMesh(const std::vector<float>& vertices,
 // How many Gaussians each of `faces` faces has. triangle: [N].
 std::vector<int> CountPerFace(View<const int32_t> triangle, size_t faces);
 std::vector<Rgb> CountColors(const std::vector<int>& counts);
+
+// Gaussians as the surfaces at one standard deviation, lit, each in its mean colour: shows where
+// they are and how they lie, which their soft blend hides.
+
+// Left out: those fainter than a tenth, which the blend hardly shows, those that are not finite,
+// and those that reach behind the camera.
+void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, SurfaceBuffer& buffer);
 
 }  // namespace cosplat::viewer

@@ -1,5 +1,3 @@
-#include "apps/viewer/screen.h"
-
 #include <imgui.h>
 
 #include <filesystem>

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/viewer/ellipsoid_view.h"
+#include "apps/viewer/mesh_view.h"
 #include "avatar/play/picture_bytes.h"
 #include "splat/base/error.h"
-#include "splat/render/degree_order.h"
+#include "splat/gaussians.h"
 
 namespace cosplat::viewer {
 namespace {

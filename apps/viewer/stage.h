@@ -44,8 +44,8 @@ struct Shot {
 };
 bool SameShot(const Shot& a, const Shot& b);
 
-// Who draws splats (avatar/play/player_device.h, splat/render/device.h); empty: the CPU, as it does
-// all else.
+// Who draws splats (avatar/play/avatar_renderer.h, splat/render/device.h); empty: the CPU, as it
+// does all else.
 struct SplatRenderers {
   AvatarRendererMaker avatar;
   SceneRendererMaker scene;

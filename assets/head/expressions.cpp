@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/head/eye_mesh.h"
 #include "assets/head/procedural_head.h"
 #include "assets/head/rig.h"
+#include "assets/head/sculpt.h"
 
 namespace cosplat::procedural {
 namespace {

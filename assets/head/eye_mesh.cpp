@@ -1,9 +1,8 @@
-#include "assets/head/eye_mesh.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "assets/head/mesh_builder.h"
+#include "assets/head/sculpt.h"
 
 namespace cosplat::procedural {
 namespace {

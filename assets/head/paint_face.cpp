@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/head/eye_mesh.h"
 #include "assets/head/noise.h"
 #include "assets/head/paint.h"
+#include "assets/head/sculpt.h"
 
 namespace cosplat::procedural {
 namespace {

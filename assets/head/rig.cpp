@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/head/eye_mesh.h"
+#include "assets/head/sculpt.h"
 
 namespace cosplat::procedural {
 namespace {

@@ -58,4 +58,24 @@ Vec CastOntoHead(const Vec& origin, const Vec& direction);
 // Share of the sky that a point of the rest shape sees, [0, 1]: from distances along its normal.
 float AmbientOcclusion(const Vec& p, const Vec& normal);
 
+// Shape of the palpebral fissure, shared by the mesh (open lids) and the rig (closed lids).
+//
+// Directions from the eyeball's centre in degrees: azimuth from straight ahead towards the temple,
+// elevation upwards. `along` goes from -1 at the medial to 1 at the lateral corner.
+
+float LidAzimuth(float along);
+float UpperLidElevation(float along);
+float LowerLidElevation(float along);
+float ClosedLidElevation(float along);
+
+// The point at `radius` from the centre of the left or right eye.
+Vec AroundEye(bool left, float azimuth, float elevation, float radius);
+
+struct EyeAngles {
+  float azimuth, elevation, radius;
+};
+EyeAngles AnglesAroundEye(bool left, const Vec& p);
+
+Vec EyeCenter(bool left);
+
 }  // namespace cosplat::procedural

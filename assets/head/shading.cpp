@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/head/eye_mesh.h"
 #include "assets/head/paint.h"
+#include "assets/head/sculpt.h"
 #include "flame/math/linear.h"
 
 namespace cosplat::procedural {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/head/eye_mesh.h"
 #include "assets/head/rig.h"
+#include "assets/head/sculpt.h"
 
 namespace cosplat::procedural {
 namespace {

@@ -9,8 +9,8 @@
 //
 // Axes: the canonical mesh stands in FLAME's frame, metres, y up, the face towards +z. That is
 // glTF's frame, so an avatar is written as it is; only scenes, whose world is OpenCV's, are turned
-// (splat/io/axes.h). At rest the surface frame is the identity, so that the coefficients of both
-// ColorFrames see the same direction and need no rotation either.
+// (splat/io/splat_primitive.h). At rest the surface frame is the identity, so that the coefficients
+// of both ColorFrames see the same direction and need no rotation either.
 //
 // Licences: FLAME's data is not ours to pass on. Unless the model says that it may be
 // (FlameModel::redistributable) or the caller orders it, the file has neither the canonical mesh's
@@ -24,6 +24,7 @@
 
 #include "avatar/model/avatar_model.h"
 #include "flame/model.h"
+#include "splat/io/vq_file.h"
 
 namespace cosplat {
 
@@ -83,5 +84,20 @@ struct GlbSummary {
 GlbSummary SummarizeGlb(const std::string& path);
 // A few lines, each ended by a newline.
 std::string ToString(const GlbSummary& summary);
+
+// An avatar's Gaussians in a file of quantised splats (splat/io/vq_file.h): the least that an
+// avatar of a known head takes.
+//
+// The file is of kind "avatar": its positions are (delta_u, delta_v, d), and it has triangle, int32
+// [N], and barycentric, float32 [N, 2], as AvatarModel means them. The mesh and all that is not per
+// Gaussian stay in the avatar's .glb.
+
+// `splats`: the quantised Gaussians of an avatar. Makes them of kind "avatar".
+void AddEmbedding(const Embedding& embedding, QuantisedSplats& splats);
+
+// Puts the file's Gaussians, in 3DGS's SH, and their embedding in place of the model's, whose mesh
+// must be attached. Throws Error as ReadVqFile does, for another kind, and for a triangle that the
+// mesh has not.
+void ReadQuantisedAvatar(const std::string& path, AvatarModel& model);
 
 }  // namespace cosplat

@@ -1,7 +1,6 @@
-#include "avatar/io/quantised_avatar.h"
-
 #include <cmath>
 
+#include "avatar/io/avatar_file.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

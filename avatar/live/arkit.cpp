@@ -1,6 +1,6 @@
-#include "avatar/live/arkit.h"
-
 #include <algorithm>
+
+#include "avatar/live/blendshape_matrix.h"
 
 namespace cosplat {
 namespace {

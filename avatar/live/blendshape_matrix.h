@@ -5,12 +5,22 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "avatar/live/arkit.h"
 #include "flame/model.h"
 
 namespace cosplat {
+
+// The 52 blendshapes of Apple's ARKit, which face trackers speak.
+
+constexpr size_t kArkitBlendshapes = 52;
+
+// In the order in which Apple's Live Link Face writes them; rows of a matrix file are in it.
+extern const std::array<std::string_view, kArkitBlendshapes> kArkitNames;
+
+// Upper and lower case alike, since senders differ; -1 for a name that is none.
+int FindArkitBlendshape(std::string_view name);
 
 using BlendshapeWeights = std::array<float, kArkitBlendshapes>;  // 0 to 1
 

@@ -1,7 +1,6 @@
-#include "avatar/live/drive_address.h"
-
 #include <charconv>
 
+#include "avatar/live/packet_input.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

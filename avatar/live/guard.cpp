@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "avatar/live/face_blend.h"
-#include "avatar/math/ease.h"
+#include "avatar/math/one_euro.h"
 
 namespace cosplat {
 namespace {

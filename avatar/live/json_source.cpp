@@ -1,9 +1,8 @@
-#include "avatar/live/json_source.h"
-
 #include <cmath>
 #include <optional>
 
 #include "avatar/live/json_frame.h"
+#include "avatar/live/packet_input.h"
 #include "avatar/live/sender_clock.h"
 #include "avatar/model/avatar_mesh.h"
 #include "splat/base/error.h"

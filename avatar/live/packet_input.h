@@ -7,9 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "avatar/live/drive_address.h"
+#include "avatar/live/blendshape_matrix.h"
 #include "avatar/live/newest_packets.h"
 #include "avatar/live/source.h"
+#include "avatar/live/udp_socket.h"
 
 namespace cosplat {
 
@@ -36,5 +37,20 @@ std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address);
 // A packet per line of the descriptor, which is neither closed nor made non-blocking, since others
 // may share it. Reads at most half a megabyte per call. Blank lines are skipped.
 std::unique_ptr<PacketInput> OpenLineInput(int descriptor, const std::string& description);
+
+// FLAME parameters as lines of JSON, live: docs/live-input.md.
+//
+// PacketInput -> ParseJsonFrame -> JsonSource (by OpenLiveSource) -> LiveFrame.
+
+std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
+                                           const LiveSourceOptions& options);
+
+// Blendshapes of a face tracker by the Virtual Motion Capture protocol, live: docs/live-input.md.
+//
+// PacketInput -> ParseOsc -> VmcSource (by OpenLiveSource), with a BlendshapeMatrix -> LiveFrame.
+
+std::unique_ptr<LiveSource> OpenVmcSource(std::unique_ptr<PacketInput> input,
+                                          BlendshapeMatrix matrix,
+                                          const LiveSourceOptions& options);
 
 }  // namespace cosplat

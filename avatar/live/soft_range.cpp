@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "avatar/math/ease.h"
+#include "avatar/math/one_euro.h"
 #include "avatar/math/turn.h"
 
 namespace cosplat {

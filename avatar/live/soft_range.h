@@ -1,7 +1,7 @@
 // Faces that an avatar never made in training, brought back to those that it did.
 //
 // live frame -> SoftRange -> avatar/live/guard.h. Inside the range nothing changes; outside it the
-// excess is squeezed (SoftClamp of avatar/math/ease.h), so that no motion stops short.
+// excess is squeezed (SoftClamp of avatar/math/one_euro.h), so that no motion stops short.
 #pragma once
 
 #include <array>

@@ -2,9 +2,8 @@
 
 #include <unistd.h>
 
-#include "avatar/live/json_source.h"
+#include "avatar/live/packet_input.h"
 #include "avatar/live/recording.h"
-#include "avatar/live/vmc_source.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

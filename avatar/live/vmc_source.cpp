@@ -1,9 +1,8 @@
-#include "avatar/live/vmc_source.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "avatar/live/osc.h"
+#include "avatar/live/packet_input.h"
 #include "avatar/math/turn.h"
 #include "avatar/model/avatar_mesh.h"
 

@@ -1,7 +1,7 @@
 // A triangle's area, its frame, and the rotation that carries its canonical frame to the posed one.
 //
 // posed vertices -> per-face area vector and quaternion -> averaged to vertices by
-// avatar/surface/surface_packs.cpp. Face frame as in SplattingAvatar (Shao et al. 2024),
+// avatar/surface/packs.cpp. Face frame as in SplattingAvatar (Shao et al. 2024),
 // section 3.1: e along the first edge, n the normal, n x e.
 #if defined(COSPLAT_AVATAR_MATH_FRAME_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_MATH_FRAME_H_

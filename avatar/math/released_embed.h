@@ -3,7 +3,7 @@
 //
 // posed vertices with rotations that were summed unaligned, the face's areas and a Gaussian's
 // (delta_u, delta_v, d), local rotation and scale -> the Gaussian in the posed frame's world
-// (avatar/surface/released_binding.h).
+// (avatar/surface/binding.h).
 //
 //   b = (u, v, 1 - u - v)                du and dv have no part in it
 //   mu = sum b_i v_i + d * norm(sum b_i N_i)

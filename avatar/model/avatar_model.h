@@ -84,4 +84,10 @@ struct AvatarModel {
   size_t size() const { return gaussians.size(); }
 };
 
+// The range of faces in a training track: recorded in the avatar file, so that a player can bring
+// what the avatar was never seen doing back to it (avatar/live/soft_range.h).
+
+// Missing coefficients count as zero. Joints by the shorter way round.
+TrainedRange RangeOf(const std::vector<FlameParams>& frames);
+
 }  // namespace cosplat

@@ -1,9 +1,8 @@
-#include "avatar/model/trained_range.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "avatar/math/turn.h"
+#include "avatar/model/avatar_model.h"
 
 namespace cosplat {
 

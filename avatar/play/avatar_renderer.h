@@ -2,7 +2,7 @@
 // device.
 //
 // Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarRenderer: vertices, surface,
-// binding, rasteriser -> picture. avatar/play/player_device.h chooses.
+// binding, rasteriser -> picture. avatar/play/avatar_renderer.h chooses.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include "avatar/model/avatar_model.h"
 #include "avatar/play/rig_poser.h"
 #include "avatar/surface/binding.h"
+#include "splat/render/device.h"
 #include "splat/render/picture_renderer.h"
 
 namespace cosplat {
@@ -60,5 +61,12 @@ class AvatarRenderer {
 
 using AvatarRendererMaker =
     std::function<std::unique_ptr<AvatarRenderer>(const AvatarModel&, const AvatarPosing&)>;
+
+// Who draws on a device for a Player.
+
+// For PlayerSettings; empty for the CPU. Players of the same FlameModel that get copies of one
+// share the model's directions there. Making a renderer throws Error for an avatar with the
+// released rule (avatar/surface/binding.h), which is the CPU's to draw.
+AvatarRendererMaker AvatarRendererOn(Device device);
 
 }  // namespace cosplat

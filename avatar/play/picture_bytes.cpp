@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "splat/device/parallel_for.h"
+#include "splat/device/for_each.h"
 #include "splat/render/kernels/pixel_bytes.h"
 
 namespace cosplat {

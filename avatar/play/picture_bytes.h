@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "splat/render/alpha_mode.h"
+#include "splat/render/kernels/pixel_bytes.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {

@@ -9,7 +9,7 @@
 #include "avatar/play/picture_bytes.h"
 #include "avatar/play/preview.h"
 #include "splat/base/error.h"
-#include "splat/render/degree_order.h"
+#include "splat/gaussians.h"
 
 namespace cosplat {
 namespace {

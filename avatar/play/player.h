@@ -24,7 +24,7 @@ namespace cosplat {
 struct PlayerSettings {
   // Draws a quarter of the pixels and enlarges them (avatar/play/preview.h).
   bool half_resolution = false;
-  // Who draws (avatar/play/player_device.h); empty: the CPU.
+  // Who draws (avatar/play/avatar_renderer.h); empty: the CPU.
   AvatarRendererMaker make_renderer{};
 };
 
@@ -89,7 +89,7 @@ class Player {
   void Render(const FlameParams& params, const Camera& camera, Image8& out);
   Image8 Render(const FlameParams& params, const Camera& camera);
 
-  // Its Gaussians in the order of their degrees (splat/render/degree_order.h).
+  // Its Gaussians in the order of their degrees (splat/gaussians.h).
   const AvatarModel& avatar() const { return avatar_; }
   // Posed vertices of the last frame of RenderOver or Render, as VerticesOf.
   const std::vector<float>& vertices() { return VerticesOf(placed_); }

@@ -1,7 +1,6 @@
-#include "avatar/play/player_device.h"
+#include "avatar/play/avatar_renderer.h"
 
 #if defined(COSPLAT_HAS_CUDA)
-#include "avatar/play/cuda/kernels.h"
 #include "avatar/surface/cuda/kernels.h"
 #endif
 
@@ -10,8 +9,7 @@ namespace cosplat {
 AvatarRendererMaker AvatarRendererOn(Device device) {
   if (device == Device::kCpu) return {};
 #if defined(COSPLAT_HAS_CUDA)
-  cuda::ProvideSurfaceKernels();
-  cuda::ProvidePosingKernels();
+  cuda::ProvideAvatarKernels();
 #endif
   return [device, store = std::make_shared<DirectionStore>()](const AvatarModel& avatar,
                                                               const AvatarPosing& posing) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "splat/device/parallel_for.h"
+#include "splat/device/for_each.h"
 
 namespace cosplat {
 namespace {

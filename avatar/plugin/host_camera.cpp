@@ -5,7 +5,7 @@
 #include <string>
 
 #include "avatar/plugin/coded_error.h"
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/math/vec.h"
 

@@ -6,8 +6,8 @@
 
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
+#include "avatar/play/avatar_renderer.h"
 #include "avatar/play/picture_bytes.h"
-#include "avatar/play/player_device.h"
 #include "avatar/plugin/coded_error.h"
 #include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "avatar/surface/kernels/embed.h"
-#include "avatar/surface/released_binding.h"
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/device/parallel_for.h"
+#include "splat/device/for_each.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "avatar/surface/packs.cpp"

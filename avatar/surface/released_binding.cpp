@@ -1,7 +1,6 @@
-#include "avatar/surface/released_binding.h"
-
 #include "avatar/math/released_embed.h"
-#include "splat/device/parallel_for.h"
+#include "avatar/surface/binding.h"
+#include "splat/device/for_each.h"
 
 namespace cosplat {
 namespace {

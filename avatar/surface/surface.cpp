@@ -6,8 +6,8 @@
 
 #include "avatar/surface/kernels/surface.h"
 #include "splat/base/error.h"
+#include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
-#include "splat/device/memory_part.h"
 
 namespace cosplat {
 namespace {

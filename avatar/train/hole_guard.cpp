@@ -2,7 +2,7 @@
 
 #include "avatar/surface/kernels/holes.h"
 #include "splat/device/for_each.h"
-#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat {
 

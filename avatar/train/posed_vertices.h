@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "splat/device/buffer.h"
-#include "splat/device/memory_part.h"
 
 namespace cosplat {
 

@@ -1,6 +1,5 @@
-#include "avatar/train/train_device.h"
-
-#include "splat/train/train_device.h"
+#include "avatar/train/trainer.h"
+#include "splat/train/step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "avatar/surface/cuda/kernels.h"
@@ -10,7 +9,7 @@ namespace cosplat {
 
 StepEngineMaker AvatarEngineOn(Device device, bool deterministic) {
 #if defined(COSPLAT_HAS_CUDA)
-  if (device == Device::kCuda) cuda::ProvideSurfaceKernels();
+  if (device == Device::kCuda) cuda::ProvideAvatarKernels();
 #endif
   return StepEngineOn(device, deterministic);
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "avatar/model/trained_range.h"
+#include "avatar/model/avatar_model.h"
 #include "avatar/play/player.h"
 #include "avatar/surface/kernels/place.h"
 #include "splat/device/for_each.h"

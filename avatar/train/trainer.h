@@ -23,6 +23,8 @@
 #include "avatar/train/posed_vertices.h"
 #include "flame/model.h"
 #include "flame/track.h"
+#include "splat/render/device.h"
+#include "splat/train/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {
@@ -186,5 +188,11 @@ class AvatarSubject : public Subject {
   Buffer<int32_t> spare_triangle_;
   Buffer<std::array<float, 2>> spare_barycentric_;
 };
+
+// Where avatars are trained: splat/train/step_engine.h for them.
+
+// For Trainer, as StepEngineOn. On a device the engine throws Error for AvatarSystem::kReleased,
+// whose rule is the CPU's alone.
+StepEngineMaker AvatarEngineOn(Device device, bool deterministic);
 
 }  // namespace cosplat

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "flame/io/track_layouts.h"
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "flame/io/pickle_arrays.h"
+#include "flame/io/pickle.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/npz.h"
+
 namespace cosplat {
 
 enum class PickleClass {
@@ -69,5 +71,12 @@ class Pickle {
   std::deque<PickleValue> values_;
   const PickleValue* root_ = nullptr;
 };
+
+// Numeric arrays out of a parsed pickle: numpy arrays and scalars, numbers, scipy's csc_matrix
+// (made dense) and chumpy's wrappers around any of them.
+
+// `file` and `name` are for errors. Throws Error when `value` is no array of numbers, or when its
+// shape, type and data disagree.
+NpyArray ArrayOf(const std::string& file, const std::string& name, const PickleValue& value);
 
 }  // namespace cosplat

@@ -1,9 +1,8 @@
-#include "flame/io/pickle_arrays.h"
-
 #include <algorithm>
 
+#include "flame/io/pickle.h"
 #include "splat/base/error.h"
-#include "splat/base/npy.h"
+#include "splat/base/npz.h"
 
 namespace cosplat {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "flame/io/track_layouts.h"
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 #include "splat/base/npz.h"

@@ -1,11 +1,10 @@
 // Posing a vertex by itself, when the joints are posed: the bodies that a device runs with a thread
-// each (avatar/play/cuda/device_poser.cu). FlamePoser runs the same formulas over strips of
+// each (avatar/surface/cuda/kernels.cu). FlamePoser runs the same formulas over strips of
 // vertices.
 //
 // PosingArrays, FlameRig -> BlendShapesKernel -> SkinKernel -> posed vertices.
 #pragma once
 
-#include "flame/math/blend_shapes.h"
 #include "flame/math/skinning.h"
 #include "flame/posing.h"
 

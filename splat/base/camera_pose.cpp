@@ -1,7 +1,7 @@
-#include "splat/base/camera_pose.h"
-
 #include <cmath>
 #include <cstdio>
+
+#include "splat/base/camera.h"
 
 namespace cosplat {
 namespace {

@@ -1,11 +1,10 @@
-#include "splat/base/image_header.h"
-
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 
 #include "splat/base/error.h"
+#include "splat/base/image_io.h"
 
 namespace cosplat {
 namespace {

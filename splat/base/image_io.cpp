@@ -11,8 +11,6 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_header.h"
-#include "splat/base/opencv_quiet.h"
 
 namespace cosplat {
 namespace {
@@ -130,7 +128,7 @@ Image8 ReadImage(const std::string& path) {
   return ToImage8(SwapRedBlue(Decode(path, ReadFile(path))));
 }
 
-void WriteImage(const std::string& path, const Image8& image) {
+std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image) {
   QuietOpenCv();
   const std::string extension = ExtensionOf(path);
   const bool jpeg = extension == ".jpg" || extension == ".jpeg";
@@ -144,6 +142,11 @@ void WriteImage(const std::string& path, const Image8& image) {
   std::vector<uint8_t> bytes;
   if (!cv::imencode(extension, SwapRedBlue(Wrap(image)), bytes))
     throw Error(path, "image could not be encoded");
+  return bytes;
+}
+
+void WriteImage(const std::string& path, const Image8& image) {
+  const std::vector<uint8_t> bytes = EncodeImage(path, image);
   WriteFileAtomically(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
   });

@@ -27,7 +27,11 @@ ImageInfo ReadImageInfo(const std::string& path);
 // off (decoders would return a partial picture).
 Image8 ReadImage(const std::string& path);
 
-// Writes a PNG or JPEG (by extension) through a temporary file; 1, 3 or 4 channels.
+// The bytes of a PNG or JPEG file, by the extension of `path`, which is otherwise for errors; 1, 3
+// or 4 channels (JPEG: not 4).
+std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image);
+
+// Writes them through a temporary file.
 void WriteImage(const std::string& path, const Image8& image);
 void WriteImage(const std::string& path, const Image& image);  // clamped to [0, 1], rounded
 
@@ -84,5 +88,21 @@ class VideoWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// What a PNG or JPEG file says about itself, without decoding it. Decoders hand back partial
+// pictures for cut-off files; walking the file's own structure finds the cut.
+
+// True and `info` filled when `bytes` (a whole file or its beginning) is a PNG or JPEG with a
+// complete header.
+bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info);
+
+// Throws Error(path, ...) when a PNG lacks chunks up to IEND or one of its critical chunks fails
+// its CRC, or when a JPEG lacks its end-of-image marker. Other kinds of file pass.
+void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
+
+// Keeps OpenCV and FFmpeg from writing to stderr: failures are reported as Error instead.
+
+// Called before any of their functions; only the first call does anything.
+void QuietOpenCv();
 
 }  // namespace cosplat

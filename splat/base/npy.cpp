@@ -1,11 +1,10 @@
-#include "splat/base/npy.h"
-
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "splat/base/error.h"
+#include "splat/base/npz.h"
 
 namespace cosplat {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/npy.h"
 
 namespace cosplat {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/opencv_quiet.h"
+#include "splat/base/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -6,7 +6,6 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
-#include "splat/base/opencv_quiet.h"
 
 namespace cosplat {
 namespace {

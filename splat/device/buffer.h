@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <memory>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -211,5 +212,22 @@ struct View {
   COSPLAT_HD size_t size() const { return count; }
   COSPLAT_HD bool empty() const { return count == 0; }
 };
+
+// What a training run holds, by name: Trainer::Memory adds up what its parts say of themselves.
+
+// What a part grows with; kFixed: with neither.
+enum class MemoryOf { kGaussians, kPixels, kFixed };
+
+struct MemoryPart {
+  std::string name;
+  size_t bytes = 0;  // by capacity: what was allocated, whether in use or not
+  MemoryOf of = MemoryOf::kGaussians;
+};
+
+// Bytes that buffers or vectors hold.
+template <class... Containers>
+size_t HeldBy(const Containers&... containers) {
+  return (size_t(0) + ... + (containers.capacity() * sizeof(*containers.data())));
+}
 
 }  // namespace cosplat

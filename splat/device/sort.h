@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "splat/device/buffer.h"
-#include "splat/device/memory_part.h"
 
 namespace cosplat {
 

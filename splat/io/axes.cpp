@@ -1,5 +1,4 @@
-#include "splat/io/axes.h"
-
+#include "splat/io/splat_primitive.h"
 #include "splat/math/quat.h"
 #include "splat/math/scalar.h"
 

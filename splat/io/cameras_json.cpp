@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"

@@ -2,10 +2,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/io/colmap_model.h"
-#include "splat/io/scene_layouts.h"
 #include "splat/io/view_files.h"
 
 namespace cosplat {

@@ -1,5 +1,3 @@
-#include "splat/io/glb_check.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -9,6 +7,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/io/glb.h"
 
 namespace cosplat {
 namespace {

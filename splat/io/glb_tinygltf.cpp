@@ -8,7 +8,6 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/glb.h"
-#include "splat/io/glb_check.h"
 
 namespace cosplat {
 namespace {

@@ -6,8 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/io/ply_columns.h"
-#include "splat/io/ply_compressed.h"
+#include "splat/io/ply_layouts.h"
 #include "splat/io/ply_reader.h"
 
 namespace cosplat {

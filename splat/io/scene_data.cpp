@@ -5,7 +5,7 @@
 
 #include "splat/base/error.h"
 #include "splat/io/dataset.h"
-#include "splat/io/scene_layouts.h"
+#include "splat/io/view_files.h"
 
 namespace cosplat {
 namespace {

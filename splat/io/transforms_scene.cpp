@@ -2,11 +2,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "splat/base/camera_pose.h"
+#include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 #include "splat/io/ply.h"
-#include "splat/io/scene_layouts.h"
 #include "splat/io/view_files.h"
 
 namespace cosplat {

@@ -25,7 +25,7 @@ struct QuantisedBands {
 
 struct QuantisedSplats {
   // "scene"; of any other kind, `position` is to be understood by arrays in `more`
-  // (avatar/io/quantised_avatar.h).
+  // (avatar/io/avatar_file.h).
   std::string kind = "scene";
   int degree = 0;                    // of the model; no splat's is higher
   std::vector<float> position;       // [N, 3] world units

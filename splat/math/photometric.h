@@ -1,10 +1,12 @@
-// The pointwise terms of the photometric loss (splat/train/loss.h).
+// What the photometric loss (splat/train/loss.h) compares, and its pointwise terms.
 #if defined(COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #undef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #else
 #define COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #endif
+
+#include <cstdint>
 
 #include "splat/math/scalar.h"
 
@@ -19,6 +21,15 @@ COSPLAT_HD T Pointwise(T l1, T mse, const T& e) {
 template <class T>
 COSPLAT_HD T PointwiseVjp(T l1, T two_mse, const T& e) {
   return Select(e > T(0), l1, Select(e < T(0), -l1, T(0))) + two_mse * e;
+}
+
+// A target image's bytes as the numbers that a rendering is compared with: [0, 255] -> [0, 1].
+COSPLAT_HD float FromByte(uint8_t byte) { return float(byte) * (1.0f / 255); }
+
+// A value of straight alpha over a background, bytes over [0, 1].
+COSPLAT_HD float Over(uint8_t value, uint8_t alpha_byte, float background) {
+  const float alpha = FromByte(alpha_byte);
+  return FromByte(value) * alpha + background * (1 - alpha);
 }
 
 COSPLAT_MATH_END

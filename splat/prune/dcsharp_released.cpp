@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 

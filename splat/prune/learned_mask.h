@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 #include "splat/math/adam.h"
 #include "splat/train/kernels/prune_mask.h"
 

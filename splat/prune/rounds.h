@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
+#include "splat/device/buffer.h"
 #include "splat/train/schedule.h"
 
 namespace cosplat {
@@ -59,5 +62,20 @@ struct DensificationRounds {
     return RemovalTowards(target, count, schedule.DensificationsAfter(iteration) + one_more);
   }
 };
+
+// Which Gaussians a round of pruning takes, given their scores (splat/prune/pruner.h). Groups are
+// triangles for avatars and one group for a scene; nothing here knows meshes.
+
+struct PruneRequest {
+  View<const float> score;     // [N] lowest go first
+  View<const uint8_t> exempt;  // [N] 1: unseen or new, never removed for its score
+  View<const int32_t> group;   // [N] group of each; empty: all in one group
+  size_t remove_lowest = 0;    // how many go for their score, over all groups
+  int group_cap = 0;           // more than this in a group: its lowest scores go first; 0: no cap
+  int group_floor = 0;         // never leave a group that had any with fewer
+};
+
+// Indices to remove, ascending. Equal scores: the lower index goes.
+std::vector<uint32_t> SelectForPruning(const PruneRequest& request);
 
 }  // namespace cosplat

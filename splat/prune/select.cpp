@@ -1,7 +1,7 @@
-#include "splat/prune/select.h"
-
 #include <algorithm>
 #include <numeric>
+
+#include "splat/prune/rounds.h"
 
 namespace cosplat {
 

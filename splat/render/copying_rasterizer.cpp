@@ -1,7 +1,6 @@
-#include "splat/render/copying_rasterizer.h"
-
 #include <utility>
 
+#include "splat/render/rasterizer.h"
 #include "splat/render/world_arrays.h"
 
 namespace cosplat {

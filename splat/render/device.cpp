@@ -1,11 +1,10 @@
 #include "splat/render/device.h"
 
 #include "splat/base/error.h"
-#include "splat/render/copying_rasterizer.h"
+#include "splat/render/rasterizer.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/device/cuda/device.h"
-#include "splat/render/cuda/kernels.h"
 #include "splat/render/cuda/rasterizer.h"
 #endif
 
@@ -56,6 +55,14 @@ SceneRendererMaker SceneRendererOn(Device device) {
   return [device](const Gaussians& scene) {
     return std::make_unique<SceneRenderer>(MakeRasterizerOn(device, false), scene);
   };
+}
+
+std::string NameOf(Device device) {
+#if defined(COSPLAT_HAS_CUDA)
+  const auto gpu = device == Device::kCuda ? cuda::FindDevice() : std::nullopt;
+  if (gpu) return gpu->name;
+#endif
+  return device == Device::kCpu ? "CPU" : "CUDA";
 }
 
 }  // namespace cosplat

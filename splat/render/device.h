@@ -15,6 +15,9 @@ enum class Device { kCpu, kCuda };
 // none; "auto", which is CUDA where both have it.
 Device DeviceFromString(const std::string& name, const std::string& field = "--device");
 
+// For people: "CPU", or the GPU's name.
+std::string NameOf(Device device);
+
 // Of arrays in the device's memory. deterministic: gradients are added in a fixed order, as on the
 // CPU they always are.
 std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic);

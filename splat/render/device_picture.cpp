@@ -1,6 +1,9 @@
 #include "splat/render/device_picture.h"
 
+#include <utility>
+
 #include "splat/device/for_each.h"
+#include "splat/render/picture_renderer.h"
 
 namespace cosplat {
 
@@ -28,6 +31,25 @@ void DevicePicture::Download(Image8& out) const {
   out.data.resize(4 * out.pixels());
   pixels_.Download(reinterpret_cast<PixelBytes*>(out.data.data()), *copies_);
   copies_->Wait();
+}
+
+void PictureRenderer::Download(RenderedImage& image, PhaseTimes& times) {
+  image_.Download(image, stream());
+  Finish(times);
+}
+
+void PictureRenderer::Keep(AlphaMode alpha,
+                           std::unique_ptr<DevicePicture>& out,
+                           PhaseTimes& times) {
+  if (!out) out = std::make_unique<DevicePicture>(stream());
+  out->Write(image_, alpha, stream());
+  Finish(times);
+}
+
+void PictureRenderer::Finish(PhaseTimes& times) {
+  stream().Wait();
+  rasterizer_->AddForwardTimes();
+  times += std::exchange(rasterizer_->times, {});
 }
 
 }  // namespace cosplat

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "splat/base/image.h"
-#include "splat/render/alpha_mode.h"
 #include "splat/render/kernels/pixel_bytes.h"
 #include "splat/render/rasterizer.h"
 

@@ -1,9 +1,5 @@
 #include "splat/render/device_texture.h"
 
-#if defined(COSPLAT_HAS_CUDA)
-#include "splat/render/cuda/gl_texture.h"
-#endif
-
 namespace cosplat {
 
 DeviceTextureMaker DeviceTextureOn(Device device) {

@@ -28,4 +28,13 @@ using DeviceTextureMaker = std::function<std::unique_ptr<DeviceTexture>(unsigned
 // Empty for the CPU.
 DeviceTextureMaker DeviceTextureOn(Device device);
 
+namespace cuda {
+
+// By OpenGL interoperability (splat/render/cuda/gl_texture.cpp): a library of its own
+// (cosplat::render_gl), since it needs OpenGL's header. Source: CUDA Runtime API, "Graphics
+// Interoperability" and "OpenGL Interoperability".
+std::unique_ptr<DeviceTexture> MakeGlTexture(unsigned texture);
+
+}  // namespace cuda
+
 }  // namespace cosplat

@@ -12,8 +12,9 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/basis.h"
 #include "splat/config.h"
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 #include "splat/gaussians.h"
 #include "splat/render/contribution.h"
 #include "splat/render/kernels/world_gaussians.h"
@@ -124,5 +125,20 @@ WorldGaussians ViewOf(const Gaussians& gaussians);
 WorldGradients GradientViewOf(Gaussians& gradients,
                               Buffer<float>& screen,
                               Stream& stream = HostStream());
+
+// What the element-wise kernels need of a camera, and what both back ends refuse to draw.
+
+// Colours of bands up to `degree`.
+ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree);
+
+// Throws Error as Rasterizer::Forward says.
+void CheckArguments(const WorldGaussians& gaussians,
+                    const Camera& camera,
+                    const RenderSettings& settings);
+
+// A rasteriser of arrays in the host's memory by one of a device.
+
+// For single pictures: everything is copied there and back with each call.
+std::unique_ptr<Rasterizer> MakeCopyingRasterizer(std::unique_ptr<Rasterizer> on_device);
 
 }  // namespace cosplat

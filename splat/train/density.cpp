@@ -6,7 +6,7 @@
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
 #include "splat/prune/pruner.h"
-#include "splat/prune/select.h"
+#include "splat/prune/rounds.h"
 #include "splat/train/kernels/control.h"
 #include "splat/train/kernels/step.h"
 #include "splat/train/mask_learner.h"

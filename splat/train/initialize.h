@@ -8,6 +8,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
+#include "splat/train/subject.h"
 
 namespace cosplat {
 
@@ -32,5 +33,19 @@ void RandomPoints(const std::vector<Camera>& cameras,
                   Rng& rng,
                   std::vector<float>& points,
                   std::vector<uint8_t>& colors);
+
+// First points of a scene that comes without any: where its photographs agree.
+// Source: Collins 1996, *A space-sweep approach to true multi-image matching*, a pixel at a time.
+
+// Appends to `points` ([P, 3], world) and `colors` ([P, 3]) what `rays` rays through random pixels
+// meet. Along each ray that depth is taken at which neighbouring photographs show most nearly the
+// same 3x3 pixels; rays on which no depth stands out, and pixels with an alpha below one half, give
+// no point. Depths go from a fifth of the distance between a camera and what all look at to
+// infinity, evenly in their inverse. The bits do not depend on the number of threads.
+void SweepPoints(const std::vector<TrainFrame>& frames,
+                 size_t rays,
+                 Rng& rng,
+                 std::vector<float>& points,
+                 std::vector<uint8_t>& colors);
 
 }  // namespace cosplat

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/math/photometric.h"
 #include "splat/math/ssim.h"
-#include "splat/math/target.h"
 #include "splat/train/cpu/ssim_band.h"
 
 namespace cosplat {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
-#include "splat/device/memory_part.h"
 #include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {

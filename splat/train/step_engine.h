@@ -12,8 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 #include "splat/prune/pruner.h"
+#include "splat/render/device.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/importance.h"
@@ -194,5 +195,13 @@ std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
 
 // Throws Error naming the iteration.
 void CheckLoss(double loss, int iteration);
+
+// Where training is done: what `--device` and `--deterministic` choose (splat/render/device.h).
+
+// For Trainer, of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums in
+// a fixed order, so that the same run has the same bits, which on the CPU it always has.
+StepEngineMaker StepEngineOn(Device device,
+                             bool deterministic,
+                             const InstanceForecast& forecast = InstanceForecast());
 
 }  // namespace cosplat

@@ -1,5 +1,3 @@
-#include "splat/train/sweep.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

@@ -1,11 +1,8 @@
-#include "splat/train/train_device.h"
-
 #include "splat/base/error.h"
+#include "splat/train/step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)
-#include "splat/device/cuda/device.h"
-#include "splat/train/cuda/kernels.h"
-#include "splat/train/cuda/loss.h"
+#include "splat/train/cuda/step.h"
 #endif
 
 namespace cosplat {
@@ -23,14 +20,6 @@ StepEngineMaker StepEngineOn(Device device, bool deterministic, const InstanceFo
   (void)forecast;
   throw Error("device", "this program was built without CUDA");
 #endif
-}
-
-std::string NameOf(Device device) {
-#if defined(COSPLAT_HAS_CUDA)
-  const auto gpu = device == Device::kCuda ? cuda::FindDevice() : std::nullopt;
-  if (gpu) return gpu->name;
-#endif
-  return device == Device::kCpu ? "CPU" : "CUDA";
 }
 
 }  // namespace cosplat

@@ -1,10 +1,9 @@
-#include "avatar/io/quantised_avatar.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
+#include "avatar/io/avatar_file.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/vq.h"
 #include "tests/avatar/meshes.h"

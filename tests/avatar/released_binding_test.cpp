@@ -1,7 +1,5 @@
-// avatar/surface/released_binding.h: each fault of SplattingAvatar's release is there where an
+// avatar/surface/binding.h: each fault of SplattingAvatar's release is there where an
 // embedding asks for it, and not where it does not.
-#include "avatar/surface/released_binding.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "avatar/math/released_embed.h"
+#include "avatar/surface/binding.h"
 #include "tests/avatar/meshes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/gradient_check.h"

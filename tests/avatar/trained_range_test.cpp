@@ -1,10 +1,9 @@
-#include "avatar/model/trained_range.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "avatar/model/avatar_model.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat::test {

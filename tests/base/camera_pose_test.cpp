@@ -1,9 +1,9 @@
-#include "splat/base/camera_pose.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "splat/base/camera.h"
 
 namespace cosplat {
 namespace {

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "splat/base/files.h"
-#include "splat/base/npy.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,7 @@
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
-#include "avatar/train/train_device.h"
+#include "avatar/train/trainer.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat {

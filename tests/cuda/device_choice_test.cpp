@@ -1,7 +1,7 @@
 // What --device chooses, where there is a device and the build has its back end.
 #include <gtest/gtest.h>
 
-#include "splat/train/train_device.h"
+#include "splat/train/step_engine.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
 

@@ -4,7 +4,7 @@
 
 #include "apps/viewer/gl_window.h"
 #include "apps/viewer/picture_texture.h"
-#include "avatar/play/player_device.h"
+#include "avatar/play/avatar_renderer.h"
 #include "splat/base/image_io.h"
 #include "tests/support/cuda_on_host/cuda_gl_interop.h"
 #include "tests/support/expect_error.h"

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "flame/io/pickle_arrays.h"
 #include "splat/base/error.h"
 #include "tests/flame/pickle_builder.h"
 

@@ -6,11 +6,11 @@
 #include <map>
 #include <set>
 
-#include "assets/head/eye_mesh.h"
 #include "assets/head/motion.h"
 #include "assets/head/procedural_head.h"
 #include "assets/head/raster.h"
 #include "assets/head/rig.h"
+#include "assets/head/sculpt.h"
 #include "flame/pose.h"
 #include "flame/topology.h"
 

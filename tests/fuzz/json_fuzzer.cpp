@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "avatar/live/json_source.h"
+#include "avatar/live/packet_input.h"
 #include "tests/fuzz/live_check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

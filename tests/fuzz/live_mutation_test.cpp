@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "avatar/live/json_frame.h"
-#include "avatar/live/json_source.h"
-#include "avatar/live/vmc_source.h"
+#include "avatar/live/packet_input.h"
 #include "splat/base/npz.h"
 #include "tests/avatar/live/osc_builder.h"
 #include "tests/fuzz/live_check.h"

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "avatar/live/vmc_source.h"
+#include "avatar/live/packet_input.h"
 #include "splat/base/npz.h"
 #include "tests/fuzz/live_check.h"
 #include "tests/support/temporary_folder.h"

@@ -2,14 +2,12 @@
 
 #include <chrono>
 
-#include "avatar/play/cuda/kernels.h"
-#include "avatar/play/player_device.h"
+#include "avatar/play/avatar_renderer.h"
 #include "avatar/play/rig_poser.h"
 #include "avatar/surface/binding.h"
 #include "avatar/surface/cuda/kernels.h"
 #include "splat/render/cuda/rasterizer.h"
-#include "splat/train/cuda/kernels.h"
-#include "splat/train/cuda/loss.h"
+#include "splat/train/cuda/step.h"
 #include "splat/train/loss.h"
 #include "splat/train/optimizer.h"
 #include "tests/gpu/made_avatar.h"
@@ -19,8 +17,7 @@ namespace {
 
 void ProvideKernels() {
   cuda::ProvideTrainKernels();
-  cuda::ProvideSurfaceKernels();
-  cuda::ProvidePosingKernels();
+  cuda::ProvideAvatarKernels();
 }
 
 // A frame and a training step with everything on the device.

@@ -5,7 +5,7 @@
 # the benchmark, and whole trainings of the scene that tests/gpu/carry.sh --scene packed. Writes
 # summary.json, bench.json, scene.json, scene_pruned.json, picture.ppm and log.txt. Prints a table at
 # the end; exits with 0 only if all of it passed. There is no display on such a machine: OpenGL's
-# textures (splat/render/cuda/gl_texture.h) are not covered.
+# textures (splat/render/cuda/gl_texture.cpp) are not covered.
 set -uo pipefail
 
 show_help() {

@@ -10,7 +10,7 @@
 #include "splat/device/cuda/stream.h"
 #include "splat/eval/metrics.h"
 #include "splat/train/loss.h"
-#include "splat/train/train_device.h"
+#include "splat/train/step_engine.h"
 #include "tests/gpu/packed_scene.h"
 
 namespace cosplat::test {

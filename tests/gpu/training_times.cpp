@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "splat/train/scene_subject.h"
-#include "splat/train/train_device.h"
+#include "splat/train/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat::test {

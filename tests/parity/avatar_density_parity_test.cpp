@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "avatar/train/train_device.h"
 #include "avatar/train/trainer.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/density_state.h"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "avatar/train/train_device.h"
 #include "avatar/train/trainer.h"
 #include "splat/render/cuda/tape.h"
 #include "tests/avatar/made_video.h"

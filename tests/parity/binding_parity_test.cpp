@@ -20,7 +20,7 @@ namespace {
 
 class BindingParity : public test::DeviceTest {
  protected:
-  BindingParity() { cuda::ProvideSurfaceKernels(); }
+  BindingParity() { cuda::ProvideAvatarKernels(); }
 };
 
 struct BindingCase {

@@ -1,8 +1,8 @@
 // Counts that only a device gets to in a test's time.
 #include <gtest/gtest.h>
 
-#include "splat/render/copying_rasterizer.h"
 #include "splat/render/cuda/rasterizer.h"
+#include "splat/render/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/parity_case.h"

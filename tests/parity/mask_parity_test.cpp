@@ -6,7 +6,7 @@
 
 #include "splat/device/cuda/stream.h"
 #include "splat/prune/pruner.h"
-#include "splat/train/cuda/kernels.h"
+#include "splat/train/cuda/step.h"
 #include "splat/train/mask_learner.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"

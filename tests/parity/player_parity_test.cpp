@@ -6,8 +6,8 @@
 
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "assets/head/motion.h"
+#include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
-#include "avatar/play/player_device.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/picture_bytes.h"

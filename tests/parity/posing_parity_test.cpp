@@ -6,8 +6,8 @@
 
 #include "assets/head/procedural_head.h"
 #include "avatar/model/avatar_mesh.h"
-#include "avatar/play/cuda/kernels.h"
 #include "avatar/play/rig_poser.h"
+#include "avatar/surface/cuda/kernels.h"
 #include "splat/device/cuda/stream.h"
 #include "tests/flame/random_model.h"
 #include "tests/parity/device_fixture.h"
@@ -18,7 +18,7 @@ namespace {
 
 class PosingParity : public test::DeviceTest {
  protected:
-  PosingParity() { cuda::ProvidePosingKernels(); }
+  PosingParity() { cuda::ProvideAvatarKernels(); }
 };
 
 // More vertices than a block has threads, more expressions than go by fours.

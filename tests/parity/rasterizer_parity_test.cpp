@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "splat/base/rng.h"
-#include "splat/render/copying_rasterizer.h"
 #include "splat/render/cuda/rasterizer.h"
+#include "splat/render/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 

@@ -6,7 +6,7 @@
 
 #include "splat/render/cuda/tape.h"
 #include "splat/train/scene_subject.h"
-#include "splat/train/train_device.h"
+#include "splat/train/step_engine.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"

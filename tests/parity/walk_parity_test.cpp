@@ -17,7 +17,7 @@ namespace {
 
 class WalkParity : public test::DeviceTest {
  protected:
-  WalkParity() { cuda::ProvideSurfaceKernels(); }
+  WalkParity() { cuda::ProvideAvatarKernels(); }
 };
 
 // A sheet with faces of no area in its middle and along its boundary.

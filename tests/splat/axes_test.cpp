@@ -1,8 +1,7 @@
-#include "splat/io/axes.h"
-
 #include <gtest/gtest.h>
 
 #include "splat/basis_constants.h"
+#include "splat/io/splat_primitive.h"
 #include "splat/math/dcsh.h"
 #include "tests/support/random_gaussians.h"
 

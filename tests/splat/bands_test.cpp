@@ -8,12 +8,12 @@
 #include <limits>
 
 #include "splat/basis_constants.h"
+#include "splat/gaussians.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/vq.h"
 #include "splat/io/vq_file.h"
 #include "splat/math/dcsh.h"
-#include "splat/render/degree_order.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "splat/io/ply.h"
-#include "splat/io/scene_glb.h"
+#include "splat/io/splat_file.h"
 #include "splat/render/cpu/launch.h"
-#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/looking_at.h"
 #include "tests/support/random_gaussians.h"

@@ -38,7 +38,7 @@
 #include "splat/config.h"
 #include "splat/math/blend.h"
 #include "splat/render/cpu/launch.h"
-#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
 #include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"

@@ -8,8 +8,8 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/io/axes.h"
-#include "splat/io/scene_glb.h"
+#include "splat/io/splat_file.h"
+#include "splat/io/splat_primitive.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/splat_attributes.h"

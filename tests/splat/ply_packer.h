@@ -1,4 +1,4 @@
-// Splats packed in PlayCanvas' compressed layout (splat/io/ply_compressed.h).
+// Splats packed in PlayCanvas' compressed layout (splat/io/ply_layouts.h).
 #pragma once
 
 #include <algorithm>

@@ -1,13 +1,12 @@
 // First points from photographs alone: on the surface that they show, and the same for any number
 // of threads.
-#include "splat/train/sweep.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "splat/train/initialize.h"
 #include "tests/support/looking_at.h"
 
 namespace cosplat {

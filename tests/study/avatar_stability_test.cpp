@@ -1,4 +1,4 @@
-// apps/study/avatar_stability/stability.h: in every case ours is within its bound and the naive
+// apps/study/avatar_stability/cases.h: in every case ours is within its bound and the naive
 // form is not, so that the case keeps meaning something. Measured values stand beside the bounds
 // that they vouch for.
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "apps/study/avatar_stability/stability.h"
+#include "apps/study/avatar_stability/cases.h"
 
 namespace cosplat {
 namespace {

@@ -1,7 +1,5 @@
 // Each way in which splatting is known to fail: ours keeps to its bound, and the naive form does
 // not, so that the case goes on meaning something. The figures are those of docs/stability.md.
-#include "apps/study/stability/stability.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +8,8 @@
 
 #include "apps/study/stability/basis_forms.h"
 #include "apps/study/stability/cases.h"
-#include "apps/study/stability/exact_basis.h"
 #include "apps/study/stability/naive_basis.h"
 #include "apps/study/stability/naive_render.h"
-#include "apps/study/stability/naive_ssim.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/basis_constants.h"
 #include "splat/math/dcsh.h"

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/study/runs/study_charts.h"
 #include "apps/study/runs/study_page.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -5,8 +5,7 @@
 #include <memory>
 
 #include "splat/render/cuda/rasterizer.h"
-#include "splat/train/cuda/kernels.h"
-#include "splat/train/cuda/loss.h"
+#include "splat/train/cuda/step.h"
 #include "splat/train/instance_forecast.h"
 #include "splat/train/optimizer.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/viewer/ellipsoid_view.h"
+#include "apps/viewer/mesh_view.h"
 #include "splat/base/image_io.h"
 #include "splat/math/gaussian.h"
 #include "tests/support/expect_error.h"

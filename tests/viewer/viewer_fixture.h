@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/study/avatar_stability/painted_avatar.h"
-#include "apps/viewer/framing.h"
+#include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/stage.h"
 #include "assets/head/procedural_head.h"
 #include "tests/support/random_gaussians.h"

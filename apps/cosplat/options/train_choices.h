@@ -2,11 +2,13 @@
 // trains by it, too (tests/gpu).
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <vector>
 
 #include "splat/render/device.h"
+#include "splat/train/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {
@@ -53,5 +55,18 @@ struct TrainChoices {
   std::array<float, 3> EvaluationBackground() const;
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
 };
+
+// Options that both trainers share: the names and meanings of 3DGS's where it has them.
+
+// Far more than any machine holds; more is a slip of the finger.
+constexpr size_t kMaxGaussians = 1000000000;
+
+struct TrainOptions : TrainChoices {
+  // Declares them on a sub-command; defaults are the values at the time of the call.
+  void Declare(CLI::App& command);
+};
+
+// All options of a sub-command with their values, as `--config` reads them.
+std::string ConfigOf(const CLI::App& app, const CLI::App& command);
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
-#include "apps/cosplat/options/train_options.h"
-
 #include <cmath>
 #include <cstdlib>
+
+#include "apps/cosplat/options/train_choices.h"
 
 namespace cosplat {
 

@@ -1,12 +1,14 @@
-// Files inside a page, so that it needs nothing beside it.
+// Images inside a page, so that it needs no other file.
 #pragma once
 
 #include <string>
-#include <vector>
+
+#include "splat/base/image.h"
 
 namespace cosplat {
 
-// "data:image/png;base64,...".
-std::string DataUri(const std::string& media_type, const std::vector<char>& bytes);
+// "data:image/png;base64,..." (RFC 2397), PNG or JPEG by `extension` (".png", ".jpg"). Throws Error
+// as EncodeImage does.
+std::string ImageUri(const Image8& image, const std::string& extension);
 
 }  // namespace cosplat

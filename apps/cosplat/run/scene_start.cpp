@@ -1,7 +1,6 @@
 #include "apps/cosplat/run/scene_start.h"
 
 #include "splat/train/initialize.h"
-#include "splat/train/sweep.h"
 
 namespace cosplat {
 namespace {

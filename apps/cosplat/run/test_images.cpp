@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "avatar/surface/silhouette.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
@@ -247,6 +248,23 @@ std::string ToString(const TestSummary& s) {
     out += "  LPIPS (" + net + ") " + text;
   }
   return out + "  (" + std::to_string(s.views) + " views)";
+}
+
+AvatarTestImages::AvatarTestImages(AvatarModel model,
+                                   const FlameModel& flame,
+                                   PlayerSettings settings)
+    : player_(std::move(model), flame, settings),
+      topology_(BuildTopology(
+          "avatar", player_.avatar().mesh.faces, int(player_.avatar().mesh.vertices.size() / 3))) {}
+
+void AvatarTestImages::WriteTestImage(const TrackedFrame& frame,
+                                      const Image8& truth,
+                                      TestImageWriter& writer) {
+  player_.RenderOver(frame.params, frame.camera, writer.background(), image_);
+  const std::array<int, 4> box =
+      MouthBox(player_.vertices(), player_.avatar().mesh.vertices, topology_, frame.camera);
+  const Rectangle mouth{box[0], box[1], box[2], box[3]};
+  writer.Write(image_, truth, mouth.width > 0 ? &mouth : nullptr);
 }
 
 }  // namespace cosplat

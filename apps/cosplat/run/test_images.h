@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "avatar/play/player.h"
+#include "flame/topology.h"
+#include "flame/track.h"
 #include "splat/base/image.h"
 #include "splat/eval/lpips.h"
 #include "splat/eval/metrics.h"
@@ -60,5 +63,24 @@ TestSummary EvaluateTestImages(const std::string& folder,
 
 // "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
 std::string ToString(const TestSummary& summary);
+
+// Draws tracked frames of an avatar beside their pictures: used while training and by `render`.
+
+class AvatarTestImages {
+ public:
+  // Keeps a reference to `flame`. The model must have its mesh.
+  AvatarTestImages(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
+
+  // Renders the frame over the writer's background and writes it beside `truth`, with the mouth's
+  // rectangle.
+  void WriteTestImage(const TrackedFrame& frame, const Image8& truth, TestImageWriter& writer);
+
+  Player& player() { return player_; }
+
+ private:
+  Player player_;
+  MeshTopology topology_;
+  RenderedImage image_;
+};
 
 }  // namespace cosplat

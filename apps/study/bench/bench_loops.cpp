@@ -1,5 +1,4 @@
-#include "apps/study/bench/bench_loops.h"
-
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/dense_tile.h"
 #include "apps/study/bench/machine.h"
 

@@ -1,6 +1,5 @@
-#include "apps/study/bench/bench_memory.h"
-
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/held_memory.h"
 
 namespace cosplat {

@@ -1,5 +1,3 @@
-#include "apps/study/bench/bench_orbit.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -11,12 +9,13 @@
 
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "splat/base/error.h"
 #include "splat/config.h"
+#include "splat/gaussians.h"
 #include "splat/io/splat_file.h"
 #include "splat/math/scalar.h"
-#include "splat/render/degree_order.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {

@@ -1,9 +1,8 @@
-#include "apps/study/bench/bench_playback.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "assets/head/motion.h"
 #include "assets/head/procedural_head.h"

@@ -1,11 +1,10 @@
-#include "apps/study/bench/bench_scenes.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <limits>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "apps/study/bench/pair_counts.h"
 #include "apps/study/bench/step_timer.h"

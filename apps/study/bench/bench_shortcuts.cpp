@@ -1,5 +1,3 @@
-#include "apps/study/bench/bench_shortcuts.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,6 +6,7 @@
 #include <string>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/half_adam.h"
 #include "apps/study/bench/pair_counts.h"
 

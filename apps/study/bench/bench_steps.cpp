@@ -1,5 +1,3 @@
-#include "apps/study/bench/bench_steps.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <cstdio>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/step_timer.h"
 #include "apps/study/charts/chart_scale.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/study/bench/synthetic_view.h"
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 
 namespace cosplat {
 

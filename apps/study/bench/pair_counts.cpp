@@ -7,7 +7,6 @@
 #include "splat/config.h"
 #include "splat/math/blend.h"
 #include "splat/render/cpu/launch.h"
-#include "splat/render/kernels/view_parameters.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/optimizer.h"
 

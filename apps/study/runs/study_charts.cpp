@@ -1,7 +1,7 @@
-#include "apps/study/runs/study_charts.h"
-
 #include <algorithm>
 #include <cctype>
+
+#include "apps/study/runs/study_page.h"
 
 namespace cosplat {
 namespace {

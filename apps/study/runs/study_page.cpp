@@ -5,7 +5,6 @@
 
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/charts/svg_drawing.h"
-#include "apps/study/runs/study_charts.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 

@@ -8,7 +8,6 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/study/bench/machine.h"
 #include "apps/study/bench/measure.h"
-#include "apps/study/runs/study_speed.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"

@@ -1,5 +1,3 @@
-#include "apps/study/runs/study_speed.h"
-
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -9,12 +7,13 @@
 
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
+#include "apps/study/runs/study_runner.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/play/player.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
+#include "splat/gaussians.h"
 #include "splat/io/ply.h"
-#include "splat/render/degree_order.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
 

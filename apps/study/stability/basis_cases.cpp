@@ -4,7 +4,6 @@
 
 #include "apps/study/stability/basis_forms.h"
 #include "apps/study/stability/cases.h"
-#include "apps/study/stability/exact_basis.h"
 #include "apps/study/stability/naive_basis.h"
 #include "apps/study/stability/picture.h"
 #include "splat/base/rng.h"

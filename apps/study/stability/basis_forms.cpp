@@ -7,7 +7,6 @@
 
 #include "apps/study/bench/measure.h"
 #include "apps/study/stability/basis_samples.h"
-#include "apps/study/stability/exact_basis.h"
 #include "apps/study/stability/stability_case.h"
 #include "splat/base/rng.h"
 #include "splat/basis_constants.h"

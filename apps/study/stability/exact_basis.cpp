@@ -1,8 +1,7 @@
-#include "apps/study/stability/exact_basis.h"
-
 #include <cmath>
 #include <numbers>
 
+#include "apps/study/stability/basis_forms.h"
 #include "apps/study/stability/naive_basis.h"
 
 namespace cosplat {

@@ -3,6 +3,7 @@
 // draws what ours does (tests/study/stability_test.cpp).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "splat/base/image.h"
 #include "splat/gaussians.h"
 #include "splat/math/pinhole.h"
+#include "splat/math/ssim.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {
@@ -47,5 +49,26 @@ Image DrawNaive(const std::vector<NaiveFootprint>& footprints,
 std::vector<NaiveFootprint> NaiveFootprints(const Gaussians& gaussians,
                                             const Camera& camera,
                                             NaiveJacobian jacobian = NaiveJacobian::kUnclamped);
+
+// Structural similarity as its paper writes it, in floats: variances as E[x^2] - E[x]^2 and not
+// clamped, and standard deviations taken of them. Source: Wang et al. 2004, eq. 6, 9, 10, 14-16.
+
+// Of a window that holds x[i] and y[i] with these weights (of sum 1).
+inline float NaiveSsim(const float* weights, const float* x, const float* y, int count) {
+  float mx = 0, my = 0, xx = 0, yy = 0, xy = 0;
+  for (int i = 0; i < count; ++i) {
+    mx += weights[i] * x[i];
+    my += weights[i] * y[i];
+    xx += weights[i] * x[i] * x[i];
+    yy += weights[i] * y[i] * y[i];
+    xy += weights[i] * x[i] * y[i];
+  }
+  const float sx = std::sqrt(xx - mx * mx), sy = std::sqrt(yy - my * my);
+  const float covariance = xy - mx * my;
+  const float luminance = (2 * mx * my + math::kSsimC1) / (mx * mx + my * my + math::kSsimC1);
+  const float contrast = (2 * sx * sy + math::kSsimC2) / (sx * sx + sy * sy + math::kSsimC2);
+  const float structure = (covariance + math::kSsimC2 / 2) / (sx * sy + math::kSsimC2 / 2);
+  return luminance * contrast * structure;
+}
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
 // A way in which splatting is known to fail, measured: what the naive form makes of it beside what
 // ours does, and the bound that a test holds ours to.
 //
-// SplatStability() (apps/study/stability/stability.h) and its like for avatars make the cases;
+// SplatStability() (apps/study/stability/cases.h) and its like for avatars make the cases;
 // tests/*/stability_test.cpp hold them to their bounds, `cosplat study --stability` shows them.
 #pragma once
 

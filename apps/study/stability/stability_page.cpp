@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "apps/cosplat/run/data_uri.h"
 #include "apps/study/charts/chart_scale.h"
@@ -57,27 +56,19 @@ std::string BoundText(const StabilityCase& s) {
   return std::string(s.at_least ? "at least " : "at most ") + WithUnit(s.bound, s.unit);
 }
 
-std::string PictureHtml(const Image8& picture,
-                        const std::string& about,
-                        const std::string& scratch) {
+std::string PictureHtml(const Image8& picture, const std::string& about) {
   if (picture.empty()) return "";
-  WriteImage(scratch, picture);
-  const std::string uri = DataUri("image/png", ReadFile(scratch));
-  std::filesystem::remove(scratch);
   // Small ones larger, but by whole pixels.
   const int times = std::max(1, 320 / std::max(picture.width, picture.height));
   return "<img width=\"" + std::to_string(times * picture.width) + "\" height=\"" +
          std::to_string(times * picture.height) + "\" alt=\"" + EscapeXml(about) + "\" src=\"" +
-         uri + "\"/>";
+         ImageUri(picture, ".png") + "\"/>";
 }
 
-std::string FormHtml(const StabilityCase& s,
-                     const StabilityForm& form,
-                     const char* style,
-                     const std::string& scratch) {
+std::string FormHtml(const StabilityCase& s, const StabilityForm& form, const char* style) {
   return std::string("<div class=\"form ") + style + "\"><span>" + EscapeXml(form.name) +
          "</span><b>" + EscapeXml(WithUnit(form.value, s.unit)) + "</b>" +
-         PictureHtml(form.picture, s.title + ": " + form.name, scratch) + "</div>\n";
+         PictureHtml(form.picture, s.title + ": " + form.name) + "</div>\n";
 }
 
 Chart ChartOf(const StabilityCase& s) {
@@ -93,12 +84,12 @@ Chart ChartOf(const StabilityCase& s) {
   return chart;
 }
 
-std::string CaseHtml(const StabilityCase& s, const std::string& scratch) {
+std::string CaseHtml(const StabilityCase& s) {
   const bool holds = IsWithinBound(s, s.ours.value);
   std::string html = "<section id=\"" + EscapeXml(s.key) + "\"><h2>" + EscapeXml(s.title) +
                      "</h2><p>" + EscapeXml(s.what) + "</p><p class=\"quantity\">" +
                      EscapeXml(s.quantity) + "</p><div class=\"forms\">" +
-                     FormHtml(s, s.naive, "naive", scratch) + FormHtml(s, s.ours, "ours", scratch) +
+                     FormHtml(s, s.naive, "naive") + FormHtml(s, s.ours, "ours") +
                      "</div><p class=\"bound\">A test holds ours to " + EscapeXml(BoundText(s)) +
                      (holds ? "" : "; it is not kept here") + ".</p>";
   if (!s.chart.curves.empty()) html += ToSvg(ChartOf(s));
@@ -155,7 +146,7 @@ Chart FormsChart(const std::vector<BasisForm>& forms) {
   return chart;
 }
 
-std::string StabilityHtml(const StabilityResults& results, const std::string& scratch) {
+std::string StabilityHtml(const StabilityResults& results) {
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Where splatting "
       "fails</title>" +
@@ -170,7 +161,7 @@ std::string StabilityHtml(const StabilityResults& results, const std::string& sc
       ". Lower is more accurate, further left is faster. Behind the plane u_x = 0, arctan(y/x) is "
       "another function.</p>" +
       ToSvg(FormsChart(results.forms)) + "</section>\n";
-  for (const StabilityCase& s : results.cases) html += CaseHtml(s, scratch);
+  for (const StabilityCase& s : results.cases) html += CaseHtml(s);
   return html + "</html>\n";
 }
 

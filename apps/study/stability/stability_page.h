@@ -20,8 +20,8 @@ struct StabilityResults {
 // Error against time, a curve per form, a point per degree.
 Chart FormsChart(const std::vector<BasisForm>& forms);
 
-// Self-contained. `scratch`: a file name that ends in .png, for pictures on their way into it.
-std::string StabilityHtml(const StabilityResults& results, const std::string& scratch);
+// Self-contained.
+std::string StabilityHtml(const StabilityResults& results);
 
 // Values that are infinite or not a number are null.
 nlohmann::ordered_json StabilityJson(const StabilityResults& results);

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "apps/study/stability/cases.h"
-#include "apps/study/stability/naive_ssim.h"
+#include "apps/study/stability/naive_render.h"
 #include "apps/study/stability/picture.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/base/error.h"

@@ -4,12 +4,14 @@
 #include "avatar/surface/kernels/place.h"
 #include "avatar/surface/kernels/surface.h"
 #include "avatar/surface/kernels/walk.h"
+#include "flame/kernels/pose.h"
 #include "splat/device/cuda/kernels.cuh"
 #include "splat/device/gather.h"
 
 namespace cosplat::cuda {
 
-void ProvideSurfaceKernels() {
+void ProvideAvatarKernels() {
+  Provide<flame_math::BlendShapesKernel<float>, flame_math::SkinKernel<float>>();
   ProvideRows<PoseFacesKernel,
               PoseVerticesKernel,
               VerticesVjpKernel,

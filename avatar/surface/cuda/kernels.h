@@ -2,7 +2,8 @@
 
 namespace cosplat::cuda {
 
-// Lets devices run the kernels of avatar/surface/kernels/.
-void ProvideSurfaceKernels();
+// Lets devices run the kernels of flame/kernels/ and avatar/surface/kernels/: they pose the mesh
+// and what is embedded in it.
+void ProvideAvatarKernels();
 
 }  // namespace cosplat::cuda

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include "splat/device/cuda/device.h"
+
 namespace cosplat::cuda {
 namespace {
 
@@ -106,5 +108,16 @@ void CudaStream::FillWithZeros(void* data, size_t bytes) {
 }
 
 void CudaStream::Wait() { Check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
+
+std::optional<DeviceInfo> FindDevice() {
+  int count = 0;
+  if (cudaGetDeviceCount(&count) != cudaSuccess || count == 0) {
+    cudaGetLastError();  // no driver is no error of whoever asks
+    return std::nullopt;
+  }
+  cudaDeviceProp p{};
+  Check(cudaGetDeviceProperties(&p, 0), "cudaGetDeviceProperties");
+  return DeviceInfo{p.name, p.major, p.minor, p.multiProcessorCount, p.totalGlobalMem};
+}
 
 }  // namespace cosplat::cuda

@@ -1,13 +1,23 @@
 // Streams and events of a CUDA device, which are given back by themselves.
 #pragma once
 
+#include <cuda_runtime.h>
+
 #include <array>
 #include <memory>
+#include <string>
 
+#include "splat/base/error.h"
 #include "splat/device/buffer.h"
-#include "splat/device/cuda/check.h"
 
 namespace cosplat::cuda {
+
+// Every call of the CUDA runtime goes through this. Throws Error naming the call and the reason.
+inline void Check(cudaError_t error, const char* call) {
+  if (error == cudaSuccess) return;
+  cudaGetLastError();  // so that the next call is not blamed for this one
+  throw Error("CUDA", std::string(call) + ": " + cudaGetErrorString(error));
+}
 
 // A moment in a stream.
 class Event {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "splat/config.h"
+#include "splat/render/contribution.h"
 #include "splat/render/cpu/tile_lists.h"
 
 namespace cosplat {
@@ -26,5 +27,12 @@ uint32_t BlendTileForward(const TileJob& job);
 // d_color: [3, height, width]. Writes records[entry.record] for each of the job's entries (the
 // caller passes only those that the forward pass looked at).
 void BlendTileBackward(const TileJob& job, const float* d_color, SplatGradient* records);
+
+// What each splat of a tile contributes to its pixels: the scores of pruning
+// (splat/train/importance.h).
+
+// Writes records[entry.record] for each of the job's entries (the caller passes only those that the
+// forward pass looked at; job.color must be what it wrote).
+void SumContributions(const TileJob& job, Contribution* records);
 
 }  // namespace cosplat

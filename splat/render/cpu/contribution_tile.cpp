@@ -1,6 +1,6 @@
-#include "splat/render/cpu/contribution_tile.h"
-
 #include <algorithm>
+
+#include "splat/render/cpu/blend_tile.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/render/cpu/contribution_tile.cpp"

@@ -5,9 +5,7 @@
 
 #include "splat/config.h"
 #include "splat/render/cpu/blend_tile.h"
-#include "splat/render/cpu/contribution_tile.h"
 #include "splat/render/cpu/launch.h"
-#include "splat/render/kernels/view_parameters.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "splat/device/buffer.h"
-#include "splat/device/memory_part.h"
 #include "splat/render/kernels/projected_splat.h"
 
 namespace cosplat {

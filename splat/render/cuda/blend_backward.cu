@@ -1,5 +1,5 @@
-#include "splat/render/cuda/blend.h"
 #include "splat/render/cuda/bucket_walk.cuh"
+#include "splat/render/cuda/tape.h"
 
 namespace cosplat::cuda {
 namespace {

@@ -1,5 +1,5 @@
 #include "splat/render/cuda/blend.cuh"
-#include "splat/render/cuda/blend.h"
+#include "splat/render/cuda/tape.h"
 #include "splat/render/kernels/tile_range.h"
 
 namespace cosplat::cuda {

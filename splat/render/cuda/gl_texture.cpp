@@ -1,10 +1,9 @@
-#include "splat/render/cuda/gl_texture.h"
-
 #include <cuda_gl_interop.h>
 
 #include <algorithm>
 
 #include "splat/device/cuda/stream.h"
+#include "splat/render/device_texture.h"
 
 namespace cosplat::cuda {
 namespace {

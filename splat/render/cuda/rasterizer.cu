@@ -1,9 +1,11 @@
 #include "splat/basis_constants.h"
+#include "splat/device/cuda/kernels.cuh"
 #include "splat/device/cuda/launch.cuh"
-#include "splat/render/cuda/blend.h"
 #include "splat/render/cuda/rasterizer.h"
+#include "splat/render/cuda/tape.h"
+#include "splat/render/kernels/pixel_bytes.h"
 #include "splat/render/kernels/project.h"
-#include "splat/render/kernels/view_parameters.h"
+#include "splat/render/rasterizer.h"
 
 namespace cosplat::cuda {
 namespace {
@@ -111,6 +113,12 @@ void CudaRasterizer::AddForwardTimes() {
 
 void CudaRasterizer::AddBackwardTimes() {
   times.seconds[size_t(Phase::kBackward)] += 1e-3 * MillisecondsBetween(kBackStart, kBack);
+}
+
+void ProvideRenderKernels() {
+  Provide<WritePixel<AlphaMode::kStraight>,
+          WritePixel<AlphaMode::kPremultiplied>,
+          WritePixel<AlphaMode::kOpaque>>();
 }
 
 }  // namespace cosplat::cuda

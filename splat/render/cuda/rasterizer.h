@@ -50,4 +50,7 @@ class CudaRasterizer : public Rasterizer {
   Buffer<float> basis_constants_;  // [bases, kMaxCoefficients]
 };
 
+// Lets devices run the kernels of splat/render/kernels/ that ForEach launches.
+void ProvideRenderKernels();
+
 }  // namespace cosplat::cuda

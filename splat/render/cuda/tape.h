@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "splat/device/memory_part.h"
+#include "splat/device/buffer.h"
 #include "splat/render/contribution.h"
 #include "splat/render/cuda/tile_lists.h"
 #include "splat/render/kernels/world_gaussians.h"
@@ -41,5 +41,22 @@ struct CudaTape : RenderTape {
   Buffer<SplatGradient> d_splats;       // [count]
   Buffer<Contribution> contributions;   // [capacity]; only once they were asked for
 };
+
+// A tile's instances, front to back -> image, and back: a block per tile, or a warp per bucket.
+
+// Draws tape.lists into the image; with tape.kept also what BlendBackward needs.
+void BlendForward(CudaTape& tape, RenderedImage& image, Stream& stream);
+
+// Fills tape.d_splats, 0 where nothing was drawn. d_color: [3, height, width] on the device.
+void BlendBackward(CudaTape& tape,
+                   const RenderedImage& image,
+                   const float* d_color,
+                   Stream& stream);
+
+// contributions: [count] on the device, overwritten. In a fixed order.
+void SumContributions(CudaTape& tape,
+                      const RenderedImage& image,
+                      Contribution* contributions,
+                      Stream& stream);
 
 }  // namespace cosplat::cuda

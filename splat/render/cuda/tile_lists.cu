@@ -2,9 +2,9 @@
 #include <bit>
 #include <string>
 
+#include "splat/device/buffer.h"
 #include "splat/device/cuda/launch.cuh"
 #include "splat/device/gather.h"
-#include "splat/device/memory_part.h"
 #include "splat/render/cuda/tile_lists.h"
 #include "splat/render/kernels/tile_range.h"
 

@@ -5,9 +5,15 @@
 #include <cstdint>
 
 #include "splat/math/scalar.h"
-#include "splat/render/alpha_mode.h"
 
 namespace cosplat {
+
+// What the fourth byte of a pixel says.
+enum class AlphaMode {
+  kStraight,       // colour not multiplied by alpha; of a picture over black
+  kPremultiplied,  // colour <= alpha; of a picture over black
+  kOpaque          // alpha 255, the colour as it is; of a picture over its background
+};
 
 // As textures and image files have them.
 struct alignas(4) PixelBytes {

@@ -9,7 +9,6 @@
 #include <hwy/highway.h>
 
 #include "splat/math/photometric.h"
-#include "splat/math/target.h"
 #include "splat/train/cpu/ssim_window.h"
 
 COSPLAT_MATH_BEGIN

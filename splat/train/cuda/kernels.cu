@@ -1,6 +1,6 @@
 #include "splat/device/cuda/kernels.cuh"
 #include "splat/device/gather.h"
-#include "splat/train/cuda/kernels.h"
+#include "splat/train/cuda/step.h"
 #include "splat/train/kernels/adam.h"
 #include "splat/train/kernels/control.h"
 #include "splat/train/kernels/prune_mask.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "splat/device/cuda/launch.cuh"
+#include "splat/math/photometric.h"
 #include "splat/math/ssim.h"
-#include "splat/math/target.h"
 
 namespace cosplat::cuda {
 

@@ -1,5 +1,3 @@
-#include "avatar/live/drive_address.h"
-
 #include <gtest/gtest.h>
 
 #include "avatar/live/packet_input.h"

@@ -1,5 +1,3 @@
-#include "avatar/live/json_source.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "avatar/live/json_frame.h"
+#include "avatar/live/packet_input.h"
 #include "avatar/live/sender_clock.h"
 #include "avatar/live/udp_socket.h"
 #include "splat/base/error.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "avatar/math/ease.h"
+#include "avatar/math/one_euro.h"
 
 namespace cosplat {
 namespace {

@@ -1,10 +1,9 @@
-#include "avatar/live/vmc_source.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "avatar/live/packet_input.h"
 #include "avatar/live/udp_socket.h"
 #include "splat/base/npz.h"
 #include "tests/avatar/live/osc_builder.h"

@@ -1,3 +1,27 @@
+// What both layouts of splat PLY files share: the colour bands' properties and the degree.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "splat/gaussians.h"
+#include "splat/io/ply_reader.h"
+
+namespace cosplat {
+
+// A property of the file and where it lives in Gaussians.
+struct PlyColumn {
+  std::string name;
+  Attribute attribute;
+  int component;
+};
+
+// f_rest_*, channel-major, of so many coefficients per channel.
+std::vector<PlyColumn> RestColumns(int coefficients);
+
+// From the number of f_rest_* of the element that is being read; Error when no degree has so many.
+int DegreeOf(const PlyReader& reader);
+
 // PlayCanvas' compressed layout of splats (SuperSplat, splat-transform), part of ReadPly.
 //
 // element chunk, one per 256 vertices: floats min_x .. max_z, min_scale_x .. max_scale_z (log) and,
@@ -8,12 +32,6 @@
 //   packed_rotation                 2 bits, which of w, x, y, z is the largest; 10 bits of each of
 //                                   the others in this order, -1/sqrt2 .. 1/sqrt2
 // element sh, optional: uchar f_rest_*, channel-major, each a 256th of -4 .. 4.
-#pragma once
-
-#include "splat/gaussians.h"
-#include "splat/io/ply_reader.h"
-
-namespace cosplat {
 
 // By the header: whether vertices have a packed property.
 bool IsCompressed(const PlyReader& reader);

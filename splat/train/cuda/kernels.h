@@ -1,8 +1,0 @@
-#pragma once
-
-namespace cosplat::cuda {
-
-// Lets devices run the kernels of splat/train/kernels/.
-void ProvideTrainKernels();
-
-}  // namespace cosplat::cuda
