@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -108,7 +108,7 @@ void AddTrainScene(CLI::App& app) {
           "default: in proportion to --iterations, better and faster; 3dgs: as its code does")
       ->check(CLI::IsMember({"default", "3dgs"}));
   command
-      ->add_option("--random_points",
+      ->add_option("--random-points,--random_points",
                    options->random_points,
                    "where the data has no points, begin at so many random ones; 0: as the preset "
                    "says, by default where the photographs agree, 3dgs: 100,000")

@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "apps/cosplat/commands.h"
 #include "splat/base/error.h"
@@ -15,9 +16,23 @@ namespace {
 
 constexpr int kBadInput = 2;
 
+// Shows each option by its first names: an earlier spelling is accepted, but not listed.
+class Formatter : public CLI::Formatter {
+ public:
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    if (positional) return option->get_name(true, false);
+    const std::vector<std::string>& shorts = option->get_snames();
+    const std::vector<std::string>& longs = option->get_lnames();
+    std::string name = shorts.empty() ? "" : "-" + shorts[0];
+    if (!longs.empty()) name += (name.empty() ? "--" : ",--") + longs[0];
+    return name;
+  }
+};
+
 int Run(int argc, char** argv) {
   CLI::App app("Direction-cosine splats: head avatars from tracked video, scenes from photographs.",
                "cosplat");
+  app.formatter(std::make_shared<Formatter>());
   app.option_defaults()->always_capture_default();  // so that config.ini is complete
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);

@@ -12,6 +12,8 @@
 
 #include "assets/head/mesh.h"
 #include "flame/model.h"
+#include "splat/base/camera.h"
+#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -49,5 +51,11 @@ struct ProceduralHead {
 
 ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
+
+// One frame as RGBA with straight alpha. `vertices` [V, 3] as FlamePoser gives them for `params`.
+Image8 RenderProceduralHead(const ProceduralHead& head,
+                            const std::vector<float>& vertices,
+                            const FlameParams& params,
+                            const Camera& camera);
 
 }  // namespace cosplat

@@ -20,12 +20,6 @@ struct MakeHeadOptions {
   unsigned seed = 0;     // of the script of motion
 };
 
-// One frame as RGBA with straight alpha. `vertices` [V, 3] as FlamePoser gives them for `params`.
-Image8 RenderProceduralHead(const ProceduralHead& head,
-                            const std::vector<float>& vertices,
-                            const FlameParams& params,
-                            const Camera& camera);
-
 // Writes IMavatar's layout into `folder` (made if need be): flame_params.json, image/N.png (RGBA),
 // mask/N.png, and the model beside them as model.npz. flame_params.json comes last: a folder that
 // was interrupted is not taken for a video. `progress`, if given, is called after each frame with

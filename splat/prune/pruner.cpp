@@ -65,7 +65,7 @@ std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
   if (s.target > 0 && !ranks)
     throw Error("--prune-to " + std::to_string(s.target), name + " keeps to no count");
   if (s.mask_weight > 0 && !LearnsMask(s.rule))
-    throw Error("--prune_lambda", name + " learns no mask");
+    throw Error("--prune-lambda", name + " learns no mask");
   switch (s.rule) {
     case PruneRule::kNone:
       return nullptr;

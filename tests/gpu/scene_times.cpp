@@ -21,7 +21,7 @@ constexpr int kTellEvery = 1000;
 
 struct Options {
   std::string file, out;
-  TrainChoices choices;
+  TrainOptions choices;
 };
 
 struct Result {
@@ -68,7 +68,7 @@ Image8 BytesOf(const Buffer<float>& planar, const Camera& camera) {
   return ToBytes(image.ToImage());
 }
 
-void Evaluate(const TrainChoices& o,
+void Evaluate(const TrainOptions& o,
               const std::vector<TrainFrame>& test,
               const Trainer& trainer,
               Result& result) {
@@ -89,7 +89,7 @@ void Evaluate(const TrainChoices& o,
   result.views = test.size();
 }
 
-Result Train(TrainChoices o, TrainingScene scene) {
+Result Train(TrainOptions o, TrainingScene scene) {
   const size_t free_before = cuda::FreeMemory();
   SceneStart start = StartScene(0, o, scene);
   SceneSubject subject(std::move(scene.train), scene.extent);

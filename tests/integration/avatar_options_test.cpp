@@ -1,4 +1,4 @@
-// apps/cosplat/options/avatar_options.h and train_choices.h: what each preset settles, and that
+// apps/cosplat/options/avatar_options.h and train_options.h: what each preset settles, and that
 // what is given counts more.
 #include "apps/cosplat/options/avatar_options.h"
 
@@ -116,13 +116,13 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
                                        "3",
                                        "--basis",
                                        "dcsh",
-                                       "--color_frame",
+                                       "--color-frame",
                                        "surface",
                                        "--bust",
                                        "yes",
                                        "--gaussians",
                                        "5000",
-                                       "--triangle_cap",
+                                       "--triangle-cap",
                                        "64",
                                        "--prune",
                                        "dcsharp",
@@ -164,9 +164,37 @@ TEST(AvatarPreset, TheConfigurationHoldsWhatWasSettled) {
   for (const char* line : {"train-avatar.preset=\"splatting-avatar\"",
                            "train-avatar.sh_degree=0",
                            "train-avatar.basis=\"sh\"",
-                           "train-avatar.color_frame=\"world\"",
+                           "train-avatar.color-frame=\"world\"",
                            "train-avatar.bust=\"yes\"",
-                           "train-avatar.triangle_cap=0"})
+                           "train-avatar.triangle-cap=0"})
+    EXPECT_TRUE(p.ConfigHas(line)) << line << " is not in\n" << p.config;
+}
+
+TEST(AvatarOptions, EarlierSpellingsAreAccepted) {
+  const Parsed p({"--max_gaussians",
+                  "77",
+                  "--prune_lambda",
+                  "0.5",
+                  "--drop_bands",
+                  "2",
+                  "--num_downscales",
+                  "3",
+                  "--resolution_schedule",
+                  "9",
+                  "--rest_lr",
+                  "0.25",
+                  "--triangle_cap",
+                  "5",
+                  "--color_frame",
+                  "world"});
+  for (const char* line : {"train-avatar.max-gaussians=77",
+                           "train-avatar.prune-lambda=0.5",
+                           "train-avatar.drop-bands=2",
+                           "train-avatar.num-downscales=3",
+                           "train-avatar.resolution-schedule=9",
+                           "train-avatar.rest-lr=0.25",
+                           "train-avatar.triangle-cap=5",
+                           "train-avatar.color-frame=\"world\""})
     EXPECT_TRUE(p.ConfigHas(line)) << line << " is not in\n" << p.config;
 }
 
@@ -180,7 +208,7 @@ TEST(AvatarPreset, OthersAreRefused) {
 
 // docs/reference.md says what each is worth.
 TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
-  TrainChoices o;
+  TrainOptions o;
   const TrainSettings ours = o.ToSettings(1);
   EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
   EXPECT_TRUE(ours.density.shares_opacity);
@@ -199,7 +227,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
 }
 
 TEST(ScenePreset, The3dgsOneIs3dgs) {
-  TrainChoices o;
+  TrainOptions o;
   o.preset = "3dgs";
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);

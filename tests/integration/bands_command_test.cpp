@@ -1,4 +1,4 @@
-// --drop_bands from end to end: what is said of it, and that files hold what was trained.
+// --drop-bands from end to end: what is said of it, and that files hold what was trained.
 #include <gtest/gtest.h>
 
 #include "tests/integration/command.h"
@@ -17,7 +17,7 @@ class BandsCommand : public testing::Test {
             "--iterations",
             "60",
             "--eval",
-            "--random_points",
+            "--random-points",
             "300"};
   }
   std::vector<std::string> Avatar(const std::string& out) const {
@@ -35,7 +35,7 @@ class BandsCommand : public testing::Test {
             "--eval"};
   }
   static CommandResult With(std::vector<std::string> arguments, const std::string& levels) {
-    arguments.insert(arguments.end(), {"--drop_bands", levels});
+    arguments.insert(arguments.end(), {"--drop-bands", levels});
     return Cosplat(arguments);
   }
   const TemporaryFolder folder_;
@@ -100,7 +100,7 @@ TEST_F(BandsCommand, WhatIsNoThresholdIsRefused) {
   for (const char* bad : {"-1", "nan", "some"}) {
     const CommandResult trained = With(Scene("scene"), bad);
     EXPECT_NE(trained.code, 0);
-    EXPECT_NE(trained.err.find("--drop_bands"), std::string::npos) << trained.err;
+    EXPECT_NE(trained.err.find("--drop-bands"), std::string::npos) << trained.err;
   }
 }
 

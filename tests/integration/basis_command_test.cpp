@@ -1,4 +1,4 @@
-// --basis and --rest_lr from end to end; runs whose colours no file can hold.
+// --basis and --rest-lr from end to end; runs whose colours no file can hold.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ double Psnr(const std::string& folder) {
 
 TEST_F(BasisCommand, TheRestRateMakesShTrainAsDcshDoes) {
   ASSERT_EQ(TrainScene("dcsh", {"--quiet"}).code, 0);
-  ASSERT_EQ(TrainScene("fast_sh", {"--basis", "sh", "--rest_lr", "4.431e-4", "--quiet"}).code, 0);
+  ASSERT_EQ(TrainScene("fast_sh", {"--basis", "sh", "--rest-lr", "4.431e-4", "--quiet"}).code, 0);
   ASSERT_EQ(TrainScene("sh", {"--basis", "sh", "--quiet"}).code, 0);
   // Measured: the same six digits, and 0.005 dB apart.
   const double dcsh = Psnr(folder_ / "dcsh");

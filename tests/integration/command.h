@@ -111,7 +111,7 @@ struct Workshop {
                             "60",
                             "--gaussians",
                             "1500",
-                            "--max_gaussians",
+                            "--max-gaussians",
                             "2500",
                             "--eval",
                             "--quiet",
@@ -128,7 +128,7 @@ struct Workshop {
                             "120",
                             "--eval",
                             "--quiet",
-                            "--random_points",
+                            "--random-points",
                             "600"}));
   }
   static const Workshop& Get() {
@@ -144,7 +144,7 @@ inline CommandResult TrainMadeScene(const std::string& out,
                                     const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"train-scene", "-s", Workshop::Get().photos, "-m", out};
   arguments.insert(arguments.end(), {"--iterations", std::to_string(iterations), "--eval"});
-  arguments.insert(arguments.end(), {"--random_points", std::to_string(points)});
+  arguments.insert(arguments.end(), {"--random-points", std::to_string(points)});
   arguments.insert(arguments.end(), more.begin(), more.end());
   return Cosplat(arguments);
 }

@@ -188,7 +188,7 @@ BothBases TrainBoth(float eps, float ratio, float dcsh_rest, float sh_rest) {
   return both;
 }
 
-// What docs/dcsh.md tells users to give for --rest_lr.
+// What docs/dcsh.md tells users to give for --rest-lr.
 TEST(DcshIsSh, TheRestRatesThatMakeThemAlike) {
   LearningRates rates;
   EXPECT_FLOAT_EQ(rates.RestRate(), 2.5e-3f / 20);

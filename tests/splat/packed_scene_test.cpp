@@ -110,7 +110,7 @@ TEST(PackedScene, TrainsAsFromItsFolder) {
   ASSERT_EQ(loaded.test.size(), 1u);
   std::vector<Gaussians> ends;
   for (TrainingScene scene : {loaded, Unpacked(Packed(loaded))}) {
-    TrainChoices choices;
+    TrainOptions choices;
     choices.iterations = 40;
     SceneStart start = StartScene(200, choices, scene);
     EXPECT_EQ(start.settings.background, Background::kWhite);

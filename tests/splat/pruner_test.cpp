@@ -68,7 +68,7 @@ TEST(Pruner, SettingsThatDoNotFitTheRuleAreErrors) {
   ExpectError([&] { make(Rule(PruneRule::kNone, 50)); }, {"--prune-to 50", "none"});
   PruneSettings opacity = Rule(PruneRule::kOpacity);
   opacity.mask_weight = 1;
-  ExpectError([&] { make(opacity); }, {"--prune_lambda", "opacity"});
+  ExpectError([&] { make(opacity); }, {"--prune-lambda", "opacity"});
   EXPECT_EQ(MakePruner({}, Every20(), 300, 10), nullptr);
 }
 

@@ -24,7 +24,7 @@ struct StudyFolder {
     const Json balls{{"name", "balls"},
                      {"kind", "scene"},
                      {"source", "balls"},
-                     {"arguments", {"--random_points", "200"}},
+                     {"arguments", {"--random-points", "200"}},
                      {"seeds", {0, 1}}};
     const Json head{{"name", "head"},
                     {"kind", "avatar"},
@@ -172,7 +172,7 @@ TEST(Study, GoesOnAfterARunThatFails) {
                   {"runs",
                    {{{"name", "bad"}, {"arguments", {"--basis", "none"}}},
                     {{"name", "good"},
-                     {"arguments", {"--eval", "--iterations", "5", "--random_points", "50"}}}}}};
+                     {"arguments", {"--eval", "--iterations", "5", "--random-points", "50"}}}}}};
   std::ofstream(folder / "list.json") << list;
   const CommandResult result =
       Cosplat({"study", "--list", folder / "list.json", "--data", made.data, "-o", folder / "out"});
@@ -227,7 +227,7 @@ TEST(Study, PeakMemoryIsTheRunsOwn) {
                                         folder / "model",
                                         "--iterations",
                                         "2",
-                                        "--random_points",
+                                        "--random-points",
                                         "50",
                                         "--quiet"});
   EXPECT_EQ(result.code, 0) << result.err;

@@ -41,7 +41,7 @@ class StudyListTest : public testing::Test {
       {"name": "dcsh", "label": "DCSH", "groups": ["bases", "pruning"], "minus": ["sh"]},
       {"name": "sh", "arguments": ["--basis", "sh"]},
       {"name": "speedy", "arguments": ["--prune-to", "{count}"], "data": ["fox"], "seeds": [0]},
-      {"name": "lp", "arguments": ["--prune_lambda", "{value}"], "values": [5e-4, 2],
+      {"name": "lp", "arguments": ["--prune-lambda", "{value}"], "values": [5e-4, 2],
        "data": ["head"]}]})";
   const TemporaryFolder folder_;
 };
@@ -69,7 +69,7 @@ TEST_F(StudyListTest, CommandsHoldOnAnyMachine) {
             "--test_iterations 10 --save_iterations 10");
   EXPECT_EQ(runs[6].Command(),
             "cosplat make-head -o head --size 64 && cosplat train-avatar -s head --flame "
-            "head/model.npz -m MODEL --eval --prune_lambda 0.0005 --seed 3");
+            "head/model.npz -m MODEL --eval --prune-lambda 0.0005 --seed 3");
   EXPECT_EQ(runs[0].TrainArguments("data/", "out/", "m")[2], "data/a fox");
   EXPECT_EQ(runs[6].TrainArguments("data/", "out/", "m")[2], "out/head");
   EXPECT_EQ(runs[0].label, "DCSH");

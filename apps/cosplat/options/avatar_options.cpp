@@ -14,9 +14,9 @@ const std::vector<std::pair<std::string, std::string>>& SplattingAvatarValues() 
       {"--gaussians", "10000"},
       {"--sh_degree", "0"},
       {"--basis", "sh"},
-      {"--color_frame", "world"},
+      {"--color-frame", "world"},
       {"--bust", "no"},
-      {"--triangle_cap", "0"},
+      {"--triangle-cap", "0"},
       {"--prune", "none"},
       {"--lambda_dssim", "0"},
       {"--densify_grad_threshold", "0.0002"},
@@ -61,10 +61,13 @@ void AvatarOptions::Declare(CLI::App& command) {
       ->check(CLI::Range(-1, 1000000000));
   command.add_option("--gaussians", avatar.initial_gaussians, "Gaussians to start with")
       ->check(CLI::Range(size_t(1), kMaxGaussians));
-  command.add_option("--triangle_cap", triangle_cap, "most Gaussians on one triangle; 0: no limit")
+  command
+      .add_option("--triangle-cap,--triangle_cap",
+                  triangle_cap,
+                  "most Gaussians on one triangle; 0: no limit")
       ->check(CLI::Range(0, 1000000000));
   command
-      .add_option("--color_frame",
+      .add_option("--color-frame,--color_frame",
                   color_frame,
                   "surface: colours see the direction in the skin's frame; world: in the world's")
       ->check(CLI::IsMember({"surface", "world"}));

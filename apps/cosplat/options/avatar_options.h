@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "avatar/train/trainer.h"
 
 namespace cosplat {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "flame/track.h"
 #include "splat/base/json.h"
 #include "splat/io/dataset.h"

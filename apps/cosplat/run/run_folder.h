@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "splat/base/json.h"
 #include "splat/io/dataset.h"
 

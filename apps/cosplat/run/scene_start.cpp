@@ -9,7 +9,7 @@ constexpr size_t kSweepRays = 40000;
 constexpr size_t kRandomPoints = 100000;  // 3DGS
 
 // Returns whether some are random.
-bool FindPoints(size_t random_points, const TrainChoices& o, TrainingScene& scene) {
+bool FindPoints(size_t random_points, const TrainOptions& o, TrainingScene& scene) {
   Rng rng{o.seed};
   if (random_points == 0 && o.preset == "default")
     SweepPoints(scene.train, kSweepRays, rng, scene.points, scene.point_colors);
@@ -24,7 +24,7 @@ bool FindPoints(size_t random_points, const TrainChoices& o, TrainingScene& scen
 
 }  // namespace
 
-SceneStart StartScene(size_t random_points, TrainChoices& o, TrainingScene& scene) {
+SceneStart StartScene(size_t random_points, TrainOptions& o, TrainingScene& scene) {
   o.ResolveBackground(scene.white_background_hint ? "white" : "black");
   const bool random = scene.points.empty() && FindPoints(random_points, o, scene);
   LimitPoints(o.max_gaussians, scene.points, scene.point_colors);

@@ -2,7 +2,7 @@
 // device begins with the same (tests/gpu).
 #pragma once
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "splat/train/scene_subject.h"
 
 namespace cosplat {
@@ -16,6 +16,6 @@ struct SceneStart {
 // the choices allow. Where it has none, they are `random_points` random ones or, where that is 0,
 // as the preset says: found in the photographs (splat/train/initialize.h), or 3DGS's 100,000 random
 // ones.
-SceneStart StartScene(size_t random_points, TrainChoices& choices, TrainingScene& scene);
+SceneStart StartScene(size_t random_points, TrainOptions& choices, TrainingScene& scene);
 
 }  // namespace cosplat

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "splat/base/skipped.h"
 #include "splat/train/trainer.h"
 

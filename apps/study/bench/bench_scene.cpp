@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/cosplat/options/train_choices.h"
+#include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/study/bench/half_adam.h"
 #include "assets/head/motion.h"

@@ -1,8 +1,9 @@
-// What both trainers can be told, without the command line that tells it: the benchmark of a device
-// trains by it, too (tests/gpu).
+// Options of both trainers, with the names and meanings of 3DGS's where it has them.
+//
+// train_options.cpp knows no command line: the benchmark of a device trains by it, too (tests/gpu).
+// train_options_cli.cpp declares them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <vector>
@@ -11,9 +12,16 @@
 #include "splat/train/step_engine.h"
 #include "splat/train/trainer.h"
 
+namespace CLI {
+class App;
+}
+
 namespace cosplat {
 
-struct TrainChoices {
+// Far more than any machine holds; more is a slip of the finger.
+constexpr size_t kMaxGaussians = 1000000000;
+
+struct TrainOptions {
   std::string source, model;
   int resolution = 1;
   bool eval = false;
@@ -45,6 +53,8 @@ struct TrainChoices {
   float scaling_lr = 0;         // 0: as the preset says
   bool quiet = false;
 
+  // Declares them on a sub-command; defaults are the values at the time of the call.
+  void Declare(CLI::App& command);
   // `extent`: world units that size limits scale with.
   TrainSettings ToSettings(float extent) const;
   // Settles --device; a rule of pruning that works on the processor alone settles "auto", too.
@@ -54,16 +64,6 @@ struct TrainChoices {
   // Behind held-out pictures: black where training has black, otherwise white.
   std::array<float, 3> EvaluationBackground() const;
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
-};
-
-// Options that both trainers share: the names and meanings of 3DGS's where it has them.
-
-// Far more than any machine holds; more is a slip of the finger.
-constexpr size_t kMaxGaussians = 1000000000;
-
-struct TrainOptions : TrainChoices {
-  // Declares them on a sub-command; defaults are the values at the time of the call.
-  void Declare(CLI::App& command);
 };
 
 // All options of a sub-command with their values, as `--config` reads them.
