@@ -30,12 +30,12 @@ std::string FinishTrackedFrame(const Camera& lens,
                                const TrackRequest& request,
                                TrackedFrame& frame) {
   ImageInfo info{lens.width, lens.height, 0};
-  if (!frame.image_path.empty()) info = request.pictures->Info(frame.image_path);
+  if (!frame.image_path.empty()) info = request.images->Info(frame.image_path);
   if (ProportionsDiffer(info.width, info.height, lens.width, lens.height))
     return "image " + frame.image_path + " is " + SizeText(info.width, info.height) +
            ", its camera " + SizeText(lens.width, lens.height);
   if (!frame.mask_path.empty()) {
-    const ImageInfo mask = request.pictures->Info(frame.mask_path);
+    const ImageInfo mask = request.images->Info(frame.mask_path);
     if (mask.width != info.width || mask.height != info.height)
       return "mask " + frame.mask_path + " is " + SizeText(mask.width, mask.height) +
              ", its image " + SizeText(info.width, info.height);
@@ -76,7 +76,7 @@ void SplitLastFrames(int count, TrackedVideo& video) {
 
 // Trackers that hold the head in place write a camera of its own for every frame. Where those
 // cameras differ only in their translation, it is the head that moved before a camera standing
-// still: p_cam = R x + t_i = R (x + R^T (t_i - t_0)) + t_0. The pictures are the same; what does
+// still: p_cam = R x + t_i = R (x + R^T (t_i - t_0)) + t_0. The images are the same; what does
 // not move with the head (a bust, the light) then keeps its place in the world.
 void HoldCameraStill(TrackedVideo& video) {
   std::vector<TrackedFrame*> frames;
@@ -103,7 +103,7 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   TrackedVideo video;
   video.source = path;
   if (IsDrivingNpz(path)) {
-    if (request.pictures) throw Error(path, "has parameters but no images to train on");
+    if (request.images) throw Error(path, "has parameters but no images to train on");
     LoadDrivingNpz(path, video);
   } else if (IsImavatarTrack(path)) {
     LoadImavatarTrack(path, request, video);

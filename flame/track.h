@@ -28,7 +28,7 @@ struct TrackedFrame {
   Camera camera;         // at the size that LoadTrackedImage returns
   FlameParams params;    // shape and static_offset are left empty here: see TrackedVideo
   bool has_image = true;
-  std::shared_ptr<const Image8> picture;  // instead of a file, at the camera's size
+  std::shared_ptr<const Image8> image;  // instead of a file, at the camera's size
 };
 
 struct TrackedVideo {
@@ -64,7 +64,7 @@ TrackedVideo LoadDrivingSequence(const std::string& path);
 // They point into `video`.
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video);
 
-// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha. A picture in memory
+// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha. An image in memory
 // is returned as it is. Throws Error (naming the file) on a missing image or mask or one whose size
 // disagrees.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);

@@ -254,7 +254,7 @@ TEST(Layering, WhatIsWrittenForOneBackEndIsInTheTable) {
     if (path.find("/cuda/") != std::string::npos) EXPECT_EQ(there.count(path), 1u) << path;
 }
 
-// Types that are a device's own: the choice of one, what is known of it, pictures and textures that
+// Types that are a device's own: the choice of one, what is known of it, images and textures that
 // stay there.
 TEST(Layering, FewTypesAreADevices) {
   static const std::regex type("\\b(class|struct) (Device[A-Za-z]*)");

@@ -157,7 +157,7 @@ std::string BandsLine(const std::string& path) {
       line,
       sizeof line,
       "bands dropped: mean degree %.2f, %.0f %% of the coefficients from band 1 on; %+.2f "
-      "dB on training pictures at the time\n",
+      "dB on training images at the time\n",
       stats["mean_degree"].Number(),
       100 * stats["rest_saved"].Number(),
       stats["drop_psnr"].Number());
@@ -179,7 +179,7 @@ void RunInfo(const std::string& path) {
               results.c_str());
 }
 
-// At full size where there is one; some data sets come with reduced pictures only.
+// At full size where there is one; some data sets come with reduced images only.
 SceneData LoadLargest(const std::string& path) {
   int resolution = 1;
   if (!fs::exists(path + "/images"))

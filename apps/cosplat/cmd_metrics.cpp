@@ -1,4 +1,4 @@
-// cosplat metrics: PSNR, SSIM and LPIPS of a run's test pictures.
+// cosplat metrics: PSNR, SSIM and LPIPS of a run's test images.
 #include <cstdio>
 #include <memory>
 

@@ -49,7 +49,7 @@ std::string SourceOf(const RenderOptions& o, const JsonField& run) {
   return o.source.empty() ? run["source"].String() : o.source;
 }
 
-// Of the folder of pictures of other splats than the run's own.
+// Of the folder of images of other splats than the run's own.
 std::string SuffixOf(const RenderOptions& o) {
   return o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
 }

@@ -1,4 +1,4 @@
-// cosplat report: one self-contained HTML page about a run: pictures, a moving preview, figures.
+// cosplat report: one self-contained HTML page about a run: images, a moving preview, figures.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kPairs = 4;           // pictures beside their photographs
+constexpr size_t kPairs = 4;           // images beside their images
 constexpr size_t kPreviewFrames = 48;  // of the moving preview
 constexpr int kPreviewWidth = 320;     // px
 
-// A data URI of the picture as JPEG, at most `width` wide.
+// A data URI of the image as JPEG, at most `width` wide.
 std::string Embed(const std::string& path, int width) {
   Image8 image = ReadImage(path);
   if (image.width > width)
@@ -60,7 +60,7 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
     html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
   };
   const std::vector<std::array<const char*, 3>> figures{
-      {"PSNR", "PSNR, whole picture", "%.2f dB"},
+      {"PSNR", "PSNR, whole image", "%.2f dB"},
       {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
       {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
       {"PSNR_highlight", "PSNR of the brightest 2 %", "%.2f dB"},
@@ -130,8 +130,7 @@ std::string PairsHtml(const std::string& test, const std::vector<std::string>& n
   for (const std::string& name : Spread(names, kPairs))
     html += "<figure><img src='" + Embed(test + "/renders/" + name, 512) +
             "'><figcaption>rendered, " + name + "</figcaption></figure><figure><img src='" +
-            Embed(test + "/gt/" + name, 512) +
-            "'><figcaption>held-out picture</figcaption></figure>";
+            Embed(test + "/gt/" + name, 512) + "'><figcaption>held-out image</figcaption></figure>";
   return html + "</div>";
 }
 

@@ -75,8 +75,8 @@ void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
   WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
 }
 
-// Held-out pictures, loaded before training so that a broken one is found then. Frames whose
-// picture cannot be used go from the test frames to the skipped ones.
+// Held-out images, loaded before training so that a broken one is found then. Frames whose
+// image cannot be used go from the test frames to the skipped ones.
 std::vector<Image8> LoadTestImages(TrackedVideo& video) {
   std::vector<Image8> images;
   std::vector<TrackedFrame> usable;

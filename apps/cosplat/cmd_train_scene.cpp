@@ -1,4 +1,4 @@
-// cosplat train-scene: a static scene from photographs.
+// cosplat train-scene: a static scene from images.
 #include <cstdio>
 #include <memory>
 

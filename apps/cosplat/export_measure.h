@@ -30,7 +30,7 @@ TestViews ViewsOfAvatar(const AvatarModel& model,
 
 struct FileFigures {
   double mb = 0;              // of the file, 10^6 bytes
-  double psnr = 0, ssim = 0;  // means over the views, of pictures as bytes: as `metrics` has them
+  double psnr = 0, ssim = 0;  // means over the views, of images as bytes: as `metrics` has them
 };
 
 // `path`: the file whose size counts. `count_view` is called after each view.

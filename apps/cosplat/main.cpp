@@ -1,4 +1,4 @@
-// cosplat: head avatars from tracked video, static scenes from photographs.
+// cosplat: head avatars from tracked video, static scenes from images.
 #include <tbb/global_control.h>
 #include <unistd.h>
 

@@ -55,7 +55,7 @@ void Bench(const BenchCommand& o) {
   CheckWritable(o.out);
   OrderedJson head = MachineJson();
   std::vector<BenchSeries> series;
-  Image orbit_picture;
+  Image orbit_image;
   {
     constexpr int kParts = 6;
     ProgressBar bar("bench", kParts + orbit.has_value(), o.quiet);
@@ -77,10 +77,10 @@ void Bench(const BenchCommand& o) {
     if (orbit) {
       OrbitResult result = MeasureOrbit(run, *orbit);
       series.push_back(std::move(result.series));
-      orbit_picture = std::move(result.first);
+      orbit_image = std::move(result.first);
     }
   }
-  if (orbit) WriteImage(o.out + "/orbit.png", orbit_picture);
+  if (orbit) WriteImage(o.out + "/orbit.png", orbit_image);
   WriteBench(o.out, head, series);
   if (!o.quiet)
     std::printf(

@@ -1,4 +1,4 @@
-// Pictures and videos of what the viewer shows.
+// Images and videos of what the viewer shows.
 #pragma once
 
 #include <future>
@@ -11,7 +11,7 @@ namespace cosplat::viewer {
 // FOLDER/cosplat_DATE_TIME.EXTENSION by the local clock; with _2, _3, ... where that is taken.
 std::string CapturePath(const std::string& folder, const std::string& extension);
 
-// A video at 25 frames per second of pictures that come when they come: each is shown from its time
+// A video at 25 frames per second of images that come when they come: each is shown from its time
 // to the next one's. Encodes beside the caller.
 class VideoRecorder {
  public:
@@ -36,7 +36,7 @@ class VideoRecorder {
   std::string path_;
   int width_, height_, frames_ = 0;
   VideoWriter writer_;
-  std::future<void> writing_;  // of the last picture
+  std::future<void> writing_;  // of the last image
 };
 
 }  // namespace cosplat::viewer

@@ -1,4 +1,4 @@
-// Colours of counts: the same in the picture and in its legend.
+// Colours of counts: the same in the image and in its legend.
 #pragma once
 
 #include <array>

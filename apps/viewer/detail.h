@@ -8,7 +8,7 @@ namespace cosplat::viewer {
 
 class Detail {
  public:
-  // A picture with sides divided by `divisor` took so long.
+  // An image with sides divided by `divisor` took so long.
   void Drawn(int divisor, double milliseconds) {
     milliseconds_[divisor >= 4 ? 2 : divisor >= 2 ? 1 : 0] = milliseconds;
   }
@@ -28,7 +28,7 @@ class Detail {
   // Of an image with half the sides, where none was drawn yet: part of the work, posing and
   // sorting, does not shrink with the pixels.
   static constexpr double kGuessedShare = 0.5;
-  std::array<double, 3> milliseconds_{};  // of the last picture by divisor; 0: none yet
+  std::array<double, 3> milliseconds_{};  // of the last image by divisor; 0: none yet
 };
 
 }  // namespace cosplat::viewer

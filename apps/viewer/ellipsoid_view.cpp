@@ -17,7 +17,7 @@ using math::Vec3;
 
 constexpr float kFaintestLogit = -2.1972246f;  // of an opacity of 0.1
 
-// An ellipsoid in the camera's axes and its box in the picture, samples.
+// An ellipsoid in the camera's axes and its box in the image, samples.
 struct Ellipsoid {
   Mat3<float> sphere_from_cam;  // p -> unit sphere around the centre
   Vec3<float> center;           // of it, by sphere_from_cam
@@ -39,7 +39,7 @@ Slopes TouchingSlopes(float skk, float skz, float szz, float k, float z) {
 }
 
 // `axes`: columns are its half axes. False where it reaches behind the camera or beside the
-// picture.
+// image.
 bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, Ellipsoid& e) {
   const auto entry = [&](int i, int k) {
     return axes(i, 0) * axes(k, 0) + axes(i, 1) * axes(k, 1) + axes(i, 2) * axes(k, 2);

@@ -15,15 +15,15 @@ namespace {
 using math::Vec3;
 
 constexpr int kSide = 768;  // of a camera that is made up; px
-// Picture heights per distance: 28 degrees, a portrait lens, for heads; 45 for scenes.
+// Image heights per distance: 28 degrees, a portrait lens, for heads; 45 for scenes.
 constexpr float kHeadFocal = 2.0f, kSceneFocal = 1.2f;
-constexpr float kHeadShare = 0.7f;  // of the picture that a head fills
+constexpr float kHeadShare = 0.7f;  // of the image that a head fills
 // What lies further from a scene's middle than this many times the distance within which half of
-// its splats lie counts as surroundings or strays; of the rest nearly all are to be in the picture.
+// its splats lie counts as surroundings or strays; of the rest nearly all are to be in the image.
 constexpr float kFarthestOfHalf = 3, kMax = 0.99f;
 constexpr float kSceneMargin = 1.1f;
 
-// At `distance` from `center` along `back`, upright; focal: in picture heights.
+// At `distance` from `center` along `back`, upright; focal: in image heights.
 StartView Facing(
     const Vec3<float>& center, Vec3<float> back, Vec3<float> up, float distance, float focal) {
   const Vec3<float> z = -math::Normalize(back);

@@ -1,6 +1,6 @@
 // An OS window with OpenGL 3.3 and ImGui in it. One per process.
 //
-// ViewerWindow -> GlWindow; with PictureTexture the only code that calls GLFW and OpenGL.
+// ViewerWindow -> GlWindow; with ImageTexture the only code that calls GLFW and OpenGL.
 #pragma once
 
 #include <string>

@@ -15,7 +15,7 @@ constexpr float kEdgeSamples = 1.1f;  // half an edge's width
 constexpr Rgb kEdgeColor{120, 200, 255};
 constexpr Rgb kHiddenColor{28, 32, 40};
 
-// A face in the picture, samples.
+// A face in the image, samples.
 struct Triangle {
   float x[3], y[3], inverse_z[3];
   float least_x, most_x, least_y, most_y;

@@ -28,13 +28,13 @@ class OrbitCamera {
 
   // Radians. Positive: the camera goes to its right and upwards, short of the poles.
   void Orbit(float right, float upwards);
-  // Shares of the picture's height by which what is seen moves.
+  // Shares of the image's height by which what is seen moves.
   void Pan(float right, float down);
   // Each step brings it a tenth nearer.
   void Zoom(float steps);
   void Reset();
 
-  // At the start's size, until it is moved, start.camera to rounding; at another its whole picture
+  // At the start's size, until it is moved, start.camera to rounding; at another its whole image
   // and what lies beside it.
   Camera At(int width, int height) const;
 
@@ -50,7 +50,7 @@ class OrbitCamera {
   Pose home_, pose_;
 };
 
-// Where to stand at first: before a head, at a training camera, or so that splats fill the picture.
+// Where to stand at first: before a head, at a training camera, or so that splats fill the image.
 
 // From the front. vertices: [V, 3] of the posed head, metres; root: axis-angle of its root joint.
 StartView BeforeHead(const std::vector<float>& vertices, const std::array<float, 3>& root);
@@ -58,7 +58,7 @@ StartView BeforeHead(const std::vector<float>& vertices, const std::array<float,
 // At the first of a scene's cameras (at least one); the centre is what all of them look at.
 StartView AtCamera(const std::vector<Camera>& cameras);
 
-// So that most of what is seen of the splats is in the picture, whatever floats around it; y down,
+// So that most of what is seen of the splats is in the image, whatever floats around it; y down,
 // as 3DGS's files mostly have it. Throws Error naming `file` when none is to be seen.
 StartView BeforeSplats(const std::string& file, const Gaussians& gaussians);
 

@@ -7,7 +7,7 @@
 namespace cosplat::viewer {
 namespace {
 
-void DrawInto(Stage& stage, FinishedPicture& picture) {
+void DrawInto(Stage& stage, FinishedImage& picture) {
   const auto start = std::chrono::steady_clock::now();
   const Shot& shot = picture.job.shot;
   picture.problem.clear();
@@ -55,7 +55,7 @@ bool RenderWorker::Busy() const {
   return drawing_ || waiting_;
 }
 
-bool RenderWorker::Take(FinishedPicture& out) {
+bool RenderWorker::Take(FinishedImage& out) {
   const std::lock_guard lock(mutex_);
   if (!has_finished_) return false;
   std::swap(out, finished_);
@@ -64,7 +64,7 @@ bool RenderWorker::Take(FinishedPicture& out) {
 }
 
 void RenderWorker::Run() {
-  FinishedPicture picture;
+  FinishedImage picture;
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait(lock, [this] { return stop_ || waiting_; });

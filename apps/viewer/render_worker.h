@@ -1,4 +1,4 @@
-// Draws beside the window, so that it answers while a picture is being made.
+// Draws beside the window, so that it answers while an image is being made.
 //
 // Shot -> Start -> (thread) Stage -> Take -> texture. What is asked for last counts: a shot that
 // has not begun when the next comes is not drawn.
@@ -19,17 +19,17 @@ namespace cosplat::viewer {
 
 struct RenderJob {
   Shot shot;
-  int divisor = 1;        // of the sides of the picture that was wanted
+  int divisor = 1;        // of the sides of the image that was wanted
   int64_t input_ns = 0;   // when what it shows came in
   bool may_stay = false;  // on the device, where one draws it
 };
 
 // Given back to Take, its memory is drawn into again.
-struct FinishedPicture {
+struct FinishedImage {
   RenderJob job;
-  std::string problem;  // why there is no picture; otherwise it is in one of these:
+  std::string problem;  // why there is no image; otherwise it is in one of these:
   Image8 image;
-  std::unique_ptr<DevicePicture> on_device;
+  std::unique_ptr<DeviceImage> on_device;
   bool stayed = false;      // on the device; `image` is then empty
   double milliseconds = 0;  // that drawing took
 };
@@ -37,16 +37,16 @@ struct FinishedPicture {
 class RenderWorker {
  public:
   // Keeps a reference to `stage`, which is its own from now on. `on_finished` is called in its
-  // thread after each picture.
+  // thread after each image.
   RenderWorker(Stage& stage, std::function<void()> on_finished);
-  ~RenderWorker();  // waits for the picture that is being drawn
+  ~RenderWorker();  // waits for the image that is being drawn
 
   void Start(RenderJob job);
   // Whether a job is drawn or waits.
   bool Busy() const;
-  // The newest picture since the last call, into `out`, whose memory is used again. False where
+  // The newest image since the last call, into `out`, whose memory is used again. False where
   // there is none.
-  bool Take(FinishedPicture& out);
+  bool Take(FinishedImage& out);
 
  private:
   void Run();
@@ -56,7 +56,7 @@ class RenderWorker {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<RenderJob> waiting_;
-  FinishedPicture finished_;
+  FinishedImage finished_;
   bool drawing_ = false, has_finished_ = false, stop_ = false;
   std::thread thread_;
 };

@@ -31,14 +31,14 @@ ScreenResult DrawScreen(Session& session, const ScreenState& state) {
   const float panel = session.panels_open ? kPanelWidth * state.scale : 0;
   const float bar =
       session.panels_open && session.has_sequence() ? kTimelineHeight * state.scale : 0;
-  const Place picture{0, 0, size.x - panel, size.y - bar};
-  DrawPicture(session, state, picture, result);
+  const Place image{0, 0, size.x - panel, size.y - bar};
+  DrawImage(session, state, image, result);
   if (panel > 0) DrawPanels(session, state, {size.x - panel, 0, panel, size.y}, result);
   if (bar > 0) DrawTimeline(session, {0, size.y - bar, size.x - panel, bar});
   if (session.help_open) DrawHelp(session.help_open, state.scale);
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
-  result.width = int(picture.width * pixels.x);
-  result.height = int(picture.height * pixels.y);
+  result.width = int(image.width * pixels.x);
+  result.height = int(image.height * pixels.y);
   return result;
 }
 

@@ -14,8 +14,8 @@ struct Place {
 void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenResult& result);
 // The bar of a recorded sequence.
 void DrawTimeline(Session& session, Place place);
-// The picture under the mouse, with what stands over it.
-void DrawPicture(Session& session, const ScreenState& state, Place place, ScreenResult& result);
+// The image under the mouse, with what stands over it.
+void DrawImage(Session& session, const ScreenState& state, Place place, ScreenResult& result);
 void DrawHelp(bool& open, float scale);
 
 }  // namespace cosplat::viewer

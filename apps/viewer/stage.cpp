@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "apps/viewer/mesh_view.h"
-#include "avatar/play/picture_bytes.h"
+#include "avatar/play/image_bytes.h"
 #include "splat/base/error.h"
 #include "splat/gaussians.h"
 
@@ -92,7 +92,7 @@ void Stage::Surfaces(const Shot& shot, Image8& out) {
 
 void Stage::Prepare(const Shot& shot) {
   if (shot.camera.width < 1 || shot.camera.height < 1)
-    throw Error(content_.title, "picture", "has no pixels");
+    throw Error(content_.title, "image", "has no pixels");
   if (NeedsMesh(shot.view) && !player_)
     throw Error(content_.title,
                 "view",
@@ -104,7 +104,7 @@ bool Stage::DrawsOnDevice(const Shot& shot) const {
   return shot.view == View::kSplats && (player_ ? player_->DrawsOnDevice() : bool(scene_renderer_));
 }
 
-void Stage::DrawToStay(const Shot& shot, std::unique_ptr<DevicePicture>& out) {
+void Stage::DrawToStay(const Shot& shot, std::unique_ptr<DeviceImage>& out) {
   Prepare(shot);
   const std::array<float, 3>& background = BackgroundOf(shot);
   if (player_) return player_->DrawToStay(placed_, shot.camera, background, AlphaOf(shot), out);
@@ -119,7 +119,7 @@ void Stage::Draw(const Shot& shot, Image8& out) {
   out.height = image.height;
   out.channels = 4;
   out.data.resize(4 * out.pixels());
-  WritePicture(image, {AlphaOf(shot)}, out.data.data(), 4 * ptrdiff_t(out.width));
+  WriteImageBytes(image, {AlphaOf(shot)}, out.data.data(), 4 * ptrdiff_t(out.width));
 }
 
 }  // namespace cosplat::viewer

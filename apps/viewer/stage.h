@@ -1,6 +1,6 @@
 // Draws what the viewer shows: a model, a face, a camera and a view -> RGBA bytes.
 //
-// Content (loaded by the command) -> Stage; Shot (Session) -> Draw -> picture, in the window's
+// Content (loaded by the command) -> Stage; Shot (Session) -> Draw -> image, in the window's
 // render thread (apps/viewer/render_worker.h) or, headless, in the command itself.
 #pragma once
 
@@ -34,13 +34,13 @@ struct Content {
   size_t gaussian_count() const { return avatar ? avatar->model.size() : scene.size(); }
 };
 
-// Everything that a picture depends on.
+// Everything that an image depends on.
 struct Shot {
   View view = View::kSplats;
   FlameParams face;  // of an avatar
   Camera camera;
   std::array<float, 3> background{1, 1, 1};
-  bool transparent = false;  // no background: the picture has alpha
+  bool transparent = false;  // no background: the image has alpha
 };
 bool SameShot(const Shot& a, const Shot& b);
 
@@ -59,13 +59,13 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
 
   // RGBA, straight alpha (255 over a background). Keeps the memory of `out`. Throws Error when the
-  // shot's parameters are not finite, its picture has no pixels, or its view needs a mesh and there
+  // shot's parameters are not finite, its image has no pixels, or its view needs a mesh and there
   // is none. One call at a time.
   void Draw(const Shot& shot, Image8& out);
   // Whether a device draws this.
   bool DrawsOnDevice(const Shot& shot) const;
-  // The same picture, which stays there. For what it DrawsOnDevice; `out`: null, or of this stage.
-  void DrawToStay(const Shot& shot, std::unique_ptr<DevicePicture>& out);
+  // The same image, which stays there. For what it DrawsOnDevice; `out`: null, or of this stage.
+  void DrawToStay(const Shot& shot, std::unique_ptr<DeviceImage>& out);
 
  private:
   void Prepare(const Shot& shot);

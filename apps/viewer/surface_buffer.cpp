@@ -17,9 +17,9 @@ constexpr float kAmbient = 0.55f;
 
 }  // namespace
 
-void SurfaceBuffer::Clear(int picture_width, int picture_height) {
-  width = picture_width * kSamplesPerSide;
-  height = picture_height * kSamplesPerSide;
+void SurfaceBuffer::Clear(int image_width, int image_height) {
+  width = image_width * kSamplesPerSide;
+  height = image_height * kSamplesPerSide;
   depth.assign(size_t(width) * size_t(height), kInfinity);
   color.assign(depth.size(), Rgb{});
 }

@@ -1,7 +1,7 @@
 // Opaque surfaces that the viewer draws itself: the nearest colour per sample, four samples a
 // pixel.
 //
-// mesh_view.h, ellipsoid_view.h -> SurfaceBuffer -> Resolve -> picture.
+// mesh_view.h, ellipsoid_view.h -> SurfaceBuffer -> Resolve -> image.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct SurfaceBuffer {
   std::vector<float> depth;  // [height, width], world units along the camera's axis; infinity
   std::vector<Rgb> color;    // [height, width]
 
-  // Nothing drawn, for a picture of this size; keeps its memory.
-  void Clear(int picture_width, int picture_height);
+  // Nothing drawn, for an image of this size; keeps its memory.
+  void Clear(int image_width, int image_height);
   void Put(int x, int y, float z, const Rgb& rgb) {
     const size_t i = size_t(y) * size_t(width) + size_t(x);
     if (!(z < depth[i])) return;

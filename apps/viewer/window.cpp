@@ -10,7 +10,7 @@
 #include "apps/viewer/capture.h"
 #include "apps/viewer/detail.h"
 #include "apps/viewer/gl_window.h"
-#include "apps/viewer/picture_texture.h"
+#include "apps/viewer/image_texture.h"
 #include "apps/viewer/render_worker.h"
 #include "apps/viewer/screen.h"
 
@@ -18,7 +18,7 @@ namespace cosplat::viewer {
 namespace {
 
 // Between turns, seconds: while something moves, and while nothing does. Events and finished
-// pictures end them.
+// images end them.
 constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
 constexpr double kNoticeSeconds = 6;
 constexpr int kSmallestSide = 16;
@@ -42,10 +42,10 @@ struct ViewerWindow::Impl {
     state.scale = gl.scale();
   }
 
-  void TakePicture();
-  void ShowPicture();
+  void TakeImage();
+  void ShowImage();
   const Image8& Pixels();
-  bool HasPicture() const { return picture.stayed || !picture.image.empty(); }
+  bool HasImage() const { return picture.stayed || !picture.image.empty(); }
   void Ask(const ScreenResult& result);
   void Capture(const ScreenResult& result);
   void StartRecording();
@@ -58,13 +58,13 @@ struct ViewerWindow::Impl {
   Session& session;
   std::string folder;
   GlWindow gl;
-  PictureTexture texture;
-  bool may_stay;  // pictures, on the device that draws them
+  ImageTexture texture;
+  bool may_stay;  // images, on the device that draws them
   ScreenState state;
   ScreenResult last;
   Detail detail;
-  FinishedPicture picture;
-  bool picture_is_new = false, read_back = false;
+  FinishedImage picture;
+  bool image_is_new = false, read_back = false;
   RenderJob asked;
   Image8 window_pixels;
   std::unique_ptr<VideoRecorder> recorder;
@@ -89,34 +89,34 @@ double ViewerWindow::Impl::TurnSeconds() const {
              : kRestingTurn;
 }
 
-void ViewerWindow::Impl::TakePicture() {
+void ViewerWindow::Impl::TakeImage() {
   if (!worker.Take(picture)) return;
   if (!picture.problem.empty()) return Notice(picture.problem, true);
-  ShowPicture();
+  ShowImage();
   state.texture = intptr_t(texture.name());
   state.width = picture.job.shot.camera.width;
   state.height = picture.job.shot.camera.height;
   state.divisor = picture.job.divisor;
   state.drawing.Add(float(picture.milliseconds));
   detail.Drawn(picture.job.divisor, picture.milliseconds);
-  picture_is_new = true;
+  image_is_new = true;
 }
 
-// Where the device's picture does not get into the texture by itself it is brought to the host, and
+// Where the device's image does not get into the texture by itself it is brought to the host, and
 // those after it are drawn for that.
-void ViewerWindow::Impl::ShowPicture() {
+void ViewerWindow::Impl::ShowImage() {
   if (picture.stayed) {
     try {
       return texture.Show(*picture.on_device);
     } catch (const std::exception& problem) {
       may_stay = false;
-      Notice(std::string("Pictures pass through the host's memory: ") + problem.what(), false);
+      Notice(std::string("Images pass through the host's memory: ") + problem.what(), false);
     }
   }
   texture.Upload(Pixels());
 }
 
-// Of the picture, wherever it is.
+// Of the image, wherever it is.
 const Image8& ViewerWindow::Impl::Pixels() {
   if (picture.stayed && picture.image.empty()) picture.on_device->Download(picture.image);
   return picture.image;
@@ -160,7 +160,7 @@ void ViewerWindow::Impl::OfferToRecording() {
   const double seconds = 1e-9 * double(NowNs() - recording_start_ns);
   state.recorded_seconds = seconds;
   const Shot& shot = picture.job.shot;
-  const bool fits = HasPicture() && shot.camera.width == recorder->width() &&
+  const bool fits = HasImage() && shot.camera.width == recorder->width() &&
                     shot.camera.height == recorder->height() && !shot.transparent;
   if (fits) recorder->Offer(Pixels(), seconds);
 }
@@ -174,7 +174,7 @@ void ViewerWindow::Impl::Capture(const ScreenResult& result) {
       if (action == Action::kQuit) glfwSetWindowShouldClose(gl.handle(), GLFW_TRUE);
     }
     if (recorder) OfferToRecording();
-    if (screenshot_wanted && picture.job.divisor == 1 && HasPicture()) {
+    if (screenshot_wanted && picture.job.divisor == 1 && HasImage()) {
       screenshot_wanted = false;
       const std::string path = CapturePath(folder, ".png");
       WriteImage(path, Pixels());
@@ -197,7 +197,7 @@ bool ViewerWindow::Step() {
   Impl& impl = *impl_;
   impl.gl.BeginFrame(impl.TurnSeconds());
   impl.session.Advance(NowNs());
-  impl.TakePicture();
+  impl.TakeImage();
   if (glfwGetTime() > impl.notice_end) impl.state.notice.clear();
   const ScreenResult result = DrawScreen(impl.session, impl.state);
   impl.Ask(result);
@@ -206,9 +206,9 @@ bool ViewerWindow::Step() {
   impl.gl.EndFrame();
   if (impl.read_back) impl.window_pixels = impl.gl.Read();
   impl.gl.Show();
-  if (impl.picture_is_new)
+  if (impl.image_is_new)
     impl.state.latency.Add(float(1e-6 * double(NowNs() - impl.picture.job.input_ns)));
-  impl.picture_is_new = false;
+  impl.image_is_new = false;
   return !glfwWindowShouldClose(impl.gl.handle());
 }
 
@@ -225,8 +225,7 @@ const std::string& ViewerWindow::notice() const { return impl_->state.notice; }
 
 bool ViewerWindow::UpToDate() const {
   const Impl& impl = *impl_;
-  return impl.HasPicture() && !impl.worker.Busy() &&
-         SameShot(impl.picture.job.shot, impl.asked.shot);
+  return impl.HasImage() && !impl.worker.Busy() && SameShot(impl.picture.job.shot, impl.asked.shot);
 }
 
 Image8 ViewerWindow::ReadPixels() {

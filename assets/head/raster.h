@@ -2,7 +2,7 @@
 //
 // Coverage is sampled 4x4 times per pixel; colour is shaded per 2x2 quadrant and triangle, and
 // averaged over the covered samples, so alpha is the covered share (straight alpha). Rows are
-// rendered in parallel; the picture has the same bits for any number of threads.
+// rendered in parallel; the image has the same bits for any number of threads.
 #pragma once
 
 #include <array>

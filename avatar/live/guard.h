@@ -1,7 +1,7 @@
 // The rule for bad frames: what a live face does when its parameters are late, wrong or missing.
 //
 // LiveSource::Poll or a host -> FaceGuard::Offer -> [SoftRange] -> [FaceSmoother] -> FaceGuard::At,
-// once per picture -> Player::Place.
+// once per image -> Player::Place.
 //
 //   frames come              shown as they come
 //   none for `hold`          the last good one stays
@@ -41,14 +41,14 @@ enum class Verdict { kAccepted, kLate, kNotFinite, kOutOfRange, kWrongSize };
 
 struct GuardCounts {
   uint64_t accepted = 0;      // good frames that were shown
-  uint64_t replaced = 0;      // good, but a newer one came before the next picture
+  uint64_t replaced = 0;      // good, but a newer one came before the next image
   uint64_t late = 0;          // refused: older than one that was good
   uint64_t not_finite = 0;    // refused
   uint64_t out_of_range = 0;  // refused: beyond kMaxParameter
   uint64_t wrong_size = 0;    // refused
   uint64_t softened = 0;      // of those shown: some of it was out of SoftRange
-  uint64_t held = 0;          // pictures without a new frame, the last one held
-  uint64_t decayed = 0;       // pictures on the way to rest, or at rest after one
+  uint64_t held = 0;          // images without a new frame, the last one held
+  uint64_t decayed = 0;       // images on the way to rest, or at rest after one
   uint64_t returned = 0;      // how often frames came again after that
 };
 
@@ -62,14 +62,14 @@ class FaceGuard {
             const GuardPolicy& policy = {});
 
   // A frame that came in, and when it was so. What is refused is counted and changes nothing. Of
-  // several between two pictures the last is shown; those of equal times are one frame. Missing
+  // several between two images the last is shown; those of equal times are one frame. Missing
   // coefficients count as zero, those that the model lacks are left out.
   Verdict Offer(const FlameParams& frame, int64_t time_ns);
   // Counts a frame that was refused before it got here.
   void CountRefused(Verdict verdict);
 
   // The face at `now_ns`; an earlier one than before counts as the one before. Stays until the next
-  // call. Before the first frame it is at rest; where that comes before the first picture, it is
+  // call. Before the first frame it is at rest; where that comes before the first image, it is
   // shown at once.
   const FlameParams& At(int64_t now_ns);
 

@@ -1,6 +1,6 @@
 // Where a live face comes from: a recorded sequence, a tracker that sends, a camera program.
 //
-// "udp://..." -> OpenLiveSource -> LiveSource::Poll, once per picture -> LiveFrame -> who draws.
+// "udp://..." -> OpenLiveSource -> LiveSource::Poll, once per image -> LiveFrame -> who draws.
 // A source gives clean frames only: what is malformed, too large, too much or not finite is dropped
 // and counted, and never reaches the face.
 #pragma once

@@ -2,7 +2,7 @@
 // device.
 //
 // Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarRenderer: vertices, surface,
-// binding, rasteriser -> picture. avatar/play/avatar_renderer.h chooses.
+// binding, rasteriser -> image. avatar/play/avatar_renderer.h chooses.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 #include "avatar/play/rig_poser.h"
 #include "avatar/surface/binding.h"
 #include "splat/render/device.h"
-#include "splat/render/picture_renderer.h"
+#include "splat/render/image_renderer.h"
 
 namespace cosplat {
 
@@ -34,14 +34,14 @@ class AvatarRenderer {
             const Camera& camera,
             const RenderSettings& settings,
             RenderedImage& image);
-  // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
+  // The same, but the image stays on the device; made where `out` is null, otherwise `out` is of
   // this renderer. The background must be black but with AlphaMode::kOpaque.
   void DrawToStay(const FlameRig<float>& rig,
                   uint64_t placement,
                   const Camera& camera,
                   const RenderSettings& settings,
                   AlphaMode alpha,
-                  std::unique_ptr<DevicePicture>& out);
+                  std::unique_ptr<DeviceImage>& out);
 
   PhaseTimes times;  // project, sort, blend; the caller resets it
 
@@ -49,7 +49,7 @@ class AvatarRenderer {
   void Place(const FlameRig<float>& rig, uint64_t placement);
   void Forward(const Camera& camera, const RenderSettings& settings);
 
-  PictureRenderer pictures_;
+  ImageRenderer images_;
   ColorFrame color_frame_;
   RigPoser poser_;
   Surface surface_;

@@ -24,13 +24,13 @@ const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
   const bool same_pose = next && places_[waiting_place_].IsFor(next->params);
   const size_t next_place = same_pose ? waiting_place_ : 1 - waiting_place_;
   std::exception_ptr next_error, error = waiting_error_;
-  const RenderedImage* picture = nullptr;
+  const RenderedImage* image = nullptr;
   tbb::task_group group;
   if (next && !same_pose) group.run([&] { next_error = Place(*next, next_place); });
   if (waiting_ && !error) try {
       // Isolated: while it waits for its tiles this thread must not take up the other frame.
       tbb::this_task_arena::isolate([&] {
-        picture = &player_.Draw(places_[waiting_place_], waiting_->camera, waiting_->background);
+        image = &player_.Draw(places_[waiting_place_], waiting_->camera, waiting_->background);
       });
       drawn_ = waiting_place_;
     } catch (...) {
@@ -41,7 +41,7 @@ const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
   waiting_error_ = next_error;
   waiting_place_ = next_place;
   if (error) std::rethrow_exception(error);
-  return picture;
+  return image;
 }
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
 // Plays a sequence with the stages of neighbouring frames beside each other: while one frame is
 // drawn, the next is posed and bound.
 //
-// PlaybackFrame n -> Playback::Next -> picture n - 1. One frame of latency; pictures come in order
+// PlaybackFrame n -> Playback::Next -> image n - 1. One frame of latency; images come in order
 // and have the bits that Player::RenderOver gives, for any number of threads.
 #pragma once
 
@@ -24,14 +24,14 @@ class Playback {
   // Keeps a reference to `player`, which is not to be used otherwise during a call.
   explicit Playback(Player& player) : player_(player) {}
 
-  // Hands in a frame. Returns the picture of the one before, null where there is none; it stays
+  // Hands in a frame. Returns the image of the one before, null where there is none; it stays
   // until the next call. Throws what is wrong with the frame before (a parameter that is not
   // finite, a camera without pixels): that one is lost, the one handed in is not.
   const RenderedImage* Next(PlaybackFrame frame);
-  // The picture of the last frame; null where it was returned, or refused, before.
+  // The image of the last frame; null where it was returned, or refused, before.
   const RenderedImage* Finish();
 
-  // Posed vertices of the frame whose picture was returned last, [V, 3] metres; not after an
+  // Posed vertices of the frame whose image was returned last, [V, 3] metres; not after an
   // exception.
   const std::vector<float>& vertices() { return player_.VerticesOf(places_[drawn_]); }
 

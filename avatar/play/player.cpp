@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "avatar/play/picture_bytes.h"
+#include "avatar/play/image_bytes.h"
 #include "avatar/play/preview.h"
 #include "splat/base/error.h"
 #include "splat/gaussians.h"
@@ -14,7 +14,7 @@
 namespace cosplat {
 namespace {
 
-// Bits, so that no rule of comparison (of zeros, of what is not a number) stands between a picture
+// Bits, so that no rule of comparison (of zeros, of what is not a number) stands between an image
 // and the one that a new player would draw.
 bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() &&
@@ -139,9 +139,9 @@ void Player::DrawToStay(const PlacedAvatar& placed,
                         const Camera& camera,
                         const std::array<float, 3>& background,
                         AlphaMode alpha,
-                        std::unique_ptr<DevicePicture>& out) {
+                        std::unique_ptr<DeviceImage>& out) {
   if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
-  if (!DrawsOnDevice()) throw Error("avatar", "picture", "cannot stay: no device draws it");
+  if (!DrawsOnDevice()) throw Error("avatar", "image", "cannot stay: no device draws it");
   renderer_->DrawToStay(
       placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);
 }
@@ -183,7 +183,7 @@ void ToStraightAlphaBytes(const RenderedImage& image, Image8& out) {
   out.height = image.height;
   out.channels = 4;
   out.data.resize(4 * out.pixels());
-  WritePicture(image, {}, out.data.data(), 4 * ptrdiff_t(out.width));
+  WriteImageBytes(image, {}, out.data.data(), 4 * ptrdiff_t(out.width));
 }
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
-// Plays an avatar: FLAME parameters + camera -> picture. Links no training code.
+// Plays an avatar: FLAME parameters + camera -> image. Links no training code.
 //
 // AvatarModel -> Player: Place (pose -> surface -> bind) -> PlacedAvatar -> Draw (rasterise) ->
-// picture. What did not change since the last frame is not done again; every picture has the bits
+// image. What did not change since the last frame is not done again; every image has the bits
 // that a new player would give it. avatar/play/playback.h runs both halves beside each other.
 #pragma once
 
@@ -63,21 +63,21 @@ class Player {
   // draws, it keeps its own, and these are posed and bound now, on the CPU: not beside Place.
   const std::vector<float>& VerticesOf(PlacedAvatar& placed);
   const PosedGaussians& GaussiansOf(PlacedAvatar& placed);
-  // Over a background; `placed` by this player. The picture is the player's own: it stays until the
+  // Over a background; `placed` by this player. The image is the player's own: it stays until the
   // next call and is not drawn again for the same avatar, camera and background.
   const RenderedImage& Draw(const PlacedAvatar& placed,
                             const Camera& camera,
                             const std::array<float, 3>& background);
-  // Whether pictures can stay where they are drawn: a device draws, in full size.
+  // Whether images can stay where they are drawn: a device draws, in full size.
   bool DrawsOnDevice() const { return renderer_ && !half_resolution_; }
-  // As Draw, but the picture stays on the device and is drawn each time. `out`: null, or of this
+  // As Draw, but the image stays on the device and is drawn each time. `out`: null, or of this
   // player. The background must be black but with AlphaMode::kOpaque. Throws Error without
   // DrawsOnDevice.
   void DrawToStay(const PlacedAvatar& placed,
                   const Camera& camera,
                   const std::array<float, 3>& background,
                   AlphaMode alpha,
-                  std::unique_ptr<DevicePicture>& out);
+                  std::unique_ptr<DeviceImage>& out);
 
   // Place and Draw; throws as they do, and `out` then keeps its last content.
   void RenderOver(const FlameParams& params,
@@ -97,7 +97,7 @@ class Player {
   PhaseTimes& times() { return renderer_ ? renderer_->times : rasterizer_->times; }
 
  private:
-  struct Picture {
+  struct Image {
     uint64_t id = 0;  // of the PlacedAvatar; 0: none yet
     Camera camera;
     std::array<float, 3> background{};
@@ -124,11 +124,11 @@ class Player {
   FlameRig<float> rig_;                       // of the next Place; keeps its memory
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
-  Picture last_;
+  Image last_;
   RenderedImage half_;
 };
 
-// RGBA bytes with straight alpha of a picture over black: those of
+// RGBA bytes with straight alpha of an image over black: those of
 // ToBytes(image.ToStraightAlpha()), over the cores and without what lies between.
 void ToStraightAlphaBytes(const RenderedImage& image, Image8& out);
 

@@ -1,7 +1,7 @@
-// Half-resolution preview: a quarter of the pixels drawn, the picture enlarged to the asked size.
+// Half-resolution preview: a quarter of the pixels drawn, the image enlarged to the asked size.
 //
-// Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> picture. For looking around while
-// something faster than the picture is wanted; what it costs is in docs/decisions.md.
+// Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> image. For looking around while
+// something faster than the image is wanted; what it costs is in docs/decisions.md.
 #pragma once
 
 #include "splat/base/camera.h"
@@ -16,7 +16,7 @@ Camera HalfResolution(const Camera& camera);
 
 // Colour and transmittance of `half`, drawn through HalfResolution of a camera with `width` x
 // `height` pixels, at that size: bilinear between the centres of its pixels, the outermost repeated
-// beyond them. A flat picture stays exactly as it is. Same bits for any number of threads.
+// beyond them. A flat image stays exactly as it is. Same bits for any number of threads.
 void EnlargeTwice(const RenderedImage& half, int width, int height, RenderedImage& out);
 
 }  // namespace cosplat

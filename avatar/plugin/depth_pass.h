@@ -1,7 +1,7 @@
 // How far away what a picture shows is.
 //
 // PosedGaussians + Camera -> DepthPass -> picture of depths -> WriteDepth
-// (avatar/play/picture_bytes.h). The Gaussians are drawn a second time by the same renderer, their
+// (avatar/play/image_bytes.h). The Gaussians are drawn a second time by the same renderer, their
 // depths for colours: each pixel then has the mean of the depths, weighted as its colours are.
 #pragma once
 

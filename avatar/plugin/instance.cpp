@@ -7,7 +7,7 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/play/avatar_renderer.h"
-#include "avatar/play/picture_bytes.h"
+#include "avatar/play/image_bytes.h"
 #include "avatar/plugin/coded_error.h"
 #include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"
@@ -200,7 +200,7 @@ void Instance::Render(const cosplat_picture& picture) {
   }
   const PixelLayout layout{static_cast<AlphaMode>(picture.alpha),
                            picture.format == COSPLAT_FORMAT_BGRA8};
-  WritePicture(image, layout, static_cast<uint8_t*>(picture.pixels), stride);
+  WriteImageBytes(image, layout, static_cast<uint8_t*>(picture.pixels), stride);
 }
 
 }  // namespace cosplat::plugin

@@ -85,7 +85,7 @@ constexpr size_t kHostSearchers = 64;
 // waits for it.
 class AvatarSubject : public Subject {
  public:
-  // Loads every training picture. Frames whose picture cannot be used are added to `video.skipped`;
+  // Loads every training image. Frames whose image cannot be used are added to `video.skipped`;
   // more than a third of all frames is an Error, and so is refine_track with kReleased, whose rule
   // has no derivative for it. Keeps a reference to `flame`.
   AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);

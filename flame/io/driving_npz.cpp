@@ -34,7 +34,7 @@ double ScalarOr(const Npz& npz, const char* name, double fallback) {
 }
 
 // The sequence's first camera. Without intrinsics: a long lens, in which a head a metre and a half
-// away fills the picture.
+// away fills the image.
 Camera DrivingCamera(const Npz& npz) {
   constexpr int kDefaultSide = 512;
   Camera lens;

@@ -17,16 +17,16 @@ namespace fs = std::filesystem;
 constexpr double kMeshScale = 4;
 // Size at which the old form of `intrinsics` counts pixels.
 constexpr double kOldFormSide = 512;
-// What is assumed of a driving sequence without any picture to tell.
+// What is assumed of a driving sequence without any image to tell.
 constexpr int kDefaultSide = 512;
 constexpr double kDefaultTestPart = 0.2;
 
-// Where the pictures are.
+// Where the images are.
 struct Sources {
-  const PictureFiles* pictures = nullptr;
-  std::string image_folder;   // or empty: a video, or nothing
-  std::string mask_folder;    // or empty
-  PictureFiles::Video video;  // or none
+  const ImageFiles* images = nullptr;
+  std::string image_folder;  // or empty: a video, or nothing
+  std::string mask_folder;   // or empty
+  ImageFiles::Video video;   // or none
 };
 
 std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names) {
@@ -35,22 +35,22 @@ std::string FirstThatExists(const std::string& folder, const std::vector<std::st
   return "";
 }
 
-Sources FindSources(const std::string& path, const PictureFiles* pictures, TrackedVideo& video) {
+Sources FindSources(const std::string& path, const ImageFiles* images, TrackedVideo& video) {
   Sources sources;
-  sources.pictures = pictures;
-  if (!pictures) return sources;
+  sources.images = images;
+  if (!images) return sources;
   sources.image_folder = FirstThatExists(path, {"images", "image"});
   sources.mask_folder = FirstThatExists(path, {"mask", "masks"});
   if (!sources.image_folder.empty()) return sources;
   video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
   if (video.video_path.empty())
     throw Error(path, "has no folder image or images and no video.mp4, .avi or .mkv");
-  sources.video = pictures->OpenVideo(video.video_path);
+  sources.video = images->OpenVideo(video.video_path);
   video.video = sources.video.reader;
   return sources;
 }
 
-// [-fx/W, fy/H, cx/W, cy/H] (signs vary), or the old form in pixels of a 512x512 picture.
+// [-fx/W, fy/H, cx/W, cy/H] (signs vary), or the old form in pixels of a 512x512 image.
 Camera LensOf(const JsonField& field, int width, int height) {
   const std::vector<float> k = field.Numbers(4);
   const bool old_form = k[3] > 1;
@@ -121,7 +121,7 @@ std::string FindFiles(const Sources& sources, const TrackedVideo& video, Tracked
     frame.image_path = FirstThatExists(sources.image_folder, names);
     if (frame.image_path.empty())
       return "image " + sources.image_folder + "/" + frame.name + ".png is missing";
-    if (sources.pictures->Info(frame.image_path).channels == 4) return "";
+    if (sources.images->Info(frame.image_path).channels == 4) return "";
   }
   if (sources.mask_folder.empty()) return "";
   frame.mask_path =
@@ -131,14 +131,14 @@ std::string FindFiles(const Sources& sources, const TrackedVideo& video, Tracked
   return "";
 }
 
-// Size of the first picture there is: intrinsics are fractions of it.
-ImageInfo PictureSize(const Sources& sources, const JsonField& frames) {
+// Size of the first image there is: intrinsics are fractions of it.
+ImageInfo ImageSize(const Sources& sources, const JsonField& frames) {
   if (sources.video.reader) return sources.video.size;
   for (size_t i = 0; !sources.image_folder.empty() && i < frames.size(); ++i) {
     const std::string name = fs::path(frames[i]["file_path"].String()).stem().string();
     const std::string path = FirstThatExists(sources.image_folder, {name + ".png", name + ".jpg"});
     ImageInfo info;
-    if (!path.empty() && Problem([&] { info = sources.pictures->Info(path); }).empty()) return info;
+    if (!path.empty() && Problem([&] { info = sources.images->Info(path); }).empty()) return info;
   }
   return {kDefaultSide, kDefaultSide, 0};
 }
@@ -162,8 +162,8 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
   const JsonField file(json_path, json);
   const JsonField frames = file["frames"];
   video.shape = file["shape_params"].Numbers();
-  const Sources sources = FindSources(path, request.pictures, video);
-  const ImageInfo size = PictureSize(sources, frames);
+  const Sources sources = FindSources(path, request.images, video);
+  const ImageInfo size = ImageSize(sources, frames);
   const Camera lens = LensOf(file["intrinsics"], size.width, size.height);
   const size_t expression_count = frames.size() > 0 ? frames[0]["expression"].size() : 0;
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -171,12 +171,12 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
     TrackedFrame frame;
     frame.name = fs::path(field["file_path"].String()).stem().string();
     frame.timestep = int(i);
-    frame.has_image = request.pictures != nullptr;
+    frame.has_image = request.images != nullptr;
     std::string problem = SetImavatarPose(field["world_mat"], frame.camera);
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
     if (problem.empty()) {
       const std::string broken = Problem([&] {
-        if (request.pictures) problem = FindFiles(sources, video, frame);
+        if (request.images) problem = FindFiles(sources, video, frame);
         if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
       });
       if (problem.empty()) problem = broken;

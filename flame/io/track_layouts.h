@@ -10,16 +10,16 @@
 
 namespace cosplat {
 
-// What layouts ask of pictures, so that they themselves need no decoder. Throws Error as
+// What layouts ask of images, so that they themselves need no decoder. Throws Error as
 // ReadImageInfo and VideoReader do.
-class PictureFiles {
+class ImageFiles {
  public:
   struct Video {
     std::shared_ptr<VideoReader> reader;
     int frame_count = 0;
     ImageInfo size;
   };
-  virtual ~PictureFiles() = default;
+  virtual ~ImageFiles() = default;
   virtual ImageInfo Info(const std::string& image) const = 0;
   virtual Video OpenVideo(const std::string& path) const = 0;
 };
@@ -27,7 +27,7 @@ class PictureFiles {
 // What is asked of a layout.
 struct TrackRequest {
   TrackOptions options;
-  const PictureFiles* pictures = nullptr;  // null: a driving sequence
+  const ImageFiles* images = nullptr;  // null: a driving sequence
 };
 
 // Either of LoadTrackedVideo and LoadDrivingSequence.
@@ -47,8 +47,8 @@ void LoadVhapTrack(const std::string& path, const TrackRequest& request, Tracked
 bool IsDrivingNpz(const std::string& path);
 void LoadDrivingNpz(const std::string& path, TrackedVideo& video);
 
-// The picture of a frame, checked as far as its header tells. Empty when `frame` (whose image_path
-// and mask_path are set) is usable, its camera brought from full size (`lens`) to the picture's
+// The image of a frame, checked as far as its header tells. Empty when `frame` (whose image_path
+// and mask_path are set) is usable, its camera brought from full size (`lens`) to the image's
 // divided by the resolution; otherwise why it is not. Forgets the mask where the image has alpha.
 std::string FinishTrackedFrame(const Camera& lens,
                                const TrackRequest& request,

@@ -101,12 +101,12 @@ std::string SetVhapPose(const JsonField& field, Camera& camera) {
 
 std::string FindFiles(const JsonField& field,
                       const fs::path& folder,
-                      const PictureFiles& pictures,
+                      const ImageFiles& images,
                       TrackedFrame& frame) {
   const std::string image = (folder / field["file_path"].String()).string();
   if (!fs::is_regular_file(image)) return "image " + image + " is missing";
   frame.image_path = image;
-  if (pictures.Info(image).channels == 4 || !field.Has("fg_mask_path")) return "";
+  if (images.Info(image).channels == 4 || !field.Has("fg_mask_path")) return "";
   frame.mask_path = (folder / field["fg_mask_path"].String()).string();
   return fs::is_regular_file(frame.mask_path) ? "" : "mask " + frame.mask_path + " is missing";
 }
@@ -123,8 +123,8 @@ std::string LoadFrame(const JsonField& file,
   const std::string params = (folder / field["flame_param_path"].String()).string();
   try {
     problem = ReadParams(params, frame.params);
-    if (problem.empty() && request.pictures)
-      problem = FindFiles(field, folder, *request.pictures, frame);
+    if (problem.empty() && request.images)
+      problem = FindFiles(field, folder, *request.images, frame);
     if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
   } catch (const Error& error) {  // a broken file of one frame costs that frame
     problem = error.what();
@@ -145,7 +145,7 @@ void LoadSplit(const std::string& json_path,
     frame.name = fs::path(field["file_path"].String()).stem().string();
     frame.timestep = int(field.NumberOr("timestep_index", double(i)));
     frame.camera_index = int(field.NumberOr("camera_index", 0));
-    frame.has_image = request.pictures != nullptr;
+    frame.has_image = request.images != nullptr;
     const std::string problem = LoadFrame(file, field, request, frame);
     if (problem.empty()) {
       frames.push_back(std::move(frame));

@@ -24,7 +24,7 @@ ImageInfo ReadImageInfo(const std::string& path);
 
 // Reads PNG, JPEG, ... as RGB (3) or RGBA (4) or grey (1), 8 bits; 16-bit files are scaled down.
 // EXIF orientation is ignored, as COLMAP does. Throws Error when the file is missing, broken or cut
-// off (decoders would return a partial picture).
+// off (decoders would return a partial image).
 Image8 ReadImage(const std::string& path);
 
 // The bytes of a PNG or JPEG file, by the extension of `path`, which is otherwise for errors; 1, 3
@@ -90,7 +90,7 @@ class VideoWriter {
 };
 
 // What a PNG or JPEG file says about itself, without decoding it. Decoders hand back partial
-// pictures for cut-off files; walking the file's own structure finds the cut.
+// images for cut-off files; walking the file's own structure finds the cut.
 
 // True and `info` filled when `bytes` (a whole file or its beginning) is a PNG or JPEG with a
 // complete header.

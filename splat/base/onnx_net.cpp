@@ -58,11 +58,11 @@ bool HasSomething(const std::vector<cv::dnn::MatShape>& shapes) {
 }
 
 // [3, H, W] in [-1, 1].
-std::vector<float> ToPlanes(const Image8& picture) {
-  std::vector<float> planes(3 * picture.pixels());
-  for (size_t i = 0; i < picture.pixels(); ++i)
+std::vector<float> ToPlanes(const Image8& image) {
+  std::vector<float> planes(3 * image.pixels());
+  for (size_t i = 0; i < image.pixels(); ++i)
     for (size_t c = 0; c < 3; ++c)
-      planes[c * picture.pixels() + i] = float(picture.data[3 * i + c]) / 127.5f - 1;
+      planes[c * image.pixels() + i] = float(image.data[3 * i + c]) / 127.5f - 1;
   return planes;
 }
 
@@ -73,10 +73,10 @@ struct OnnxNet::Impl {
   std::vector<std::string> outputs;
   std::vector<cv::Mat> maps;
 
-  // Returns why the net refuses the picture; empty when it does not.
-  std::string Forward(const Image8& picture) {
-    std::vector<float> planes = ToPlanes(picture);
-    const int shape[] = {1, 3, picture.height, picture.width};
+  // Returns why the net refuses the image; empty when it does not.
+  std::string Forward(const Image8& image) {
+    std::vector<float> planes = ToPlanes(image);
+    const int shape[] = {1, 3, image.height, image.width};
     try {
       net.setInput(cv::Mat(4, shape, CV_32F, planes.data()));
       maps.clear();
@@ -87,7 +87,7 @@ struct OnnxNet::Impl {
     }
   }
 
-  // The same for a square picture that may be far too small.
+  // The same for a square image that may be far too small.
   std::string Try(int side) {
     std::vector<int> layers;
     std::vector<std::vector<cv::dnn::MatShape>> inputs, results;
@@ -116,7 +116,7 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
       throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
   std::string refusal;
   do {
-    if (++least_side_ > kMaxMinSide) throw Error(path, "takes no RGB picture: " + refusal);
+    if (++least_side_ > kMaxMinSide) throw Error(path, "takes no RGB image: " + refusal);
     refusal = impl_->Try(least_side_);
   } while (!refusal.empty());
   for (size_t i = 0; i < outputs.size(); ++i) {
@@ -132,14 +132,13 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
 OnnxNet::~OnnxNet() = default;
 OnnxNet::OnnxNet(OnnxNet&&) noexcept = default;
 
-std::vector<FeatureMap> OnnxNet::Run(const Image8& picture) {
-  if (picture.channels != 3 || picture.width < least_side_ || picture.height < least_side_)
+std::vector<FeatureMap> OnnxNet::Run(const Image8& image) {
+  if (image.channels != 3 || image.width < least_side_ || image.height < least_side_)
     throw Error(path_,
-                "takes RGB pictures of at least " + SizeText(least_side_, least_side_) + ", not " +
-                    SizeText(picture.width, picture.height) + "x" +
-                    std::to_string(picture.channels));
-  const std::string refusal = impl_->Forward(picture);
-  if (!refusal.empty()) throw Error(path_, "cannot be run on a picture: " + refusal);
+                "takes RGB images of at least " + SizeText(least_side_, least_side_) + ", not " +
+                    SizeText(image.width, image.height) + "x" + std::to_string(image.channels));
+  const std::string refusal = impl_->Forward(image);
+  if (!refusal.empty()) throw Error(path_, "cannot be run on a image: " + refusal);
   std::vector<FeatureMap> maps;
   for (const cv::Mat& map : impl_->maps)
     maps.push_back({map.ptr<float>(), map.size[1], map.size[2], map.size[3]});

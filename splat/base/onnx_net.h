@@ -1,4 +1,4 @@
-// A network stored as ONNX, run on the CPU by OpenCV's dnn: a picture in, feature maps out.
+// A network stored as ONNX, run on the CPU by OpenCV's dnn: an image in, feature maps out.
 // onnx_net.cpp is the only place of the libraries that includes OpenCV for networks.
 #pragma once
 
@@ -21,7 +21,7 @@ struct FeatureMap {
 class OnnxNet {
  public:
   // The file's one input is [1, 3, H, W] for any H and W; `outputs` name maps [1, C, h, w]. Throws
-  // Error when the file cannot be read, lacks an output or takes no such pictures.
+  // Error when the file cannot be read, lacks an output or takes no such images.
   //
   // Turns OpenCV's own threads off for the whole process: its convolutions round differently with
   // the number of threads. To use several cores, run a net in each of several threads.
@@ -33,9 +33,9 @@ class OnnxNet {
   // Least width and height, px: below it some layer would have nothing left.
   int least_side() const { return least_side_; }
 
-  // The outputs for a picture (RGB, scaled from [0, 255] to [-1, 1]). Memory is kept from one
-  // picture to the next of the same size. Throws Error when it is not RGB or too small.
-  std::vector<FeatureMap> Run(const Image8& picture);
+  // The outputs for an image (RGB, scaled from [0, 255] to [-1, 1]). Memory is kept from one
+  // image to the next of the same size. Throws Error when it is not RGB or too small.
+  std::vector<FeatureMap> Run(const Image8& image);
 
  private:
   struct Impl;

@@ -1,9 +1,9 @@
-// LPIPS: how different two pictures look to a network that was trained to recognise things, its
+// LPIPS: how different two images look to a network that was trained to recognise things, its
 // feature maps weighed as people judged (Zhang et al. 2018, The Unreasonable Effectiveness of Deep
-// Features as a Perceptual Metric, eq. 1). Smaller is better; 0 for equal pictures.
+// Features as a Perceptual Metric, eq. 1). Smaller is better; 0 for equal images.
 //
 // The network and the weights are files (docs/lpips.md tells how to make them):
-//   NET_backbone.onnx  picture [1, 3, H, W], RGB in [-1, 1] -> feature maps
+//   NET_backbone.onnx  image [1, 3, H, W], RGB in [-1, 1] -> feature maps
 //   NET_taps.txt       names of the outputs that are compared, in order
 //   NET_lin.npz        lin0, lin1, ...: a weight for each channel of each of them
 #pragma once
@@ -34,7 +34,7 @@ class Lpips {
   Lpips(const std::string& folder, const std::string& net);
 
   std::string net_, backbone_;
-  std::array<OnnxNet, 2> nets_;  // one for each picture: they run side by side
+  std::array<OnnxNet, 2> nets_;  // one for each image: they run side by side
   std::vector<std::vector<float>> weights_;
 };
 

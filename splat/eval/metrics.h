@@ -1,4 +1,4 @@
-// How close a rendered picture is to its photograph.
+// How close a rendered image is to its image.
 #pragma once
 
 #include <string>

@@ -17,7 +17,7 @@ struct NamedCamera {
 // fx}; ids count from 0. Atomic; throws Error.
 void WriteCamerasJson(const std::string& path, const std::vector<NamedCamera>& cameras);
 
-// Principal points, which the file does not hold, are taken to be the pictures' middles. Throws
+// Principal points, which the file does not hold, are taken to be the images' middles. Throws
 // Error naming file and field.
 std::vector<NamedCamera> ReadCamerasJson(const std::string& path);
 

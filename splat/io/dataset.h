@@ -1,4 +1,4 @@
-// A static scene's photographs: pictures, cameras, split and initial points.
+// A static scene's images: images, cameras, split and initial points.
 //
 // splat/io/{colmap,transforms}*.cpp read the layouts that structure-from-motion programs and
 // renderers write into this one structure; the scene trainer and `render` read it.
@@ -21,7 +21,7 @@ struct SceneView {
   std::string mask_path;   // empty, or an image whose first channel becomes alpha
   Camera camera;           // pinhole, at the size that LoadViewImage returns
 
-  // How the file becomes that picture: undistorted from `file_camera` (at the file's size), then
+  // How the file becomes that image: undistorted from `file_camera` (at the file's size), then
   // resized by area.
   Camera file_camera;
   Distortion distortion;
@@ -40,7 +40,7 @@ struct SceneData {
 };
 
 struct SceneOptions {
-  int resolution = 1;  // -r: pictures are divided by this
+  int resolution = 1;  // -r: images are divided by this
   bool eval = false;   // every 8th view by name is the test set, where the data has no own split
   // Every 8th of the training views (as if `eval`) becomes the test set and the real test set is
   // dropped: for choosing hyper-parameters without looking at test views.
@@ -48,7 +48,7 @@ struct SceneOptions {
 };
 
 // Finds the layout by the files present: sparse/ (COLMAP), transforms_train.json (Blender),
-// transforms.json (nerfstudio, instant-ngp). Views are sorted by name. Pictures come from
+// transforms.json (nerfstudio, instant-ngp). Views are sorted by name. Images come from
 // images_<resolution> where that exists and are resized by area otherwise.
 // Throws Error naming file, field and value; frames that cannot be used are skipped and listed.
 SceneData LoadScene(const std::string& path, const SceneOptions& options);

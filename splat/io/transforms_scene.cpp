@@ -108,7 +108,7 @@ fs::path ImageName(const std::string& file_path) {
 }
 
 FoundImage FindFrameImage(const fs::path& folder, const fs::path& name, int resolution) {
-  // Pictures beside the JSON file have no folder of their own that could have reduced siblings.
+  // Images beside the JSON file have no folder of their own that could have reduced siblings.
   const bool has_folder = name.has_parent_path();
   FoundImage found = FindImage((folder / name.parent_path()).string(),
                                name.filename().string(),
@@ -152,7 +152,7 @@ void LoadFrames(const JsonField& file,
     } else if (!view.mask_path.empty() && !fs::is_regular_file(view.mask_path)) {
       skipped.push_back({view.name, "mask " + view.mask_path + " is missing"});
     } else {
-      // Without w and h the intrinsics belong to the full-size picture.
+      // Without w and h the intrinsics belong to the full-size image.
       const fs::path full = folder / name;
       view.distortion = DistortionOf(fields);
       const std::string sized = fs::is_regular_file(full) ? full.string() : found.path;

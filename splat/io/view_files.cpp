@@ -37,7 +37,7 @@ std::vector<std::array<double, 2>> BorderRays(const Camera& target) {
 
 // Whether every border pixel of `target` lies inside the distorted image. Radii must grow along
 // each ray: a distortion polynomial folds back outside the range for which it was fitted, and what
-// comes in again from there is not the picture.
+// comes in again from there is not the image.
 bool CoversBorder(const Camera& lens, const Distortion& distortion, const Camera& target) {
   const auto points = DistortedPixels(lens, distortion, target, BorderRays(target));
   double last_radius = 0;

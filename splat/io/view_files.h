@@ -1,4 +1,4 @@
-// What all scene layouts share: finding a view's picture and fixing the camera that shows it.
+// What all scene layouts share: finding a view's image and fixing the camera that shows it.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace cosplat {
 
-// A picture at 1/resolution, or the means to make it.
+// An image at 1/resolution, or the means to make it.
 struct FoundImage {
   std::string path;            // empty: there is none
   int divide_by = 1;           // what is left to do after the folder's own reduction
@@ -27,14 +27,14 @@ void FinishView(const Camera& lens, int divide_by, SceneView& view);
 
 // The pinhole of the same size, principal point and fx : fy that shows as much as possible of a
 // distorted image while every pixel is covered by it: found by bisection over the focal length,
-// tracing the border. Half the field of view is kept below atan(2): beyond, a flat picture spends
+// tracing the border. Half the field of view is kept below atan(2): beyond, a flat image spends
 // its pixels on the rim. Throws Error(file, ...) when no such camera exists.
 Camera PinholeInside(const std::string& file, const Camera& lens, const Distortion& distortion);
 
 // One function per layout of scene data. Each fills layout, points and skipped, and puts views into
 // `train` (and `test` where the data has its own split); LoadScene splits and checks.
 
-// <path>/sparse/0 or <path>/sparse, with pictures in <path>/images or images_N.
+// <path>/sparse/0 or <path>/sparse, with images in <path>/images or images_N.
 bool IsColmapScene(const std::string& path);
 void LoadColmapScene(const std::string& path, const SceneOptions& options, SceneData& scene);
 

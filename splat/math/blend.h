@@ -174,7 +174,7 @@ COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(T alpha,
   return {weight, d_alpha};
 }
 
-// What a pixel would lose without one splat, C(alpha) - C(0), per channel. The picture is linear in
+// What a pixel would lose without one splat, C(alpha) - C(0), per channel. The image is linear in
 // each alpha, so this is alpha dC/dalpha, exactly. `behind`: what the splats behind it and the
 // background add to the pixel; `transmittance`: before it.
 template <class T>

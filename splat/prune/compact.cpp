@@ -9,7 +9,7 @@ namespace cosplat {
 namespace {
 
 constexpr float kFirst = 1, kRate = 0.01f;
-constexpr float kMaskWeight = 5e-4f;  // of photographs; 4e-3 for synthetic scenes
+constexpr float kMaskWeight = 5e-4f;  // of images; 4e-3 for synthetic scenes
 
 class CompactPruner : public Pruner {
  public:

@@ -1,4 +1,4 @@
-// By what the pictures lose. Score: the squared change of the training pictures when this Gaussian
+// By what the images lose. Score: the squared change of the training images when this Gaussian
 // alone is taken out (splat/render/contribution.h): exact, not a derivative. A few rounds once
 // densification is over, so that neighbours have time to take a Gaussian's place.
 #include <algorithm>

@@ -25,7 +25,7 @@ namespace cosplat {
 // What a pruner sees of the run when it ranks.
 struct PruneContext {
   int iteration = 0;                    // of the step just done, from 1
-  FramePictures& pictures;              // of training frames
+  FrameImages& images;                  // of training frames
   View<const uint32_t> frames;          // that are trained on
   const Gaussians& gaussians;           // coefficients of bands 1.. may be others, on a device
   const DensityStatistics& statistics;  // since the last densification

@@ -11,7 +11,7 @@ namespace cosplat {
 // Of all frames of the context, or of so many.
 inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
                                                  size_t most_frames = size_t(-1)) {
-  return c.pictures.Contributions({c.frames, c.degree, c.background, most_frames});
+  return c.images.Contributions({c.frames, c.degree, c.background, most_frames});
 }
 
 std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,

@@ -8,7 +8,7 @@ namespace cosplat {
 
 enum class PruneRule {
   kNone,
-  kLeaveOneOut,      // ours: by how much the pictures change
+  kLeaveOneOut,      // ours: by how much the images change
   kDcsharp,          // paper: mean |dL/ds|, lowest go
   kDcsharpReleased,  // its released code, faults included
   kDcsharpTriangle,  // kDcsharp with a floor per triangle (avatars)

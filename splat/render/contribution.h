@@ -1,4 +1,4 @@
-// What one Gaussian does for one picture, summed over its pixels.
+// What one Gaussian does for one image, summed over its pixels.
 #pragma once
 
 #include "splat/math/namespace.h"
@@ -8,7 +8,7 @@ namespace cosplat {
 // With alpha and T (the transmittance before it) at a pixel, and Delta the change of the pixel's
 // colour when this Gaussian alone is taken out (math/blend.h, LossWithout):
 struct Contribution {
-  float weight;       // sum of alpha T: its share of the picture, px
+  float weight;       // sum of alpha T: its share of the image, px
   float hits;         // sum of opacity T over the pixels that it reaches (LightGaussian's score)
   float sensitivity;  // sum of (d(red + green + blue)/d(falloff))^2 (Speedy-Splat's score)
   float change;       // sum of |Delta|^2 over the channels

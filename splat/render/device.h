@@ -22,11 +22,11 @@ std::string NameOf(Device device);
 // CPU they always are.
 std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic);
 
-// Of arrays in the host's memory, for single pictures: for a device everything is copied with each
+// Of arrays in the host's memory, for single images: for a device everything is copied with each
 // call. Deterministic.
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
-// For many pictures of one scene; empty for the CPU, which draws by a Rasterizer.
+// For many images of one scene; empty for the CPU, which draws by a Rasterizer.
 SceneRendererMaker SceneRendererOn(Device device);
 
 }  // namespace cosplat

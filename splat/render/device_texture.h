@@ -1,13 +1,13 @@
-// Puts pictures that stayed on a device into an OpenGL texture; the host's memory sees none of it.
+// Puts images that stayed on a device into an OpenGL texture; the host's memory sees none of it.
 //
-// DevicePicture -> Fill -> texture, in the thread that has OpenGL's context.
+// DeviceImage -> Fill -> texture, in the thread that has OpenGL's context.
 #pragma once
 
 #include <functional>
 #include <memory>
 
 #include "splat/render/device.h"
-#include "splat/render/device_picture.h"
+#include "splat/render/device_image.h"
 
 namespace cosplat {
 
@@ -16,9 +16,9 @@ namespace cosplat {
 class DeviceTexture {
  public:
   virtual ~DeviceTexture() = default;
-  // The picture, which is of this device and the texture's size, is in the texture for whatever
+  // The image, which is of this device and the texture's size, is in the texture for whatever
   // OpenGL draws next; it may be drawn over at once. Throws Error where the driver refuses.
-  virtual void Fill(const DevicePicture& picture) = 0;
+  virtual void Fill(const DeviceImage& image) = 0;
 };
 
 // Of a texture (OpenGL's name) with storage for RGBA8, which stays as it is meanwhile. Throws Error

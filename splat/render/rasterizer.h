@@ -97,7 +97,7 @@ class Rasterizer {
                         RenderTape& tape,
                         const WorldGradients& gradients) = 0;
 
-  // What every Gaussian does for the picture that Forward made (with the full exponential), summed
+  // What every Gaussian does for the image that Forward made (with the full exponential), summed
   // over its pixels; 0 where it was not drawn. contributions: [count], overwritten.
   virtual void Contributions(const RenderedImage& image,
                              RenderTape& tape,
@@ -138,7 +138,7 @@ void CheckArguments(const WorldGaussians& gaussians,
 
 // A rasteriser of arrays in the host's memory by one of a device.
 
-// For single pictures: everything is copied there and back with each call.
+// For single images: everything is copied there and back with each call.
 std::unique_ptr<Rasterizer> MakeCopyingRasterizer(std::unique_ptr<Rasterizer> on_device);
 
 }  // namespace cosplat

@@ -1,13 +1,13 @@
 // Draws one scene again and again where that is not the CPU: the device keeps the Gaussians.
 //
-// Gaussians -> SceneRendererOn (splat/render/device.h) -> Draw -> picture.
+// Gaussians -> SceneRendererOn (splat/render/device.h) -> Draw -> image.
 // avatar/play/avatar_renderer.h does the same for avatars.
 #pragma once
 
 #include <functional>
 #include <memory>
 
-#include "splat/render/picture_renderer.h"
+#include "splat/render/image_renderer.h"
 
 namespace cosplat {
 
@@ -15,34 +15,34 @@ class SceneRenderer {
  public:
   // The scene need not outlive the call. Throws Error where the device has no room.
   SceneRenderer(std::unique_ptr<Rasterizer> rasterizer, const Gaussians& scene)
-      : pictures_(std::move(rasterizer)) {
-    gaussians_.Upload(scene, pictures_.stream());
-    pictures_.stream().Wait();
+      : images_(std::move(rasterizer)) {
+    gaussians_.Upload(scene, images_.stream());
+    images_.stream().Wait();
   }
 
   // As Rasterizer::Forward.
   void Draw(const Camera& camera, const RenderSettings& settings, RenderedImage& image) {
     Forward(camera, settings);
-    pictures_.Download(image, times);
+    images_.Download(image, times);
   }
-  // The same, but the picture stays on the device; made where `out` is null, otherwise `out` is of
+  // The same, but the image stays on the device; made where `out` is null, otherwise `out` is of
   // this renderer. The background must be black but with AlphaMode::kOpaque.
   void DrawToStay(const Camera& camera,
                   const RenderSettings& settings,
                   AlphaMode alpha,
-                  std::unique_ptr<DevicePicture>& out) {
+                  std::unique_ptr<DeviceImage>& out) {
     Forward(camera, settings);
-    pictures_.Keep(alpha, out, times);
+    images_.Keep(alpha, out, times);
   }
 
   PhaseTimes times;  // project, sort, blend; the caller resets it
 
  private:
   void Forward(const Camera& camera, const RenderSettings& settings) {
-    pictures_.Forward(ViewOf(gaussians_), gaussians_.basis, camera, settings);
+    images_.Forward(ViewOf(gaussians_), gaussians_.basis, camera, settings);
   }
 
-  PictureRenderer pictures_;
+  ImageRenderer images_;
   Gaussians gaussians_;
 };
 

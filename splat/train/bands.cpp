@@ -11,7 +11,7 @@ namespace {
 constexpr size_t kFramesWeighed = 50;  // at most, evenly spread
 constexpr size_t kFramesJudged = 20;   // likewise
 
-// Squared changes of the pictures, summed over their pixels, when a Gaussian is cut to a degree.
+// Squared changes of the images, summed over their pixels, when a Gaussian is cut to a degree.
 using CutErrors = std::array<double, kMaxTrainedDegree + 1>;
 
 // A pixel changes by alpha T times the change of the colour; alpha is at most the opacity. On
@@ -118,7 +118,7 @@ bool BandSchedule::DropsAt(int iteration, int iterations) {
 }
 
 double DropBandsInTraining(float threshold,
-                           FramePictures& pictures,
+                           FrameImages& images,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
@@ -126,15 +126,15 @@ double DropBandsInTraining(float threshold,
                            const std::function<void()>& changed) {
   const FrameChoice judged{frames, gaussians.degree, background, kFramesJudged};
   const FrameChoice weighed{frames, gaussians.degree, background, kFramesWeighed};
-  const double before = pictures.MeanPsnr(judged);
+  const double before = images.MeanPsnr(judged);
   Weights weights;
-  for (const Contribution& c : pictures.Contributions(weighed)) weights.push_back(c.weight);
+  for (const Contribution& c : images.Contributions(weighed)) weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
   ZeroAbove(gaussians.degrees, adam.m);
   ZeroAbove(gaussians.degrees, adam.v);
   changed();
-  return pictures.MeanPsnr(judged) - before;
+  return images.MeanPsnr(judged) - before;
 }
 
 }  // namespace cosplat

@@ -18,13 +18,13 @@ namespace cosplat {
 // of the colours. In any basis. 1 <= band <= gaussians.degree.
 float BandEnergy(const Gaussians& gaussians, size_t i, int band);
 
-// How much of some pictures each Gaussian is: [N] sums over their pixels of alpha T, its weight.
+// How much of some images each Gaussian is: [N] sums over their pixels of alpha T, its weight.
 using Weights = std::vector<float>;
 
-// Zeroes the highest bands of Gaussians and sets `degrees`. The pictures change by `threshold` (1
+// Zeroes the highest bands of Gaussians and sets `degrees`. The images change by `threshold` (1
 // is the range of the colours), root mean square over what the Gaussians cover, or a little less,
 // as their energies tell; what goes is what changes them least for each of its coefficients. What
-// is in no picture keeps none; bands with numbers that are not finite stay. None comes back.
+// is in no image keeps none; bands with numbers that are not finite stay. None comes back.
 void DropBands(const Weights& weights, float threshold, Gaussians& gaussians);
 
 // Sets what is above each Gaussian's own degree to zero: colours, or what is laid out as they are.
@@ -49,13 +49,13 @@ struct BandSchedule {
   static bool DropsAt(int iteration, int iterations);
 };
 
-// A round of it, with the weights of training pictures (of `frames`) over `background`. Without
+// A round of it, with the weights of training images (of `frames`) over `background`. Without
 // momentum and gradient, what was dropped stays zero. Adam must have caught up
 // (splat/train/optimizer.h). threshold: of all rounds together. `changed` is called when they are
-// gone, before `pictures` are asked again. Returns by how many dB the mean PSNR of up to 20
-// training pictures changes.
+// gone, before `images` are asked again. Returns by how many dB the mean PSNR of up to 20
+// training images changes.
 double DropBandsInTraining(float threshold,
-                           FramePictures& pictures,
+                           FrameImages& images,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,

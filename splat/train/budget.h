@@ -38,7 +38,7 @@ BudgetReport FindBudget(const BudgetSettings& settings,
                         Trainer& trainer,
                         const std::function<void(size_t trial, const StepReport&)>& progress);
 
-// Frames to hold out of `count`: of photographs every eighth, of a video its last fifth.
+// Frames to hold out of `count`: of images every eighth, of a video its last fifth.
 std::vector<uint32_t> FramesForBudget(size_t count, bool video);
 
 }  // namespace cosplat

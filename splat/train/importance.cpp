@@ -12,7 +12,7 @@ namespace {
 constexpr double kVolumeQuantile = 0.9;
 constexpr float kVolumePower = 0.1f;
 
-// Adds up pictures' contributions.
+// Adds up images' contributions.
 class ContributionSum {
  public:
   explicit ContributionSum(size_t count)

@@ -1,5 +1,5 @@
-// How much each Gaussian matters to a set of pictures: what pruners rank by and what compression
-// keeps exact. One pass per picture over what the forward pass drew; sums are exact for the picture
+// How much each Gaussian matters to a set of images: what pruners rank by and what compression
+// keeps exact. One pass per image over what the forward pass drew; sums are exact for the image
 // as it is, with no gradient involved.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace cosplat {
 
-// Pictures to ask, drawn over `background`: of these frames, at most `most_frames` evenly spread.
+// Images to ask, drawn over `background`: of these frames, at most `most_frames` evenly spread.
 struct FrameChoice {
   View<const uint32_t> frames;
   int degree = 0;
@@ -24,7 +24,7 @@ struct FrameChoice {
   size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
 };
 
-// Mean PSNR of these frames, pictures clamped to what bytes can show, dB. Everything is in the
+// Mean PSNR of these frames, images clamped to what bytes can show, dB. Everything is in the
 // memory of the rasteriser's stream.
 double MeanPsnrOfFrames(Subject& subject,
                         const Gaussians& gaussians,
@@ -33,10 +33,10 @@ double MeanPsnrOfFrames(Subject& subject,
                         RenderTape& tape);
 
 // What pruners ask about Gaussians in training: sums over these frames of every Gaussian's
-// contribution to the frame's picture, [N]; and MeanPsnrOfFrames.
-class FramePictures {
+// contribution to the frame's image, [N]; and MeanPsnrOfFrames.
+class FrameImages {
  public:
-  virtual ~FramePictures() = default;
+  virtual ~FrameImages() = default;
   virtual std::vector<Contribution> Contributions(const FrameChoice& choice) = 0;
   virtual double MeanPsnr(const FrameChoice& choice) = 0;
 };
@@ -47,7 +47,7 @@ class FramePictures {
 std::vector<float> Significance(const Gaussians& gaussians,
                                 const std::vector<Contribution>& contributions);
 
-// The same over the pictures of a static scene's cameras, on black.
+// The same over the images of a static scene's cameras, on black.
 std::vector<float> GlobalSignificance(const Gaussians& gaussians,
                                       const std::vector<Camera>& cameras);
 

@@ -24,7 +24,7 @@ class ReducedFrames {
  private:
   const Subject& subject_;
   int downscale_ = 1;
-  std::vector<TrainFrame> reduced_;  // [frames] empty pictures: not yet
+  std::vector<TrainFrame> reduced_;  // [frames] empty images: not yet
   size_t held_ = 0;
 };
 

@@ -41,7 +41,7 @@ class SceneSubject : public Subject {
   float extent_;
 };
 
-// Loads every view's picture, in parallel. Views whose picture cannot be used go from `views` to
+// Loads every view's image, in parallel. Views whose image cannot be used go from `views` to
 // `skipped`.
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
                                         std::vector<SkippedFrame>& skipped);

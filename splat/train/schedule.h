@@ -20,7 +20,7 @@ struct Schedule {
   int size_prune_after = 3000;    // giants are removed from here on
   int position_rate_steps = 30000;
   bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
-  // The sides of the first pictures are divided by two to the power of num_downscales, and double
+  // The sides of the first images are divided by two to the power of num_downscales, and double
   // every so many steps. 3DGS has nothing of the kind.
   int num_downscales = 0;
   int downscale_every = 3000;
@@ -61,7 +61,7 @@ struct Schedule {
   int DegreeAt(int iteration, int highest) const {
     return std::min(highest, iteration / degree_every);
   }
-  // What the sides of a picture are divided by in this step, the first of which is 1.
+  // What the sides of an image are divided by in this step, the first of which is 1.
   int DownscaleAt(int iteration) const {
     return 1 << std::max(0, num_downscales - (iteration - 1) / downscale_every);
   }

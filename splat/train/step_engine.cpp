@@ -407,10 +407,9 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
                                 {choice.background, choice.degree},
                                 image_,
                                 *tape_);
-    device_.rasterizer->Contributions(image_, *tape_, of_picture_);
-    ForEach(count(),
-            stream_,
-            AddContributions{std::as_const(of_picture_).view(), contributions_.view()});
+    device_.rasterizer->Contributions(image_, *tape_, of_image_);
+    ForEach(
+        count(), stream_, AddContributions{std::as_const(of_image_).view(), contributions_.view()});
   }
   std::vector<Contribution> sums(count());
   contributions_.Download(sums.data(), stream_);
@@ -447,8 +446,8 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible)},
       {"density control", density_.held()},
       {"screen gradients", HeldBy(screen_)},
-      {"sums and sorting", stream_.held() + HeldBy(contributions_, of_picture_)},
-      {"picture and its gradient",
+      {"sums and sorting", stream_.held() + HeldBy(contributions_, of_image_)},
+      {"image and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),
        MemoryOf::kPixels},
       {"photographs", targets_.held(), MemoryOf::kPixels},

@@ -45,7 +45,7 @@ struct StepPlan {
   RenderSettings render;
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
-  int downscale = 1;                // the sides of its picture are divided by this
+  int downscale = 1;                // the sides of its image are divided by this
 };
 
 // Where steps are done: the pieces of a back end.
@@ -62,7 +62,7 @@ StepDevice HostStepDevice();
 // has something to do. The number of instances is predicted. Where there are more, the device sets
 // a flag: that step and the one after it, which was submitted already, change nothing, and the host
 // does both again, waiting for the numbers. So a run has the bits of one that always knew.
-class StepEngine : public FramePictures {
+class StepEngine : public FrameImages {
  public:
   // Of a run whose state begins as given, in the host's memory; the first three must outlive it.
   // Throws Error where the rule of pruning works in every step on the host and the device is none.
@@ -174,7 +174,7 @@ class StepEngine : public FramePictures {
   Buffer<double> needle_sums_, needle_counts_;  // [blocks]
   Buffer<NeedleTotal> needles_;                 // [1]
   Buffer<float> moves_;
-  Buffer<Contribution> of_picture_, contributions_;
+  Buffer<Contribution> of_image_, contributions_;
   InstanceForecast forecast_;
   static constexpr size_t kInFlight = 2;
   Submitted steps_[kInFlight];  // in turn

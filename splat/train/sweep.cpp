@@ -10,9 +10,9 @@
 namespace cosplat {
 namespace {
 
-constexpr int kSide = 200;        // px, at most the longer side of the photographs compared
+constexpr int kSide = 200;        // px, at most the longer side of the images compared
 constexpr int kDepths = 256;      // about a pixel apart at that size
-constexpr int kNeighbours = 8;    // photographs that each is compared with
+constexpr int kNeighbours = 8;    // images that each is compared with
 constexpr int kAgreeing = 4;      // of them count: the others may not see the point
 constexpr float kNearest = 0.2f;  // of the distance to what all look at
 // Of the mean over all depths: above it none stands out. Of [0, 255]: above it they do not agree.

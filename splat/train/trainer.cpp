@@ -209,7 +209,7 @@ void Trainer::ControlDensityAt(int iteration) {
   if (drops) DropBands();
 }
 
-// The same for all frames: an engine keeps the pictures of one downscale. None gets smaller than
+// The same for all frames: an engine keeps the images of one downscale. None gets smaller than
 // what a loss with windows can judge.
 int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);

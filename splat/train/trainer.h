@@ -63,7 +63,7 @@ class Trainer {
   // pass: evidence for choices made during the run (splat/train/budget.h).
   void HoldOut(std::vector<uint32_t> frames);
   // Mean PSNR of these frames as they stand, over the background of training (mid-grey where that
-  // is random), pictures clamped to what bytes can show.
+  // is random), images clamped to what bytes can show.
   double PsnrOf(View<const uint32_t> frames);
   // The first step that the rule of pruning has a round after; 0 when there is none.
   int FirstPruneStep() const;

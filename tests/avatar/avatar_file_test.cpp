@@ -204,8 +204,8 @@ TEST_F(AvatarFile, OtherProgramsShowTheRestPose) {
       view.rotation = posed.rotation.data();
       view.scale_log = posed.scale_log.data();
       view.color_frame = posed.frame.data();
-      const auto played = test::Picture(view, basis, degree, camera);
-      const auto shown = test::Picture(standard, camera);
+      const auto played = test::Image(view, basis, degree, camera);
+      const auto shown = test::Image(standard, camera);
       // Measured: 4.2e-7.
       EXPECT_LT(test::LargestDifference(played, shown), 1e-5) << degree;
       EXPECT_LT(*std::min_element(played.transmittance.begin(), played.transmittance.end()), 0.5);

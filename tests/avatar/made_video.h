@@ -59,7 +59,7 @@ inline TrackedVideo MakeSmallVideo(size_t frames, int resolution) {
     frame.timestep = int(f);
     frame.camera = script[f].camera.Resized(kSide / resolution, kSide / resolution);
     frame.params = script[f].params;
-    frame.picture = std::make_shared<const Image8>(Shrunk(large, resolution));
+    frame.image = std::make_shared<const Image8>(Shrunk(large, resolution));
     video.train.push_back(std::move(frame));
   }
   return video;
@@ -90,7 +90,7 @@ inline AvatarSettings SmallAvatar(size_t gaussians) {
   return avatar;
 }
 
-// Frame's picture over white, planar [3, height, width].
+// Frame's image over white, planar [3, height, width].
 inline Buffer<float> Target(const Image8& image) {
   Buffer<float> planar;
   CompositeTarget(image, {1, 1, 1}, planar);

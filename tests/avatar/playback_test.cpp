@@ -1,5 +1,5 @@
 // avatar/play/player.h and avatar/play/playback.h: what is not done again, and what runs beside
-// each other, leaves no trace in the pictures.
+// each other, leaves no trace in the images.
 #include "avatar/play/playback.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ PlaybackFrame FrameAt(int i) {
   return {RestlessParams(Flame(), i), CameraAt(0.1f * float(i), 50, 41), {0.2f, 0.5f, 1}};
 }
 
-bool SamePicture(const RenderedImage& a, const RenderedImage& b) {
+bool SameImage(const RenderedImage& a, const RenderedImage& b) {
   const auto same = [](const Buffer<float>& x, const Buffer<float>& y) {
     return x.size() == y.size() && std::memcmp(x.data(), y.data(), 4 * x.size()) == 0;
   };
@@ -45,7 +45,7 @@ bool SamePicture(const RenderedImage& a, const RenderedImage& b) {
          same(a.transmittance, b.transmittance);
 }
 
-RenderedImage FreshPicture(const PlaybackFrame& f, PlayerSettings settings = {}) {
+RenderedImage FreshImage(const PlaybackFrame& f, PlayerSettings settings = {}) {
   Player player(Painted(), Flame(), settings);
   RenderedImage image;
   player.RenderOver(f.params, f.camera, f.background, image);
@@ -94,7 +94,7 @@ TEST(Player, WhatItRemembersNeverShows) {
     for (int step = 0; step < 40; ++step) {
       ChangeSomething(rng, step, frame);
       player.RenderOver(frame.params, frame.camera, frame.background, image);
-      ASSERT_TRUE(SamePicture(image, FreshPicture(frame, settings))) << step << " half " << half;
+      ASSERT_TRUE(SameImage(image, FreshImage(frame, settings))) << step << " half " << half;
     }
   }
 }
@@ -145,14 +145,14 @@ TEST(Player, RefusesToDrawWhatWasNotPlaced) {
   ExpectError([&] { player.Draw(placed, CameraAt(0, 8, 8), {0, 0, 0}); }, {"placed"});
 }
 
-TEST(Playback, GivesThePlayersPicturesForAnyNumberOfThreads) {
+TEST(Playback, GivesThePlayersImagesForAnyNumberOfThreads) {
   std::vector<PlaybackFrame> frames;
   for (int i = 0; i < 12; ++i) frames.push_back(FrameAt(i));
   frames[4].params = frames[3].params;  // only the camera moves
   frames[5] = frames[4];                // nothing does
   frames[8].params = frames[6].params;  // as two frames before
   std::vector<RenderedImage> expected;
-  for (const PlaybackFrame& f : frames) expected.push_back(FreshPicture(f));
+  for (const PlaybackFrame& f : frames) expected.push_back(FreshImage(f));
   for (const size_t threads : {1, 2, 3}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Player player(Painted(), Flame());
@@ -162,11 +162,11 @@ TEST(Playback, GivesThePlayersPicturesForAnyNumberOfThreads) {
       const RenderedImage* picture =
           i < frames.size() ? playback.Next(frames[i]) : playback.Finish();
       ASSERT_NE(picture, nullptr) << i;
-      EXPECT_TRUE(SamePicture(*picture, expected[i - 1])) << i - 1 << " threads " << threads;
+      EXPECT_TRUE(SameImage(*picture, expected[i - 1])) << i - 1 << " threads " << threads;
     }
     EXPECT_EQ(playback.Finish(), nullptr);
     EXPECT_EQ(playback.Next(frames[7]), nullptr);  // and again
-    EXPECT_TRUE(SamePicture(*playback.Finish(), expected[7]));
+    EXPECT_TRUE(SameImage(*playback.Finish(), expected[7]));
   }
 }
 
@@ -193,12 +193,12 @@ TEST(Playback, AFrameThatCannotBeDrawnIsLostAlone) {
     } else {
       const RenderedImage* picture = step();
       ASSERT_NE(picture, nullptr) << i;
-      EXPECT_TRUE(SamePicture(*picture, FreshPicture(frames[i]))) << i;
+      EXPECT_TRUE(SameImage(*picture, FreshImage(frames[i]))) << i;
     }
   }
 }
 
-TEST(Playback, KeepsTheVerticesOfThePictureThatItReturned) {
+TEST(Playback, KeepsTheVerticesOfTheImageThatItReturned) {
   Player player(Painted(), Flame());
   Playback playback(player);
   for (int i = 0; i < 5; ++i) {

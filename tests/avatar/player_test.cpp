@@ -111,7 +111,7 @@ TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
               0.0f);
   }
   PosedAvatar posed;
-  const RenderedImage expected = Picture(
+  const RenderedImage expected = Image(
       PosedView(g, posed.At(Frame(3).params), model.color_frame), g.basis, 3, Frame(3).camera);
   Player player(model, Flame());
   EXPECT_EQ(player.avatar().gaussians.degrees.front(), 0);
@@ -142,7 +142,7 @@ TEST(Player, ColoursOfTheWorldFrameDoNotTurnWithTheHead) {
   EXPECT_GT(LargestDifference(Render(in_surface, turned), Render(in_world, turned)), 1e-2f);
 }
 
-TEST(Player, StraightAlphaBytesMatchThePicture) {
+TEST(Player, StraightAlphaBytesMatchTheImage) {
   Player player(Trained().Model(), Flame());
   const Image8 bytes = player.Render(Frame(0).params, Frame(0).camera);
   const RenderedImage over_white = Render(player, Frame(0).params);
@@ -200,7 +200,7 @@ TEST(Player, ExpressionsOutOfRangeStayBounded) {
   EXPECT_LE(std::exp(widest), 2);
 }
 
-TEST(Player, AParameterThatIsNotFiniteIsRefusedAndThePictureStays) {
+TEST(Player, AParameterThatIsNotFiniteIsRefusedAndTheImageStays) {
   Player player(Trained().Model(), Flame());
   RenderedImage image = Render(player, Frame(0).params);
   const Buffer<float> color = image.color, transmittance = image.transmittance;
@@ -306,7 +306,7 @@ TEST(Player, TurnsWithoutJumps) {
   const Buffer<float> rest = avatar.At({}).position;
   Buffer<float> last_position, last_frame;
   RenderedImage last;
-  double worst_arc = 0, worst_turn = 0, worst_picture = 0;
+  double worst_arc = 0, worst_turn = 0, worst_image = 0;
   for (int degrees = 0; degrees <= 360; ++degrees) {
     FlameParams params;
     params.pose[0][1] = float(degrees) * kDegree;
@@ -329,15 +329,15 @@ TEST(Player, TurnsWithoutJumps) {
       double squares = 0;
       for (size_t k = 0; k < image.color.size(); ++k)
         squares += std::pow(image.color[k] - last.color[k], 2.0);
-      worst_picture = std::max(worst_picture, std::sqrt(squares / double(image.color.size())));
+      worst_image = std::max(worst_image, std::sqrt(squares / double(image.color.size())));
     }
     last = std::move(image);
   }
   // Measured: 1.08 of the arc at its distance from the axis (5 cm for the axis' own place), 1.002
-  // of the turn, 0.0093 root mean square between neighbouring pictures.
+  // of the turn, 0.0093 root mean square between neighbouring images.
   EXPECT_LT(worst_arc, 1.2);
   EXPECT_LT(worst_turn, 1.05);
-  EXPECT_LT(worst_picture, 0.02);
+  EXPECT_LT(worst_image, 0.02);
 }
 
 }  // namespace

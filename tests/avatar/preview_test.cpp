@@ -18,9 +18,9 @@ namespace {
 
 constexpr int kSizes[][2] = {{1, 1}, {2, 2}, {1, 6}, {7, 1}, {3, 3}, {8, 6}, {9, 14}, {64, 33}};
 
-// A picture at half resolution with `value(plane, x, y)` in pixel (x, y); plane 3: transmittance.
+// An image at half resolution with `value(plane, x, y)` in pixel (x, y); plane 3: transmittance.
 template <class F>
-RenderedImage HalfPicture(int width, int height, const F& value) {
+RenderedImage HalfImage(int width, int height, const F& value) {
   RenderedImage half;
   half.width = (width + 1) / 2;
   half.height = (height + 1) / 2;
@@ -54,14 +54,13 @@ TEST(Preview, HalvesWhereAPointIsSeen) {
   EXPECT_EQ(HalfResolution(camera).height, 1);
 }
 
-TEST(Preview, AFlatPictureStaysExactlyAsItIs) {
+TEST(Preview, AFlatImageStaysExactlyAsItIs) {
   for (const auto& [width, height] : kSizes) {
     RenderedImage out;
-    EnlargeTwice(
-        HalfPicture(width, height, [](int plane, int, int) { return 0.1f + 0.3f * plane; }),
-        width,
-        height,
-        out);
+    EnlargeTwice(HalfImage(width, height, [](int plane, int, int) { return 0.1f + 0.3f * plane; }),
+                 width,
+                 height,
+                 out);
     ASSERT_EQ(out.width, width);
     ASSERT_EQ(out.height, height);
     ASSERT_EQ(out.color.size(), size_t(3 * width * height));
@@ -77,7 +76,7 @@ TEST(Preview, IsBilinearBetweenTheCentresOfItsPixels) {
   for (const auto& [width, height] : kSizes) {
     Rng rng{7};
     const RenderedImage half =
-        HalfPicture(width, height, [&](int, int, int) { return rng.Uniform(); });
+        HalfImage(width, height, [&](int, int, int) { return rng.Uniform(); });
     RenderedImage out;
     EnlargeTwice(half, width, height, out);
     const auto sample = [&](int plane, int x, int y) {
@@ -101,7 +100,7 @@ TEST(Preview, IsBilinearBetweenTheCentresOfItsPixels) {
 
 TEST(Preview, HasTheSameBitsForAnyNumberOfThreads) {
   Rng rng{8};
-  const RenderedImage half = HalfPicture(75, 301, [&](int, int, int) { return rng.Uniform(); });
+  const RenderedImage half = HalfImage(75, 301, [&](int, int, int) { return rng.Uniform(); });
   RenderedImage expected, out;
   EnlargeTwice(half, 75, 301, expected);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
@@ -136,8 +135,8 @@ TEST_F(PreviewPlayer, DrawsAnySize) {
   }
 }
 
-// Nothing is moved: a preview of a picture without detail is the picture.
-TEST_F(PreviewPlayer, IsCloseToTheFullPicture) {
+// Nothing is moved: a preview of an image without detail is the image.
+TEST_F(PreviewPlayer, IsCloseToTheFullImage) {
   for (const int size : {256, 255}) {
     double worst_color = 100, worst_alpha = 100;
     for (const float azimuth : {-0.6f, 0.0f, 0.6f}) {

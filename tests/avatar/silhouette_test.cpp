@@ -73,7 +73,7 @@ TEST(MouthBox, SurroundsTheLips) {
   EXPECT_GT(box[2], 5);
   EXPECT_LT(box[2], 60);
   EXPECT_GT(box[3], 5);
-  // Below the middle of the face, in the middle of the picture.
+  // Below the middle of the face, in the middle of the image.
   EXPECT_NEAR(box[0] + box[2] / 2.0, 48, 4);
   EXPECT_GT(box[1] + box[3] / 2.0, 48);
   EXPECT_LE(box[0] + box[2], 96);

@@ -89,7 +89,7 @@ RenderedImage LastFrame(const Training<>& run, const FlameModel& flame) {
 }
 
 // Everything but logarithms of lengths is multiplied exactly by a power of two; what is left is the
-// rounding of log(s) + log(4). Measured over 59 steps: losses within 7.5e-5, pictures within
+// rounding of log(s) + log(4). Measured over 59 steps: losses within 7.5e-5, images within
 // 0.0023. Not beyond the first densification: which Gaussian is just above a threshold is chaotic.
 TEST(AvatarTrainer, UnitsDoNotMatter) {
   const FlameModel& flame = SmallVideo::Get().flame;
@@ -194,7 +194,7 @@ double HighlightPsnr(const AvatarModel& avatar, const TrackedVideo& video) {
   return -10 * std::log10(sum / double(luma_error.size()));
 }
 
-// Measured: 25.9 against 21.3 dB there, 33.7 against 31.5 dB on the whole picture.
+// Measured: 25.9 against 21.3 dB there, 33.7 against 31.5 dB on the whole image.
 TEST(AvatarTrainer, DirectionMattersOnHighlights) {
   double highlight[2], whole[2];
   for (const int k : {0, 1}) {

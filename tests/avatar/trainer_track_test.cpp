@@ -73,7 +73,7 @@ TEST(AvatarTrack, RefiningItBringsItCloserToTheTruth) {
     avatar.translation_rate = 5e-5f;
     avatar.expression_rate = 5e-3f;
     TrainSettings settings = ShortRun(400, 2000);
-    settings.scale_regularizer.weight = 0;  // the loss is that of the pictures alone
+    settings.scale_regularizer.weight = 0;  // the loss is that of the images alone
     Training<> run(perturbed, avatar, settings);
     loss[refine] = run.Run(400);
     distance[refine] = Distance(run.subject.RefinedTrack(), truth.train);
@@ -98,7 +98,7 @@ TEST(AvatarTrack, WithoutRefinementItStaysAsItIs) {
   }
 }
 
-// The whole chain by hand: parameters -> vertices -> surface -> Gaussians -> picture -> loss.
+// The whole chain by hand: parameters -> vertices -> surface -> Gaussians -> image -> loss.
 class Chain {
  public:
   using Frame = AvatarPoser::Frame;
@@ -144,7 +144,7 @@ class Chain {
     return poser_.Backward(frame, d_vertices);
   }
 
-  // From now on the target is the avatar's own picture with these parameters.
+  // From now on the target is the avatar's own image with these parameters.
   void AimAt(const Frame& frame) {
     Loss(frame);
     target_ = ToBytes(image_.ToImage());
@@ -184,7 +184,7 @@ const Number kNumbers[] = {
     {"y", 1e-3f, [](AvatarPoser::Frame& f) -> float& { return f.translation[1]; }},
     {"z", 4e-3f, [](AvatarPoser::Frame& f) -> float& { return f.translation[2]; }}};
 
-// Slope of the straight line through losses and of that through gradients, over +-reach: pictures
+// Slope of the straight line through losses and of that through gradients, over +-reach: images
 // of splats jump a little where two of them change order and where one fades below 1/255, and many
 // samples even that out.
 void Slopes(Chain& chain, const Number& number, double& measured, double& mean_gradient) {
@@ -203,7 +203,7 @@ void Slopes(Chain& chain, const Number& number, double& measured, double& mean_g
   measured /= squares;
 }
 
-TEST(AvatarTrack, GradientOfThePictureMatchesFiniteDifferences) {
+TEST(AvatarTrack, GradientOfTheImageMatchesFiniteDifferences) {
   const TrackedVideo video = LoadSmallVideo(2, 1);
   Training<> run(video, SmallAvatar(1500), ShortRun(100, 1500));
   run.Run(100);
@@ -288,19 +288,19 @@ TEST_F(BadFrames, NaNInMoreThanAThirdOfTheTrackIsAnError) {
   ExpectError([&] { Load(); }, {folder_.path(), "12 of 24", "expression[3]"});
 }
 
-TEST_F(BadFrames, AMissingPictureCostsItsFrame) {
+TEST_F(BadFrames, AMissingImageCostsItsFrame) {
   fs::remove(folder_ / "image/5.png");
   ExpectTrains(Load(), 19, 1);
 }
 
-TEST_F(BadFrames, PicturesThatBreakAfterTheTrackWasReadCostTheirFrames) {
+TEST_F(BadFrames, ImagesThatBreakAfterTheTrackWasReadCostTheirFrames) {
   const TrackedVideo video = Load();
   fs::remove(folder_ / "image/5.png");
   fs::resize_file(folder_ / "image/6.png", 200);
   ExpectTrains(video, 18, 2);
 }
 
-TEST_F(BadFrames, MoreThanAThirdOfThePicturesIsAnError) {
+TEST_F(BadFrames, MoreThanAThirdOfTheImagesIsAnError) {
   const TrackedVideo video = Load();
   for (int i = 1; i <= 9; ++i) fs::remove(folder_ / ("image/" + std::to_string(i) + ".png"));
   const auto make = [&] { AvatarSubject(SmallVideo::Get().flame, video, SmallAvatar(300)); };

@@ -1,4 +1,4 @@
-// The photometric loss with its gradient: L1 and SSIM against an RGB photograph, for each
+// The photometric loss with its gradient: L1 and SSIM against an RGB image, for each
 // instruction set, on one thread and on two.
 //   cosplat_bench_loss      prints ns per pixel (three channels)
 #include <hwy/targets.h>
@@ -14,11 +14,11 @@
 namespace cosplat {
 namespace {
 
-struct Pictures {
+struct Images {
   Buffer<float> rendered;
   Image8 target;
 
-  Pictures(int width, int height) : rendered(3 * size_t(width) * height), target(width, height, 3) {
+  Images(int width, int height) : rendered(3 * size_t(width) * height), target(width, height, 3) {
     Rng rng{1};
     for (float& v : rendered) v = rng.Uniform();
     for (uint8_t& b : target.data) b = uint8_t(256 * rng.Uniform());
@@ -26,7 +26,7 @@ struct Pictures {
 };
 
 // The fastest of many runs, so that a busy machine spoils little.
-double NsPerPixel(const Pictures& pictures, int threads) {
+double NsPerPixel(const Images& images, int threads) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   PhotometricLoss loss;
   Buffer<float> d_rendered;
@@ -34,12 +34,12 @@ double NsPerPixel(const Pictures& pictures, int threads) {
   double best = 1e30, total = 0;
   while (total < kSeconds) {
     const auto start = std::chrono::steady_clock::now();
-    loss.Evaluate({}, pictures.rendered, pictures.target, {0, 0, 0}, d_rendered);
+    loss.Evaluate({}, images.rendered, images.target, {0, 0, 0}, d_rendered);
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     best = std::min(best, time.count());
     total += time.count();
   }
-  return 1e9 * best / double(pictures.target.pixels());
+  return 1e9 * best / double(images.target.pixels());
 }
 
 void Run() {
@@ -48,8 +48,8 @@ void Run() {
     hwy::SetSupportedTargetsForTest(target);
     // Fox at -r 8, an avatar's video, full HD.
     for (const auto& [width, height] : {std::pair{133, 237}, {512, 512}, {1920, 1080}}) {
-      const Pictures pictures(width, height);
-      const double one = NsPerPixel(pictures, 1), two = NsPerPixel(pictures, 2);
+      const Images images(width, height);
+      const double one = NsPerPixel(images, 1), two = NsPerPixel(images, 2);
       std::printf("%-10s    %4dx%-4d  %8.2f  %9.2f  %6.2f\n",
                   hwy::TargetName(target),
                   width,

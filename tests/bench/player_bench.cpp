@@ -22,7 +22,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kSize = 512, kFrames = 24, kRepeats = 5;
-constexpr float kDistance = 0.80f;  // metres: the head covers two fifths of the picture
+constexpr float kDistance = 0.80f;  // metres: the head covers two fifths of the image
 
 using Clock = std::chrono::steady_clock;
 double MillisecondsSince(Clock::time_point start) {

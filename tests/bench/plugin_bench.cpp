@@ -83,14 +83,14 @@ class Show {
     return Draw(parameters);
   }
   const Pixels& Draw(const cosplat_parameters& parameters) {
-    cosplat_picture picture = {};
-    picture.struct_size = sizeof(picture);
-    picture.width = picture.height = kSide;
-    picture.pixels = pixels_.data();
-    picture.depth = depth_.empty() ? nullptr : depth_.data();
+    cosplat_picture image = {};
+    image.struct_size = sizeof(image);
+    image.width = image.height = kSide;
+    image.pixels = pixels_.data();
+    image.depth = depth_.empty() ? nullptr : depth_.data();
     Check(cosplat_set_parameters(avatar_, &parameters), avatar_);
     Check(cosplat_advance(avatar_, parameters.time_ns), avatar_);
-    Check(cosplat_render(avatar_, &picture), avatar_);
+    Check(cosplat_render(avatar_, &image), avatar_);
     return pixels_;
   }
   // Milliseconds from parameters to pixels.
@@ -167,8 +167,8 @@ void Memory(const Files& files) {
 // Avatar a's frame f of a show.
 int FrameOf(size_t a, int f) { return 100 * int(a) + f; }
 
-// Milliseconds per picture of `count` avatars, drawn in turn or each by a thread of its own;
-// `unlike`: pictures at the end that are not those drawn alone.
+// Milliseconds per image of `count` avatars, drawn in turn or each by a thread of its own;
+// `unlike`: images at the end that are not those drawn alone.
 struct Crowd {
   double milliseconds = 0;
   int unlike = 0;
@@ -200,7 +200,7 @@ void Many(const Files& files) {
   constexpr int kLast = 41;
   std::vector<Pixels> alone;
   for (size_t a = 0; a < kMax; ++a) alone.push_back(Show(files).Draw(FrameOf(a, kLast)));
-  std::printf("avatars  ms per picture in turn  a thread each  pictures unlike those alone\n");
+  std::printf("avatars  ms per image in turn  a thread each  images unlike those alone\n");
   for (const size_t count : {1, 2, 4, 8, 16}) {
     const Crowd turn = DrawCrowd(files, count, false, alone);
     const Crowd threads = DrawCrowd(files, count, true, alone);
@@ -212,7 +212,7 @@ void Many(const Files& files) {
   }
 }
 
-// Pictures so small need fewer Gaussians.
+// Images so small need fewer Gaussians.
 void Soak(const Files&) {
   const Files files(kFewGaussians);
   const test::Soak::Settings settings{files.avatar, files.flame, 200000, 97, kSmallSide};
@@ -233,7 +233,7 @@ void Soak(const Files&) {
               static_cast<unsigned long long>(r.late),
               r.unexpected);
   std::printf(
-      "  unlike a new avatar with all the inputs: %d of %d pictures; with the shown frame"
+      "  unlike a new avatar with all the inputs: %d of %d images; with the shown frame"
       " alone: %d of %d\n",
       r.unlike_replayed,
       r.checkpoints,

@@ -1,9 +1,9 @@
-// Pictures from the emulated device in the viewer's OpenGL texture (Mesa's, on a virtual display):
+// Images from the emulated device in the viewer's OpenGL texture (Mesa's, on a virtual display):
 // what is in it, what is registered of it, and what happens where it cannot be shared.
 #include <gtest/gtest.h>
 
 #include "apps/viewer/gl_window.h"
-#include "apps/viewer/picture_texture.h"
+#include "apps/viewer/image_texture.h"
 #include "avatar/play/avatar_renderer.h"
 #include "splat/base/image_io.h"
 #include "tests/support/cuda_on_host/cuda_gl_interop.h"
@@ -15,7 +15,7 @@ namespace {
 
 using cuda_on_host::CountsOfGl;
 using cuda_on_host::GlKind;
-using viewer::PictureTexture;
+using viewer::ImageTexture;
 using viewer::Shot;
 using viewer::Stage;
 
@@ -50,7 +50,7 @@ class GlTexture : public testing::Test {
     if (!Display().there_is()) GTEST_SKIP() << "Xvfb is not installed";
     cuda_on_host::ResetGl();
     window = std::make_unique<viewer::GlWindow>("test", kSmall);
-    texture = std::make_unique<PictureTexture>(DeviceTextureOn(Device::kCuda));
+    texture = std::make_unique<ImageTexture>(DeviceTextureOn(Device::kCuda));
   }
   void TearDown() override {
     if (!texture) return;
@@ -59,7 +59,7 @@ class GlTexture : public testing::Test {
     EXPECT_EQ(CountsOfGl().faults, 0);
     EXPECT_TRUE(cuda_on_host::HasFinished());
   }
-  // What Show puts into the texture is the picture that the stage draws for the host.
+  // What Show puts into the texture is the image that the stage draws for the host.
   void ExpectShown(Stage& stage, const Shot& shot) {
     ASSERT_TRUE(stage.DrawsOnDevice(shot));
     stage.DrawToStay(shot, stays);
@@ -74,11 +74,11 @@ class GlTexture : public testing::Test {
   }
 
   std::unique_ptr<viewer::GlWindow> window;
-  std::unique_ptr<PictureTexture> texture;
-  std::unique_ptr<DevicePicture> stays;
+  std::unique_ptr<ImageTexture> texture;
+  std::unique_ptr<DeviceImage> stays;
 };
 
-TEST_F(GlTexture, HasTheHostsPicture) {
+TEST_F(GlTexture, HasTheHostsImage) {
   for (const viewer::Content& content : {SmallScene(), PaintedHead()}) {
     Stage stage(viewer::Content(content), OnDevice());
     stays.reset();
@@ -141,12 +141,12 @@ TEST(DeviceStage, DrawsSplatsAlone) {
   EXPECT_TRUE(device.DrawsOnDevice(shot));
   shot.view = viewer::View::kEllipsoids;
   EXPECT_FALSE(device.DrawsOnDevice(shot));
-  std::unique_ptr<DevicePicture> stays;
+  std::unique_ptr<DeviceImage> stays;
   shot = ShotOf(SmallScene(), 0, 30, false);
   ExpectError([&] { device.DrawToStay(shot, stays); }, {"no pixels"});
 }
 
-// The whole window, whose pictures are drawn in another thread.
+// The whole window, whose images are drawn in another thread.
 class DeviceWindow : public Window {
  protected:
   DeviceWindow() : Window(OnDevice(), {kSmall, "", DeviceTextureOn(Device::kCuda)}) {
@@ -210,7 +210,7 @@ TEST_F(DeviceWindow, GoesThroughTheHostWhereItMust) {
     cuda_on_host::ResetGl();
     cuda_on_host::SetGlKind(kind);
     Open(kSmall);
-    EXPECT_EQ(window->notice().find("Pictures pass through the host's memory: "), 0u)
+    EXPECT_EQ(window->notice().find("Images pass through the host's memory: "), 0u)
         << window->notice();
     ExpectShown();
     Press(GLFW_KEY_N);

@@ -32,7 +32,7 @@ TEST_F(NoWait, AStepIsAlwaysQueued) {
   run.settings.scale_regularizer = {0.5f, 0.01f, 1.2f};
   SceneSubject subject(run.frames, 1);
   Trainer trainer(run.settings, subject, run.first, WithMargin(4));
-  for (int i = 0; i < 8; ++i) trainer.Step();  // every photograph was sent, every array has grown
+  for (int i = 0; i < 8; ++i) trainer.Step();  // every image was sent, every array has grown
   for (int i = 0; i < 6; ++i) {
     const Waits before = cuda_on_host::WaitsSoFar();
     trainer.Step();

@@ -60,7 +60,7 @@ TEST(Raster, CentroidOfASmallSquareLiesOnItsProjection) {
     for (int k = 0; k < 3; ++k) p[i] += double(camera.rotation[3 * i + k]) * center[k];
     p[i] += camera.translation[i];
   }
-  // Corners offset along the camera's own axes: a square parallel to the picture.
+  // Corners offset along the camera's own axes: a square parallel to the image.
   std::vector<float> vertices;
   for (const auto& corner : {std::array<float, 2>{-1, -1}, {-1, 1}, {1, 1}, {1, -1}})
     for (int k = 0; k < 3; ++k)
@@ -142,8 +142,8 @@ TEST(Raster, NearerSurfaceHidesTheOther) {
 }
 
 TEST(Raster, InterpolatesWithPerspective) {
-  // Corner 0 at depth 1, corners 1 and 2 at depth 4, all in the plane x = const of the picture's
-  // middle column: at the picture's point y the weight solves the perspective division.
+  // Corner 0 at depth 1, corners 1 and 2 at depth 4, all in the plane x = const of the image's
+  // middle column: at the image's point y the weight solves the perspective division.
   const Camera camera = FrontCamera(64);
   const std::vector<float> vertices = {0, -0.4f, 1, -1.6f, 1.6f, 4, 1.6f, 1.6f, 4};
   const Image8 image = Rasterize(vertices, {{0, 1, 2}}, camera, FirstWeight());

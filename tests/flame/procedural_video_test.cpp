@@ -30,7 +30,7 @@ std::vector<float> Posed(const FlameParams& params) {
   return vertices;
 }
 
-TEST(ProceduralVideo, PicturesDoNotDependOnTheNumberOfThreads) {
+TEST(ProceduralVideo, ImagesDoNotDependOnTheNumberOfThreads) {
   const auto script = procedural::MakeScript({30, 5, 128, 3});
   const auto vertices = Posed(script[20].params);
   auto render = [&](int threads) {
@@ -57,7 +57,7 @@ class Tip : public procedural::Shader {
   int vertex_;
 };
 
-// The same camera through a magnifying glass held before the point (x, y) of the picture.
+// The same camera through a magnifying glass held before the point (x, y) of the image.
 Camera Magnified(const Camera& camera, double x, double y, float zoom, int size) {
   Camera c = camera;
   c.width = c.height = size;

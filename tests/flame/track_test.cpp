@@ -28,7 +28,7 @@ struct GlPose {
 };
 GlPose PoseOf(int i) { return {0.1 * i, {0.01 * i, -0.02, -1.2 - 0.01 * i}}; }
 
-Image8 Picture(int index, int channels) {
+Image8 Image(int index, int channels) {
   Image8 image(kWidth, kHeight, channels, uint8_t(10 * index));
   if (channels == 4)
     for (size_t i = 0; i < image.pixels(); ++i) image.data[4 * i + 3] = i % 2 ? 255 : 0;
@@ -66,7 +66,7 @@ struct Imavatar {
   void WriteImages(int channels, const std::string& name = "image") const {
     MakeDirectories(folder / name);
     for (size_t i = 1; i <= json["frames"].size(); ++i)
-      WriteImage(folder / (name + "/" + std::to_string(i) + ".png"), Picture(int(i), channels));
+      WriteImage(folder / (name + "/" + std::to_string(i) + ".png"), Image(int(i), channels));
   }
 
   void WriteMasks() const {
@@ -117,7 +117,7 @@ struct Vhap {
            {"timestep_index", i},
            {"camera_index", 0},
            {"transform_matrix", matrix}});
-      WriteImage(folder / ("images/" + stem + ".png"), Picture(i + 1, 4));
+      WriteImage(folder / ("images/" + stem + ".png"), Image(i + 1, 4));
       FillParams(i);
     }
   }
@@ -257,7 +257,7 @@ TEST(TrackedVideo, AlphaComesFromTheImageOrElseTheMask) {
   EXPECT_EQ(image.at(3, 3, 0), 20);
   EXPECT_EQ(image.at(3, 3, 3), 255);
   EXPECT_EQ(image.at(20, 3, 3), 0);
-  // Half the size: cameras and pictures alike.
+  // Half the size: cameras and images alike.
   video = rgb.Load({.resolution = 2});
   EXPECT_EQ(video.train[1].camera.width, kWidth / 2);
   EXPECT_FLOAT_EQ(video.train[1].camera.fx, 32);
@@ -277,7 +277,7 @@ TEST(TrackedVideo, ImagesIsPreferredToImage) {
 TEST(TrackedVideo, AVideoFileServesAsImages) {
   Imavatar set(5);
   VideoWriter writer(set.folder / "video.mp4", kWidth, kHeight, 25);
-  for (int i = 1; i <= 4; ++i) writer.Write(Picture(4 * i, 3));
+  for (int i = 1; i <= 4; ++i) writer.Write(Image(4 * i, 3));
   writer.Finish();
   set.WriteMasks();
   const TrackedVideo video = set.Load({.test_frames = 1});
@@ -336,13 +336,13 @@ TEST(TrackedVideo, SizesThatDisagree) {
   ExpectError([&] { LoadTrackedImage(video, video.train[2]); }, {"image/3.png"});
 }
 
-TEST(TrackedVideo, APictureInMemoryNeedsNoFile) {
+TEST(TrackedVideo, AImageInMemoryNeedsNoFile) {
   TrackedFrame frame;
   frame.image_path = "/nowhere.png";
-  frame.picture = std::make_shared<const Image8>(3, 2, 4, uint8_t(7));
+  frame.image = std::make_shared<const Image8>(3, 2, 4, uint8_t(7));
   const Image8 image = LoadTrackedImage({}, frame);
   EXPECT_EQ(image.channels, 4);
-  EXPECT_EQ(image.data, frame.picture->data);
+  EXPECT_EQ(image.data, frame.image->data);
 }
 
 TEST(TrackedVideo, DrivingNeedsNoImages) {

@@ -46,14 +46,14 @@ class DeviceAvatarStep {
     return poser_.Pose(made_.rigs[size_t(frame) % kPoses], stream());
   }
   void Draw(int frame) {
-    Draw(Pose(frame), picture_tape_);
-    most_ = std::max(most_, picture_tape_.capacity());  // which waits to have as many as there are
+    Draw(Pose(frame), image_tape_);
+    most_ = std::max(most_, image_tape_.capacity());  // which waits to have as many as there are
   }
 
   void Train(int frame, bool track) {
     const std::vector<float>& posed = made_.poses[size_t(frame) % kPoses];
     vertices_.Upload(posed.data(), posed.size(), stream());
-    // Waits for nothing: as many instances as any picture had before, and some.
+    // Waits for nothing: as many instances as any image had before, and some.
     if (most_ > 0) tape_.lists.Expect(most_ + most_ / 8, exceeded_.data());
     Draw(vertices_, tape_);
     Step(track);
@@ -108,12 +108,12 @@ class DeviceAvatarStep {
   std::vector<float> d_vertices_on_host_;
   WorldGaussians world_;
   RenderedImage image_;
-  cuda::CudaTape picture_tape_{false, cuda::SumOrder::kAny}, tape_{true, cuda::SumOrder::kAny};
+  cuda::CudaTape image_tape_{false, cuda::SumOrder::kAny}, tape_{true, cuda::SumOrder::kAny};
   Buffer<uint8_t> target_bytes_;
   TargetView target_;
   std::unique_ptr<StepLoss> loss_ = cuda::MakeCudaLoss();
   AdamState adam_;
-  size_t most_ = 0;  // instances of a picture
+  size_t most_ = 0;  // instances of an image
   Buffer<uint32_t> exceeded_;
   Readback<uint32_t> readback_;
   AdamSettings rates_;

@@ -8,14 +8,14 @@ namespace cosplat::test {
 
 struct AvatarTimes {
   size_t gaussians = 0, triangles = 0;
-  int side = 0;                  // px, of a square picture
+  int side = 0;                  // px, of a square image
   double pose_ms = 0;            // parameters up, posed vertices on the device
-  double frame_ms = 0;           // the same, surface, binding, picture on the device
-  double frame_to_host_ms = 0;   // the same, and the picture down
+  double frame_ms = 0;           // the same, surface, binding, image on the device
+  double frame_to_host_ms = 0;   // the same, and the image down
   double step_ms = 0;            // posed vertices up, a frame, loss, gradients, Adam; any order
   double step_and_track_ms = 0;  // with dL/d(vertices), down
-  double cpu_frame_ms = 0;       // the CPU's surface, binding and picture of posed vertices
-  double psnr = 0;               // of the device's picture to the CPU's
+  double cpu_frame_ms = 0;       // the CPU's surface, binding and image of posed vertices
+  double psnr = 0;               // of the device's image to the CPU's
 };
 
 // Of a made avatar on a mesh of about FLAME's size, another pose in every frame. `tiny`: a few

@@ -1,5 +1,5 @@
 // The training step on a device beside the CPU's, on the same views; see tests/gpu/run.sh.
-//   cosplat_bench_cuda --out FILE.json [--picture FILE.ppm] [--tiny]
+//   cosplat_bench_cuda --out FILE.json [--image FILE.ppm] [--tiny]
 // --tiny: one view of a few hundred Gaussians, to see that it works.
 //   cosplat_bench_cuda scene FILE ...   a whole training: scene_times.h
 #include <chrono>
@@ -26,7 +26,7 @@ struct Size {
   size_t gaussians = 0;
   int width = 0, height = 0;
 };
-// An avatar's video; the size of 3DGS's synthetic scenes; a photograph.
+// An avatar's video; the size of 3DGS's synthetic scenes; an image.
 const std::vector<Size> kSizes{{20000, 512, 512}, {200000, 800, 800}, {2000000, 1600, 1064}};
 const std::vector<Size> kTinySizes{{300, 48, 40}};
 constexpr int kSteps = 50, kTinySteps = 1;
@@ -95,7 +95,7 @@ double FastestCpuStepMs(CpuStep& step) {
   return 1e3 * fastest;
 }
 
-// The device's first picture and gradients beside the CPU's.
+// The device's first image and gradients beside the CPU's.
 void CompareFirstStep(const SyntheticView& view, CpuStep& cpu, Result& result) {
   cpu.Run();
   const auto device = StepOn(view, cuda::SumOrder::kFixed);
@@ -251,7 +251,7 @@ void Print(const Result& r) {
                 1e-6 * r.any.stages[k].bytes / r.any.stages[k].ms);
 }
 
-// Far below what any right picture and gradient give, far above what a wrong one does.
+// Far below what any right image and gradient give, far above what a wrong one does.
 constexpr double kMinPsnr = 50;
 bool IsRight(const Result& r) { return r.same_bits && r.psnr > kMinPsnr && r.cosine > 0.999; }
 
@@ -289,7 +289,7 @@ Options Parse(int argc, char** argv) {
     const std::string name = argv[i];
     if (name == "--tiny")
       o.tiny = true;
-    else if ((name == "--out" || name == "--picture") && i + 1 < argc)
+    else if ((name == "--out" || name == "--image") && i + 1 < argc)
       (name == "--out" ? o.out : o.picture) = argv[++i];
     else
       throw Error("", name, "is not known, or lacks its value");

@@ -16,7 +16,7 @@
 
 namespace cosplat::test {
 
-constexpr float kRadius = 0.12f, kDistance = 0.55f;  // metres: half of the picture
+constexpr float kRadius = 0.12f, kDistance = 0.55f;  // metres: half of the image
 constexpr int kPoses = 8, kExpressions = 100;
 
 // FLAME's arrays for a ball.

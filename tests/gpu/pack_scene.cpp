@@ -1,4 +1,4 @@
-// Writes a scene into one file for a machine that can decode no pictures (packed_scene.h):
+// Writes a scene into one file for a machine that can decode no images (packed_scene.h):
 //   cosplat_pack_scene FOLDER FILE [--every-test N] [--resolution N]
 // Loaded and split as `cosplat train-scene --eval` does; of the test views every N-th.
 #include <cstdio>

@@ -28,7 +28,7 @@ struct ViewHeader {
 };
 static_assert(sizeof(Header) == 20 && sizeof(ViewHeader) == 76);
 
-// Where plane p of a picture is: a channel, less green where it is red or blue.
+// Where plane p of an image is: a channel, less green where it is red or blue.
 struct Plane {
   int channel;
   bool less_green;
@@ -45,7 +45,7 @@ uint8_t Predicted(const std::vector<uint8_t>& plane, size_t i, int x, int width,
   return uint8_t(std::clamp(a + b - c, std::min(a, b), std::max(a, b)));
 }
 
-void WritePicture(std::ostream& out, const Image8& image) {
+void WriteImage(std::ostream& out, const Image8& image) {
   std::vector<uint8_t> plane(image.pixels()), left(image.pixels());
   for (int p = 0; p < image.channels; ++p) {
     const Plane from = PlaneOf(image.channels, p);
@@ -89,11 +89,11 @@ class Input {
   size_t left_ = 0;
 };
 
-Image8 ReadPicture(Input& in, const ViewHeader& view) {
+Image8 ReadImage(Input& in, const ViewHeader& view) {
   Image8 image(view.width, view.height, view.channels);
   std::vector<uint8_t> planes[4];
   for (int p = 0; p < view.channels; ++p) {
-    std::vector<uint8_t> plane = in.Take<uint8_t>(image.pixels(), "pictures");
+    std::vector<uint8_t> plane = in.Take<uint8_t>(image.pixels(), "images");
     for (size_t i = 0; i < plane.size(); ++i)
       plane[i] = uint8_t(
           plane[i] +
@@ -165,7 +165,7 @@ void WritePackedScene(std::ostream& out, const TrainingScene& scene) {
       Put(out, &view, 1);
     }
   for (const auto* frames : {&scene.train, &scene.test})
-    for (const TrainFrame& frame : *frames) WritePicture(out, frame.target);
+    for (const TrainFrame& frame : *frames) WriteImage(out, frame.target);
 }
 
 TrainingScene ReadPackedScene(const std::string& path) {
@@ -183,17 +183,17 @@ TrainingScene ReadPackedScene(const std::string& path) {
   scene.point_colors = in.Take<uint8_t>(3 * size_t(header.points), "colours of points");
   const size_t count = size_t(header.train) + header.test;
   const std::vector<ViewHeader> views = in.Take<ViewHeader>(count, "cameras");
-  size_t pictures = 0;
+  size_t images = 0;
   for (size_t i = 0; i < count; ++i) {
     Check(in, views[i], "view " + std::to_string(i));
-    pictures += size_t(views[i].width) * size_t(views[i].height) * size_t(views[i].channels);
+    images += size_t(views[i].width) * size_t(views[i].height) * size_t(views[i].channels);
   }
-  if (pictures != in.left())
-    in.Refuse("pictures",
-              std::to_string(in.left()) + " bytes are left, expected " + std::to_string(pictures));
+  if (images != in.left())
+    in.Refuse("images",
+              std::to_string(in.left()) + " bytes are left, expected " + std::to_string(images));
   for (size_t i = 0; i < count; ++i)
     (i < header.train ? scene.train : scene.test)
-        .push_back({CameraOf(views[i]), ReadPicture(in, views[i])});
+        .push_back({CameraOf(views[i]), ReadImage(in, views[i])});
   return scene;
 }
 

@@ -3,7 +3,7 @@
 # CMake, ninja, a C++ compiler): builds the lean configuration, runs the parity tests, which fail
 # where there is no device, compute-sanitizer's tools over small cases, the tests over and over, and
 # the benchmark, and whole trainings of the scene that tests/gpu/carry.sh --scene packed. Writes
-# summary.json, bench.json, scene.json, scene_pruned.json, picture.ppm and log.txt. Prints a table at
+# summary.json, bench.json, scene.json, scene_pruned.json, image.ppm and log.txt. Prints a table at
 # the end; exits with 0 only if all of it passed. There is no display on such a machine: OpenGL's
 # textures (splat/render/cuda/gl_texture.cpp) are not covered.
 set -uo pipefail
@@ -160,7 +160,7 @@ step repeats 60 "$tests" --gtest_repeat=10 --gtest_break_on_failure \
   --gtest_filter='*SameBits*:*LeavesNoTrace*:StepParity.*'
 step training 60 "$training"
 step avatar 60 "$avatar"
-step bench 150 "$bench" --out "$out/bench.json" --picture "$out/picture.ppm"
+step bench 150 "$bench" --out "$out/bench.json" --image "$out/image.ppm"
 train_scene
 if $dry || command -v compute-sanitizer >/dev/null; then
   sanitize memcheck --leak-check full

@@ -356,7 +356,7 @@ TEST_F(BadInput, FilesOfARunAreDamaged) {
     }
     Spill(folder_ / ("run/" + file), good);
   }
-  Spill(folder_ / "run/test/ours_60/renders/00001.png", "no picture");
+  Spill(folder_ / "run/test/ours_60/renders/00001.png", "no image");
   Expect({"metrics", "-m", "$/run"}, {"$/run/test/ours_60/renders/00001.png"});
   fs::remove_all(folder_ / "run/test");
   Expect({"metrics", "-m", "$/run"}, {"$/run"});

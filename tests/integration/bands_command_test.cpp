@@ -64,10 +64,10 @@ void ExpectDropped(const CommandResult& trained,
   ExpectSays(Cosplat({"info", folder}), "bands dropped: mean degree ");
   EXPECT_EQ(Cosplat({"report", "-m", folder, "--quiet"}).code, 0);
   EXPECT_NE(Slurp(folder + "/report.html").find("Coefficients dropped"), std::string::npos);
-  const std::string picture = folder + "/test/ours_" + iterations + "/renders/00000.png";
-  const Image8 before = ReadImage(picture);
+  const std::string image = folder + "/test/ours_" + iterations + "/renders/00000.png";
+  const Image8 before = ReadImage(image);
   EXPECT_EQ(Cosplat({"render", "-m", folder, "--quiet"}).code, 0);
-  const Image8 after = ReadImage(picture);
+  const Image8 after = ReadImage(image);
   ASSERT_EQ(before.data.size(), after.data.size());
   int most = 0;
   for (size_t i = 0; i < after.data.size(); ++i)

@@ -69,12 +69,12 @@ TEST_F(BasisCommand, WhatIsTrainedInTheReleasedBasisIsRenderedFromItsFile) {
   ASSERT_EQ(TrainAvatar("avatar", {"--basis", "dcsh-released", "--quiet"}).code, 0);
   for (const auto& [folder, iterations] :
        {std::pair{folder_ / "scene", "60"}, std::pair{folder_ / "avatar", "20"}}) {
-    const std::string picture =
+    const std::string image =
         folder + "/test/ours_" + std::string(iterations) + "/renders/00000.png";
-    const Image8 trained = ReadImage(picture);
+    const Image8 trained = ReadImage(image);
     const CommandResult rendered = Cosplat({"render", "-m", folder, "--quiet"});
     EXPECT_EQ(rendered.code, 0) << rendered.err;
-    const Image8 read = ReadImage(picture);
+    const Image8 read = ReadImage(image);
     ASSERT_EQ(trained.data.size(), read.data.size());
     int most = 0;
     for (size_t i = 0; i < read.data.size(); ++i)

@@ -117,7 +117,7 @@ TEST(Cli, WritesStatistics) {
   EXPECT_EQ(ReadJson(Made().avatar + "/stats.json")["iterations"], 60);
 }
 
-TEST(Cli, WritesSplatsCamerasAndTestPictures) {
+TEST(Cli, WritesSplatsCamerasAndTestImages) {
   const Json stats = ReadJson(Made().avatar + "/stats.json");
   const Gaussians last = ReadPly(Made().avatar + "/point_cloud/iteration_60/point_cloud.ply");
   EXPECT_EQ(last.size(), stats["gaussians"].get<size_t>());
@@ -206,7 +206,7 @@ TEST(Cli, DrivesAnAvatarWithAnotherSequence) {
             50);
 }
 
-double PictureError(const Image8& a, const Image8& b) {
+double ImageError(const Image8& a, const Image8& b) {
   if (a.data.size() != b.data.size()) return 255;
   double squares = 0;
   for (size_t i = 0; i < a.data.size(); ++i)
@@ -214,7 +214,7 @@ double PictureError(const Image8& a, const Image8& b) {
   return std::sqrt(squares / double(a.data.size()));
 }
 
-TEST(Cli, APreviewHasTheSizeOfThePictureAndIsCloseToIt) {
+TEST(Cli, APreviewHasTheSizeOfTheImageAndIsCloseToIt) {
   const TemporaryFolder out;
   for (const std::string& model : {Made().avatar, Made().scene}) {
     const std::string name = fs::path(model).filename().string();
@@ -222,8 +222,7 @@ TEST(Cli, APreviewHasTheSizeOfThePictureAndIsCloseToIt) {
     ExpectQuietSuccess(Cosplat({"render", "-m", model, "-o", full, "--quiet"}));
     ExpectQuietSuccess(Cosplat({"render", "-m", model, "-o", half, "--preview", "--quiet"}));
     ASSERT_EQ(CountFiles(half, ".png"), CountFiles(full, ".png"));
-    const double error =
-        PictureError(ReadImage(half + "/00001.png"), ReadImage(full + "/00001.png"));
+    const double error = ImageError(ReadImage(half + "/00001.png"), ReadImage(full + "/00001.png"));
     EXPECT_GT(error, 0) << "it is no preview";
     EXPECT_LT(error, 10) << name;  // measured: 7.4 and 7.1 of 255, 64 and 32 pixels wide
   }
@@ -261,7 +260,7 @@ int LargestDifference(const Image8& a, const Image8& b) {
   return largest;
 }
 
-// From the files alone: the pictures that training left at its end, and its figures.
+// From the files alone: the images that training left at its end, and its figures.
 TEST(Cli, RendersTheTestViewsAgainAndMeasuresThem) {
   for (const auto& [model, name] :
        {std::pair{Made().avatar, "ours_60"}, std::pair{Made().scene, "ours_120"}}) {

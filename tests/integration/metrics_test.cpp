@@ -1,4 +1,4 @@
-// `cosplat metrics --lpips` as a user runs it, on a run that is made of two pairs of pictures.
+// `cosplat metrics --lpips` as a user runs it, on a run that is made of two pairs of images.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,9 +22,9 @@ bool Contains(const std::string& text, const std::string& part) {
 }
 
 Image8 Stripes(int period) {
-  Image8 picture(16, 12, 3);
-  for (size_t i = 0; i < picture.data.size(); ++i) picture.data[i] = uint8_t(i * 37 % period);
-  return picture;
+  Image8 image(16, 12, 3);
+  for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = uint8_t(i * 37 % period);
+  return image;
 }
 
 class MetricsCommand : public testing::Test {
@@ -118,13 +118,13 @@ TEST_F(MetricsCommand, FiguresOfOtherNetsStay) {
   EXPECT_EQ(Results()["LPIPS"], Results()["LPIPS_other"]) << "the last one measured";
 }
 
-TEST_F(MetricsCommand, FiguresOfOtherPicturesGo) {
+TEST_F(MetricsCommand, FiguresOfOtherImagesGo) {
   Measure("tiny");
   Image8 changed = ReadImage(test_ + "renders/00001.png");
   changed.data[5] ^= 1;
   WriteImage(test_ + "renders/00001.png", changed);
   const std::string out = Measure().out;
-  EXPECT_TRUE(Contains(out, "dropped: ours_60: LPIPS, LPIPS_tiny of pictures that have changed"))
+  EXPECT_TRUE(Contains(out, "dropped: ours_60: LPIPS, LPIPS_tiny of images that have changed"))
       << out;
   EXPECT_EQ(Results().size(), 2u) << Results();
   Spill(run_ + "/per_view.json", "{\"ours_60\": ");

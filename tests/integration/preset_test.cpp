@@ -25,7 +25,7 @@ CommandResult TrainReleased(const std::string& out, const std::vector<std::strin
 
 TEST(Preset, WhatTheReleaseTrainsIsPlayedByItsRule) {
   const TemporaryFolder folder;
-  const std::string out = folder / "out", pictures = folder / "pictures";
+  const std::string out = folder / "out", images = folder / "images";
   const std::vector<std::string> released{
       "--preset", "splatting-avatar-released", "--gaussians", "800"};
   ASSERT_EQ(TrainReleased(out, released).code, 0);
@@ -34,8 +34,8 @@ TEST(Preset, WhatTheReleaseTrainsIsPlayedByItsRule) {
   const CommandResult info = Cosplat({"info", out + "/avatar.glb"});
   EXPECT_NE(info.out.find("SplattingAvatar's released rule"), std::string::npos) << info.out;
   // The player, from the file, draws what the trainer drew at its end.
-  ASSERT_EQ(Cosplat({"render", "-m", out, "-o", pictures, "--quiet"}).code, 0);
-  EXPECT_EQ(Slurp(pictures + "/00000.png"), Slurp(out + "/test/ours_20/renders/00000.png"));
+  ASSERT_EQ(Cosplat({"render", "-m", out, "-o", images, "--quiet"}).code, 0);
+  EXPECT_EQ(Slurp(images + "/00000.png"), Slurp(out + "/test/ours_20/renders/00000.png"));
   // Its configuration repeats the run.
   const std::string again = folder / "again";
   ASSERT_EQ(Cosplat({"--config", out + "/config.ini", "train-avatar", "-m", again}).code, 0);

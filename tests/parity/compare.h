@@ -35,10 +35,10 @@ inline Agreement AgreementOf(View<const float> a, View<const float> b) {
 }
 
 // Tight but for few values, whose difference is bounded and on average next to nothing.
-inline void ExpectSamePicture(View<const float> expected,
-                              View<const float> actual,
-                              const ParityTolerance& tolerance,
-                              const std::string& what) {
+inline void ExpectSameImage(View<const float> expected,
+                            View<const float> actual,
+                            const ParityTolerance& tolerance,
+                            const std::string& what) {
   ASSERT_EQ(expected.size(), actual.size()) << what;
   float brightest = 1;
   for (const float v : expected) brightest = std::max(brightest, std::abs(v));

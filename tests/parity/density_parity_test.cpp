@@ -26,7 +26,7 @@ DensitySettings Settings() {
   return settings;
 }
 
-// A scene of no pictures: none is drawn here.
+// A scene of no images: none is drawn here.
 struct Both {
   SceneSubject subject{{}, 1};
   TrainSettings settings;

@@ -42,15 +42,15 @@ TEST_F(DeviceLimits, AMillionGaussiansAgree) {
     for (int k = 0; k < 3; ++k) c.gaussians.at(kScaleLog, i)[k] -= 3;
   const auto cpu = MakeCpuRasterizer();
   const auto device = OnDevice();
-  RenderedImage pictures[2];
+  RenderedImage images[2];
   size_t instances[2], k = 0;
   for (Rasterizer* r : {cpu.get(), device.get()}) {
     const auto tape = r->MakeTape();
-    r->Forward(ViewOf(c), c.gaussians.basis, c.camera, c.settings, pictures[k], *tape);
+    r->Forward(ViewOf(c), c.gaussians.basis, c.camera, c.settings, images[k], *tape);
     instances[k++] = tape->counts()->instances;
   }
   EXPECT_NEAR(double(instances[1]), double(instances[0]), 1e-4 * double(instances[0]));
-  ExpectSamePicture(pictures[0].color, pictures[1].color, c.tolerance, "colour");
+  ExpectSameImage(images[0].color, images[1].color, c.tolerance, "colour");
 }
 
 }  // namespace

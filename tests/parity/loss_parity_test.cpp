@@ -64,8 +64,8 @@ TEST_F(LossParity, ForSizesAndWeights) {
       for (const LossWeights& w : weights) ExpectParity(RandomPair(size[0], size[1], channels), w);
 }
 
-// Constant and equal pictures: variances that rounding makes negative.
-TEST_F(LossParity, OnConstantPictures) {
+// Constant and equal images: variances that rounding makes negative.
+TEST_F(LossParity, OnConstantImages) {
   Pair p = RandomPair(30, 20, 3);
   std::fill(p.target.data.begin(), p.target.data.end(), uint8_t(51));
   std::fill(p.rendered.begin(), p.rendered.end(), 0.7f);

@@ -100,9 +100,9 @@ class MaskParity : public test::DeviceTest {
     settings.rule = rule;
     const auto pruner = MakePruner(settings, Schedule::Fractions(300), 300, kCount);
     SceneSubject subject(test::TrainingRun::Frames(true), 1);
-    test::PicturesOf pictures(subject, gaussians);
+    test::ImagesOf images(subject, gaussians);
     const std::vector<uint32_t> frames{0};
-    pruner->Rank({195, pictures, frames, gaussians, {}, 0, {0, 0, 0}, rng});  // LP begins
+    pruner->Rank({195, images, frames, gaussians, {}, 0, {0, 0, 0}, rng});  // LP begins
     const MaskInSteps mask = pruner->Mask();
     for (size_t i = 1; of_odd && i < kCount; i += 2) mask.learned->value[i] = *of_odd;
     if (!stream) stream.emplace();
@@ -110,7 +110,7 @@ class MaskParity : public test::DeviceTest {
     device.emplace(mask, gaussians, *stream);
   }
 
-  // Of both, with the same gradients: pictures ask for every second Gaussian, and draw it in every
+  // Of both, with the same gradients: images ask for every second Gaussian, and draw it in every
   // second step.
   void Step(int step) {
     Gaussians gradients = gaussians.ZerosLike();

@@ -1,4 +1,4 @@
-// Avatars played on the device against the CPU's player: pictures, what is kept between them, what
+// Avatars played on the device against the CPU's player: images, what is kept between them, what
 // is refused.
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "avatar/play/playback.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
-#include "tests/parity/picture_bytes.h"
+#include "tests/parity/image_bytes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/restless_params.h"
 
@@ -46,8 +46,8 @@ RenderedImage Draw(Player& player, const PlaybackFrame& f) {
 void ExpectSame(const RenderedImage& cpu, const RenderedImage& device) {
   ASSERT_EQ(cpu.width, device.width);
   ASSERT_EQ(cpu.height, device.height);
-  test::ExpectSamePicture(cpu.color, device.color, {}, "colour");
-  test::ExpectSamePicture(cpu.transmittance, device.transmittance, {}, "transmittance");
+  test::ExpectSameImage(cpu.color, device.color, {}, "colour");
+  test::ExpectSameImage(cpu.transmittance, device.transmittance, {}, "transmittance");
 }
 
 void ExpectSamePlayed(const AvatarModel& avatar, int frames, bool half_resolution = false) {
@@ -85,7 +85,7 @@ TEST_F(PlayerParity, DrawsOneGaussianAndNone) {
 }
 
 // One pose from two sides, then another pose, then the first again.
-TEST_F(PlayerParity, KeepsNothingOfTheLastPicture) {
+TEST_F(PlayerParity, KeepsNothingOfTheLastImage) {
   const AvatarModel avatar = PaintedAvatar(Head(), 300);
   Player player(avatar, Flame(), OnDevice());
   PlaybackFrame turned = FrameAt(0);
@@ -145,11 +145,11 @@ TEST_F(PlayerParity, PlayersOfOneMakerDoNotDisturbEachOther) {
   EXPECT_EQ(Draw(first, FrameAt(0)).color, Draw(fresh, FrameAt(0)).color);
 }
 
-TEST_F(PlayerParity, PicturesCanStay) {
+TEST_F(PlayerParity, ImagesCanStay) {
   const AvatarModel avatar = PaintedAvatar(Head(), 200);
   Player player(avatar, Flame(), OnDevice());
   PlacedAvatar placed;
-  std::unique_ptr<DevicePicture> stays;
+  std::unique_ptr<DeviceImage> stays;
   for (const int i : {0, 0, 3}) {
     const PlaybackFrame f = FrameAt(i);
     player.Place(f.params, placed);
@@ -165,11 +165,11 @@ TEST_F(PlayerParity, PicturesCanStay) {
     const auto draw = [&] {
       other->DrawToStay(placed, FrameAt(0).camera, {0, 0, 0}, AlphaMode::kStraight, stays);
     };
-    test::ExpectError(draw, {"picture", "no device"});
+    test::ExpectError(draw, {"image", "no device"});
   }
 }
 
-// For whoever needs the Gaussians beside the picture, the plug-in's depth, or the mesh.
+// For whoever needs the Gaussians beside the image, the plug-in's depth, or the mesh.
 TEST_F(PlayerParity, GivesTheGaussiansThatTheCpuBinds) {
   const AvatarModel avatar = PaintedAvatar(Head(), 300);
   Player cpu(avatar, Flame()), device(avatar, Flame(), OnDevice());

@@ -1,4 +1,4 @@
-// The device's rasteriser against the CPU's: pictures, gradients, contributions.
+// The device's rasteriser against the CPU's: images, gradients, contributions.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -73,9 +73,8 @@ void ExpectSame(const Drawn& cpu, const Drawn& device, const test::ParityToleran
   ASSERT_EQ(cpu.radii.size(), device.radii.size());
   for (size_t i = 0; i < cpu.radii.size(); ++i)
     EXPECT_NEAR(cpu.radii[i], device.radii[i], 1e-4f * (1 + cpu.radii[i])) << i;
-  ExpectSamePicture(cpu.image.color, device.image.color, tolerance, "colour");
-  ExpectSamePicture(
-      cpu.image.transmittance, device.image.transmittance, tolerance, "transmittance");
+  ExpectSameImage(cpu.image.color, device.image.color, tolerance, "colour");
+  ExpectSameImage(cpu.image.transmittance, device.image.transmittance, tolerance, "transmittance");
   const char* names[] = {"position", "rotation", "scale", "opacity", "dc", "rest"};
   for (int a = 0; a < kAttributeCount; ++a)
     ExpectSameGradients(cpu.gradients.values[a], device.gradients.values[a], tolerance, names[a]);
@@ -118,7 +117,7 @@ TEST_F(RasterizerParity, AFixedOrderGivesTheSameBits) {
   }
 }
 
-// One tape and one rasteriser for pictures of all sizes: nothing of the last is left over.
+// One tape and one rasteriser for images of all sizes: nothing of the last is left over.
 TEST_F(RasterizerParity, ReusedMemoryLeavesNoTrace) {
   const ParityCase large = test::RandomCase("large", 300, 70, 50, Basis::kDcsh, 1);
   const ParityCase small = test::RandomCase("small", 50, 20, 30, Basis::kDcsh, 1);

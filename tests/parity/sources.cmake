@@ -4,7 +4,7 @@ set(COSPLAT_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/loss_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/optimizer_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/parity_case.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/picture_parity_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/image_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/rasterizer_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/capacity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sort_test.cpp

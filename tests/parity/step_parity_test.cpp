@@ -90,24 +90,24 @@ TEST_F(StepParity, OverAFewSteps) {
   }
 }
 
-// A picture that is never gone back from keeps nothing for it, and is the same.
-TEST_F(StepParity, APictureAloneHasTheSameBits) {
-  const ParityCase c = test::RandomCase("picture", 300, 60, 40, Basis::kDcsh, 2);
+// An image that is never gone back from keeps nothing for it, and is the same.
+TEST_F(StepParity, AImageAloneHasTheSameBits) {
+  const ParityCase c = test::RandomCase("image", 300, 60, 40, Basis::kDcsh, 2);
   cuda::CudaRasterizer rasterizer(SumOrder::kAny);
   Stream& stream = rasterizer.stream();
   Gaussians gaussians;
   gaussians.Upload(c.gaussians, stream);
-  std::vector<float> pictures[2];
+  std::vector<float> images[2];
   for (const bool keep : {true, false}) {
     cuda::CudaTape tape(keep, SumOrder::kAny);
     RenderedImage image;
     rasterizer.Forward(ViewOf(gaussians), gaussians.basis, c.camera, c.settings, image, tape);
-    pictures[keep].resize(image.color.size());
-    image.color.Download(pictures[keep].data(), stream);
+    images[keep].resize(image.color.size());
+    image.color.Download(images[keep].data(), stream);
     stream.Wait();
     EXPECT_EQ(tape.checkpoints.empty(), !keep);
   }
-  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_EQ(images[0], images[1]);
 }
 
 }  // namespace

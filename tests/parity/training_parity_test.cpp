@@ -82,8 +82,8 @@ TEST_F(TrainingParity, TheRegulariserOfScales) {
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-4 * cpu.losses[i - 1]) << i;
 }
 
-// Pictures that grow, and copies that share their opacity, with steps done again on the way.
-TEST_F(TrainingParity, GrowingPicturesAndSharedOpacity) {
+// Images that grow, and copies that share their opacity, with steps done again on the way.
+TEST_F(TrainingParity, GrowingImagesAndSharedOpacity) {
   TrainingRun run;
   run.frames = test::TargetImages(test::TrueScene(1, 20), test::Ring(3, 2.2f, 200), true);
   run.settings.density.shares_opacity = true;
@@ -102,7 +102,7 @@ TEST_F(TrainingParity, GrowingPicturesAndSharedOpacity) {
       << "sharing must be seen in this run";
 }
 
-// Leaving out by what the pictures lose, bands dropped, and going back to a point before: what
+// Leaving out by what the images lose, bands dropped, and going back to a point before: what
 // needs the state on the host, and back.
 TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
   TrainingRun run;
@@ -122,7 +122,7 @@ TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
   EXPECT_FALSE(end.gaussians.degrees.empty());
   EXPECT_LT(trainer.statistics().bands.mean, 1);
   const std::vector<uint32_t> frames{0, 2};
-  test::PicturesOf pictures(subject, end.gaussians);
+  test::ImagesOf pictures(subject, end.gaussians);
   EXPECT_NEAR(trainer.PsnrOf(frames), pictures.MeanPsnr({frames, 1, {0.5f, 0.5f, 0.5f}, 2}), 0.01);
   trainer.Restore(before, run.settings.prune);
   while (trainer.iteration() < 30) trainer.Step();

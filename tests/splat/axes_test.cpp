@@ -41,7 +41,7 @@ TEST(GltfTurn, ColorsFollowTheDirectionInBothBasesToDegreeFour) {
   }
 }
 
-TEST(GltfTurn, ACameraTurnedAlongSeesTheSamePicture) {
+TEST(GltfTurn, ACameraTurnedAlongSeesTheSameImage) {
   Camera camera;
   camera.width = 64;
   camera.height = 48;
@@ -55,9 +55,9 @@ TEST(GltfTurn, ACameraTurnedAlongSeesTheSamePicture) {
   const Gaussians before = RandomGaussians(200, 3, Basis::kDcsh, 3);
   Gaussians after = before;
   TurnToGltfAxes(after);
-  const auto a = test::Picture(before, camera), b = test::Picture(after, turned);
+  const auto a = test::Image(before, camera), b = test::Image(after, turned);
   EXPECT_LT(test::LargestDifference(a, b), 1e-5);
-  EXPECT_GT(test::LargestDifference(a, test::Picture(before, turned)), 0.1);
+  EXPECT_GT(test::LargestDifference(a, test::Image(before, turned)), 0.1);
 }
 
 TEST(GltfTurn, TwiceIsNothing) {

@@ -92,7 +92,7 @@ double PredictedChange(const Gaussians& before, const Gaussians& after, const We
   return std::sqrt(sum / covered);
 }
 
-TEST(Bands, WhatChangesThePicturesLeastPerCoefficientGoes) {
+TEST(Bands, WhatChangesTheImagesLeastPerCoefficientGoes) {
   // Squared energies per coefficient: of 7, 5 and 3 in bands 3, 2 and 1.
   Gaussians g = WithEnergies({{1, 1, 1},
                               {1, 1, 0.1f},
@@ -132,7 +132,7 @@ TEST(Bands, OpacityAndWeightCount) {
   DropBands({1, 3}, 0.06f, g);  // 0.0144, of 0.01 and 0.03
   EXPECT_EQ(g.degrees, (std::vector<uint8_t>{2, 3}));
   g = before;
-  DropBands({0, 1}, 1e-3f, g);  // in no picture
+  DropBands({0, 1}, 1e-3f, g);  // in no image
   EXPECT_EQ(g.degrees, (std::vector<uint8_t>{0, 3}));
 }
 
@@ -149,7 +149,7 @@ TEST(Bands, WhatIsNotFiniteStays) {
     }
 }
 
-TEST(Bands, ThePictureChangesAsTheEnergiesTell) {
+TEST(Bands, TheImageChangesAsTheEnergiesTell) {
   Gaussians g = RandomGaussians(400, 3, Basis::kDcsh, 2);
   for (float& c : g.values[kColorRest]) c *= 0.2f;
   Weights weights(g.size(), 0);
@@ -221,7 +221,7 @@ TEST(Bands, DegreesAreFoundAndKept) {
   EXPECT_TRUE(full.degrees.empty());
 }
 
-TEST(Bands, SortedByDegreeThePictureIsTheSame) {
+TEST(Bands, SortedByDegreeTheImageIsTheSame) {
   Gaussians g = OfAllDegrees(203, 3, Basis::kDcsh);
   const Gaussians before = g;
   const std::vector<uint32_t> order = SortByDegree(g);
@@ -236,7 +236,7 @@ TEST(Bands, SortedByDegreeThePictureIsTheSame) {
     }
   }
   const Camera camera = test::LookingAt({0.3f, -0.2f, -3}, {0, 0, 0}, 64);
-  EXPECT_TRUE(test::SameBits(test::Picture(g, camera).color, test::Picture(before, camera).color));
+  EXPECT_TRUE(test::SameBits(test::Image(g, camera).color, test::Image(before, camera).color));
   Gaussians full = RandomGaussians(20, 3, Basis::kDcsh, 1);
   EXPECT_TRUE(SortByDegree(full).empty());
   EXPECT_EQ(full.size(), 20u);

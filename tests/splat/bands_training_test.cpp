@@ -11,7 +11,7 @@
 namespace cosplat {
 namespace {
 
-// Pictures of a scene whose colours change with the direction by so much; and a run on them.
+// Images of a scene whose colours change with the direction by so much; and a run on them.
 struct SmallRun {
   SmallRun(float shine, float threshold, int iterations = 240)
       : settings(test::ShortRun(iterations, 3)) {

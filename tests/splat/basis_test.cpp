@@ -62,7 +62,7 @@ TEST(Basis, TheLiteralOneCannotBeConverted) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(Basis, ThePictureIsTheSameThroughAPly) {
+TEST(Basis, TheImageIsTheSameThroughAPly) {
   const test::TemporaryFolder folder;
   const Camera camera = test::LookingAt({0.3f, -0.2f, -3}, {0, 0, 0}, 64);
   for (const Basis basis : kHarmonicBases)
@@ -72,15 +72,15 @@ TEST(Basis, ThePictureIsTheSameThroughAPly) {
       ConvertBasis(sh, Basis::kSh);
       WritePly(folder / "scene.ply", sh);
       Gaussians read = ReadPly(folder / "scene.ply");
-      const RenderedImage before = test::Picture(scene, camera);
+      const RenderedImage before = test::Image(scene, camera);
       // As others show it, and converted back. Measured: 2.4e-7.
-      EXPECT_LT(test::LargestDifference(before, test::Picture(read, camera)), 1e-5);
+      EXPECT_LT(test::LargestDifference(before, test::Image(read, camera)), 1e-5);
       ConvertBasis(read, basis);
-      EXPECT_LT(test::LargestDifference(before, test::Picture(read, camera)), 1e-5);
+      EXPECT_LT(test::LargestDifference(before, test::Image(read, camera)), 1e-5);
       // The coefficients do matter.
       read.basis = basis == Basis::kDcsh ? Basis::kSh : Basis::kDcsh;
       if (basis == Basis::kDcshReleased && degree == 1) continue;  // it is dcsh there
-      EXPECT_GT(test::LargestDifference(before, test::Picture(read, camera)), 1e-2);
+      EXPECT_GT(test::LargestDifference(before, test::Image(read, camera)), 1e-2);
     }
 }
 

@@ -140,7 +140,7 @@ TEST(Trainer, FramesHeldOutAreNotTrainedOn) {
   ExpectError([&] { trainer.HoldOut({0, 1, 2, 3, 4, 5, 6, 7, 8, 9}); }, {"training frames"});
 }
 
-TEST(Trainer, PsnrIsThatOfPictures) {
+TEST(Trainer, PsnrIsThatOfImages) {
   const Gaussians truth = TrueScene(0);
   const std::vector<TrainFrame> frames = TargetImages(truth, Ring(3, 2.2f));
   SceneSubject subject(frames, 1);

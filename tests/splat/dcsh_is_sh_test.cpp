@@ -150,9 +150,9 @@ TEST(DcshIsSh, AScaledTableOfConstantsIsScaledCoefficients) {
 }
 
 struct BothBases {
-  double picture = 0;  // largest difference of a pixel
-  double mean = 0;     // and the mean of them
-  double rest = 0;     // largest difference of a higher band's coefficient
+  double image = 0;  // largest difference of a pixel
+  double mean = 0;   // and the mean of them
+  double rest = 0;   // largest difference of a higher band's coefficient
 };
 
 // Trains `dcsh` and `sh` with these rest rates (0: the default), the latter with its eps over
@@ -176,7 +176,7 @@ BothBases TrainBoth(float eps, float ratio, float dcsh_rest, float sh_rest) {
     const RenderedImage x = Render(a, camera), y = Render(b, camera);
     for (size_t i = 0; i < x.color.size(); ++i, ++count) {
       const double difference = std::abs(x.color[i] - y.color[i]);
-      both.picture = std::max(both.picture, difference);
+      both.image = std::max(both.image, difference);
       both.mean += difference;
     }
   }
@@ -204,19 +204,19 @@ TEST(DcshIsSh, TheTwoBasesTrainAlikeBeforeDensification) {
   // An eps above the gradients' rounding noise: only rounding sets the two apart. Measured after
   // 60 steps: 5e-7 to 2e-5 in a pixel, by the compiler's options, and 3e-7 in a coefficient.
   const BothBases alike = TrainBoth(1e-6f, ratio, 0, ratio * rate);
-  EXPECT_LT(alike.mean, 1e-6);           // 3e-8
-  EXPECT_LT(alike.picture, 2.0f / 255);  // a splat's rim may flip a pixel by one grey level
+  EXPECT_LT(alike.mean, 1e-6);         // 3e-8
+  EXPECT_LT(alike.image, 2.0f / 255);  // a splat's rim may flip a pixel by one grey level
   EXPECT_LT(alike.rest, 1e-5);
   // The other way round: `dcsh` slowed down to `sh`.
   const BothBases slow = TrainBoth(1e-6f, ratio, rate / ratio, 0);
   EXPECT_LT(slow.mean, 1e-6);
-  EXPECT_LT(slow.picture, 2.0f / 255);
+  EXPECT_LT(slow.image, 2.0f / 255);
   EXPECT_LT(slow.rest, 1e-5);
   // 3DGS's eps makes full steps of gradients that are rounding noise, so single Gaussians go their
-  // own way; the picture does not.
+  // own way; the image does not.
   const BothBases noisy = TrainBoth(1e-15f, ratio, 0, ratio * rate);
-  EXPECT_LT(noisy.mean, 3e-3);    // measured 1.0e-3
-  EXPECT_LT(noisy.picture, 0.1);  // measured 0.027
+  EXPECT_LT(noisy.mean, 3e-3);  // measured 1.0e-3
+  EXPECT_LT(noisy.image, 0.1);  // measured 0.027
   // It is the rates that make them alike: as they stand, the bases train differently.
   const BothBases apart = TrainBoth(1e-6f, 1, 0, 0);
   EXPECT_GT(apart.rest, 1e3 * alike.rest);  // measured 0.038

@@ -56,7 +56,7 @@ class GlbTest : public testing::Test {
   }
 };
 
-TEST_F(GlbTest, ASceneShowsTheSamePictureInOtherPrograms) {
+TEST_F(GlbTest, ASceneShowsTheSameImageInOtherPrograms) {
   Camera camera;
   camera.width = camera.height = 64;
   camera.fx = camera.fy = 70;
@@ -72,7 +72,7 @@ TEST_F(GlbTest, ASceneShowsTheSamePictureInOtherPrograms) {
       EXPECT_EQ(read.degree, degree);
       TurnToGltfAxes(read);  // its own inverse
       // Through log and exponential of scale and opacity: measured 5e-7.
-      EXPECT_LT(test::LargestDifference(test::Picture(scene, camera), test::Picture(read, camera)),
+      EXPECT_LT(test::LargestDifference(test::Image(scene, camera), test::Image(read, camera)),
                 1e-5);
     }
 }

@@ -1,4 +1,4 @@
-// What a Gaussian contributes to pictures, against pictures drawn without it.
+// What a Gaussian contributes to images, against images drawn without it.
 #include "splat/train/importance.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ View FaintView(size_t count) {
   return v;
 }
 
-TEST(Contributions, AreWhatThePictureLosesWithoutEach) {
+TEST(Contributions, AreWhatTheImageLosesWithoutEach) {
   const View v = FaintView(30);
   int reached = 0;
   for (size_t i = 0; i < 30; ++i) {
@@ -70,7 +70,7 @@ TEST(Contributions, AreWhatThePictureLosesWithoutEach) {
   EXPECT_GT(reached, 20);
 }
 
-TEST(Contributions, WeightsAreTheShareOfThePicture) {
+TEST(Contributions, WeightsAreTheShareOfTheImage) {
   const View v = FaintView(30);
   double weight = 0, covered = 0;
   for (const Contribution& c : v.contributions) {
@@ -146,9 +146,9 @@ TEST(Importance, SumsOverFramesAndSparesTheRest) {
   const Gaussians truth = test::TrueScene(0);
   SceneSubject subject(test::TargetImages(truth, test::Ring(6, 2.2f)), 1);
   const std::vector<uint32_t> frames{0, 1, 2, 3, 4, 5};
-  test::PicturesOf pictures(subject, truth);
-  const auto all = pictures.Contributions({frames, 0, {0, 0, 0}, 100});
-  const auto three = pictures.Contributions({frames, 0, {0, 0, 0}, 3});
+  test::ImagesOf images(subject, truth);
+  const auto all = images.Contributions({frames, 0, {0, 0, 0}, 100});
+  const auto three = images.Contributions({frames, 0, {0, 0, 0}, 3});
   double sum_all = 0, sum_three = 0;
   for (size_t i = 0; i < truth.size(); ++i) {
     sum_all += all[i].weight;

@@ -21,7 +21,7 @@ ColmapFixture PinholeFixture() {
   return fixture;
 }
 
-// Writes model (binary) and pictures divided by `reduce` into images or images_<reduce>.
+// Writes model (binary) and images divided by `reduce` into images or images_<reduce>.
 void WriteScene(const TemporaryFolder& folder, const ColmapFixture& fixture, int reduce = 1) {
   MakeDirectories(folder / "sparse/0");
   WriteFileAtomically(folder / "sparse/0/cameras.bin", CamerasBin(fixture));
@@ -297,7 +297,7 @@ TEST(Colmap, ImageThatCannotBeUsedIsSkipped) {
       EXPECT_NE(scene.skipped[0].reason.find(part), std::string::npos) << scene.skipped[0].reason;
   };
   expect_skipped({"img 1.png", "160x117", "160x120"});
-  // A pixel of rounding is not a disagreement, and cameras of half-size pictures are scaled.
+  // A pixel of rounding is not a disagreement, and cameras of half-size images are scaled.
   WriteImage(folder / "images/img 1.png", Image8(80, 61, 3));
   const SceneData scene = LoadScene(folder.path(), {});
   EXPECT_FLOAT_EQ(scene.train[1].camera.fx, 75);

@@ -35,8 +35,8 @@ std::string Text(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-// What a trained scene goes through: own basis -> 3DGS's SH -> file -> picture.
-TEST(Ply, AFileReadBackGivesTheSamePicture) {
+// What a trained scene goes through: own basis -> 3DGS's SH -> file -> image.
+TEST(Ply, AFileReadBackGivesTheSameImage) {
   const TemporaryFolder folder;
   Camera camera;
   camera.width = 64;
@@ -52,9 +52,8 @@ TEST(Ply, AFileReadBackGivesTheSamePicture) {
       ConvertBasis(written, Basis::kSh);
       WritePly(folder / "scene.ply", written);
       const Gaussians read = ReadPly(folder / "scene.ply");
-      EXPECT_LT(
-          test::LargestDifference(test::Picture(read, camera), test::Picture(trained, camera)),
-          1e-5)
+      EXPECT_LT(test::LargestDifference(test::Image(read, camera), test::Image(trained, camera)),
+                1e-5)
           << ToString(basis) << " of degree " << degree;
     }
 }

@@ -49,7 +49,7 @@ void ExpectSpots(const std::vector<SceneView>& views, double tolerance) {
   }
 }
 
-// A nerfstudio scene with pictures in images/.
+// A nerfstudio scene with images in images/.
 struct Nerfstudio {
   TemporaryFolder folder;
   Json json = {{"fl_x", 150}, {"fl_y", 140}, {"cx", 82}, {"cy", 59}, {"w", 160.0}, {"h", 120.0}};

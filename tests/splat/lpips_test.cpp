@@ -19,11 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Image8 RandomPicture(int width, int height, uint64_t seed) {
+Image8 RandomImage(int width, int height, uint64_t seed) {
   Rng rng(seed);
-  Image8 picture(width, height, 3);
-  for (uint8_t& value : picture.data) value = uint8_t(255.999f * rng.Uniform());
-  return picture;
+  Image8 image(width, height, 3);
+  for (uint8_t& value : image.data) value = uint8_t(255.999f * rng.Uniform());
+  return image;
 }
 
 struct Map {
@@ -32,11 +32,11 @@ struct Map {
   double& at(int c, int y, int x) { return values[(size_t(c) * height + y) * width + x]; }
 };
 
-Map InputMap(const Image8& picture) {
-  Map map{3, picture.height, picture.width, std::vector<double>(picture.data.size())};
+Map InputMap(const Image8& image) {
+  Map map{3, image.height, image.width, std::vector<double>(image.data.size())};
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < map.height; ++y)
-      for (int x = 0; x < map.width; ++x) map.at(c, y, x) = picture.at(x, y, c) / 127.5 - 1;
+      for (int x = 0; x < map.width; ++x) map.at(c, y, x) = image.at(x, y, c) / 127.5 - 1;
   return map;
 }
 
@@ -105,14 +105,14 @@ TEST_F(LpipsTest, IsTheFormula) {
   EXPECT_EQ(lpips.least_side(), 4);
   // Measured: 3e-7 apart, what float maps and float sums over the channels leave.
   for (const auto& [width, height] : {std::pair{4, 4}, {12, 8}, {23, 17}}) {
-    const Image8 a = RandomPicture(width, height, 1), b = RandomPicture(width, height, 2);
+    const Image8 a = RandomImage(width, height, 1), b = RandomImage(width, height, 2);
     EXPECT_NEAR(lpips.Distance(a, b), TinyDistance(a, b), 1e-6);
   }
 }
 
-TEST_F(LpipsTest, IsSymmetricAndZeroForEqualPictures) {
+TEST_F(LpipsTest, IsSymmetricAndZeroForEqualImages) {
   Lpips lpips(folder_.path());
-  const Image8 a = RandomPicture(16, 16, 1), b = RandomPicture(16, 16, 2);
+  const Image8 a = RandomImage(16, 16, 1), b = RandomImage(16, 16, 2);
   EXPECT_EQ(lpips.Distance(a, a), 0);
   EXPECT_EQ(lpips.Distance(a, b), lpips.Distance(b, a));
   EXPECT_GT(lpips.Distance(a, b), 0.01);
@@ -122,18 +122,18 @@ TEST_F(LpipsTest, MapsThatAreZeroAreFinite) {
   test::TinyConv conv = test::TinyConvs()[0];
   for (float& weight : conv.weights) weight = 0;
   Spill("tiny_backbone.onnx", test::TinyOnnx({conv, test::TinyConvs()[1]}));
-  EXPECT_EQ(Lpips(folder_.path()).Distance(RandomPicture(8, 8, 1), RandomPicture(8, 8, 2)), 0);
+  EXPECT_EQ(Lpips(folder_.path()).Distance(RandomImage(8, 8, 1), RandomImage(8, 8, 2)), 0);
 }
 
-TEST_F(LpipsTest, SizesMayChangeFromPictureToPicture) {
+TEST_F(LpipsTest, SizesMayChangeFromImageToImage) {
   Lpips lpips(folder_.path());
-  const Image8 a = RandomPicture(40, 24, 1), b = RandomPicture(40, 24, 2);
+  const Image8 a = RandomImage(40, 24, 1), b = RandomImage(40, 24, 2);
   const double first = lpips.Distance(a, b);
-  lpips.Distance(RandomPicture(9, 31, 3), RandomPicture(9, 31, 4));
+  lpips.Distance(RandomImage(9, 31, 3), RandomImage(9, 31, 4));
   EXPECT_EQ(lpips.Distance(a, b), first);
 }
 
-TEST_F(LpipsTest, PicturesThatDoNotFit) {
+TEST_F(LpipsTest, ImagesThatDoNotFit) {
   Lpips lpips(folder_.path());
   const Image8 a(8, 8, 3), b(8, 9, 3), rgba(8, 8, 4), small(8, 3, 3);
   test::ExpectError([&] { lpips.Distance(a, b); }, {"images", "8x8", "8x9"});
@@ -150,7 +150,7 @@ TEST_F(LpipsTest, TheLeastSizeIsWhatEveryLayerTakes) {
   Spill("tiny_backbone.onnx", test::TinyOnnx(convs));
   Lpips lpips(folder_.path());
   EXPECT_EQ(lpips.least_side(), 12);
-  EXPECT_GT(lpips.Distance(RandomPicture(12, 12, 1), RandomPicture(12, 12, 2)), 0);
+  EXPECT_GT(lpips.Distance(RandomImage(12, 12, 1), RandomImage(12, 12, 2)), 0);
 }
 
 TEST_F(LpipsTest, FilesThatAreMissing) {
@@ -215,18 +215,18 @@ TEST(LpipsRealNet, SqueezeNetOnItsExamples) {
   if (!fs::exists(DataFolder())) GTEST_SKIP() << "lpips is not here";
   Lpips lpips(DataFolder());
   EXPECT_EQ(lpips.net(), "squeeze");
-  const auto picture = [](const char* name) {
+  const auto image = [](const char* name) {
     return ReadImage(DataFolder() + "/ex/ex_" + name + ".png");
   };
-  EXPECT_EQ(lpips.Distance(picture("ref"), picture("ref")), 0);
-  EXPECT_NEAR(lpips.Distance(picture("ref"), picture("p0")), 0.71105, 1e-5);
-  EXPECT_NEAR(lpips.Distance(picture("ref"), picture("p1")), 0.14790, 1e-5);
+  EXPECT_EQ(lpips.Distance(image("ref"), image("ref")), 0);
+  EXPECT_NEAR(lpips.Distance(image("ref"), image("p0")), 0.71105, 1e-5);
+  EXPECT_NEAR(lpips.Distance(image("ref"), image("p1")), 0.14790, 1e-5);
 }
 
 TEST(LpipsRealNet, SameBitsForAnyNumberOfThreads) {
   if (!fs::exists(DataFolder())) GTEST_SKIP() << "lpips is not here";
   Lpips lpips(DataFolder());
-  const Image8 a = RandomPicture(64, 64, 1), b = RandomPicture(64, 64, 2);
+  const Image8 a = RandomImage(64, 64, 1), b = RandomImage(64, 64, 2);
   const double several = lpips.Distance(a, b);
   {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -240,7 +240,7 @@ TEST(LpipsRealNet, NamesTheLeastSize) {
   if (!fs::exists(DataFolder())) GTEST_SKIP() << "lpips is not here";
   Lpips lpips(DataFolder());
   ASSERT_EQ(lpips.least_side(), 25);
-  EXPECT_GT(lpips.Distance(RandomPicture(25, 25, 1), RandomPicture(25, 25, 2)), 0);
+  EXPECT_GT(lpips.Distance(RandomImage(25, 25, 1), RandomImage(25, 25, 2)), 0);
   test::ExpectError([&] { lpips.Distance(Image8(64, 24, 3), Image8(64, 24, 3)); },
                     {"squeeze_backbone.onnx", "25x25", "64x24"});
 }

@@ -1,4 +1,4 @@
-// Evaluation of pictures: known values, masks, regions, sizes that disagree.
+// Evaluation of images: known values, masks, regions, sizes that disagree.
 #include "splat/eval/metrics.h"
 
 #include <gtest/gtest.h>

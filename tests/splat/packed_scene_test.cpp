@@ -132,7 +132,7 @@ TEST(PackedScene, RefusesWhatIsCut) {
     std::ofstream(path, std::ios::binary).write(bytes.data(), std::streamsize(size));
     test::ExpectError([&] { ReadPackedScene(path); }, {path});
   }
-  test::ExpectError([&] { Unpacked(bytes + "x"); }, {"pictures", "bytes are left"});
+  test::ExpectError([&] { Unpacked(bytes + "x"); }, {"images", "bytes are left"});
 }
 
 TEST(PackedScene, NamesWhatIsWrong) {
@@ -151,7 +151,7 @@ TEST(PackedScene, NamesWhatIsWrong) {
   expect([](TrainingScene& s) { s.test[0].camera.translation[2] = INFINITY; },
          {"view 2", "finite"});
   expect([](TrainingScene& s) { s.train[0].camera.width = 0; }, {"view 0", "0x5x3"});
-  expect([](TrainingScene& s) { s.train[0].camera.height = 9; }, {"pictures", "expected"});
+  expect([](TrainingScene& s) { s.train[0].camera.height = 9; }, {"images", "expected"});
 }
 
 }  // namespace

@@ -47,9 +47,9 @@ struct Rounds {
   size_t Run(Placement& placement, int iteration = 301, int cap = 0, int floor = 0) {
     pruner->BeforeDensification();
     p.control.Control(p.settings, false, p.With(placement, pruner.get()), p.rng);
-    PicturesOf pictures(subject, p.g);
+    ImagesOf images(subject, p.g);
     const PruneRound round =
-        pruner->Rank({iteration, pictures, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
+        pruner->Rank({iteration, images, {}, p.g, p.statistics, 1, {0, 0, 0}, p.rng});
     const size_t gone = p.control.Prune(round, cap, floor, p.With(placement, pruner.get()));
     p.statistics.Reset(p.g.size());
     return gone;
@@ -246,17 +246,17 @@ struct MaskInStep {
   MaskLearner learner;
 };
 
-// Gaussians that the pictures do not need give their masks no gradient: the mask's own loss hides
-// them in time. Those whose opacity the pictures ask for stay.
-TEST(Pruner, AMaskHidesWhatThePicturesDoNotAskFor) {
+// Gaussians that the images do not need give their masks no gradient: the mask's own loss hides
+// them in time. Those whose opacity the images ask for stay.
+TEST(Pruner, AMaskHidesWhatTheImagesDoNotAskFor) {
   for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
     const Gaussians g = TrueScene(0);
     SceneSubject subject(TargetImages(g, Ring(2, 2.2f)), 1);
     const auto pruner = MakePruner(Rule(rule), Every20(), 300, g.size());
     Rng rng{1};
     const std::vector<uint32_t> frames{0, 1};
-    PicturesOf pictures(subject, g);
-    const PruneContext context{195, pictures, frames, g, {}, 0, {0, 0, 0}, rng};
+    ImagesOf images(subject, g);
+    const PruneContext context{195, images, frames, g, {}, 0, {0, 0, 0}, rng};
     EXPECT_EQ(pruner->Rank(context).remove, 0u) << ToString(rule);
     const std::vector<float> radii(g.size(), 1.0f);
     MaskInStep mask(*pruner);
@@ -286,7 +286,7 @@ TEST(Compact, WhatIsHiddenIsNotDrawn) {
   EXPECT_LT(mask.BeforeDraw(g, rng).opacity_logit[0], -50);
 }
 
-// The soft mask changes the picture; the opacities' gradient goes through it.
+// The soft mask changes the image; the opacities' gradient goes through it.
 TEST(Lp, GradientsGoThroughTheMask) {
   const Gaussians truth = TrueScene(0);
   SceneSubject subject(TargetImages(truth, Ring(1, 2.2f)), 1);
@@ -298,8 +298,8 @@ TEST(Lp, GradientsGoThroughTheMask) {
   const auto pruner = MakePruner(settings, Every20(), 300, g.size());
   Rng unused{1};
   const std::vector<uint32_t> frames{0};
-  PicturesOf pictures(subject, g);
-  pruner->Rank({195, pictures, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
+  ImagesOf images(subject, g);
+  pruner->Rank({195, images, frames, g, {}, 0, {0, 0, 0}, unused});  // begins to learn
   MaskInStep mask(*pruner);
 
   const auto rasterizer = MakeCpuRasterizer();

@@ -1,4 +1,4 @@
-// Smaller pictures for the first steps: the means of blocks, under a camera that sees the same.
+// Smaller images for the first steps: the means of blocks, under a camera that sees the same.
 #include "splat/train/reduced_frames.h"
 
 #include <gtest/gtest.h>

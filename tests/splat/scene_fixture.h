@@ -35,7 +35,7 @@ inline Point2 SpotIn(const Camera& camera) {
   return {camera.fx * q[0] / q[2] + camera.cx, camera.fy * q[1] / q[2] + camera.cy};
 }
 
-// A dark picture with a round spot of `sigma` px around `center` (px, centres at +0.5).
+// A dark image with a round spot of `sigma` px around `center` (px, centres at +0.5).
 inline Image8 SpotImage(int width, int height, const Point2& center, double sigma = 4) {
   Image8 image(width, height, 3);
   for (int y = 0; y < height; ++y)

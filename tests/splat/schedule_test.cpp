@@ -35,7 +35,7 @@ TEST(Schedule, IsATenthOfItAtThreeThousand) {
   EXPECT_EQ(s.position_rate_steps, 3000);
 }
 
-TEST(Schedule, PicturesDoubleTheirSides) {
+TEST(Schedule, ImagesDoubleTheirSides) {
   Schedule s = Schedule::Fractions(3000);
   for (const int i : {1, 300, 3000}) EXPECT_EQ(s.DownscaleAt(i), 1);
   s.num_downscales = 2;

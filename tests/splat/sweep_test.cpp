@@ -1,4 +1,4 @@
-// First points from photographs alone: on the surface that they show, and the same for any number
+// First points from images alone: on the surface that they show, and the same for any number
 // of threads.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -48,9 +48,9 @@ TEST(Trainer, LargerImagesEndNoWorse) {
   EXPECT_GT(count[1], 0.7 * count[0]);
 }
 
-// The same bits as a run on the smaller pictures, until they grow; and no smaller than a loss with
+// The same bits as a run on the smaller images, until they grow; and no smaller than a loss with
 // windows can judge.
-TEST(Trainer, TheFirstPicturesAreSmaller) {
+TEST(Trainer, TheFirstImagesAreSmaller) {
   const auto frames = TargetImages(TrueScene(1), Ring(3, 2.2f, 208));
   std::vector<TrainFrame> halves;
   for (const TrainFrame& frame : frames) halves.push_back(Reduced(frame, 2));
@@ -65,8 +65,8 @@ TEST(Trainer, TheFirstPicturesAreSmaller) {
   EXPECT_NE(growing.Step().loss, on_small.Step().loss);
 }
 
-// A picture that must not be reduced keeps the others from it: an engine keeps those of one size.
-TEST(Trainer, PicturesOfSeveralSizesAreReducedAlike) {
+// An image that must not be reduced keeps the others from it: an engine keeps those of one size.
+TEST(Trainer, ImagesOfSeveralSizesAreReducedAlike) {
   auto frames = TargetImages(TrueScene(1), Ring(3, 2.2f, 208));
   frames[1] = TargetImages(TrueScene(1), Ring(3, 2.2f, 150))[1];
   SceneSubject subject(frames, 1);

@@ -1,4 +1,4 @@
-// A small synthetic scene with known Gaussians, and runs of training on its pictures.
+// A small synthetic scene with known Gaussians, and runs of training on its images.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ inline RenderedImage Render(const Gaussians& g,
   return image;
 }
 
-// The true scene's pictures: RGB on black, or RGBA with straight alpha.
+// The true scene's images: RGB on black, or RGBA with straight alpha.
 inline std::vector<TrainFrame> TargetImages(const Gaussians& truth,
                                             const std::vector<Camera>& cameras,
                                             bool with_alpha = false) {
@@ -85,9 +85,8 @@ inline TrainSettings ShortRun(int iterations, int degree) {
 }
 
 // Of Gaussians that nobody trains.
-struct PicturesOf : FramePictures {
-  PicturesOf(Subject& subject, const Gaussians& gaussians)
-      : subject(subject), gaussians(gaussians) {}
+struct ImagesOf : FrameImages {
+  ImagesOf(Subject& subject, const Gaussians& gaussians) : subject(subject), gaussians(gaussians) {}
   std::vector<Contribution> Contributions(const FrameChoice& choice) override {
     std::vector<Contribution> sums(gaussians.size());
     RenderedImage image;

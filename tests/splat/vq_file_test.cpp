@@ -147,8 +147,8 @@ TEST(VqFile, ReadsBackWhatSixteenBitsHold) {
   EXPECT_EQ(Bytes(folder / "a.zip"), Bytes(folder / "b.zip"));
 }
 
-// What 16 bits and the codebook make of a picture, apart.
-TEST(VqFile, KeepsThePicture) {
+// What 16 bits and the codebook make of an image, apart.
+TEST(VqFile, KeepsTheImage) {
   const TemporaryFolder folder;
   Camera camera;
   camera.width = camera.height = 64;
@@ -161,7 +161,7 @@ TEST(VqFile, KeepsThePicture) {
     const Gaussians read = ReadSplats(folder / "a.zip");
     EXPECT_EQ(read.degree, degree);
     // Measured 0.4 of 255 grey levels.
-    EXPECT_LT(test::LargestDifference(test::Picture(read, camera), test::Picture(g, camera)),
+    EXPECT_LT(test::LargestDifference(test::Image(read, camera), test::Image(g, camera)),
               1.0f / 255);
   }
 }

@@ -45,12 +45,12 @@ TEST(AvatarStability, CasesCanBeShown) {
     for (const std::string* text : {&c.title, &c.what, &c.quantity, &c.naive.name, &c.ours.name})
       EXPECT_FALSE(text->empty()) << c.key;
     EXPECT_LE(c.what.size(), 240u) << c.key;
-    EXPECT_EQ(c.naive.picture.empty(), c.ours.picture.empty()) << c.key;
-    for (const Image8* picture : {&c.naive.picture, &c.ours.picture}) {
-      EXPECT_LE(std::max(picture->width, picture->height), 200) << c.key;
-      EXPECT_EQ(picture->channels, picture->empty() ? 0 : 3) << c.key;
+    EXPECT_EQ(c.naive.image.empty(), c.ours.image.empty()) << c.key;
+    for (const Image8* image : {&c.naive.image, &c.ours.image}) {
+      EXPECT_LE(std::max(image->width, image->height), 200) << c.key;
+      EXPECT_EQ(image->channels, image->empty() ? 0 : 3) << c.key;
     }
-    EXPECT_TRUE(c.naive.picture.empty() || c.naive.picture.data != c.ours.picture.data) << c.key;
+    EXPECT_TRUE(c.naive.image.empty() || c.naive.image.data != c.ours.image.data) << c.key;
     for (const StabilityCurve& curve : c.chart.curves)
       for (const auto& [x, y] : curve.points)
         EXPECT_TRUE(std::isfinite(x) && std::isfinite(y)) << c.key;

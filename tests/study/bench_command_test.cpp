@@ -127,10 +127,10 @@ TEST(BenchCommand, DrawsTheSplatsThatItIsGivenFromAllAround) {
   EXPECT_EQ(orbit["threads"], Made().json["threads"]);
   EXPECT_EQ(CountPositive(orbit["frames_per_second"], "orbit"), 1u);
   EXPECT_EQ(CountPositive(orbit["phase_ms"], "orbit"), 3u);
-  const Image8 picture = ReadImage(Made().out + "/orbit.png");
-  EXPECT_EQ(picture.width, orbit["width"]);
-  EXPECT_EQ(picture.height, orbit["height"]);
-  EXPECT_GT(*std::max_element(picture.data.begin(), picture.data.end()), 0);
+  const Image8 image = ReadImage(Made().out + "/orbit.png");
+  EXPECT_EQ(image.width, orbit["width"]);
+  EXPECT_EQ(image.height, orbit["height"]);
+  EXPECT_GT(*std::max_element(image.data.begin(), image.data.end()), 0);
 }
 
 TEST(BenchCommand, SplitsWhatTrainingHolds) {

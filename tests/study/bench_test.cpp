@@ -64,7 +64,7 @@ TEST(BenchDenseTile, EveryInstructionSetComputesTheSame) {
   }
 }
 
-// A camera at the origin with a picture of `side` px, and a round splat of `sigma` px in its
+// A camera at the origin with an image of `side` px, and a round splat of `sigma` px in its
 // middle.
 Camera MiddleCamera(int side) {
   Camera c;
@@ -249,7 +249,7 @@ TEST(BenchSyntheticView, TheSameSeedGivesTheSameBits) {
 }
 
 // Measured: 46.7, 51.3 and 49.4 splats per pixel.
-TEST(BenchSyntheticView, CoversThePictureEquallyWhateverTheCount) {
+TEST(BenchSyntheticView, CoversTheImageEquallyWhateverTheCount) {
   constexpr int kSide = 160;
   std::vector<double> per_pixel;
   for (const size_t count : {1000u, 10000u, 100000u}) {
@@ -287,7 +287,7 @@ TEST(BenchHeldMemory, OfASyntheticView) {
   constexpr size_t kCount = 20000, kPixels = 128 * 96;
   const auto parts = MemoryOfSteps(MakeSyntheticView(kCount, 128, 96, 1), 2);
   EXPECT_LE(SumOf(parts, MemoryOf::kGaussians), 1300 * kCount);
-  EXPECT_GE(SumOf(parts, MemoryOf::kPixels), 7 * sizeof(float) * kPixels);  // two pictures, alpha
+  EXPECT_GE(SumOf(parts, MemoryOf::kPixels), 7 * sizeof(float) * kPixels);  // two images, alpha
 }
 
 // No figure is asserted: sanitizers add their own to what is resident.

@@ -22,10 +22,10 @@ void ExpectShown(const StabilityCase& s) {
   for (const std::string* text :
        {&s.key, &s.title, &s.what, &s.quantity, &s.naive.name, &s.ours.name})
     EXPECT_FALSE(text->empty());
-  for (const Image8* picture : {&s.naive.picture, &s.ours.picture}) {
-    EXPECT_EQ(picture->width, s.ours.picture.width);
-    EXPECT_LE(std::max(picture->width, picture->height), 200);
-    EXPECT_EQ(picture->data.size(), 3 * picture->pixels());
+  for (const Image8* image : {&s.naive.image, &s.ours.image}) {
+    EXPECT_EQ(image->width, s.ours.image.width);
+    EXPECT_LE(std::max(image->width, image->height), 200);
+    EXPECT_EQ(image->data.size(), 3 * image->pixels());
   }
   for (const StabilityCurve& curve : s.chart.curves) EXPECT_GT(curve.points.size(), 2u);
 }
@@ -38,12 +38,11 @@ void ExpectHolds(const StabilityCase& s) {
 }
 
 // Share of pixels painted as not a number.
-double ShareMagenta(const Image8& picture) {
+double ShareMagenta(const Image8& image) {
   size_t count = 0;
-  for (size_t i = 0; i < picture.pixels(); ++i)
-    count += picture.data[3 * i] == 255 && picture.data[3 * i + 1] == 0 &&
-             picture.data[3 * i + 2] == 255;
-  return double(count) / double(picture.pixels());
+  for (size_t i = 0; i < image.pixels(); ++i)
+    count += image.data[3 * i] == 255 && image.data[3 * i + 1] == 0 && image.data[3 * i + 2] == 255;
+  return double(count) / double(image.pixels());
 }
 
 TEST(Stability, ABoundIsKeptOrNot) {
@@ -71,15 +70,15 @@ TEST(Stability, ArctanJump) {
   const StabilityCase s = ArctanJump();
   ExpectHolds(s);
   EXPECT_GT(s.naive.value, 0.5);  // measured 1.36
-  EXPECT_NE(s.naive.picture.data, s.ours.picture.data);
+  EXPECT_NE(s.naive.image.data, s.ours.image.data);
 }
 
 TEST(Stability, ThePole) {
   const StabilityCase s = ThePole();
   ExpectHolds(s);
   EXPECT_EQ(s.naive.value, 24);  // all but m = 0
-  EXPECT_EQ(ShareMagenta(s.naive.picture), 1.0 / (21 * 21));
-  EXPECT_EQ(ShareMagenta(s.ours.picture), 0);
+  EXPECT_EQ(ShareMagenta(s.naive.image), 1.0 / (21 * 21));
+  EXPECT_EQ(ShareMagenta(s.ours.image), 0);
 }
 
 TEST(Stability, AnglesInFloat) { ExpectHolds(AnglesInFloat()); }
@@ -157,8 +156,8 @@ TEST(Stability, DegenerateCovariance) {
   const StabilityCase s = DegenerateCovariance();
   ExpectHolds(s);
   EXPECT_GT(s.naive.value, 50);
-  EXPECT_GT(ShareMagenta(s.naive.picture), 0.9);
-  EXPECT_EQ(ShareMagenta(s.ours.picture), 0);
+  EXPECT_GT(ShareMagenta(s.naive.image), 0.9);
+  EXPECT_EQ(ShareMagenta(s.ours.image), 0);
 }
 
 TEST(Stability, CameraCenter) { ExpectHolds(CameraCenter()); }
@@ -175,8 +174,8 @@ TEST(Stability, NaiveRenderingIsRightWhereItDoesNotFail) {
 TEST(Stability, OpacitySaturation) {
   const StabilityCase s = OpacitySaturation();
   ExpectHolds(s);
-  EXPECT_GT(ShareMagenta(s.naive.picture), 0);
-  EXPECT_EQ(ShareMagenta(s.ours.picture), 0);
+  EXPECT_GT(ShareMagenta(s.naive.image), 0);
+  EXPECT_EQ(ShareMagenta(s.ours.image), 0);
 }
 
 TEST(Stability, LastContributor) { ExpectHolds(LastContributor()); }
@@ -188,7 +187,7 @@ TEST(Stability, PairCount) { ExpectHolds(PairCount()); }
 TEST(Stability, SsimOfConstants) {
   const StabilityCase s = SsimOfConstants();
   ExpectHolds(s);
-  EXPECT_GT(ShareMagenta(s.naive.picture), 0.1);
+  EXPECT_GT(ShareMagenta(s.naive.image), 0.1);
 }
 
 TEST(Stability, NaiveSsimIsRightWhereItDoesNotFail) {

@@ -20,7 +20,7 @@ class LiveStory {
 
   explicit LiveStory(const FlameModel& flame) : flame_(flame) {}
 
-  // What arrives before picture `frame`; one call per frame, in order. False where the avatar took
+  // What arrives before image `frame`; one call per frame, in order. False where the avatar took
   // it otherwise than it should.
   bool Feed(cosplat_avatar* avatar, int frame) {
     bool as_expected = true;

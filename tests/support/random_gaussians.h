@@ -1,4 +1,4 @@
-// Gaussians around the origin with every attribute at random, and a picture of them.
+// Gaussians around the origin with every attribute at random, and an image of them.
 #pragma once
 
 #include <cmath>
@@ -30,18 +30,18 @@ inline Gaussians RandomGaussians(size_t n, int degree, Basis basis, uint64_t see
   return g;
 }
 
-inline RenderedImage Picture(const WorldGaussians& gaussians,
-                             Basis basis,
-                             int degree,
-                             const Camera& camera) {
+inline RenderedImage Image(const WorldGaussians& gaussians,
+                           Basis basis,
+                           int degree,
+                           const Camera& camera) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   RenderedImage image;
   rasterizer->Forward(gaussians, basis, camera, {{0.3f, 0.5f, 0.7f}, degree}, image, *tape);
   return image;
 }
-inline RenderedImage Picture(const Gaussians& g, const Camera& camera) {
-  return Picture(ViewOf(g), g.basis, g.degree, camera);
+inline RenderedImage Image(const Gaussians& g, const Camera& camera) {
+  return Image(ViewOf(g), g.basis, g.degree, camera);
 }
 
 // Largest difference of any channel of any pixel.

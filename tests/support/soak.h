@@ -1,5 +1,5 @@
 // A long live show through the C interface: LiveStory, drawn frame by frame, and what became of
-// memory, time and pictures. A test runs a short one, tests/bench/plugin_bench.cpp two hours.
+// memory, time and images. A test runs a short one, tests/bench/plugin_bench.cpp two hours.
 #pragma once
 
 #include <unistd.h>
@@ -39,9 +39,9 @@ struct SoakReport {
   double median_ms = 0, slow_ms = 0, slowest_ms = 0;  // per frame; the second of 99 %
   int unexpected = 0;                                 // calls that did not return what they should
   int checkpoints = 0;
-  int unlike_replayed = 0;  // pictures that a new avatar with the same inputs draws otherwise
+  int unlike_replayed = 0;  // images that a new avatar with the same inputs draws otherwise
   int plain = 0;            // checkpoints whose face was live
-  int unlike_plain = 0;     // of those, pictures that a new avatar with that frame draws otherwise
+  int unlike_plain = 0;     // of those, images that a new avatar with that frame draws otherwise
   cosplat_health health{};
   uint64_t bad = 0, late = 0;
 };
@@ -114,11 +114,11 @@ class Soak {
   }
 
   void Render(cosplat_avatar* avatar) {
-    cosplat_picture picture = {};
-    picture.struct_size = sizeof(picture);
-    picture.width = picture.height = settings_.side;
-    picture.pixels = pixels_.data();
-    report_.unexpected += cosplat_render(avatar, &picture) != COSPLAT_OK;
+    cosplat_picture image = {};
+    image.struct_size = sizeof(image);
+    image.width = image.height = settings_.side;
+    image.pixels = pixels_.data();
+    report_.unexpected += cosplat_render(avatar, &image) != COSPLAT_OK;
   }
   void Draw(cosplat_avatar* avatar, int frame) {
     report_.unexpected += cosplat_advance(avatar, frame * LiveStory::kStepNs) != COSPLAT_OK;
@@ -132,7 +132,7 @@ class Soak {
     kept.pixels = pixels_;
   }
 
-  // All inputs again, with pictures at the checkpoints only.
+  // All inputs again, with images at the checkpoints only.
   void Replay() {
     cosplat_avatar* avatar = Open();
     LiveStory story(flame_);

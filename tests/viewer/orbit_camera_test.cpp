@@ -63,7 +63,7 @@ TEST(OrbitCamera, BeginsAtItsCamera) {
   ExpectNear(OrbitCamera(start).At(80, 64), start.camera, 1e-6f);
 }
 
-TEST(OrbitCamera, AnotherShapeShowsTheWholePicture) {
+TEST(OrbitCamera, AnotherShapeShowsTheWholeImage) {
   const StartView start = Askew();
   const Point corner{-0.4f, 0.9f, 0.2f};
   const auto before = PixelOf(start.camera, corner);
@@ -106,7 +106,7 @@ TEST(OrbitCamera, GoesToItsRightAndUpAndStopsAtThePoles) {
   EXPECT_NEAR(down, -std::sin(1.5f), 1e-4);
 }
 
-TEST(OrbitCamera, PansBySharesOfThePicture) {
+TEST(OrbitCamera, PansBySharesOfTheImage) {
   const StartView start = Askew();
   const Point target = TargetOf(start.camera, AskewDepth());
   OrbitCamera camera(start);

@@ -58,7 +58,7 @@ TEST(Stage, ScenesHaveTheRasterizersBits) {
   shot.background = {0.3f, 0.5f, 0.7f};
   Stage stage{Content(scene)};
   const Image8 image = Drawn(stage, shot);
-  const Image8 expected = ToBytes(Picture(scene.scene, shot.camera).ToImage());
+  const Image8 expected = ToBytes(Image(scene.scene, shot.camera).ToImage());
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       EXPECT_EQ(At(image, x, y), At(expected, x, y));
@@ -194,7 +194,7 @@ TEST(Stage, RefusesWhatItCannotDraw) {
   Stage head{Content(PaintedHead())};
   Shot flat = ShotOf(PaintedHead(), View::kSplats);
   flat.camera.height = 0;
-  ExpectError([&] { Drawn(head, flat); }, {"head", "picture", "no pixels"});
+  ExpectError([&] { Drawn(head, flat); }, {"head", "image", "no pixels"});
   Shot broken = ShotOf(PaintedHead(), View::kWire);
   broken.face.pose[1][0] = NAN;
   ExpectError([&] { Drawn(head, broken); }, {"pose", "nan"});

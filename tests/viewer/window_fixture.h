@@ -86,13 +86,13 @@ class Window : public testing::Test {
     const Image8 pixels = window->ReadPixels();
     const int width = pixels.width - (session.panels_open ? kPanelWidth : 0);
     viewer::Stage own{viewer::Content(PaintedHead())};
-    Image8 picture;
-    own.Draw(session.ShotFor(width, pixels.height), picture);
+    Image8 image;
+    own.Draw(session.ShotFor(width, pixels.height), image);
     int most = 0;
-    for (int y = first_row; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
+    for (int y = first_row; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < 3; ++c)
-          most = std::max(most, std::abs(pixels.at(x, y, c) - picture.at(x, y, c)));
+          most = std::max(most, std::abs(pixels.at(x, y, c) - image.at(x, y, c)));
     return most;
   }
   std::vector<std::string> Captures() const {

@@ -24,7 +24,7 @@ TEST_F(Window, ShowsWhatTheStageDraws) {
   Settle();
   EXPECT_EQ(session.view(), View::kWire);
   EXPECT_LE(DifferenceFromStage(), 1);
-  Press(GLFW_KEY_TAB);  // without the panels the picture has the whole window
+  Press(GLFW_KEY_TAB);  // without the panels the image has the whole window
   Settle();
   EXPECT_LE(DifferenceFromStage(), 1);
 }
@@ -73,9 +73,9 @@ TEST_F(Window, PlaysStepsAndCaptures) {
   ASSERT_EQ(Captures().size(), 1u);
   const Image8 screenshot = ReadImage(Captures()[0]);
   Stage own{Content(PaintedHead())};
-  Image8 picture;
-  own.Draw(session.ShotFor(screenshot.width, screenshot.height), picture);
-  EXPECT_EQ(screenshot.data, picture.data);
+  Image8 image;
+  own.Draw(session.ShotFor(screenshot.width, screenshot.height), image);
+  EXPECT_EQ(screenshot.data, image.data);
 }
 
 // A datagram to the port that a source's description ends with.

@@ -15,7 +15,7 @@
 namespace cosplat::test {
 namespace {
 
-using viewer::FinishedPicture;
+using viewer::FinishedImage;
 using viewer::LiveFace;
 using viewer::RenderWorker;
 using viewer::Shot;
@@ -29,10 +29,10 @@ Shot SceneShot(int width) {
   return shot;
 }
 
-// Until nothing is drawn any more; the newest picture.
-FinishedPicture Newest(RenderWorker& worker) {
+// Until nothing is drawn any more; the newest image.
+FinishedImage Newest(RenderWorker& worker) {
   while (worker.Busy()) std::this_thread::yield();
-  FinishedPicture picture;
+  FinishedImage picture;
   EXPECT_TRUE(worker.Take(picture));
   EXPECT_FALSE(worker.Take(picture));
   return picture;
@@ -43,7 +43,7 @@ TEST(RenderWorker, TheLastJobCounts) {
   std::atomic<int> finished = 0;
   RenderWorker worker(stage, [&] { ++finished; });
   for (int width = 1; width <= 40; ++width) worker.Start({SceneShot(width), 1, width});
-  const FinishedPicture picture = Newest(worker);
+  const FinishedImage picture = Newest(worker);
   EXPECT_EQ(picture.image.width, 40);
   EXPECT_EQ(picture.job.input_ns, 40);
   EXPECT_GT(picture.milliseconds, 0);
@@ -56,11 +56,11 @@ TEST(RenderWorker, SaysWhatIsWrongAndGoesOn) {
   Shot wire = SceneShot(8);
   wire.view = View::kWire;
   worker.Start({wire, 1, 0});
-  const FinishedPicture broken = Newest(worker);
+  const FinishedImage broken = Newest(worker);
   EXPECT_TRUE(broken.image.empty());
   EXPECT_NE(broken.problem.find("wire is of avatars"), std::string::npos);
   worker.Start({SceneShot(8), 1, 0});
-  const FinishedPicture picture = Newest(worker);
+  const FinishedImage picture = Newest(worker);
   EXPECT_EQ(picture.problem, "");
   EXPECT_EQ(picture.image.width, 8);
 }
@@ -73,15 +73,15 @@ TEST(RenderWorker, EndsWithAJobWaiting) {
 
 TEST(Capture, NamesAreNew) {
   const TemporaryFolder folder;
-  const std::string path = viewer::CapturePath(folder / "pictures", ".png");
-  EXPECT_EQ(path.rfind(folder / "pictures/cosplat_", 0), 0u);
+  const std::string path = viewer::CapturePath(folder / "images", ".png");
+  EXPECT_EQ(path.rfind(folder / "images/cosplat_", 0), 0u);
   WriteImage(path, Image8(4, 4, 4));
-  const std::string next = viewer::CapturePath(folder / "pictures", ".png");
+  const std::string next = viewer::CapturePath(folder / "images", ".png");
   EXPECT_NE(next, path);
   EXPECT_FALSE(std::filesystem::exists(next));
 }
 
-TEST(Capture, VideosShowEachPictureForItsTime) {
+TEST(Capture, VideosShowEachImageForItsTime) {
   const TemporaryFolder folder;
   VideoRecorder recorder(folder / "a.mp4", 33, 32);
   EXPECT_EQ(recorder.width(), 32);

@@ -61,7 +61,7 @@ struct TrainOptions {
   Device ResolveDevice() const;
   // Settles --background auto and -w.
   void ResolveBackground(const std::string& automatic);
-  // Behind held-out pictures: black where training has black, otherwise white.
+  // Behind held-out images: black where training has black, otherwise white.
   std::array<float, 3> EvaluationBackground() const;
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
 };

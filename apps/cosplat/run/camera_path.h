@@ -1,4 +1,4 @@
-// Cameras that circle a subject, for pictures that people look at.
+// Cameras that circle a subject, for images that people look at.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 
 namespace cosplat {
 
-// What decides which pictures train and which are held out; part of run.json.
+// What decides which images train and which are held out; part of run.json.
 struct DataSplit {
   int resolution = 1;
   bool eval = false;
@@ -28,7 +28,7 @@ SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 // place of the test frames.
 TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split);
 
-// Colour behind held-out pictures, as run.json has it.
+// Colour behind held-out images, as run.json has it.
 std::array<float, 3> BackgroundOf(const JsonField& run);
 
 // An avatar's head where it is on average: root pose and translation, all else zero.

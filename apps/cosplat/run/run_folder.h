@@ -36,7 +36,7 @@ void RequireSplats(const JsonField& run);
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 
 // The run's last saved iteration: run.json's, or the highest there is of an unfinished run. Error
-// when nothing was saved; but run.json's where that cannot be: its test pictures are there.
+// when nothing was saved; but run.json's where that cannot be: its test images are there.
 int SavedIteration(const std::string& folder, const JsonField& run);
 std::string SplatPath(const std::string& folder, int iteration);
 

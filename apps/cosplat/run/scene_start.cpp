@@ -13,7 +13,7 @@ bool FindPoints(size_t random_points, const TrainOptions& o, TrainingScene& scen
   Rng rng{o.seed};
   if (random_points == 0 && o.preset == "default")
     SweepPoints(scene.train, kSweepRays, rng, scene.points, scene.point_colors);
-  // Where next to nothing was found: too few photographs, or nothing to tell their pixels apart by.
+  // Where next to nothing was found: too few images, or nothing to tell their pixels apart by.
   if (scene.points.size() / 3 >= kSweepRays / 20) return false;
   std::vector<Camera> cameras;
   for (const TrainFrame& frame : scene.train) cameras.push_back(frame.camera);

@@ -14,7 +14,7 @@ struct SceneStart {
 
 // Settles the background. The scene's points become those that its Gaussians begin at, no more than
 // the choices allow. Where it has none, they are `random_points` random ones or, where that is 0,
-// as the preset says: found in the photographs (splat/train/initialize.h), or 3DGS's 100,000 random
+// as the preset says: found in the images (splat/train/initialize.h), or 3DGS's 100,000 random
 // ones.
 SceneStart StartScene(size_t random_points, TrainOptions& choices, TrainingScene& scene);
 

@@ -45,7 +45,7 @@ std::vector<std::string> SortedFiles(const std::string& folder) {
   return names;
 }
 
-// Figures of one test/ours_N folder, by name of figure, then of picture.
+// Figures of one test/ours_N folder, by name of figure, then of image.
 using Figures = std::map<std::string, std::map<std::string, double>>;
 
 Figures EvaluateFolder(const std::string& folder,
@@ -98,7 +98,7 @@ std::map<std::string, Figures> ReadEarlier(const std::string& path,
   return earlier;
 }
 
-// Adds LPIPS that `earlier` measured with other nets, if it was of the same pictures: then each
+// Adds LPIPS that `earlier` measured with other nets, if it was of the same images: then each
 // view's PSNR and SSIM have the same bits. Returns the names of what is not kept.
 std::string KeepLpips(Figures& earlier, Figures& figures) {
   const bool same = earlier["PSNR"] == figures["PSNR"] && earlier["SSIM"] == figures["SSIM"];
@@ -133,7 +133,7 @@ void Summarize(const Figures& figures, TestSummary& summary) {
     if (figure.rfind(kLpipsOfNet, 0) == 0) summary.lpips[figure.substr(prefix)] = Mean(values);
 }
 
-// The folders ours_N that hold pictures, and how many.
+// The folders ours_N that hold images, and how many.
 std::map<std::string, int> CountViews(const std::string& folder) {
   std::map<std::string, int> views;
   std::error_code ignored;
@@ -157,7 +157,7 @@ TestImageWriter::TestImageWriter(const std::string& folder,
       background_(background) {
   for (const char* sub : {"/renders", "/gt", "/masks"}) {
     std::error_code ignored;
-    fs::remove_all(path_ + sub, ignored);  // pictures of an earlier run would be counted
+    fs::remove_all(path_ + sub, ignored);  // images of an earlier run would be counted
   }
   MakeDirectories(path_ + "/renders");
   MakeDirectories(path_ + "/gt");
@@ -208,7 +208,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
     });
     const std::string dropped = KeepLpips(earlier[name], figures);
     if (!dropped.empty())
-      summary.dropped.push_back(name + ": " + dropped + " of pictures that have changed since");
+      summary.dropped.push_back(name + ": " + dropped + " of images that have changed since");
     for (const auto& [figure, values] : figures) {
       results[name][figure] = Mean(values);
       per_view[name][figure] = values;

@@ -1,4 +1,4 @@
-// Held-out views: pictures written beside their photographs, and the figures over them.
+// Held-out views: images written beside their images, and the figures over them.
 #pragma once
 
 #include <functional>
@@ -28,7 +28,7 @@ struct TestSummary {
 
 // Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were
 // trained on; a suffix for splats that are not the run's own) and, when `truth` has
-// alpha, masks/000ii.png; both pictures over the background.
+// alpha, masks/000ii.png; both images over the background.
 class TestImageWriter {
  public:
   TestImageWriter(const std::string& folder,
@@ -54,7 +54,7 @@ class TestImageWriter {
 // absent.
 //
 // With `lpips`, LPIPS_<net> is written as well, and once more as LPIPS, where other tools look for
-// it. LPIPS that was measured earlier is kept if it is of the same pictures. `progress` is told the
+// it. LPIPS that was measured earlier is kept if it is of the same images. `progress` is told the
 // number of views done and of all.
 TestSummary EvaluateTestImages(const std::string& folder,
                                int iteration = -1,
@@ -64,7 +64,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
 // "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
 std::string ToString(const TestSummary& summary);
 
-// Draws tracked frames of an avatar beside their pictures: used while training and by `render`.
+// Draws tracked frames of an avatar beside their images: used while training and by `render`.
 
 class AvatarTestImages {
  public:

@@ -114,7 +114,7 @@ void RunTraining(const TrainOptions& o,
   if (!o.quiet && o.drop_bands > 0)
     std::printf(
         "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients from band 1 on; "
-        "%+.2f dB on training pictures at the time\n",
+        "%+.2f dB on training images at the time\n",
         statistics.bands.mean,
         o.sh_degree,
         100 * statistics.bands.rest_saved,

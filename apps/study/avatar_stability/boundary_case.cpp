@@ -67,16 +67,16 @@ double Crowding(const Surface& surface, const Embedding& e) {
 }
 
 // The neck's rim from the front: from below the rim up, what looks forward.
-Image8 PictureOfNeck(const Surface& surface, const Embedding& e, const SketchColor& ink) {
+Image8 ImageOfNeck(const Surface& surface, const Embedding& e, const SketchColor& ink) {
   constexpr float kSide = 0.05f;
   const std::vector<Vec3<float>> places = PlacesOnRims(surface);
   Vec3<float> low = places[0];
   for (const Vec3<float>& p : places)
     if (p.y < low.y) low = p;
-  Sketch sketch(kStudyPicture, kStudyPicture);
-  const float scale = kStudyPicture / kSide;
-  const auto x = [&](const Vec3<float>& p) { return (p.x - low.x) * scale + kStudyPicture / 2; };
-  const auto y = [&](const Vec3<float>& p) { return kStudyPicture * 0.8f - (p.y - low.y) * scale; };
+  Sketch sketch(kStudyImage, kStudyImage);
+  const float scale = kStudyImage / kSide;
+  const auto x = [&](const Vec3<float>& p) { return (p.x - low.x) * scale + kStudyImage / 2; };
+  const auto y = [&](const Vec3<float>& p) { return kStudyImage * 0.8f - (p.y - low.y) * scale; };
   const auto in_front = [&](int32_t f) { return CornerAt(surface, f, 0).z > low.z - kSide; };
   for (size_t f = 0; f < surface.faces().size(); ++f)
     for (int k = 0; k < 3 && in_front(int32_t(f)); ++k) {
@@ -125,8 +125,8 @@ StabilityCase BoundaryCase(const StudyHead& head) {
   c.bound = 64;
   c.naive = {"Stops on the edge, as released", Crowding(surface, naive), {}};
   c.ours = {"Slides along it; 64 for a triangle at the rim", Crowding(surface, ours), {}};
-  c.naive.picture = PictureOfNeck(surface, naive, kNaiveInk);
-  c.ours.picture = PictureOfNeck(surface, ours, kOursInk);
+  c.naive.image = ImageOfNeck(surface, naive, kNaiveInk);
+  c.ours.image = ImageOfNeck(surface, ours, kOursInk);
   return c;
 }
 

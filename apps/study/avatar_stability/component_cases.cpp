@@ -66,8 +66,8 @@ StabilityCase EyeballShareCase(const StudyHead& head) {
     form->value = EyeShare(surface, points) / share;
     if (form == &c.ours && CountStrays(surface, points) > 0)
       form->value = std::numeric_limits<double>::infinity();
-    form->picture =
-        PictureOf(BoundBothWays(PaintedAvatar(head.head, points, rng, 0)).ours, StudyCamera());
+    form->image =
+        ImageOf(BoundBothWays(PaintedAvatar(head.head, points, rng, 0)).ours, StudyCamera());
   }
   return c;
 }

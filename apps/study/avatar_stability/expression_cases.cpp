@@ -91,7 +91,7 @@ std::vector<uint8_t> FrontOf(const StudyHead& head,
   std::vector<std::array<int32_t, 3>> front;
   for (size_t f = 0; f < facing.size(); ++f)
     if (facing[f] > kPlainly) front.push_back(head.avatar.mesh.faces[f]);
-  return Eroded(MeshSilhouette(vertices, front, camera), kStudyPicture, kRim);
+  return Eroded(MeshSilhouette(vertices, front, camera), kStudyImage, kRim);
 }
 
 }  // namespace
@@ -119,8 +119,8 @@ StabilityCase ExpressionSizeCase(const StudyHead& head) {
   const FlameParams worst = MeasureOverExpressions(head, growth, c);
   BoundBothWays bound(head.avatar);
   bound.Pose(head.Vertices(worst));
-  c.naive.picture = PictureOf(bound.naive, StudyCamera());
-  c.ours.picture = PictureOf(bound.ours, StudyCamera());
+  c.naive.image = ImageOf(bound.naive, StudyCamera());
+  c.ours.image = ImageOf(bound.ours, StudyCamera());
   return c;
 }
 
@@ -179,7 +179,7 @@ StabilityCase HolesCase(const StudyHead& head) {
     form.value = 1;
     for (size_t p = 0; p < front.size(); ++p)
       if (front[p]) form.value = std::min(form.value, 1.0 - image.transmittance[p]);
-    form.picture = ToBytes(image.ToImage());
+    form.image = ToBytes(image.ToImage());
   }
   return c;
 }

@@ -77,13 +77,13 @@ double TearOf(const std::vector<Vec3<float>>& on, const std::vector<Vec3<float>>
 Image8 Profile(const std::vector<Vec3<float>>& on,
                const std::vector<Vec3<float>>& off,
                const SketchColor& ink) {
-  constexpr float kScale = 0.42f * kStudyPicture;
-  Sketch sketch(kStudyPicture, kStudyPicture);
+  constexpr float kScale = 0.42f * kStudyImage;
+  Sketch sketch(kStudyImage, kStudyImage);
   const auto line = [&](const auto& points, int i, const SketchColor& color, float width) {
-    sketch.Line(0.5f * kStudyPicture + kScale * points[i].x,
-                0.7f * kStudyPicture - kScale * points[i].z,
-                0.5f * kStudyPicture + kScale * points[i + 1].x,
-                0.7f * kStudyPicture - kScale * points[i + 1].z,
+    sketch.Line(0.5f * kStudyImage + kScale * points[i].x,
+                0.7f * kStudyImage - kScale * points[i].z,
+                0.5f * kStudyImage + kScale * points[i + 1].x,
+                0.7f * kStudyImage - kScale * points[i + 1].z,
                 color,
                 width);
   };
@@ -98,7 +98,7 @@ Image8 Profile(const std::vector<Vec3<float>>& on,
 }  // namespace
 
 StabilityCase FoldedLipCase() {
-  constexpr int kPictured = 120;  // degrees
+  constexpr int kImaged = 120;  // degrees
   StabilityCase c;
   c.key = "folded_lip";
   c.title = "An offset along the normal at a fold";
@@ -125,9 +125,9 @@ StabilityCase FoldedLipCase() {
     for (int k : {0, 1}) c.chart.curves[k].points.push_back({double(degrees), tears[k]});
     c.naive.value = std::max(c.naive.value, tears[0]);
     c.ours.value = std::max(c.ours.value, tears[1]);
-    if (degrees != kPictured) continue;
-    c.naive.picture = Profile(naive.on, naive.off, kNaiveInk);
-    c.ours.picture = Profile(naive.on, ours, kOursInk);
+    if (degrees != kImaged) continue;
+    c.naive.image = Profile(naive.on, naive.off, kNaiveInk);
+    c.ours.image = Profile(naive.on, ours, kOursInk);
   }
   return c;
 }

@@ -35,7 +35,7 @@ double MedianScale(const PosedGaussians& posed) {
   return scales[scales.size() / 2];
 }
 
-// The left half of one picture beside the right half of another.
+// The left half of one image beside the right half of another.
 Image8 LeftOfOther(const Image8& left, Image8 right) {
   for (int y = 0; y < right.height; ++y)
     std::copy_n(&left.at(0, y, 0), right.width / 2 * right.channels, &right.at(0, y, 0));
@@ -75,7 +75,7 @@ StabilityCase InverseScaleCase(const StudyHead& head) {
     c.chart.curves.push_back(curve);
     const float half = std::sqrt(0.5f);
     bound.Pose(Times(head.avatar.mesh.vertices, half));
-    form.picture = PictureOf(*way, Farther(StudyCamera(), half));
+    form.image = ImageOf(*way, Farther(StudyCamera(), half));
   }
   return c;
 }
@@ -85,10 +85,10 @@ StabilityCase UnitsCase(const StudyHead& head) {
   c.key = "units";
   c.title = "The same head in metres and in quarters of a metre";
   c.what =
-      "Mesh, Gaussians and camera four times as large must give the same picture. A constant that "
+      "Mesh, Gaussians and camera four times as large must give the same image. A constant that "
       "is added to areas has a unit, and so has a logarithm that is scaled. Left half small, right "
       "large.";
-  c.quantity = "likeness of the two pictures of a grimace";
+  c.quantity = "likeness of the two images of a grimace";
   c.unit = "dB";
   c.bound = 60;
   c.at_least = true;
@@ -105,8 +105,8 @@ StabilityCase UnitsCase(const StudyHead& head) {
   };
   c.naive.value = likeness(small.naive, large.naive);
   c.ours.value = likeness(small.ours, large.ours);
-  c.naive.picture = LeftOfOther(PictureOf(small.naive, near), PictureOf(large.naive, far));
-  c.ours.picture = LeftOfOther(PictureOf(small.ours, near), PictureOf(large.ours, far));
+  c.naive.image = LeftOfOther(ImageOf(small.naive, near), ImageOf(large.naive, far));
+  c.ours.image = LeftOfOther(ImageOf(small.ours, near), ImageOf(large.ours, far));
   return c;
 }
 

@@ -1,4 +1,4 @@
-// Lines and dots for the pictures of a case: a triangle mesh, paths on it, places.
+// Lines and dots for the images of a case: a triangle mesh, paths on it, places.
 #pragma once
 
 #include <array>

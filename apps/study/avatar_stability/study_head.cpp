@@ -31,7 +31,7 @@ std::vector<float> StudyHead::Vertices(const FlameParams& params) const {
 }
 
 Camera StudyCamera(float azimuth) {
-  return procedural::OrbitCamera(azimuth, 0, kDistance, kStudyPicture);
+  return procedural::OrbitCamera(azimuth, 0, kDistance, kStudyImage);
 }
 
 ExpressionRange RangeOfExpressions() {
@@ -102,7 +102,7 @@ RenderedImage DrawOver(const BoundBothWays::Way& way,
   return image;
 }
 
-Image8 PictureOf(const BoundBothWays::Way& way, const Camera& camera) {
+Image8 ImageOf(const BoundBothWays::Way& way, const Camera& camera) {
   return ToBytes(DrawOver(way, camera, {1, 1, 1}).ToImage());
 }
 

@@ -17,7 +17,7 @@
 
 namespace cosplat {
 
-constexpr int kStudyPicture = 160;  // px, width and height
+constexpr int kStudyImage = 160;  // px, width and height
 
 struct StudyHead {
   ProceduralHead head;
@@ -28,7 +28,7 @@ struct StudyHead {
   std::vector<float> Vertices(const FlameParams& params) const;  // [V, 3] metres
 };
 
-// From the front, the head filling the picture; `azimuth` radians towards the subject's left.
+// From the front, the head filling the image; `azimuth` radians towards the subject's left.
 Camera StudyCamera(float azimuth = 0);
 
 // The mean and the standard deviation (at least 0.1) of each expression coefficient over the
@@ -67,6 +67,6 @@ RenderedImage DrawOver(const BoundBothWays::Way& way,
                        const Camera& camera,
                        const std::array<float, 3>& background);
 // Over white.
-Image8 PictureOf(const BoundBothWays::Way& way, const Camera& camera);
+Image8 ImageOf(const BoundBothWays::Way& way, const Camera& camera);
 
 }  // namespace cosplat

@@ -35,10 +35,10 @@ void Redden(float by, Gaussians& gaussians, size_t i) {
 }
 
 // Grey, and red by how far its rotation is from the other way's: all of it at half a turn.
-Image8 PictureOfTurns(BoundBothWays::Way way, const Buffer<float>& other, const Camera& camera) {
+Image8 ImageOfTurns(BoundBothWays::Way way, const Buffer<float>& other, const Camera& camera) {
   for (size_t i = 0; i < way.model.size(); ++i)
     Redden(float(TurnOf(way.posed.frame, other, i) / 180), way.model.gaussians, i);
-  return PictureOf(way, camera);
+  return ImageOf(way, camera);
 }
 
 AvatarModel OffTheSurface(AvatarModel avatar) {
@@ -105,9 +105,9 @@ std::vector<bool> Astray(const AvatarModel& avatar,
 }
 
 // Where they are at rest: grey, and red those that go astray.
-Image8 PictureOfAstray(BoundBothWays::Way way, const std::vector<bool>& astray) {
+Image8 ImageOfAstray(BoundBothWays::Way way, const std::vector<bool>& astray) {
   for (size_t i = 0; i < astray.size(); ++i) Redden(astray[i], way.model.gaussians, i);
-  return PictureOf(way, StudyCamera());
+  return ImageOf(way, StudyCamera());
 }
 
 StabilityCase OppositeRotationsText() {
@@ -159,8 +159,8 @@ StabilityCase OppositeRotationsCase(const StudyHead& head) {
   turn_to(worst);
   bound.naive.posed.scale_log = bound.ours.posed.scale_log;  // that is another case
   const Camera camera = StudyCamera(float(worst * kDegree));
-  c.naive.picture = PictureOfTurns(bound.naive, bound.ours.posed.frame, camera);
-  c.ours.picture = PictureOfTurns(bound.ours, bound.ours.posed.frame, camera);
+  c.naive.image = ImageOfTurns(bound.naive, bound.ours.posed.frame, camera);
+  c.ours.image = ImageOfTurns(bound.ours, bound.ours.posed.frame, camera);
   return c;
 }
 
@@ -184,8 +184,8 @@ StabilityCase CollapsedFacesCase(const StudyHead& head) {
     const auto ours = Astray(avatar, vertices, bound.ours.posed.position);
     const auto count = std::count(naive.begin(), naive.end(), true);
     if (double(count) > c.naive.value) {
-      c.naive.picture = PictureOfAstray(rest, naive);
-      c.ours.picture = PictureOfAstray(rest, ours);
+      c.naive.image = ImageOfAstray(rest, naive);
+      c.ours.image = ImageOfAstray(rest, ours);
     }
     c.naive.value = std::max(c.naive.value, double(count));
     c.ours.value = std::max(c.ours.value, double(std::count(ours.begin(), ours.end(), true)));

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 40, kTestFrames = 4;
-constexpr int kDropEvery = 10;                  // of the pictures, one is not there
+constexpr int kDropEvery = 10;                  // of the images, one is not there
 constexpr int kBad = kFrames / kDropEvery + 1;  // and one frame's expression is no number
 constexpr int kSpoiledFrame = 7;
 constexpr int kVideoSide = 48;  // px
@@ -106,7 +106,7 @@ FlameParams Trembling(Rng& rng) {
 }
 
 // White where they are alike.
-Image8 DifferencePicture(const RenderedImage& a, const RenderedImage& b) {
+Image8 DifferenceImage(const RenderedImage& a, const RenderedImage& b) {
   constexpr float kTimes = 10;
   RenderedImage difference = a;
   for (size_t k = 0; k < a.color.size(); ++k)
@@ -121,7 +121,7 @@ StabilityCase BadFramesCase(const StudyHead& head) {
   c.key = "bad_frames";
   c.title = "Frames that are missing or no numbers";
   c.what =
-      "300 steps of training on a video of 40 frames, of which 4 pictures are missing and one "
+      "300 steps of training on a video of 40 frames, of which 4 images are missing and one "
       "expression is NaN. One step on a loss of NaN turns every parameter into NaN.";
   c.quantity = "share of the parameters lost, every bad frame counted, the loss finite";
   c.naive.name = "Frames are taken as they come";
@@ -141,10 +141,10 @@ StabilityCase BadFramesCase(const StudyHead& head) {
   c.ours.value = ShareLost(bound.ours.model.gaussians);
   if (!std::isfinite(loss) || subject.video().skipped.size() != kBad)
     c.ours.value = std::numeric_limits<double>::infinity();
-  c.ours.picture = PictureOf(bound.ours, StudyCamera());
+  c.ours.image = ImageOf(bound.ours, StudyCamera());
   bound.ours.model.gaussians = AfterNaiveStep(bound.ours.model.gaussians);
   c.naive.value = ShareLost(bound.ours.model.gaussians);
-  c.naive.picture = PictureOf(bound.ours, StudyCamera());
+  c.naive.image = ImageOf(bound.ours, StudyCamera());
   return c;
 }
 
@@ -155,7 +155,7 @@ StabilityCase JitterCase(const StudyHead& head) {
   c.key = "jitter";
   c.title = "A still head, a trembling track";
   c.what =
-      "Sixteen frames of a head at rest with a tracker's noise on its parameters. The picture must "
+      "Sixteen frames of a head at rest with a tracker's noise on its parameters. The image must "
       "not tremble more than the mesh. Shown: ten times the difference of the last two.";
   c.quantity = "least likeness of two frames that follow each other";
   c.unit = "dB";
@@ -173,7 +173,7 @@ StabilityCase JitterCase(const StudyHead& head) {
       const BoundBothWays::Way& way = is_ours ? bound.ours : bound.naive;
       RenderedImage image = DrawOver(way, StudyCamera(), {1, 1, 1});
       if (i > 0) form.value = std::min(form.value, Psnr(image.color, last[is_ours].color));
-      if (i + 1 == kShown) form.picture = DifferencePicture(image, last[is_ours]);
+      if (i + 1 == kShown) form.image = DifferenceImage(image, last[is_ours]);
       last[is_ours] = std::move(image);
     }
   }

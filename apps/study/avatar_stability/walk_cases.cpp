@@ -40,7 +40,7 @@ CanonicalMesh IrregularSheet(int n) {
 class SheetSketch {
  public:
   SheetSketch(const Surface& surface, float low, float side)
-      : sketch_(kStudyPicture, kStudyPicture), low_(low), scale_(kStudyPicture / side) {
+      : sketch_(kStudyImage, kStudyImage), low_(low), scale_(kStudyImage / side) {
     for (size_t f = 0; f < surface.faces().size(); ++f)
       for (int c = 0; c < 3; ++c)
         Line(CornerAt(surface, int(f), c), CornerAt(surface, int(f), (c + 1) % 3), kMeshLine);
@@ -104,8 +104,8 @@ StabilityCase ParallelEdgeCase() {
     our_sketch.Line(from, PlaceOf(surface, ours), kOursInk, 1.5f);
     our_sketch.Dot(PlaceOf(surface, ours), kOursInk);
   }
-  c.naive.picture = naive_sketch.image();
-  c.ours.picture = our_sketch.image();
+  c.naive.image = naive_sketch.image();
+  c.ours.image = our_sketch.image();
   return c;
 }
 
@@ -144,8 +144,8 @@ StabilityCase BentPathCase() {
     c.naive.value = std::max(c.naive.value, double(math::Length(last[0] - from - way) / kLength));
     c.ours.value = std::max(c.ours.value, double(math::Length(last[1] - from - way) / kLength));
   }
-  c.naive.picture = naive_sketch.image();
-  c.ours.picture = our_sketch.image();
+  c.naive.image = naive_sketch.image();
+  c.ours.image = our_sketch.image();
   return c;
 }
 

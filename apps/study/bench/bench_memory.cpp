@@ -13,7 +13,7 @@ BenchSeries EmptySeries() {
   s.key = "memory";
   s.explanation =
       "What a training run holds per Gaussian of degree 3, part by part, beyond what grows with "
-      "the picture.";
+      "the image.";
   s.statistic = "capacity of all buffers after a run";
   s.chart = {Chart::Kind::kBars, "Memory of training", {"bytes per Gaussian", "B"}, {}, {}, {}};
   return s;

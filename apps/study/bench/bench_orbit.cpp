@@ -22,7 +22,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kViews = 36;
-constexpr float kFilled = 0.9f;                // of the picture's height
+constexpr float kFilled = 0.9f;                // of the image's height
 constexpr std::array<float, 3> kUp{0, -1, 0};  // as 3DGS's and PlayCanvas' files mostly have it
 constexpr float kHalfFieldOfView = 22.5f / 180 * 3.14159265f;  // vertical
 
@@ -54,10 +54,10 @@ std::vector<Point> VisiblePoints(const Gaussians& g) {
   return points;
 }
 
-// Of the points in the pictures, mean over the views.
+// Of the points in the images, mean over the views.
 struct Filling {
-  float share = 0;         // of the picture's height that they fill
-  float above_middle = 0;  // of the picture's height, by which their middle is above its own
+  float share = 0;         // of the image's height that they fill
+  float above_middle = 0;  // of the image's height, by which their middle is above its own
 };
 Filling FillingOf(const std::vector<Point>& points, const std::vector<Camera>& cameras) {
   Filling mean;
@@ -108,7 +108,7 @@ std::vector<Camera> FittingOrbit(const std::string& path,
   constexpr int kSearchSteps = 5;  // the share is nearly in inverse proportion to the distance
   for (int i = 0; i < kSearchSteps; ++i) {
     const Filling filling = FillingOf(points, cameras);
-    const float height = float(lens.height) / lens.fy * distance;  // of the picture, at the axis
+    const float height = float(lens.height) / lens.fy * distance;  // of the image, at the axis
     for (size_t k = 0; k < target.size(); ++k) target[k] += kUp[k] * filling.above_middle * height;
     distance = std::max(nearest, distance * filling.share / kFilled);
     cameras = OrbitTarget(lens, target, kUp, distance, kViews);
@@ -179,7 +179,7 @@ OrbitResult MeasureOrbit(const BenchRun& run, const OrbitSubject& subject) {
   BenchSeries s;
   s.key = "orbit";
   s.explanation = "Frame time of " + subject.name + " at " + size +
-                  " from views 10 degrees apart, its height filling 90 % of the picture's; dashed "
+                  " from views 10 degrees apart, its height filling 90 % of the image's; dashed "
                   "their mean.";
   s.statistic = "fastest round of each view";
   s.chart = {Chart::Kind::kLines,

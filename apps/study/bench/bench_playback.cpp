@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kUsualSplats = 20000;
 constexpr int kSide = 512;          // px
-constexpr float kDistance = 0.84f;  // metres: the head covers 40 to 50 % of the picture
+constexpr float kDistance = 0.84f;  // metres: the head covers 40 to 50 % of the image
 constexpr int kFrames = 24;
 
 // Splats spread over the head as training begins, opaque as training leaves them.
@@ -73,7 +73,7 @@ constexpr Mode kModes[] = {{"next frame posed meanwhile", true, false},
                            {"frame by frame", false, false},
                            {"half-resolution preview", true, true}};
 
-// Calls `seen` with the picture of every frame.
+// Calls `seen` with the image of every frame.
 template <class F>
 void PlayOnce(const std::vector<PlaybackFrame>& motion, bool pipelined, Player& player, F seen) {
   if (!pipelined) {
@@ -124,7 +124,7 @@ BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head) {
   BenchSeries s;
   s.key = "playback";
   s.explanation =
-      "Frames per second of an avatar (degree 2) on a 512x512 picture, every parameter of the head "
+      "Frames per second of an avatar (degree 2) on a 512x512 image, every parameter of the head "
       "changing in every frame, all threads.";
   s.statistic = "fastest pass over 24 frames";
   s.chart = {Chart::Kind::kLines,

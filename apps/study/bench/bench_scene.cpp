@@ -62,7 +62,7 @@ std::unique_ptr<Subject> MakeSubject(const BenchScene& scene, const TrainingChoi
   return std::make_unique<SceneSubject>(std::move(frames), scene.extent);
 }
 
-// Mean over the held-out views, both pictures as bytes over the background.
+// Mean over the held-out views, both images as bytes over the background.
 double HeldOutPsnr(const BenchScene& scene,
                    const Gaussians& gaussians,
                    const RenderSettings& settings) {

@@ -19,7 +19,7 @@ struct BenchScene {
   size_t max_gaussians = 0;
 };
 
-// The procedural head at rest, seen from all sides; `views` pictures of `side` px, every fifth held
+// The procedural head at rest, seen from all sides; `views` images of `side` px, every fifth held
 // out. Gaussians begin grey on its vertices.
 BenchScene MakeHeadScene(int side, int views);
 
@@ -35,7 +35,7 @@ struct TrainedScene {
 
 // What a training run may differ in.
 struct TrainingChoice {
-  int divisor = 1;  // of the training pictures' size
+  int divisor = 1;  // of the training images' size
   int iterations = 0;
   uint64_t seed = 0;
   StepShortcuts shortcuts = {};

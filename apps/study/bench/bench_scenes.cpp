@@ -12,7 +12,7 @@
 namespace cosplat {
 namespace {
 
-// Gaussians and the pictures they are drawn for.
+// Gaussians and the images they are drawn for.
 struct Drawn {
   std::string name;
   Gaussians gaussians;
@@ -32,7 +32,7 @@ AccuracyCharts EmptyAccuracyCharts() {
   charts.steps.key = "accuracy";
   charts.steps.explanation =
       "What a step costs and how good the result is on held-out views at full size, by the divisor "
-      "of the training pictures (-r) and the number of steps (beside the points).";
+      "of the training images (-r) and the number of steps (beside the points).";
   charts.steps.statistic =
       "step after the run, the fastest round of several; mean PSNR of the held-out views";
   charts.steps.chart = {Chart::Kind::kPoints,
@@ -95,7 +95,7 @@ void AddRuns(const BenchScene& scene,
   }
 }
 
-// Of the longest run on pictures at full size.
+// Of the longest run on images at full size.
 Gaussians BestOf(std::vector<TrainingRun>& runs) {
   TrainingRun* best = &runs[0];
   for (TrainingRun& r : runs)

@@ -20,13 +20,13 @@ struct OrbitSubject {
 
 // Reads a PLY file and stands cameras around its splats, looking level at their middle, -y up, at
 // such a distance that the visible ones (but for a thousandth at either end) fill 90 % of the
-// pictures' height on average. 1920x1080 px, a 30th of it when `quick`. Throws Error when nothing
+// images' height on average. 1920x1080 px, a 30th of it when `quick`. Throws Error when nothing
 // is to be seen.
 OrbitSubject LoadOrbit(const std::string& path, bool quick);
 
 struct OrbitResult {
   BenchSeries series;
-  Image first;  // picture of the first camera
+  Image first;  // image of the first camera
 };
 OrbitResult MeasureOrbit(const BenchRun& run, const OrbitSubject& subject);
 
@@ -46,7 +46,7 @@ BenchSeries MeasureMemory(const BenchRun& run, const std::vector<BenchScene>& sc
 // Against the number of splats; adds avatar_fps, that of an avatar of the usual size, to `head`.
 BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head);
 
-// `cosplat bench`: what is measured on photographs: speed against accuracy, the pairs that the
+// `cosplat bench`: what is measured on images: speed against accuracy, the pairs that the
 // blend loop looks at, and where a step's time goes.
 
 std::vector<BenchSeries> MeasureScenes(const BenchRun& run, const std::vector<BenchScene>& scenes);

@@ -81,7 +81,7 @@ BenchSeries AgainstGaussians(const BenchRun& run) {
                              {"Gaussians, degree 3", "", true},
                              marks);
   s.explanation =
-      "A training step on a 512x512 picture that the Gaussians cover equally often whatever their "
+      "A training step on a 512x512 image that the Gaussians cover equally often whatever their "
       "number; the dashed line is in proportion to it.";
   s.chart.guides = {Proportional(marks)};
   s.more = Slopes(marks);
@@ -102,9 +102,9 @@ BenchSeries AgainstPixels(const BenchRun& run) {
       KeepFastest(StepMs(run, MakeSyntheticView(kUsualCount, width, height, kSeed)), marks[i]);
     }
   BenchSeries s = StepSeries(
-      "step_pixels", "Training step against the size of the picture", {"pixels", "", true}, marks);
+      "step_pixels", "Training step against the size of the image", {"pixels", "", true}, marks);
   s.explanation =
-      "A training step of 30,000 Gaussians that grow with the picture; the dashed line is in "
+      "A training step of 30,000 Gaussians that grow with the image; the dashed line is in "
       "proportion to its pixels.";
   s.chart.guides = {Proportional(marks)};
   s.more = Slopes(marks);
@@ -156,7 +156,7 @@ BenchSeries AgainstThreads(const BenchRun& run) {
   BenchSeries s =
       StepSeries("step_threads", "Training step against threads", {"threads", "", true}, marks);
   s.explanation =
-      "A training step of 30,000 Gaussians on a 512x512 picture; beside each point how many times "
+      "A training step of 30,000 Gaussians on a 512x512 image; beside each point how many times "
       "faster than one thread, and dashed what as many times as threads would be.";
   s.chart.guides = {
       {"ideal", {{1, marks[0].y, ""}, {marks.back().x, marks[0].y / marks.back().x, ""}}}};

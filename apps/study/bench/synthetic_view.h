@@ -1,6 +1,6 @@
 // A view of random Gaussians whose cost is known: what the training step is timed on.
 //
-// MakeSyntheticView -> Gaussians + one photograph of them -> StepTimer
+// MakeSyntheticView -> Gaussians + one image of them -> StepTimer
 // (apps/study/bench/step_timer.h).
 #pragma once
 
@@ -11,7 +11,7 @@ namespace cosplat {
 
 struct SyntheticView {
   Gaussians start;   // what is trained: the photographed ones, displaced
-  TrainFrame frame;  // the photograph
+  TrainFrame frame;  // the image
 };
 
 // `count` Gaussians of degree 3 (at least 1) spread evenly over an image of this size. Their size

@@ -16,12 +16,12 @@ struct StudyFigure {
   bool less_is_better = false;
 };
 
-// How good the pictures are, what it costs: those that some point has, in the order of columns.
+// How good the images are, what it costs: those that some point has, in the order of columns.
 // LPIPS is a figure of its own per net.
 std::vector<StudyFigure> QualitiesIn(const std::vector<StudyPoint>& points);
 std::vector<StudyFigure> CostsIn(const std::vector<StudyPoint>& points);
 
-// The key of a quality where the cost is that of the quantised file, whose pictures are others;
+// The key of a quality where the cost is that of the quantised file, whose images are others;
 // empty where it was not measured of that.
 std::string QualityKeyFor(const StudyFigure& quality, const StudyFigure& cost);
 

@@ -4,8 +4,8 @@
 
 #include "apps/study/stability/basis_forms.h"
 #include "apps/study/stability/cases.h"
+#include "apps/study/stability/image.h"
 #include "apps/study/stability/naive_basis.h"
-#include "apps/study/stability/picture.h"
 #include "splat/base/rng.h"
 #include "splat/basis_constants.h"
 #include "splat/math/dcsh.h"
@@ -188,7 +188,7 @@ StabilityCase ThePole() {
   s.key = "pole";
   s.title = "0 / 0 at the pole";
   s.what =
-      "Straight up and straight down, u_y / u_x is 0 / 0. The picture shows directions a hundred "
+      "Straight up and straight down, u_y / u_x is 0 / 0. The image shows directions a hundred "
       "millionth of a radian apart around the pole; magenta is not a number.";
   s.quantity = "basis functions of 32 that are not a number at the two poles";
   const Vec3 up{0, 0, 1}, down{0, 0, -1};

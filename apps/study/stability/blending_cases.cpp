@@ -7,8 +7,8 @@
 #include <set>
 
 #include "apps/study/stability/cases.h"
+#include "apps/study/stability/image.h"
 #include "apps/study/stability/naive_render.h"
-#include "apps/study/stability/picture.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/base/rng.h"
 #include "splat/basis_constants.h"
@@ -50,7 +50,7 @@ PixelGradient UncappedGradient(float alpha, size_t count) {
 // Grey of the gradient's size over a splat, its centre being in the middle cell; black for 0, white
 // for 1 and more.
 template <class F>
-Image8 GradientPicture(const F& gradient) {
+Image8 GradientImage(const F& gradient) {
   constexpr int kCells = 19, kCell = 8, kMiddle = kCells / 2;
   return Paint(kCells * kCell, kCells * kCell, [&](int x, int y) {
     const float dx = float(x / kCell - kMiddle), dy = float(y / kCell - kMiddle);
@@ -95,10 +95,10 @@ double NumericGradient(Gaussians g, const Camera& camera) {
   return (up - WeighedSum(Draw(g, camera))) / (2 * double(kStep));
 }
 
-// What a change of order alone does to a picture; of several, the largest is kept.
+// What a change of order alone does to an image; of several, the largest is kept.
 struct Change {
   double levels = -1;  // root mean square, of 255
-  Image8 picture;      // 8 times brighter
+  Image8 image;        // 8 times brighter
 
   void Take(const Image& now, const Image& in_old_order) {
     double square = 0;
@@ -110,7 +110,7 @@ struct Change {
     Image difference = now;
     for (size_t i = 0; i < now.data.size(); ++i)
       difference.data[i] = 8 * std::abs(now.data[i] - in_old_order.data[i]);
-    picture = PictureOf(difference);
+    image = ImageOf(difference);
   }
 };
 
@@ -138,7 +138,7 @@ StabilityCase OpacitySaturation() {
   s.title = "A thousand opaque Gaussians in one place";
   s.what =
       "The gradient of what lies behind is divided by 1 - alpha, which is 0 where an opaque one "
-      "is at its centre. The picture: the gradient of the first one's alpha over its footprint.";
+      "is at its centre. The image: the gradient of the first one's alpha over its footprint.";
   s.quantity = "gradients of 1000 that are not finite";
   const Gaussians g = Coincident(kCount);
   const Gaussians gradients = DrawBothWays(g, StraightCamera(33)).gradients;
@@ -146,10 +146,10 @@ StabilityCase OpacitySaturation() {
   for (size_t i = 0; i < kCount; ++i) broken += !std::isfinite(*gradients.at(kOpacityLogit, i));
   s.naive = {"alpha up to 1",
              double(UncappedGradient(1, kCount).not_finite),
-             GradientPicture([](float falloff) { return UncappedGradient(falloff, 8).first; })};
+             GradientImage([](float falloff) { return UncappedGradient(falloff, 8).first; })};
   s.ours = {"alpha up to 0.99, stop at 1e-4",
             double(std::max(broken, CountNotFinite(gradients))),
-            GradientPicture([](float falloff) {
+            GradientImage([](float falloff) {
               const float alpha = math::AlphaOf(1.0f, falloff);
               return math::AlphaOfVjp(1.0f, falloff, UncappedGradient(alpha, 8).first);
             })};
@@ -203,11 +203,11 @@ StabilityCase Popping() {
   s.what =
       "Gaussians have one depth each, so that two of them change places at once as the camera "
       "turns, here by 0.1 degree a frame: what changing the order alone does, 8 times brighter in "
-      "the pictures. Ours pops, too, by this much: nothing sorts per pixel.";
+      "the images. Ours pops, too, by this much: nothing sorts per pixel.";
   s.quantity = "largest change of a frame, root mean square over its pixels";
   s.unit = "levels of 255";
-  s.naive = {"order kept until the camera has turned by 8 degrees", naive.levels, naive.picture};
-  s.ours = {"sorted in every frame", ours.levels, ours.picture};
+  s.naive = {"order kept until the camera has turned by 8 degrees", naive.levels, naive.image};
+  s.ours = {"sorted in every frame", ours.levels, ours.image};
   s.bound = 1.5;
   return s;
 }

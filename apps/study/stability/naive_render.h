@@ -1,5 +1,5 @@
 // A renderer without the guards of ours, as released code or the papers' formulas have it: for
-// pictures of what then goes wrong. Pixel by pixel, on plain floats; where nothing goes wrong it
+// images of what then goes wrong. Pixel by pixel, on plain floats; where nothing goes wrong it
 // draws what ours does (tests/study/stability_test.cpp).
 #pragma once
 

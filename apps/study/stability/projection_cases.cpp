@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "apps/study/stability/cases.h"
+#include "apps/study/stability/image.h"
 #include "apps/study/stability/naive_render.h"
-#include "apps/study/stability/picture.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/math/vec.h"
 #include "splat/render/rasterizer.h"
@@ -16,12 +16,12 @@ namespace {
 constexpr int kSide = 128;
 constexpr float kGrazingScale = 1;  // standard deviation of the grazing splat, its depth being 1
 
-Image8 NaivePicture(const Gaussians& g, const Camera& camera, NaiveJacobian jacobian) {
+Image8 NaiveImage(const Gaussians& g, const Camera& camera, NaiveJacobian jacobian) {
   const auto footprints = NaiveFootprints(g, camera, jacobian);
-  return PictureOf(DrawNaive(footprints, DepthOrder(footprints), camera.width, camera.height));
+  return ImageOf(DrawNaive(footprints, DepthOrder(footprints), camera.width, camera.height));
 }
-Image8 OurPicture(const Gaussians& g, const Camera& camera) {
-  return PictureOf(Draw(g, camera).ToImage());
+Image8 OurImage(const Gaussians& g, const Camera& camera) {
+  return ImageOf(Draw(g, camera).ToImage());
 }
 
 // Radius that the product gives the first Gaussian, px; 0 where it is not drawn.
@@ -114,10 +114,9 @@ StabilityCase FrustumEdge() {
   const Gaussians one = One(Grazing(89));
   s.naive = {"derivative at the centre (EWA splatting)",
              double(NaiveFootprintOf(one, 0, camera).Radius()),
-             NaivePicture(scene, camera, NaiveJacobian::kUnclamped)};
-  s.ours = {"clamped to 15 % beyond the image",
-            double(OurRadius(one, camera)),
-            OurPicture(scene, camera)};
+             NaiveImage(scene, camera, NaiveJacobian::kUnclamped)};
+  s.ours = {
+      "clamped to 15 % beyond the image", double(OurRadius(one, camera)), OurImage(scene, camera)};
   s.bound = 570;  // 3 deviations of 128 px at the clamped slopes, sqrt(1 + 1.05^2 + 0.2^2) times
   return s;
 }
@@ -140,10 +139,10 @@ StabilityCase OffCenterClamp() {
   const double naive = NaiveFootprintOf(g, 0, camera, NaiveJacobian::kAboutMiddle).Radius();
   s.naive = {"1.3 half-sizes about the middle (3DGS)",
              100 * std::abs(naive / truth - 1),
-             NaivePicture(g, camera, NaiveJacobian::kAboutMiddle)};
+             NaiveImage(g, camera, NaiveJacobian::kAboutMiddle)};
   s.ours = {"about the principal point",
             100 * std::abs(OurRadius(g, camera) / truth - 1),
-            OurPicture(g, camera)};
+            OurImage(g, camera)};
   s.bound = 1e-4;
   return s;
 }
@@ -170,8 +169,8 @@ StabilityCase DegenerateCovariance() {
   const double percent = 100 / double(scenes.size());
   s.naive = {"q / |q|, inverse of any covariance",
              percent * naive,
-             NaivePicture(scenes[10], large, NaiveJacobian::kUnclamped)};
-  s.ours = {"not drawn, its gradients 0", percent * ours, OurPicture(scenes[10], large)};
+             NaiveImage(scenes[10], large, NaiveJacobian::kUnclamped)};
+  s.ours = {"not drawn, its gradients 0", percent * ours, OurImage(scenes[10], large)};
   s.bound = 0;
   return s;
 }

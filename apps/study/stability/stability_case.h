@@ -18,10 +18,10 @@ namespace cosplat {
 struct StabilityForm {
   std::string name;  // "arctan(y/x), as the paper writes it"
   double value = 0;  // of the case's quantity; may be infinite or not a number
-  Image8 picture;    // RGB, at most 200 px a side; may be empty
+  Image8 image;      // RGB, at most 200 px a side; may be empty
 };
 
-// Where a curve says more than two pictures. Points that a logarithm does not have are left out.
+// Where a curve says more than two images. Points that a logarithm does not have are left out.
 struct StabilityCurve {
   std::string name;
   std::vector<std::array<double, 2>> points;  // x, y; joined in their order

@@ -56,19 +56,19 @@ std::string BoundText(const StabilityCase& s) {
   return std::string(s.at_least ? "at least " : "at most ") + WithUnit(s.bound, s.unit);
 }
 
-std::string PictureHtml(const Image8& picture, const std::string& about) {
-  if (picture.empty()) return "";
+std::string ImageHtml(const Image8& image, const std::string& about) {
+  if (image.empty()) return "";
   // Small ones larger, but by whole pixels.
-  const int times = std::max(1, 320 / std::max(picture.width, picture.height));
-  return "<img width=\"" + std::to_string(times * picture.width) + "\" height=\"" +
-         std::to_string(times * picture.height) + "\" alt=\"" + EscapeXml(about) + "\" src=\"" +
-         ImageUri(picture, ".png") + "\"/>";
+  const int times = std::max(1, 320 / std::max(image.width, image.height));
+  return "<img width=\"" + std::to_string(times * image.width) + "\" height=\"" +
+         std::to_string(times * image.height) + "\" alt=\"" + EscapeXml(about) + "\" src=\"" +
+         ImageUri(image, ".png") + "\"/>";
 }
 
 std::string FormHtml(const StabilityCase& s, const StabilityForm& form, const char* style) {
   return std::string("<div class=\"form ") + style + "\"><span>" + EscapeXml(form.name) +
          "</span><b>" + EscapeXml(WithUnit(form.value, s.unit)) + "</b>" +
-         PictureHtml(form.picture, s.title + ": " + form.name) + "</div>\n";
+         ImageHtml(form.image, s.title + ": " + form.name) + "</div>\n";
 }
 
 Chart ChartOf(const StabilityCase& s) {
@@ -152,7 +152,7 @@ std::string StabilityHtml(const StabilityResults& results) {
       "fails</title>" +
       std::string(kPageStyle) +
       "<h1>Where splatting fails</h1><p>Each way in which splatting is known to fail: the naive "
-      "form, as papers or released code have it, beside ours. Magenta in a picture is what is not "
+      "form, as papers or released code have it, beside ours. Magenta in a image is what is not "
       "a number.</p>\n" +
       Summary(results.cases) +
       "<section><h2>Accuracy against time</h2><p>Ways to evaluate a "

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "apps/study/stability/cases.h"
+#include "apps/study/stability/image.h"
 #include "apps/study/stability/naive_render.h"
-#include "apps/study/stability/picture.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
@@ -91,7 +91,7 @@ std::vector<float> Anisotropies(const Gaussians& g) {
   return ratios;
 }
 // Those more than 5 times as long as wide, from 75 degrees aside.
-Image8 NeedlesPicture(const Gaussians& all) {
+Image8 NeedlesImage(const Gaussians& all) {
   std::vector<uint32_t> needles;
   for (size_t i = 0; i < all.size(); ++i) {
     const float* s = all.at(kScaleLog, i);
@@ -100,7 +100,7 @@ Image8 NeedlesPicture(const Gaussians& all) {
   }
   Gaussians g = all;
   g.Gather(needles);
-  return PictureOf(Draw(g, Beside(75, 160)).ToImage());
+  return ImageOf(Draw(g, Beside(75, 160)).ToImage());
 }
 StabilityCurve PercentilesOf(const std::string& name, const std::vector<float>& ratios) {
   StabilityCurve curve{name, {}};
@@ -139,7 +139,7 @@ float OurSsimOfGrey(int grey) {
 
 // All 256 greys, a cell each; black: SSIM is 1 as it should.
 template <class F>
-Image8 GreysPicture(const F& ssim_of_grey) {
+Image8 GreysImage(const F& ssim_of_grey) {
   constexpr int kCells = 16, kCell = 10;
   std::vector<float> ssim;
   for (int grey = 0; grey < 256; ++grey) ssim.push_back(ssim_of_grey(grey));
@@ -193,7 +193,7 @@ StabilityCase Needles() {
     const Gaussians g = Trained(frames, regularizer);
     const std::vector<float> ratios = Anisotropies(g);
     s.chart.curves.push_back(PercentilesOf(name, ratios));
-    return StabilityForm{name, double(ratios[(ratios.size() - 1) * 98 / 100]), NeedlesPicture(g)};
+    return StabilityForm{name, double(ratios[(ratios.size() - 1) * 98 / 100]), NeedlesImage(g)};
   };
   StabilityCase s;
   s.key = "needles";
@@ -201,7 +201,7 @@ StabilityCase Needles() {
   s.what =
       "Where few views hold them, Gaussians grow long and thin along what no view sees. Trained "
       "for "
-      "600 steps on three views 20 degrees apart. Pictures: those more than 5 times as long as "
+      "600 steps on three views 20 degrees apart. Images: those more than 5 times as long as "
       "wide, from aside.";
   s.quantity = "longest axis over shortest, 98th percentile";
   s.chart = {"Gaussians", "%", "longest over shortest", "", false, true, {}};
@@ -220,8 +220,8 @@ StabilityCase SsimOfConstants() {
       "constant: rounding makes it negative, and its root not a number. One cell per grey.";
   s.quantity = "greys of 256 whose SSIM with themselves is not 1 to 1e-3";
   s.naive = {
-      "E[x^2] - E[x]^2, not clamped", CountWrong(NaiveSsimOfGrey), GreysPicture(NaiveSsimOfGrey)};
-  s.ours = {"clamped at 0, no roots", CountWrong(OurSsimOfGrey), GreysPicture(OurSsimOfGrey)};
+      "E[x^2] - E[x]^2, not clamped", CountWrong(NaiveSsimOfGrey), GreysImage(NaiveSsimOfGrey)};
+  s.ours = {"clamped at 0, no roots", CountWrong(OurSsimOfGrey), GreysImage(OurSsimOfGrey)};
   s.bound = 0;
   return s;
 }

@@ -12,13 +12,13 @@
 
 namespace cosplat::cuda {
 
-// The lists and pictures that any walk needs.
+// The lists and images that any walk needs.
 struct BucketLists {
   TileListsView lists;
   View<const ProjectedSplat> splats;
   View<const uint32_t> n_contrib;
   View<const PixelCheckpoint> checkpoints;
-  View<const float> color;  // [3, height, width] the picture
+  View<const float> color;  // [3, height, width] the image
   int width, height;
 };
 

@@ -37,28 +37,28 @@ class GlTexture : public DeviceTexture {
   GlTexture(const GlTexture&) = delete;
   GlTexture& operator=(const GlTexture&) = delete;
 
-  // The host waits, so that the picture may be drawn over and what went wrong is known here.
-  void Fill(const DevicePicture& picture) override {
+  // The host waits, so that the image may be drawn over and what went wrong is known here.
+  void Fill(const DeviceImage& image) override {
     Check(cudaGraphicsMapResources(1, &resource_, stream_.get()), "cudaGraphicsMapResources");
-    const cudaError_t copied = Copy(picture);
+    const cudaError_t copied = Copy(image);
     Check(cudaGraphicsUnmapResources(1, &resource_, stream_.get()), "cudaGraphicsUnmapResources");
     Check(copied, "copying to the texture");
     stream_.Wait();
   }
 
  private:
-  cudaError_t Copy(const DevicePicture& picture) {
+  cudaError_t Copy(const DeviceImage& image) {
     cudaArray_t array = nullptr;
     const cudaError_t got = cudaGraphicsSubResourceGetMappedArray(&array, resource_, 0, 0);
     if (got != cudaSuccess) return got;
-    const size_t row = sizeof(PixelBytes) * size_t(picture.width());
+    const size_t row = sizeof(PixelBytes) * size_t(image.width());
     return cudaMemcpy2DToArrayAsync(array,
                                     0,
                                     0,
-                                    picture.data(),
+                                    image.data(),
                                     row,
                                     row,
-                                    size_t(picture.height()),
+                                    size_t(image.height()),
                                     cudaMemcpyDeviceToDevice,
                                     stream_.get());
   }

@@ -10,9 +10,9 @@ namespace cosplat {
 
 // What the fourth byte of a pixel says.
 enum class AlphaMode {
-  kStraight,       // colour not multiplied by alpha; of a picture over black
-  kPremultiplied,  // colour <= alpha; of a picture over black
-  kOpaque          // alpha 255, the colour as it is; of a picture over its background
+  kStraight,       // colour not multiplied by alpha; of an image over black
+  kPremultiplied,  // colour <= alpha; of an image over black
+  kOpaque          // alpha 255, the colour as it is; of an image over its background
 };
 
 // As textures and image files have them.
@@ -21,7 +21,7 @@ struct alignas(4) PixelBytes {
 };
 
 // RenderedImage (splat/render/rasterizer.h), borrowed.
-struct PicturePlanes {
+struct ImagePlanes {
   const float* color = nullptr;          // [3, pixels]
   const float* transmittance = nullptr;  // [pixels]
   size_t pixels = 0;
@@ -43,7 +43,7 @@ COSPLAT_HD uint8_t ColorByte(float color, float alpha) {
 }
 
 template <AlphaMode kMode>
-COSPLAT_HD PixelBytes PixelAt(const PicturePlanes& planes, size_t p) {
+COSPLAT_HD PixelBytes PixelAt(const ImagePlanes& planes, size_t p) {
   const float alpha = 1 - planes.transmittance[p];
   return {ColorByte<kMode>(planes.color[p], alpha),
           ColorByte<kMode>(planes.color[planes.pixels + p], alpha),
@@ -55,7 +55,7 @@ COSPLAT_HD PixelBytes PixelAt(const PicturePlanes& planes, size_t p) {
 
 template <AlphaMode kMode>
 struct WritePixel {
-  PicturePlanes planes;
+  ImagePlanes planes;
   PixelBytes* pixels;
   COSPLAT_HD void operator()(size_t p) const { pixels[p] = math::PixelAt<kMode>(planes, p); }
 };

@@ -38,10 +38,10 @@ struct SsimKernel {
     const ComparedImages& in = images;
     tile.ForHalo([&](int r, int c, int x, int y) {
       const bool inside = in.Contains(x, y);
-      const float picture = inside ? in.rendered[in.At(tile.channel, x, y)] : 0;
+      const float image = inside ? in.rendered[in.At(tile.channel, x, y)] : 0;
       const float target = inside ? in.Target(tile.channel, x, y) : 0;
-      s.u[r][c] = picture + target;
-      s.v[r][c] = picture - target;
+      s.u[r][c] = image + target;
+      s.v[r][c] = image - target;
     });
   }
 
@@ -124,9 +124,9 @@ struct GradientKernel {
   // At the thread's pixel; returns its part of the pointwise sum.
   __device__ float StoreGradient(const LossTile& tile, const Shared& s) const {
     const size_t at = images.At(tile.channel, tile.x(), tile.y());
-    const float picture = images.rendered[at];
+    const float image = images.rendered[at];
     const float target = images.Target(tile.channel, tile.x(), tile.y());
-    const float u = picture + target, v = picture - target;
+    const float u = image + target, v = image - target;
     float d = math::PointwiseVjp(l1, 2 * mse, v);
     if constexpr (kWithSsim) {
       float c[kPartials];

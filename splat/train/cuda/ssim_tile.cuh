@@ -65,7 +65,7 @@ struct LossTile {
   }
 };
 
-// The picture beside the target image, whose bytes are put over the background where they are read.
+// The image beside the target image, whose bytes are put over the background where they are read.
 struct ComparedImages {
   const float* rendered;  // [3, height, width]
   const uint8_t* target;  // [height, width, channels]

@@ -94,16 +94,16 @@ std::vector<float> Seen(const FlameParams& face) {
   return seen;
 }
 
-// Plays a story at one picture per millisecond; the largest step of any number and the largest
+// Plays a story at one image per millisecond; the largest step of any number and the largest
 // change of a step.
 struct Motion {
   float step = 0, turn = 0;
 };
-Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& before_picture) {
+Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& before_image) {
   Motion most;
   std::vector<float> last, last_step;
   for (int t = 0; t < milliseconds; ++t) {
-    before_picture(t);
+    before_image(t);
     const std::vector<float> seen = Seen(At(guard, t));
     std::vector<float> step(seen.size());
     for (size_t i = 0; i < seen.size() && !last.empty(); ++i) {
@@ -117,9 +117,9 @@ Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& 
   return most;
 }
 
-// The ease's second derivative is at most 6 / duration^2: 0.2 s, 1e-6 s^2 per picture, faces at
+// The ease's second derivative is at most 6 / duration^2: 0.2 s, 1e-6 s^2 per image, faces at
 // most 2 apart; the courses underneath and rounding add less than half. A corner would show its
-// change of speed, which is above 2e-3 per picture where the decay is cut into.
+// change of speed, which is above 2e-3 per image where the decay is cut into.
 constexpr float kMinCorner = 1.5f * 2 * 6 / (0.2f * 0.2f) * 1e-6f;
 
 TEST(FaceGuard, NeitherValueNorSpeedJumps) {

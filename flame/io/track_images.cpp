@@ -1,4 +1,4 @@
-// The pictures of tracked videos: what looks into images and videos.
+// The images of tracked videos: what looks into images and videos.
 #include "flame/io/track_layouts.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -6,18 +6,18 @@
 namespace cosplat {
 namespace {
 
-Image8 ReadPicture(const TrackedVideo& video, const TrackedFrame& frame) {
+Image8 ReadFrameImage(const TrackedVideo& video, const TrackedFrame& frame) {
   if (!frame.image_path.empty()) return ReadImage(frame.image_path);
   if (!video.video || frame.video_frame < 0)
     throw Error(video.source, "frame " + frame.name, "has no image");
   return video.video->ReadFrame(frame.video_frame);
 }
 
-std::string PictureName(const TrackedVideo& video, const TrackedFrame& frame) {
+std::string ImageName(const TrackedVideo& video, const TrackedFrame& frame) {
   return frame.image_path.empty() ? video.video_path : frame.image_path;
 }
 
-class PicturesOnDisk : public PictureFiles {
+class ImagesOnDisk : public ImageFiles {
  public:
   ImageInfo Info(const std::string& image) const override { return ReadImageInfo(image); }
   Video OpenVideo(const std::string& path) const override {
@@ -33,31 +33,30 @@ class PicturesOnDisk : public PictureFiles {
 }  // namespace
 
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options) {
-  const PicturesOnDisk pictures;
-  return LoadTrack(path, {options, &pictures});
+  const ImagesOnDisk images;
+  return LoadTrack(path, {options, &images});
 }
 
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
-  if (frame.picture) return *frame.picture;
-  const Image8 picture = ReadPicture(video, frame);
+  if (frame.image) return *frame.image;
+  const Image8 image = ReadFrameImage(video, frame);
   const Camera& camera = frame.camera;
-  if (ProportionsDiffer(camera.width, camera.height, picture.width, picture.height))
-    throw Error(PictureName(video, frame),
-                "image is " + SizeText(picture.width, picture.height) + ", its camera " +
+  if (ProportionsDiffer(camera.width, camera.height, image.width, image.height))
+    throw Error(ImageName(video, frame),
+                "image is " + SizeText(image.width, image.height) + ", its camera " +
                     SizeText(camera.width, camera.height));
   Image8 mask;
   if (!frame.mask_path.empty()) mask = ReadImage(frame.mask_path);
-  if (!mask.empty() && (mask.width != picture.width || mask.height != picture.height))
+  if (!mask.empty() && (mask.width != image.width || mask.height != image.height))
     throw Error(frame.mask_path,
                 "mask is " + SizeText(mask.width, mask.height) + ", its image " +
-                    SizeText(picture.width, picture.height));
-  if (mask.empty() && picture.channels == 3)
-    return ResizeByArea(picture, camera.width, camera.height);
-  Image8 rgba(picture.width, picture.height, 4, 255);
-  const int n = picture.channels;
-  for (size_t i = 0; i < picture.pixels(); ++i) {
-    for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = picture.data[n * i + (n == 1 ? 0 : c)];
-    if (n == 4) rgba.data[4 * i + 3] = picture.data[4 * i + 3];
+                    SizeText(image.width, image.height));
+  if (mask.empty() && image.channels == 3) return ResizeByArea(image, camera.width, camera.height);
+  Image8 rgba(image.width, image.height, 4, 255);
+  const int n = image.channels;
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = image.data[n * i + (n == 1 ? 0 : c)];
+    if (n == 4) rgba.data[4 * i + 3] = image.data[4 * i + 3];
     if (!mask.empty()) rgba.data[4 * i + 3] = mask.data[i * mask.channels];
   }
   return ResizeByArea(rgba, camera.width, camera.height);

@@ -1,17 +1,17 @@
-#include "splat/render/device_picture.h"
+#include "splat/render/device_image.h"
 
 #include <utility>
 
 #include "splat/device/for_each.h"
-#include "splat/render/picture_renderer.h"
+#include "splat/render/image_renderer.h"
 
 namespace cosplat {
 
-void DevicePicture::Write(const RenderedImage& image, AlphaMode alpha, Stream& stream) {
+void DeviceImage::Write(const RenderedImage& image, AlphaMode alpha, Stream& stream) {
   width_ = image.width;
   height_ = image.height;
   pixels_.Refill(image.transmittance.size(), stream);
-  const PicturePlanes planes{image.color.data(), image.transmittance.data(), pixels_.size()};
+  const ImagePlanes planes{image.color.data(), image.transmittance.data(), pixels_.size()};
   switch (alpha) {
     case AlphaMode::kStraight:
       return ForEach(
@@ -24,7 +24,7 @@ void DevicePicture::Write(const RenderedImage& image, AlphaMode alpha, Stream& s
   }
 }
 
-void DevicePicture::Download(Image8& out) const {
+void DeviceImage::Download(Image8& out) const {
   out.width = width_;
   out.height = height_;
   out.channels = 4;
@@ -33,20 +33,18 @@ void DevicePicture::Download(Image8& out) const {
   copies_->Wait();
 }
 
-void PictureRenderer::Download(RenderedImage& image, PhaseTimes& times) {
+void ImageRenderer::Download(RenderedImage& image, PhaseTimes& times) {
   image_.Download(image, stream());
   Finish(times);
 }
 
-void PictureRenderer::Keep(AlphaMode alpha,
-                           std::unique_ptr<DevicePicture>& out,
-                           PhaseTimes& times) {
-  if (!out) out = std::make_unique<DevicePicture>(stream());
+void ImageRenderer::Keep(AlphaMode alpha, std::unique_ptr<DeviceImage>& out, PhaseTimes& times) {
+  if (!out) out = std::make_unique<DeviceImage>(stream());
   out->Write(image_, alpha, stream());
   Finish(times);
 }
 
-void PictureRenderer::Finish(PhaseTimes& times) {
+void ImageRenderer::Finish(PhaseTimes& times) {
   stream().Wait();
   rasterizer_->AddForwardTimes();
   times += std::exchange(rasterizer_->times, {});

@@ -1,4 +1,4 @@
-// Draws pictures that nothing is learnt from, one after another: to the host's memory, or to stay.
+// Draws images that nothing is learnt from, one after another: to the host's memory, or to stay.
 //
 // Gaussians in the rasteriser's stream -> Forward -> Download or Keep. Both wait for what was
 // drawn.
@@ -6,14 +6,14 @@
 
 #include <memory>
 
-#include "splat/render/device_picture.h"
+#include "splat/render/device_image.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {
 
-class PictureRenderer {
+class ImageRenderer {
  public:
-  explicit PictureRenderer(std::unique_ptr<Rasterizer> rasterizer)
+  explicit ImageRenderer(std::unique_ptr<Rasterizer> rasterizer)
       : rasterizer_(std::move(rasterizer)), tape_(rasterizer_->MakeTape(false)) {}
 
   // As Rasterizer::Forward.
@@ -26,7 +26,7 @@ class PictureRenderer {
   // What Forward drew; `times` get its phases.
   void Download(RenderedImage& image, PhaseTimes& times);
   // `out`: null, or from here.
-  void Keep(AlphaMode alpha, std::unique_ptr<DevicePicture>& out, PhaseTimes& times);
+  void Keep(AlphaMode alpha, std::unique_ptr<DeviceImage>& out, PhaseTimes& times);
 
   Stream& stream() const { return rasterizer_->stream(); }
 

@@ -1,4 +1,4 @@
-#include "apps/viewer/picture_texture.h"
+#include "apps/viewer/image_texture.h"
 
 #include <GLFW/glfw3.h>  // brings OpenGL's own header
 
@@ -6,7 +6,7 @@
 
 namespace cosplat::viewer {
 
-PictureTexture::PictureTexture(DeviceTextureMaker make_device_texture)
+ImageTexture::ImageTexture(DeviceTextureMaker make_device_texture)
     : make_device_texture_(std::move(make_device_texture)) {
   glGenTextures(1, &name_);
   glBindTexture(GL_TEXTURE_2D, name_);
@@ -16,12 +16,12 @@ PictureTexture::PictureTexture(DeviceTextureMaker make_device_texture)
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-PictureTexture::~PictureTexture() {
+ImageTexture::~ImageTexture() {
   device_texture_.reset();
   glDeleteTextures(1, &name_);
 }
 
-void PictureTexture::Upload(const Image8& image) {
+void ImageTexture::Upload(const Image8& image) {
   Resize(image.width, image.height);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexSubImage2D(GL_TEXTURE_2D,
@@ -35,7 +35,7 @@ void PictureTexture::Upload(const Image8& image) {
                   image.data.data());
 }
 
-void PictureTexture::Show(const DevicePicture& picture) {
+void ImageTexture::Show(const DeviceImage& picture) {
   Resize(picture.width(), picture.height());
   if (!device_texture_) device_texture_ = make_device_texture_(name_);
   try {
@@ -47,7 +47,7 @@ void PictureTexture::Show(const DevicePicture& picture) {
 }
 
 // Binds it. The device knows the storage that is given up, so that it has to let go of it first.
-void PictureTexture::Resize(int width, int height) {
+void ImageTexture::Resize(int width, int height) {
   glBindTexture(GL_TEXTURE_2D, name_);
   if (width == width_ && height == height_) return;
   device_texture_.reset();

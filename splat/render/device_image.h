@@ -1,6 +1,6 @@
-// A picture that stays on the device that drew it.
+// An image that stays on the device that drew it.
 //
-// SceneRenderer, AvatarRenderer -> DevicePicture -> DeviceTexture (splat/render/device_texture.h)
+// SceneRenderer, AvatarRenderer -> DeviceImage -> DeviceTexture (splat/render/device_texture.h)
 // or, where it is wanted on the host after all, Download.
 #pragma once
 
@@ -14,11 +14,11 @@ namespace cosplat {
 
 // RGBA bytes. Once it was waited for, whoever gets it need not wait. Of one device; give it back to
 // whoever made it, and its memory is used again. One call at a time, in any thread.
-class DevicePicture {
+class DeviceImage {
  public:
-  explicit DevicePicture(const Stream& stream) : copies_(stream.Another()) {}
+  explicit DeviceImage(const Stream& stream) : copies_(stream.Another()) {}
 
-  // The picture's floats as bytes; they are there when the stream has been waited for.
+  // The image's floats as bytes; they are there when the stream has been waited for.
   void Write(const RenderedImage& image, AlphaMode alpha, Stream& stream);
 
   int width() const { return width_; }

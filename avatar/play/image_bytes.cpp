@@ -1,4 +1,4 @@
-#include "avatar/play/picture_bytes.h"
+#include "avatar/play/image_bytes.h"
 
 #include <algorithm>
 #include <limits>
@@ -23,7 +23,7 @@ void ForRows(const RenderedImage& image, const Row& row) {
 template <AlphaMode kMode>
 void WriteRows(const RenderedImage& image, bool blue_first, uint8_t* pixels, ptrdiff_t stride) {
   const size_t width = size_t(image.width);
-  const PicturePlanes planes{
+  const ImagePlanes planes{
       image.color.data(), image.transmittance.data(), width * size_t(image.height)};
   const int red = blue_first ? 2 : 0, blue = 2 - red;
   ForRows(image, [&](size_t y) {
@@ -40,10 +40,10 @@ void WriteRows(const RenderedImage& image, bool blue_first, uint8_t* pixels, ptr
 
 }  // namespace
 
-void WritePicture(const RenderedImage& image,
-                  PixelLayout layout,
-                  uint8_t* pixels,
-                  ptrdiff_t stride) {
+void WriteImageBytes(const RenderedImage& image,
+                     PixelLayout layout,
+                     uint8_t* pixels,
+                     ptrdiff_t stride) {
   switch (layout.alpha) {
     case AlphaMode::kStraight:
       return WriteRows<AlphaMode::kStraight>(image, layout.blue_first, pixels, stride);

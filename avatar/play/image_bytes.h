@@ -1,6 +1,6 @@
 // The renderer's planes as the pixels that hosts take: four bytes each, in memory of any layout.
 //
-// RenderedImage -> WritePicture, WriteDepth -> rows of the caller's.
+// RenderedImage -> WriteImageBytes, WriteDepth -> rows of the caller's.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ struct PixelLayout {
 
 // Row y begins at pixels + y * stride (bytes, of either sign). Values are clamped to [0, 1] and
 // rounded, what is not a number is 0.
-void WritePicture(const RenderedImage& image,
-                  PixelLayout layout,
-                  uint8_t* pixels,
-                  ptrdiff_t stride);
+void WriteImageBytes(const RenderedImage& image,
+                     PixelLayout layout,
+                     uint8_t* pixels,
+                     ptrdiff_t stride);
 
-// Of a picture over black whose colour is depth: the mean over what is seen in each pixel, infinity
+// Of an image over black whose colour is depth: the mean over what is seen in each pixel, infinity
 // where that is nothing. stride: bytes, a multiple of 4.
 void WriteDepth(const RenderedImage& image, float* depth, ptrdiff_t stride);
 

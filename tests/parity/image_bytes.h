@@ -1,11 +1,11 @@
-// A picture that stayed on the device against the host's bytes of the same drawing's numbers.
+// An image that stayed on the device against the host's bytes of the same drawing's numbers.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
-#include "splat/render/device_picture.h"
+#include "splat/render/device_image.h"
 #include "splat/render/kernels/pixel_bytes.h"
 #include "splat/render/rasterizer.h"
 
@@ -13,13 +13,13 @@ namespace cosplat::test {
 
 // Off by one where a compiler fuses the rounding's product and sum: at most one byte in a hundred.
 template <AlphaMode kMode>
-void ExpectBytesOf(const RenderedImage& image, const DevicePicture& stays) {
+void ExpectBytesOf(const RenderedImage& image, const DeviceImage& stays) {
   Image8 bytes;
   stays.Download(bytes);
   ASSERT_EQ(bytes.width, image.width);
   ASSERT_EQ(bytes.height, image.height);
   ASSERT_EQ(bytes.data.size(), 4 * image.transmittance.size());
-  const PicturePlanes planes{image.color.data(), image.transmittance.data(), bytes.pixels()};
+  const ImagePlanes planes{image.color.data(), image.transmittance.data(), bytes.pixels()};
   size_t off = 0;
   for (size_t p = 0; p < bytes.pixels(); ++p) {
     const PixelBytes expected = math::PixelAt<kMode>(planes, p);

@@ -1,4 +1,4 @@
-// Small pictures of what a case of the stability suite computes.
+// Small images of what a case of the stability suite computes.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Image8 Paint(int width, int height, const F& color) {
   return image;
 }
 
-inline Image8 PictureOf(const Image& image) {
+inline Image8 ImageOf(const Image& image) {
   return Paint(image.width, image.height, [&](int x, int y) {
     return math::Vec3<float>{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
   });

@@ -1,6 +1,6 @@
-// The OpenGL texture of the picture that the window shows.
+// The OpenGL texture of the image that the window shows.
 //
-// Image8 -> Upload, or DevicePicture -> Show -> texture -> ImGui. Everything, the end included,
+// Image8 -> Upload, or DeviceImage -> Show -> texture -> ImGui. Everything, the end included,
 // with the context that it was made in.
 #pragma once
 
@@ -11,13 +11,13 @@
 
 namespace cosplat::viewer {
 
-class PictureTexture {
+class ImageTexture {
  public:
   // make_device_texture: may be empty; then there is no Show.
-  explicit PictureTexture(DeviceTextureMaker make_device_texture);
-  ~PictureTexture();
-  PictureTexture(const PictureTexture&) = delete;
-  PictureTexture& operator=(const PictureTexture&) = delete;
+  explicit ImageTexture(DeviceTextureMaker make_device_texture);
+  ~ImageTexture();
+  ImageTexture(const ImageTexture&) = delete;
+  ImageTexture& operator=(const ImageTexture&) = delete;
 
   unsigned name() const { return name_; }
 
@@ -25,7 +25,7 @@ class PictureTexture {
   void Upload(const Image8& image);
   // From the device that drew it. Throws Error where it and OpenGL do not share the texture; Upload
   // works all the same.
-  void Show(const DevicePicture& picture);
+  void Show(const DeviceImage& picture);
 
  private:
   void Resize(int width, int height);

@@ -11,10 +11,10 @@
 namespace cosplat::viewer {
 namespace {
 
-constexpr float kOrbitPerHeight = 3.14159265f;  // radians for a drag over the picture's height
-constexpr ImGuiWindowFlags kPictureWindow =
-    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-    ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr float kOrbitPerHeight = 3.14159265f;  // radians for a drag over the image's height
+constexpr ImGuiWindowFlags kImageWindow = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                          ImGuiWindowFlags_NoSavedSettings |
+                                          ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 void MoveCamera(OrbitCamera& camera, const Place& place, ScreenResult& result) {
   const ImGuiIO& io = ImGui::GetIO();
@@ -112,12 +112,12 @@ void DrawLabels(const Session& session, const ScreenState& state, const Place& p
 
 }  // namespace
 
-void DrawPicture(Session& session, const ScreenState& state, Place place, ScreenResult& result) {
+void DrawImage(Session& session, const ScreenState& state, Place place, ScreenResult& result) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, {0.07f, 0.07f, 0.08f, 1});
-  ImGui::Begin("picture", nullptr, kPictureWindow);
+  ImGui::Begin("image", nullptr, kImageWindow);
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();
   ImGui::InvisibleButton("hand",

@@ -1,4 +1,4 @@
-// Scenes that a device keeps, and pictures that stay there.
+// Scenes that a device keeps, and images that stay there.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -6,13 +6,13 @@
 #include "splat/render/device.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
-#include "tests/parity/picture_bytes.h"
+#include "tests/parity/image_bytes.h"
 #include "tests/support/expect_error.h"
 
 namespace cosplat {
 namespace {
 
-class PictureParity : public test::DeviceTest {
+class ImageParity : public test::DeviceTest {
  protected:
   test::ParityCase picture = test::RandomCase("kept", 200, 45, 38, Basis::kDcsh, 2);
 };
@@ -29,7 +29,7 @@ RenderedImage OnCpu(const test::ParityCase& c) {
   return image;
 }
 
-TEST_F(PictureParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
+TEST_F(ImageParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
   const auto renderer = KeptScene(picture.gaussians);
   for (const int width : {45, 20, 45}) {
     picture.camera.width = width;
@@ -37,13 +37,13 @@ TEST_F(PictureParity, AKeptSceneIsDrawnAsTheCpuDrawsIt) {
     RenderedImage image;
     renderer->Draw(picture.camera, picture.settings, image);
     EXPECT_EQ(image.width, width);
-    test::ExpectSamePicture(expected.color, image.color, {}, "colour");
-    test::ExpectSamePicture(expected.transmittance, image.transmittance, {}, "transmittance");
+    test::ExpectSameImage(expected.color, image.color, {}, "colour");
+    test::ExpectSameImage(expected.transmittance, image.transmittance, {}, "transmittance");
   }
   EXPECT_GT(renderer->times.seconds[size_t(Phase::kBlend)], 0);
 }
 
-TEST_F(PictureParity, EverySceneCanBeKept) {
+TEST_F(ImageParity, EverySceneCanBeKept) {
   Gaussians none = picture.gaussians;
   none.Resize(0);
   RenderedImage image;
@@ -55,10 +55,10 @@ TEST_F(PictureParity, EverySceneCanBeKept) {
   test::ExpectError([&] { renderer->Draw(picture.camera, {}, image); }, {"camera"});
 }
 
-TEST_F(PictureParity, PicturesThatStayHaveTheHostsBytes) {
+TEST_F(ImageParity, ImagesThatStayHaveTheHostsBytes) {
   const auto renderer = KeptScene(picture.gaussians);
   RenderedImage image;
-  std::unique_ptr<DevicePicture> stays;
+  std::unique_ptr<DeviceImage> stays;
   picture.settings.background = {0.2f, 1.5f, -1};  // clamped
   renderer->Draw(picture.camera, picture.settings, image);
   renderer->DrawToStay(picture.camera, picture.settings, AlphaMode::kOpaque, stays);
