@@ -9,7 +9,7 @@ set -euo pipefail
 
 root=$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/../..")
 to=$root/build/gpu-carried
-scene= every_test=2
+scene='' every_test=2
 while [[ $# -gt 0 ]]; do
   case $1 in
     --scene | --every-test)
@@ -30,6 +30,7 @@ googletest=/usr/src/googletest/googletest
 for from in "$highway/highway.h" "$nanoflann" "$eigen/Core" "$googletest/src/gtest-all.cc"; do
   [[ -f $from ]] || { echo "carry.sh: there is no $from" >&2; exit 2; }
 done
+[[ -z $scene ]] || command -v xz >/dev/null || { echo "carry.sh: there is no xz" >&2; exit 2; }
 [[ -z $scene || -x $pack ]] ||
   { echo "carry.sh: there is no $pack: cmake --build --preset cpu" >&2; exit 2; }
 rm -rf "$to"
@@ -41,7 +42,9 @@ cp -r "$eigen/src/Core" "$eigen/src/plugins" "$to/include/eigen3/Eigen/src/"
 cp -r "$googletest/src" "$googletest/include" "$to/googletest/"
 if [[ -n $scene ]]; then
   "$pack" "$scene" "$to/scene" --every-test "$every_test"
-  # What a picture's prediction leaves has no alignment.
-  xz --lzma2=preset=9,pb=0,lc=4 "$to/scene"
+  # What is left of an image after prediction has no alignment. A tar archive, since CMake, which
+  # the other machine has, unpacks those.
+  tar -C "$to" --use-compress-program='xz --lzma2=preset=9,pb=0,lc=4' -cf "$to/scene.tar.xz" scene
+  rm "$to/scene"
 fi
 echo "$to: $(du -sh "$to" | cut -f 1)"
