@@ -1,4 +1,4 @@
-// What parameters of a FLAME model may be: refused by name otherwise.
+// Validation of FLAME parameters; throws Error naming the offending one.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace cosplat::internal {
 
-// Beyond this a parameter is no pose or coefficient but a fault of the tracker: squared angles and
-// scaled directions would leave float's range and come back as NaN.
+// Larger parameters are tracking failures, not poses or coefficients: their squared angles and
+// scaled directions would overflow float and produce NaN.
 constexpr double kMaxParameter = 1e6;
 
 template <class Range>
@@ -24,7 +24,7 @@ void CheckParameters(const FlameModel& model, const char* name, const Range& val
                   std::to_string(double(values[i])) + " is not a usable number");
 }
 
-// Number of coefficients that the model can use; the excess must be zero.
+// Returns how many coefficients the model can use; any excess ones must be zero.
 template <class T>
 size_t CheckCoefficients(const FlameModel& model,
                          const char* name,

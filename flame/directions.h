@@ -1,5 +1,5 @@
-// FLAME's direction arrays as matrices, and loops over strips of vertices: what flame/pose.cpp sums
-// blend shapes with.
+// FLAME's direction arrays as matrices, and loops over strips of vertices, for the blend-shape sums
+// in flame/pose.cpp.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -19,11 +19,11 @@ using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
 template <class T>
 using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;  // column-major
 
-// Vertices per task: some tens of microseconds with FLAME's 136 directions; their sums stay in the
-// first-level cache.
+// Vertices per task: some tens of microseconds with FLAME's 136 directions, with sums that fit in
+// the first-level cache.
 constexpr Eigen::Index kStrip = 256;
 
-// body(first vertex, number of vertices), the same strips for any number of threads.
+// body(first vertex, number of vertices), with the same strips for any number of threads.
 template <class Body>
 void ForStrips(Eigen::Index vertices, const Body& body) {
   tbb::parallel_for(Eigen::Index(0), (vertices + kStrip - 1) / kStrip, [&](Eigen::Index strip) {
@@ -49,8 +49,8 @@ class Directions {
   }
   Eigen::Map<const MatrixX<T>> matrix() const { return {data_, rows_, columns_}; }
 
-  // y += rows [begin, begin + n) of matrix * x, skipping zero coefficients (most of them, in a
-  // neutral or partly posed frame).
+  // y += rows [begin, begin + n) of matrix * x, skipping zero coefficients, which are the majority
+  // in a neutral or partly posed frame.
   void AddProduct(const T* x, Eigen::Index count, Eigen::Index begin, Eigen::Index n, T* y) const {
     std::array<const T*, 4> d;
     std::array<T, 4> c;
@@ -79,7 +79,7 @@ class Directions {
   }
 
  private:
-  // A loop of its own over plain arrays, which a compiler vectorises.
+  // A separate loop over plain arrays, so that compilers vectorise it.
   static void AddFour(const std::array<T, 4>& c,
                       const std::array<const T*, 4>& d,
                       Eigen::Index n,

@@ -7,7 +7,7 @@
 namespace cosplat {
 namespace {
 
-// FLAME's own weights sum to 1 within 2e-7; hand-made and re-quantised files within a thousandth.
+// FLAME's own weights sum to 1 within 2e-7; hand-made and requantised files, within a thousandth.
 constexpr double kWeightSumTolerance = 1e-3;
 
 void CheckFinite(const FlameModel& model,

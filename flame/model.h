@@ -1,7 +1,7 @@
-// The FLAME head model's arrays (Li et al. 2017): what a model file holds.
+// The arrays of the FLAME head model (Li et al. 2017), as stored in a model file.
 //
 // Model files (flame/io/model_file.h, assets/head/procedural_head.h) -> FlameModel -> flame/pose.h.
-// Lengths are metres. Nothing here knows Gaussians.
+// Lengths are in metres. This library does not depend on Gaussians.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
 
 struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
-  std::string sha256;            // of the file's bytes; of nothing for the procedural head
+  std::string sha256;            // of the file's bytes; empty for the procedural head
   bool redistributable = false;  // whether its data may be embedded in an avatar file
 
   int vertex_count = 0;
@@ -40,11 +40,11 @@ struct FlameParams {
   // Axis-angle per joint, radians: root, neck, jaw, left eye, right eye.
   std::array<std::array<float, 3>, kFlameJoints> pose{};
   std::array<float, 3> translation{};  // metres, after skinning
-  std::vector<float> static_offset;    // [V, 3] metres added to the template, or empty
+  std::vector<float> static_offset;    // [V, 3] metres, added to the template; or empty
 };
 
-// Throws Error (naming model.name and the array) unless every array has its size, every index is
-// in range, every number is finite and the weights' rows sum to 1.
+// Throws Error (naming model.name and the array) unless every array has its size, every index is in
+// range, every number is finite and the rows of the weights sum to 1.
 void Validate(const FlameModel& model);
 
 }  // namespace cosplat

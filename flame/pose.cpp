@@ -25,8 +25,8 @@ using internal::kStrip;
 using internal::MatrixX;
 using internal::VectorX;
 
-// Writes what the sum of `x` is of; whether that is another one than before. Bits are compared: the
-// sums must be what a poser without a memory gets.
+// Stores the input `x` of a sum; returns whether it has changed. Compares bits, since results must
+// be bit-identical to those without a cache.
 template <class T>
 bool Remember(const T* x, size_t count, std::vector<T>& last) {
   if (last.size() == count && std::equal(x, x + count, last.begin(), [](const T& a, const T& b) {
@@ -47,7 +47,7 @@ struct FlamePoser<T>::Impl {
 
   // Everything between the parameters and skinning.
   struct Rig {
-    size_t expression_count;                          // as many as the model has or the frame gives
+    size_t expression_count;                          // minimum of the model's and the frame's
     std::array<T, kFlamePoseFeatures> pose_features;  // vec(R_1..4 - I)
     Rotations local;
     Joints joints;
@@ -56,7 +56,7 @@ struct FlamePoser<T>::Impl {
 
   Impl(const FlameModel& m, const std::vector<float>& shape, const std::vector<float>& offset);
   Rig RigOf(const Frame& frame) const;
-  // Brings the cache up to date, and calls use(first vertex, number) for strips that are.
+  // Updates the cache strip by strip, calling use(first vertex, number) after each strip.
   template <class Use>
   void Blend(const Frame& frame, const Rig& rig, Cache& cache, const Use& use) const;
   Transforms SkinVjp(const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const;
@@ -165,8 +165,8 @@ void FlamePoser<T>::Impl::Blend(const Frame& frame,
   });
 }
 
-// Turns d_vertices from after skinning to before it, in place; returns dL/d(transforms), summed per
-// strip and then over the strips in their order.
+// Converts d_vertices from after skinning to before it, in place; returns dL/d(transforms), summed
+// per strip and then over the strips in order.
 template <class T>
 typename FlamePoser<T>::Impl::Transforms FlamePoser<T>::Impl::SkinVjp(
     const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const {
@@ -288,7 +288,7 @@ typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
     for (int i = 0; j > 0 && i < 9; ++i) d_local[j][i] += d_features[9 * (j - 1) + i];
     d.pose[j] = flame_math::RodriguesVjp(frame.pose[j], d_local[j]);
   }
-  // Coefficients beyond the model's have no effect, hence a zero gradient; as many as were given.
+  // Coefficients beyond the model's have no effect, hence a zero gradient; sized like the input.
   d.expression.assign(frame.expression.size(), T(0));
   for (Eigen::Index k = 0; k < Eigen::Index(rig.expression_count); ++k)
     d.expression[k] = d_expression[k];

@@ -44,7 +44,7 @@ void PosingReach::Check(const FlameRig<float>& rig) const {
     const std::vector<double>& largest = t < rig.expression_terms ? expression_ : pose_;
     unskinned += std::abs(double(rig.terms[t].coefficient)) * largest[rig.terms[t].direction];
   }
-  // By their own comparison, which a number that is none fails.
+  // Unlike std::max, this comparison accepts a NaN.
   const auto enlarge = [](double& largest, float x) {
     if (!(std::abs(x) <= largest)) largest = std::abs(x);
   };

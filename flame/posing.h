@@ -1,5 +1,5 @@
-// FLAME's vertices posed by somebody else than FlamePoser: what of the subject and of a frame is
-// left when shape and joints are done.
+// Input for posing FLAME's vertices outside of FlamePoser: the data of a subject and of a frame
+// that remain after shape and joints have been evaluated.
 //
 // FlamePoser::Arrays (once) and FlamePoser::Prepare (each frame, some hundred numbers) -> the
 // kernels of flame/kernels/pose.h, on a device (avatar/play/rig_poser.h) -> posed vertices.
@@ -15,7 +15,7 @@
 
 namespace cosplat {
 
-// Borrowed from a poser and its model.
+// Pointers into a poser and its model, which must outlive them.
 template <class T>
 struct PosingArrays {
   size_t vertex_count = 0;
@@ -32,28 +32,28 @@ struct DirectionTerm {
   T coefficient;
 };
 
-// A frame after its joints.
+// A frame after posing its joints.
 template <class T>
 struct FlameRig {
-  // Coefficients that are not zero: the expression's, then those of the pose's corrections, each
-  // with the number of its direction among its kind.
+  // The non-zero coefficients: those of the expression, then those of the pose corrections, each
+  // with its direction's index within the respective array.
   std::vector<DirectionTerm<T>> terms;
   size_t expression_terms = 0;
   flame_math::JointTransforms<T, kFlameJoints> transforms{};
   std::array<T, 3> translation{};  // metres, after skinning
 };
 
-// How far out a frame can put a vertex, so that what leaves float's range is known before it is
-// posed: FlamePoser's limits on parameters bound them, but not a model's numbers.
+// An upper bound on a frame's vertex coordinates, to detect float overflow before posing.
+// FlamePoser's limits bound the parameters, but not the numbers of a model.
 class PosingReach {
  public:
   explicit PosingReach(const PosingArrays<float>& arrays);
-  // Throws Error where a coordinate, or a sum that leads to it, might not be finite.
+  // Throws Error if a coordinate, or a sum that leads to it, might not be finite.
   void Check(const FlameRig<float>& rig) const;
 
  private:
-  double shaped_, weights_;                // the largest number; the largest sum of a row
-  std::vector<double> expression_, pose_;  // the largest number of each direction
+  double shaped_, weights_;                // largest magnitude; largest row sum of magnitudes
+  std::vector<double> expression_, pose_;  // largest magnitude in each direction
 };
 
 }  // namespace cosplat

@@ -9,12 +9,12 @@
 namespace cosplat {
 namespace {
 
-using Mesh = OpenMesh::TriConnectivity;  // no positions: adjacency alone
+using Mesh = OpenMesh::TriConnectivity;  // connectivity only, without positions
 using Faces = std::vector<std::array<int32_t, 3>>;
 
 std::string FaceField(size_t f) { return "faces[" + std::to_string(f) + "]"; }
 
-// Refuses by name what OpenMesh would only report on the error stream.
+// Throws Error, with names, for problems that OpenMesh would only report on stderr.
 void CheckFaces(const std::string& name, const Faces& faces, int vertex_count) {
   std::unordered_map<uint64_t, size_t> face_of_edge;
   face_of_edge.reserve(3 * faces.size());

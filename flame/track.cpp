@@ -55,7 +55,7 @@ std::string CopyFinite(const std::string& name,
   return "";
 }
 
-// The last `count` instants, with every camera's view of them.
+// The last `count` time steps, with all cameras' frames.
 void SplitLastFrames(int count, TrackedVideo& video) {
   std::set<int> instants;
   for (const TrackedFrame& frame : video.train) instants.insert(frame.timestep);
@@ -74,10 +74,11 @@ void SplitLastFrames(int count, TrackedVideo& video) {
   video.train.erase(boundary, video.train.end());
 }
 
-// Trackers that hold the head in place write a camera of its own for every frame. Where those
-// cameras differ only in their translation, it is the head that moved before a camera standing
-// still: p_cam = R x + t_i = R (x + R^T (t_i - t_0)) + t_0. The images are the same; what does
-// not move with the head (a bust, the light) then keeps its place in the world.
+// Trackers that keep the head in place write a separate camera for every frame. If these cameras
+// differ only in translation, the head actually moved in front of a static camera:
+//   p_cam = R x + t_i = R (x + R^T (t_i - t_0)) + t_0.
+// The images are unchanged, and whatever does not move with the head (a bust, the light) keeps its
+// place in the world.
 void HoldCameraStill(TrackedVideo& video) {
   std::vector<TrackedFrame*> frames;
   for (auto* list : {&video.train, &video.test})

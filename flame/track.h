@@ -1,9 +1,8 @@
 // A tracked head video: images, masks, cameras and FLAME parameters per frame.
 //
-// flame/io/{imavatar,vhap,driving_npz}.cpp read the layouts that trackers write into this one
-// structure; the avatar trainer and the player's driving mode read it. Everything is in metres of
-// the FLAME model: layouts that enlarge the mesh (IMavatar x4) have their camera translations
-// divided instead.
+// flame/io/{imavatar,vhap,driving_npz}.cpp read the layouts written by trackers into this common
+// structure; the avatar trainer and the player's driving mode use it. Lengths are in metres of the
+// FLAME model: if a layout enlarges the mesh (IMavatar x4), its camera translations are divided.
 #pragma once
 
 #include <memory>
@@ -21,27 +20,27 @@ namespace cosplat {
 struct TrackedFrame {
   std::string name;        // stem of the image file, or the frame number in a video
   std::string image_path;  // empty: frame `video_frame` of TrackedVideo::video_path, or no image
-  std::string mask_path;   // empty: alpha from the image's fourth channel, or none
+  std::string mask_path;   // empty: alpha is the image's fourth channel, or absent
   int video_frame = -1;
-  int timestep = 0;      // frames with equal timestep show the same instant
-  int camera_index = 0;  // which of several cameras
+  int timestep = 0;      // frames with equal timestep show the same moment
+  int camera_index = 0;  // of several cameras
   Camera camera;         // at the size that LoadTrackedImage returns
   FlameParams params;    // shape and static_offset are left empty here: see TrackedVideo
   bool has_image = true;
-  std::shared_ptr<const Image8> image;  // instead of a file, at the camera's size
+  std::shared_ptr<const Image8> image;  // used instead of a file; has the camera's size
 };
 
 struct TrackedVideo {
   std::string source;  // folder or file as given
   std::string layout;  // "imavatar", "vhap", "npz"
   std::string video_path;
-  std::shared_ptr<VideoReader> video;  // of video_path, where there is one
-  double frames_per_second = 0;        // time steps per second; 0 where the layout does not say
+  std::shared_ptr<VideoReader> video;  // of video_path, if there is one
+  double frames_per_second = 0;        // time steps per second; 0 if unknown
   std::vector<float> shape;            // the subject's
   std::vector<float> static_offset;    // [V, 3] metres, or empty
   std::vector<TrackedFrame> train;
   std::vector<TrackedFrame> test;
-  std::vector<SkippedFrame> skipped;  // frames that cannot be used, each with why
+  std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
 };
 
 struct TrackOptions {
@@ -49,24 +48,23 @@ struct TrackOptions {
   int resolution = 1;    // -r: cameras and images are divided by this
 };
 
-// Finds the layout by what `path` is: a folder with flame_params.json (IMavatar) or
-// transforms_train.json (VHAP, GaussianAvatars). Throws Error when there is none of these, when the
-// set is empty or when more than a third of the frames cannot be used. Where one camera only ever
-// moves without turning, it is taken to stand still and the head to move instead.
+// Detects the layout of `path`: a folder with flame_params.json (IMavatar) or transforms_train.json
+// (VHAP, GaussianAvatars). Throws Error if there is neither, if the set is empty or if more than a
+// third of the frames are unusable. If a single camera only translates, without rotating, the
+// camera is held still and the head is moved instead.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
 
-// The same for parameters and cameras alone, of such a folder or of a driving sequence *.npz, whose
-// frames are all in `test`. Nothing about images is looked at, and a program that calls only this
-// links no decoder of images.
+// The same for parameters and cameras only, of such a folder or of a driving sequence *.npz, whose
+// frames are all in `test`. Ignores images, so that a program that calls only this function does
+// not link an image decoder.
 TrackedVideo LoadDrivingSequence(const std::string& path);
 
-// Both sets' frames in order of time; of several cameras' views of an instant the first camera's.
-// They point into `video`.
+// The frames of both sets in order of time, as pointers into `video`. If several cameras show a
+// moment, only the frame of the first camera is included.
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video);
 
-// RGBA at the frame's camera size, or RGB when there is neither mask nor alpha. An image in memory
-// is returned as it is. Throws Error (naming the file) on a missing image or mask or one whose size
-// disagrees.
+// RGBA at the frame's camera size, or RGB if there is neither mask nor alpha. Images in memory are
+// returned unchanged. Throws Error naming the file if image or mask is missing or differs in size.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 
 }  // namespace cosplat

@@ -1,8 +1,8 @@
-// Normalisation constants of the colour bases, computed, not typed.
+// Normalisation constants of the colour bases, computed at compile time.
 //   orthonormal K_l^m = sqrt((2l+1)/(4 pi) (l-m)!/(l+m)!), times sqrt2 for m != 0
 //   sh:            K_l^m times 3DGS's sign (-1)^m
 //   dcsh:          K_0 for l = 0; sqrt(4 pi) K_l^m for l >= 1 (N3D), no signs
-//   dcsh-released: those of dcsh but for what kReleasedSlips lists
+//   dcsh-released: those of dcsh, except for kReleasedSlips
 //   dcsh-literal:  K_l^m, no signs
 #pragma once
 
@@ -26,8 +26,8 @@ constexpr double ConstexprSqrt(double x) {
   return r;
 }
 
-// Where the constants of DCSHARP's released code are not N3D's. They stand there before another
-// multiple of the polynomial: our Q_l^m(z) {Re, Im} (x + iy)^m is `multiple` times it.
+// Coefficients whose constants in DCSHARP's released code are not N3D's. There they multiply a
+// differently scaled polynomial: our Q_l^m(z) {Re, Im} (x + iy)^m is `multiple` times it.
 struct ReleasedSlip {
   int k;
   double constant, multiple;

@@ -1,8 +1,8 @@
-// The Gaussians as a structure of arrays: what is trained, rendered and saved.
+// Gaussians as a structure of arrays, for training, rendering and saving.
 //
 // The same structure holds their gradients and Adam's moments, so that density control and pruning
-// move all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead of
-// a point (avatar/model/avatar_model.h); everything else means the same.
+// reorder all of them alike. For avatars `kPosition` is (delta_u, delta_v, d) on a triangle instead
+// of a point (avatar/model/avatar_model.h); the other attributes are the same.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ enum Attribute {
   kScaleLog,      // [N, 3] log(world units), standard deviation along the rotated axes
   kOpacityLogit,  // [N, 1] inverse logistic
   kColorDc,       // [N, 3] coefficient of the constant function; colour = 0.5 + K0 * dc + ...
-  kColorRest,     // [N, (degree+1)^2 - 1, 3] coefficients of bands 1.., 3DGS's order
+  kColorRest,     // [N, (degree+1)^2 - 1, 3] coefficients of bands >= 1, in 3DGS's order
   kAttributeCount
 };
 
@@ -29,8 +29,8 @@ constexpr int kMaxTrainedDegree = 4;
 struct Gaussians {
   int degree = 0;  // highest band stored
   Basis basis = Basis::kDcsh;
-  // [N] each Gaussian's own degree, <= `degree`: coefficients of its higher bands are zero, are not
-  // evaluated and get no gradient. Empty: `degree` for all.
+  // [N] degree of each Gaussian, <= `degree`: coefficients of its higher bands are zero, are not
+  // evaluated and get no gradient. Empty if all have `degree`.
   Buffer<uint8_t> degrees;
   std::array<Buffer<float>, kAttributeCount> values;
 
@@ -43,49 +43,49 @@ struct Gaussians {
   const float* at(Attribute attribute, size_t i) const {
     return values[attribute].data() + i * width(attribute);
   }
-  // n Gaussians of this degree; new ones are zero, with all bands.
+  // Resizes to n Gaussians; new ones are zero, with all bands.
   void Resize(size_t n);
-  // Keeps Gaussian source[0], source[1], ... in this order; a source may appear more than once.
+  // Makes old Gaussian source[i] the new Gaussian i; a source may appear more than once.
   void Gather(const std::vector<uint32_t>& source);
   // The same layout, all zero.
   Gaussians ZerosLike() const;
 
-  // In a stream's memory; all of the above is the host's alone.
+  // In a stream's memory; everything above is for host memory only.
 
-  // Takes over Gaussians of the host's memory, which must stay until the stream was waited for.
+  // Copies Gaussians from host memory, which must stay valid until the stream has been waited for.
   void Upload(const Gaussians& from, Stream& stream);
-  // To Gaussians of the host's memory, which get this layout; they are there when the stream was
-  // waited for.
+  // Copies to Gaussians in host memory, which get this layout; their values are valid once the
+  // stream has been waited for.
   void Download(Gaussians& to, Stream& stream) const;
-  // Room for the same layout; any values.
+  // Resizes to the layout of `other`, with unspecified values.
   void RefillLike(const Gaussians& other, Stream& stream);
   void FillWithZeros(Stream& stream);
 };
 
-// Highest band of Gaussian i with a coefficient that is not zero.
+// Highest band of Gaussian i that has a non-zero coefficient.
 int HighestBand(const Gaussians& gaussians, size_t i);
 
-// Sets `degrees` to that, or to nothing where it is `degree` for all: for Gaussians that are to be
-// drawn. (In training, zero may be where a band begins.)
+// Sets `degrees` to the highest bands, or empties it if all equal `degree`. For rendering only:
+// while training, a coefficient may be zero because its band has just been enabled.
 void FindDegrees(Gaussians& gaussians);
 
-// Bytes that they hold, by capacity.
+// Allocated bytes, by capacity.
 size_t HeldBy(const Gaussians& gaussians);
 
-// The same colours in another basis: where they are spherical harmonics (IsHarmonic), both span the
-// same functions, so each coefficient is only multiplied (docs/dcsh.md); Error where not. Files
-// hold 3DGS's SH.
+// Converts the colours to another basis. Where both are spherical harmonics (IsHarmonic), they span
+// the same functions, so each coefficient is only rescaled (docs/dcsh.md); otherwise throws Error.
+// Files use 3DGS's SH.
 void ConvertBasis(Gaussians& gaussians, Basis to);
 
-// The order to draw Gaussians in that have degrees of their own.
+// Render order of Gaussians with individual degrees.
 //
-// Kernels evaluate a pack of Gaussians to the highest degree among them. In the order that training
-// leaves, neighbours in space, that is nearly always the highest of all; with those of one degree
-// together, drawing a trained fox and chair at a mean degree of 1.8 takes 3 to 5 % less time
+// Kernels evaluate a pack of Gaussians to the highest degree among them. In training order, where
+// neighbours in the array are neighbours in space, that is nearly always the highest degree of all.
+// Grouped by degree, a trained fox and chair with a mean degree of 1.8 render in 3 to 5 % less time
 // (docs/dcsh.md).
 
-// FindDegrees, and puts Gaussians of one degree together, otherwise as they were. Returns which
-// each was before, for what lies beside them; nothing where all have one degree.
+// Calls FindDegrees and groups the Gaussians by degree, stably. Returns the previous index of each,
+// for reordering associated arrays; empty if all have the same degree.
 std::vector<uint32_t> SortByDegree(Gaussians& gaussians);
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// cosplat export: a model's splats as files for other programs and for storage.
+// cosplat export: writes a model's splats as files for other programs and for storage.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -45,7 +45,7 @@ void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {
                 "4 out");
 }
 
-// `what`: of an avatar.
+// `what`: appended for avatars only.
 void Say(const ExportOptions& o,
          const std::string& path,
          const ExportSubject& subject,
@@ -72,7 +72,7 @@ double MeanDegree(const QuantisedSplats& splats) {
   return splats.size() == 0 ? 0 : sum / double(splats.size());
 }
 
-// PSNR of what was trained and of the quantised file, both read back; into export.json, too.
+// Measures the trained model and the quantised file, both read back; also writes export.json.
 void MeasureBoth(const ExportOptions& o, ExportSubject& subject) {
   FileFigures ply, vq;
   {

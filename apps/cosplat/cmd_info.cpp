@@ -1,4 +1,4 @@
-// cosplat info: what a model, avatar, splat file or data set is, in a few lines.
+// cosplat info: summarises a model, avatar, splat file or data set in a few lines.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of quantised splats: those of each degree, how many of them have bands of their own, and the
-// codebook for the rest.
+// Quantised splats: for each degree, the number with their own bands, the number that use the
+// codebook, and the codebook's size.
 void CodebookInfo(const QuantisedSplats& splats) {
   std::printf("quantised splats, %s: %s Gaussians, SH degree %d\n",
               splats.kind.c_str(),
@@ -44,7 +44,7 @@ void CodebookInfo(const QuantisedSplats& splats) {
   }
 }
 
-// How many Gaussians have which degree of their own.
+// Number of Gaussians of each per-Gaussian degree.
 void DegreeInfo(Gaussians g) {
   FindDegrees(g);
   const DegreeCounts counts = CountDegrees(g);
@@ -128,7 +128,7 @@ void TrackInfo(const std::string& path, bool need_images) {
               f.camera.fx);
 }
 
-// A line per evaluation.
+// One line per evaluation.
 std::string ResultLines(const std::string& path) {
   if (!fs::exists(path)) return "";
   const Json json = ReadJson(path);
@@ -146,7 +146,7 @@ std::string ResultLines(const std::string& path) {
   return lines;
 }
 
-// What dropping bands of colour saved and cost; nothing where none was dropped.
+// Savings and cost of dropping colour bands; empty if none were dropped.
 std::string BandsLine(const std::string& path) {
   if (!fs::exists(path)) return "";
   const Json json = ReadJson(path);
@@ -179,7 +179,7 @@ void RunInfo(const std::string& path) {
               results.c_str());
 }
 
-// At full size where there is one; some data sets come with reduced images only.
+// At full size if available; some data sets contain reduced images only.
 SceneData LoadLargest(const std::string& path) {
   int resolution = 1;
   if (!fs::exists(path + "/images"))

@@ -1,4 +1,4 @@
-// cosplat make-head: the procedural head's tracked video and its model file.
+// cosplat make-head: writes the procedural head's tracked video and its model file.
 #include <cstdio>
 #include <memory>
 

@@ -1,4 +1,4 @@
-// cosplat play: looks at an avatar or a scene, in a window or, --headless, into files.
+// cosplat play: shows an avatar or a scene in a window or, with --headless, renders it to files.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -26,7 +26,7 @@ constexpr double kTurn = 6.283185307179586;
 struct PlayOptions {
   std::string model, drive, flame, out, view = "splats", background, size, device = "cpu";
   double fps = 0;
-  int frames = 0;  // 0: all of the drive, otherwise one
+  int frames = 0;  // 0: the drive's length, or one without a drive
   float scale = 0;
   bool headless = false, transparent = false, quiet = false;
 };
@@ -35,7 +35,7 @@ struct Size {
   int width = 0, height = 0;
 };
 
-// "WxH"; without, as the content was filmed.
+// Parses "WxH"; if empty, returns the size of the filmed images.
 Size SizeOf(const PlayOptions& o, const StartView& start) {
   if (o.size.empty()) return {start.camera.width, start.camera.height};
   Size size;
@@ -64,7 +64,7 @@ Image8 WithoutAlpha(const Image8& rgba) {
   return rgb;
 }
 
-// The sequence's frames, or as many views of a turn.
+// Renders the sequence's frames or, without a sequence, views of a full turn.
 void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size size) {
   if (IsLiveDrive(o.drive))
     throw Error("--headless", "plays recordings; '" + o.drive + "' needs the window");

@@ -1,4 +1,5 @@
-// cosplat render: a trained model's test views, an orbit, or an avatar driven by a sequence.
+// cosplat render: renders a trained model's test views, an orbit, or an avatar driven by a
+// sequence.
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -34,7 +35,7 @@ constexpr float kAvatarSwingDegrees = 40;
 struct RenderOptions {
   std::string model, source, splats, out, drive, flame, device = "cpu";
   bool orbit = false;
-  int resolution = 0;  // 0: as trained
+  int resolution = 0;  // 0: as in training
   bool preview = false;
   bool quiet = false;
 };
@@ -49,18 +50,19 @@ std::string SourceOf(const RenderOptions& o, const JsonField& run) {
   return o.source.empty() ? run["source"].String() : o.source;
 }
 
-// Of the folder of images of other splats than the run's own.
+// Suffix of the image folder for splats other than the run's own.
 std::string SuffixOf(const RenderOptions& o) {
   return o.splats.empty() ? "" : "_" + std::filesystem::path(o.splats).stem().string();
 }
 
-// Frames to a folder or video, with a progress bar. A frame is encoded while the next is drawn.
+// Writes frames to a folder or video, with a progress bar. A frame is encoded while the next one is
+// rendered.
 class Output {
  public:
   Output(const RenderOptions& o, size_t total)
       : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
   void Write(const RenderedImage& image) {
-    writing_.wait();  // for the frame before; throws what went wrong with it
+    writing_.wait();  // for the previous frame; rethrows its error
     image_ = image;
     writing_.run([this] { sink_.Write(ToBytes(image_.ToImage())); });
     bar_.Update(++count_, "frames");
@@ -78,7 +80,7 @@ class Output {
   std::string path_;
   int count_ = 0;
   RenderedImage image_;
-  tbb::task_group writing_;  // last, as it waits for its task before what that needs is gone
+  tbb::task_group writing_;  // last: its destructor waits for the task, which uses the others
 };
 
 void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const RenderOptions& o) {
@@ -103,7 +105,7 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   const RenderSettings settings{BackgroundOf(run), g.degree};
   RenderedImage image, half;
   const auto draw = [&](const Camera& camera) -> const RenderedImage& {
-    // Isolated, so that waiting for tiles does not take up the encoding of the frame before.
+    // Isolated, so that waiting for tiles does not pick up the encoding of the previous frame.
     tbb::this_task_arena::isolate([&] {
       rasterizer->Forward(ViewOf(g),
                           g.basis,
@@ -130,7 +132,7 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }
 
-// The centre of the posed head and its own upward direction.
+// The centre of the posed head and its up direction.
 void HeadFrame(const std::vector<float>& vertices,
                const FlameModel& flame,
                std::array<float, 3>& center,
@@ -139,7 +141,7 @@ void HeadFrame(const std::vector<float>& vertices,
   for (int i = 0; i < flame.vertex_count; ++i)
     for (int k = 0; k < 3; ++k)
       center[k] += vertices[3 * size_t(i) + k] / float(flame.vertex_count);
-  up = {0, 1, 0};  // FLAME's own; trackers keep the head roughly upright in their world
+  up = {0, 1, 0};  // FLAME's up axis; trackers keep the head roughly upright in their world
 }
 
 void RenderAvatarOrbit(const RenderOptions& o,

@@ -1,4 +1,4 @@
-// cosplat report: one self-contained HTML page about a run: images, a moving preview, figures.
+// cosplat report: one self-contained HTML page about a run: images, an animated preview, figures.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kPairs = 4;           // images beside their images
-constexpr size_t kPreviewFrames = 48;  // of the moving preview
+constexpr size_t kPairs = 4;           // renders next to their ground truth
+constexpr size_t kPreviewFrames = 48;  // of the animated preview
 constexpr int kPreviewWidth = 320;     // px
 
-// A data URI of the image as JPEG, at most `width` wide.
+// The image as a JPEG data URI, at most `width` wide.
 std::string Embed(const std::string& path, int width) {
   Image8 image = ReadImage(path);
   if (image.width > width)
@@ -46,7 +46,7 @@ std::string Number(double value, const char* format) {
 
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
-// An object of finite numbers.
+// Reads an object of finite numbers.
 NamedNumbers NumbersIn(const JsonField& object) {
   NamedNumbers numbers;
   for (const auto& [name, value] : object.raw().items())
@@ -84,7 +84,7 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   return html + "</table>";
 }
 
-// What the step's time goes to.
+// Time per phase of a training step.
 std::string PhaseChart(const NamedNumbers& phases) {
   Chart chart{Chart::Kind::kBars, "Where a step's time goes", {"time", "ms"}, {}, {}, {}};
   ChartSeries step{"step", {}};
@@ -102,7 +102,7 @@ std::string ViewChart(const NamedNumbers& per_view) {
   return ToSvg(chart);
 }
 
-// What --budget auto tried; nothing for other runs.
+// The trials of --budget auto; empty for other runs.
 std::string BudgetChart(const std::string& path) {
   if (!fs::exists(path)) return "";
   const Json json = ReadJson(path);

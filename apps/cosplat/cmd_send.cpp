@@ -1,4 +1,4 @@
-// cosplat send: plays a recorded sequence to a live avatar, as a tracker would send it.
+// cosplat send: sends a recorded sequence to a live avatar, as a tracker would.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -26,7 +26,7 @@ struct SendOptions {
   bool quiet = false;
 };
 
-// Lines to standard output or datagrams to an address.
+// Writes lines to standard output or datagrams to an address.
 class PacketOutput {
  public:
   explicit PacketOutput(const std::string& to) {
@@ -36,7 +36,7 @@ class PacketOutput {
       throw Error("--to", "found '" + to + "', expected udp://HOST:PORT");
     socket_.emplace(UdpSocket::ConnectTo(address));
   }
-  // False when it was lost before it left.
+  // Returns false if the packet was lost before it was sent.
   bool Write(const std::string& packet) {
     if (socket_) return socket_->Send(packet);
     if (std::fputs((packet + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0)
@@ -48,18 +48,18 @@ class PacketOutput {
   std::optional<UdpSocket> socket_;
 };
 
-// A packet that no receiver may take, of one kind or another.
+// A packet that receivers must reject, for one of several reasons.
 std::string Spoilt(const std::string& packet, Rng& rng) {
   switch (rng.Below(5)) {
-    case 0:  // cut off
+    case 0:  // truncated
       return packet.substr(0, packet.size() / 2);
-    case 1:  // not finite
+    case 1:  // non-finite
       return packet.substr(0, packet.size() - 1) + ", \"jaw\": [NaN, 0, 0]}";
-    case 2:  // a number too few
+    case 2:  // one number too few
       return packet.substr(0, packet.size() - 1) + ", \"neck\": [0, 0]}";
     case 3:  // too long
       return packet + std::string(20'000, ' ');
-    default: {  // noise, of one line
+    default: {  // noise on a single line
       std::string noise(64, '\0');
       for (char& c : noise) c = char(' ' + rng.Below(200));
       return noise;

@@ -1,4 +1,4 @@
-// cosplat train-avatar: a head avatar from tracked video.
+// cosplat train-avatar: trains a head avatar from tracked video.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -37,7 +37,7 @@ void Evaluate(const AvatarOptions& o,
 
 DataSplit SplitOf(const AvatarOptions& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
 
-// Where the head is on average and how the camera sees it: orbits and driven playback start here.
+// The head's mean root pose and the camera; orbits and driven playback start from it.
 Json ReferenceView(const TrackedVideo& video) {
   std::vector<FlameParams> frames;
   for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
@@ -68,15 +68,15 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
   WriteCamerasJson(o.model + "/cameras.json", cameras);
 }
 
-// The first Gaussians at rest.
+// Writes the initial Gaussians at rest.
 void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
   const Gaussians rest = RestPose(first);
   const std::vector<float> points(rest.values[kPosition].begin(), rest.values[kPosition].end());
   WritePointsPly(o.model + "/input.ply", points, std::vector<uint8_t>(points.size(), 128));
 }
 
-// Held-out images, loaded before training so that a broken one is found then. Frames whose
-// image cannot be used go from the test frames to the skipped ones.
+// Loads the held-out images before training, so that a broken one is found early. Frames with an
+// unusable image move from the test frames to the skipped ones.
 std::vector<Image8> LoadTestImages(TrackedVideo& video) {
   std::vector<Image8> images;
   std::vector<TrackedFrame> usable;
@@ -92,7 +92,7 @@ std::vector<Image8> LoadTestImages(TrackedVideo& video) {
   return images;
 }
 
-// The training frames' parameters as --refine-track left them.
+// Writes the training frames' parameters as refined by --refine-track.
 void SaveRefinedTrack(const AvatarOptions& o, const AvatarSubject& subject) {
   const std::vector<FlameParams> track = subject.RefinedTrack();
   Json frames = Json::array();

@@ -1,4 +1,4 @@
-// cosplat train-scene: a static scene from images.
+// cosplat train-scene: trains a static scene from images.
 #include <cstdio>
 #include <memory>
 
@@ -74,7 +74,7 @@ void Train(SceneCommand o, const std::string& config) {
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   Trainer trainer(
       start.settings, subject, std::move(start.first), StepEngineOn(device, o.deterministic));
-  scene.points = std::move(loaded.points);  // as the run begins
+  scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
   SaveInputs(o, split, scene, config);
   if (!o.quiet) PrintSkipped(scene.skipped);

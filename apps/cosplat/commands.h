@@ -1,5 +1,5 @@
-// The sub-commands of `cosplat`. Each Add* declares its options on `app` and what runs when it is
-// chosen; errors are thrown as Error and printed by main.
+// Sub-commands of `cosplat`. Each Add* function declares its options on `app` and the callback that
+// runs when the sub-command is chosen. Errors are thrown as Error and printed by main.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// What a file of splats makes of a run's test views, read back and rendered.
+// Image quality of a splat file: a run's test views rendered from the file after reading it back.
 #pragma once
 
 #include <functional>
@@ -14,26 +14,26 @@ namespace cosplat {
 struct TestViews {
   size_t count = 0;
   std::array<float, 3> background{};
-  std::function<void(size_t view, RenderedImage& image)> render;  // over the background
+  std::function<void(size_t view, RenderedImage& image)> render;  // composited over the background
   std::function<Image8(size_t view)> photograph;
 };
 
-// Both keep references to what is to be rendered.
+// The returned views keep references to the arguments, which must outlive them.
 TestViews ViewsOfScene(const Gaussians& gaussians,
                        const SceneData& scene,
                        const std::array<float, 3>& background);
-// The model with its mesh.
+// `model` must have its mesh.
 TestViews ViewsOfAvatar(const AvatarModel& model,
                         const FlameModel& flame,
                         const TrackedVideo& video,
                         const std::array<float, 3>& background);
 
 struct FileFigures {
-  double mb = 0;              // of the file, 10^6 bytes
-  double psnr = 0, ssim = 0;  // means over the views, of images as bytes: as `metrics` has them
+  double mb = 0;              // file size, 10^6 bytes
+  double psnr = 0, ssim = 0;  // means over the views, on 8-bit images as in `metrics`
 };
 
-// `path`: the file whose size counts. `count_view` is called after each view.
+// `path`: the file whose size is measured. `count_view` is called after each view.
 FileFigures Measure(const std::string& path,
                     const TestViews& views,
                     const std::function<void()>& count_view);

@@ -15,7 +15,7 @@ std::string Or(const std::string& given, const std::string& otherwise) {
   return given.empty() ? otherwise : given;
 }
 
-// Scenes, and files of which nothing else is known: `data` has no views then.
+// A scene, or a splat file without any further data; `data` then has no views.
 class SceneSplats : public ExportSubject {
  public:
   SceneSplats(const std::string& path, SceneData data, const std::array<float, 3>& background)

@@ -26,11 +26,11 @@ std::vector<float> HeadVertices(const Content::Avatar& avatar) {
   AvatarPoser poser(avatar.flame, model.shape, model.static_offset, model.bust);
   std::vector<float> vertices;
   poser.Forward(poser.FrameFor(avatar.rest), vertices);
-  vertices.resize(3 * size_t(avatar.flame.vertex_count));  // the bust's come last
+  vertices.resize(3 * size_t(avatar.flame.vertex_count));  // drops the bust's, which come last
   return vertices;
 }
 
-// The first training frame's camera, looking at the middle of the head.
+// The first training frame's camera, orbiting the centre of the head.
 StartView AsFilmed(const Content::Avatar& avatar, const JsonField& run) {
   const StartView front = viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
@@ -38,7 +38,7 @@ StartView AsFilmed(const Content::Avatar& avatar, const JsonField& run) {
   return {camera, front.center, {-r[3], -r[4], -r[5]}};
 }
 
-// run: of the folder that it lies in, or null.
+// run: the run whose folder contains the avatar, or null.
 Content LoadAvatar(const std::string& glb, const JsonField* run, const std::string& flame) {
   Content content;
   content.avatar.emplace();
@@ -94,7 +94,7 @@ Content LoadFile(const std::string& path, const std::string& flame) {
   return LoadAvatar(path, &run, flame);
 }
 
-// A face per time step: where the recording has none, that before stays.
+// One face per time step; gaps in the recording repeat the previous face.
 std::vector<FlameParams> FacesOf(const Recording& recording) {
   std::vector<FlameParams> faces;
   for (const RecordedFrame& frame : recording.frames) {

@@ -1,4 +1,4 @@
-// What `cosplat play` is given, as the viewer takes it.
+// Loads what `cosplat play` is given into the viewer's types.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace cosplat {
 
-// model: a run's folder, an avatar's .glb, or a scene's splats. flame: the FLAME model file of an
-// avatar; where it is empty, the run's that the avatar lies in. Throws Error.
+// model: a run folder, an avatar's .glb or a scene's splat file. flame: an avatar's FLAME model
+// file; if empty, the one named by the run that contains the avatar. Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
-// "udp://...", "vmc://..." or "stdin:": what comes in as it happens.
+// True for live sources: "udp://...", "vmc://..." and "stdin:".
 bool IsLiveDrive(const std::string& drive);
 
-// Lets a drive (avatar/live/source.h) move the content; a recording can be scrubbed.
-// fps: of a recording; 0: its own. Throws Error.
+// Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame
+// rate of a recording; 0: its own. Throws Error.
 void DriveSession(viewer::Session& session,
                   const viewer::Content& content,
                   const std::string& drive,

@@ -1,4 +1,4 @@
-// cosplatsrc: a GStreamer source of pictures of an avatar.
+// cosplatsrc: a GStreamer source that renders an avatar.
 //
 // properties -> AvatarView -> video/x-raw, RGBA or BGRA with straight alpha -> pipeline.
 #include <gst/base/gstpushsrc.h>
@@ -31,10 +31,10 @@ struct State {
   std::unique_ptr<AvatarView> view;  // while started
   GstVideoInfo info;
   FrameClock clock;
-  bool ended = false;  // nothing will come any more from the drive
+  bool ended = false;  // the drive will deliver no more frames
 };
 
-constexpr guint kStats = 100;  // a property that no setting has the number of
+constexpr guint kStats = 100;  // a property number that no setting uses
 
 }  // namespace
 
@@ -146,12 +146,12 @@ gboolean SetCaps(GstBaseSrc* src, GstCaps* caps) {
   if (!gst_video_info_from_caps(&state.info, caps)) return FALSE;
   state.clock.SetRate(state.info.fps_n, state.info.fps_d);
   gst_base_src_set_blocksize(src, guint(state.info.size));
-  if (SettingsOf(src).is_live)  // the latency follows the rate
+  if (SettingsOf(src).is_live)  // the latency depends on the frame rate
     gst_element_post_message(GST_ELEMENT(src), gst_message_new_latency(GST_OBJECT(src)));
   return TRUE;
 }
 
-// Frames come from a pool, downstream's if it has one, so that memory is used again.
+// Takes frames from a pool, downstream's if it has one, so that memory is reused.
 gboolean DecideAllocation(GstBaseSrc* src, GstQuery* query) {
   State& state = StateOf(src);
   GstBufferPool* pool = nullptr;
@@ -176,8 +176,8 @@ gboolean DecideAllocation(GstBaseSrc* src, GstQuery* query) {
   return GST_BASE_SRC_CLASS(cosplat_src_parent_class)->decide_allocation(src, query);
 }
 
-// A live frame is drawn at its time and pushed when it is drawn: within the time of a frame. Of
-// more latency downstream nothing runs over: what is not taken is not drawn.
+// A live frame is rendered at its time and pushed when it is finished, at most one frame duration
+// later. The maximum latency is unlimited: frames that are not consumed are not rendered.
 gboolean Query(GstBaseSrc* src, GstQuery* query) {
   State& state = StateOf(src);
   if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
@@ -205,7 +205,7 @@ void Draw(State& state, const SrcSettings& settings, GstClockTime now, GstVideoF
   state.view->Draw(settings.orbit, *background, COSPLAT_ALPHA_STRAIGHT, picture);
 }
 
-// Draws into the buffer's memory; false after an error was posted.
+// Renders into the buffer's memory; returns false after posting an error.
 bool DrawInto(GstPushSrc* src, GstBuffer* buffer, GstClockTime now) {
   State& state = StateOf(src);
   GstVideoFrame frame;
@@ -303,7 +303,7 @@ static void cosplat_src_class_init(CosplatSrcClass* src_class) {
   GST_PUSH_SRC_CLASS(src_class)->fill = Fill;
 }
 
-// libgstcosplat.so: registers cosplatsrc.
+// Plug-in entry point of libgstcosplat.so, which registers cosplatsrc.
 #define PACKAGE "cosplat"
 
 static gboolean plugin_init(GstPlugin* plugin) {

@@ -33,7 +33,7 @@ FrameTime FrameClock::Next() const {
 bool FrameClock::WaitForNext(GstElement* element, FrameTime& time) {
   time = Next();
   GstClock* clock = gst_element_get_clock(element);
-  if (!clock) return true;  // without one there is nothing to wait for
+  if (!clock) return true;  // without a clock, do not wait
   const GstClockTime base = gst_element_get_base_time(element);
   const GstClockTime now = std::max(gst_clock_get_time(clock), base) - base;
   if (now > time.pts + time.duration) {

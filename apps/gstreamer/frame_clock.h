@@ -1,4 +1,4 @@
-// When the next frame of cosplatsrc is due: counted, or by the pipeline's clock.
+// Determines when the next frame of cosplatsrc is due, by counting or by the pipeline's clock.
 #pragma once
 
 #include <gst/gst.h>
@@ -11,23 +11,23 @@ struct FrameTime {
   GstClockTime pts = 0;  // running time
   GstClockTime duration = 0;
   guint64 number = 0;  // since the element was started
-  bool gap = false;    // frames before it were left out
+  bool gap = false;    // preceding frames were skipped
 };
 
-// Frame n of a rate is at `origin` + n / rate, each rounded by itself, so that nothing drifts. One
-// thread counts; any may unlock.
+// Frame n of a rate is at `origin` + n / rate. Each time is rounded separately, so that errors do
+// not accumulate. One thread counts; any thread may unlock.
 class FrameClock {
  public:
-  // From the beginning.
+  // Restarts at frame 0.
   void Reset();
-  // The rate from the next frame on; 30000/1001 is 30000 pictures in 1001 seconds.
+  // Sets the rate from the next frame on; 30000/1001 is 30000 frames in 1001 seconds.
   void SetRate(int fps_n, int fps_d);
-  GstClockTime Duration() const;  // for any thread
+  GstClockTime Duration() const;  // thread-safe
 
   FrameTime Next() const;
-  // The first frame that is not over yet, waited for; false if unlocked meanwhile.
+  // Waits for the first frame that has not ended yet; returns false if unlocked in the meantime.
   bool WaitForNext(GstElement* element, FrameTime& time);
-  // It was made; the next one is due.
+  // Call after `time` was produced; advances to the next frame.
   void Made(const FrameTime& time);
 
   void Unlock();
@@ -39,9 +39,9 @@ class FrameClock {
 
   int fps_n_ = 1, fps_d_ = 1;
   GstClockTime origin_ = 0;   // running time of frame 0 at this rate
-  guint64 frame_ = 0;         // the next, at this rate
-  guint64 number_ = 0;        // the next, of all
-  mutable std::mutex mutex_;  // over what other threads read or write
+  guint64 frame_ = 0;         // next frame at this rate
+  guint64 number_ = 0;        // next frame since the start
+  mutable std::mutex mutex_;  // protects what other threads read or write
   GstClockID wait_ = nullptr;
   bool unlocked_ = false;
 };

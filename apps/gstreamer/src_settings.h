@@ -1,4 +1,4 @@
-// The properties of cosplatsrc: their table, and what they are set to.
+// The properties of cosplatsrc: their table and their values.
 #pragma once
 
 #include <cosplat.h>
@@ -15,34 +15,33 @@ struct Fraction {
   int denominator = 1;
 };
 
-// Read and written under the element's object lock.
+// Accessed under the element's object lock.
 struct SrcSettings {
   hosts::ViewSettings view;
   std::string background = "avatar";
   hosts::Orbit orbit;
-  int width = 512;  // px, where the caps downstream leave the choice
+  int width = 512;  // px, if downstream caps leave a choice
   int height = 512;
-  Fraction fps = {30, 1};  // pictures per second, likewise
+  Fraction fps = {30, 1};  // frames per second, likewise
   bool is_live = false;
 };
 
 void InstallProperties(GObjectClass* object_class);
-// False if there is no property of that number.
+// Both return false if there is no property with that number.
 bool SetSetting(SrcSettings& settings, guint property, const GValue* value);
 bool GetSetting(SrcSettings& settings, guint property, GValue* value);
 
-// What cosplatsrc says of itself in its property "stats".
-
+// Values of cosplatsrc's property "stats".
 struct SrcStats {
-  guint64 frames = 0;     // made
-  guint64 left_out = 0;   // live, because they would have been late
-  cosplat_health face{};  // its texts are the ones below
+  guint64 frames = 0;     // produced
+  guint64 left_out = 0;   // skipped in live mode because they would have been late
+  cosplat_health face{};  // its strings point to the ones below
   std::string drive, drive_problem;
 };
 
-// True if the drive dropped something for another reason than before.
+// Returns true if the drive reports a new problem.
 bool Update(SrcStats& stats, const cosplat_health& face);
-// The caller's to free.
+// The caller owns the result.
 GstStructure* ToStructure(const SrcStats& stats);
 
 }  // namespace cosplat::gstreamer

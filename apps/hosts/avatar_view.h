@@ -1,7 +1,7 @@
-// What a host plug-in shows: an avatar before a camera that orbits it, by cosplat.h alone.
+// Avatar view of a host plug-in: an avatar in front of an orbiting camera, using cosplat.h only.
 //
 // ViewSettings -> AvatarView -> Advance, Draw, once per frame -> the host's memory. Angles are in
-// degrees, since people type them.
+// degrees, as users enter them.
 #pragma once
 
 #include <cosplat.h>
@@ -15,7 +15,7 @@
 
 namespace cosplat::hosts {
 
-// One line for people: the library's own, or what is wrong with a setting.
+// The message is one user-readable line: the library's own, or what is wrong with a setting.
 class ViewError : public std::runtime_error {
  public:
   ViewError(cosplat_status status, const std::string& text)
@@ -29,8 +29,8 @@ class ViewError : public std::runtime_error {
 struct ViewSettings {
   std::string avatar;  // a .glb
   std::string flame;   // the FLAME model it was trained with
-  std::string drive;   // as of cosplat_set_drive; empty: the face is at rest
-  bool loop = false;   // recordings begin again at their end
+  std::string drive;   // as in cosplat_set_drive; empty: the face is at rest
+  bool loop = false;   // recordings restart at their end
   bool operator==(const ViewSettings&) const = default;
 };
 
@@ -40,7 +40,7 @@ struct Orbit {
   double zoom = 1;
   bool operator==(const Orbit&) const = default;
 };
-// Degrees to which hosts let people go: cosplat_orbit_camera allows 1.5 radians.
+// Limits for user interfaces, in degrees; cosplat_orbit_camera allows an elevation of 1.5 radians.
 inline constexpr double kMaxAzimuth = 360;
 inline constexpr double kMaxElevation = 85;
 inline constexpr double kSmallestZoom = 0.01;
@@ -48,26 +48,26 @@ inline constexpr double kMaxZoom = 100;
 
 struct Background {
   enum class Kind { kAvatar, kTransparent, kColor };
-  Kind kind = Kind::kAvatar;        // the one that the avatar was trained on
-  std::array<float, 3> color = {};  // of kColor; sRGB from 0 to 1
+  Kind kind = Kind::kAvatar;        // kAvatar: the one it was evaluated on
+  std::array<float, 3> color = {};  // for kColor; sRGB, [0, 1]
   bool operator==(const Background&) const = default;
 };
-// "avatar", "transparent" or "#rrggbb"; nothing if it is none of them.
+// "avatar", "transparent" or "#rrggbb"; nullopt for anything else.
 std::optional<Background> ParseBackground(const std::string& text);
 
-// For one thread at a time.
+// Not thread-safe.
 class AvatarView {
  public:
-  // Throws ViewError, as everything here.
+  // Throws ViewError, as do all other members.
   explicit AvatarView(const ViewSettings& settings);
 
-  // Brings the face to `now_ns`, of any clock that does not run backwards.
+  // Advances the face to `now_ns`, of any monotonic clock.
   void Advance(int64_t now_ns);
-  // What the drive gave until then. Its texts stay until the next call.
+  // State of the drive at that time. Its strings are valid until the next call.
   cosplat_health Health();
 
-  // Into picture.pixels. `alpha`, COSPLAT_ALPHA_..., is for a background that is transparent; what
-  // `picture` has there is not looked at.
+  // Draws into picture.pixels. `alpha` (COSPLAT_ALPHA_...) applies to a transparent background; the
+  // alpha mode and background in `picture` are ignored.
   void Draw(const Orbit& orbit,
             const Background& background,
             uint32_t alpha,
@@ -85,7 +85,7 @@ class AvatarView {
   std::unique_ptr<cosplat_avatar, Closer> avatar_;
   bool driven_ = false;
   cosplat_info info_{};
-  Orbit orbit_;  // of the camera that is set
+  Orbit orbit_;  // of the current camera
   uint32_t width_ = 0, height_ = 0;
 };
 

@@ -61,7 +61,7 @@ void AvatarSource::Upload() {
 void AvatarSource::Render() {
   Upload();
   if (!texture_) return;
-  // Neither the texture nor the canvas is made linear: the bytes are blended as they are.
+  // No conversion to linear for the texture or the canvas: the bytes are blended as they are.
   const bool srgb = gs_framebuffer_srgb_enabled();
   gs_enable_framebuffer_srgb(false);
   gs_blend_state_push();
@@ -95,7 +95,7 @@ void RegisterAvatarSource() {
 
 }  // namespace cosplat::obs
 
-// cosplat.so, the OBS module.
+// Entry points of the OBS module cosplat.so.
 OBS_DECLARE_MODULE()
 OBS_MODULE_USE_DEFAULT_LOCALE("cosplat", "en-US")
 

@@ -2,10 +2,10 @@
 //
 // OBS's settings -> PictureThread -> a texture -> OBS's canvas.
 //
-// It draws by itself (video_render) and is no asynchronous source, although its pictures come from
-// a thread: OBS takes frames of asynchronous sources to have straight alpha, holds them back to
-// smooth their times, and blends them in linear light. A picture of an avatar is premultiplied,
-// should show as soon as it is there, and was blended as its bytes are.
+// The source draws itself (video_render) and is not asynchronous, although its pictures come from a
+// thread: OBS assumes straight alpha for frames of asynchronous sources, delays them to smooth
+// their timing, and blends them in linear light. An avatar's picture has premultiplied alpha,
+// should be shown immediately, and was blended in sRGB-encoded values.
 #pragma once
 
 #include <obs-module.h>
@@ -25,7 +25,7 @@ class AvatarSource {
 
   void Update(obs_data_t* settings);
   void SetShown(bool shown) { pictures_.SetShown(shown); }
-  // On OBS's graphics thread.
+  // Called on OBS's graphics thread.
   void Render();
   obs_properties_t* Properties() const;
 
@@ -36,9 +36,9 @@ class AvatarSource {
   void Upload();
 
   PictureThread pictures_;
-  Picture picture_;  // the texture's
+  Picture picture_;  // content of the texture
   gs_texture_t* texture_ = nullptr;
-  std::atomic<uint32_t> width_ = 0, height_ = 0;  // px, as they are set
+  std::atomic<uint32_t> width_ = 0, height_ = 0;  // px, from the settings
 };
 
 void SetDefaults(obs_data_t* settings);

@@ -51,7 +51,7 @@ std::string PictureThread::Status() const {
 bool PictureThread::WaitForWork(PictureSettings& settings) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return stop_ || (set_ && shown_); });
-  // A change of the settings shows at once.
+  // Changed settings take effect immediately.
   changed_.wait_until(lock, due_, [&] { return stop_ || dirty_; });
   dirty_ = false;
   settings = settings_;
@@ -64,7 +64,7 @@ void PictureThread::Run() {
   while (WaitForWork(settings)) {
     const auto period = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(1 / settings.fps));
-    // A machine that is too slow leaves pictures out and does not run after them.
+    // If the machine is too slow, pictures are skipped and there is no catching up.
     due_ = std::max(due_ + period, Clock::now());
     try {
       Draw(settings, picture);
@@ -78,7 +78,7 @@ void PictureThread::Run() {
 
 void PictureThread::Draw(const PictureSettings& settings, Picture& out) {
   if (!view_ || settings.view != open_) {
-    view_.reset();  // a port that the drive listens on is free before it is asked for again
+    view_.reset();  // frees the drive's port before it is opened again
     view_ = std::make_unique<hosts::AvatarView>(settings.view);
     open_ = settings.view;
   }
@@ -102,7 +102,7 @@ void PictureThread::Publish(Picture& picture, const std::string& status) {
   fresh_ = true;
 }
 
-// What failed is not tried again before it is set anew.
+// Settings that failed are not retried until they are set again.
 void PictureThread::Fail(const std::string& problem) {
   blog(LOG_WARNING, "[cosplat] %s", problem.c_str());
   const std::lock_guard lock(mutex_);

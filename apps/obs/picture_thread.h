@@ -1,7 +1,7 @@
-// Draws an avatar for OBS beside it, so that neither its graphics thread nor its window waits for a
-// picture, or for an avatar that is being opened.
+// Draws an avatar for OBS in a separate thread, so that neither OBS's graphics thread nor its
+// window waits for a picture or for an avatar to be opened.
 //
-// settings -> PictureThread -> Picture, the newest -> AvatarSource.
+// settings -> PictureThread -> newest Picture -> AvatarSource.
 #pragma once
 
 #include <chrono>
@@ -24,13 +24,13 @@ struct PictureSettings {
   bool operator==(const PictureSettings&) const = default;
 };
 
-// BGRA, premultiplied, rows without gaps. Nothing is to be seen while `width` is 0.
+// BGRA, premultiplied, rows without padding. Empty while `width` is 0.
 struct Picture {
   uint32_t width = 0, height = 0;  // px
   std::vector<uint8_t> pixels;
 };
 
-// Its functions are for any thread and do not wait for a picture.
+// All functions are thread-safe and do not wait for a picture.
 class PictureThread {
  public:
   PictureThread();
@@ -39,18 +39,18 @@ class PictureThread {
   PictureThread& operator=(const PictureThread&) = delete;
 
   void Set(const PictureSettings& settings);
-  // Nothing is drawn for a source that nobody sees.
+  // Nothing is drawn while the source is hidden.
   void SetShown(bool shown);
-  // Exchanges `picture` for the newest; false if that was taken already.
+  // Swaps `picture` with the newest one; returns false if that was already taken.
   bool Take(Picture& picture);
-  // One line: what is wrong, or how the drive does; "" before the first picture.
+  // One line: the current problem or the state of the drive; "" before the first picture.
   std::string Status() const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void Run();
-  // Waits until a picture is due; false at the end.
+  // Waits until a picture is due; returns false when the thread must stop.
   bool WaitForWork(PictureSettings& settings);
   void Draw(const PictureSettings& settings, Picture& picture);
   void Publish(Picture& picture, const std::string& status);
@@ -58,16 +58,16 @@ class PictureThread {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  PictureSettings settings_;  // under the mutex, as all up to the next comment
+  PictureSettings settings_;  // under the mutex, as all members up to the next comment
   Picture newest_;
   std::string status_;
-  bool set_ = false;    // there are settings, and none that failed
-  bool dirty_ = false;  // they are new
+  bool set_ = false;    // there are settings, and they have not failed
+  bool dirty_ = false;  // the settings are new
   bool shown_ = false;
-  bool fresh_ = false;  // nobody took the newest yet
+  bool fresh_ = false;  // the newest picture has not been taken
   bool stop_ = false;
 
-  // The thread's own.
+  // Used by the thread only.
   hosts::ViewSettings open_;  // what `view_` was opened with
   std::unique_ptr<hosts::AvatarView> view_;
   Clock::time_point due_;

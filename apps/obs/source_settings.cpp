@@ -1,4 +1,4 @@
-// The settings of the source, as people see them and as it reads them.
+// The source's settings: their user interface and how they are read.
 #include <algorithm>
 
 #include "apps/obs/avatar_source.h"
@@ -61,7 +61,7 @@ void AddBackground(obs_properties_t* p) {
 void SetDefaults(obs_data_t* settings) {
   obs_data_set_default_bool(settings, "loop", true);
   obs_data_set_default_string(settings, "background", "transparent");
-  obs_data_set_default_int(settings, "background_color", 0xff00ff00);  // a green screen
+  obs_data_set_default_int(settings, "background_color", 0xff00ff00);  // green-screen green
   obs_data_set_default_int(settings, "width", 512);
   obs_data_set_default_int(settings, "height", 512);
   obs_data_set_default_double(settings, "fps", 30);

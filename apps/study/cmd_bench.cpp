@@ -1,4 +1,4 @@
-// cosplat bench: what this machine makes of the CPU back end, as figures and charts.
+// cosplat bench: measures the CPU back end on this machine; figures and charts.
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ struct BenchCommand {
   bool quick = false, quiet = false;
 };
 
-// Before minutes of measuring rather than after them.
+// Fails before minutes of measurements rather than after them.
 void CheckWritable(const std::string& folder) {
   MakeDirectories(folder);
   if (access(folder.c_str(), W_OK) != 0) throw Error(folder, "cannot be written to");

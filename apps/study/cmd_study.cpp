@@ -1,4 +1,4 @@
-// cosplat study: settings, data sets and seeds measured side by side.
+// cosplat study: measures settings, data sets and seeds side by side.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -26,7 +26,7 @@ struct StudyCommand : StudySettings {
   bool dry_run = false, page = false, stability = false, quiet = false;
 };
 
-// "basis/fox-8/dcsh/0" has the text that --only looks for, in whichever group.
+// Whether the text of --only occurs in "basis/fox-8/dcsh/0", for any of the run's groups.
 bool IsWanted(const StudyRun& run, const std::string& only) {
   return std::any_of(run.groups.begin(), run.groups.end(), [&](const std::string& group) {
     return (group + "/" + run.Id()).find(only) != std::string::npos;
@@ -41,7 +41,7 @@ std::vector<StudyRun> WantedRuns(const StudyCommand& o) {
   return runs;
 }
 
-// Measured before, with the same command.
+// Whether the run was measured before, with the same command.
 bool IsFinished(const StudyRun& run, const std::vector<StudyLine>& lines) {
   return std::any_of(lines.begin(), lines.end(), [&](const StudyLine& line) {
     return line.Id() == run.Id() && line.command == run.Command();
@@ -56,7 +56,7 @@ std::vector<StudyRun> UnfinishedOf(const std::vector<StudyRun>& runs,
   return left;
 }
 
-// Mean time of the runs on the same data, or of all; there must be one.
+// Mean time of the runs on the same data, or of all runs; there must be at least one.
 double ExpectedSeconds(const StudyRun& run, const std::vector<StudyLine>& lines) {
   double same = 0, all = 0;
   size_t same_count = 0;
@@ -71,7 +71,7 @@ double ExpectedSeconds(const StudyRun& run, const std::vector<StudyLine>& lines)
   return same_count > 0 ? same / double(same_count) : all / double(lines.size());
 }
 
-// Of a run that was just measured, and how long those from `next` on will take.
+// Results of the run just measured, and the expected time of those from `next` on.
 std::string Progress(const std::vector<StudyLine>& lines,
                      const std::vector<StudyRun>& runs,
                      size_t next) {
@@ -91,10 +91,10 @@ std::string Progress(const std::vector<StudyLine>& lines,
   return text;
 }
 
-// Returns how many failed.
+// Returns the number of failed runs.
 size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
   const StudyChildren children;
-  if (!o.lpips.empty()) Lpips net(o.lpips);  // a bad one is found now, not after a training
+  if (!o.lpips.empty()) Lpips net(o.lpips);  // a bad network fails now, not after training
   StudyLog log(o.out);
   std::vector<StudyLine> lines = ReadStudyLines(o.out).lines;
   const std::vector<StudyRun> runs = UnfinishedOf(all, lines);
@@ -114,7 +114,7 @@ size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
       if (!o.keep) fs::remove_all(StudyModelFolder(runs[i], o));
     } catch (const StudyStopped&) {
       throw;
-    } catch (const std::exception& e) {  // of the file system as well
+    } catch (const std::exception& e) {  // includes file system errors
       std::fprintf(stderr, "cosplat: study: %s: %s\n", runs[i].Id().c_str(), e.what());
       ++failed;
     }
@@ -139,9 +139,9 @@ void AppendCases(std::vector<StabilityCase> more, std::vector<StabilityCase>& al
   for (StabilityCase& s : more) all.push_back(std::move(s));
 }
 
-// Runs every case of the stability suite, times the ways to evaluate colour, and writes
-// <folder>/basis_forms.svg, <folder>/stability.html, one self-contained page, and last
-// <folder>/stability.json. Throws Error when the folder cannot be written to.
+// Runs all cases of the stability suite, times the implementations of colour evaluation, and writes
+// <folder>/basis_forms.svg, the self-contained page <folder>/stability.html and, last,
+// <folder>/stability.json. Throws Error if the folder cannot be written to.
 void WriteStabilityPage(const std::string& folder, bool quiet) {
   constexpr int kTimedBatches = 200;
   constexpr int kParts = 3;

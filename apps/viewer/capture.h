@@ -1,4 +1,4 @@
-// Images and videos of what the viewer shows.
+// Screenshots and videos of the viewer's image.
 #pragma once
 
 #include <future>
@@ -8,14 +8,14 @@
 
 namespace cosplat::viewer {
 
-// FOLDER/cosplat_DATE_TIME.EXTENSION by the local clock; with _2, _3, ... where that is taken.
+// FOLDER/cosplat_DATE_TIME.EXTENSION in local time; with a suffix _2, _3, ... if that file exists.
 std::string CapturePath(const std::string& folder, const std::string& extension);
 
-// A video at 25 frames per second of images that come when they come: each is shown from its time
-// to the next one's. Encodes beside the caller.
+// A 25 fps video of images that arrive at irregular times: each is shown from its own time to that
+// of the next one. Encodes in the background.
 class VideoRecorder {
  public:
-  // Sides are made even by leaving out a last row or column; at least 2. Throws Error.
+  // Odd dimensions are reduced to even ones; both must be at least 2. Throws Error.
   VideoRecorder(const std::string& path, int width, int height);
   ~VideoRecorder();
 
@@ -24,10 +24,10 @@ class VideoRecorder {
   const std::string& path() const { return path_; }
   int frames() const { return frames_; }
 
-  // What is to be seen at `seconds` since the beginning. rgba: of the video's size or one more each
-  // way, opaque. Throws Error with what went wrong before.
+  // Adds the image shown at `seconds` since the start. rgba: opaque, of the video's size or one
+  // pixel larger in each dimension. Throws Error with the problem of an earlier write.
   void Offer(const Image8& rgba, double seconds);
-  // The file then has its name. Throws Error.
+  // Finishes the file, which then has its final name. Throws Error.
   void Finish();
 
  private:

@@ -6,7 +6,7 @@
 namespace cosplat::viewer {
 namespace {
 
-// Chosen by eye so that lightness rises evenly.
+// Chosen by eye for an even increase in lightness.
 constexpr std::array<std::array<float, 3>, 6> kAnchors{
     {{52, 24, 106}, {48, 78, 150}, {30, 128, 142}, {58, 176, 112}, {160, 212, 58}, {250, 232, 60}}};
 

@@ -1,4 +1,4 @@
-// Colours of counts: the same in the image and in its legend.
+// Colours for counts, shared by the image and its legend.
 #pragma once
 
 #include <array>
@@ -8,11 +8,11 @@ namespace cosplat::viewer {
 
 using Rgb = std::array<uint8_t, 3>;
 
-// From dark blue over green to yellow, of even steps in brightness. t: [0, 1], clamped.
+// From dark blue over green to yellow, in even steps of brightness. t: [0, 1], clamped.
 Rgb ScaleColor(float t);
 
-// Where a count stands on the scale of 0 to `most`: by logarithm, since counts per triangle spread
-// over decades. [0, 1].
+// Position of a count on a scale from 0 to `most`, in [0, 1]: logarithmic, since counts per
+// triangle span decades.
 float CountPlace(int count, int most);
 
 // Triangles without any Gaussian.

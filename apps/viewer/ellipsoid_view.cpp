@@ -15,20 +15,20 @@ namespace {
 using math::Mat3;
 using math::Vec3;
 
-constexpr float kFaintestLogit = -2.1972246f;  // of an opacity of 0.1
+constexpr float kFaintestLogit = -2.1972246f;  // opacity 0.1
 
-// An ellipsoid in the camera's axes and its box in the image, samples.
+// An ellipsoid in the camera's axes and its bounding box in the image, in samples.
 struct Ellipsoid {
   Mat3<float> sphere_from_cam;  // p -> unit sphere around the centre
-  Vec3<float> center;           // of it, by sphere_from_cam
+  Vec3<float> center;           // the centre, transformed by sphere_from_cam
   float least_x, most_x, least_y, most_y;
   float nearest;  // depth
   Rgb color;
 };
 
 // Slopes along axis k (0: x, 1: y) of the planes through the eye that touch the ellipsoid: the
-// roots of (Szz - z^2) u^2 - 2 (Skz - k z) u + (Skk - k^2) = 0, with the discriminant multiplied
-// out, as its squares of k and z would drown S.
+// roots of (Szz - z^2) u^2 - 2 (Skz - k z) u + (Skk - k^2) = 0. The discriminant is expanded, as S
+// would be lost in rounding next to the squares of k and z.
 struct Slopes {
   float least, most;
 };
@@ -38,8 +38,8 @@ Slopes TouchingSlopes(float skk, float skz, float szz, float k, float z) {
   return {(k * z - skz - root) / over, (k * z - skz + root) / over};
 }
 
-// `axes`: columns are its half axes. False where it reaches behind the camera or beside the
-// image.
+// Columns of `axes` are the half axes. Returns false if the ellipsoid reaches behind the camera or
+// lies outside the image.
 bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, Ellipsoid& e) {
   const auto entry = [&](int i, int k) {
     return axes(i, 0) * axes(k, 0) + axes(i, 1) * axes(k, 1) + axes(i, 2) * axes(k, 2);
@@ -58,14 +58,14 @@ bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, 
 }
 
 Rgb MeanColor(const float* dc) {
-  const float constant = BasisConstants(Basis::kSh)[0];  // that of every basis
+  const float constant = BasisConstants(Basis::kSh)[0];  // equal for every basis
   Rgb rgb;
   for (size_t k = 0; k < 3; ++k)
     rgb[k] = uint8_t(255 * std::clamp(0.5f + constant * dc[k], 0.0f, 1.0f) + 0.5f);
   return rgb;
 }
 
-// False where nothing of it is to be drawn.
+// Returns false if there is nothing to draw.
 bool Place(const WorldGaussians& g, size_t i, const Camera& camera, Ellipsoid& e) {
   const float *p = g.position + 3 * i, *q = g.rotation + 4 * i, *s = g.scale_log + 3 * i;
   if (!(g.opacity_logit[i] >= kFaintestLogit)) return false;
@@ -85,8 +85,8 @@ bool Place(const WorldGaussians& g, size_t i, const Camera& camera, Ellipsoid& e
   return std::isfinite(math::Dot(e.center, e.center));
 }
 
-// The ray through a sample, d z, meets the unit sphere around m where |d z - m| = 1. Its
-// discriminant is written with d x m, as (d m)^2 - d^2 (m^2 - 1) cancels where m is far away.
+// The ray d z through a sample meets the unit sphere around m where |d z - m| = 1. The discriminant
+// is computed from d x m, as (d m)^2 - d^2 (m^2 - 1) suffers from cancellation if m is far away.
 void FillRow(const Ellipsoid& e, int y, const Camera& camera, SurfaceBuffer& buffer) {
   const int begin = std::max(0, int(std::floor(e.least_x)));
   const int end = std::min(buffer.width, int(std::ceil(e.most_x)));
@@ -119,7 +119,7 @@ void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, Surfa
   });
   for (size_t i = 0; i < all.size(); ++i)
     if (seen[i]) drawn.push_back(all[i]);
-  // From the front, so that most of what is hidden ends at a comparison.
+  // Front to back, so that most hidden samples end at the depth test.
   std::stable_sort(drawn.begin(), drawn.end(), [](const Ellipsoid& a, const Ellipsoid& b) {
     return a.nearest < b.nearest;
   });

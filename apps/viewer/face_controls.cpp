@@ -8,13 +8,13 @@
 namespace cosplat::viewer {
 namespace {
 
-constexpr float kBeyond = 0.25f;        // of its range in training that a slider reaches beyond it
-constexpr float kMinBeyond = 0.5f;      // and at least so far
-constexpr int kRandomExpressions = 12;  // at most so many at once, or they cancel out
-constexpr float kRandomShare = 0.3f;    // of the joints' ranges
+constexpr float kBeyond = 0.25f;        // share of its training range by which a slider extends it
+constexpr float kMinBeyond = 0.5f;      // at least this much
+constexpr int kRandomExpressions = 12;  // at most this many at once; more would cancel out
+constexpr float kRandomShare = 0.3f;    // share of the joints' ranges
 
-// Axes of FLAME's joints, x to the subject's left, y up, z out of the face. Radians; ranges that
-// necks, jaws and eyes have.
+// Axes of FLAME's joints: x to the subject's left, y up, z out of the face. Radians, with
+// anatomically plausible ranges.
 struct JointSlider {
   const char* name;
   size_t joint, axis;
@@ -69,7 +69,7 @@ void FaceControls::SetRandom(Rng& rng) {
   for (int i = 0; i < kRandomExpressions && !expressions_.empty(); ++i) {
     const size_t which = rng.Below(expressions_.size());
     const auto [least, most] = usual_[which];
-    // The mean of two: rather near the middle than at the ends.
+    // The mean of two values favours the middle over the ends.
     const float place = (rng.Uniform() + rng.Uniform()) / 2;
     expressions_[which].value = least + place * (most - least);
   }

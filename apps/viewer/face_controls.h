@@ -1,4 +1,4 @@
-// The sliders of a face: expression coefficients and joints.
+// Sliders for a face: expression coefficients and joints.
 //
 // Panels set values -> FaceControls::Face -> Shot, while nothing else drives the avatar.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace cosplat::viewer {
 
-// One slider. Its value is a coefficient, or radians of an axis-angle's component.
+// One slider. Its value is a coefficient, or a component of an axis-angle vector in radians.
 struct Slider {
   std::string name;
   float least = -1, most = 1;
@@ -22,9 +22,9 @@ struct Slider {
 
 class FaceControls {
  public:
-  FaceControls() = default;  // of a scene: no slider
-  // rest: the root's pose and translation; sliders turn the head about it. Sliders of expressions
-  // reach somewhat beyond what the avatar made in training, where that is known.
+  FaceControls() = default;  // for a scene: no sliders
+  // rest: the root's pose and translation, relative to which the sliders turn the head. The
+  // expression sliders extend somewhat beyond the range of the training frames, if that is known.
   FaceControls(int expression_count,
                const FlameParams& rest,
                const std::optional<TrainedRange>& trained);
@@ -32,16 +32,16 @@ class FaceControls {
   std::vector<Slider>& expressions() { return expressions_; }
   std::vector<Slider>& joints() { return joints_; }
   void SetNeutral();
-  // Some expressions at once and a turned head, within what the avatar made in training.
+  // Several random expressions and a turned head, within the range of the training frames.
   void SetRandom(Rng& rng);
-  // As far as the sliders have it.
+  // Sets the sliders to `face`, as far as their ranges allow.
   void Take(const FlameParams& face);
   FlameParams Face() const;
 
  private:
   FlameParams rest_;
   std::vector<Slider> expressions_;
-  std::vector<std::array<float, 2>> usual_;  // of each expression in training, least and most
+  std::vector<std::array<float, 2>> usual_;  // range of each expression in training
   std::vector<Slider> joints_;               // in the order of kJointSliders
 };
 

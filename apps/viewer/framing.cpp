@@ -14,16 +14,16 @@ namespace {
 
 using math::Vec3;
 
-constexpr int kSide = 768;  // of a camera that is made up; px
-// Image heights per distance: 28 degrees, a portrait lens, for heads; 45 for scenes.
+constexpr int kSide = 768;  // image size of generated cameras; px
+// Focal lengths in image heights: 28 degrees, a portrait lens, for heads; 45 for scenes.
 constexpr float kHeadFocal = 2.0f, kSceneFocal = 1.2f;
-constexpr float kHeadShare = 0.7f;  // of the image that a head fills
-// What lies further from a scene's middle than this many times the distance within which half of
-// its splats lie counts as surroundings or strays; of the rest nearly all are to be in the image.
+constexpr float kHeadShare = 0.7f;  // of the image, filled by a head
+// Splats farther from a scene's centre than this multiple of the median distance count as
+// surroundings or strays; this share of the others should be in the image.
 constexpr float kFarthestOfHalf = 3, kMax = 0.99f;
 constexpr float kSceneMargin = 1.1f;
 
-// At `distance` from `center` along `back`, upright; focal: in image heights.
+// Camera at `distance` from `center` along `back`, upright; focal: in image heights.
 StartView Facing(
     const Vec3<float>& center, Vec3<float> back, Vec3<float> up, float distance, float focal) {
   const Vec3<float> z = -math::Normalize(back);
@@ -42,7 +42,7 @@ StartView Facing(
   return view;
 }
 
-// The value below which `share` of those of the points lie; at least one point.
+// The `share` quantile of `value` over the points, of which there must be at least one.
 template <class Value>
 float Quantile(const std::vector<Vec3<float>>& points, float share, const Value& value) {
   std::vector<float> values(points.size());
@@ -52,7 +52,7 @@ float Quantile(const std::vector<Vec3<float>>& points, float share, const Value&
   return *nth;
 }
 
-// Between the quantiles `share` and 1 - `share` of each coordinate.
+// Midpoint of the quantiles `share` and 1 - `share` of each coordinate.
 Vec3<float> Middle(const std::vector<Vec3<float>>& points, float share) {
   const auto between = [&](float Vec3<float>::*axis) {
     const auto value = [axis](const Vec3<float>& p) { return p.*axis; };

@@ -1,6 +1,6 @@
 #include "apps/viewer/gl_window.h"
 
-// ImGui's backends know no order of including; GLFW brings OpenGL's own header.
+// ImGui's backends can be included in any order; GLFW includes OpenGL's own header.
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -45,7 +45,7 @@ GLFWwindow* Open(const std::string& title, float& scale) {
       std::max(width, 320), std::max(height, 240), title.c_str(), nullptr, nullptr);
 }
 
-// Below 1 where the system enlarges windows by itself (Wayland), and letters must not be twice.
+// Below 1 if the system already enlarges windows (Wayland), so that text is not scaled twice.
 float UnitsPerPixel(GLFWwindow* window) {
   int units = 0, pixels = 0, unused = 0;
   glfwGetWindowSize(window, &units, &unused);
@@ -70,7 +70,7 @@ GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;  // leaves no file behind
+  ImGui::GetIO().IniFilename = nullptr;  // do not write a settings file
   SetUpStyle(scale_);
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");

@@ -1,6 +1,6 @@
-// An OS window with OpenGL 3.3 and ImGui in it. One per process.
+// An OS window with an OpenGL 3.3 context and ImGui. One per process.
 //
-// ViewerWindow -> GlWindow; with ImageTexture the only code that calls GLFW and OpenGL.
+// ViewerWindow -> GlWindow; apart from ImageTexture the only code that calls GLFW and OpenGL.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace cosplat::viewer {
 
 class GlWindow {
  public:
-  // scale: 0: the screen's. Throws Error when there is no display, or none with OpenGL 3.3.
+  // scale: 0: the screen's. Throws Error if there is no display or no OpenGL 3.3.
   GlWindow(const std::string& title, float scale);
   ~GlWindow();
   GlWindow(const GlWindow&) = delete;
@@ -22,14 +22,14 @@ class GlWindow {
   GLFWwindow* handle() const { return window_; }
   float scale() const { return scale_; }
 
-  // Waits for an event, at most so long; then begins ImGui's frame.
+  // Waits for an event, at most `seconds`; then begins ImGui's frame.
   void BeginFrame(double seconds);
-  // Draws it; shows it, or leaves it to be read.
+  // Draws the ImGui frame. Show presents it; Read may be called first.
   void EndFrame();
   void Show();
   Image8 Read() const;  // RGB, after EndFrame and before Show
 
-  // Wakes BeginFrame; for any thread.
+  // Wakes BeginFrame; thread-safe.
   static void Wake();
 
  private:

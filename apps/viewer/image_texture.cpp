@@ -1,6 +1,6 @@
 #include "apps/viewer/image_texture.h"
 
-#include <GLFW/glfw3.h>  // brings OpenGL's own header
+#include <GLFW/glfw3.h>  // includes OpenGL's header
 
 #include <utility>
 
@@ -41,12 +41,12 @@ void ImageTexture::Show(const DeviceImage& picture) {
   try {
     device_texture_->Fill(picture);
   } catch (...) {
-    device_texture_.reset();  // whatever state it is in
+    device_texture_.reset();  // its state is unknown
     throw;
   }
 }
 
-// Binds it. The device knows the storage that is given up, so that it has to let go of it first.
+// Binds the texture. The device holds the old storage and must release it first.
 void ImageTexture::Resize(int width, int height) {
   glBindTexture(GL_TEXTURE_2D, name_);
   if (width == width_ && height == height_) return;

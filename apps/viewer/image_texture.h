@@ -1,7 +1,7 @@
-// The OpenGL texture of the image that the window shows.
+// The OpenGL texture that holds the window's image.
 //
-// Image8 -> Upload, or DeviceImage -> Show -> texture -> ImGui. Everything, the end included,
-// with the context that it was made in.
+// Image8 -> Upload, or DeviceImage -> Show -> texture -> ImGui. All members, including the
+// destructor, require the context of construction to be current.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace cosplat::viewer {
 
 class ImageTexture {
  public:
-  // make_device_texture: may be empty; then there is no Show.
+  // make_device_texture: may be empty; Show must then not be called.
   explicit ImageTexture(DeviceTextureMaker make_device_texture);
   ~ImageTexture();
   ImageTexture(const ImageTexture&) = delete;
@@ -21,10 +21,10 @@ class ImageTexture {
 
   unsigned name() const { return name_; }
 
-  // RGBA, from the host's memory.
+  // RGBA, from host memory.
   void Upload(const Image8& image);
-  // From the device that drew it. Throws Error where it and OpenGL do not share the texture; Upload
-  // works all the same.
+  // From the device that rendered it. Throws Error if the device and OpenGL cannot share the
+  // texture; Upload still works then.
   void Show(const DeviceImage& picture);
 
  private:
@@ -33,7 +33,7 @@ class ImageTexture {
   DeviceTextureMaker make_device_texture_;
   unsigned name_ = 0;
   int width_ = 0, height_ = 0;
-  std::unique_ptr<DeviceTexture> device_texture_;  // of this storage; null until it is needed
+  std::unique_ptr<DeviceTexture> device_texture_;  // of this storage; null until needed
 };
 
 }  // namespace cosplat::viewer

@@ -1,4 +1,4 @@
-// The viewer's keys, for the window and for its help.
+// Key bindings of the viewer, also listed in its help.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 namespace cosplat::viewer {
 
 struct KeyBinding {
-  int key;            // GLFW's code
-  const char* label;  // of the key
-  const char* text;   // what it does
+  int key;            // GLFW key code
+  const char* label;  // name of the key
+  const char* text;   // what the key does
   Action action;
-  bool repeats;  // while it is held
+  bool repeats;  // while the key is held
 };
 const std::vector<KeyBinding>& KeyBindings();
 

@@ -1,4 +1,4 @@
-// A live source as the viewer draws it: what comes in, under the rule for bad frames.
+// The face from a live source as the viewer shows it, with bad frames handled by FaceGuard.
 //
 // LiveSource (avatar/live/source.h) -> FaceGuard (avatar/live/guard.h) -> LiveFace -> Session ->
 // Shot.
@@ -16,16 +16,16 @@ namespace cosplat::viewer {
 
 class LiveFace {
  public:
-  // rest: where the face is without frames; its expression has as many coefficients as the model.
+  // rest: the face while there are no frames; its expression has as many coefficients as the model.
   LiveFace(std::unique_ptr<LiveSource> source,
            FlameParams rest,
            const std::optional<TrainedRange>& trained);
 
-  // Takes what came in by `now_ns`.
+  // Takes the input received until `now_ns`.
   void Advance(int64_t now_ns);
   const FlameParams& Face() const { return face_; }
-  // When the face was so: the last good frame's own time while frames come, else that of the last
-  // Advance.
+  // Time of the current face: that of the last good frame while frames arrive, otherwise that of
+  // the last Advance.
   int64_t input_ns() const;
 
   bool Ended() const { return source_->Ended(); }

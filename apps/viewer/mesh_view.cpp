@@ -15,11 +15,11 @@ constexpr float kEdgeSamples = 1.1f;  // half an edge's width
 constexpr Rgb kEdgeColor{120, 200, 255};
 constexpr Rgb kHiddenColor{28, 32, 40};
 
-// A face in the image, samples.
+// A face in the image, in samples.
 struct Triangle {
   float x[3], y[3], inverse_z[3];
   float least_x, most_x, least_y, most_y;
-  float inverse_area;  // of twice its signed area
+  float inverse_area;  // inverse of twice the signed area
   float height[3];     // of each corner over the opposite edge, samples
   Rgb color;
 };

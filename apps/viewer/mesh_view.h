@@ -1,4 +1,4 @@
-// A posed mesh as lit triangles or as a wire.
+// Draws a posed mesh as lit triangles or as a wireframe.
 #pragma once
 
 #include <array>
@@ -13,26 +13,26 @@ namespace cosplat::viewer {
 
 struct MeshPaint {
   std::vector<Rgb> faces;   // [F]
-  bool edges_only = false;  // edges over dark faces, so that what is behind stays hidden
+  bool edges_only = false;  // edges over dark faces, so that hidden edges stay hidden
 };
 
-// vertices: [V, 3] world units; paint.faces has a colour per face. Faces that reach behind the
-// camera are left out.
+// vertices: [V, 3] world units; paint.faces has one colour per face. Faces that reach behind the
+// camera are omitted.
 void DrawMesh(const std::vector<float>& vertices,
               const std::vector<std::array<int32_t, 3>>& faces,
               const MeshPaint& paint,
               const Camera& camera,
               SurfaceBuffer& buffer);
 
-// How many Gaussians each of `faces` faces has. triangle: [N].
+// Number of Gaussians on each of `faces` faces. triangle: [N].
 std::vector<int> CountPerFace(View<const int32_t> triangle, size_t faces);
 std::vector<Rgb> CountColors(const std::vector<int>& counts);
 
-// Gaussians as the surfaces at one standard deviation, lit, each in its mean colour: shows where
-// they are and how they lie, which their soft blend hides.
-
-// Left out: those fainter than a tenth, which the blend hardly shows, those that are not finite,
-// and those that reach behind the camera.
+// Draws Gaussians as lit one-standard-deviation ellipsoids in their mean colour. Shows positions
+// and orientations, which alpha blending hides.
+//
+// Omitted are Gaussians with an opacity below 0.1, which are hardly visible when blended,
+// non-finite ones, and those that reach behind the camera.
 void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, SurfaceBuffer& buffer);
 
 }  // namespace cosplat::viewer

@@ -12,8 +12,8 @@ using math::Mat3;
 using math::Vec3;
 
 constexpr float kZoomPerStep = 0.9f;
-constexpr float kNearest = 1 / 50.0f, kFarthest = 20;  // in the start's distances
-constexpr float kMaxElevation = 1.5f;  // radians; short of the poles, where up is lost
+constexpr float kNearest = 1 / 50.0f, kFarthest = 20;  // relative to the initial distance
+constexpr float kMaxElevation = 1.5f;  // radians; short of the poles, where up is undefined
 
 Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 Vec3<float> Row(const Mat3<float>& m, int r) { return {m(r, 0), m(r, 1), m(r, 2)}; }
@@ -23,7 +23,7 @@ Mat3<float> Turn(const Vec3<float>& axis, float angle) {
   return math::RotationOf(math::Quat<float>{std::cos(angle / 2), v.x, v.y, v.z});
 }
 
-// Rounding of many small turns taken out.
+// Removes the accumulated rounding error of many small rotations.
 Mat3<float> Orthonormal(const Mat3<float>& m) {
   const Vec3<float> z = math::Normalize(Row(m, 2));
   const Vec3<float> y = math::Normalize(Row(m, 1) - z * math::Dot(z, Row(m, 1)));
@@ -40,7 +40,7 @@ OrbitCamera::OrbitCamera(const StartView& start)
   const Vec3<float> arm = ToVec(start.center) - eye;
   const float length = std::sqrt(math::Dot(arm, arm));
   home_.distance = math::Dot(arm, forward);
-  // A camera that turns its back on the centre: there is no better guess.
+  // The camera looks away from the centre; there is no better estimate.
   if (!(home_.distance > 0.05f * length)) home_.distance = length > 0 ? length : 1;
   home_.target = eye + forward * home_.distance;
   pose_ = home_;
@@ -52,7 +52,7 @@ void OrbitCamera::Orbit(float right, float upwards) {
   const float elevation = -std::asin(std::clamp(math::Dot(forward, up_), -1.0f, 1.0f));
   const float limit = std::max(kMaxElevation, std::abs(elevation));
   const float rise = std::clamp(elevation + upwards, -limit, limit) - elevation;
-  // The camera's own x, were it level; itself where it looks straight up or down.
+  // The horizontal right axis, or the camera's own x axis if it looks straight up or down.
   Vec3<float> level = math::Cross(forward, up_);
   if (math::Dot(level, level) < 1e-6f) level = Row(r, 0);
   const Mat3<float> pitched = r * Turn(math::Normalize(level), rise);

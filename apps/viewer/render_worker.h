@@ -1,7 +1,7 @@
-// Draws beside the window, so that it answers while an image is being made.
+// Renders in a separate thread, so that the window stays responsive.
 //
-// Shot -> Start -> (thread) Stage -> Take -> texture. What is asked for last counts: a shot that
-// has not begun when the next comes is not drawn.
+// Shot -> Start -> (thread) Stage -> Take -> texture. The latest request wins: a shot that has not
+// been started when the next one arrives is dropped.
 #pragma once
 
 #include <condition_variable>
@@ -19,32 +19,32 @@ namespace cosplat::viewer {
 
 struct RenderJob {
   Shot shot;
-  int divisor = 1;        // of the sides of the image that was wanted
-  int64_t input_ns = 0;   // when what it shows came in
-  bool may_stay = false;  // on the device, where one draws it
+  int divisor = 1;        // the requested sides are divided by this
+  int64_t input_ns = 0;   // time of the input that it shows
+  bool may_stay = false;  // the image may stay on the device that renders it
 };
 
-// Given back to Take, its memory is drawn into again.
+// Passing it back to Take reuses its memory.
 struct FinishedImage {
   RenderJob job;
   std::string problem;  // why there is no image; otherwise it is in one of these:
   Image8 image;
   std::unique_ptr<DeviceImage> on_device;
   bool stayed = false;      // on the device; `image` is then empty
-  double milliseconds = 0;  // that drawing took
+  double milliseconds = 0;  // render time
 };
 
 class RenderWorker {
  public:
-  // Keeps a reference to `stage`, which is its own from now on. `on_finished` is called in its
-  // thread after each image.
+  // Keeps a reference to `stage`, which nothing else may use from now on. `on_finished` is called
+  // in the worker's thread after each image.
   RenderWorker(Stage& stage, std::function<void()> on_finished);
-  ~RenderWorker();  // waits for the image that is being drawn
+  ~RenderWorker();  // waits for the image that is being rendered
 
   void Start(RenderJob job);
-  // Whether a job is drawn or waits.
+  // Whether a job is running or waiting.
   bool Busy() const;
-  // The newest image since the last call, into `out`, whose memory is used again. False where
+  // Swaps the newest image since the last call into `out`, whose memory is reused. Returns false if
   // there is none.
   bool Take(FinishedImage& out);
 

@@ -10,7 +10,7 @@ namespace {
 
 // At scale 1.
 constexpr float kPanelWidth = 330, kTimelineHeight = 46, kLetterHeight = 15;
-// Of Debian's fonts-dejavu-core; ImGui has one of its own, which is small and coarse.
+// From Debian's fonts-dejavu-core; ImGui's built-in font is small and coarse.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 void PressKeys(Session& session, ScreenResult& result) {

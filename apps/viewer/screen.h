@@ -1,7 +1,7 @@
-// What the window shows, drawn with Dear ImGui: the image, the panels, the timeline, the help.
+// The window's content, drawn with Dear ImGui: the image, the panels, the timeline, the help.
 //
-// ViewerWindow -> DrawScreen, once per turn, between ImGui's NewFrame and Render. It changes the
-// session as the mouse, the keys and the panels say, and returns what is the window's to do.
+// ViewerWindow -> DrawScreen, once per turn, between ImGui's NewFrame and Render. Applies mouse,
+// key and panel input to the session and returns the actions that the window must perform.
 #pragma once
 
 #include <cstdint>
@@ -13,27 +13,27 @@
 
 namespace cosplat::viewer {
 
-// Made by the window.
+// Provided by the window.
 struct ScreenState {
-  float scale = 1;               // of everything; 1 for 96 dots per inch
-  intptr_t texture = 0;          // OpenGL's name of the image; 0: none yet
-  int width = 0, height = 0;     // of the image, px
-  int divisor = 1;               // of the sides that were wanted
+  float scale = 1;               // of the whole user interface; 1 for 96 dots per inch
+  intptr_t texture = 0;          // OpenGL texture name of the image; 0: none yet
+  int width = 0, height = 0;     // image size, px
+  int divisor = 1;               // the requested sides were divided by this
   TimeHistory drawing, latency;  // milliseconds per image
-  double recorded_seconds = -1;  // of a video that is being made; < 0: none is
-  std::string notice;            // one line for people; "": none
+  double recorded_seconds = -1;  // length of the video being recorded; < 0: none
+  std::string notice;            // one user-readable line; "": none
   bool notice_is_problem = false;
 };
 
 struct ScreenResult {
-  int width = 0, height = 0;  // of the image's place in the window, px of the screen
-  bool dragging = false;      // the image changes with the hand
+  int width = 0, height = 0;  // size of the image area in the window, px of the screen
+  bool dragging = false;      // a drag is changing the image
   std::vector<Action> actions;
 };
 
 ScreenResult DrawScreen(Session& session, const ScreenState& state);
 
-// Sizes and colours, and the letters of `scale`; before the first frame.
+// Sets sizes, colours and the font for `scale`; call before the first frame.
 void SetUpStyle(float scale);
 
 }  // namespace cosplat::viewer

@@ -11,7 +11,7 @@
 namespace cosplat::viewer {
 namespace {
 
-constexpr float kOrbitPerHeight = 3.14159265f;  // radians for a drag over the image's height
+constexpr float kOrbitPerHeight = 3.14159265f;  // radians for a drag over the image height
 constexpr ImGuiWindowFlags kImageWindow = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                           ImGuiWindowFlags_NoSavedSettings |
                                           ImGuiWindowFlags_NoBringToFrontOnFocus;
@@ -43,7 +43,7 @@ void DrawCheckers(ImDrawList& list, ImVec2 from, ImVec2 to, float side) {
     }
 }
 
-// As large as it fits, in the middle.
+// As large as fits, centred.
 void DrawTexture(const Session& session, const ScreenState& state, const Place& place) {
   if (state.texture == 0) return;
   const float fit = std::min(place.width / float(state.width), place.height / float(state.height));
@@ -55,7 +55,7 @@ void DrawTexture(const Session& session, const ScreenState& state, const Place& 
   list.AddImage(reinterpret_cast<ImTextureID>(state.texture), from, to);
 }
 
-// Text on a dark plate. Returns its height.
+// Text on a dark background. Returns its height.
 float DrawLabel(ImVec2 at, const char* text, float scale, ImU32 color) {
   const ImVec2 size = ImGui::CalcTextSize(text);
   const float pad = 6 * scale;
@@ -69,7 +69,7 @@ float DrawLabel(ImVec2 at, const char* text, float scale, ImU32 color) {
 void DrawLegend(const Session& session, float scale, const Place& place) {
   const int most = session.most_per_face();
   const float letters = ImGui::GetTextLineHeight(), row = letters + 4 * scale;
-  std::vector<int> counts;  // most, and powers of two below it
+  std::vector<int> counts;  // `most` and the powers of two below it
   for (int count = 1; count < most; count *= 2) counts.push_back(count);
   counts.push_back(most);
   std::reverse(counts.begin(), counts.end());

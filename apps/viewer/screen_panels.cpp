@@ -14,7 +14,7 @@ constexpr ImGuiWindowFlags kPanelWindow =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
 constexpr float kHalf = 0.5f;
 
-// A button as wide as its share of the line.
+// A button that takes up this share of the line's width.
 bool WideButton(const char* label, float share) {
   const float spacing = ImGui::GetStyle().ItemSpacing.x;
   const float line = ImGui::GetContentRegionMax().x - ImGui::GetWindowContentRegionMin().x;
@@ -93,7 +93,7 @@ void DrawFacePanel(Session& session, ScreenResult& result) {
   if (WideButton("Neutral", kHalf)) session.Do(Action::kNeutralFace);
   ImGui::SameLine();
   if (WideButton("Random", kHalf)) session.Do(Action::kRandomFace);
-  // What drives is to be seen in the sliders, which then only show.
+  // While something else drives the face, the sliders only show it.
   if (session.driver != Driver::kSliders) session.face.Take(session.Face());
   ImGui::SetNextItemOpen(true, ImGuiCond_Once);
   if (ImGui::TreeNode("Joints (radians)")) {

@@ -104,7 +104,7 @@ void Session::Do(Action action) {
     case Action::kToggleHelp:
       help_open = !help_open;
       return;
-    default:  // the window's
+    default:  // handled by the window
       return;
   }
 }

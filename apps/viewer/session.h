@@ -1,7 +1,7 @@
-// What the viewer is at a moment: where the camera stands, what drives the face, what is drawn.
+// State of the viewer: the camera position, what drives the face, what is drawn.
 //
-// Keys, mouse and panels change it; Advance moves it on in time; ShotFor says what to draw. Knows
-// no window, so that tests and `--headless` drive it as the window does.
+// Keys, mouse and panels change it; Advance moves it on in time; ShotFor returns what to draw. It
+// is independent of the window, so that tests and `--headless` drive it as the window does.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ enum class Action {
   kToggleTransparent,
   kTogglePanels,
   kToggleHelp,
-  kScreenshot,  // this and the following are of the window
+  kScreenshot,  // this and the following are handled by the window
   kToggleRecording,
   kQuit
 };
@@ -44,25 +44,27 @@ class Session {
  public:
   explicit Session(const Content& content);
 
-  // A recorded sequence's faces, one at least; drives from now on, from its beginning, and plays.
+  // Sets the faces of a recorded sequence (at least one), which drives from now on and plays from
+  // its start.
   void SetSequence(const std::string& name,
                    std::vector<FlameParams> faces,
                    double frames_per_second);
-  // Drives from now on.
+  // The live face drives from now on.
   void SetLive(std::unique_ptr<LiveFace> live);
 
-  // To the time `now_ns` of any clock that does not run backwards.
+  // Advances to the time `now_ns` of any monotonic clock.
   void Advance(int64_t now_ns);
-  // Does nothing where there is nothing to do it to, or it is the window's.
+  // Does nothing if the action does not apply or is the window's.
   void Do(Action action);
-  // The sliders take over where they are not what drives: the face stays as it is.
+  // Makes the sliders drive the face, starting from its current state.
   void TakeSliders();
-  // Nothing for a view that this content has not.
+  // Ignored if the content does not have this view.
   void SetView(View view);
 
   Shot ShotFor(int width, int height) const;
   FlameParams Face() const;
-  // When what ShotFor returns came in: of live input its frame's time, else that of Advance.
+  // Time of the input that ShotFor shows: the frame's own time for live input, otherwise that of
+  // Advance.
   int64_t input_ns() const;
 
   bool is_avatar() const { return is_avatar_; }
@@ -71,10 +73,10 @@ class Session {
   const std::string& title() const { return title_; }
   const std::string& sequence_name() const { return sequence_name_; }
   size_t gaussian_count() const { return gaussian_count_; }
-  int most_per_face() const { return most_per_face_; }  // Gaussians on one triangle
+  int most_per_face() const { return most_per_face_; }  // most Gaussians on one triangle
   View view() const { return view_; }
 
-  // The mouse and the panels set these as they like.
+  // Freely modified by mouse and panels.
   OrbitCamera camera;
   FaceControls face;
   Timeline timeline;

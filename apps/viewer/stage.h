@@ -1,7 +1,7 @@
-// Draws what the viewer shows: a model, a face, a camera and a view -> RGBA bytes.
+// Renders what the viewer shows: a model, a face, a camera and a view -> RGBA bytes.
 //
-// Content (loaded by the command) -> Stage; Shot (Session) -> Draw -> image, in the window's
-// render thread (apps/viewer/render_worker.h) or, headless, in the command itself.
+// Content (loaded by the command) -> Stage; Shot (Session) -> Draw -> image, in the window's render
+// thread (apps/viewer/render_worker.h) or, headless, in the command itself.
 #pragma once
 
 #include <array>
@@ -18,34 +18,34 @@
 
 namespace cosplat::viewer {
 
-// A scene, or an avatar with the model that it is posed by.
+// A scene, or an avatar with the FLAME model that poses it.
 struct Content {
   struct Avatar {
     AvatarModel model;  // with its mesh
     FlameModel flame;
-    FlameParams rest;  // its root when nothing drives it; no expression
+    FlameParams rest;  // its root if nothing drives it; no expression
   };
-  std::string title;                         // for people: the file or folder
+  std::string title;                         // displayed name: the file or folder
   Gaussians scene;                           // empty for an avatar
-  std::optional<Avatar> avatar;              // nothing for a scene
-  std::array<float, 3> background{1, 1, 1};  // sRGB that it was evaluated on
+  std::optional<Avatar> avatar;              // nullopt for a scene
+  std::array<float, 3> background{1, 1, 1};  // sRGB, used in evaluation
   StartView start;
 
   size_t gaussian_count() const { return avatar ? avatar->model.size() : scene.size(); }
 };
 
-// Everything that an image depends on.
+// All inputs of an image.
 struct Shot {
   View view = View::kSplats;
-  FlameParams face;  // of an avatar
+  FlameParams face;  // for an avatar
   Camera camera;
   std::array<float, 3> background{1, 1, 1};
   bool transparent = false;  // no background: the image has alpha
 };
 bool SameShot(const Shot& a, const Shot& b);
 
-// Who draws splats (avatar/play/avatar_renderer.h, splat/render/device.h); empty: the CPU, as it
-// does all else.
+// Renderers for splats (avatar/play/avatar_renderer.h, splat/render/device.h). If empty, splats are
+// rendered on the CPU, as all other views always are.
 struct SplatRenderers {
   AvatarRendererMaker avatar;
   SceneRendererMaker scene;
@@ -53,18 +53,19 @@ struct SplatRenderers {
 
 class Stage {
  public:
-  // Throws Error for what its renderer does not draw.
+  // Throws Error if the renderer does not support the content.
   explicit Stage(Content content, const SplatRenderers& renderers = {});
   Stage(const Stage&) = delete;  // the player refers to the content's FLAME model
   Stage& operator=(const Stage&) = delete;
 
-  // RGBA, straight alpha (255 over a background). Keeps the memory of `out`. Throws Error when the
-  // shot's parameters are not finite, its image has no pixels, or its view needs a mesh and there
-  // is none. One call at a time.
+  // RGBA, straight alpha (255 over a background). Reuses the memory of `out`. Throws Error if the
+  // shot's parameters are non-finite, its image has no pixels, or its view needs a mesh and there
+  // is none. Not thread-safe.
   void Draw(const Shot& shot, Image8& out);
-  // Whether a device draws this.
+  // Whether this shot is rendered on a device.
   bool DrawsOnDevice(const Shot& shot) const;
-  // The same image, which stays there. For what it DrawsOnDevice; `out`: null, or of this stage.
+  // Renders the same image but leaves it on the device. Only if DrawsOnDevice; `out`: null, or an
+  // image of this stage.
   void DrawToStay(const Shot& shot, std::unique_ptr<DeviceImage>& out);
 
  private:
@@ -73,8 +74,8 @@ class Stage {
   void Surfaces(const Shot& shot, Image8& out);
   WorldGaussians Posed();
 
-  Content content_;  // without the avatar's model, which is the player's
-  std::unique_ptr<SceneRenderer> scene_renderer_;  // null: the two below
+  Content content_;  // without the avatar's model, which is moved into the player
+  std::unique_ptr<SceneRenderer> scene_renderer_;  // if null, the next two are used
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;

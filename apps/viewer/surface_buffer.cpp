@@ -12,7 +12,7 @@ namespace {
 constexpr int kBandRows = 32;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr std::array<float, 3> kLamp{-0.29f, -0.48f, -0.83f};  // towards it; above and left
+constexpr std::array<float, 3> kLamp{-0.29f, -0.48f, -0.83f};  // towards the lamp, above left
 constexpr float kAmbient = 0.55f;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Opaque surfaces that the viewer draws itself: the nearest colour per sample, four samples a
-// pixel.
+// Z-buffer for the opaque surfaces that the viewer draws itself: the nearest colour per sample,
+// four samples per pixel.
 //
 // mesh_view.h, ellipsoid_view.h -> SurfaceBuffer -> Resolve -> image.
 #pragma once
@@ -19,10 +19,10 @@ constexpr int kSamplesPerSide = 2;
 struct SurfaceBuffer {
   int width = 0;             // samples
   int height = 0;            // samples
-  std::vector<float> depth;  // [height, width], world units along the camera's axis; infinity
+  std::vector<float> depth;  // [height, width], world units along the camera's axis; infinity: none
   std::vector<Rgb> color;    // [height, width]
 
-  // Nothing drawn, for an image of this size; keeps its memory.
+  // Clears the buffer for an image of this size; keeps its memory.
   void Clear(int image_width, int image_height);
   void Put(int x, int y, float z, const Rgb& rgb) {
     const size_t i = size_t(y) * size_t(width) + size_t(x);
@@ -32,18 +32,18 @@ struct SurfaceBuffer {
   }
 };
 
-// The camera whose pixels are a buffer's samples.
+// A camera whose pixels are the buffer's samples.
 Camera SampleCamera(const Camera& camera);
 
-// Calls draw(first_row, end_row) for bands of rows, several at once. Each sample is in one band, so
-// that the bits do not depend on the number of threads.
+// Calls draw(first_row, end_row) for disjoint bands of rows in parallel. Each sample belongs to one
+// band, so the result does not depend on the number of threads.
 void ForBands(const SurfaceBuffer& buffer, const std::function<void(int, int)>& draw);
 
-// RGBA, straight alpha: over `background`, with alpha 255 everywhere, or over nothing.
+// RGBA, straight alpha: over `background` with alpha 255 everywhere, or transparent if it is null.
 void Resolve(const SurfaceBuffer& buffer, const std::array<float, 3>* background, Image8& out);
 
-// `rgb` in the light of a lamp beside the camera. normal: unit length, in the camera's axes, of
-// either sign.
+// Shades `rgb` by a lamp next to the camera. normal: unit length, in the camera's axes, of either
+// sign.
 Rgb Lit(const Rgb& rgb, const std::array<float, 3>& normal);
 
 }  // namespace cosplat::viewer

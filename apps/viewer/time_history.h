@@ -1,4 +1,4 @@
-// The last durations of something, for a graph.
+// The most recent durations of an operation, for a graph.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class TimeHistory {
       values.push_back(values_[(next_ + i) % kLength]);
     return values;
   }
-  // 0 where there is none.
+  // 0 if empty.
   float Median() const {
     std::vector<float> values = Values();
     if (values.empty()) return 0;

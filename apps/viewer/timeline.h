@@ -1,23 +1,23 @@
-// Where a recorded sequence stands: play, pause, loop, speed, scrub.
+// Playback position of a recorded sequence: play, pause, loop, speed, scrub.
 #pragma once
 
 namespace cosplat::viewer {
 
 class Timeline {
  public:
-  Timeline() = default;  // of no sequence
+  Timeline() = default;  // without a sequence
   Timeline(int frames, double frames_per_second)
       : frames_(frames), frames_per_second_(frames_per_second) {}
 
-  // `seconds` of wall time later. Stops at the last frame unless it loops.
+  // Advances by `seconds` of wall time. Stops at the last frame unless looping.
   void Advance(double seconds);
   void Play() { playing_ = frames_ > 0; }
   void Pause() { playing_ = false; }
-  // Begins again where it stood at the end.
+  // Plays or pauses; restarts if it stopped at the end.
   void Toggle();
-  // To a frame, held within the sequence.
+  // Jumps to a frame, clamped to the sequence.
   void Seek(int frame);
-  // To a frame beside this one, and pauses.
+  // Moves by `frames` and pauses.
   void Step(int frames);
 
   int frames() const { return frames_; }

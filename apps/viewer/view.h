@@ -1,4 +1,4 @@
-// What the viewer draws of a model.
+// Ways in which the viewer shows a model.
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@ constexpr int kViewCount = 4;
 constexpr std::array<const char*, kViewCount> kViewNames{
     "splats", "ellipsoids", "triangles", "wire"};  // in the order of View
 
-// Triangles and wire are of a mesh, which scenes have not.
+// Triangles and wire show the mesh, which scenes do not have.
 constexpr bool NeedsMesh(View view) { return view == View::kTriangles || view == View::kWire; }
 
-// Throws Error, with `field`, on what is not one of the names.
+// Throws Error, naming `field`, if `text` is none of the names.
 View ViewFromString(const std::string& text, const std::string& field);
 
 }  // namespace cosplat::viewer

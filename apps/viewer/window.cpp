@@ -17,8 +17,8 @@
 namespace cosplat::viewer {
 namespace {
 
-// Between turns, seconds: while something moves, and while nothing does. Events and finished
-// images end them.
+// Maximum wait between turns in seconds, while something moves and while nothing does. Events and
+// finished images end it early.
 constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
 constexpr double kNoticeSeconds = 6;
 constexpr int kSmallestSide = 16;
@@ -59,7 +59,7 @@ struct ViewerWindow::Impl {
   std::string folder;
   GlWindow gl;
   ImageTexture texture;
-  bool may_stay;  // images, on the device that draws them
+  bool may_stay;  // whether images may stay on the device that renders them
   ScreenState state;
   ScreenResult last;
   Detail detail;
@@ -69,10 +69,10 @@ struct ViewerWindow::Impl {
   Image8 window_pixels;
   std::unique_ptr<VideoRecorder> recorder;
   int64_t recording_start_ns = 0;
-  std::future<std::string> saving;  // the path of the video before
+  std::future<std::string> saving;  // path of the previous video
   bool screenshot_wanted = false;
   double notice_end = 0;  // glfwGetTime
-  RenderWorker worker;    // last: it ends before what it wakes is gone
+  RenderWorker worker;    // last: it must stop before what it wakes is destroyed
 };
 
 void ViewerWindow::Impl::Notice(const std::string& text, bool problem) {
@@ -102,8 +102,8 @@ void ViewerWindow::Impl::TakeImage() {
   image_is_new = true;
 }
 
-// Where the device's image does not get into the texture by itself it is brought to the host, and
-// those after it are drawn for that.
+// If the device image cannot be copied into the texture directly, downloads it to the host; later
+// images are then rendered to host memory.
 void ViewerWindow::Impl::ShowImage() {
   if (picture.stayed) {
     try {
@@ -116,13 +116,13 @@ void ViewerWindow::Impl::ShowImage() {
   texture.Upload(Pixels());
 }
 
-// Of the image, wherever it is.
+// The image's pixels, downloaded from the device if necessary.
 const Image8& ViewerWindow::Impl::Pixels() {
   if (picture.stayed && picture.image.empty()) picture.on_device->Download(picture.image);
   return picture.image;
 }
 
-// Asks for what the session shows now, unless that was the last that was asked for.
+// Requests the image that the session shows now, unless it equals the last request.
 void ViewerWindow::Impl::Ask(const ScreenResult& result) {
   const int divisor = recorder ? 1 : detail.Divisor(result.dragging);
   const int width = recorder ? recorder->width() : std::max(kSmallestSide, result.width / divisor);
@@ -141,7 +141,7 @@ void ViewerWindow::Impl::StartRecording() {
   recording_start_ns = NowNs();
 }
 
-// The file is looked through before it gets its name, which takes a while after a long video.
+// Finishing checks the file before it gets its name, which takes a while for a long video.
 void ViewerWindow::Impl::StopRecording() {
   state.recorded_seconds = -1;
   saving = std::async(std::launch::async, [done = std::move(recorder)] {

@@ -1,7 +1,7 @@
-// The viewer's window: GLFW, Dear ImGui and an OpenGL 3.3 texture of what the render thread drew.
+// The viewer's window: GLFW, Dear ImGui and an OpenGL 3.3 texture with the render thread's output.
 //
-// Session + Stage -> ViewerWindow -> Step, over and over. GLFW and ImGui have one state per
-// process: one window at a time, on the main thread.
+// Session + Stage -> ViewerWindow -> Step, repeatedly. GLFW and ImGui have one state per process:
+// one window at a time, on the main thread.
 #pragma once
 
 #include <memory>
@@ -15,27 +15,27 @@ struct GLFWwindow;
 namespace cosplat::viewer {
 
 struct WindowSettings {
-  float scale = 0;           // of letters and panels; 0: as the screen says
-  std::string folder = ".";  // where screenshots and videos go
-  // Shows what a device drew without the host's memory between; empty, or where it cannot: through
-  // that memory.
+  float scale = 0;           // of text and panels; 0: the screen's
+  std::string folder = ".";  // for screenshots and videos
+  // Shows device images without a copy through host memory. If empty, or where sharing fails,
+  // images are copied through host memory.
   DeviceTextureMaker make_device_texture{};
 };
 
 class ViewerWindow {
  public:
-  // Keeps references. Throws Error when there is no display, or none with OpenGL 3.3.
+  // Keeps references. Throws Error if there is no display or no OpenGL 3.3.
   ViewerWindow(Session& session, Stage& stage, const WindowSettings& settings);
   ~ViewerWindow();
 
-  // One turn: what came in, what was drawn, the screen. Waits a while where nothing happens. False
-  // once the window is to close.
+  // One turn: handles input, shows the latest image and draws the screen. Waits a while if nothing
+  // happens. Returns false when the window is to close.
   bool Step();
-  // Steps until it is closed.
+  // Calls Step until the window closes.
   void Run();
 
-  // For tests: GLFW's window, the line of notice, whether what is on the screen is what the session
-  // asks for, and the whole window as it would be shown now (RGB).
+  // For tests: GLFW's window, the notice line, whether the screen shows what the session asks for,
+  // and the whole window as it would be shown now (RGB).
   GLFWwindow* handle() const;
   const std::string& notice() const;
   bool UpToDate() const;

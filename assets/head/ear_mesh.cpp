@@ -7,7 +7,7 @@
 namespace cosplat::procedural {
 namespace {
 
-// The plane of the left ear: `back` runs towards the back of the head and away from it.
+// The plane of the left ear; `back` points towards the back of the head and away from it.
 struct EarFrame {
   Vec up = Normalized(Vec{0.06f, 0.97f, -0.24f});
   Vec back = Normalized(Vec{0.40f, -0.20f, -0.90f});
@@ -15,8 +15,8 @@ struct EarFrame {
   Vec center = ProjectToHead({0.085f, 0.0120f, -0.0260f}) + 0.0045f * out;
 };
 
-// Outline of the ear in its plane, metres, by the angle from `back` towards `up`: broad above, with
-// a narrow lobe below.
+// Outline of the ear in its plane, metres, by the angle from `back` towards `up`: broad at the top,
+// with a narrow lobe at the bottom.
 Vec Outline(const EarFrame& f, float angle, float share) {
   const float c = std::cos(angle), s = std::sin(angle);
   const float width = (c < 0 ? 0.0140f : 0.0178f) * (1 + 0.14f * s - 0.10f * s * s);
@@ -25,7 +25,7 @@ Vec Outline(const EarFrame& f, float angle, float share) {
   return share * ((width * c + lean) * f.back + height * s * f.up);
 }
 
-// A ring's share of the outline and height above the ear's plane, metres, at three places.
+// A ring's share of the outline and its height above the ear's plane, metres, at three places.
 struct RingShape {
   float share_back, height_back;    // free edge: helix, scapha, antihelix, concha
   float share_front, height_front;  // attached edge and tragus
@@ -58,8 +58,8 @@ void AddEar(MeshBuilder& builder, const std::vector<int>& loop, bool left) {
   const EarFrame frame;
   const size_t n = loop.size();
   auto mirrored = [&](const Vec& p) { return left ? p : Vec{-p.x, p.y, p.z}; };
-  // The loop starts at the middle of its -x side: the front for the left ear, the back for the
-  // right.
+  // The loop starts at the middle of its -x side: the front of the left ear, the back of the right
+  // one.
   auto angle_of = [&](size_t k) {
     const float turn = 6.2831853f * k / n;
     return left ? 3.14159265f + turn : -turn;

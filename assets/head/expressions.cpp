@@ -1,5 +1,5 @@
 // The expression directions: smooth fields around mouth, cheeks, nose and brows, and lids that
-// turn about the eyeball.
+// rotate about the eyeball.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 struct Site {
   Vec p;
   VertexLabel l;
-  float side;  // of the mouth's line: 1 above, -1 below, smooth on skin without a label
+  float side;  // relative to the mouth's line: 1 above, -1 below, smooth on unlabelled skin
   float lip;   // 1 on skin and lips, fading to 0 at the gums
 };
 
@@ -25,12 +25,12 @@ Site SiteOf(const HeadMesh& mesh, int v) {
   return s;
 }
 
-// 1 within the lips' length, falling off above and below: for fields that move the mouth.
+// 1 along the lips, falling off above and below: for fields that move the mouth.
 float AtMouth(const Site& s, float half_width, float height) {
   return s.lip * Bell(s.p.x, half_width) * Bell(s.p.y - kMouthY, height) *
          SmoothStep(0.0f, 0.03f, s.p.z);
 }
-// Fades from the middle of the mouth to its corners.
+// Fades out from the middle of the mouth to its corners.
 float Middle(const Site& s) {
   const float t = s.p.x / kMouthHalfWidth;
   return std::exp(-1.6f * t * t * t * t);
@@ -89,14 +89,14 @@ Vec BrowKnit(const Site& s) {
   return g * Vec{-0.22f * s.p.x, -0.0042f, 0.0016f};
 }
 
-// Turns a vertex of a lid by `degrees` of elevation; rings away from the edge follow partly.
+// Rotates a lid's vertex by `degrees` of elevation; rings away from the edge follow partially.
 Vec TurnLid(const Site& s, bool left, float degrees) {
   static constexpr float kBehind[] = {0.84f, 0.5f, 0.2f, 0, 0};  // rings -2 to -6
   static constexpr float kSkin[] = {0.62f, 0.16f, 0};            // rings 1 to 3
   const int ring = s.l.lid_ring;
   const float follow = ring > 0 ? kSkin[ring - 1] : ring >= -1 ? 1.0f : kBehind[-2 - ring];
   const EyeAngles a = AnglesAroundEye(left, s.p);
-  // Around the horizontal axis through the eyeball, so that the path keeps to a sphere.
+  // Rotates about the horizontal axis through the eyeball, so that the path stays on a sphere.
   const Vec center = EyeCenter(left);
   const float e = follow * degrees * 0.01745329f;
   Vec d = s.p - center;
@@ -106,7 +106,7 @@ Vec TurnLid(const Site& s, bool left, float degrees) {
   return center + Normalized(d) * radius - s.p;
 }
 
-// Turn about the horizontal axis that brings elevation `from` to `to` at this azimuth.
+// Rotation about the horizontal axis that takes elevation `from` to `to` at this azimuth.
 float TurnBetween(float azimuth, float from, float to) {
   const float c = std::cos(azimuth * 0.01745329f);
   auto pitch = [&](float elevation) { return std::atan2(std::tan(elevation * 0.01745329f), c); };

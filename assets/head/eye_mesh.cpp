@@ -12,7 +12,7 @@ constexpr int kEyeballRows = 12;
 constexpr float kCorneaHeight = 0.0005f;
 constexpr float kCorneaAngle = 26;  // degrees from the optical axis
 
-// Almond: pointed at the corners, fullest a little off the middle.
+// Almond shape: pointed at the corners, highest slightly off the middle.
 float Almond(float along, float skew) {
   const float t = std::clamp(along + skew * (1 - along * along), -1.0f, 1.0f);
   return std::pow(std::max(1 - t * t, 0.0f), 0.78f);
@@ -22,7 +22,7 @@ float CornerElevation(float along) { return -2.5f + 5.0f * (0.5f + 0.5f * along)
 struct LidParameter {
   float along, upper;
 };
-// Of the k-th of n vertices of a loop about an eye.
+// Parameter of vertex k of n in a loop around an eye.
 LidParameter ParameterOf(size_t k, size_t n, bool left) {
   const float half = n / 2.0f;
   const bool lower = k < n / 2;
@@ -85,7 +85,8 @@ void AddEye(MeshBuilder& builder, const std::vector<int>& loop, bool left) {
     for (size_t k = 0; k < n; ++k)
       builder.mesh.labels[skin[r][k]] = label(k, kSkinRings - r, Part::kSkin);
   std::vector<int> previous = skin.back(), ring(n);
-  // Lid's edge, then the pocket that closes behind the eyeball: share of the way to its back pole.
+  // The lid's edge, then the pocket behind the eyeball: share of the way to the eyeball's back
+  // pole.
   static constexpr float kTowardsBack[] = {0, 0, 0.20f, 0.45f, 0.68f, 0.86f};
   for (int r = 0; r < 6; ++r) {
     for (size_t k = 0; k < n; ++k) {

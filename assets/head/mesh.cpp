@@ -14,7 +14,7 @@ constexpr int kRows = 48;           // from the crown's cap down to the cut belo
 constexpr int kCap = kColumns / 4;  // the crown is a square patch of kCap x kCap cells
 constexpr float kAxisZ = -0.035f;
 
-// A rectangle of cells left out of the grid, to be filled by rings.
+// A rectangle of cells omitted from the grid, to be filled by rings.
 struct Block {
   int column_begin, column_end, row_begin, row_end;  // grid lines, inclusive
 };
@@ -42,7 +42,7 @@ bool CellInBlock(int column, int row) {  // the cell right of `column` and below
   return false;
 }
 
-// Piecewise linear table.
+// A piecewise linear table.
 struct Key {
   float at, value;
 };
@@ -54,14 +54,14 @@ float Lookup(const Key (&keys)[N], float at) {
   return keys[k].value + t * (keys[k + 1].value - keys[k].value);
 }
 
-// Angle about the vertical axis of a column: dense at nose, eyes and mouth.
+// A column's angle about the vertical axis: dense at nose, eyes and mouth.
 float ColumnAngle(int column) {
   static constexpr Key kAngle[] = {{0, 0}, {3, 6.5f}, {12, 40}, {17, 74}, {22, 112}, {32, 180}};
   const int s = Signed(Column(column));
   return (s < 0 ? -1.0f : 1.0f) * Lookup(kAngle, float(std::abs(s))) * kDegree;
 }
 
-// Where the ray of a row starts and how steeply it goes, at the front and towards side and back.
+// Origin and elevation of a row's ray, at the front and towards the side and back.
 struct RowRay {
   float y, elevation, z;
 };
@@ -77,7 +77,7 @@ RowRay FrontRay(float row) {
                                {39, -.098f},
                                {44, -.135f},
                                {47, kBustBottom}};
-  // Rows 16 to 21 come from below, to see the underside of the nose; 32 to 38 that of the chin.
+  // Rows 16 to 21 look from below at the underside of the nose, rows 32 to 38 at that of the chin.
   static constexpr Key kElevation[] = {{0, 50},
                                        {6, 0},
                                        {14, 0},

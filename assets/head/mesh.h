@@ -1,10 +1,11 @@
-// The procedural head's mesh: a grid around the head with rings of faces about eyes, mouth and
+// The procedural head's mesh: a grid around the head with rings of faces around eyes, mouth and
 // ears.
 //
-// Connectivity depends on integers only (never on a comparison of floats), so that every machine
-// makes the same triangles. Positions are cast onto the sculpted solid (sculpt.h) and relaxed on
-// it; lids, lips, the inside of the mouth with its teeth, ears and eyeballs are placed explicitly.
-// Components: head, left eyeball, right eyeball. The head has two boundary loops: neck and throat.
+// Connectivity depends on integers only (never on floating-point comparisons), so that all machines
+// produce the same triangles. Positions are projected onto the sculpted solid (sculpt.h) and
+// relaxed on it; lids, lips, the inside of the mouth with its teeth, ears and eyeballs are placed
+// explicitly. Components: head, left eyeball, right eyeball. The head has two boundary loops: neck
+// and throat.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ namespace cosplat::procedural {
 
 enum class Part : uint8_t { kSkin, kEar, kSocket, kMouth, kLeftEye, kRightEye };
 
-// Rings about the mouth from the skin inwards; VertexLabel::mouth_ring of a vertex on one.
+// Rings around the mouth from the skin inwards; the value of VertexLabel::mouth_ring.
 enum MouthRing : int {
   kVermilion = 0,  // border of the red of the lips
   kLipMiddle = 1,
@@ -35,8 +36,8 @@ constexpr int kEarRings = 8;
 
 struct VertexLabel {
   Part part = Part::kSkin;
-  int mouth_ring = kNoRing;  // -3..-1 the rings of skin outside the lips
-  int lid_ring = kNoRing;    // skin: 3, 2, 1; lid's outer edge 0, inner edge -1; behind it < -1
+  int mouth_ring = kNoRing;  // -3..-1: the rings of skin outside the lips
+  int lid_ring = kNoRing;    // skin: 3, 2, 1; lid: outer edge 0, inner edge -1; behind it: < -1
   float along = 0;         // mouth: -1 (right corner) .. 1 (left); eye: -1 (medial) .. 1 (lateral)
   float upper = 0;         // mouth and lids: 1 upper, -1 lower, 0 at the corners
   int ear_ring = kNoRing;  // 0 at the skull .. kEarRings in the middle of the concha
@@ -53,14 +54,14 @@ struct HeadMesh {
 
 HeadMesh MakeHeadMesh();
 
-// Means of the normals around each vertex, weighted by area, unit.
+// Area-weighted vertex normals, unit length.
 std::vector<Vec> VertexNormals(const std::vector<Vec>& positions,
                                const std::vector<std::array<int32_t, 3>>& faces);
 
 // Parts of MakeHeadMesh, each in its own file.
 class MeshBuilder;
-// A closed loop of the grid counter-clockwise seen from outside, starting at the middle of its
-// -x side (eyes, mouth) and going down.
+// `loop`: a closed loop of the grid, counter-clockwise seen from outside, starting at the middle of
+// its -x side (eyes, mouth) and going down.
 void AddEye(MeshBuilder& builder, const std::vector<int>& loop, bool left);
 void AddMouth(MeshBuilder& builder, const std::vector<int>& loop);
 void AddEar(MeshBuilder& builder, const std::vector<int>& loop, bool left);

@@ -7,7 +7,7 @@
 namespace cosplat::procedural {
 namespace {
 
-// Relaxing draws vertices towards larger values: the nose and the chin are curved most.
+// Relaxation pulls vertices towards larger values: nose and chin have the highest curvature.
 float WantedDensity(const Vec& p) {
   return 1 + 5 * Bell(Length(p - Vec{0, -0.010f, 0.076f}), 0.013f) +
          1.5f * Bell(Length(p - Vec{0, -0.074f, 0.050f}), 0.022f);

@@ -1,4 +1,4 @@
-// Growing a head mesh vertex by vertex and ring by ring, and relaxing it on the sculpted surface.
+// Builds a head mesh vertex by vertex and ring by ring, and relaxes it on the sculpted surface.
 #pragma once
 
 #include <vector>
@@ -13,25 +13,25 @@ class MeshBuilder {
  public:
   HeadMesh mesh;
 
-  // `free`: may slide on the sculpted surface in Relax.
+  // `free`: whether Relax may slide the vertex on the sculpted surface.
   int AddVertex(const Vec& position, const VertexLabel& label, bool free);
 
-  // Corners counter-clockwise seen from outside; the diagonal is mirrored with `flip`.
+  // Corners counter-clockwise seen from outside; `flip` mirrors the diagonal.
   void AddQuad(int a, int b, int c, int d, bool flip);
   void AddTriangle(int a, int b, int c) { mesh.faces.push_back({a, b, c}); }
 
-  // Quads between a loop (counter-clockwise from outside) and an equally long one inside it. The
-  // diagonals turn over half way round, which keeps left and right halves mirror images.
+  // Quads between a loop (counter-clockwise from outside) and an inner loop of equal length. The
+  // diagonals flip half way round, so that the left and right halves are mirror images.
   void JoinLoops(const std::vector<int>& outer, const std::vector<int>& inner);
   void CloseLoop(const std::vector<int>& loop, int center);
 
-  // Rings of free vertices between `outer` and the loop that `inner_positions` will become; the
-  // last ring returned is not joined to anything yet.
+  // Adds rings of free vertices between `outer` and the future loop at `inner_positions`; the last
+  // returned ring is not yet joined to anything.
   std::vector<std::vector<int>> AddSkinRings(const std::vector<int>& outer,
                                              const std::vector<Vec>& inner_positions,
                                              int count);
 
-  // Moves every free vertex towards the mean of its neighbours and back onto the solid.
+  // Moves every free vertex towards the mean of its neighbours and projects it back onto the solid.
   void Relax(int iterations);
 
  private:

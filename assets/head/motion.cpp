@@ -15,7 +15,7 @@ constexpr float kTwoPi = 6.2831853f;
 constexpr float kFocalPerWidth = 2.35f;
 constexpr Vec kTarget{0, -0.014f, -0.020f};
 
-// Mouth shape of a sound.
+// Mouth shape of a speech sound.
 struct Viseme {
   float jaw, apart, funnel, pucker, press, smile, chin;
 };
@@ -64,7 +64,7 @@ class Random {
   Rng rng_;
 };
 
-// Syllables of 4 to 8 frames with a pause now and then; each member of the viseme its own track.
+// Syllables of 4 to 8 frames with occasional pauses; every viseme parameter has its own track.
 struct Speech {
   EasedTrack jaw, apart, funnel, pucker, press, smile, chin;
 
@@ -96,7 +96,7 @@ struct Speech {
   }
 };
 
-// Two frames down, one shut, three up.
+// Two frames closing, one closed, three opening.
 EasedTrack Blinks(int first, int frames, Random& random, int shortest, int longest) {
   EasedTrack track;
   track.Add(0, 0);
@@ -109,7 +109,7 @@ EasedTrack Blinks(int first, int frames, Random& random, int shortest, int longe
   return track;
 }
 
-// Holds a value, jumps within `jump` frames to another: glances and brows.
+// Holds a value, then moves to another within `jump` frames: glances and brows.
 EasedTrack Holds(
     int frames, Random& random, float low, float high, int shortest, int longest, int jump) {
   EasedTrack track;
@@ -167,7 +167,7 @@ void MoveFace(const Tracks& t, int frame, FlameParams& p) {
   }
 }
 
-// Head turning: sums of slow waves, so that yaw and pitch meet in many combinations.
+// Head rotation: sums of slow waves, so that yaw and pitch occur in many combinations.
 void TurnHead(float seconds, const std::array<float, 6>& phase, FlameParams& p) {
   auto wave = [&](float period, int k) { return std::sin(kTwoPi * seconds / period + phase[k]); };
   p.pose[0] = {kDegree * (10.5f * wave(3.7f, 0) + 4.5f * wave(1.9f, 1)),
@@ -177,7 +177,7 @@ void TurnHead(float seconds, const std::array<float, 6>& phase, FlameParams& p) 
       kDegree * 4 * wave(2.9f, 5), kDegree * 7 * wave(3.1f, 1), kDegree * 2.5f * wave(2.6f, 2)};
 }
 
-// What only the held-out frames show, on top of their own speech. s runs from 0 to 1 over them.
+// Expressions that only the held-out frames show, in addition to speech; s runs from 0 to 1.
 void SurpriseExpressions(float s, FlameParams& p) {
   auto during = [&](float from, float to) {
     const float x = (s - from) / (to - from);

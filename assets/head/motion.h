@@ -1,9 +1,8 @@
-// The script of the demonstration video: what the head does and where the camera is, per frame.
+// The script of the demonstration video: head motion and camera, per frame.
 //
-// Speech-like visemes, blinks, glances, brows, turning of head and neck, a slow orbit of the
-// camera. The last `test_frames` of a script combine expressions that the frames before them never
-// show (winks, one-sided smiles, puffed cheeks while speaking, ...), within the same range of
-// poses.
+// Speech-like visemes, blinks, glances, brows, head and neck rotation, and a slow camera orbit. The
+// last `test_frames` frames combine expressions that the preceding frames never show (winks,
+// one-sided smiles, puffed cheeks while speaking, ...), within the same range of poses.
 #pragma once
 
 #include <vector>
@@ -27,8 +26,8 @@ struct ScriptOptions {
 
 std::vector<ScriptFrame> MakeScript(const ScriptOptions& options);
 
-// A camera at `distance` from the point between head and neck, seen from `azimuth` (towards the
-// subject's left) and `elevation`, radians; upright.
+// An upright camera at `distance` from the point between head and neck, viewing from `azimuth`
+// (towards the subject's left) and `elevation`, radians.
 Camera OrbitCamera(float azimuth, float elevation, float distance, int size);
 
 }  // namespace cosplat::procedural

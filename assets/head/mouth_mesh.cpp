@@ -1,5 +1,5 @@
-// Lips and the inside of the mouth: rings from the border of the lips to the throat, one loop of
-// vertices each, the upper half of a ring belonging to the skull and the lower half to the jaw.
+// Lips and the inside of the mouth: rings from the border of the lips to the throat, one vertex
+// loop each; the upper half of a ring belongs to the skull, the lower half to the jaw.
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +20,12 @@ LipParameter ParameterOf(size_t k, size_t n) {
   return {t, k == 0 || k == n / 2 ? 0.0f : lower ? -1.0f : 1.0f};
 }
 
-// The line in which the closed lips meet.
+// The line along which the closed lips meet.
 float LineHeight(float t) {
   const float a = std::abs(t);
   return kMouthY - 0.0011f * Bell(t, 0.20f) + 0.0006f * Bell(a - 0.5f, 0.25f) + 0.0007f * a * a * a;
 }
-// Heights of the red of the lips.
+// Height of the red of the lips.
 float UpperHeight(float t) {
   const float a = std::abs(t);
   const float bow = 0.0078f - 0.0014f * Bell(t, 0.10f) + 0.0006f * Bell(a - 0.22f, 0.12f);
@@ -39,7 +39,7 @@ float Fullness(float t) { return std::pow(std::max(1 - t * t, 0.0f), 0.6f); }
 // Depth of the sculpted face in front of (x, y).
 float FaceDepth(float x, float y) { return CastOntoHead({x, y, 0}, {0, 0, 1}).z; }
 
-// Dental arch seen from above.
+// The dental arch, seen from above.
 Vec Arch(float t, float y) { return {0.0225f * t, y, 0.0525f - 0.0210f * t * t}; }
 
 Vec LipPosition(int ring, float t, float upper) {
@@ -70,7 +70,7 @@ Vec InsidePosition(int ring, float t, float upper) {
   const float open = std::abs(upper) * std::pow(std::max(1 - t * t, 0.0f), 0.3f);
   const bool up = upper >= 0;
   const Vec lip = LipPosition(kLipBack, t, upper);
-  const float back = up ? 0 : 0.0028f;  // the lower teeth stand behind the upper
+  const float back = up ? 0 : 0.0028f;  // the lower teeth are behind the upper ones
   switch (ring) {
     case kVestibule:
       return lip + Vec{0, (up ? 0.0075f : -0.0085f) * open, -0.0012f};

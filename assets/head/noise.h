@@ -1,4 +1,4 @@
-// Lattice noise without tables: the same values everywhere, from integer hashes only.
+// Lattice noise from integer hashes, without tables: bit-identical on all machines.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace cosplat::procedural {
 
-// A well-mixed 32-bit hash of three integers (xxHash's primes and finishing).
+// A well-mixed 32-bit hash of three integers (xxHash's primes and finaliser).
 inline uint32_t Hash(int x, int y, int z) {
   uint32_t h = uint32_t(x) * 0x85EBCA77u ^ uint32_t(y) * 0xC2B2AE3Du ^ uint32_t(z) * 0x27D4EB2Fu;
   h ^= h >> 15;
@@ -18,7 +18,7 @@ inline uint32_t Hash(int x, int y, int z) {
 }
 inline float HashUnit(int x, int y, int z) { return float(Hash(x, y, z) >> 8) * 0x1p-24f; }
 
-// Without a call: the baseline instruction set has no rounding instruction.
+// Avoids a library call: the baseline instruction set has no rounding instruction.
 inline int FloorOf(float x) {
   const int i = int(x);
   return i - (float(i) > x);
@@ -35,7 +35,7 @@ inline float Noise(const Vec& p) {
   return Mix(Mix(row(0, 0), row(1, 0), v), Mix(row(0, 1), row(1, 1), v), w);
 }
 
-// The same in the plane, repeating every `period` cells of x (0: never); `seed` picks another one.
+// The same in the plane, repeating every `period` cells of x (0: never); `seed` selects a pattern.
 inline float Noise2(float x, float y, int period, int seed) {
   const int ix = FloorOf(x), iy = FloorOf(y);
   auto fade = [](float t) { return t * t * (3 - 2 * t); };

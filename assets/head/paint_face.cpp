@@ -11,7 +11,7 @@ namespace {
 constexpr Vec kSkin{0.600f, 0.345f, 0.240f};
 constexpr Vec kLip{0.430f, 0.150f, 0.125f};
 
-// Blood under the skin: cheeks, nose, ears, chin, and around the nostrils.
+// Redness from blood under the skin: cheeks, nose, ears, chin, and around the nostrils.
 float Redness(const Vec& m, float ear) {
   float r = 0.85f * Ball(m, {0.0430f, -0.008f, 0.0430f}, 0.0200f);
   r += 0.80f * Ball(m, {0, -0.010f, 0.0820f}, 0.0120f);
@@ -35,7 +35,7 @@ float Freckles(const Vec& p, const Vec& m) {
   return present * (1 - SmoothStep(0.5f * size, 1.3f * size, Length(q - center)));
 }
 
-// Shaven beard: jaw, chin and upper lip.
+// Shaved beard: jaw, chin and upper lip.
 float Beard(const Vec& p, const Vec& m, float mouth) {
   const float edge = -0.012f + 0.30f * std::max(0.0f, 0.045f - p.z);
   float area = SmoothStep(edge, edge - 0.022f, p.y) * SmoothStep(-0.030f, 0.005f, p.z);
@@ -56,7 +56,7 @@ void PaintLips(const PaintSite& s, Material& m) {
   m.shininess = Mix(m.shininess, 42, lip);
 }
 
-// The fold above the upper lid, at a smooth height over its edge.
+// The fold above the upper lid, at a smoothly varying height over its edge.
 float Crease(const Vec& p) {
   const EyeAngles a = AnglesAroundEye(p.x > 0, p);
   const float along = (a.azimuth + 3) / 72;
@@ -130,7 +130,7 @@ void PaintBrow(const PaintSite& s, Material& m) {
                      0.0030f * std::max(t - 0.55f, 0.0f);
   const float half = Mix(0.0038f, 0.0010f, std::clamp(t * t, 0.0f, 1.0f));
   const float across = p.y - arch;
-  // Strokes lean outwards: upright at the medial end, lying down at the tail.
+  // Strokes lean outwards: upright at the medial end, flat at the tail.
   const float lean = Mix(0.9f, 2.6f, std::clamp(t, 0.0f, 1.0f));
   const float stroke = Noise2((a - lean * across) * 1250, across * 130, 0, p.x > 0 ? 21 : 22);
   const float ragged = half * (0.72f + 0.75f * stroke);

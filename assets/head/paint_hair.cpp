@@ -1,4 +1,4 @@
-// Hair of the scalp, the shirt, and the eyes.
+// Scalp hair, the shirt, and the eyes.
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +9,13 @@
 namespace cosplat::procedural {
 namespace {
 
-// Strands leave the crown in all directions and turn about it a little, as in a whorl.
+// Strands leave the crown in all directions and curl around it slightly, as in a whorl.
 constexpr Vec kCrown{0.010f, 0.060f, -0.050f};
 constexpr Vec kCrownUp{0.05f, 0.93f, -0.36f};
 
 struct Strand {
-  float around;  // turns about the crown, [0, 1)
-  float down;    // radians from it
+  float around;  // revolutions about the crown, [0, 1)
+  float down;    // radians from the crown
   Vec flow;
 };
 
@@ -65,7 +65,7 @@ void PaintShirt(const PaintSite& site, Material& m) {
   const float collar = -0.132f - 0.16f * (p.z + 0.055f);
   const float depth = collar - p.y;  // below the collar's upper edge
   if (depth < -0.004f) return;
-  if (depth < 0) {  // shadow that the collar casts on the neck
+  if (depth < 0) {  // shadow of the collar on the neck
     m.albedo = m.albedo * (1 - 0.45f * SmoothStep(-0.004f, 0, depth));
     return;
   }

@@ -8,7 +8,8 @@
 namespace cosplat {
 namespace {
 
-// Ears are not part of the solid that occlusion is measured on: darker towards the concha.
+// The ears are not part of the solid from which occlusion is computed; they darken towards the
+// concha.
 float Occlusion(const procedural::Vec& p,
                 const procedural::Vec& normal,
                 const procedural::VertexLabel& label) {

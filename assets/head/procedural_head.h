@@ -1,9 +1,9 @@
-// A head of our own with FLAME's make-up, generated without any file.
+// A synthetic head with FLAME's structure, generated without any data file.
 //
 // MakeProceduralHead() -> FlameModel for tests and for the demonstration video
-// (assets/head/video.h). The head is one component with two boundary loops (neck and throat;
-// the lips, gums and teeth lie in front of the latter), the eyeballs are two closed ones.
-// Axes, joints and array layouts are FLAME's; the coefficients' meaning is not: see Expression.
+// (assets/head/video.h). The head is one component with two boundary loops (neck and throat; lips,
+// gums and teeth lie in front of the throat), the eyeballs are two closed components. Axes, joints
+// and array layouts are FLAME's; the meaning of the coefficients is not, see Expression.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 
 namespace cosplat {
 
-// Expression directions; a coefficient of 1 is the full expression, negative values are sensible
-// only where said.
+// Expression directions. A coefficient of 1 is the full expression; negative values are meaningful
+// only where stated.
 enum class Expression : int {
   kSmileLeft,
   kSmileRight,
@@ -42,17 +42,17 @@ enum class Expression : int {
 };
 constexpr int kExpressionCount = int(Expression::kCount);
 
-// The model and what texturing, animation and tests need beside it.
+// The model and the data that texturing, animation and tests need in addition.
 struct ProceduralHead {
   FlameModel model;
   procedural::HeadMesh mesh;             // rest positions are the model's template
-  std::vector<float> ambient_occlusion;  // [V], share of the sky seen at rest
+  std::vector<float> ambient_occlusion;  // [V], visible share of the sky at rest
 };
 
 ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
 
-// One frame as RGBA with straight alpha. `vertices` [V, 3] as FlamePoser gives them for `params`.
+// Renders one frame as RGBA with straight alpha. `vertices`: [V, 3] from FlamePoser for `params`.
 Image8 RenderProceduralHead(const ProceduralHead& head,
                             const std::vector<float>& vertices,
                             const FlameParams& params,

@@ -30,7 +30,7 @@ struct Projected {
   double x, y, inverse_depth;  // samples; inverse_depth <= 0: too close
 };
 
-// The same numbers up to sign for both triangles at an edge, so that no sample falls between them.
+// Equal up to sign for both triangles at an edge, so that no sample falls between them.
 Edge MakeEdge(const std::vector<Projected>& points, int from, int to) {
   const bool swap = from > to;
   const Projected& p = points[swap ? to : from];
@@ -121,7 +121,7 @@ struct Band {
     const double sum = t.edges[0].a * (t.x_begin + .5) + offset[0] +
                        t.edges[1].a * (t.x_begin + .5) + offset[1] +
                        t.edges[2].a * (t.x_begin + .5) + offset[2];
-    const double scale = 1 / sum;  // the three edge functions add up to twice the area everywhere
+    const double scale = 1 / sum;  // the three edge functions sum to twice the area everywhere
     const size_t start = size_t(row - first_row) * columns;
     for (int x = int(low); x <= int(high); ++x) {
       const double e0 = t.edges[0].a * (x + 0.5) + offset[0];
@@ -148,7 +148,7 @@ SurfacePoint PointAt(const Triangle& t, double x, double y) {
   return point;
 }
 
-// Adds the colour of the 2x2 samples at (x, y) to `color`; returns how many are covered.
+// Adds the colour of the 2x2 samples at (x, y) to `color`; returns the number of covered samples.
 int ShadeQuadrant(const Band& band,
                   const std::vector<Triangle>& triangles,
                   const Shader& shader,

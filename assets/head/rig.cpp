@@ -13,10 +13,11 @@ constexpr Vec kNeckJoint{0, -0.092f, -0.050f};
 constexpr Vec kJawJoint{0, -0.004f, -0.022f};
 constexpr int kSmoothing = 6;
 
-// Share of a point that moves with the head rather than with the shoulders.
+// Share of a point's motion that follows the head rather than the shoulders.
 float NeckShare(const Vec& p) { return SmoothStep(-0.150f, -0.078f, p.y + 0.25f * (p.z + 0.05f)); }
 
-// Share of the head's skin that the jaw carries, away from the lips: by the angle at the jaw joint.
+// Share of the jaw in the motion of the head's skin away from the lips, by the angle at the jaw
+// joint.
 float JawShare(const Vec& p) {
   const float below = std::atan2(kJawJoint.y - p.y, p.z - kJawJoint.z) * 57.29578f;
   const float width = 4 + 14 * SmoothStep(0.018f, 0.048f, std::abs(p.x));
@@ -24,7 +25,7 @@ float JawShare(const Vec& p) {
   return under * SmoothStep(-0.032f, 0.030f, p.z) * SmoothStep(-0.128f, -0.088f, p.y);
 }
 
-// The same on a ring about the mouth.
+// The same on a ring around the mouth.
 float JawShareOfRing(const VertexLabel& l) {
   const float a = std::abs(l.along), a4 = a * a * a * a;
   if (l.mouth_ring >= kGum) {
@@ -62,7 +63,7 @@ std::vector<float> SmoothedJawShares(const HeadMesh& mesh) {
   return share;
 }
 
-// Vertices whose mean, corrected to hit the joint exactly, regresses it.
+// Vertices whose mean, after a correction to match the joint exactly, regresses it.
 bool Supports(int joint, const Vec& p, Part part) {
   const Vec d = p - JointPositions()[joint];
   switch (joint) {

@@ -15,7 +15,7 @@ std::array<Vec, kFlameJoints> JointPositions();
 // [V, 5], rows sum to 1.
 std::vector<float> SkinningWeights(const HeadMesh& mesh);
 
-// [5, V], rows sum to 1: yields JointPositions() at rest and follows the vertices around each
+// [5, V], rows sum to 1: regresses JointPositions() at rest and follows the vertices around each
 // joint.
 std::vector<float> JointRegressor(const HeadMesh& mesh);
 
@@ -25,10 +25,10 @@ std::vector<float> ShapeDirections(const HeadMesh& mesh);
 std::vector<float> ExpressionDirections(const HeadMesh& mesh);
 std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>& weights);
 
-// Displacement of vertex v by a full expression (index into cosplat::Expression).
+// Displacement of vertex v by the full expression (index into cosplat::Expression).
 Vec ExpressionShift(const HeadMesh& mesh, int expression, int v);
 
-// How rigidly a point of the head belongs to an eye: 1 on lids and eyeball, 0 well away from them.
+// How rigidly a point of the head moves with an eye: 1 on lids and eyeball, 0 well away from them.
 float NearEye(const Vec& p);
 
 }  // namespace cosplat::procedural

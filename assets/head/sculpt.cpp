@@ -7,7 +7,7 @@
 namespace cosplat::procedural {
 namespace {
 
-// Polynomial smooth minimum: joins two distances over a band of width k.
+// Polynomial smooth minimum of two distances, blended over a band of width k.
 float Join(float a, float b, float k) {
   const float h = std::max(k - std::abs(a - b), 0.0f) / k;
   return std::min(a, b) - h * h * k * 0.25f;
@@ -21,14 +21,14 @@ float Ellipsoid(const Vec& p, const Vec& center, const Vec& radii) {
   return k1 < 1e-9f ? -radii.x : k0 * (k0 - 1) / k1;
 }
 
-// A capsule whose radius goes from ra at a to rb at b.
+// A capsule whose radius varies from ra at a to rb at b.
 float Cone(const Vec& p, const Vec& a, const Vec& b, float ra, float rb) {
   const Vec ab = b - a;
   const float t = std::clamp(Dot(p - a, ab) / Dot(ab, ab), 0.0f, 1.0f);
   return Length(p - a - t * ab) - (ra + t * (rb - ra));
 }
 
-// x mirrored to the subject's left, without a crease at the middle plane.
+// Mirrors x to the subject's left, without a crease at the median plane.
 Vec Mirrored(const Vec& p, float softness) {
   return {std::sqrt(p.x * p.x + softness * softness), p.y, p.z};
 }
@@ -99,8 +99,8 @@ float NeckAndShoulders(float d, const Vec& p, const Vec& m) {
   return Join(d, body, 0.022f);
 }
 
-// Height of the hair's edge by the angle about the vertical axis, from the forehead by the temple,
-// the sideburn, over the ear and down to the nape.
+// Height of the hairline by the angle about the vertical axis, from the forehead via temple,
+// sideburn and ear to the nape.
 constexpr int kHairlinePoints = 14;
 constexpr float kHairlineAngle[kHairlinePoints] = {
     0, 20, 34, 48, 58, 64, 68, 74, 80, 102, 109, 117, 138, 180};
@@ -147,7 +147,7 @@ float HeadDistance(const Vec& p) {
   const float side = 0.0050f + 0.0120f * top + 0.003f * SmoothStep(-0.05f, 0.05f, p.z) * top;
   const float inside = HairInside(p);
   const float wave = 1 + 0.10f * std::sin(70 * p.x + 55 * p.z) * std::sin(62 * p.z - 40 * p.x);
-  // Swept back from the forehead: it rises slowly there, quickly at the nape.
+  // Swept back from the forehead: the hair rises slowly there and quickly at the nape.
   const float rise = 0.018f + 0.018f * SmoothStep(0, 0.05f, p.z);
   return skin - side * wave * SmoothStep(-0.004f, rise, inside);
 }

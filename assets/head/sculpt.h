@@ -1,6 +1,6 @@
-// The procedural head's solid shape: a signed distance built from smoothly joined primitives.
+// The procedural head's solid shape: a signed distance of smoothly joined primitives.
 //
-// sculpt -> mesh (vertices are cast and relaxed onto the zero level) -> rig -> FlameModel.
+// sculpt -> mesh (vertices are projected and relaxed onto the zero level set) -> rig -> FlameModel.
 // Frame: FLAME's (metres, y up, face towards +z, the subject's left at +x), origin inside the head
 // between the ears. Proportions: averages of adult anthropometry (head 225 mm high, eyes at half of
 // that, 64 mm between the pupils, equal thirds hairline / brow / nose base / chin).
@@ -13,12 +13,12 @@
 
 namespace cosplat::procedural {
 
-// Landmarks that mesh, rig and appearance share.
+// Landmarks shared by mesh, rig and appearance.
 constexpr float kEyeX = 0.032f;
 constexpr float kEyeY = 0.030f;
 constexpr float kEyeZ = 0.0400f;
 constexpr float kEyeRadius = 0.0140f;       // sclera
-constexpr float kLidInnerRadius = 0.0152f;  // clears the cornea, which stands out by 0.5 mm
+constexpr float kLidInnerRadius = 0.0152f;  // clears the cornea, which protrudes by 0.5 mm
 constexpr float kLidOuterRadius = 0.0166f;
 constexpr float kMouthY = -0.0412f;
 constexpr float kMouthHalfWidth = 0.0262f;
@@ -29,7 +29,7 @@ inline float SmoothStep(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-// exp(-(x / width)^2), 0 beyond three widths (there it is below 2e-4).
+// exp(-(x / width)^2), truncated to 0 beyond three widths (where it is below 2e-4).
 inline float BellOfSquare(float x_squared, float width) {
   const float t = x_squared / (width * width);
   return t < 9 ? std::exp(-t) : 0;
@@ -39,23 +39,23 @@ inline float Ball(const Vec& p, const Vec& center, float width) {
   return BellOfSquare(Dot(p - center, p - center), width);
 }
 
-// Distance to skin and clothing, hair left out; roughly metric near the surface.
+// Distance to skin and clothing, without hair; approximately metric near the surface.
 float SkinDistance(const Vec& p);
 
-// How far inside the hair's outline a point of the scalp lies, metres (negative: bare skin).
+// Distance of a scalp point inside the hair's outline, metres (negative: bare skin).
 float HairInside(const Vec& p);
 
-// The surface that is meshed: skin raised by the hair's volume.
+// The surface that is meshed: skin plus the hair's volume.
 float HeadDistance(const Vec& p);
 Vec HeadGradient(const Vec& p);
 
-// Moves p along the gradient onto the zero level.
+// Moves p along the gradient onto the zero level set.
 Vec ProjectToHead(Vec p);
 
-// First hit of the ray that comes from far outside towards `origin` along -direction (unit).
+// First hit of a ray from far outside towards `origin` along -direction (unit length).
 Vec CastOntoHead(const Vec& origin, const Vec& direction);
 
-// Share of the sky that a point of the rest shape sees, [0, 1]: from distances along its normal.
+// Share of the sky visible from a point of the rest shape, [0, 1], from distances along its normal.
 float AmbientOcclusion(const Vec& p, const Vec& normal);
 
 // Shape of the palpebral fissure, shared by the mesh (open lids) and the rig (closed lids).
@@ -68,7 +68,7 @@ float UpperLidElevation(float along);
 float LowerLidElevation(float along);
 float ClosedLidElevation(float along);
 
-// The point at `radius` from the centre of the left or right eye.
+// Point at `radius` from the centre of the left or right eye.
 Vec AroundEye(bool left, float azimuth, float elevation, float radius);
 
 struct EyeAngles {

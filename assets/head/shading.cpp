@@ -11,11 +11,12 @@ namespace cosplat::procedural {
 namespace {
 
 struct Light {
-  Vec direction;  // towards it
+  Vec direction;  // towards the light
   Vec color;
   float highlight;
 };
-// Large soft boxes: key from the subject's upper left, fill from the right, a weak one behind.
+// Large soft boxes: key light from the subject's upper left, fill from the right, a weak one
+// behind.
 const Light kLights[] = {
     {Normalized({0.42f, 0.50f, 0.76f}), {0.80f, 0.75f, 0.70f}, 1.0f},
     {Normalized({-0.72f, 0.12f, 0.62f}), {0.24f, 0.26f, 0.30f}, 0.45f},
@@ -23,10 +24,10 @@ const Light kLights[] = {
 };
 constexpr Vec kSky{0.36f, 0.37f, 0.40f};
 constexpr Vec kGround{0.22f, 0.19f, 0.17f};
-// Light creeps round the terminator through skin, red the furthest.
+// Subsurface light wraps around the terminator, red the farthest.
 constexpr Vec kWrap{0.45f, 0.30f, 0.24f};
 
-// sRGB's transfer curve from a table: pow is the dearest part of shading.
+// sRGB's transfer function as a table: pow is the most expensive part of shading.
 class Encoder {
  public:
   Encoder() {
@@ -63,18 +64,19 @@ Vec RotatedBack(const std::array<float, 9>& r, const Vec& v) {
 
 float Wrapped(float cosine, float wrap) { return std::max(0.0f, (cosine + wrap) / (1 + wrap)); }
 
-// Highlight of a surface: Blinn-Phong with Schlick's Fresnel, scaled to keep its energy.
+// Specular highlight: Blinn-Phong with Schlick's Fresnel term, normalised for energy.
 float SurfaceHighlight(const Vec& n, const Vec& l, const Vec& v, float shininess) {
   const Vec h = Normalized(l + v);
   const float facing = Dot(n, h);
-  if (facing <= 0.5f || Dot(n, l) <= 0) return 0;  // 0.5 to the power of any skin's is nothing
+  if (facing <= 0.5f || Dot(n, l) <= 0) return 0;  // pow(0.5, any skin's shininess) is negligible
   const float m = 1 - std::max(Dot(v, h), 0.0f);
   const float fresnel = 0.35f + 0.65f * m * m * m;
   return fresnel * (shininess + 8) * 0.06f * std::pow(facing, shininess) *
          std::min(1.0f, 4 * Dot(n, l));
 }
 
-// Highlight of strands along t: bright where the half vector is across them (Kajiya and Kay 1989).
+// Highlight of strands along t: bright if the half vector is perpendicular to them (Kajiya and Kay
+// 1989).
 float StrandHighlight(const Vec& n, const Vec& t, const Vec& l, const Vec& v, float shininess) {
   const Vec h = Normalized(l + v);
   const float along = Dot(t, h);
@@ -83,7 +85,7 @@ float StrandHighlight(const Vec& n, const Vec& t, const Vec& l, const Vec& v, fl
 }
 
 Vec Illuminate(const Material& m, const Vec& n, const Vec& flow, const Vec& v, float occlusion) {
-  const float open = Mix(0.45f, 1.0f, occlusion);  // soft boxes are partly seen from every fold
+  const float open = Mix(0.45f, 1.0f, occlusion);  // every fold sees part of the soft boxes
   Vec diffuse = Mix(kGround, kSky, 0.5f + 0.5f * n.y) * occlusion;
   Vec highlight;
   for (const Light& light : kLights) {
@@ -99,7 +101,7 @@ Vec Illuminate(const Material& m, const Vec& n, const Vec& flow, const Vec& v, f
   return m.albedo * diffuse + highlight;
 }
 
-// How much light reaches a ring of the mouth's inside.
+// Share of the light that reaches a ring inside the mouth.
 float MouthOpenness(float ring) {
   static constexpr float kAt[] = {0.40f, 0.26f, 0.50f, 0.80f, 0.30f, 0.12f, 0.02f};  // rings 3..9
   const float at = std::clamp(ring - 3, 0.0f, 5.999f);
@@ -149,7 +151,7 @@ HeadShader::Corner HeadShader::Interpolate(const SurfacePoint& point) const {
   return c;
 }
 
-// Shade of the upper lid and its lashes on the eyeball, from the lids' present opening.
+// Shadow of the upper lid and its lashes on the eyeball, from the current opening of the lids.
 float HeadShader::LidShadow(const Vec& position, bool left) const {
   const Vec d = RotatedBack(pose_.posed_from_rest, position - eye_centers_[left ? 0 : 1]);
   const EyeAngles a = AnglesAroundEye(left, EyeCenter(left) + d);

@@ -1,5 +1,4 @@
-// Lights the procedural head: a soft rig fixed in the world, and highlights that move with the
-// view.
+// Shades the procedural head: soft lights fixed in the world, and view-dependent highlights.
 #pragma once
 
 #include <array>
@@ -10,7 +9,7 @@
 
 namespace cosplat::procedural {
 
-// What a frame's shading needs to know of its pose.
+// The pose data needed to shade a frame.
 struct ShadedPose {
   std::vector<Vec> vertices;             // posed
   std::array<float, 9> posed_from_rest;  // rotation of the skull, row-major
@@ -19,12 +18,12 @@ struct ShadedPose {
 
 class HeadShader : public Shader {
  public:
-  // Keeps references to `head` and `pose`. `eye`: the camera's centre.
+  // Keeps references to `head` and `pose`, which must outlive it. `eye`: the camera's centre.
   HeadShader(const ProceduralHead& head, const ShadedPose& pose, const Vec& eye);
   std::array<float, 3> Shade(const SurfacePoint& point) const override;
 
  private:
-  struct Corner {  // what is interpolated over a face
+  struct Corner {  // attributes interpolated over a face
     Vec rest, rest_normal, normal, position;
     float occlusion, mouth, lid, along, upper, ear;
   };

@@ -10,7 +10,7 @@ namespace cosplat::procedural {
 namespace {
 
 Vec Folded(const Vec& p) { return {std::abs(p.x), p.y, p.z}; }
-Vec Outward(const Vec& p, float amount) {  // away from the middle plane, without a jump at it
+Vec Outward(const Vec& p, float amount) {  // from the median plane, with no jump at it
   return {amount * std::tanh(p.x / 0.01f), 0, 0};
 }
 
@@ -44,7 +44,7 @@ Vec ShapeField(int shape, const Vec& p) {
   }
 }
 
-// Lids and eyeball move as one body, so that they keep fitting each other.
+// Lids and eyeball move rigidly together, so that they continue to fit each other.
 Vec RigidAtEyes(int shape, const Vec& p, Part part) {
   const bool eyeball = part == Part::kLeftEye || part == Part::kRightEye;
   const float rigid = eyeball || part == Part::kSocket ? 1.0f : NearEye(p);
@@ -52,11 +52,11 @@ Vec RigidAtEyes(int shape, const Vec& p, Part part) {
   return Mix(ShapeField(shape, p), ShapeField(shape, EyeCenter(p.x > 0)), rigid);
 }
 
-// Neck and jaw: skin bulges where it is squeezed and thins where it is stretched.
+// Neck and jaw: skin bulges where it is compressed and thins where it is stretched.
 Vec CrossingCorrective(int row, int column, const Vec& p, const Vec& normal, float crossing) {
   static constexpr float kAmount = 0.0016f;
   const Vec q = (p - Vec{0, -0.09f, -0.05f}) * (1 / 0.06f);
-  // The rotation's axis; pitch squeezes front or back, yaw and roll a side.
+  // The rotation's axis; pitch compresses the front or back, yaw and roll a side.
   const int axis = row == column ? row : 3 - row - column;
   const float lever = std::tanh(axis == 0 ? q.z : q.x) * (row >= column ? 1.0f : -1.0f);
   return (kAmount * crossing * lever) * normal;

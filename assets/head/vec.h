@@ -1,4 +1,4 @@
-// Three floats. (Eigen's expressions dangle too easily where lambdas return them.)
+// Three floats. (Eigen's expression templates easily dangle when returned from lambdas.)
 #pragma once
 
 #include <cmath>

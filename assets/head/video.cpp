@@ -16,7 +16,7 @@
 namespace cosplat {
 namespace {
 
-// The layout's mesh is the model's enlarged by this.
+// The layout's mesh is the model's, enlarged by this factor.
 constexpr float kMeshScale = 4;
 
 void Check(const MakeHeadOptions& o) {
@@ -35,7 +35,7 @@ Image8 AlphaOf(const Image8& rgba) {
   return mask;
 }
 
-// Extent of the mask as the layout has it: left, top, right, bottom in [-1, 1].
+// Extent of the mask in the layout's format: left, top, right, bottom in [-1, 1].
 std::array<float, 4> BoundingBox(const Image8& mask) {
   int x0 = mask.width, y0 = mask.height, x1 = 0, y1 = 0;
   for (int y = 0; y < mask.height; ++y)
@@ -48,7 +48,8 @@ std::array<float, 4> BoundingBox(const Image8& mask) {
   return {norm(x0, mask.width), norm(y0, mask.height), norm(x1, mask.width), norm(y1, mask.height)};
 }
 
-// OpenGL's camera axes and the enlarged mesh: rows 1 and 2 change sign, the translation is scaled.
+// In OpenGL's camera axes and for the enlarged mesh: rows 1 and 2 change sign, the translation is
+// scaled.
 Json WorldMatrix(const Camera& camera) {
   Json rows = Json::array();
   for (int r = 0; r < 3; ++r) {

@@ -1,6 +1,6 @@
-// The demonstration video of the procedural head, with its exact track, as files.
+// Writes the demonstration video of the procedural head, with its exact track, as files.
 //
-// make-head, tests and benches -> WriteProceduralVideo -> a folder that LoadTrackedVideo reads.
+// make-head, tests and benchmarks -> WriteProceduralVideo -> a folder that LoadTrackedVideo reads.
 #pragma once
 
 #include <functional>
@@ -17,13 +17,14 @@ struct MakeHeadOptions {
   int frames = 360;      // at least 1
   int test_frames = 60;  // the last ones, held out; fewer than frames
   int size = 512;        // px, width and height; 16 to 8192
-  unsigned seed = 0;     // of the script of motion
+  unsigned seed = 0;     // of the motion script
 };
 
-// Writes IMavatar's layout into `folder` (made if need be): flame_params.json, image/N.png (RGBA),
-// mask/N.png, and the model beside them as model.npz. flame_params.json comes last: a folder that
-// was interrupted is not taken for a video. `progress`, if given, is called after each frame with
-// rising `done`, one call at a time. Throws Error on bad options or when a file cannot be written.
+// Writes IMavatar's layout into `folder` (created if necessary): flame_params.json, image/N.png
+// (RGBA), mask/N.png, and the model as model.npz. flame_params.json is written last, so that an
+// incomplete folder is not mistaken for a video. `progress`, if given, is called after each frame
+// with increasing `done`, one call at a time. Throws Error on invalid options or if a file cannot
+// be written.
 void WriteProceduralVideo(const std::string& folder,
                           const MakeHeadOptions& options,
                           const std::function<void(int done, int total)>& progress = {});

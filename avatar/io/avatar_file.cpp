@@ -73,7 +73,7 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
   CheckArray(path, "shape", model.shape, model.shape.size());
   CheckArray(path, "background", model.background, 3);
   CheckOptionalParts(path, model);
-  // With a bust the mesh goes on behind FLAME's vertices, which alone have an offset.
+  // With a bust the mesh has more vertices than FLAME; only FLAME's have an offset.
   const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
   const bool shorter = model.bust && offsets < most && offsets % 3 == 0;
   if (offsets > 0) CheckArray(path, "static_offset", model.static_offset, shorter ? offsets : most);
@@ -91,7 +91,7 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
                     Shown(model.flame_name, model.flame_sha256));
 }
 
-// FLAME's vertices and faces come first; behind them there may be a bust's.
+// FLAME's vertices and faces must come first; those of a bust may follow.
 void CheckTopology(const std::string& where, const AvatarModel& model, const FlameModel& flame) {
   const size_t vertices = model.mesh.vertices.size() / 3, faces = model.mesh.faces.size();
   const bool same_size = vertices == size_t(flame.vertex_count) && faces == flame.faces.size();
@@ -106,8 +106,8 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
                     std::to_string(faces) + " or other corners");
 }
 
-// The canonical mesh as triangles, with a morph target per expression direction: at zero pose, and
-// there only, FLAME's vertices are linear in the expression.
+// Adds the canonical mesh as triangles, with a morph target per expression direction: at zero pose,
+// and only there, FLAME's vertices are linear in the expression.
 GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameModel* flame) {
   GlbPrimitive primitive;
   primitive.attributes["POSITION"] = AddFloats(document, model.mesh.vertices, 3, GlbUse::kPosition);
@@ -152,7 +152,7 @@ void WriteAvatarGlb(const std::string& path,
   GlbDocument document;
   document.path = path;
   GlbPrimitive splats = AddSplats(document, RestPose(model), options.truncate_degree);
-  // The mesh has a scene of its own, the second: shown together it would hide the splats.
+  // The mesh is in a second scene, because shown together it would hide the splats.
   const bool embed = options.embed_flame || (flame && flame->redistributable);
   const int mesh = embed ? 1 : -1;
   splats.extensions[kSplatExtension]["extensions"][kBindingExtension] =

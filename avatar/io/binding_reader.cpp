@@ -9,7 +9,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
-constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: of any head in any unit
+constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: allows any head in any unit
 
 [[noreturn]] void Fail(const JsonField& field, const std::string& problem) {
   throw Error(field.file(), field.path(), problem);
@@ -31,7 +31,7 @@ void CheckCount(const JsonField& field, size_t found, size_t expected) {
              std::to_string(expected));
 }
 
-// The accessor that `field` names. expected: its number of elements, 0 for any.
+// Reads the accessor that `field` refers to. expected: its number of elements, 0 for any.
 std::vector<float> Floats(const GlbDocument& document,
                           const JsonField& field,
                           int width,
@@ -56,7 +56,7 @@ void FillNumbers(const JsonField& field, std::array<float, kCount>& out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
-// What came with version 2. Under these names a file of version 1 may hold anything.
+// Fields added in version 2. A file of version 1 may use these names for anything.
 void ReadVersion2(const JsonField& binding, AvatarModel& model) {
   if (binding.Has("rule")) {
     const JsonField rule = binding["rule"];
@@ -92,7 +92,7 @@ void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   FillNumbers(field["angle"], range.angle);
 }
 
-// Everything of the binding that is no accessor.
+// Reads all fields of the binding that are not accessors.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
   const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
   if (version == 2) ReadVersion2(binding, model);
@@ -176,7 +176,7 @@ void ReadMesh(const GlbDocument& document,
   }
 }
 
-// Gives the binding's fields their name in errors.
+// Wraps the binding, so that errors show the full path of its fields.
 Json Named(const Json& binding) { return Json{{kBindingExtension, binding}}; }
 
 bool HasSplats(const GlbPrimitive& primitive) {
@@ -228,7 +228,7 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   if (binding.Has("staticOffset")) {
     const JsonField field = binding["staticOffset"];
     model.static_offset = Floats(document, field, 3, model.bust ? 0 : vertex_count);
-    if (model.static_offset.size() / 3 > vertex_count)  // with a bust FLAME's are fewer
+    if (model.static_offset.size() / 3 > vertex_count)  // with a bust, FLAME has fewer vertices
       Fail(field,
            "accessor has " + std::to_string(model.static_offset.size() / 3) + " elements for " +
                std::to_string(vertex_count) + " vertices");

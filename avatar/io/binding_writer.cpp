@@ -23,7 +23,7 @@ int AddBarycentric(GlbDocument& document, const AvatarModel& model) {
   return AddArray(document, flat, 2);
 }
 
-// Coefficient k >= 1 of every Gaussian. glTF has no accessor wide enough for all of them.
+// Adds coefficient k >= 1 of every Gaussian; glTF has no accessor wide enough for all coefficients.
 int AddCoefficient(GlbDocument& document, const AvatarModel& model, int k) {
   std::vector<float> values(3 * model.size());
   for (size_t i = 0; i < model.size(); ++i)
@@ -41,19 +41,20 @@ Json AddColor(GlbDocument& document, const AvatarModel& model, const GlbPrimitiv
   return accessors;
 }
 
-// As doubles, whose text gives the same float back.
+// As doubles, whose text round-trips to the same float.
 Json Numbers(View<const float> values) {
   Json numbers = Json::array();
   for (float value : values) numbers.push_back(double(value));
   return numbers;
 }
 
-// A file's name may be any bytes; JSON takes UTF-8 only.
+// Replaces invalid UTF-8: a file name may contain any bytes, JSON may not.
 std::string Utf8(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-// What version 1 does not know: its readers would play the avatar wrongly.
+// Adds the fields that version 1 lacks, and the version. Readers of version 1 would render such an
+// avatar wrongly.
 void AddVersion2(const AvatarModel& model, Json& binding) {
   if (model.embedding.released)
     binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.embedding.released->unit)}};

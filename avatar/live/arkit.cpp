@@ -5,7 +5,7 @@
 namespace cosplat {
 namespace {
 
-// Of ASCII only, whatever the locale.
+// ASCII only, independent of the locale.
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
 
 bool SameName(std::string_view a, std::string_view b) {

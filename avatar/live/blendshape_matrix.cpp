@@ -31,7 +31,7 @@ std::vector<float> ReadRows(const Npz& npz, const std::string& name, long column
   return {array.values.begin(), array.values.end()};
 }
 
-// out[c] = sum over rows of weight times row.
+// out[c] = sum over r of weights[r] * rows[r, c].
 void Multiply(const BlendshapeWeights& weights,
               const std::vector<float>& rows,
               size_t width,

@@ -1,4 +1,4 @@
-// A linear map from ARKit's blendshapes to FLAME's parameters: the file that a user brings.
+// A linear map from ARKit's blendshapes to FLAME's parameters, read from a user-provided file.
 //
 // matrix.npz -> BlendshapeMatrix -> VmcSource.
 #pragma once
@@ -12,23 +12,22 @@
 
 namespace cosplat {
 
-// The 52 blendshapes of Apple's ARKit, which face trackers speak.
-
+// The 52 blendshapes of Apple's ARKit, the common output of face trackers.
 constexpr size_t kArkitBlendshapes = 52;
 
-// In the order in which Apple's Live Link Face writes them; rows of a matrix file are in it.
+// In the order in which Live Link Face writes them, which is also the row order of a matrix file.
 extern const std::array<std::string_view, kArkitBlendshapes> kArkitNames;
 
-// Upper and lower case alike, since senders differ; -1 for a name that is none.
+// Case-insensitive, because senders differ; -1 for an unknown name.
 int FindArkitBlendshape(std::string_view name);
 
 using BlendshapeWeights = std::array<float, kArkitBlendshapes>;  // 0 to 1
 
 class BlendshapeMatrix {
  public:
-  // An .npz with `expression` [52, E] and, where there are any, `jaw`, `left_eye` and `right_eye`
-  // [52, 3], axis times angle. Throws Error naming file and array when a shape is another, a number
-  // is not finite, or weights could add up beyond what a face can have.
+  // Reads an .npz with `expression` [52, E] and, optionally, `jaw`, `left_eye` and `right_eye`
+  // [52, 3], axis-angle. Throws Error naming file and array when a shape is wrong, a number is not
+  // finite, or the absolute values of a column add up to more than kMaxParameter.
   static BlendshapeMatrix Read(const std::string& path);
 
   // Sets expression, jaw and eyes.

@@ -1,4 +1,4 @@
-// Faces between faces: how the guard and the smoother move from one to another.
+// Interpolation between faces, for FaceGuard and FaceSmoother.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace cosplat {
 
-// Expression, pose and translation that are the share w of the way from a to b, joints by the
-// shorter way round; exactly a's at 0 and b's at 1. The expressions of both and of `out` have equal
-// sizes; shape and static offset are left alone. `out` may be either.
+// Interpolates expression, pose and translation from a (w = 0, exactly) to b (w = 1, exactly);
+// joints rotate the shorter way. The expressions of both and of `out` must have equal sizes; shape
+// and static offset are left unchanged. `out` may be a or b.
 inline void BlendFaces(const FlameParams& a, const FlameParams& b, float w, FlameParams& out) {
   const auto between = [w](float x, float y) { return w >= 1 ? y : x + w * (y - x); };
   for (size_t i = 0; i < out.expression.size(); ++i)
@@ -26,7 +26,8 @@ inline void BlendFaces(const FlameParams& a, const FlameParams& b, float w, Flam
   }
 }
 
-// Expression, pose and translation; missing coefficients count as zero, excess ones are left out.
+// Copies expression, pose and translation; missing coefficients count as zero, excess ones are
+// ignored.
 inline void CopyFace(const FlameParams& from, FlameParams& to) {
   for (size_t i = 0; i < to.expression.size(); ++i)
     to.expression[i] = i < from.expression.size() ? from.expression[i] : 0;

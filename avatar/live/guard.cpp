@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-// begin_ns <= now_ns. Unsigned: hosts may have any two times.
+// begin_ns <= now_ns. Unsigned, because the difference of any two times must not overflow.
 double SecondsSince(int64_t begin_ns, int64_t now_ns) {
   return 1e-9 * double(uint64_t(now_ns) - uint64_t(begin_ns));
 }
@@ -79,7 +79,7 @@ void FaceGuard::CountRefused(Verdict verdict) {
   }
 }
 
-// 1 while a course is held, 0 when it has decayed.
+// The weight of the course's face against rest: 1 while it is held, 0 when it has decayed.
 float FaceGuard::ShareOfLive(const Course& course, int64_t now_ns) const {
   if (course.began_ns == kNever) return 0;
   const double age = SecondsSince(course.began_ns, now_ns);
@@ -98,11 +98,11 @@ void FaceGuard::Show(int64_t now_ns, FlameParams& out) {
   BlendFaces(scratch_, out, math::Ease(returned), out);
 }
 
-// What was shown goes on underneath and fades.
+// Starts blending from what was shown, which continues to decay while it fades out.
 void FaceGuard::BeginReturn(int64_t now_ns) {
   if (return_ns_ == kNever) {
     std::swap(before_, live_);
-  } else {  // within the return before
+  } else {  // during the previous return
     Show(now_ns, shown_);
     CopyFace(shown_, before_.face);
     before_.began_ns = now_ns;
@@ -113,7 +113,7 @@ void FaceGuard::BeginReturn(int64_t now_ns) {
 
 void FaceGuard::SmoothPending(int64_t now_ns) {
   if (!policy_.smoothing) return;
-  // By the senders' clock, which knows nothing of when packets arrive; without one by ours.
+  // Uses the senders' timestamps, which are free of network jitter, or else the local clock.
   const bool timed = shown_time_ns_ != kNever && pending_time_ns_ > shown_time_ns_;
   const double dt =
       timed ? SecondsSince(shown_time_ns_, pending_time_ns_) : SecondsSince(live_.began_ns, now_ns);
@@ -124,7 +124,8 @@ void FaceGuard::TakeUp(int64_t now_ns) {
   has_pending_ = false;
   ++counts_.accepted;
   if (policy_.soft_range && range_.Bring(pending_)) ++counts_.softened;
-  // Only what was seen to leave has to come back: a host that looks rarely misses nothing.
+  // A face is blended in only if an earlier image showed it decaying, so that a host that calls At
+  // rarely still shows every frame unchanged.
   const bool away = now_ns_ != kNever && ShareOfLive(live_, now_ns_) < 1;
   if (away) {
     smoother_.Reset();

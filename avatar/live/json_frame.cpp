@@ -11,8 +11,8 @@
 namespace cosplat {
 namespace {
 
-constexpr double kMaxSeconds = 9e9;  // fits 64 bits of nanoseconds
-constexpr long kMaxArrays = 64;      // thousands cost five times what as many bytes of numbers do
+constexpr double kMaxSeconds = 9e9;  // fits into 64 bits as nanoseconds
+constexpr long kMaxArrays = 64;      // thousands parse five times slower than numbers of equal size
 
 std::vector<float> NumbersOf(const JsonField& field, size_t count) {
   std::vector<float> numbers = field.Numbers(count);
@@ -29,7 +29,7 @@ void ReadVector(const JsonField& field, std::array<float, 3>& out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
-// Three numbers turn both eyes alike, six are the left and the right.
+// Three numbers rotate both eyes equally; six are the left eye and the right one.
 void ReadEyes(const JsonField& field, FlameParams& params) {
   const std::vector<float> numbers = NumbersOf(field, field.size() == 3 ? 3 : 6);
   std::copy_n(numbers.begin(), 3, params.pose[3].begin());
@@ -49,7 +49,7 @@ double TimeOf(const JsonField& field) {
   return time;
 }
 
-// A name as an error shows it: short and on one line, whatever it holds.
+// A name for an error message: shortened and on one line, whatever it contains.
 std::string Quoted(const std::string& name) {
   const std::string text =
       Json(name.substr(0, 40)).dump(-1, ' ', true, Json::error_handler_t::ignore);
@@ -89,7 +89,7 @@ JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
   const Json json = ParseJson(source, line);
   const JsonField object(source, json);
   JsonFrame frame;
-  frame.sequence = SequenceOf(object["seq"]);  // also an error when it is no object
+  frame.sequence = SequenceOf(object["seq"]);  // also throws if it is not an object
   for (const auto& [name, value] : json.items()) ReadMember(object, name, frame);
   return frame;
 }

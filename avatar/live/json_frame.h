@@ -1,4 +1,4 @@
-// A frame of FLAME parameters as a line of JSON: the protocol of docs/live-input.md.
+// A frame of FLAME parameters as a line of JSON: the protocol in docs/live-input.md.
 //
 // a tracker, `cosplat send` -> UDP or standard input -> ParseJsonFrame -> JsonSource.
 #pragma once
@@ -14,14 +14,14 @@ namespace cosplat {
 struct JsonFrame {
   uint64_t sequence = 0;
   std::optional<double> time;  // seconds by the sender's clock
-  FlameParams params;          // the root counts from the avatar's rest; what is not there is zero
+  FlameParams params;          // the root is relative to the avatar's rest; absent fields are zero
 };
 
-// Throws Error(source, field, ...) when it is not one frame: a field is unknown, has another count
-// of numbers, or a number that is not finite or beyond 100.
+// Throws Error(source, field, ...) when the line is not one frame: a field is unknown or has a
+// wrong count of numbers, or a number is not finite or beyond 100.
 JsonFrame ParseJsonFrame(const std::string& source, const std::string& line);
 
-// One line without its end.
+// Returns one line without its newline.
 std::string WriteJsonFrame(const JsonFrame& frame);
 
 }  // namespace cosplat

@@ -10,8 +10,8 @@
 namespace cosplat {
 namespace {
 
-// Of one poll. Ten times a sender of 120 frames per second polled 40 times; parsing that many of
-// the largest packets takes some milliseconds.
+// Per poll: ten times as many as a sender of 120 frames per second that is polled at 40 Hz. Parsing
+// this many of the largest packets takes a few milliseconds.
 constexpr size_t kMaxPackets = 32;
 
 class JsonSource : public LiveSource {
@@ -51,7 +51,7 @@ class JsonSource : public LiveSource {
  private:
   bool IsNewer(const JsonFrame& frame, int64_t now_ns) {
     if (order_.Accept(frame.sequence, now_ns)) {
-      if (order_.began_again()) clock_ = {};  // whose clock may have begun again as well
+      if (order_.began_again()) clock_ = {};  // the sender's clock may have restarted as well
       return true;
     }
     ++counts_.reordered;

@@ -41,7 +41,7 @@ class LineInput : public PacketInput {
     return poll(&request, 1, 0) > 0;  // also when the other end was closed
   }
 
-  // Keeps no more of a line than is taken.
+  // Stores at most kMaxPacketBytes of a line, but counts all its bytes.
   void Append(std::string_view bytes) {
     line_bytes_ += bytes.size();
     line_.append(bytes.substr(0, kMaxPacketBytes - line_.size()));
@@ -59,7 +59,7 @@ class LineInput : public PacketInput {
 
   int descriptor_;
   std::string description_;
-  std::string line_;  // begun, its end not read yet
+  std::string line_;  // the incomplete line read so far
   size_t line_bytes_ = 0;
   bool ended_ = false;
   std::array<char, 64 * 1024> buffer_;

@@ -1,7 +1,7 @@
-// The newest packets of a poll, in the order in which they came.
+// The newest packets of a poll, in order of arrival.
 //
-// UdpInput, LineInput -> NewestPackets -> JsonSource, VmcSource. It bounds what one poll looks at:
-// a flood pushes out its own oldest packets.
+// UdpInput, LineInput -> NewestPackets -> JsonSource, VmcSource. Bounds the work of one poll: when
+// too many packets arrive, the oldest are discarded.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class NewestPackets {
  public:
   explicit NewestPackets(size_t most) : slots_(most) {}
 
-  // Returns how many older ones that pushed out.
+  // Returns the number of older packets discarded.
   size_t Push(std::string_view packet) {
     size_t pushed_out = 0;
     for (; count_ > 0 && (count_ == slots_.size() || bytes_ + packet.size() > kMaxBytes);
@@ -31,7 +31,7 @@ class NewestPackets {
   void Clear() { count_ = bytes_ = 0; }
 
  private:
-  // Of all together: what a parser gets through in some milliseconds.
+  // For all packets together: a parser needs a few milliseconds for this.
   static constexpr size_t kMaxBytes = 512 * 1024;
 
   void PopOldest() {
@@ -40,7 +40,7 @@ class NewestPackets {
     --count_;
   }
 
-  std::vector<std::string> slots_;  // keep their memory
+  std::vector<std::string> slots_;  // a ring; strings keep their memory
   size_t first_ = 0, count_ = 0, bytes_ = 0;
 };
 

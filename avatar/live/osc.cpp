@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kBundle("#bundle\0", 8);
 
-// Takes values off the front of some bytes. After something was missing everything fails.
+// Reads values from the front of a byte string. Once something is missing, all further reads fail.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -36,14 +36,14 @@ class Reader {
     return high << 32 | Word();
   }
 
-  // Ends with a zero byte and is filled to a multiple of four.
+  // A string that ends with a zero byte and is padded to a multiple of four.
   std::string_view Text() {
     const size_t size = bytes_.find('\0');
     ok_ = ok_ && size != bytes_.npos;
     return Bytes(ok_ ? size / 4 * 4 + 4 : 0).substr(0, ok_ ? size : 0);
   }
 
-  // A count of bytes, then these, filled likewise.
+  // A byte count followed by that many bytes, padded likewise.
   void SkipBlob() {
     const uint64_t size = Word();
     Bytes((size + 3) / 4 * 4);
@@ -54,7 +54,7 @@ class Reader {
   bool ok_ = true;
 };
 
-// Reads what belongs to `argument.type`; false for types that OSC does not have.
+// Reads the value for `argument.type`; returns false for types that OSC does not have.
 bool ReadArgument(Reader& reader, OscArgument& argument) {
   switch (argument.type) {
     case 'i':
@@ -102,7 +102,7 @@ std::string ParseMessage(std::string_view bytes, OscMessage& message) {
   Reader reader(bytes);
   message.address = reader.Text();
   if (!reader.ok() || !message.address.starts_with('/')) return "has no OSC address";
-  if (reader.empty()) return "";  // old senders leave the types out where there are no arguments
+  if (reader.empty()) return "";  // old senders omit the type tags when there are no arguments
   std::string_view types = reader.Text();
   if (!types.starts_with(',')) return "has no OSC type tags";
   types.remove_prefix(1);
@@ -123,7 +123,7 @@ std::string ParseElement(std::string_view bytes, int bundles, std::vector<OscMes
   if (bundles == kMaxOscBundles) return "has too many OSC bundles inside each other";
   Reader reader(bytes);
   reader.Text();
-  reader.DoubleWord();  // when it shall count: always now
+  reader.DoubleWord();  // the time tag, ignored: bundles take effect at once
   while (reader.ok() && !reader.empty()) {
     const std::string_view element = reader.Bytes(reader.Word());
     if (!reader.ok()) break;

@@ -1,7 +1,7 @@
-// Packets of Open Sound Control 1.0 (Wright 2002), read without trusting them.
+// A parser of Open Sound Control 1.0 packets (Wright 2002) from untrusted senders.
 //
 // UdpInput -> ParseOsc -> VmcSource. Written here because liblo 0.31, the packaged library, reads
-// behind the packet where a blob is announced at its end, and cannot listen on loopback alone.
+// beyond the end of a packet when a blob is announced there, and cannot listen on loopback only.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 namespace cosplat {
 
 constexpr size_t kMaxOscArguments = 32;
-constexpr int kMaxOscBundles = 8;  // inside each other
+constexpr int kMaxOscBundles = 8;  // nested
 
 struct OscArgument {
   char type = 0;
@@ -27,8 +27,8 @@ struct OscMessage {
   std::vector<OscArgument> arguments;
 };
 
-// The packet's messages, those of bundles in order; they point into `packet`. Returns what is wrong
-// with it, or "": then `messages` holds all of it.
+// Parses the packet's messages, those of bundles in order; they point into `packet`. Returns a
+// description of what is wrong with the packet, or "" if `messages` is complete.
 std::string ParseOsc(std::string_view packet, std::vector<OscMessage>& messages);
 
 }  // namespace cosplat

@@ -12,7 +12,7 @@
 namespace cosplat {
 namespace {
 
-// For IMavatar's and VHAP's tracks, which do not say: the rate of most published ones.
+// For IMavatar's and VHAP's tracks, which do not store it: the frame rate of most published ones.
 constexpr double kDefaultFramesPerSecond = 25;
 
 std::string NumberText(double number) {
@@ -65,8 +65,8 @@ class RecordedSource : public LiveSource {
   uint64_t Length() const { return uint64_t(recording_.frames.back().timestep) + 1; }
   double StepNs() const { return 1e9 / recording_.frames_per_second; }
 
-  // A host that counts time in whole frames rounds it to nanoseconds: a time step begins a
-  // thousandth early, so that such a host sees every frame once.
+  // A host that counts time in whole frames rounds it to nanoseconds. Time steps begin a thousandth
+  // of a step early, so that such a host gets every frame once.
   uint64_t StepAt(uint64_t elapsed_ns) const {
     return uint64_t(double(elapsed_ns) / StepNs() + 1e-3);
   }
@@ -85,7 +85,7 @@ class RecordedSource : public LiveSource {
   bool loop_;
   bool started_ = false;
   int64_t start_ns_ = 0;
-  uint64_t next_ = 0;  // number of the frame after the last that was given; loops count on
+  uint64_t next_ = 0;  // number of the next frame; keeps counting through loops
   LiveCounts counts_;
 };
 

@@ -1,4 +1,4 @@
-// Recorded sequences as live sources: whatever LoadDrivingSequence reads, at its own pace.
+// Recorded sequences as live sources: anything that LoadDrivingSequence reads, at its own pace.
 //
 // file or folder -> LoadRecording -> OpenRecording (by OpenLiveSource) -> LiveFrame.
 #pragma once
@@ -13,7 +13,7 @@
 namespace cosplat {
 
 struct RecordedFrame {
-  int64_t timestep = 0;  // from the first frame on; frames that cannot be used leave a gap
+  int64_t timestep = 0;  // counted from the first frame; unusable frames leave a gap
   FlameParams params;
 };
 
@@ -23,8 +23,8 @@ struct Recording {
   std::vector<RecordedFrame> frames;  // at least one
 };
 
-// Of several cameras the first. Throws Error as LoadDrivingSequence does, and when the frame rate
-// is not 0.001 to 10000.
+// Uses the first camera if there are several. Throws Error as LoadDrivingSequence does, and when
+// the frame rate is not 0.001 to 10000.
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options);
 
 std::unique_ptr<LiveSource> OpenRecording(const std::string& path,

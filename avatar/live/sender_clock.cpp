@@ -3,7 +3,7 @@
 namespace cosplat {
 namespace {
 
-// Modulo 2^64, so that no pair of clocks can overflow.
+// Modulo 2^64, so that no two times overflow.
 int64_t Elapsed(int64_t from_ns, int64_t to_ns) {
   return int64_t(uint64_t(to_ns) - uint64_t(from_ns));
 }

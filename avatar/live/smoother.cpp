@@ -7,10 +7,10 @@
 namespace cosplat {
 namespace {
 
-// A usual motion of the channel: what its speed is measured in.
+// The unit of each channel's speed: a typical motion.
 constexpr float kCoefficient = 1, kTurn = 0.1f, kShift = 0.02f;  // -, rad, m
 
-// Filters the speed of a step towards it; the filtered speed's size.
+// Low-pass filters the speed v, whose new sample is step / per; returns the filtered magnitude.
 float StepSpeed(float gain, const std::array<float, 3>& step, float per, std::array<float, 3>& v) {
   for (size_t k = 0; k < 3; ++k) v[k] += gain * (step[k] / per - v[k]);
   return std::hypot(v[0], v[1], v[2]);

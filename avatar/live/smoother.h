@@ -1,6 +1,6 @@
-// Takes the trembling out of live faces, at the price of a delay (docs/plugin.md has it measured).
+// Removes jitter from live faces, at the cost of a delay (measured in docs/plugin.md).
 //
-// good frames -> FaceSmoother -> avatar/live/guard.h. The formula is avatar/math/one_euro.h.
+// good frames -> FaceSmoother -> avatar/live/guard.h. Formula: avatar/math/one_euro.h.
 #pragma once
 
 #include <array>
@@ -15,10 +15,11 @@ class FaceSmoother {
  public:
   explicit FaceSmoother(size_t expression_count);
 
-  // Every coefficient, every joint and the translation by a filter of its own. Speeds are measured
-  // in usual motions of a face per second, 1 for a coefficient, 0.1 rad, 0.02 m, so that one beta
-  // serves all. dt: seconds since the frame before; at 0 nothing changes. `face` has as many
-  // coefficients as this; the first one after Reset comes out as it went in.
+  // Filters every coefficient, every joint and the translation separately, in place. Speeds are
+  // measured in typical motions of a face per second (1 for a coefficient, 0.1 rad, 0.02 m), so
+  // that one beta suits all. dt: seconds since the previous frame; at 0 the output does not change.
+  // `face` must have `expression_count` coefficients; the first one after Reset is returned
+  // unchanged.
   void Smooth(const math::OneEuro& filter, float dt, FlameParams& face);
   void Reset() { started_ = false; }
 
@@ -31,10 +32,10 @@ class FaceSmoother {
   void StepTranslation(const math::OneEuro& filter, float dt, const FlameParams& face);
 
   bool started_ = false;
-  FlameParams sample_;  // the last that came in
-  FlameParams value_;   // the last that went out
+  FlameParams sample_;  // the last input
+  FlameParams value_;   // the last output
   std::vector<float> expression_speed_;
-  std::array<Vector, kFlameJoints> turn_speed_{};  // axis times rate
+  std::array<Vector, kFlameJoints> turn_speed_{};  // axis times angular speed
   Vector translation_speed_{};
 };
 

@@ -30,7 +30,7 @@ bool SoftRange::Bring(FlameParams& face) const {
   for (size_t j = 1; j < kFlameJoints; ++j) {
     std::array<float, 3>& r = face.pose[j];
     if (std::hypot(r[0], r[1], r[2]) <= angle_[j]) continue;
-    r = math::AxisAngleOf(math::ShorterWay(math::QuatOfAxisAngle(r)));  // may be a whole turn more
+    r = math::AxisAngleOf(math::ShorterWay(math::QuatOfAxisAngle(r)));  // r may exceed a full turn
     const float angle = std::hypot(r[0], r[1], r[2]);
     if (angle <= angle_[j]) continue;
     const float softened = math::SoftClamp(angle, 0, angle_[j], kAngleMargin);

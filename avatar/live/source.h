@@ -1,8 +1,8 @@
-// Where a live face comes from: a recorded sequence, a tracker that sends, a camera program.
+// Sources of live faces: a recorded sequence, a tracker that sends, or a camera program.
 //
-// "udp://..." -> OpenLiveSource -> LiveSource::Poll, once per image -> LiveFrame -> who draws.
-// A source gives clean frames only: what is malformed, too large, too much or not finite is dropped
-// and counted, and never reaches the face.
+// "udp://..." -> OpenLiveSource -> LiveSource::Poll, once per image -> LiveFrame -> FaceGuard.
+// A source delivers clean frames only: packets that are malformed, too large, too many or not
+// finite are dropped and counted, and never reach the face.
 #pragma once
 
 #include <cstdint>
@@ -14,50 +14,51 @@
 namespace cosplat {
 
 struct LiveFrame {
-  // Expression, pose and translation, the root about LiveSourceOptions::rest; `shape` and
+  // Expression, pose and translation; the root includes LiveSourceOptions::rest. `shape` and
   // `static_offset` are empty.
   FlameParams params;
   uint64_t sequence = 0;  // the sender's number
-  int64_t time_ns = 0;    // when it was so, by the clock that Poll is given
+  int64_t time_ns = 0;    // when it was captured, by the clock passed to Poll
 };
 
-// What came in since the source was opened.
+// Counts since the source was opened.
 struct LiveCounts {
-  uint64_t frames = 0;       // given by Poll
-  uint64_t replaced = 0;     // good, but a newer one had come before Poll asked
-  uint64_t reordered = 0;    // older than, or the same as, one that came before
-  uint64_t malformed = 0;    // not what the protocol says, or not finite
+  uint64_t frames = 0;       // returned by Poll
+  uint64_t replaced = 0;     // good, but superseded by a newer one before the next Poll
+  uint64_t reordered = 0;    // older than, or the same as, an earlier one
+  uint64_t malformed = 0;    // not as the protocol requires, or not finite
   uint64_t oversize = 0;     // longer than the protocol allows
-  uint64_t flooded = 0;      // more between two polls than are looked at
-  std::string last_problem;  // one line about the last packet that was dropped; "" if none was
+  uint64_t flooded = 0;      // discarded because too many arrived between two polls
+  std::string last_problem;  // one line about the last dropped packet; "" if there was none
 };
 
 class LiveSource {
  public:
   virtual ~LiveSource() = default;
-  // The newest frame since the last call; of a recording the one that is due. Never waits. False,
-  // and `out` as it was, where there is none. `now_ns`: any clock that does not run backwards; a
-  // recording begins at the first call.
+  // Writes the newest frame since the last call, or of a recording the one that is due. Never
+  // blocks. Returns false and leaves `out` unchanged when there is none. now_ns: from any clock
+  // that does not run backwards; a recording starts at the first call.
   virtual bool Poll(int64_t now_ns, LiveFrame& out) = 0;
-  // True when nothing will come any more: the end of a recording or of standard input.
+  // True when no more frames will come: at the end of a recording or of standard input.
   virtual bool Ended() const = 0;
   virtual LiveCounts Counts() const = 0;
-  // For people: "recorded sequence talk.npz, 250 frames", "udp://127.0.0.1:9500".
+  // Human-readable: "recorded sequence talk.npz, 250 frames at 25 per second",
+  // "udp://127.0.0.1:9500".
   virtual std::string Description() const = 0;
 };
 
 struct LiveSourceOptions {
-  // Where the avatar's head rests, as root pose and translation (RestRoot of
-  // avatar/model/avatar_mesh.h): a recording turns about it as it did about its own mean, a
-  // tracker's root counts from it.
+  // Root pose and translation of the avatar's head at rest (RestRoot of
+  // avatar/model/avatar_mesh.h). A recording moves about it as it did about its own mean; a
+  // tracker's root is relative to it.
   FlameParams rest;
-  bool loop = false;             // recordings begin again at their end
-  double frames_per_second = 0;  // of a recording; 0: its own, or 25 where it does not say
+  bool loop = false;             // repeat recordings
+  double frames_per_second = 0;  // of a recording; 0: its own rate, or 25 if unknown
 };
 
 // drive: a file or folder that LoadDrivingSequence reads, or "stdin:", "udp://HOST:PORT" (FLAME
-// parameters as JSON lines), "vmc://HOST:PORT?matrix=FILE" (blendshapes over OSC). HOST may be left
-// out: loopback. Throws Error naming the drive and what is wrong with it.
+// parameters as JSON lines), "vmc://HOST:PORT?matrix=FILE" (blendshapes over OSC). HOST may be
+// omitted and is then loopback. Throws Error naming the drive and what is wrong with it.
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options = {});
 

@@ -6,7 +6,7 @@
 namespace cosplat {
 namespace {
 
-// Some milliseconds at most. What lies behind waits in the system's buffer, or is lost there.
+// At most a few milliseconds. Further packets wait in the system's buffer or are lost there.
 constexpr int kMaxReadPerCall = 4096;
 
 class UdpInput : public PacketInput {

@@ -13,7 +13,7 @@
 namespace cosplat {
 namespace {
 
-// The system may grant less. A second of an unbundled VMC stream are some 4000 small datagrams.
+// The system may grant less. One second of an unbundled VMC stream is about 4000 small datagrams.
 constexpr int kReceiveBytes = 4 << 20;
 
 using AddressList = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
@@ -30,7 +30,7 @@ AddressList Resolve(const DriveAddress& address) {
   return {found, freeaddrinfo};
 }
 
-// IPv4 first: "localhost" is both, and senders rarely mean ::1 by it.
+// Prefers IPv4: "localhost" resolves to both, and senders rarely mean ::1.
 const addrinfo& Preferred(const addrinfo& list) {
   for (const addrinfo* each = &list; each; each = each->ai_next)
     if (each->ai_family == AF_INET) return *each;

@@ -1,4 +1,4 @@
-// A UDP socket that never waits: bound to receive, or connected to send.
+// A non-blocking UDP socket, bound to receive or connected to send.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,11 @@
 
 namespace cosplat {
 
-// "udp://HOST:PORT" and its like, taken apart.
+// The parts of "udp://HOST:PORT" and similar addresses.
 struct DriveAddress {
-  std::string drive;   // as given, for errors
+  std::string drive;   // the whole text, for errors
   std::string scheme;  // "udp"
-  std::string host;    // a name or address, IPv6 without brackets; loopback where none was given
+  std::string host;    // a name or address, IPv6 without brackets; loopback if omitted
   int port = 0;        // 0 to 65535
   std::string query;   // after the first '?'; "" if there is none
 };
@@ -23,18 +23,20 @@ std::string HostAndPort(const std::string& host, int port);
 
 class UdpSocket {
  public:
-  // Port 0 lets the system choose. Both throw Error naming the drive.
+  // Port 0 lets the operating system choose. Both throw Error naming the drive.
   static UdpSocket Listen(const DriveAddress& address);
   static UdpSocket ConnectTo(const DriveAddress& address);
   ~UdpSocket();
   UdpSocket(UdpSocket&& other) noexcept;
   UdpSocket& operator=(UdpSocket&&) = delete;
 
-  // The next datagram's size, which may exceed `capacity` (it is cut off then); -1: there is none.
+  // Returns the size of the next datagram, or -1 if there is none. A datagram larger than
+  // `capacity` is truncated.
   long Receive(char* buffer, size_t capacity);
-  // False when it was not handed on, such as while nobody listens: datagrams may get lost anyway.
+  // Returns false when the packet was not sent, for example because nobody listens. Even if it
+  // returns true, the datagram may get lost.
   bool Send(const std::string& packet);
-  // Where it receives, with the port that the system chose: "127.0.0.1:9500".
+  // The address that it receives on, with the actual port: "127.0.0.1:9500".
   std::string LocalAddress() const;
 
  private:

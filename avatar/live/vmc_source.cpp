@@ -11,26 +11,26 @@ namespace {
 
 using math::AxisAngle;
 
-// Of one poll: four frames that come as a datagram per blendshape and bone.
+// Per poll: about four frames of a sender with one datagram per blendshape and bone.
 constexpr size_t kMaxPackets = 512;
 
 constexpr std::string_view kValue = "/VMC/Ext/Blend/Val";
 constexpr std::string_view kApply = "/VMC/Ext/Blend/Apply";
 constexpr std::string_view kBone = "/VMC/Ext/Bone/Pos";
 
-// What was sent last; a frame is a copy of it.
+// The last values received; a frame is a copy of it.
 struct VmcState {
   BlendshapeWeights weights{};
   AxisAngle neck{}, head{};
 };
 
-// Of a bone's message: name, three of position, then x, y, z, w.
+// A bone's message contains its name, a position (3 numbers), and a quaternion as x, y, z, w.
 math::Quat<float> BoneRotation(const OscMessage& message) {
   const auto number = [&](size_t i) { return float(message.arguments[i].number); };
   return {number(7), number(4), number(5), number(6)};
 }
 
-// What is wrong with a message that is looked at, or "".
+// Returns what is wrong with a message, or "". Messages that are not used are not checked.
 std::string ProblemOf(const OscMessage& message) {
   const bool bone = message.address == kBone;
   if (!bone && message.address != kValue) return "";
@@ -47,13 +47,14 @@ std::string ProblemOf(const OscMessage& message) {
   return std::string(message.address) + ": its rotation is no unit quaternion";
 }
 
-// Unity's axes are left-handed, x to the subject's right; FLAME's x goes to the left: mirrored.
+// Unity's axes are left-handed with x to the subject's right, FLAME's x points to the subject's
+// left: the rotation is mirrored.
 AxisAngle FlameTurn(const OscMessage& message) {
   const math::Quat<float> q = math::Normalize(BoneRotation(message));
   return math::AxisAngleOf(math::ShorterWay(math::Quat<float>{q.w, q.x, -q.y, -q.z}));
 }
 
-// True for the message that ends a frame.
+// Stores a message's value; returns true for the message that ends a frame.
 bool Take(const OscMessage& message, VmcState& state) {
   if (message.address == kValue) {
     const int blendshape = FindArkitBlendshape(message.arguments[0].text);
@@ -93,7 +94,7 @@ class VmcSource : public LiveSource {
   std::string Description() const override { return input_->Description(); }
 
  private:
-  // All of a packet's messages or, where one is bad, none.
+  // Applies all messages of a packet or, if one is bad, none.
   void TakePacket(const std::string& packet) {
     std::string problem = ParseOsc(packet, messages_);
     for (size_t i = 0; problem.empty() && i < messages_.size(); ++i)
@@ -115,8 +116,8 @@ class VmcSource : public LiveSource {
   FlameParams rest_;
   NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;
-  VmcState state_, frame_;  // as sent so far; as the last frame ended
-  uint64_t applied_ = 0;    // frames that have ended
+  VmcState state_, frame_;  // current values; values at the end of the last frame
+  uint64_t applied_ = 0;    // number of complete frames
   LiveCounts counts_;
 };
 

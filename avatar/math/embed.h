@@ -3,14 +3,15 @@
 // posed vertices' positions, normals, rotations, areas (avatar/surface/binding.h) and a Gaussian's
 // (delta_u, delta_v, d), local rotation and scale -> the Gaussian in the posed frame's world.
 //
-//   b  = (u + du, v + dv, 1 - u - v - du - dv)          w  = b with its negative parts cut off
+//   b  = (u + du, v + dv, 1 - u - v - du - dv)          w  = positive part of b, sum 1
 //   mu = sum b_i v_i + d * norm(sum b_i N_i)            q  = norm(sum +-w_i q_i)
 //   rotation = q (x) q_local                            log s = log s_local + log(A / A0) / 2
 //
-// Embedding after SplattingAvatar (Shao et al. 2024), equations 1 to 4. Ours: quaternions are
-// aligned to one hemisphere before they are blended; the scale follows the square root of the area
-// ratio, clamped, with areas averaged at the vertices so that nothing jumps at an edge. What may
-// not be extrapolated beyond the triangle (rotation, area) is taken at w, the positive part of b.
+// Embedding after SplattingAvatar (Shao et al. 2024), equations 1 to 4. This project differs in
+// that quaternions are aligned to one hemisphere before they are blended, and that the scale
+// follows the square root of the area ratio, clamped, with areas averaged at the vertices so that
+// nothing jumps at an edge. Quantities that must not be extrapolated beyond the triangle (rotation,
+// area) are evaluated at w, the positive part of b.
 #if defined(COSPLAT_AVATAR_MATH_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_MATH_EMBED_H_
 #undef COSPLAT_AVATAR_MATH_EMBED_H_
@@ -22,8 +23,8 @@
 
 COSPLAT_MATH_BEGIN
 
-// Bounds of A / A0: a Gaussian shrinks and grows at most four times (issue of the inverse scale
-// blow-up in the released SplattingAvatar, which had no bound).
+// Bounds of A / A0: a Gaussian shrinks or grows at most four times. The released SplattingAvatar
+// has no bound, and its scales blow up where triangles shrink (avatar/math/released.h).
 constexpr float kMinAreaRatio = 1.0f / 16;
 constexpr float kMaxAreaRatio = 16.0f;
 
@@ -67,7 +68,7 @@ COSPLAT_HD Three<T> BarycentricOf(const EmbeddedGaussian<T>& g) {
   return {{u, v, T(1) - u - v}};
 }
 
-// Negative weights cut to zero, the sum back to 1. The identity inside the triangle.
+// Sets negative weights to zero and renormalises the sum to 1. The identity inside the triangle.
 template <class T>
 COSPLAT_HD Three<T> PositivePart(const Three<T>& b) {
   const Three<T> m{{Max(b[0], T(0)), Max(b[1], T(0)), Max(b[2], T(0))}};
@@ -84,9 +85,10 @@ COSPLAT_HD Three<T> PositivePartVjp(const Three<T>& b, const Three<T>& d) {
   return d_b;
 }
 
-// Signs that bring the three quaternions into the hemisphere of the one with the largest weight.
-// At an edge that is one of the edge's own, so that both triangles beside it agree; and the blend
-// cannot cancel: its part along the largest is at least that weight, a third.
+// Signs that bring the three quaternions into the hemisphere of the one with the largest weight. At
+// an edge this is one of the edge's endpoints, so that both adjacent triangles agree. The blend
+// cannot cancel: its component along that quaternion is at least the largest weight, hence at least
+// a third.
 template <class T>
 COSPLAT_HD Three<T> BlendSigns(const Three<Quat<T>>& q, const Three<T>& w) {
   const T d01 = HemisphereSign(q[0], q[1]);
@@ -103,7 +105,7 @@ template <class T>
 COSPLAT_HD Quat<T> SignedSum(const Three<Quat<T>>& q, const Three<T>& s, const Three<T>& w) {
   return q[0] * (s[0] * w[0]) + q[1] * (s[1] * w[1]) + q[2] * (s[2] * w[2]);
 }
-// w: non-negative, summing to 1.
+// w must be non-negative and sum to 1.
 template <class T>
 COSPLAT_HD Quat<T> BlendRotations(const Three<Quat<T>>& q, const Three<T>& w) {
   return Normalize(SignedSum(q, BlendSigns(q, w), w));
@@ -123,7 +125,7 @@ COSPLAT_HD void BlendRotationsVjp(const Three<Quat<T>>& q,
   }
 }
 
-// log of the isotropic scale by which a surface element has grown: log(clamp(A / A0)) / 2; 0 where
+// Log of the isotropic scale by which a surface element has grown: log(clamp(A / A0)) / 2; 0 where
 // the canonical area is zero.
 template <class T>
 COSPLAT_HD T ScaleShift(const T& area, const T& canonical) {
@@ -169,7 +171,7 @@ COSPLAT_HD PosedGaussian<T> Embed(const Three<SurfaceVertex<T>>& v,
           q};
 }
 
-// Of Embed: writes d_offset, d_rotation and d_scale_log of `d_g`; adds to `d_v` unless it is null.
+// Derivative of Embed: overwrites d_g, with zero for the barycentrics; adds to `d_v` unless null.
 template <class T>
 COSPLAT_HD void EmbedVjp(const Three<SurfaceVertex<T>>& v,
                          const Three<T>& canonical_area,

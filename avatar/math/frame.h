@@ -1,8 +1,8 @@
 // A triangle's area, its frame, and the rotation that carries its canonical frame to the posed one.
 //
 // posed vertices -> per-face area vector and quaternion -> averaged to vertices by
-// avatar/surface/packs.cpp. Face frame as in SplattingAvatar (Shao et al. 2024),
-// section 3.1: e along the first edge, n the normal, n x e.
+// avatar/surface/kernels/surface.h. Face frame as in SplattingAvatar (Shao et al. 2024), section
+// 3.1: e along the first edge, n x e, and the normal n.
 #if defined(COSPLAT_AVATAR_MATH_FRAME_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_MATH_FRAME_H_
 #undef COSPLAT_AVATAR_MATH_FRAME_H_
@@ -26,7 +26,7 @@ COSPLAT_HD Vec3<T> LengthVjp(const Vec3<T>& v, const T& d) {
   return Normalize(v) * d;
 }
 
-// Normal times area, counter-clockwise outside.
+// Normal times area; counter-clockwise faces point outwards.
 template <class T>
 COSPLAT_HD Vec3<T> AreaVector(const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
   return Cross(v1 - v0, v2 - v0) * T(0.5f);
@@ -52,8 +52,8 @@ COSPLAT_HD Mat3<T> MatrixOfColumns(const Vec3<T>& a, const Vec3<T>& b, const Vec
   return {{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}};
 }
 
-// Columns e = norm(v1 - v0), n x e, n = norm(e x (v2 - v0)): a rotation matrix. Columns of a
-// collapsed triangle are zero; its area, the weight it is used with, is zero too.
+// Columns e = norm(v1 - v0), n x e, n = norm(e x (v2 - v0)): a rotation matrix. A collapsed
+// triangle gives zero columns; the area by which it is weighted is zero too.
 template <class T>
 COSPLAT_HD Mat3<T> FaceFrame(const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
   const Vec3<T> e = Normalize(v1 - v0);
@@ -83,9 +83,8 @@ COSPLAT_HD void FaceFrameVjp(const Vec3<T>& v0,
   d_v0 += -(d_a + d_b);
 }
 
-// One row of 4 q q^T, which is linear in R(q). The row of the largest diagonal entry has norm at
-// least 2 for every rotation, so that normalising it is stable for all of them. Row 0 belongs to w,
-// 1 to x, 2 to y, 3 to z.
+// The rows of 4 q q^T, which is linear in R(q). For every rotation the row of the largest diagonal
+// entry has norm at least 2, so that normalising it is stable. Rows 0 to 3 belong to w, x, y, z.
 template <class T>
 struct QuatRows {
   Quat<T> row[4];
@@ -99,7 +98,7 @@ struct QuatRows {
     row[2] = {wy, xy, one - m(0, 0) + m(1, 1) - m(2, 2), yz};
     row[3] = {wz, xz, yz, one - m(0, 0) - m(1, 1) + m(2, 2)};
   }
-  // The value given for the row of the largest diagonal entry; of equal ones the first.
+  // Selects the argument for the row of the largest diagonal entry; the first of equal ones.
   COSPLAT_HD T OfLargest(const T& w, const T& x, const T& y, const T& z) const {
     const T &ww = row[0].w, &xx = row[1].x, &yy = row[2].y, &zz = row[3].z;
     return Select(
@@ -118,7 +117,7 @@ template <class T>
 COSPLAT_HD Quat<T> QuatOfRotation(const Mat3<T>& m) {
   return Normalize(QuatRows<T>(m).Largest());
 }
-// m taken as nine free numbers.
+// The entries of m are treated as nine independent numbers.
 template <class T>
 COSPLAT_HD Mat3<T> QuatOfRotationVjp(const Mat3<T>& m, const Quat<T>& d) {
   const QuatRows<T> rows(m);
@@ -132,7 +131,7 @@ COSPLAT_HD Mat3<T> QuatOfRotationVjp(const Mat3<T>& m, const Quat<T>& d) {
   return d_m;
 }
 
-// Rotation of a face from its canonical frame to the posed triangle.
+// The rotation of a face from its canonical frame to the posed triangle.
 template <class T>
 COSPLAT_HD Quat<T> FaceRotation(const Vec3<T>& v0,
                                 const Vec3<T>& v1,

@@ -1,13 +1,13 @@
-// One Gaussian on its triangle as SplattingAvatar's code release places it, and the derivative:
-// what avatar/math/embed.h is for ours.
+// The embedding of one Gaussian on a triangle as SplattingAvatar's code release computes it, and
+// its derivative: the counterpart of avatar/math/embed.h.
 //
 // posed vertices with rotations that were summed unaligned, the face's areas and a Gaussian's
 // (delta_u, delta_v, d), local rotation and scale -> the Gaussian in the posed frame's world
 // (avatar/surface/binding.h).
 //
-//   b = (u, v, 1 - u - v)                du and dv have no part in it
+//   b = (u, v, 1 - u - v)                du and dv are not used
 //   mu = sum b_i v_i + d * norm(sum b_i N_i)
-//   rotation = q (x) q_local             q = norm(sum b_i q_i), signs as they come
+//   rotation = q (x) q_local             q = norm(sum b_i q_i), signs not aligned
 //   log s = alpha * log s_local          alpha and the unit of s: avatar/math/released.h
 #if defined(COSPLAT_AVATAR_MATH_RELEASED_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_MATH_RELEASED_EMBED_H_
@@ -49,7 +49,7 @@ COSPLAT_HD PosedGaussian<T> ReleasedEmbed(const Three<SurfaceVertex<T>>& v,
           ReleasedScale(g.scale_log, face.area, face.canonical_area, face.unit),
           q};
 }
-// Overwrites d_g. The mesh is held fixed: q and with it d.frame give nothing.
+// Overwrites d_g. The mesh is held fixed, so q and d.frame contribute nothing.
 template <class T>
 COSPLAT_HD void ReleasedEmbedVjp(const Three<SurfaceVertex<T>>& v,
                                  const ReleasedFace<T>& face,

@@ -1,7 +1,7 @@
-// Rotations as axis times angle (FLAME's joints), as quaternions, and the ones between two.
+// Conversion between axis-angle rotations (FLAME's joints) and quaternions, and interpolation.
 //
-// avatar/model/avatar_mesh.cpp and avatar/live/ blend poses by it. Shoemake 1985 (slerp). Nothing
-// here is trained, so nothing has a derivative.
+// Used by avatar/model/avatar_mesh.cpp and avatar/live/ to blend poses. Source: Shoemake 1985
+// (slerp). Nothing here is trained, so there are no derivatives.
 #pragma once
 
 #include <array>
@@ -19,17 +19,17 @@ inline Quat<float> QuatOfAxisAngle(const AxisAngle& r) {
   return {std::cos(angle / 2), r[0] * s, r[1] * s, r[2] * s};
 }
 
-// Of a unit quaternion; angles up to 2 pi.
+// q must be a unit quaternion. Angles are up to 2 pi.
 inline AxisAngle AxisAngleOf(const Quat<float>& q) {
   const float sine = std::hypot(q.x, q.y, q.z);
   const float s = sine > 1e-6f ? 2 * std::atan2(sine, q.w) / sine : 2.0f;
   return {q.x * s, q.y * s, q.z * s};
 }
 
-// Of two quaternions for the same rotation the one that turns by at most pi.
+// q or -q, which is the same rotation: the one that turns by at most pi.
 inline Quat<float> ShorterWay(const Quat<float>& q) { return q.w < 0 ? q * -1.0f : q; }
 
-// a turned by the share w of the shorter way from a to b: a at 0, b at 1.
+// Interpolates from a (w = 0) to b (w = 1) the shorter way.
 inline Quat<float> Between(const Quat<float>& a, const Quat<float>& b, float w) {
   AxisAngle turn = AxisAngleOf(ShorterWay(Multiply(b, Conjugate(a))));
   for (float& x : turn) x *= w;

@@ -17,14 +17,14 @@ using math::QuatOfAxisAngle;
 using math::Vec3;
 
 // The sheet, relative to the neck's opening and in units of the neck's mean radius: about 60 cm
-// across and 40 cm down on a grown head. Its exact shape matters little: Gaussians walk on it and
-// leave it along its normal.
+// across and 40 cm down for an adult. Its exact shape matters little, because Gaussians walk on it
+// and can move away from it along its normal.
 constexpr int kColumns = 40, kRows = 20;
 constexpr float kHalfWidth = 5.5f;  // of the shoulders
 constexpr float kHeight = 6.5f;     // from the collar down
-constexpr float kSlope = 1.6f;      // how far the shoulders' ends lie below the collar
-constexpr float kBulge = 1.8f;      // how far the chest stands out in front of its sides
-constexpr float kOverlap = 0.4f;    // how far the collar reaches up over the neck's rim
+constexpr float kSlope = 1.6f;      // distance of the shoulders' ends below the collar
+constexpr float kBulge = 1.8f;      // distance of the chest in front of its sides
+constexpr float kOverlap = 0.4f;    // height of the collar above the neck's rim
 
 struct NeckRim {
   Vec3<float> center{0, 0, 0};
@@ -78,7 +78,7 @@ CanonicalMesh HeadMesh(const FlameModel& flame,
   return mesh;
 }
 
-// The joint that FLAME turns about, at rest.
+// The position of FLAME's root joint at rest.
 Vec3<float> RootJoint(const FlameModel& flame,
                       const std::vector<float>& shape,
                       const std::vector<float>& static_offset) {
@@ -172,7 +172,7 @@ std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlamePa
 
 void PutOnRest(const FlameParams& rest, FlameParams& frame) {
   for (int k = 0; k < 3; ++k) frame.translation[k] += rest.translation[k];
-  if (rest.pose[0] == std::array<float, 3>{}) return;  // keeps the turn's very bits
+  if (rest.pose[0] == std::array<float, 3>{}) return;  // keeps the rotation bit-identical
   const Quat<float> turn = QuatOfAxisAngle(frame.pose[0]);
   frame.pose[0] = AxisAngleOf(math::Multiply(turn, QuatOfAxisAngle(rest.pose[0])));
 }

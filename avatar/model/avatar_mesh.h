@@ -1,10 +1,10 @@
-// The mesh that an avatar's Gaussians live on: FLAME's head and, where the subject needs it, a
-// bust.
+// The mesh that an avatar's Gaussians are embedded on: FLAME's head and, where the subject needs
+// it, a bust.
 //
 // FlameModel + shape -> MakeCanonicalMesh -> Surface; FlameParams -> AvatarPoser -> posed vertices
-// -> Surface::Pose. FLAME ends at the neck and turns as a whole with the head's root joint;
-// shoulders bound to it would swing with every nod (GaussianAvatars issue 97). The bust is a sheet
-// of its own that keeps still in the world.
+// -> Surface::Pose. FLAME ends at the neck and rotates as a whole with the head's root joint;
+// shoulders bound to it would swing with every nod (GaussianAvatars issue 97). The bust is a
+// separate sheet that stays fixed in the world.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@
 
 namespace cosplat {
 
-// The subject's shape at zero expression and pose, or as `frame` poses it; the bust's vertices and
-// faces come last.
+// The subject's shape at zero expression and pose or, if given, as `frame` poses it. The bust's
+// vertices and faces come last.
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
                                 const std::vector<float>& shape,
                                 const std::vector<float>& static_offset,
@@ -34,16 +34,16 @@ class AvatarPoser {
               const std::vector<float>& static_offset,
               const std::optional<Bust>& bust);
 
-  // The frame's parameters; expression coefficients beyond the model's are left out.
+  // Converts parameters; expression coefficients that the model does not have are ignored.
   Frame FrameFor(const FlameParams& params) const;
-  // The same, keeping the memory of `frame`.
+  // The same, reusing the memory of `frame`.
   void FrameFor(const FlameParams& params, Frame& frame) const;
-  // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite; nothing is
-  // written then. What did not change since the last call is not computed again.
+  // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite, without
+  // writing anything. Parts that have not changed since the last call are not recomputed.
   void Forward(const Frame& frame, std::vector<float>& vertices);
-  // Cheaper right after the Forward of the same frame.
+  // Cheaper right after Forward of the same frame.
   Frame Backward(const Frame& frame, View<const float> d_vertices);
-  // The head's part, and the bust's vertices, which are the same in every frame: [K, 3] metres.
+  // The head's poser, and the bust's vertices, which are the same in every frame: [K, 3] metres.
   const FlamePoser<float>& flame() const { return poser_; }
   const std::vector<float>& bust() const { return posed_bust_; }
   size_t vertex_count() const { return flame_vertices_ + posed_bust_.size() / 3; }
@@ -58,22 +58,22 @@ class AvatarPoser {
 // The frames' mean root rotation and translation, everything else zero.
 FlameParams MeanRoot(const std::vector<FlameParams>& frames);
 
-// Somebody else's motion for this avatar: the frames' root turns and moves about `rest` as it did
-// about its own mean; expression, neck, jaw and eyes stay. rest: the avatar's mean root.
+// Transfers another subject's motion: the frames' root moves about `rest` as it did about its own
+// mean; expression, neck, jaw and eyes are kept. rest: the avatar's root at rest.
 std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest);
 
-// A root that is counted from the avatar's rest, on that rest: its turn comes after the rest's, its
-// translation is added.
+// Turns a root relative to the avatar's rest into an absolute one: its rotation is applied after
+// that of `rest`, its translation is added.
 void PutOnRest(const FlameParams& rest, FlameParams& frame);
 
-// Where the bust stands: the frames' mean root transform.
+// The placement of the bust: the frames' mean root transform.
 Bust MeanBust(const FlameModel& flame,
               const std::vector<float>& shape,
               const std::vector<float>& static_offset,
               const std::vector<FlameParams>& frames);
 
-// Where the head sits when nothing drives it, as root pose and translation: on its bust (the
-// inverse of MeanBust); without one, where the canonical mesh has it.
+// Root pose and translation of the head when nothing drives it: on its bust (the inverse of
+// MeanBust) or, without one, as in the canonical mesh.
 FlameParams RestRoot(const AvatarModel& avatar, const FlameModel& flame);
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
 // An avatar: Gaussians embedded on the triangles of a subject's FLAME mesh.
 //
-// trained by avatar/train/trainer.h, stored by avatar/io/avatar_file.h, played by
-// avatar/play/player.h.
+// avatar/train/trainer.h trains it, avatar/io/avatar_file.h stores it, avatar/play/player.h renders
+// it.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace cosplat {
 
-// Frame in which a Gaussian's colour sees the viewing direction.
+// The frame of the viewing direction in which a Gaussian's colour is evaluated.
 enum class ColorFrame {
-  kSurface,  // d_local = R(q)^T d, q the blended canonical-to-posed rotation at its place
+  kSurface,  // d_local = R(q)^T d, q the blended canonical-to-posed rotation at the Gaussian
   kWorld
 };
 
@@ -27,8 +27,8 @@ struct CanonicalMesh {
   std::vector<std::array<int32_t, 3>> faces;  // [F]
 };
 
-// What FLAME does not cover: shoulders and clothes. A sheet below the neck
-// (avatar/model/avatar_mesh.h) that stays where the subject sat on average instead of turning with
+// Shoulders and clothes, which FLAME does not cover: a sheet below the neck
+// (avatar/model/avatar_mesh.h) that stays at the subject's mean position instead of turning with
 // the head.
 struct Bust {
   // world_from_canonical: p = rotation * p_canonical + translation; metres.
@@ -36,34 +36,35 @@ struct Bust {
   std::array<float, 3> translation{};
 };
 
-// SplattingAvatar's way of following the mesh as its code was released (avatar/math/released.h).
+// Follows the mesh by the rule of SplattingAvatar's code release (avatar/math/released.h).
 struct ReleasedRule {
   float unit = 0.25f;  // metres per unit of a FLAME mesh enlarged four times (MeshUnit)
 };
 
-// Where on the mesh each Gaussian is: what is per Gaussian beside `Gaussians`; and how it follows.
+// Where each Gaussian is on the mesh, and the rule by which it follows the mesh.
 struct Embedding {
   Buffer<int32_t> triangle;  // [N] face index
-  // [N] (u, v): weights of vertices 0 and 1; 1-u-v of 2
+  // [N] (u, v): weights of vertices 0 and 1; that of vertex 2 is 1 - u - v
   Buffer<std::array<float, 2>> barycentric;
-  std::optional<ReleasedRule> released{};  // nothing: avatar/math/embed.h
+  std::optional<ReleasedRule> released{};  // if not set: avatar/math/embed.h
 
-  // `barycentric` as [N, 2] numbers.
+  // `barycentric` as an array [N, 2].
   float* barycentric_data() { return reinterpret_cast<float*>(barycentric.data()); }
   const float* barycentric_data() const {
     return reinterpret_cast<const float*>(barycentric.data());
   }
 };
 
-// The faces that training frames made: beyond them an avatar was never seen.
+// The range of the training frames' parameters; the avatar was never seen beyond it.
 struct TrainedRange {
   std::vector<float> expression_least, expression_most;  // [E] each
-  std::array<float, kFlameJoints> angle{};               // radians, the largest of each joint
+  std::array<float, kFlameJoints> angle{};               // radians, the largest per joint
 };
 
 struct AvatarModel {
   CanonicalMesh mesh;
-  // What `mesh` is posed by where it is not at rest: expression, pose and translation alone count.
+  // The frame that `mesh` is posed by, if it is not at rest; only expression, pose and translation
+  // are used.
   std::optional<FlameParams> canonical_frame;
   Embedding embedding;
   // kPosition: [N, 3] (delta_u, delta_v, d): offsets from `embedding.barycentric`, d along the
@@ -71,23 +72,22 @@ struct AvatarModel {
   // rotation q and the area ratio are applied.
   Gaussians gaussians;
   ColorFrame color_frame = ColorFrame::kSurface;
-  std::optional<Bust> bust;  // `mesh` ends with its sheet where there is one
+  std::optional<Bust> bust;  // if set, `mesh` ends with its sheet
 
-  // The FLAME model it was trained with: never embedded unless its licence allows.
+  // The FLAME model it was trained with. Its data is not embedded unless the licence allows it.
   std::string flame_name;
   std::string flame_sha256;
   std::vector<float> shape;                  // the subject's coefficients
   std::vector<float> static_offset;          // [V, 3] metres, or empty
-  std::array<float, 3> background{1, 1, 1};  // sRGB that it was evaluated on
+  std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation
   std::optional<TrainedRange> trained_range;
 
   size_t size() const { return gaussians.size(); }
 };
 
-// The range of faces in a training track: recorded in the avatar file, so that a player can bring
-// what the avatar was never seen doing back to it (avatar/live/soft_range.h).
-
-// Missing coefficients count as zero. Joints by the shorter way round.
+// The range of a training track. It is stored in the avatar file, so that live faces can be limited
+// to it (avatar/live/soft_range.h). Missing coefficients count as zero; joint angles are those of
+// the shorter rotation.
 TrainedRange RangeOf(const std::vector<FlameParams>& frames);
 
 }  // namespace cosplat

@@ -14,7 +14,7 @@ AvatarRenderer::AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
       surface_(avatar.mesh, images_.stream()) {
   gaussians_.Upload(avatar.gaussians, images_.stream());
   UploadEmbedding(avatar.embedding, embedding_, images_.stream());
-  images_.stream().Wait();  // for the avatar's memory
+  images_.stream().Wait();  // the avatar may be freed after this call
 }
 
 void AvatarRenderer::Draw(const FlameRig<float>& rig,

@@ -1,8 +1,7 @@
-// Draws an avatar for a Player where that is not the CPU: everything but the joints stays on the
-// device.
+// Renders an avatar on a device for a Player: everything except posing the joints is done there.
 //
 // Player: parameters -> FlameRig (joints posed, on the CPU) -> AvatarRenderer: vertices, surface,
-// binding, rasteriser -> image. avatar/play/avatar_renderer.h chooses.
+// binding, rasteriser -> image.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +18,25 @@ namespace cosplat {
 
 class AvatarRenderer {
  public:
-  // Arrays of the avatar fit each other (CheckEmbedding); it need not outlive the call. Of its
-  // posing FLAME's directions do, at the same place: renderers may share what `store` has of them.
-  // Throws Error where the avatar has the released rule, or the device has no room.
+  // The avatar's arrays must be consistent (CheckEmbedding); the avatar need not outlive the call.
+  // FLAME's directions in `posing` must outlive the renderer, at the same address: renderers may
+  // share the copies in `store`. Throws Error if the avatar has the released rule or the device is
+  // out of memory.
   AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
                  const AvatarModel& avatar,
                  const AvatarPosing& posing,
                  DirectionStore& store);
 
-  // As Rasterizer::Forward, of the avatar in this pose, within float's range (PosingReach).
-  // `placement` is another one where the pose is; 0 is none.
+  // As Rasterizer::Forward, of the avatar in this pose, which must stay within float's range
+  // (PosingReach). placement: identifies the pose; the avatar is not posed again while it is
+  // unchanged and not 0.
   void Draw(const FlameRig<float>& rig,
             uint64_t placement,
             const Camera& camera,
             const RenderSettings& settings,
             RenderedImage& image);
-  // The same, but the image stays on the device; made where `out` is null, otherwise `out` is of
-  // this renderer. The background must be black but with AlphaMode::kOpaque.
+  // The same, but the image stays on the device. out: null to create an image, otherwise one made
+  // by this renderer. The background must be black except with AlphaMode::kOpaque.
   void DrawToStay(const FlameRig<float>& rig,
                   uint64_t placement,
                   const Camera& camera,
@@ -43,7 +44,7 @@ class AvatarRenderer {
                   AlphaMode alpha,
                   std::unique_ptr<DeviceImage>& out);
 
-  PhaseTimes times;  // project, sort, blend; the caller resets it
+  PhaseTimes times;  // project, sort, blend; reset by the caller
 
  private:
   void Place(const FlameRig<float>& rig, uint64_t placement);
@@ -56,17 +57,16 @@ class AvatarRenderer {
   Gaussians gaussians_;
   Embedding embedding_;
   PosedGaussians posed_;
-  uint64_t placed_ = 0;  // what posed_ is of
+  uint64_t placed_ = 0;  // the placement of posed_
 };
 
 using AvatarRendererMaker =
     std::function<std::unique_ptr<AvatarRenderer>(const AvatarModel&, const AvatarPosing&)>;
 
-// Who draws on a device for a Player.
-
-// For PlayerSettings; empty for the CPU. Players of the same FlameModel that get copies of one
-// share the model's directions there. Making a renderer throws Error for an avatar with the
-// released rule (avatar/surface/binding.h), which is the CPU's to draw.
+// For PlayerSettings: creates renderers on the device; empty for the CPU. Players of the same
+// FlameModel that use copies of one maker share the model's directions on the device. Creating a
+// renderer throws Error for an avatar with the released rule (avatar/surface/binding.h), which only
+// the CPU supports.
 AvatarRendererMaker AvatarRendererOn(Device device);
 
 }  // namespace cosplat

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kPixelsPerTask = 8192;
 
-// Row(y) for every row, some of them on each core.
+// Calls row(y) for every row, in parallel.
 template <class Row>
 void ForRows(const RenderedImage& image, const Row& row) {
   const size_t rows = std::max<size_t>(1, kPixelsPerTask / size_t(std::max(1, image.width)));

@@ -1,6 +1,6 @@
-// The renderer's planes as the pixels that hosts take: four bytes each, in memory of any layout.
+// Conversion of rendered images to four bytes per pixel, in memory of any layout.
 //
-// RenderedImage -> WriteImageBytes, WriteDepth -> rows of the caller's.
+// RenderedImage -> WriteImageBytes, WriteDepth -> the caller's rows.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,15 @@ struct PixelLayout {
   bool blue_first = false;  // BGRA, not RGBA
 };
 
-// Row y begins at pixels + y * stride (bytes, of either sign). Values are clamped to [0, 1] and
-// rounded, what is not a number is 0.
+// Row y begins at pixels + y * stride (in bytes, of either sign). Values are clamped to [0, 1] and
+// rounded; NaN becomes 0.
 void WriteImageBytes(const RenderedImage& image,
                      PixelLayout layout,
                      uint8_t* pixels,
                      ptrdiff_t stride);
 
-// Of an image over black whose colour is depth: the mean over what is seen in each pixel, infinity
-// where that is nothing. stride: bytes, a multiple of 4.
+// Writes the depth of an image over black whose colour is depth: the mean over the Gaussians seen
+// in each pixel, infinity where nothing is seen. stride: bytes, a multiple of 4.
 void WriteDepth(const RenderedImage& image, float* depth, ptrdiff_t stride);
 
 }  // namespace cosplat

@@ -20,7 +20,7 @@ std::exception_ptr Playback::Place(const PlaybackFrame& frame, size_t place) {
 }
 
 const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
-  // The same pose again needs no second place.
+  // A repeated pose does not have to be placed again.
   const bool same_pose = next && places_[waiting_place_].IsFor(next->params);
   const size_t next_place = same_pose ? waiting_place_ : 1 - waiting_place_;
   std::exception_ptr next_error, error = waiting_error_;
@@ -28,7 +28,7 @@ const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
   tbb::task_group group;
   if (next && !same_pose) group.run([&] { next_error = Place(*next, next_place); });
   if (waiting_ && !error) try {
-      // Isolated: while it waits for its tiles this thread must not take up the other frame.
+      // Isolated, so that this thread does not start on the other frame while it waits for tiles.
       tbb::this_task_arena::isolate([&] {
         image = &player_.Draw(places_[waiting_place_], waiting_->camera, waiting_->background);
       });

@@ -14,8 +14,8 @@
 namespace cosplat {
 namespace {
 
-// Bits, so that no rule of comparison (of zeros, of what is not a number) stands between an image
-// and the one that a new player would draw.
+// Compares bits, not values (-0 == 0, NaN != NaN), so that reused images are bit-identical to those
+// of a new player.
 bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() &&
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
@@ -29,7 +29,7 @@ bool SameBits(const T& a, const T& b) {
 void SortAvatar(AvatarModel& avatar) {
   const size_t n = avatar.size();
   if (avatar.embedding.triangle.size() != n || avatar.embedding.barycentric.size() != n)
-    return;  // Bind says so
+    return;  // Bind throws in this case
   const std::vector<uint32_t> order = SortByDegree(avatar.gaussians);
   if (order.empty()) return;
   const Embedding before = avatar.embedding;
@@ -81,7 +81,7 @@ void Player::Place(const FlameParams& params, PlacedAvatar& out) {
 }
 
 void Player::PoseAndBind(PlacedAvatar& placed) {
-  poser_.Forward(frame_, placed.vertices_);  // refuses before it writes
+  poser_.Forward(frame_, placed.vertices_);  // throws before it writes
   placed.id_ = 0;
   BindInto(placed);
 }

@@ -7,14 +7,15 @@
 namespace cosplat {
 namespace {
 
-// A pixel's centre lies a quarter of a wide pixel from the nearest wide centre.
+// The centre of a full-resolution pixel lies a quarter of a half-resolution pixel from the nearest
+// half-resolution centre.
 constexpr float kQuarter = 0.25f;
 
-// `near` + a quarter of the way to `other`: exactly `near` where both are equal.
+// A quarter of the way from `near` to `other`; exactly `near` if both are equal.
 float Between(float near, float other) { return near + kQuarter * (other - near); }
 
-// One row: `near` and `other` are the wide rows on both sides of it, `half_width` long. `blended`:
-// scratch of half_width + 2 numbers.
+// Computes one row. near, other: the half-resolution rows on both sides of it, half_width long.
+// blended: scratch memory for half_width + 2 numbers.
 void EnlargeRow(
     const float* near, const float* other, int half_width, int width, float* blended, float* out) {
   for (int i = 0; i < half_width; ++i) blended[i + 1] = Between(near[i], other[i]);

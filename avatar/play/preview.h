@@ -1,7 +1,7 @@
-// Half-resolution preview: a quarter of the pixels drawn, the image enlarged to the asked size.
+// Half-resolution preview: renders a quarter of the pixels and enlarges the image to full size.
 //
-// Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> image. For looking around while
-// something faster than the image is wanted; what it costs is in docs/decisions.md.
+// Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> image. For interactive viewing when the
+// full image is too slow; the loss of quality is measured in docs/decisions.md.
 #pragma once
 
 #include "splat/base/camera.h"
@@ -9,14 +9,14 @@
 
 namespace cosplat {
 
-// The same view with pixels twice as wide and high: sides rounded up, intrinsics exactly halved, so
-// that pixel (x, y) covers pixels 2x, 2x + 1 by 2y, 2y + 1 of `camera`. The last column and row of
-// an odd side reach half a pixel beyond it.
+// The same view with pixels twice as wide and high: sides are rounded up and intrinsics exactly
+// halved, so that pixel (x, y) covers pixels 2x, 2x + 1 by 2y, 2y + 1 of `camera`. If a side is
+// odd, the last column or row reaches half a pixel beyond it.
 Camera HalfResolution(const Camera& camera);
 
-// Colour and transmittance of `half`, drawn through HalfResolution of a camera with `width` x
-// `height` pixels, at that size: bilinear between the centres of its pixels, the outermost repeated
-// beyond them. A flat image stays exactly as it is. Same bits for any number of threads.
+// Enlarges colour and transmittance of `half`, rendered with HalfResolution of a camera of `width`
+// x `height` pixels, to that size: bilinear between pixel centres, repeating the outermost pixels
+// beyond them. A constant image is preserved exactly. Bit-identical for any number of threads.
 void EnlargeTwice(const RenderedImage& half, int width, int height, RenderedImage& out);
 
 }  // namespace cosplat

@@ -15,7 +15,7 @@ std::shared_ptr<const PosingDirections> DirectionStore::Get(const PosingArrays<f
   const auto directions = std::make_shared<PosingDirections>();
   directions->expression.Upload(flame.expression_directions, flame.expression_count * rows, stream);
   directions->pose.Upload(flame.pose_directions, kFlamePoseFeatures * rows, stream);
-  // Others read them in streams of their own.
+  // Other renderers read the directions in their own streams.
   stream.Wait();
   known = directions;
   return directions;

@@ -1,7 +1,7 @@
-// Posing in a stream's memory, for playback: a frame after its joints -> posed vertices, by
+// Posing in a stream's memory, for playback: a frame whose joints are posed -> posed vertices, by
 // FlamePoser's formulas (flame/kernels/pose.h).
 //
-// Player -> FlameRig (some hundred numbers, which go to the device) -> RigPoser -> Surface.
+// Player -> FlameRig (a few hundred numbers, sent to the device) -> RigPoser -> Surface.
 #pragma once
 
 #include <map>
@@ -13,44 +13,45 @@
 
 namespace cosplat {
 
-// What an avatar's vertices are posed from: FLAME's head, then the bust, which keeps still.
+// The data from which an avatar's vertices are posed: FLAME's head and the bust, which is fixed.
 struct AvatarPosing {
   PosingArrays<float> flame;
   View<const float> bust;  // [K, 3] metres, posed
 };
 
-// A model's directions: most of what posing reads. 8 MB of FLAME's with 100 expressions.
+// A model's blend shape directions, most of the data that posing reads: 8 MB for FLAME with 100
+// expressions.
 struct PosingDirections {
   Buffer<float> expression, pose;
 };
 
-// Directions of models, each once for all avatars that are posed by the same FlameModel. Its calls
-// may come from several threads.
+// Shares one copy of a model's directions among all avatars posed by the same FlameModel.
+// Thread-safe.
 class DirectionStore {
  public:
-  // Copies them where nobody has them. The model must not go before what is returned.
+  // Returns the shared copy, creating it if there is none. The model must outlive it.
   std::shared_ptr<const PosingDirections> Get(const PosingArrays<float>& flame, Stream& stream);
 
  private:
   std::mutex mutex_;
-  // By where the host has them, which is their model's own place as long as somebody poses by it.
+  // By host address, which is unique to a model while a copy of its directions exists.
   std::map<const float*, std::weak_ptr<const PosingDirections>> known_;
 };
 
 class RigPoser {
  public:
-  // Copies the subject's own arrays; waits for the stream.
+  // Copies the subject's own arrays and waits for the stream.
   RigPoser(const AvatarPosing& posing, DirectionStore& store, Stream& stream);
 
-  // [vertex_count, 3] metres, in the stream's memory, until the next call. `rig` must stay until
-  // the stream has been waited for.
+  // Returns [vertex_count, 3] metres in the stream's memory, valid until the next call. `rig` must
+  // stay unchanged until the stream has been waited for.
   const Buffer<float>& Pose(const FlameRig<float>& rig, Stream& stream);
   size_t vertex_count() const { return vertices_.size() / 3; }
 
  private:
   std::shared_ptr<const PosingDirections> directions_;
   Buffer<float> shaped_, weights_, unskinned_;
-  Buffer<float> vertices_;  // the bust's last, put there once
+  Buffer<float> vertices_;  // the bust's come last and are written once
   Buffer<DirectionTerm<float>> terms_;
   PosingArrays<float> arrays_;  // in the stream's memory
 };

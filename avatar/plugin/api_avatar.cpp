@@ -1,4 +1,4 @@
-// cosplat.h: versions, texts, opening, closing, what an avatar is.
+// cosplat.h: versions, texts, opening and closing, properties of an avatar.
 #include <array>
 #include <string>
 #include <string_view>
@@ -6,7 +6,7 @@
 #include "avatar/plugin/boundary.h"
 #include "avatar/plugin/struct_size.h"
 
-using namespace cosplat::plugin;  // NOLINT: this file is the outside of that namespace
+using namespace cosplat::plugin;  // NOLINT: the C interface lies outside that namespace
 
 namespace {
 
@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::string_view, COSPLAT_JOINT_COUNT> kJointNames = {
     "root", "neck", "jaw", "left_eye", "right_eye"};
 
-// By the number of the status.
+// Indexed by status.
 constexpr std::array<const char*, 13> kStatusTexts = {"ok",
                                                       "bad argument",
                                                       "not an open avatar",

@@ -1,8 +1,8 @@
-// cosplat.h: parameters, camera, picture; time, drives, the rule for bad frames.
+// cosplat.h: parameters, camera, rendering; time, drives, the policy for bad frames.
 #include "avatar/plugin/boundary.h"
 #include "avatar/plugin/struct_size.h"
 
-using namespace cosplat::plugin;  // NOLINT: this file is the outside of that namespace
+using namespace cosplat::plugin;  // NOLINT: the C interface lies outside that namespace
 
 cosplat_status cosplat_set_parameters(cosplat_avatar* avatar,
                                       const cosplat_parameters* parameters) {

@@ -1,4 +1,5 @@
-// The edge of the library: what runs inside one function of cosplat.h, and how it ends.
+// The library's boundary: runs the body of a function of cosplat.h and turns exceptions into a
+// status.
 #pragma once
 
 #include <new>
@@ -9,13 +10,14 @@
 
 namespace cosplat::plugin {
 
-// Keeps the text for cosplat_last_error of this thread and, unless null, of the instance.
+// Stores the text for cosplat_last_error, for this thread and, unless null, for the instance.
 cosplat_status Fail(cosplat_status status, const char* text, Instance* instance) noexcept;
 
-// Of this thread; "" before the first failure.
+// The last error text of this thread; "" before the first failure.
 const char* LastErrorOfThread() noexcept;
 
-// body(); its exceptions become a status and a text. error_status: of Error that has no status.
+// Calls body() and turns its exceptions into a status and a text. error_status: the status for an
+// Error that carries none.
 template <class Body>
 cosplat_status Guard(Instance* instance, cosplat_status error_status, const Body& body) noexcept {
   try {
@@ -36,11 +38,11 @@ cosplat_status Guard(Instance* instance, cosplat_status error_status, const Body
   }
 }
 
-// The avatar, for this thread alone until it calls Leave. Throws CodedError when the handle is
-// wrong or in use.
+// The avatar, locked for this thread until it calls Leave. Throws CodedError when the handle is
+// invalid or in use.
 std::shared_ptr<Instance> Enter(cosplat_avatar* avatar);
 
-// body(instance), for the functions that take a handle.
+// Guard and Enter for the functions that take a handle: calls body(instance).
 template <class Body>
 cosplat_status WithAvatar(cosplat_avatar* avatar, const Body& body) noexcept {
   std::shared_ptr<Instance> instance;

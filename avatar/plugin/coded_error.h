@@ -1,4 +1,4 @@
-// What goes wrong inside the plug-in, with the status that its caller gets.
+// An error inside the plug-in, with the status that cosplat.h returns for it.
 #pragma once
 
 #include <string>

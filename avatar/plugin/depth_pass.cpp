@@ -11,7 +11,7 @@ const RenderedImage& DepthPass::Draw(const AvatarModel& avatar,
                                      const Camera& camera) {
   const Buffer<float>& position = posed.position;
   const float* r = &camera.rotation[6];
-  // colour = 1/2 + K0 dc (splat/math/dcsh.h)
+  // Inverts colour = 1/2 + K0 dc (splat/math/dcsh.h).
   const float scale = 1 / BasisConstants(Basis::kSh)[0];
   color_dc_.resize(position.size());
   for (size_t i = 0; i < position.size(); i += 3) {
@@ -20,7 +20,7 @@ const RenderedImage& DepthPass::Draw(const AvatarModel& avatar,
     for (size_t c = 0; c < 3; ++c) color_dc_[i + c] = (depth - 0.5f) * scale;
   }
   WorldGaussians view =
-      PosedView(avatar.gaussians, posed, ColorFrame::kWorld);  // a depth has no frame
+      PosedView(avatar.gaussians, posed, ColorFrame::kWorld);  // depths do not depend on direction
   view.color_dc = color_dc_.data();
   view.color_rest = nullptr;
   view.rest_width = 0;

@@ -1,8 +1,9 @@
-// How far away what a picture shows is.
+// Depth images.
 //
-// PosedGaussians + Camera -> DepthPass -> picture of depths -> WriteDepth
-// (avatar/play/image_bytes.h). The Gaussians are drawn a second time by the same renderer, their
-// depths for colours: each pixel then has the mean of the depths, weighted as its colours are.
+// PosedGaussians + Camera -> DepthPass -> image of depths -> WriteDepth
+// (avatar/play/image_bytes.h). The Gaussians are rendered a second time by the same renderer, with
+// their depths as colours: each pixel then has the mean of the depths, with the weights of its
+// colour.
 #pragma once
 
 #include <memory>
@@ -15,7 +16,7 @@ namespace cosplat::plugin {
 class DepthPass {
  public:
   DepthPass();
-  // `posed` by a player of `avatar`. The picture, over black, stays until the next call.
+  // posed: by a player of `avatar`. The returned image, over black, is valid until the next call.
   const RenderedImage& Draw(const AvatarModel& avatar,
                             const PosedGaussians& posed,
                             const Camera& camera);
@@ -23,7 +24,7 @@ class DepthPass {
  private:
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
-  Buffer<float> color_dc_;  // [N, 3] that makes the colour a depth
+  Buffer<float> color_dc_;  // [N, 3] coefficients whose colour is the depth
   RenderedImage image_;
 };
 

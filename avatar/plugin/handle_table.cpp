@@ -5,8 +5,9 @@
 namespace cosplat::plugin {
 namespace {
 
-// Any odd number maps the counts to handles one to one; this one, 2^64 divided by the golden ratio
-// (Knuth, TAOCP 6.4), spreads them so that small numbers and a host's addresses are not among them.
+// Multiplication by any odd number maps counts to handles one to one. This one, 2^64 divided by the
+// golden ratio (Knuth, TAOCP 6.4), spreads them, so that small numbers and a host's addresses are
+// not valid handles.
 constexpr uintptr_t kSpread = uintptr_t(0x9E3779B97F4A7C15u);
 
 uintptr_t KeyOf(cosplat_avatar* handle) { return reinterpret_cast<uintptr_t>(handle); }

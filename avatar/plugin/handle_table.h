@@ -1,5 +1,5 @@
-// Which avatars are open. A handle is a number that is never used twice, not a pointer: one that is
-// wrong, or was closed, is not found, and nothing is read through it.
+// The table of open avatars. A handle is a number that is never reused, not a pointer: an invalid
+// or closed one is not found and never dereferenced.
 #pragma once
 
 #include <memory>
@@ -10,11 +10,12 @@
 
 namespace cosplat::plugin {
 
-// For any thread.
+// Thread-safe.
 class HandleTable {
  public:
   cosplat_avatar* Add(std::shared_ptr<Instance> instance);
-  // Null when there is none. Who finds it keeps it, even if another thread closes it meanwhile.
+  // Null when there is none. The caller shares ownership, so that the instance survives another
+  // thread closing it.
   std::shared_ptr<Instance> Find(cosplat_avatar* handle);
   std::shared_ptr<Instance> Remove(cosplat_avatar* handle);
 
@@ -24,7 +25,8 @@ class HandleTable {
   std::unordered_map<uintptr_t, std::shared_ptr<Instance>> open_;
 };
 
-// The library's one table. It is never destroyed: a host's threads may still draw while it exits.
+// The library's only table. It is never destroyed: a host's threads may still render while the host
+// exits.
 HandleTable& Handles();
 
 }  // namespace cosplat::plugin

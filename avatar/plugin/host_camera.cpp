@@ -15,14 +15,14 @@ namespace {
 using math::Vec3;
 
 constexpr uint64_t kMaxPixels = uint64_t(1) << 26;
-// Beyond any lens and any room; far from where floats end.
+// Larger than needed for any lens and any room, and far within the range of floats.
 constexpr float kMaxCameraNumber = 1e7f;
 
-// The orbit's camera at zoom 1: a portrait lens (28 degrees across the shorter side) at the
-// distance where the head fills its share.
+// The orbit camera at zoom 1: a portrait lens (28 degrees across the shorter side) at the distance
+// where the head fills kHeadShare of that side.
 constexpr float kFocalPerSide = 2, kHeadShare = 0.7f;
-constexpr float kMaxElevation = 1.5f;  // short of the poles, where up is lost
-constexpr float kMaxAzimuth = 1000;    // far beyond a turn; a float still tells degrees apart
+constexpr float kMaxElevation = 1.5f;  // short of the poles, where the up direction is undefined
+constexpr float kMaxAzimuth = 1000;    // many turns, but floats still resolve single degrees
 constexpr float kMaxZoom = 100;
 
 void CheckBetween(float value, float least, float most, const char* field) {
@@ -99,7 +99,7 @@ Camera OrbitCamera(const OrbitTarget& target, uint32_t width, uint32_t height, c
   std::copy(target.rotation.begin(), target.rotation.end(), world_from_flame.m);
   const float sa = std::sin(orbit.azimuth), ca = std::cos(orbit.azimuth);
   const float se = std::sin(orbit.elevation), ce = std::cos(orbit.elevation);
-  // FLAME's y is up, its face looks along +z; the camera looks back at it.
+  // In FLAME, y is up and the face looks along +z; the camera looks back at it.
   const Vec3<float> back = world_from_flame * Vec3<float>{sa * ce, se, ca * ce};
   const Vec3<float> right = world_from_flame * Vec3<float>{ca, 0, -sa};
   const Vec3<float> down = world_from_flame * Vec3<float>{sa * se, -ce, ca * se};

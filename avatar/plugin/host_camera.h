@@ -1,4 +1,4 @@
-// Cameras of cosplat.h and of the renderer, and one that circles a head.
+// Conversion between the cameras of cosplat.h and of the renderer, and the orbit camera.
 #pragma once
 
 #include <array>
@@ -8,18 +8,18 @@
 
 namespace cosplat::plugin {
 
-// Throws CodedError unless both sides and the number of pixels are within what cosplat.h says.
+// Throws CodedError unless both sides and the number of pixels are within the limits of cosplat.h.
 void CheckSize(uint32_t width, uint32_t height, const char* name);
 
-// Throws CodedError naming the field when a number is not finite or out of its range, or the
-// rotation is none; makes it orthonormal.
+// Throws CodedError naming the field when a number is not finite or out of range, or the matrix is
+// no rotation. The returned rotation is orthonormal.
 Camera ToCamera(const cosplat_camera& given);
 cosplat_camera FromCamera(const Camera& camera);
 
-// What an orbit goes around: the resting head.
+// The centre of the orbit: the resting head.
 struct OrbitTarget {
   std::array<float, 3> center{};                             // world, metres
-  float extent = 0;                                          // metres across
+  float extent = 0;                                          // metres, its larger side
   std::array<float, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // world_from_flame, row-major
 };
 
@@ -28,7 +28,7 @@ struct Orbit {
   float zoom = 1;
 };
 
-// As cosplat_orbit_camera has it. Throws CodedError as CheckSize does, and on a number out of its
+// The camera of cosplat_orbit_camera. Throws CodedError as CheckSize does, and on a number out of
 // range.
 Camera OrbitCamera(const OrbitTarget& target, uint32_t width, uint32_t height, const Orbit& orbit);
 

@@ -21,7 +21,7 @@ struct Box {
   Point least{}, most{};
 };
 
-// Rows further apart than any picture needs: a stride that was never set.
+// Larger than any image needs: a larger stride means that it was not initialised.
 constexpr int64_t kMaxStride = int64_t(1) << 32;
 
 FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
@@ -65,7 +65,7 @@ void Extend(Box& box, const Point& p, bool first) {
   }
 }
 
-// rotation * p, or its transpose's.
+// rotation * p or, with `back`, its transpose times p.
 Point Turned(const std::array<float, 9>& rotation, const Point& p, bool back) {
   Point out{};
   for (size_t i = 0; i < 3; ++i)
@@ -78,7 +78,7 @@ OrbitTarget TargetOf(const std::vector<float>& vertices,
                      const Point& root_pose) {
   OrbitTarget target;
   target.rotation = flame_math::Rodrigues(root_pose);
-  Box box;  // in FLAME's axes; of the head alone, whose vertices come before the bust's
+  Box box;  // in FLAME's axes, of the head only, whose vertices come before those of the bust
   for (size_t v = 0; v < size_t(flame.vertex_count); ++v) {
     const Point p{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
     Extend(box, Turned(target.rotation, p, true), v == 0);
@@ -108,7 +108,8 @@ cosplat_info InfoOf(const AvatarModel& avatar,
   return info;
 }
 
-// The stride that is meant; throws where it is less than a row or no multiple of `step`.
+// Replaces 0 by the default stride. Throws if the stride is shorter than a row or not a multiple of
+// `step`.
 ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char* field) {
   const int64_t row = 4 * int64_t(width);
   if (stride == 0) return ptrdiff_t(row);
@@ -189,7 +190,7 @@ void Instance::Render(const cosplat_picture& picture) {
   std::array<float, 3> background{};
   if (picture.alpha == COSPLAT_ALPHA_OPAQUE) std::copy_n(picture.background, 3, background.begin());
 
-  // Everything is drawn before anything is written.
+  // Both images are rendered before anything is written, so that a failure writes nothing.
   player_.Place(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
   const RenderedImage& image = player_.Draw(placed_, camera, background);
   if (picture.depth) {

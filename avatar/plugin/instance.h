@@ -1,8 +1,7 @@
-// One open avatar of the plug-in: what a handle stands for. Not for two threads at once, except
-// where said.
+// One open avatar of the plug-in, which a handle refers to. Not thread-safe, except where noted.
 //
 // handle_table.h -> Instance -> Player, DepthPass -> the caller's memory. Throws CodedError, or
-// Error where the files are bad; api_*.cpp turn both into a status.
+// Error for bad files; boundary.h turns both into a status.
 #pragma once
 
 #include <array>
@@ -34,7 +33,7 @@ class Instance {
   std::optional<Camera>& camera() { return camera_; }
   const OrbitTarget& orbit_target() const { return orbit_target_; }
 
-  // change(LiveParameters&): a call of the host's that sets some. What is refused is counted.
+  // change(LiveParameters&) applies one cosplat_set_... call; refused parameters are counted.
   template <class Change>
   void ChangeParameters(const Change& change) {
     try {
@@ -50,11 +49,11 @@ class Instance {
   void Advance(int64_t now_ns) { face_.Advance(now_ns, parameters_); }
   void Render(const cosplat_picture& picture);
 
-  // True for one thread at a time, until it calls Leave. For any thread.
+  // Thread-safe. Returns true to one thread at a time, until that thread calls Leave.
   bool TryEnter() { return !busy_.exchange(true, std::memory_order_acquire); }
   void Leave() { busy_.store(false, std::memory_order_release); }
 
-  // Text of cosplat_last_error. Its last byte is always zero.
+  // Text of cosplat_last_error. The last byte is always zero.
   std::array<char, 512>& last_error() { return last_error_; }
 
  private:
@@ -67,7 +66,7 @@ class Instance {
   LiveFace face_;
   PlacedAvatar placed_;
   std::optional<Camera> camera_;
-  std::optional<DepthPass> depth_;  // once a depth was asked for
+  std::optional<DepthPass> depth_;  // created when a depth is first requested
   cosplat_info info_{};
   OrbitTarget orbit_target_;
   std::vector<std::string> expression_names_;

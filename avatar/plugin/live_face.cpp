@@ -11,7 +11,7 @@ static_assert(uint32_t(FaceState::kRest) == COSPLAT_FACE_REST &&
               uint32_t(FaceState::kDecaying) == COSPLAT_FACE_DECAYING &&
               uint32_t(FaceState::kReturning) == COSPLAT_FACE_RETURNING);
 
-// Beyond them a number is a mistake, and the arithmetic would suffer.
+// Numbers outside these limits are mistakes and would lose precision.
 constexpr float kMinSeconds = 1e-6f, kMaxSeconds = 1e6f;
 constexpr float kMinCutoff = 1e-3f, kMaxCutoff = 1e4f;
 constexpr float kMaxBeta = 1e4f;

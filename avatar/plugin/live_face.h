@@ -1,8 +1,8 @@
-// What a host's avatar does on its own in time: takes frames from a drive, and follows the rule for
+// The time-dependent part of an open avatar: takes frames from a drive and applies the policy for
 // bad ones.
 //
-// cosplat_set_... and LiveSource -> LiveFace -> FaceGuard -> Instance::Render. Before the first
-// Advance it has no say: the parameters that are set are drawn.
+// cosplat_set_... and LiveSource -> LiveFace -> FaceGuard -> Instance::Render. Has no effect before
+// the first Advance: until then the parameters that were set are rendered.
 #pragma once
 
 #include <memory>
@@ -17,24 +17,25 @@ namespace cosplat::plugin {
 
 class LiveFace {
  public:
-  // rest: with as many coefficients as the model has.
+  // rest: must have as many coefficients as the model.
   LiveFace(const FlameParams& rest, const std::optional<TrainedRange>& trained);
 
-  // Throws CodedError on a number out of its range.
+  // Throws CodedError on a number out of range.
   void SetPolicy(const cosplat_policy& policy);
-  // NULL: none. Throws CodedError, and keeps the drive before, when it cannot be opened.
+  // NULL removes the drive. If the drive cannot be opened, throws CodedError and keeps the previous
+  // one.
   void SetDrive(const char* drive);
-  // Parameters of the host's that were good, and those that were not.
+  // Good parameters set by the host, and the verdict on refused ones.
   void Offer(const LiveParameters& parameters);
   void CountRefused(Verdict verdict) { guard_.CountRefused(verdict); }
-  // The drive's good frames go into `parameters`. Throws CodedError when `now_ns` is earlier than
-  // before.
+  // Stores the drive's newest frame in `parameters` if it is good. Throws CodedError when `now_ns`
+  // is earlier than in the previous call.
   void Advance(int64_t now_ns, LiveParameters& parameters);
   void Reset();
 
-  // What to draw; null before the first Advance.
+  // The face to render; null before the first Advance.
   const FlameParams* shown() const { return shown_; }
-  // Its texts stay until the next call.
+  // Its texts are valid until the next call.
   cosplat_health Health();
 
  private:

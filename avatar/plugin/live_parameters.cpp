@@ -70,7 +70,7 @@ void LiveParameters::Set(const cosplat_parameters& given) {
   CheckNumbers(given.translation, 3, "parameters.translation");
   CheckTime(given.time_ns);
   const size_t count = std::min<size_t>(given.expression_count, current_.expression.size());
-  // They may be our own (Get).
+  // memmove, because they may be our own (Get).
   if (count > 0) std::memmove(current_.expression.data(), given.expression, count * sizeof(float));
   std::fill(current_.expression.begin() + ptrdiff_t(count), current_.expression.end(), 0.0f);
   for (int j = 0; j < kFlameJoints; ++j)

@@ -1,7 +1,7 @@
-// What an avatar's face does right now: parameters as they come in, checked before anything of them
-// is kept, so that what is bad leaves the last good ones in place.
+// The current parameters of an avatar's face. New ones are checked completely before any is stored,
+// so that bad ones leave the last good ones in place.
 //
-// cosplat_set_... -> LiveParameters -> current() -> Player::Place, or by way of LiveFace.
+// cosplat_set_... -> LiveParameters -> current() -> Player::Place, directly or through LiveFace.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace cosplat::plugin {
 
-// Parameters that are not kept, and why, for who counts them.
+// Thrown for refused parameters; the verdict is for the counts of FaceGuard.
 class BadFrame : public CodedError {
  public:
   BadFrame(Verdict verdict,
@@ -29,25 +29,26 @@ class BadFrame : public CodedError {
 
 class LiveParameters {
  public:
-  // Begins at `rest`. Keeps `expression_count` coefficients.
+  // Starts at `rest`, with `expression_count` coefficients, all zero.
   LiveParameters(size_t expression_count, const FlameParams& rest);
 
-  // Each throws BadFrame (CodedError where something does not exist) and keeps what was set before
-  // when a number is not finite or too large or `time_ns` is earlier than the last.
+  // Throw BadFrame when a number is not finite or too large or `time_ns` is earlier than the last
+  // one, and CodedError when an expression or joint does not exist; the parameters set before then
+  // stay.
   void Set(const cosplat_parameters& given);
   void SetExpression(uint32_t expression, float value, int64_t time_ns);
   void SetJoint(uint32_t joint, const float* axis_angle, int64_t time_ns);
   void SetTranslation(const float* translation, int64_t time_ns);
   void Reset();
-  // Parameters that were found good elsewhere.
+  // Stores parameters without checking them.
   void Keep(const FlameParams& params, int64_t time_ns);
-  // Any time is new again.
+  // Any time is accepted again.
   void ForgetTime() { time_ns_ = kNoTime; }
 
   const FlameParams& rest() const { return rest_; }
   const FlameParams& current() const { return current_; }
   int64_t time_ns() const { return time_ns_; }
-  // `expression` points to our own.
+  // `expression` points into this object.
   cosplat_parameters Get() const;
 
  private:
@@ -56,7 +57,7 @@ class LiveParameters {
   static constexpr int64_t kNoTime = std::numeric_limits<int64_t>::min();
 
   FlameParams rest_, current_;
-  int64_t time_ns_ = kNoTime;  // of what was set last
+  int64_t time_ns_ = kNoTime;  // of the current parameters
 };
 
 }  // namespace cosplat::plugin

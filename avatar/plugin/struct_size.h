@@ -1,8 +1,8 @@
 // Structures of callers that were built with another version of cosplat.h.
 //
-// Both sides know how large theirs is. A caller's that is smaller than ours would be an older one;
-// there are none yet. One that is larger may be a newer one: what we do not know of it must be
-// zero, as a field that does nothing is.
+// Both sides know the size of their structure. A smaller one than ours would come from an older
+// header; there are none yet. A larger one may come from a newer header: the fields that this
+// version does not know must be zero, which is every field's default.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace cosplat::plugin {
 
-// Far above any structure of any version: a larger size was never set.
+// Far above any structure of any version: a larger size means that it was not initialised.
 constexpr uint32_t kMaxStruct = 1024;
 
 template <class T>
@@ -42,7 +42,7 @@ T ReadStruct(const T* theirs, const char* name) {
   return ours;
 }
 
-// `ours`, but for its size, which stays the caller's.
+// Copies `ours`, except for the size, which stays the caller's.
 template <class T>
 void WriteStruct(T ours, T* theirs, const char* name) {
   const uint32_t size = CheckedStructSize(theirs, name);

@@ -48,7 +48,7 @@ void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size
   CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
   CheckSize("triangle", embedding.triangle.size(), n);
   CheckSize("barycentric", embedding.barycentric.size(), n);
-  // The largest of all, without a branch for each: negative numbers become large ones.
+  // One maximum instead of a branch per triangle; negative numbers become large unsigned ones.
   uint32_t largest = 0;
   for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
   if (largest < face_count || n == 0) return;
@@ -141,8 +141,8 @@ void BindBackward(const Gaussians& gaussians,
       throw Error("avatar", "mesh", "has no gradient by the rule of the released SplattingAvatar");
     return BindReleasedBackward(gaussians, embedding, surface, d_posed, d_gaussians);
   }
-  // Of each Gaussian's triangle. Every number is written: clearing them first would take as long as
-  // using them.
+  // Derivatives for the corners of each Gaussian's triangle. The kernel writes every number, so
+  // they are not cleared first, which would take as long as using them.
   if (d_vertices) scratch.d_corners.Refill(3 * kSurfaceVertexFloats * n, stream);
   float* d_corners = d_vertices ? scratch.d_corners.data() : nullptr;
   ForEachRow(

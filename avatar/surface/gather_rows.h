@@ -1,5 +1,5 @@
-// Rows of arrays into SIMD packs, each lane's from its own place (splat/render/cpu/pack_rows.h has
-// those that follow each other), and kernels run on packs. Re-included per Highway target.
+// Gathers rows of arrays into SIMD packs, one arbitrary row per lane (for consecutive rows see
+// splat/render/cpu/pack_rows.h), and runs kernels on packs. Re-included per Highway target.
 #if defined(COSPLAT_AVATAR_GATHER_ROWS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_GATHER_ROWS_H_
 #undef COSPLAT_AVATAR_GATHER_ROWS_H_
@@ -21,7 +21,7 @@ HWY_INLINE Pack FromLanes(const PerLane<float, Pack>& lanes) { return LoadPack(l
 HWY_INLINE void ToLanes(const Pack& x, PerLane<float, Pack>& lanes) { StorePack(x, lanes.lane); }
 
 #if HWY_TARGET != HWY_SCALAR
-// Like LoadBlocks, of the rows rows[0], rows[4], ...
+// Like LoadBlocks, for the rows rows[0], rows[4], ...
 template <class D>
 HWY_INLINE hn::Vec<D> GatherBlocks(D d, const float* array, size_t width, const int32_t* rows) {
   if constexpr (hn::MaxLanes(D()) == 4) {
@@ -35,7 +35,7 @@ HWY_INLINE hn::Vec<D> GatherBlocks(D d, const float* array, size_t width, const 
 }
 #endif
 
-// As for a float.
+// The overload of avatar/surface/kernels/gather.h for packs.
 template <int kUsed>
 HWY_INLINE void GatherRows(const float* array,
                            size_t width,
@@ -53,8 +53,8 @@ HWY_INLINE void GatherRows(const float* array,
 #endif
 }
 
-// A kernel's rows [begin, end). Of a copy: what it writes cannot be its own pointers, which then
-// stay in registers (a fifth of the time of binding).
+// Runs a kernel on the rows [begin, end). The kernel is passed by value, so that its stores cannot
+// alias its own pointers, which then stay in registers (saves a fifth of the time of binding).
 template <class Kernel>
 HWY_INLINE void RunRange(const Kernel kernel, size_t begin, size_t end) {
   for (size_t i = begin; i < end; i += kLanes)

@@ -1,5 +1,5 @@
-// The kernels of avatar/surface/kernels/ that work on SIMD packs, compiled per instruction set and
-// run over oneTBB.
+// The kernels of avatar/surface/kernels/ on SIMD packs, compiled per instruction set and run in
+// parallel with oneTBB.
 #include <algorithm>
 #include <cmath>
 
@@ -50,9 +50,9 @@ HWY_EXPORT(EmbedVjpRange);
 
 namespace {
 
-constexpr size_t kGrain = 512;  // a multiple of every pack's lanes
+constexpr size_t kGrain = 512;  // a multiple of the lane count of every instruction set
 
-// run(kernel, begin, end), chosen by the processor, in ranges.
+// Calls run(kernel, begin, end), the variant for the processor, on ranges in parallel.
 template <class Kernel, class Range>
 void RunRanges(size_t n, const Kernel& kernel, const Range& run) {
   ParallelForRanges(n, kGrain, [&](size_t begin, size_t end) { run(kernel, begin, end); });

@@ -12,7 +12,7 @@ using ReleasedFace = math::ReleasedFace<float>;
 using EmbeddedGaussian = math::EmbeddedGaussian<float>;
 
 struct FaceState {
-  Quat<float> rotation;  // canonical to posed; either sign, as the conversion has it
+  Quat<float> rotation;  // canonical to posed, with the sign that the conversion gives
   float area, canonical_area;
 };
 
@@ -28,10 +28,10 @@ FaceState StateOf(const Surface& surface, size_t face) {
           math::Length(math::AreaVector(rest[0], rest[1], rest[2]))};
 }
 
-// What the release has of a posed mesh beside positions and normals.
+// The release's data of a posed mesh, other than positions and normals.
 struct ReleasedSurface {
   std::vector<FaceState> faces;        // [F]
-  std::vector<Quat<float>> rotations;  // [V] blended over the faces around by their canonical areas
+  std::vector<Quat<float>> rotations;  // [V] blended over adjacent faces by canonical area
 
   explicit ReleasedSurface(const Surface& surface)
       : faces(surface.faces().size()), rotations(surface.vertex_count()) {
@@ -50,7 +50,7 @@ struct ReleasedSurface {
       weight.push_back(face.canonical_area);
       total += face.canonical_area;
     }
-    // To a sum of 1: Normalize's floor is meant for quaternions of order 1.
+    // Scale to a sum of 1, because the floor in Normalize is meant for quaternions of order 1.
     if (total > 0)
       for (float& w : weight) w /= total;
     return math::UnalignedBlend(q.data(), weight.data(), int(q.size()));

@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-// Osada et al. 2002, section 4.2.
+// Source: Osada et al. 2002, section 4.2.
 std::array<float, 2> UniformOnTriangle(Rng& rng) {
   const double s = std::sqrt(double(rng.Uniform())), t = rng.Uniform();
   const math::Weights b = math::KeepInsideTriangle({{1 - s, s * (1 - t), s * t}});

@@ -14,11 +14,11 @@ namespace {
 
 using math::Vec3;
 
-// Checked here because the packs read vertices as rows of floats.
+// The kernels read vertices as rows of floats.
 static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
 
-// Square root of the total area of FLAME 2023's template (5,023 vertices, 9,976 faces): measured
-// as sqrt(0.181554 m^2) on the openly licensed release.
+// Square root of the total area of FLAME 2023's template (5,023 vertices, 9,976 faces), measured as
+// sqrt(0.181554 m^2) on the openly licensed release.
 constexpr double kFlameTemplateSize = 0.426091;
 constexpr double kPublishedEnlargement = 4;
 
@@ -47,7 +47,7 @@ Surface::Surface(const CanonicalMesh& mesh, Stream& stream)
   const size_t faces = faces_.size();
   vertices_.Refill(mesh.vertices.size() / 3, stream);
   posed_faces_.Refill(kPosedFaceFloats * (faces + 1), stream);
-  posed_faces_.FillWithZeros(stream);  // its last row stays so
+  posed_faces_.FillWithZeros(stream);  // the last row stays zero
   sums_.Refill(kVertexSumFloats * vertices_.size(), stream);
   signs_.Refill(topology_.vertex_faces.size(), stream);
   PoseCanonically(mesh);
@@ -74,10 +74,10 @@ void Surface::UploadMesh(const CanonicalMesh& mesh) {
   vertex_faces_.Upload(t.vertex_faces.data(), t.vertex_faces.size(), *stream_);
   corner_places_.Upload(corner_places.data(), 3 * faces, *stream_);
   canonical_frames_.Upload(frames.data(), faces, *stream_);
-  stream_->Wait();  // for this memory
+  stream_->Wait();  // the uploads read local memory
 }
 
-// On the host whatever the stream: walks and searches begin at the same bits everywhere.
+// Computed on the host for every stream, so that walks and searches start from the same bits.
 void Surface::PoseCanonically(const CanonicalMesh& mesh) {
   if (!stream_->on_host()) {
     const Surface host(mesh);

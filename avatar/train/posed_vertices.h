@@ -1,7 +1,7 @@
-// Posed vertices of the frames of a training in a stream's memory, kept there once they were sent.
+// A cache of the training frames' posed vertices in a stream's memory.
 //
 // 12 bytes per vertex and frame: 60 kB for a frame of FLAME's 5,023 vertices. Frames beyond the
-// limit are posed and sent each time that they are wanted.
+// limit are posed and sent every time they are needed.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace cosplat {
 class PosedVertices {
  public:
   PosedVertices() = default;
-  // Keeps the first frames, as many as `limit` bytes hold.
+  // Caches as many of the first frames as fit into `limit` bytes.
   PosedVertices(size_t frames, size_t vertex_count, size_t limit)
       : frame_numbers_(3 * vertex_count),
         sent_(std::min(frames, limit / (frame_numbers_ * sizeof(float)))) {}
 
-  // pose() -> const std::vector<float>& [V, 3] is called where the frame is not kept.
+  // pose() -> const std::vector<float>& [V, 3] is called if the frame is not cached yet.
   template <class Pose>
   View<const float> Of(size_t frame, const Pose& pose, Stream& stream) {
     if (frame >= sent_.size()) {

@@ -11,7 +11,7 @@
 namespace cosplat {
 namespace {
 
-// SplattingAvatar, in units of a FLAME mesh enlarged so many times.
+// SplattingAvatar's lengths, in units of a FLAME mesh enlarged by kEnlarged.
 constexpr float kEnlarged = 4;
 constexpr float kSplitScale = 0.02f;
 constexpr float kMaxScale = 0.2f;
@@ -25,10 +25,10 @@ void ForEachNumber(AvatarPoser::Frame& a, const F& f) {
   for (size_t k = 0; k < 3; ++k) f(2, k, a.translation[k]);
 }
 
-// Searches over the mesh at a time, each with 12 kB: a round of density control on a head has some
-// hundred children.
+// Concurrent searches over the mesh, each with 12 kB. One round of density control on a head
+// creates some hundred children.
 constexpr size_t kDeviceSearchers = 1024;
-// For posed vertices on a device: 8,000 frames of FLAME's.
+// Limit of the cache of posed vertices on a device: 8,000 frames of FLAME.
 constexpr size_t kPosedVertexBytes = size_t(480) << 20;
 
 float* NumberOf(AvatarPoser::Frame& a, int group, size_t k) {
@@ -86,7 +86,7 @@ void AvatarSubject::Take(Embedding embedding, const Buffer<int32_t>& first_trian
   TrianglesChanged();
 }
 
-// Nothing changes where something of it does not fit.
+// Leaves the subject unchanged on failure, for example when the device is out of memory.
 void AvatarSubject::WorkIn(Stream& stream) {
   if (&stream == stream_) return;
   const AvatarTrainingState state = State();
@@ -95,11 +95,11 @@ void AvatarSubject::WorkIn(Stream& stream) {
   Surface surface(mesh_, stream);
   Buffer<float> face_rates;
   face_rates.Upload(face_rates_on_host_.data(), face_rates_on_host_.size(), stream);
-  // When there are children to place, there may be no memory left for it.
+  // Allocated now, because later, when children have to be placed, memory may be exhausted.
   Buffer<math::FaceSearch> searches;
   searches.Refill(on_host ? kHostSearchers : kDeviceSearchers, stream);
   stream.Wait();
-  // Posing takes less time than sending, on a device alone.
+  // Cached on a device only, where sending takes longer than posing.
   const bool keeps = !on_host && !settings_.refine_track;
   posed_vertices_ =
       PosedVertices(frame_count(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);

@@ -1,9 +1,9 @@
 // Head avatars in the training loop of splat/train/trainer.h.
 //
 // TrackedVideo frame -> FlamePoser -> Surface -> Bind -> rasteriser -> loss -> BindBackward ->
-// Adam; with --refine-track on to the frame's pose, translation and expression. Every so often
-// Gaussians walk on the triangles, and density control re-embeds what it splits. Source: Shao et
-// al. 2024 (SplattingAvatar).
+// Adam; with --refine-track also for the frame's pose, translation and expression. At regular
+// intervals Gaussians walk on the triangles, and density control re-embeds the Gaussians that it
+// splits. Source: Shao et al. 2024 (SplattingAvatar).
 #pragma once
 
 #include <array>
@@ -29,20 +29,20 @@
 
 namespace cosplat {
 
-// Whose choices are made where SplattingAvatar's (Shao et al. 2024) and ours differ and no option
-// says which.
+// Selects between this project's and SplattingAvatar's (Shao et al. 2024) choices where they differ
+// and no separate option selects them.
 //
 //                       kCosplat                   kPublished           kReleased
-//   canonical mesh      the shape at rest          as training frame 0 poses it
-//   first Gaussians     evenly over the area       likewise             alike over all faces
-//   their scale         of an even spacing         distance to the nearest others (3DGS)
-//   rate of du and dv   that of d, in metres       the number for d, in barycentric units
-//   a split's children  re-embedded                with their parent's d
-//   removal             tears no hole              may
+//   canonical mesh      the shape at rest          as posed by training frame 0
+//   first Gaussians     evenly over the area       likewise             evenly over the faces
+//   their scale         from an even spacing       distance to the nearest others (3DGS)
+//   lr of du and dv     that of d, in metres       the number for d, in barycentric units
+//   split children      re-embedded                re-embedded, with their parent's d
+//   pruning             opens no holes             may open holes
 //   follows the mesh    avatar/math/embed.h        likewise             avatar/math/released.h
 //
-// The last is where the release's faults are: it does not walk either, since du and dv have no part
-// in its mean.
+// The last row contains the release's faults. kReleased does not walk either, since du and dv do
+// not affect its mean.
 enum class AvatarSystem { kCosplat, kPublished, kReleased };
 
 struct AvatarSettings {
@@ -50,61 +50,65 @@ struct AvatarSettings {
   size_t initial_gaussians = 10000;  // SplattingAvatar
   ColorFrame color_frame = ColorFrame::kSurface;
   int walk_every = 100;  // steps (SplattingAvatar)
-  // A bust for what lies below the neck: kAuto where the masks show more than the mesh covers.
+  // A bust for the region below the neck; kAuto adds it if the masks show more than the mesh
+  // covers.
   enum class BustChoice { kAuto, kYes, kNo } bust = BustChoice::kAuto;
   bool refine_track = false;
-  // GaussianAvatars' rates for the track.
+  // GaussianAvatars' learning rates for the track.
   float pose_rate = 1e-5f;         // radians per step
   float translation_rate = 1e-6f;  // metres per step, on a head of the template's size
   float expression_rate = 1e-3f;
 };
 
-// Lengths of SplattingAvatar in metres of this subject: clone/split boundary 0.02, largest scale
-// 0.2, needles from 0.008, times `unit` (metres per unit of a 4x FLAME mesh); the weight of
-// needles, given for lengths in those units, is divided by it.
+// Sets SplattingAvatar's lengths in metres of this subject: the clone/split threshold 0.02, the
+// largest scale 0.2 and the scale 0.008 above which needle-like (high-anisotropy) Gaussians are
+// penalised, all times `unit` (metres per unit of a 4x FLAME mesh). The weight of that penalty,
+// which is given for lengths in those units, is divided by `unit`.
 void ScaleToUnit(float unit, TrainSettings& settings);
 
-// One training frame's parameters with Adam's moments; they change only with --refine-track.
+// One training frame's parameters with their Adam moments; they change only with --refine-track.
 struct RefinedFrame {
   AvatarPoser::Frame params, m, v;
   int64_t step = 0;
 };
 
-// What an avatar's run is beside TrainingState: both together make an exact checkpoint.
+// The state of an avatar's training run that TrainingState does not contain; both together are an
+// exact checkpoint.
 struct AvatarTrainingState : SubjectState {
   Embedding embedding;
-  Buffer<int32_t> first_triangle;   // [N] where it, or its first ancestor, began
+  Buffer<int32_t> first_triangle;   // [N] on which it, or its first ancestor, began
   std::vector<RefinedFrame> track;  // [training frames]
 };
 
-// Searches over the mesh at a time on the host, each with 12 kB.
+// Concurrent searches over the mesh on the host, each with 12 kB.
 constexpr size_t kHostSearchers = 64;
 
-// On the host or on a device. There a frame's posed vertices are kept, up to a limit, or posed and
-// sent each time where the track is refined; then dL/d(vertices) comes back, too, and the host
-// waits for it.
+// Works on the host or on a device. On a device, posed vertices of the frames are cached, up to a
+// limit. If the track is refined they are posed and sent every time instead, and the host waits for
+// dL/d(vertices).
 class AvatarSubject : public Subject {
  public:
-  // Loads every training image. Frames whose image cannot be used are added to `video.skipped`;
-  // more than a third of all frames is an Error, and so is refine_track with kReleased, whose rule
-  // has no derivative for it. Keeps a reference to `flame`.
+  // Loads all training images. Frames whose image cannot be used are added to `video.skipped`.
+  // Throws Error if these are more than a third of all frames, and for refine_track with kReleased,
+  // whose rule has no derivative for it. Keeps a reference to `flame`.
   AvatarSubject(const FlameModel& flame, TrackedVideo video, const AvatarSettings& settings);
   ~AvatarSubject() override;
 
-  // Isotropic, grey, opacity 0.1, spread by AvatarSettings::system. Before training.
+  // The first Gaussians: isotropic, grey, opacity 0.1, distributed as AvatarSettings::system says.
+  // To be called before training.
   Gaussians InitialGaussians(int degree, Basis basis, uint64_t seed);
 
-  // The avatar as it stands, with the trainer's Gaussians.
+  // The current avatar with the trainer's Gaussians.
   AvatarModel Model(const Gaussians& gaussians) const;
-  // On the host, wherever it works.
+  // In host memory, also when working on a device.
   AvatarTrainingState State() const;
   const TrackedVideo& video() const { return video_; }
-  // In the stream that it works in.
+  // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
   bool has_bust() const { return bust_.has_value(); }
-  // Share of the Gaussians that are now on another triangle than they (or their parents) began on.
+  // Fraction of the Gaussians that are on another triangle than they (or their ancestors) began on.
   double WalkedShare() const;
-  // Training frames' parameters as refined so far (equal to the track's without --refine-track).
+  // The training frames' parameters as refined so far; without --refine-track, those of the track.
   std::vector<FlameParams> RefinedTrack() const;
 
   size_t frame_count() const override { return frames_.size(); }
@@ -149,9 +153,9 @@ class AvatarSubject : public Subject {
   const std::vector<float>& VerticesOf(size_t i);
   static Embedding EmbeddingIn(Stream& stream, const Embedding& on_host);
   void Take(Embedding embedding, const Buffer<int32_t>& first_triangle);
-  // One Adam step on the current frame's own parameters. d_vertices: of the host.
+  // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
-  // Of the mesh in the k-th frame that is searched for holes.
+  // Silhouette of the mesh in the k-th frame that is searched for holes.
   const Buffer<uint8_t>& SilhouetteOf(size_t k);
 
   const FlameModel& flame_;
@@ -166,12 +170,12 @@ class AvatarSubject : public Subject {
   std::vector<TrainFrame> frames_;
   size_t current_ = 0;
   std::vector<RefinedFrame> track_;
-  std::vector<float> vertices_;  // that poser_ posed last
+  std::vector<float> vertices_;  // the last output of poser_
 
-  // In the memory of the stream that it works in.
+  // In the memory of the current stream.
   Stream* stream_ = &HostStream();
   Surface surface_;
-  Buffer<float> face_rates_;  // [F] factors on the rates of du and dv on each face
+  Buffer<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
   Embedding embedding_;
   Buffer<int32_t> first_triangle_;
   PosedVertices posed_vertices_;
@@ -189,10 +193,8 @@ class AvatarSubject : public Subject {
   Buffer<std::array<float, 2>> spare_barycentric_;
 };
 
-// Where avatars are trained: splat/train/step_engine.h for them.
-
-// For Trainer, as StepEngineOn. On a device the engine throws Error for AvatarSystem::kReleased,
-// whose rule is the CPU's alone.
+// For Trainer: as StepEngineOn (splat/train/step_engine.h), for avatars. On a device the engine
+// throws Error for AvatarSystem::kReleased, whose rule only the CPU supports.
 StepEngineMaker AvatarEngineOn(Device device, bool deterministic);
 
 }  // namespace cosplat

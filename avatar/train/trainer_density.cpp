@@ -1,4 +1,4 @@
-// Density control of an avatar: what splits is re-embedded, and what goes may not tear a hole.
+// Density control of an avatar: split Gaussians are re-embedded, and pruning must not open holes.
 #include <algorithm>
 
 #include "avatar/surface/kernels/place.h"
@@ -16,7 +16,7 @@ void AvatarSubject::Gather(View<const uint32_t> source, Stream& stream) {
   TrianglesChanged();
 }
 
-// On the canonical mesh.
+// In the canonical frame.
 View<const float> AvatarSubject::Centers(const Gaussians& gaussians, Stream& stream) {
   centers_.Refill(3 * gaussians.size(), stream);
   ForEach(gaussians.size(),
@@ -63,8 +63,8 @@ const Buffer<uint8_t>& AvatarSubject::SilhouetteOf(size_t k) {
   return silhouettes_[k];
 }
 
-// Renders the silhouette's alpha without what is to be removed; where that opens a hole, the last
-// Gaussians of their triangles around it stay.
+// Renders alpha without the Gaussians to be removed. Where that opens a hole inside the silhouette,
+// the Gaussians near it whose triangles would become empty are kept.
 void AvatarSubject::Veto(const Gaussians& gaussians,
                          const Canvas* canvas,
                          View<uint8_t> unwanted,
@@ -77,7 +77,7 @@ void AvatarSubject::Veto(const Gaussians& gaussians,
   for (size_t k = 0; k < std::min(math::kHoleFrames, frames_.size()); ++k) {
     const size_t f = math::HoleFrame(k, frames_.size());
     WorldGaussians world = Place(gaussians, f);
-    world.color_frame = nullptr;  // no colour is looked at
+    world.color_frame = nullptr;  // colours are not used
     holes_.Spare(*canvas, world, gaussians.basis, frames_[f].camera, SilhouetteOf(k), unwanted);
   }
 }

@@ -1,4 +1,4 @@
-// How an avatar's run begins: its frames, its mesh and its first Gaussians.
+// Initialisation of an avatar's training: frames, mesh and first Gaussians.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 
-// A bust is added where more than this share of what the masks show lies beyond the head's mesh.
+// A bust is added if more than this fraction of the masks' area lies outside the head's mesh.
 constexpr double kBustShare = 0.1;
 constexpr size_t kBustFrames = 5;
 
@@ -45,8 +45,8 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
   posed_vertices_ = PosedVertices(frame_count(), surface_.vertex_count(), 0);
 }
 
-// du and dv step at the metric rate of d: a barycentric unit is about sqrt(2 A) long. For
-// SplattingAvatar they have the number that it has for d, whose unit is the subject's extent.
+// du and dv have the learning rate of d in metres: a barycentric unit is about sqrt(2 A) long. For
+// SplattingAvatar they have the number that it uses for d, whose unit is the subject's extent.
 void AvatarSubject::SetFaceRates() {
   for (size_t f = 0; f < mesh_.faces.size(); ++f)
     face_rates_on_host_.push_back(
@@ -63,7 +63,7 @@ void AvatarSubject::LoadFrames() {
   const auto load = [&](size_t i) {
     problems[i] = Problem([&] { images[i] = LoadTrackedImage(video_, video_.train[i]); });
   };
-  if (video_.video) {  // a video file is decoded in order
+  if (video_.video) {  // a video file must be decoded in order
     for (size_t i = 0; i < images.size(); ++i) load(i);
   } else {
     tbb::parallel_for(size_t(0), images.size(), load);
@@ -90,7 +90,7 @@ void AvatarSubject::LoadFrames() {
   video_.train = std::move(usable);
 }
 
-// Whether a good part of what the masks show is beyond the mesh: hair is, but far less than a bust.
+// Whether a large part of the masks lies outside the mesh. Hair does too, but far less than a bust.
 bool AvatarSubject::NeedsBust() const {
   AvatarPoser head(flame_, video_.shape, video_.static_offset, {});
   std::vector<float> vertices;
@@ -98,7 +98,7 @@ bool AvatarSubject::NeedsBust() const {
   for (size_t k = 0; k < std::min(kBustFrames, frames_.size()); ++k) {
     const size_t f = k * frames_.size() / kBustFrames;
     const Image8& target = frames_[f].target;
-    if (target.channels != 4) return false;  // no masks: nothing says what is the subject
+    if (target.channels != 4) return false;  // no masks
     head.Forward(track_[f].params, vertices);
     const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
     for (size_t p = 0; p < covered.size(); ++p) {
@@ -121,15 +121,15 @@ void AvatarSubject::BuildMesh() {
   surface_ = Surface(mesh_);
 }
 
-// Gives each Gaussian its own spacing as scale.
+// Sets the initial scales from the Gaussians' spacing.
 void AvatarSubject::SetSpacing(Gaussians& g) {
   if (settings_.system == AvatarSystem::kCosplat) {
-    // Evenly spread: each has an equal share of the area, and that is the square of its spacing.
+    // Evenly spread: the spacing is the square root of each Gaussian's equal share of the area.
     const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
     for (float& s : g.values[kScaleLog]) s = std::log(spacing);
     return;
   }
-  // In the enlarged mesh's units, for the sake of the least distance that 3DGS allows.
+  // In units of the enlarged mesh, because of the minimum distance in 3DGS's initialisation.
   std::vector<float> points;
   for (const float x : Centers(g, *stream_)) points.push_back(x / unit_);
   const std::vector<uint8_t> grey(points.size(), 128);

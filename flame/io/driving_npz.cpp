@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-// The [4, 4] or [1, 4, 4] cam_from_world with OpenGL's camera axes; identity where there is none.
+// The [4, 4] or [1, 4, 4] cam_from_world with OpenGL's camera axes; the identity if absent.
 PoseProblem SetDrivingPose(const Npz& npz, Camera& camera) {
   std::array<double, 9> rotation{1, 0, 0, 0, -1, 0, 0, 0, -1};
   std::array<double, 3> translation{};
@@ -25,7 +25,7 @@ PoseProblem SetDrivingPose(const Npz& npz, Camera& camera) {
   return SetPose(rotation, translation, camera);
 }
 
-// The array's first number, or `fallback` where there is no such array.
+// The array's first number, or `fallback` if there is no such array.
 double ScalarOr(const Npz& npz, const char* name, double fallback) {
   if (!npz.Has(name)) return fallback;
   const NpyArray& array = npz.Get(name);
@@ -33,8 +33,8 @@ double ScalarOr(const Npz& npz, const char* name, double fallback) {
   return array.values[0];
 }
 
-// The sequence's first camera. Without intrinsics: a long lens, in which a head a metre and a half
-// away fills the image.
+// The sequence's first camera. Without intrinsics: a long focal length, such that a head at a metre
+// and a half fills the image.
 Camera DrivingCamera(const Npz& npz) {
   constexpr int kDefaultSide = 512;
   Camera lens;
@@ -65,7 +65,7 @@ std::string RowProblem(const std::string& name,
   return CopyFinite(name, std::vector<double>(begin, begin + long(width)), out);
 }
 
-// Fills the parameters of frame `row`; returns why it cannot be used.
+// Fills the parameters of frame `row`; returns why it is unusable, if it is.
 std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& params) {
   std::string problem = RowProblem("expr", npz.Get("expr"), row, params.expression);
   auto& pose = params.pose;
@@ -76,7 +76,7 @@ std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& param
                        {"rot", {&pose[0]}},
                        {"neck_rot", {&pose[1]}},
                        {"jaw_rot", {&pose[2]}},
-                       {"eye_rot", {&pose[3], &pose[4]}}};  // both eyes turn alike
+                       {"eye_rot", {&pose[3], &pose[4]}}};  // both eyes rotate alike
   for (const auto& vector : vectors) {
     if (!problem.empty() || !npz.Has(vector.name)) continue;
     std::vector<float> numbers;

@@ -1,4 +1,4 @@
-// IMavatar's layout (Zheng et al. 2022), as PointAvatar's and SplattingAvatar's data have it.
+// IMavatar's layout (Zheng et al. 2022), also used by PointAvatar's and SplattingAvatar's data.
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -13,15 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The layout's mesh is FLAME's times four; dividing the camera's translation brings it to metres.
+// The layout's mesh is FLAME's scaled by four; the camera's translation is divided to get metres.
 constexpr double kMeshScale = 4;
-// Size at which the old form of `intrinsics` counts pixels.
+// Image size to which the old form of `intrinsics` refers, px.
 constexpr double kOldFormSide = 512;
-// What is assumed of a driving sequence without any image to tell.
+// Image size assumed for a driving sequence without images.
 constexpr int kDefaultSide = 512;
 constexpr double kDefaultTestPart = 0.2;
 
-// Where the images are.
+// The sources of the images.
 struct Sources {
   const ImageFiles* images = nullptr;
   std::string image_folder;  // or empty: a video, or nothing
@@ -100,7 +100,7 @@ std::string SetParams(const JsonField& frame, size_t expression_count, FlamePara
   return "";
 }
 
-// Frames of a video count from 0, the layout's names from 1.
+// Video frames are counted from 0, the layout's names from 1.
 std::string FindVideoFrame(const Sources& sources, const TrackedVideo& video, TrackedFrame& frame) {
   int number = 0;
   const char* end = frame.name.data() + frame.name.size();
@@ -131,7 +131,7 @@ std::string FindFiles(const Sources& sources, const TrackedVideo& video, Tracked
   return "";
 }
 
-// Size of the first image there is: intrinsics are fractions of it.
+// Size of the first existing image: intrinsics are fractions of it.
 ImageInfo ImageSize(const Sources& sources, const JsonField& frames) {
   if (sources.video.reader) return sources.video.size;
   for (size_t i = 0; !sources.image_folder.empty() && i < frames.size(); ++i) {

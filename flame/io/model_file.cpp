@@ -21,7 +21,7 @@ std::string ShapeText(const std::vector<size_t>& shape) {
   return "[" + text + "]";
 }
 
-// The arrays of a model file by their name there, whichever kind of file it is.
+// The arrays of a model file by name, for both file formats.
 class ModelArrays {
  public:
   explicit ModelArrays(const std::string& path) : path_(path) {
@@ -37,7 +37,7 @@ class ModelArrays {
 
   bool Has(const std::string& name) const { return arrays_.count(name) != 0; }
 
-  // `expected`: extents, 0 for any.
+  // `expected`: extents; 0 accepts any.
   const NpyArray& Get(const std::string& name, const std::vector<size_t>& expected) const {
     const auto found = arrays_.find(name);
     if (found == arrays_.end()) throw Error(path_, name, "array is missing");
@@ -53,7 +53,7 @@ class ModelArrays {
     return found->second;
   }
 
-  // The array of this name, or the only one whose name begins so ("shapedirs60_open").
+  // The name of the array with this name, or of the only one with this prefix ("shapedirs60_open").
   std::string NameOf(const std::string& prefix) const {
     if (Has(prefix)) return prefix;
     std::string name;
@@ -115,7 +115,7 @@ std::vector<float> DirectionsOf(const NpyArray& array, size_t first, size_t coun
 void DropTrailingZeroDirections(std::vector<float>& directions, size_t rows) {
   const auto last =
       std::find_if(directions.rbegin(), directions.rend(), [](float x) { return x != 0; });
-  const size_t used = size_t(directions.rend() - last);  // numbers up to the last non-zero one
+  const size_t used = size_t(directions.rend() - last);  // count up to the last non-zero number
   directions.resize((used + rows - 1) / rows * rows);
   directions.shrink_to_fit();
 }
@@ -151,7 +151,7 @@ void ReadFaces(const ModelArrays& arrays, FlameModel& model) {
     model.faces[i / 3][i % 3] = arrays.IntegerAt(name, array, i, 0, model.vertex_count - 1);
 }
 
-// kintree_table: row 0 the parents (the root's is -1, or that in unsigned form), row 1 the joints.
+// kintree_table: row 0 holds the parents (-1 for the root, possibly as unsigned), row 1 the joints.
 void ReadParents(const ModelArrays& arrays, FlameModel& model) {
   const bool table = arrays.Has("kintree_table") || !arrays.Has("parents");
   const std::string name = table ? "kintree_table" : "parents";

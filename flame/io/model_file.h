@@ -4,9 +4,9 @@
 //   [V, 3, 36], J_regressor [5, V] (dense or scipy csc), weights [V, 5], kintree_table [2, 5] or
 //   parents [5]; optional numbers n_shape, n_expr, redistributable.
 //
-// Without n_shape and n_expr the first 300 directions are shape, as in FLAME's own files, and the
-// rest expression. All-zero directions at the end of either group are dropped: they have no effect
-// and fill most of a model that was cut down.
+// Without n_shape and n_expr, the first 300 directions are shape, as in FLAME's own files, and the
+// rest expression. Trailing all-zero directions of either group are dropped: they have no effect
+// and make up most of a reduced model.
 #pragma once
 
 #include <string>
@@ -15,12 +15,12 @@
 
 namespace cosplat {
 
-// The path's extension decides. The model is valid (Validate) on return; its sha256 is the file's.
-// redistributable is false unless the .npz says otherwise: no FLAME file is taken to be free.
-// Throws Error naming file, array and shape or value.
+// The path's extension selects the format. The returned model is valid (Validate); its sha256 is
+// that of the file. redistributable is false unless the .npz says otherwise: no FLAME file is
+// assumed to be free. Throws Error naming file, array and shape or value.
 FlameModel LoadFlameModel(const std::string& path);
 
-// Writes an .npz that LoadFlameModel reads back equal (name and sha256 apart).
+// Writes an .npz that LoadFlameModel reads back unchanged (except for name and sha256).
 void WriteFlameModelNpz(const std::string& path, const FlameModel& model);
 
 }  // namespace cosplat

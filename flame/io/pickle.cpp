@@ -18,7 +18,7 @@ struct AcceptedClass {
   PickleClass type;
 };
 
-// Everything that a pickle may name. Module names changed over the years.
+// All names that a pickle may refer to. Module names changed over the years.
 constexpr std::array kAcceptedClasses = {
     AcceptedClass{"numpy.core.multiarray", "_reconstruct", PickleClass::kArrayReconstruct},
     AcceptedClass{"numpy._core.multiarray", "_reconstruct", PickleClass::kArrayReconstruct},
@@ -38,7 +38,7 @@ constexpr std::array kAcceptedClasses = {
     AcceptedClass{"collections", "OrderedDict", PickleClass::kOrderedDict},
 };
 
-// Names from a file go into one line of a message.
+// Names from a file, made fit for a one-line message.
 std::string Printable(std::string_view text) {
   std::string out;
   for (char c : text.substr(0, 60)) out += c >= ' ' && c < 127 ? c : '?';
@@ -143,7 +143,7 @@ bool PickleMachine::Object(uint8_t opcode) {
   }
 }
 
-// REDUCE: the few callables that stand for data.
+// REDUCE: the few callables that represent data.
 void PickleMachine::Call() {
   const PickleValue* arguments = Pop();
   const PickleValue* callable = Pop();

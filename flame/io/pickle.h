@@ -1,10 +1,10 @@
-// Reads Python pickles as data. Nothing in them is ever executed.
+// Reads Python pickles as data, without executing anything in them.
 //
-// FLAME's own model files are pickles, which Python runs as programs when it opens them. This
-// reader interprets the opcodes of protocols 0 to 4 that build plain data, and keeps objects of a
-// fixed list of classes (numpy arrays, scipy's csc_matrix, chumpy's wrappers) as their class and
-// state. Any other class, and every opcode that could construct something else, is an Error that
-// names it. Opcodes: CPython's Lib/pickletools.py.
+// FLAME's own model files are pickles, which Python executes as programs when it loads them. This
+// reader interprets only the opcodes of protocols 0 to 4 that build plain data, and represents
+// objects of a fixed list of classes (numpy arrays, scipy's csc_matrix, chumpy's wrappers) by their
+// class and state. Any other class, and every opcode that could construct something else, is an
+// Error that names it. Opcodes: CPython's Lib/pickletools.py.
 #pragma once
 
 #include <cstdint>
@@ -48,20 +48,20 @@ struct PickleValue {
   int64_t integer = 0;  // kBool, kInteger
   double real = 0;      // kFloat
   std::string text;     // kText: UTF-8, or the bytes of a Python-2 string; kBytes
-  // kList, kTuple: the items; kDict: keys and values in turn; kObject: constructor arguments.
+  // kList, kTuple: the items; kDict: alternating keys and values; kObject: constructor arguments.
   std::vector<const PickleValue*> items;
   PickleClass type = PickleClass::kObject;  // kClass, kObject
-  const PickleValue* state = nullptr;       // kObject: what BUILD gave it, or null
+  const PickleValue* state = nullptr;       // kObject: state set by BUILD, or null
 
-  // The value under a text key of a kDict (the last one, as in Python), or null.
+  // The value of a text key of a kDict (the last one, as in Python), or null.
   const PickleValue* Find(const std::string& key) const;
 };
 
-// A parsed pickle: owns its values. They may refer to each other in circles.
+// A parsed pickle, which owns its values. Values may contain reference cycles.
 class Pickle {
  public:
-  // Throws Error(file, "byte N", ...) on anything but a complete, acceptable pickle. The memory
-  // used is bounded by the length of `bytes`.
+  // Throws Error(file, "byte N", ...) unless the pickle is complete and acceptable. Memory use is
+  // bounded by the length of `bytes`.
   Pickle(const std::string& file, const std::vector<char>& bytes);
   Pickle(const Pickle&) = delete;
   Pickle& operator=(const Pickle&) = delete;
@@ -72,11 +72,11 @@ class Pickle {
   const PickleValue* root_ = nullptr;
 };
 
-// Numeric arrays out of a parsed pickle: numpy arrays and scalars, numbers, scipy's csc_matrix
-// (made dense) and chumpy's wrappers around any of them.
+// Conversion of a parsed pickle's values to numeric arrays: numpy arrays and scalars, numbers,
+// scipy's csc_matrix (made dense) and chumpy's wrappers around any of them.
 
-// `file` and `name` are for errors. Throws Error when `value` is no array of numbers, or when its
-// shape, type and data disagree.
+// `file` and `name` are for errors. Throws Error if `value` is not a numeric array, or if its
+// shape, type and data are inconsistent.
 NpyArray ArrayOf(const std::string& file, const std::string& name, const PickleValue& value);
 
 }  // namespace cosplat

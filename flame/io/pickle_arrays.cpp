@@ -9,9 +9,9 @@ namespace {
 
 using Kind = PickleValue::Kind;
 
-// Wrappers in wrappers: FLAME's files have two levels. Also ends circles.
+// Maximum nesting of wrappers: FLAME's files have two levels. Also breaks reference cycles.
 constexpr int kMaxDepth = 4;
-// A dense matrix from a few sparse entries: FLAME's joint regressor is 5 x 5023.
+// Bounds a dense matrix made of few sparse entries: FLAME's joint regressor is 5 x 5023.
 constexpr size_t kMaxDenseNumbers = size_t(1) << 24;
 
 class Converter {
@@ -89,7 +89,7 @@ class Converter {
     if (dtype.kind != Kind::kObject || dtype.type != PickleClass::kDtype || dtype.items.empty())
       Fail("has no type of numbers");
     const std::string& code = dtype.items[0]->text;
-    // Anything with a quote or a backslash would confuse the header that is built from it.
+    // A quote or a backslash would corrupt the header that is built from it.
     if (code.empty() ||
         code.find_first_not_of("abcdefghijklmnopqrstuvwxyzOSUV0123456789") != std::string::npos)
       Fail("has no type of numbers");
@@ -98,7 +98,7 @@ class Converter {
     return (big ? ">" : "<") + code;
   }
 
-  // Puts the .npy header in front of the raw bytes, so that one reader judges shapes and types.
+  // Prepends a .npy header to the raw bytes, so that a single parser validates shapes and types.
   NpyArray Decode(const std::string& shape,
                   bool fortran,
                   const PickleValue& dtype,
@@ -118,7 +118,7 @@ class Converter {
     return array;
   }
 
-  // A field of integers, each below `limit`.
+  // An array of integers, each below `limit`.
   std::vector<size_t> Indices(const PickleValue& state,
                               const char* key,
                               size_t limit,
@@ -133,7 +133,7 @@ class Converter {
     return indices;
   }
 
-  // A tuple of integers whose product stays below kMaxDenseNumbers.
+  // A tuple of integers whose product is below kMaxDenseNumbers.
   std::vector<size_t> Shape(const PickleValue& shape) const {
     if (shape.kind != Kind::kTuple) Fail("has a shape of unknown form");
     std::vector<size_t> extents;

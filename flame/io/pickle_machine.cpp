@@ -1,4 +1,4 @@
-// The opcodes that make plain values, fill containers and move them on the stack.
+// The opcodes that create plain values, fill containers and rearrange the stack.
 #include "flame/io/pickle_machine.h"
 
 namespace cosplat {
@@ -168,7 +168,7 @@ bool PickleMachine::Stack(uint8_t opcode) {
       PopToMark();
       return true;
     case '0':
-      // As in Python, POP right after MARK takes the mark.
+      // As in Python, POP right after MARK removes the mark.
       if (!marks_.empty() && marks_.back() == stack_.size())
         marks_.pop_back();
       else

@@ -11,8 +11,8 @@
 
 namespace cosplat {
 
-// FLAME's files hold some hundred values; a number per array element would be a file of another
-// sort. With the bound on text this keeps a small hostile file from filling the memory.
+// FLAME's files contain some hundred values; one value per array element would be another kind of
+// file. Together with the bound on text, this keeps a small malicious file from filling memory.
 constexpr size_t kMaxPickleValues = 1'000'000;
 
 class PickleMachine {
@@ -24,7 +24,8 @@ class PickleMachine {
   const PickleValue* Run();
 
  private:
-  // Each group of opcodes (Object and the loop: pickle.cpp) returns whether it knew the opcode.
+  // Each handles a group of opcodes and returns whether the opcode belongs to it (Object and the
+  // loop are in pickle.cpp).
   bool Constant(uint8_t opcode);
   bool Text(uint8_t opcode);
   bool Container(uint8_t opcode);
@@ -56,7 +57,7 @@ class PickleMachine {
     Push(v);
   }
 
-  // Values below the last mark are out of reach until it is gone.
+  // Values below the last mark are inaccessible until it is removed.
   size_t Floor() const { return marks_.empty() ? 0 : marks_.back(); }
   PickleValue* Top() {
     if (stack_.size() <= Floor()) in_.Fail("the stack is empty");

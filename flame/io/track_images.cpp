@@ -1,4 +1,4 @@
-// The images of tracked videos: what looks into images and videos.
+// The images of tracked videos: the code that reads images and videos.
 #include "flame/io/track_layouts.h"
 #include "flame/track.h"
 #include "splat/base/error.h"

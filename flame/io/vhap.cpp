@@ -1,4 +1,4 @@
-// VHAP's export, which GaussianAvatars (Qian et al. 2024) trains on.
+// VHAP's export, the training data of GaussianAvatars (Qian et al. 2024).
 #include <algorithm>
 #include <filesystem>
 
@@ -13,14 +13,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The export may carry 120 vertices of teeth behind FLAME's own: their offsets are left out.
+// The export may have 120 vertices of teeth after FLAME's own: their offsets are dropped.
 constexpr size_t kFlameVertices = 5023, kVerticesWithTeeth = 5143;
 
 bool AllZero(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return x == 0; });
 }
 
-// The subject's shape and offsets, from the canonical file or else the first frame's.
+// The subject's shape and offsets, from the canonical file or otherwise the first frame's.
 void ReadSubject(const std::string& path, TrackedVideo& video) {
   const Npz npz = Npz::Read(path);
   std::string problem = CopyFinite("shape", npz.Get("shape").values, video.shape);
@@ -32,7 +32,7 @@ void ReadSubject(const std::string& path, TrackedVideo& video) {
   if (!problem.empty()) throw Error(path, problem);
 }
 
-// Copies an axis-angle vector, or what is wrong with it.
+// Copies an axis-angle vector; returns what is wrong with it, if anything.
 std::string CopyVector(const Npz& npz,
                        const std::string& name,
                        size_t offset,
@@ -111,7 +111,7 @@ std::string FindFiles(const JsonField& field,
   return fs::is_regular_file(frame.mask_path) ? "" : "mask " + frame.mask_path + " is missing";
 }
 
-// Fills `frame`; returns why it cannot be used.
+// Fills `frame`; returns why it is unusable, if it is.
 std::string LoadFrame(const JsonField& file,
                       const JsonField& field,
                       const TrackRequest& request,
@@ -126,7 +126,7 @@ std::string LoadFrame(const JsonField& file,
     if (problem.empty() && request.images)
       problem = FindFiles(field, folder, *request.images, frame);
     if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
-  } catch (const Error& error) {  // a broken file of one frame costs that frame
+  } catch (const Error& error) {  // a damaged file only costs its frame
     problem = error.what();
   }
   return problem;
@@ -155,7 +155,7 @@ void LoadSplit(const std::string& json_path,
   }
 }
 
-// The file that tells the subject: canonical, or that of the first frame in the list.
+// The file with the subject's parameters: canonical, or that of the first frame in the list.
 std::string SubjectFile(const std::string& path) {
   const std::string canonical = path + "/canonical_flame_param.npz";
   if (fs::exists(canonical)) return canonical;

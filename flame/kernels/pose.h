@@ -1,6 +1,5 @@
-// Posing a vertex by itself, when the joints are posed: the bodies that a device runs with a thread
-// each (avatar/surface/cuda/kernels.cu). FlamePoser runs the same formulas over strips of
-// vertices.
+// Kernels that pose individual vertices after the joints, which a device runs with one thread each
+// (avatar/surface/cuda/kernels.cu). FlamePoser applies the same formulas to strips of vertices.
 //
 // PosingArrays, FlameRig -> BlendShapesKernel -> SkinKernel -> posed vertices.
 #pragma once
@@ -10,7 +9,7 @@
 
 namespace cosplat::flame_math {
 
-// sum + what the terms' directions, each of `rows` numbers, have at `row`.
+// sum plus the terms' coefficients times their directions, each of `rows` numbers, at `row`.
 template <class T>
 COSPLAT_HD T AddDirections(T sum,
                            const T* directions,
@@ -31,17 +30,17 @@ COSPLAT_HD T AddDirections(T sum,
   return sum;
 }
 
-// For each of the 3 V numbers of the vertices.
+// For each of the 3 V vertex coordinates.
 template <class T>
 struct BlendShapesKernel {
   PosingArrays<T> arrays;
-  const DirectionTerm<T>* terms;  // as FlameRig has them
+  const DirectionTerm<T>* terms;  // as in FlameRig
   size_t expression_terms, pose_terms;
   T* unskinned;  // [V, 3]
 
   COSPLAT_HD void operator()(size_t i) const {
     const size_t rows = 3 * arrays.vertex_count;
-    // Two sums, as FlamePoser keeps them.
+    // Two sums, like those in FlamePoser's cache.
     const T expressed = AddDirections(
         arrays.shaped[i], arrays.expression_directions, rows, terms, expression_terms, i);
     const T corrections =

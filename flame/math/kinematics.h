@@ -1,5 +1,5 @@
 // The kinematic tree: local joint rotations and rest positions -> the rigid transforms that
-// skinning blends, G_j * T(-J_j) in Li et al. 2017, eq. 2-3. The root turns about its own joint.
+// skinning blends, G_j * T(-J_j) in Li et al. 2017, eq. 2-3. The root rotates about its own joint.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ JointTransforms<T, N> PoseJoints(const std::array<Matrix3<T>, N>& local,
   out.translation[0] = Minus(joints[0], Times(local[0], joints[0]));
   for (size_t j = 1; j < N; ++j) {
     const int p = parents[j];
-    // The joint itself is carried by its parent; everything else turns about it.
+    // The joint itself moves with its parent; everything else rotates about it.
     Vector3<T> posed_joint = Times(out.rotation[p], joints[j]);
     AddTo(posed_joint, out.translation[p]);
     out.rotation[j] = Times(out.rotation[p], local[j]);

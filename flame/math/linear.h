@@ -1,6 +1,6 @@
-// The few 3-vectors and row-major 3x3 matrices that FLAME's kinematics need, for any scalar T
-// (float, double, dual numbers in tests). flame/ stands below splat/math's users and beside it, so
-// it brings its own; meshes use Eigen inside .cpp files.
+// The 3-vectors and row-major 3x3 matrices that FLAME's kinematics need, for any scalar T (float,
+// double, dual numbers in tests). flame/ does not use splat/math's types.
+// Meshes use Eigen inside .cpp files.
 #pragma once
 
 #include <array>

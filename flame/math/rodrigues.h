@@ -1,4 +1,4 @@
-// Axis-angle to rotation matrix and its derivative, exact through the zero angle.
+// Conversion from axis-angle to rotation matrix and its derivative, exact through the zero angle.
 //
 // R = I + a K + b (w w^T - s I), with s = |w|^2, K = [w]x, a = sin(t)/t, b = (1 - cos t)/t^2 and
 // t = sqrt(s) (Rodrigues 1840). a and b are entire functions of s: below one radian they and their
@@ -20,7 +20,7 @@ RodriguesCoefficients<T> RodriguesCoefficientsOf(const T& s) {
   RodriguesCoefficients<T> c;
   if (s < T(1)) {
     // sum (-s)^n / (2n+1)! and sum (-s)^n / (2n+2)!; the tenth term is below 1e-17 for s < 1.
-    // Horner from the last term: p <- 1 - p s / (k (k+1)), whose derivative goes along.
+    // Horner from the last term: p <- 1 - p s / (k (k+1)), differentiated along with p.
     c.a = c.b = T(1);
     c.d_a = c.d_b = T(0);
     for (int n = 10; n >= 1; --n) {

@@ -6,7 +6,7 @@
 
 namespace cosplat::flame_math {
 
-// sum_j w_j (R_j p + t_j), of plain arrays for the device's sake: rotation [N, 9] row-major,
+// sum_j w_j (R_j p + t_j), on plain arrays so that devices can run it: rotation [N, 9] row-major,
 // translation [N, 3], weights [N], summing to 1, p and posed [3].
 template <int N, class T>
 COSPLAT_HD void SkinPoint(
@@ -16,7 +16,7 @@ COSPLAT_HD void SkinPoint(
     for (int i = 0; i < 9; ++i) r[i] += weights[j] * rotation[9 * j + i];
     for (int i = 0; i < 3; ++i) t[i] += weights[j] * translation[3 * j + i];
   }
-  const T x = p[0], y = p[1], z = p[2];  // `posed` might be `p`
+  const T x = p[0], y = p[1], z = p[2];  // `posed` may alias `p`
   for (int i = 0; i < 3; ++i)
     posed[i] = t[i] + (r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z);
 }
@@ -47,17 +47,17 @@ Vector3<T> SkinPointVjp(const JointTransforms<T, N>& joints,
   return TransposeTimes(rotation, d);
 }
 
-// What blend shapes add to one number of a mesh (Li et al. 2017, eq. 3 and 4): coefficients times
-// the directions' numbers there. The CPU runs over numbers (flame/directions.h), a device over
-// directions (flame/kernels/pose.h); both add in this order.
+// The contribution of blend shapes to one vertex coordinate (Li et al. 2017, eq. 3 and 4):
+// coefficients times the directions' values there. The CPU loops over coordinates
+// (flame/directions.h), a device over directions (flame/kernels/pose.h); both add in this order.
 
-// Four directions at once: the sum is loaded and stored less often.
+// Four directions at once, so that the sum is loaded and stored less often.
 template <class T>
 COSPLAT_HD T AddFourDirections(T sum, const T* coefficients, T d0, T d1, T d2, T d3) {
   const T* const c = coefficients;
   return sum + ((c[0] * d0 + c[1] * d1) + (c[2] * d2 + c[3] * d3));
 }
-// Those that four do not go into.
+// The remaining directions, one at a time.
 template <class T>
 COSPLAT_HD T AddDirection(T sum, T coefficient, T d) {
   return sum + coefficient * d;

@@ -1,5 +1,5 @@
-// A pinhole camera. Right-handed, looking along +z, x right, y down (OpenCV); the world frame is as
-// the data has it. Pixel centres lie at +0.5: the top-left pixel covers [0,1) x [0,1).
+// A right-handed pinhole camera, looking along +z with x right and y down (OpenCV). The world frame
+// is that of the data set. Pixel centres lie at +0.5: the top-left pixel covers [0,1) x [0,1).
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct Camera {
     return c;
   }
 
-  // The same camera with an image of another size: intrinsics scale per axis.
+  // The same camera for another image size; intrinsics are scaled per axis.
   Camera Resized(int new_width, int new_height) const {
     Camera c = *this;
     const float sx = float(new_width) / width;
@@ -41,11 +41,11 @@ struct Camera {
   }
 };
 
-// Checked camera poses: every loader's matrices end here, as Camera's cam_from_world.
+// Validated camera poses: all loaders use these functions to set a Camera's cam_from_world.
 
-// Empty when the pose can be used; otherwise why not, with the offending value. A rotation may
-// deviate from orthonormality by 1e-3 per entry of R R^T (text files round) and is made
-// orthonormal.
+// Empty if the pose is usable; otherwise the reason, with the offending value. A rotation may
+// deviate from orthonormality by 1e-3 per entry of R R^T (text files round); it is then
+// orthonormalised.
 using PoseProblem = std::string;
 
 // `rotation` (row-major) and `translation`: cam_from_world with OpenCV axes (x right, y down).
@@ -53,8 +53,8 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
                     const std::array<double, 3>& translation,
                     Camera& camera);
 
-// `matrix`: world_from_cam, 4x4 or its upper 3x4, row-major, with OpenGL camera axes (x right, y
-// up, looking along -z) as NeRF's files have it. The world frame is left as it is.
+// `matrix`: the upper 3x4 of world_from_cam, row-major, with OpenGL camera axes (x right, y up,
+// looking along -z) as in NeRF's files. The world frame is unchanged.
 PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
 
 }  // namespace cosplat

@@ -58,7 +58,7 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
 }
 
 PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
-  // OpenCV's axes are OpenGL's turned by 180 degrees about x: columns 1 and 2 change sign. The
+  // OpenCV's axes are OpenGL's rotated by 180 degrees about x: columns 1 and 2 change sign. The
   // inverse of [R c] is [R^T, -R^T c].
   std::array<double, 9> rotation;
   for (int i = 0; i < 3; ++i)

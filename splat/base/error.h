@@ -1,4 +1,4 @@
-// The one exception type of the project: bad input, named by file, field and value.
+// The project's only exception type: an error in an input, identified by file, field and value.
 //
 // Commands print what() on one line and exit with code 2; the C ABI turns it into a status code.
 #pragma once
@@ -14,7 +14,7 @@ class Error : public std::runtime_error {
   // `problem`: what was found and what was expected, with the offending value.
   Error(const std::string& file, const std::string& field, const std::string& problem)
       : std::runtime_error(Format(file, field, problem)) {}
-  // Of a whole file, or of what is in no file: an option, an argument, a device.
+  // For an error about a whole file, or about an option, argument or device.
   Error(const std::string& what, const std::string& problem) : Error(what, "", problem) {}
 
  private:

@@ -44,7 +44,7 @@ class TemporaryFile {
   bool kept_ = false;
 };
 
-// A device or pipe (/dev/stdout) cannot be replaced by a rename: it is written to directly.
+// A device or pipe (/dev/stdout) cannot be replaced by a rename, so it is written directly.
 bool IsSpecialFile(const std::string& path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);

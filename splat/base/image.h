@@ -1,5 +1,5 @@
-// Plain images, interleaved rows from the top: what files hold, what the renderer returns, what a
-// loss compares. Values are display-referred sRGB throughout, as in 3DGS: nothing is linearised.
+// Images with interleaved channels and rows from the top, as used for files, rendering and losses.
+// Values are display-referred sRGB throughout, as in 3DGS: nothing is linearised.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Between bytes and floats: the part of image_io.h that needs no library.
+// Conversion between bytes and floats: the part of image_io.h that needs no library.
 #include <algorithm>
 #include <cmath>
 #include <string>

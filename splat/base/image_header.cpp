@@ -38,8 +38,8 @@ uint32_t Crc32(const char* p, size_t size) {
   return ~crc;
 }
 
-// Calls `visit(type, data, size)` for every complete chunk until it returns false.
-// Returns whether it did: false means that the file ended first.
+// Calls `visit(type, data, size)` for every complete chunk until it returns false. Returns whether
+// `visit` returned false; if not, the file ended first.
 using ChunkVisitor = std::function<bool(const char* type, const char* data, size_t size)>;
 bool WalkPng(const std::vector<char>& bytes, const ChunkVisitor& visit) {
   size_t at = 8;
@@ -58,7 +58,7 @@ bool ParsePngHeader(const std::vector<char>& bytes, ImageInfo& info) {
   info.height = int(BigEndian(bytes.data() + 20, 4));
   const int color_type = bytes[25];
   info.channels = color_type == 0 ? 1 : color_type == 2 || color_type == 3 ? 3 : 4;
-  // Transparency of a palette or a colour key, before the pixels, makes a fourth channel.
+  // Palette transparency or a colour key, stored before the pixels, adds a fourth channel.
   for (size_t at = 33; bytes.size() - at >= 8;) {
     const size_t size = BigEndian(bytes.data() + at, 4);
     const char* type = bytes.data() + at + 4;
@@ -85,7 +85,7 @@ bool HasLength(uint8_t marker) {
 }
 
 // Calls `visit(marker, data, size)` for every marker of a JPEG, skipping entropy-coded data, until
-// it returns false. Returns whether it did.
+// it returns false. Returns whether `visit` returned false.
 using MarkerVisitor = std::function<bool(uint8_t marker, const char* data, size_t size)>;
 bool WalkJpeg(const std::vector<char>& bytes, const MarkerVisitor& visit) {
   size_t at = 2;
@@ -111,7 +111,7 @@ bool WalkJpeg(const std::vector<char>& bytes, const MarkerVisitor& visit) {
 bool ParseJpegHeader(const std::vector<char>& bytes, ImageInfo& info) {
   bool found = false;
   WalkJpeg(bytes, [&](uint8_t marker, const char* data, size_t size) {
-    // Start of frame: C0-CF but for tables and arithmetic conditioning.
+    // Start of frame: C0-CF except for tables and arithmetic conditioning.
     const bool frame =
         marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (!frame || size < 6) return true;

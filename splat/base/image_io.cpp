@@ -31,7 +31,7 @@ std::string ExtensionOf(const std::string& path) {
   return extension;
 }
 
-// RGB <-> BGR, with alpha kept. Never in place: `image` may wrap a caller's pixels.
+// RGB <-> BGR, keeping alpha. Never in place, since `image` may wrap a caller's pixels.
 cv::Mat SwapRedBlue(const cv::Mat& image) {
   if (image.channels() == 1) return image;
   cv::Mat swapped;
@@ -46,7 +46,7 @@ Image8 ToImage8(const cv::Mat& mat) {
   return image;
 }
 
-// Colour times alpha, as floats in [0, 255], so that averages weigh colour by coverage.
+// Colour times alpha, as floats in [0, 255], so that averages weight colour by coverage.
 cv::Mat Premultiplied(const Image8& image) {
   cv::Mat result;
   Wrap(image).convertTo(result, CV_32F);
@@ -92,7 +92,7 @@ cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   return mat;
 }
 
-// OpenCV puts pixel centres at whole numbers, this project at +0.5.
+// OpenCV puts pixel centres at integers, this project at +0.5.
 cv::Matx33d OpenCvMatrix(const Camera& camera) {
   return {camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1};
 }
@@ -109,7 +109,7 @@ void QuietOpenCv() {
 }
 
 ImageInfo ReadImageInfo(const std::string& path) {
-  // Metadata (EXIF, colour profiles) may precede the size: read on until the header is complete.
+  // Metadata (EXIF, colour profiles) may precede the size: read more until the header is complete.
   constexpr size_t kFirst = 1 << 16, kLast = 1 << 22;
   for (size_t size = kFirst; size <= kLast; size *= 8) {
     std::ifstream stream(path, std::ios::binary);

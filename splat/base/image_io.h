@@ -1,5 +1,5 @@
-// Image and video files. image_io.cpp and video_io.cpp are the only places of the libraries that
-// include OpenCV for pixels.
+// Image and video files. Within the libraries, only image_io.cpp and video_io.cpp include OpenCV
+// for pixel data.
 #pragma once
 
 #include <array>
@@ -19,56 +19,56 @@ struct ImageInfo {
   int channels = 0;
 };
 
-// From the header alone where the file is PNG or JPEG; throws Error as ReadImage does.
+// Reads only the header of PNG and JPEG files; throws Error as ReadImage does.
 ImageInfo ReadImageInfo(const std::string& path);
 
-// Reads PNG, JPEG, ... as RGB (3) or RGBA (4) or grey (1), 8 bits; 16-bit files are scaled down.
-// EXIF orientation is ignored, as COLMAP does. Throws Error when the file is missing, broken or cut
-// off (decoders would return a partial image).
+// Reads PNG, JPEG, ... as 8-bit RGB (3 channels), RGBA (4) or grey (1); 16-bit files are scaled
+// down. EXIF orientation is ignored, as in COLMAP. Throws Error if the file is missing, damaged or
+// truncated (for which decoders would return a partial image).
 Image8 ReadImage(const std::string& path);
 
-// The bytes of a PNG or JPEG file, by the extension of `path`, which is otherwise for errors; 1, 3
-// or 4 channels (JPEG: not 4).
+// Encodes 1, 3 or 4 channels as PNG or 1 or 3 as JPEG, chosen by the extension of `path`, which is
+// otherwise used only in errors.
 std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image);
 
-// Writes them through a temporary file.
+// Encodes and writes an image through a temporary file.
 void WriteImage(const std::string& path, const Image8& image);
 void WriteImage(const std::string& path, const Image& image);  // clamped to [0, 1], rounded
 
-// Clamped to [0, 1] and rounded; throws Error naming the pixel when one is not a number.
+// Clamps to [0, 1] and rounds; throws Error naming the pixel if a value is NaN.
 Image8 ToBytes(const Image& image);
 Image ToFloat(const Image8& image);
 
-// Mean over the covered source area (cv::INTER_AREA); width and height >= 1. Colour is weighted by
-// alpha where there is a fourth channel, so that a background under alpha 0 does not bleed in.
+// Averages over the covered source area (cv::INTER_AREA); width and height >= 1. With a fourth
+// channel, colour is weighted by alpha so that the background under alpha 0 does not bleed in.
 Image8 ResizeByArea(const Image8& image, int width, int height);
 
-// Removes lens distortion: resamples `image` (bilinear, alpha-weighted; edge pixels repeat outside)
-// as if taken by the pinhole `target` of the same pose.
-// `model`: kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order) or kFisheye {k1,k2,k3,k4}.
+// kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order) or kFisheye {k1,k2,k3,k4}.
 struct Distortion {
   enum class Model { kNone, kBrown, kFisheye } model = Model::kNone;
   double k[8] = {0, 0, 0, 0, 0, 0, 0, 0};
 };
+// Removes lens distortion: resamples `image` (bilinear, alpha-weighted; edge pixels are repeated
+// outside) as if taken by the pinhole camera `target` at the same pose.
 Image8 Undistort(const Image8& image,
                  const Camera& source,
                  const Distortion& distortion,
                  const Camera& target);
 
-// Where the pinhole rays through `points` (px in `target`) meet the distorted image `source`, px.
+// Maps `points` (px in `target`) along their pinhole rays to the distorted image `source`, px.
 std::vector<std::array<double, 2>> DistortedPixels(
     const Camera& source,
     const Distortion& distortion,
     const Camera& target,
     const std::vector<std::array<double, 2>>& points);
 
-// Frames of a video file, decoded in order. May be called from several threads, one at a time.
+// Frames of a video file, decoded in order. Thread-safe: calls are serialised.
 class VideoReader {
  public:
   explicit VideoReader(const std::string& path);  // throws Error
   ~VideoReader();
   int frame_count() const;
-  // RGB; cheap for index = last + 1, an earlier one decodes from the start again. Throws Error.
+  // RGB; cheap for index = last + 1, whereas an earlier index decodes from the start. Throws Error.
   Image8 ReadFrame(int index);
 
  private:
@@ -76,7 +76,7 @@ class VideoReader {
   std::unique_ptr<Impl> impl_;
 };
 
-// MP4 (mp4v) writer; the file appears under its name when Finish() succeeds.
+// MP4 (mp4v) writer; the file appears under its final name once Finish() succeeds.
 class VideoWriter {
  public:
   VideoWriter(const std::string& path, int width, int height, double frames_per_second);
@@ -89,20 +89,19 @@ class VideoWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-// What a PNG or JPEG file says about itself, without decoding it. Decoders hand back partial
-// images for cut-off files; walking the file's own structure finds the cut.
+// Checks of PNG and JPEG files without decoding. Decoders return partial images for truncated
+// files; walking the file's structure detects the truncation.
 
-// True and `info` filled when `bytes` (a whole file or its beginning) is a PNG or JPEG with a
+// Fills `info` and returns true if `bytes` (a whole file or its beginning) is a PNG or JPEG with a
 // complete header.
 bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info);
 
-// Throws Error(path, ...) when a PNG lacks chunks up to IEND or one of its critical chunks fails
-// its CRC, or when a JPEG lacks its end-of-image marker. Other kinds of file pass.
+// Throws Error(path, ...) if a PNG lacks chunks up to IEND or a critical chunk fails its CRC, or if
+// a JPEG lacks its end-of-image marker. Other file types pass.
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
 
-// Keeps OpenCV and FFmpeg from writing to stderr: failures are reported as Error instead.
-
-// Called before any of their functions; only the first call does anything.
+// Keeps OpenCV and FFmpeg from writing to stderr, since failures are reported as Error. Must be
+// called before any of their functions; only the first call has an effect.
 void QuietOpenCv();
 
 }  // namespace cosplat

@@ -10,8 +10,8 @@
 namespace cosplat {
 namespace {
 
-// Python writes NaN, Infinity and -Infinity, which JSON does not know. They become null, so that
-// one bad number costs its frame (its field is named) and not the whole file.
+// Python writes NaN, Infinity and -Infinity, which are not valid JSON. They become null, so that an
+// invalid number costs only its frame (its field is named) and not the whole file.
 void ReplaceNonFiniteTokens(std::string& text) {
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -37,7 +37,7 @@ std::string LineAndColumn(const std::string& text, size_t offset) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-// A value as an error message shows it: short, on one line.
+// A value as shown in an error message: short and on one line.
 std::string Shown(const Json& value) {
   if (value.is_array()) return "an array of " + std::to_string(value.size());
   if (value.is_object()) return "an object";
@@ -46,7 +46,7 @@ std::string Shown(const Json& value) {
   return text;
 }
 
-// `levels`: how deep arrays may lie in arrays, so that a hostile file cannot exhaust the stack.
+// `levels`: maximum nesting of arrays, so that a malicious file cannot overflow the stack.
 void Flatten(const JsonField& field, bool null_is_nan, int levels, std::vector<double>& out) {
   if (!field.raw().is_array() || levels == 0) {
     const bool nan = null_is_nan && field.raw().is_null();

@@ -12,11 +12,11 @@ using Json = nlohmann::json;
 // Parses a file; Error names the file and the line and column of a syntax error.
 Json ReadJson(const std::string& path);
 
-// Parses a text; Error names `source` and the line and column of a syntax error. NaN and Infinity,
+// Parses text; Error names `source` and the line and column of a syntax error. NaN and Infinity,
 // which Python writes, become null.
 Json ParseJson(const std::string& source, std::string text);
 
-// A value with where it came from. Every accessor throws Error(file, "a.b[3].c", found/expected).
+// A value together with its origin. Every accessor throws Error(file, "a.b[3].c", found/expected).
 class JsonField {
  public:
   JsonField(const std::string& file, const Json& value) : file_(file), value_(&value) {}
@@ -29,8 +29,8 @@ class JsonField {
   std::string String() const;
   // An array of `count` finite numbers (any length when count is 0); nested arrays are flattened.
   std::vector<float> Numbers(size_t count = 0) const;
-  // As Numbers, but NaN and infinity (null, as ReadJson leaves them) are let through as NaN, for
-  // values whose badness costs one frame only.
+  // Like Numbers, but NaN and infinity (null after ReadJson) are returned as NaN, for values that,
+  // if invalid, should cost only a single frame.
   std::vector<double> NumbersOrNan(size_t count = 0) const;
   double NumberOr(const std::string& key, double fallback) const;
   const std::string& file() const { return file_; }

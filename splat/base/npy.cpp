@@ -23,7 +23,7 @@ double HalfToDouble(uint16_t half) {
          (exponent >= 15 ? 1 << (exponent - 15) : 1.0 / (1 << (15 - exponent)));
 }
 
-// To nearest, ties to even; what is beyond the greatest half, 65504, becomes infinite.
+// Rounds to nearest, ties to even; values beyond the largest half, 65504, become infinite.
 uint16_t HalfOf(float value) {
   const uint32_t sign = std::bit_cast<uint32_t>(value) >> 16 & 0x8000;
   const float magnitude = std::abs(value);
@@ -53,7 +53,7 @@ struct Element {
   double (*read)(const char*);
 };
 
-// Kind and size of a dtype such as "<f4"; bytes == 0: not a number.
+// Reader and size of a dtype such as "<f4"; bytes == 0 if it is not numeric.
 Element ElementOf(const std::string& dtype) {
   const std::string kind = dtype.size() > 1 ? dtype.substr(1) : "";
   if (kind == "f2") return {2, HalfAt};
@@ -70,7 +70,7 @@ Element ElementOf(const std::string& dtype) {
   return {0, nullptr};
 }
 
-// How a number of a type that is written is stored: in the lowest bytes of `bits`.
+// How a number is stored in one of the output types: in the lowest bytes of `bits`.
 struct Writer {
   const char* dtype;
   size_t bytes;
@@ -90,7 +90,7 @@ const Writer* WriterOf(const std::string& dtype) {
   return nullptr;
 }
 
-// The header is a Python dictionary of three known keys; values are found behind their key.
+// The header is a Python dictionary with three known keys; each value follows its key.
 class Header {
  public:
   Header(const std::string& file, const std::string& member, const std::vector<char>& bytes)
@@ -165,7 +165,7 @@ size_t CheckedCount(const Header& header,
   return count;
 }
 
-// Where the element that is number `c_index` in C order lies in Fortran order.
+// Position in Fortran order of the element with index `c_index` in C order.
 size_t FortranIndex(const std::vector<size_t>& shape, size_t c_index) {
   size_t index = 0;
   size_t stride = 1;
@@ -213,7 +213,7 @@ std::string FormatNpy(const NpyArray& array) {
   std::string header = "{'descr': '" + dtype + "', 'fortran_order': False, 'shape': (";
   for (size_t extent : array.shape) header += std::to_string(extent) + ",";
   header += "), }";
-  // The data begins at a multiple of 64 and the header ends with a newline.
+  // The data begins at a multiple of 64 bytes, and the header ends with a newline.
   while ((10 + header.size() + 1) % 64 != 0) header += ' ';
   header += '\n';
   std::string bytes = std::string("\x93NUMPY\x01", 7) + '\0';

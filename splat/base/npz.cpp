@@ -30,7 +30,7 @@ std::vector<char> ReadMember(zip_t* archive, const std::string& path, zip_uint64
     throw Error(path, "entry " + std::to_string(index), "cannot be read");
   const Member file(zip_fopen_index(archive, index, 0), zip_fclose);
   if (!file) throw Error(path, stat.name, std::string("cannot be read: ") + zip_strerror(archive));
-  // Grown while reading: the size that a damaged directory claims is not to be trusted.
+  // Grown while reading, since the size in a damaged directory cannot be trusted.
   std::vector<char> bytes;
   std::vector<char> block(1 << 20);
   zip_int64_t count;
@@ -77,7 +77,7 @@ NpyArray MakeArray(const std::string& path,
   return {std::move(shape), std::vector<double>(values.begin(), values.end()), dtype};
 }
 
-// `bytes` must live until the archive is closed: only then libzip reads them.
+// `bytes` must outlive the archive, since libzip only reads them on closing.
 void AddMember(zip_t* archive,
                const std::string& path,
                const std::string& name,
@@ -88,7 +88,7 @@ void AddMember(zip_t* archive,
     zip_source_free(source);
     throw Error(path, name, std::string("cannot be written: ") + zip_strerror(archive));
   }
-  zip_file_set_mtime(archive, index, 315619200, 0);  // 1980: equal arrays, equal bytes
+  zip_file_set_mtime(archive, index, 315619200, 0);  // 1980: equal arrays give equal bytes
 }
 
 }  // namespace

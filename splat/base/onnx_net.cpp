@@ -13,7 +13,7 @@
 namespace cosplat {
 namespace {
 
-// Networks that recognise things take 224 px and mostly less.
+// Recognition networks take 224 px, and mostly accept less.
 constexpr int kMaxMinSide = 256;
 
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -38,8 +38,8 @@ std::string Listed(const std::vector<std::string>& names) {
   return text;
 }
 
-// OpenCV infers a size of 1 where a kernel is larger than what it slides over, and then takes
-// differences below 0 for sizes of memory.
+// OpenCV infers a size of 1 for a kernel larger than its input, and then interprets negative
+// differences as memory sizes.
 bool KernelFits(const cv::dnn::Layer& layer, const std::vector<cv::dnn::MatShape>& inputs) {
   const auto* conv = dynamic_cast<const cv::dnn::ConvolutionLayer*>(&layer);
   if (!conv) return true;
@@ -73,7 +73,7 @@ struct OnnxNet::Impl {
   std::vector<std::string> outputs;
   std::vector<cv::Mat> maps;
 
-  // Returns why the net refuses the image; empty when it does not.
+  // Returns why the net rejects the image; empty if it accepts it.
   std::string Forward(const Image8& image) {
     std::vector<float> planes = ToPlanes(image);
     const int shape[] = {1, 3, image.height, image.width};
@@ -87,7 +87,7 @@ struct OnnxNet::Impl {
     }
   }
 
-  // The same for a square image that may be far too small.
+  // The same for a square image that may be much too small.
   std::string Try(int side) {
     std::vector<int> layers;
     std::vector<std::vector<cv::dnn::MatShape>> inputs, results;

@@ -1,5 +1,5 @@
-// A network stored as ONNX, run on the CPU by OpenCV's dnn: an image in, feature maps out.
-// onnx_net.cpp is the only place of the libraries that includes OpenCV for networks.
+// An ONNX network run on the CPU by OpenCV's dnn module: image -> OnnxNet -> feature maps. Within
+// the libraries, only onnx_net.cpp includes OpenCV for networks.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace cosplat {
 
-// What the network holds for one of its outputs, valid until it is run again.
+// One output of the network, valid until the network is run again.
 struct FeatureMap {
   const float* data = nullptr;  // [channels, height, width]
   int channels = 0;
@@ -20,21 +20,21 @@ struct FeatureMap {
 
 class OnnxNet {
  public:
-  // The file's one input is [1, 3, H, W] for any H and W; `outputs` name maps [1, C, h, w]. Throws
-  // Error when the file cannot be read, lacks an output or takes no such images.
+  // The file's only input must be [1, 3, H, W] for any H and W; `outputs` name maps [1, C, h, w].
+  // Throws Error if the file cannot be read, lacks an output or does not accept such images.
   //
-  // Turns OpenCV's own threads off for the whole process: its convolutions round differently with
-  // the number of threads. To use several cores, run a net in each of several threads.
+  // Disables OpenCV's threads for the whole process, since its convolutions round differently for
+  // different numbers of threads. To use several cores, run one net per thread.
   OnnxNet(const std::string& path, const std::vector<std::string>& outputs);
   ~OnnxNet();
   OnnxNet(OnnxNet&&) noexcept;
 
   const std::vector<int>& channels() const { return channels_; }  // of each output
-  // Least width and height, px: below it some layer would have nothing left.
+  // Minimum width and height, px, below which the output of some layer would be empty.
   int least_side() const { return least_side_; }
 
-  // The outputs for an image (RGB, scaled from [0, 255] to [-1, 1]). Memory is kept from one
-  // image to the next of the same size. Throws Error when it is not RGB or too small.
+  // The outputs for an image (RGB, scaled from [0, 255] to [-1, 1]). Memory is reused between
+  // images of the same size. Throws Error if the image is not RGB or too small.
   std::vector<FeatureMap> Run(const Image8& image);
 
  private:

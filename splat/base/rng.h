@@ -1,6 +1,6 @@
-// A small random generator whose state is one number, so that a checkpoint holds it, and whose bits
-// do not depend on the standard library. Usable on a device. Source: SplitMix64 (Steele, Lea &
-// Flood 2014).
+// A small random number generator with a single integer as state, which a checkpoint can store, and
+// with output that does not depend on the standard library. Usable in device code. Source:
+// SplitMix64 (Steele, Lea & Flood 2014).
 #pragma once
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct Rng {
     const float radius = std::sqrt(-2 * std::log(1 - Uniform()));
     return radius * std::cos(6.28318530718f * Uniform());
   }
-  // As it is after so many draws: each of many can draw its own at once.
+  // The generator after `draws` calls of Next(), so that draws can be made in parallel.
   COSPLAT_HD Rng After(uint64_t draws) const { return {state + draws * kStep}; }
 };
 

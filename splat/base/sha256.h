@@ -1,4 +1,4 @@
-// SHA-256 (FIPS 180-4): names a model file without embedding it.
+// SHA-256 (FIPS 180-4), used to identify a model file without embedding it.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Frames of a data set that cannot be used: skipped, counted and listed, up to a third of them.
+// Unusable frames of a data set: they are skipped, counted and listed, up to a third of all frames.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@ struct SkippedFrame {
   std::string reason;
 };
 
-// What `load` throws as an Error, as text; empty when it does not. For frames that may be skipped.
+// Returns the message of the Error that `load` throws, or an empty string if it throws none. For
+// frames that may be skipped.
 template <class F>
 std::string Problem(const F& load) {
   try {
@@ -25,8 +26,8 @@ std::string Problem(const F& load) {
   return "";
 }
 
-// Throws Error(source, ...) when no frame is usable or when more than a third of all frames were
-// skipped; the message gives the counts and the first reasons.
+// Throws Error(source, ...) if no frame is usable or more than a third of all frames were skipped;
+// the message has the counts and the first reasons.
 void CheckSkipped(const std::string& source,
                   size_t usable,
                   const std::vector<SkippedFrame>& skipped);

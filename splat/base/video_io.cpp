@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-// Containers may claim any number of frames, or none: what can be decoded counts.
+// Containers may state any number of frames, or none, so the decodable frames are counted.
 int CountFrames(const std::string& path) {
   cv::VideoCapture capture(path, cv::CAP_FFMPEG);
   int count = 0;
@@ -24,7 +24,7 @@ struct VideoReader::Impl {
   std::string path;
   cv::VideoCapture capture;
   int count = 0;
-  int next = 0;  // index of the frame that read() gives
+  int next = 0;  // index of the frame that read() returns
   std::mutex mutex;
 
   void Open() {
@@ -86,7 +86,7 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
   impl_->width = width;
   impl_->height = height;
   const int fourcc = cv::VideoWriter::fourcc('m', 'p', '4', 'v');
-  // MPEG-4 stores even sizes: an odd last row or column is left out.
+  // MPEG-4 requires even sizes: an odd last row or column is dropped.
   const cv::Size size(width & ~1, height & ~1);
   if (!impl_->writer.open(impl_->temporary, cv::CAP_FFMPEG, fourcc, frames_per_second, size)) {
     std::error_code ignored;
@@ -98,7 +98,7 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
 VideoWriter::~VideoWriter() {
   impl_->writer.release();
   std::error_code ignored;
-  std::filesystem::remove(impl_->temporary, ignored);  // gone already after Finish()
+  std::filesystem::remove(impl_->temporary, ignored);  // already gone after Finish()
 }
 
 void VideoWriter::Write(const Image8& rgb) {
@@ -116,7 +116,7 @@ void VideoWriter::Write(const Image8& rgb) {
 
 void VideoWriter::Finish() {
   impl_->writer.release();
-  // The encoder reports nothing (a full disk, say): count what can be read back.
+  // The encoder does not report failures (such as a full disk), so the readable frames are counted.
   const int readable = CountFrames(impl_->temporary);
   if (readable != impl_->written || impl_->written == 0)
     throw Error(impl_->path,

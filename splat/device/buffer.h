@@ -1,4 +1,4 @@
-// Memory that kernels get: Buffer<T> owns, View<T> borrows.
+// Memory passed to kernels: Buffer<T> owns it, View<T> borrows it.
 #pragma once
 
 #include <algorithm>
@@ -21,12 +21,11 @@ namespace cosplat {
 template <class T>
 struct View;
 
-// What is sized for one view gets room for one that is larger by this part.
+// Buffers sized for one view get 1/kHeadRoom of extra capacity, for views that need more.
 constexpr size_t kHeadRoom = 8;
 
-// Elements in the host's memory or in a device's: in that of the stream of the last Refill or
-// Upload, in the host's at first. 64-byte aligned, so that packs of any instruction set load whole
-// cache lines.
+// An array in host or device memory: that of the stream last passed to Refill or Upload, initially
+// the host's. 64-byte aligned, so that packs of any instruction set load whole cache lines.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -53,16 +52,16 @@ class Buffer {
   size_t size() const { return size_; }
   size_t capacity() const { return capacity_; }
   bool empty() const { return size_ == 0; }
-  // In its own memory: to be read by the host only where that is the host's.
+  // May be a device pointer, which the host must not dereference.
   T* data() { return data_; }
   const T* data() const { return data_; }
   View<T> view() { return {data_, size_}; }
   View<const T> view() const { return {data_, size_}; }
 
-  // In any memory.
+  // For any memory.
 
-  // n elements of any values, for a size that varies from call to call: what was there is lost. A
-  // device is waited for where it has to grow.
+  // Resizes to n elements with unspecified values, for sizes that vary between calls; the previous
+  // contents are lost. Growing waits for a device.
   void Refill(size_t n, Stream& stream) {
     if (n > capacity_ || memory_ != &stream.memory()) {
       Release();
@@ -74,17 +73,17 @@ class Buffer {
   void FillWithZeros(Stream& stream) {
     if (size_ != 0) stream.FillWithZeros(data_, size_ * sizeof(T));
   }
-  // Takes over `n` elements of the host's memory, which must stay until the stream was waited for.
+  // Copies `n` elements from host memory, which must stay valid until the stream has completed.
   void Upload(const T* from, size_t n, Stream& stream) {
     Refill(n, stream);
     if (n != 0) stream.Upload(data_, from, n * sizeof(T));
   }
-  // To [size()] elements of the host's memory; they are there when the stream was waited for.
+  // Copies to [size()] elements of host memory, which are valid once the stream has completed.
   void Download(T* to, Stream& stream) const {
     if (size_ != 0) stream.Download(to, data_, size_ * sizeof(T));
   }
 
-  // In the host's memory alone: as std::vector.
+  // For host memory only, with the interface of std::vector.
 
   explicit Buffer(size_t n, const T& value = T()) { resize(n, value); }
   Buffer(std::initializer_list<T> values) { assign(values.begin(), values.end()); }
@@ -155,7 +154,7 @@ class Buffer {
     data_ = nullptr;
     size_ = capacity_ = 0;
   }
-  void Reserve(size_t n) {  // of nothing
+  void Reserve(size_t n) {  // for an empty buffer
     if (n == 0) return;
     if (!memory_) memory_ = &HostStream().memory();
     data_ = static_cast<T*>(memory_->Allocate(n * sizeof(T)));
@@ -181,14 +180,14 @@ class Buffer {
     capacity_ = n;
   }
 
-  Memory* memory_ = nullptr;  // null: the host's
+  Memory* memory_ = nullptr;  // null: host memory
   T* data_ = nullptr;
   size_t size_ = 0, capacity_ = 0;
 };
 
-// Pointer and count; no ownership. A View<const T> is made of any buffer or vector; of a temporary
-// one, for as long as the call that it is passed to. Indices are checked where asserts are compiled
-// in.
+// Pointer and count, without ownership. A View<const T> converts from any buffer or vector,
+// including a temporary, for the duration of the call it is passed to. Indices are checked where
+// asserts are enabled.
 template <class T>
 struct View {
   T* data = nullptr;
@@ -213,9 +212,9 @@ struct View {
   COSPLAT_HD bool empty() const { return count == 0; }
 };
 
-// What a training run holds, by name: Trainer::Memory adds up what its parts say of themselves.
+// The memory of a training run, by name: Trainer::Memory collects what each of its parts reports.
 
-// What a part grows with; kFixed: with neither.
+// What a part grows with; kFixed: neither.
 enum class MemoryOf { kGaussians, kPixels, kFixed };
 
 struct MemoryPart {
@@ -224,7 +223,7 @@ struct MemoryPart {
   MemoryOf of = MemoryOf::kGaussians;
 };
 
-// Bytes that buffers or vectors hold.
+// Bytes allocated by buffers or vectors.
 template <class... Containers>
 size_t HeldBy(const Containers&... containers) {
   return (size_t(0) + ... + (containers.capacity() * sizeof(*containers.data())));

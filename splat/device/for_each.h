@@ -1,9 +1,8 @@
-// Runs a kernel over elements, on the host or on a device: the text of a kernel is one for both.
+// Runs a kernel over elements on the host or on a device, from a single kernel source.
 //
 // A kernel is a struct of Views and numbers with `COSPLAT_HD void operator()(size_t i) const`,
-// whose elements do not depend on each other: the bits do not depend on the number of threads. A
-// back end that has devices lists the kernels that it compiles for them
-// (splat/device/cuda/kernels.cuh).
+// whose elements are independent: results are bit-identical for any number of threads. A device
+// back end lists the kernels that are compiled for it (splat/device/cuda/kernels.cuh).
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -18,11 +17,11 @@
 
 namespace cosplat {
 
-// Runs a body for indices or ranges on oneTBB's threads; for loops whose iterations are
-// independent, so that the bits do not depend on the number of threads.
+// Parallel loops on oneTBB's threads, for independent iterations: results are bit-identical for any
+// number of threads.
 
-// body(begin, end) for consecutive ranges of `grain` indices, the last one shorter: the same ranges
-// for any number of threads. `grain`: some tens of microseconds of work.
+// body(begin, end) for consecutive ranges of `grain` indices (the last may be shorter), which are
+// the same for any number of threads. `grain`: some tens of microseconds of work.
 template <class Body>
 void ParallelForRanges(size_t count, size_t grain, const Body& body) {
   tbb::parallel_for(size_t(0), (count + grain - 1) / grain, [&](size_t chunk) {
@@ -38,7 +37,7 @@ void ParallelFor(size_t count, const Body& body, size_t grain = 256) {
   });
 }
 
-// Where a device's back end says how it launches the kernel; null: it does not.
+// How a device back end launches the kernel; null if it does not have it.
 template <class Kernel>
 struct KernelLaunch {
   using Function = void (*)(size_t n, Stream& stream, const Kernel& kernel);
@@ -57,8 +56,8 @@ void ForEach(size_t n, Stream& stream, const Kernel& kernel) {
   ParallelFor(n, kernel);
 }
 
-// For kernels that work on SIMD packs of elements on the host: there, RunOnHost(n, kernel) does it,
-// compiled once per instruction set, and on a device Run<float>(kernel, Rows{i, 1}), a thread each.
+// For kernels that process SIMD packs of elements on the host, by RunOnHost(n, kernel), compiled
+// once per instruction set. A device runs Run<float>(kernel, Rows{i, 1}) in one thread per element.
 template <class Kernel>
 void ForEachRow(size_t n, Stream& stream, const Kernel& kernel) {
   if (!stream.on_host()) return KernelLaunch<Kernel>::Run(n, stream, kernel);

@@ -1,4 +1,5 @@
-// Arrays whose rows follow Gaussians that come, go or change places; and groups among sorted keys.
+// Reordering of per-Gaussian arrays when Gaussians are added, removed or permuted, and lookup of
+// groups in sorted keys.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 
 namespace cosplat {
 
-// Rows of `width` numbers; from row first_zero on, zeros.
+// Copies rows of `width` values; rows from first_zero on are zero.
 template <class T>
 struct GatherRow {
   View<const T> from;
@@ -27,7 +28,7 @@ struct GatherRow {
   }
 };
 
-// Row i becomes what row source[i] was; from first_zero on, zeros. `spare` takes turns with it.
+// Row i becomes the previous row source[i]; rows from first_zero on are zero. Swaps with `spare`.
 template <class T>
 void GatherRows(Buffer<T>& array,
                 Buffer<T>& spare,
@@ -42,7 +43,7 @@ void GatherRows(Buffer<T>& array,
   array.swap(spare);
 }
 
-// begin[g]: where key g begins among ascending keys, the first that is not less; for every g.
+// begin[g]: lower bound of g in ascending keys, that is, the first index whose key is not less.
 struct FindBegin {
   View<const uint32_t> keys;
   View<uint32_t> begin;

@@ -22,7 +22,7 @@ class OwnMemory : public Memory {
 constexpr int kDigitBits = 8;
 constexpr size_t kDigits = size_t(1) << kDigitBits;
 
-// By up to a digit's bits of the keys, from one pair of buffers to the other.
+// Sorts by up to a digit's bits of the keys, from one pair of buffers to the other.
 void SortByDigit(KeyedValues& pairs, int shift, int bits) {
   const size_t n = pairs.keys.size();
   const uint32_t mask = (uint32_t(1) << bits) - 1;
@@ -39,7 +39,7 @@ void SortByDigit(KeyedValues& pairs, int shift, int bits) {
   pairs.values.swap(pairs.values_swap);
 }
 
-// What the host was given is done.
+// Host work is complete as soon as it is submitted.
 class NoMoment : public Moment {
  public:
   void Record() override {}
@@ -67,7 +67,7 @@ class OwnStream : public Stream {
   }
 
  private:
-  // Never destroyed: buffers of threads outlive what is static.
+  // Never destroyed, since buffers of threads may outlive static objects.
   static Memory& Own() {
     static OwnMemory& memory = *new OwnMemory;
     return memory;

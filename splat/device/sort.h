@@ -1,4 +1,4 @@
-// Keys with a value each, sorted by Stream::Sort in turn from one pair of buffers to another.
+// Key-value pairs for Stream::Sort, which alternates between two pairs of buffers.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace cosplat {
 
-// As a key: those that are not negative sort as their bits.
+// A float as a sort key: non-negative floats have the order of their bits.
 COSPLAT_HD uint32_t BitsOf(float x) {
   union {
     float value;

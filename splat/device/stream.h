@@ -1,10 +1,9 @@
-// Where work is done and where its memory is: the host's, or a CUDA device's
-// (splat/device/cuda/stream.h).
+// An execution queue with its memory: the host's, or a CUDA device's (splat/device/cuda/stream.h).
 //
-// One logic for both: a Buffer (splat/device/buffer.h) lies in a stream's memory, ForEach
-// (splat/device/for_each.h) runs a kernel over its elements there, and what the kernels cannot do
-// alone (copying, sorting, sums) the stream does. Work is done in the order in which it was given:
-// at once on the host, later on a device.
+// The same code serves both: a Buffer (splat/device/buffer.h) lies in a stream's memory, ForEach
+// (splat/device/for_each.h) runs a kernel over its elements there, and the stream itself provides
+// what kernels cannot (copying, sorting, sums). Work is executed in submission order: immediately
+// on the host, asynchronously on a device.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +19,17 @@ struct KeyedValues;  // splat/device/sort.h
 class Memory {
  public:
   virtual ~Memory() = default;
-  // At least 64-byte aligned. Throws std::bad_alloc, or Error on a device, where there is no room.
+  // At least 64-byte aligned. If memory runs out, throws std::bad_alloc, or Error on a device.
   virtual void* Allocate(size_t bytes) = 0;
   virtual void Free(void* data, size_t bytes) = 0;
 };
 
-// A moment in a stream.
+// A point in a stream's work, like a CUDA event.
 class Moment {
  public:
   virtual ~Moment() = default;
   virtual void Record() = 0;
-  // The host waits until it has come to pass; not at all where it was never recorded.
+  // Blocks the host until the recorded point is reached; returns at once if none was recorded.
   virtual void Wait() const = 0;
 };
 
@@ -39,42 +38,42 @@ class Stream {
   virtual ~Stream() = default;
 
   virtual Memory& memory() const = 0;
-  // Whether its memory is the host's, and what it was given is done when the call returns.
+  // Whether its memory is the host's and all work is complete when a call returns.
   bool on_host() const;
 
-  // From and to the host's memory; `to` has it when the stream has been waited for, and `from` must
-  // stay until then.
+  // Copy from and to host memory. `to` is valid once the stream has been waited for, and `from`
+  // must stay valid until then.
   virtual void Upload(void* to, const void* from, size_t bytes) = 0;
   virtual void Download(void* to, const void* from, size_t bytes) = 0;
-  // As Upload, but `from` is free at once; nobody waits for what the stream is at.
+  // Like Upload, but `from` may be reused at once, without waiting for the stream's pending work.
   virtual void Send(void* to, const void* from, size_t bytes) = 0;
   virtual void FillWithZeros(void* data, size_t bytes) = 0;
   virtual void Wait() = 0;
 
-  // Stable, by the lowest `bits` bits of the keys.
+  // Stable sort by the lowest `bits` bits of the keys.
   virtual void Sort(KeyedValues& pairs, int bits) = 0;
-  // Each number becomes the sum of those before it.
+  // Replaces each number by the sum of those before it.
   virtual void ExclusiveSum(Buffer<uint64_t>& numbers) = 0;
   virtual size_t held() const { return 0; }  // bytes of scratch
 
-  // Bytes that its memory has left. The host's is not reckoned with: the most that there are.
+  // Free bytes of its memory. Not determined for the host, for which the maximum is returned.
   virtual size_t FreeMemory() const { return size_t(-1); }
-  // Memory of the host's that Download need not wait for.
+  // Host memory to which Download is asynchronous.
   virtual Memory& readback_memory() const = 0;
   virtual std::unique_ptr<Moment> MakeMoment() = 0;
-  // Another one of the same device, for work in any order beside this one's.
+  // Another stream of the same device, for concurrent work.
   virtual std::unique_ptr<Stream> Another() const = 0;
 };
 
-// Of what is free: allocators do not get all of it.
+// Usable fraction of the free memory: allocators do not get all of it.
 constexpr double kUsableMemory = 0.9;
 
-// Has no state: one for all.
+// Stateless, and shared by all threads.
 Stream& HostStream();
 
 inline bool Stream::on_host() const { return &memory() == &HostStream().memory(); }
 
-// One value that a stream tells the host.
+// Reads single values back from a stream's memory.
 template <class T>
 class Readback {
  public:
@@ -85,13 +84,13 @@ class Readback {
   ~Readback() { memory_.Free(value_, sizeof(T)); }
   Readback(const Readback&) = delete;
   Readback& operator=(const Readback&) = delete;
-  // Reads what is there after all that the stream was given so far: the host waits.
+  // Returns the value after all work submitted so far; blocks the host.
   const T& Get(const T* from, Stream& stream) {
     Ask(from, stream);
     stream.Wait();
     return *value_;
   }
-  // Without waiting: Last has it once the stream was waited for.
+  // Without waiting: Last returns the value once the stream has been waited for.
   void Ask(const T* from, Stream& stream) { stream.Download(value_, from, sizeof(T)); }
   const T& Last() const { return *value_; }
 

@@ -20,12 +20,12 @@ namespace {
 
 constexpr const char* kBackbone = "_backbone.onnx";
 
-// Keeps a pixel whose channels are all 0 finite (the reference implementation's value).
+// Keeps pixels with all-zero channels finite (the value of the reference implementation).
 constexpr float kTinySquare = 1e-20f;
 
 std::string FindNet(const std::string& folder) {
   std::vector<std::string> nets;
-  std::error_code ignored;  // of a folder that is none: then there is no net in it
+  std::error_code ignored;  // if there is no such folder, no net is found
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with(kBackbone)) nets.push_back(name);
@@ -70,7 +70,7 @@ std::vector<std::vector<float>> ReadWeights(const std::string& path,
   return weights;
 }
 
-// The factors that give each pixel of a row of `map` length 1.
+// Factors that normalise the channels of each pixel of a row of `map` to length 1.
 std::vector<float> RowNorms(const FeatureMap& map, const float* row) {
   std::vector<float> norms(size_t(map.width), kTinySquare);
   const size_t plane = size_t(map.height) * map.width;

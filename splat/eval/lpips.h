@@ -1,11 +1,11 @@
-// LPIPS: how different two images look to a network that was trained to recognise things, its
-// feature maps weighed as people judged (Zhang et al. 2018, The Unreasonable Effectiveness of Deep
-// Features as a Perceptual Metric, eq. 1). Smaller is better; 0 for equal images.
+// LPIPS: the perceptual difference of two images, from the feature maps of a recognition network
+// with weights fitted to human judgements (Zhang et al. 2018, The Unreasonable Effectiveness of
+// Deep Features as a Perceptual Metric, eq. 1). Smaller is better; 0 for equal images.
 //
-// The network and the weights are files (docs/lpips.md tells how to make them):
+// The network and the weights are files (docs/lpips.md describes how to make them):
 //   NET_backbone.onnx  image [1, 3, H, W], RGB in [-1, 1] -> feature maps
-//   NET_taps.txt       names of the outputs that are compared, in order
-//   NET_lin.npz        lin0, lin1, ...: a weight for each channel of each of them
+//   NET_taps.txt       names of the outputs to compare, in order
+//   NET_lin.npz        lin0, lin1, ...: per-channel weights of each output
 #pragma once
 
 #include <array>
@@ -19,22 +19,22 @@ namespace cosplat {
 
 class Lpips {
  public:
-  // `folder` holds one net. Throws Error when a file is missing or does not fit the others.
+  // `folder` must contain one net. Throws Error if a file is missing or does not match the others.
   explicit Lpips(const std::string& folder);
 
-  // NET: figures of different nets cannot be compared, so it is part of the result.
+  // NET. Distances of different nets are not comparable, so this is part of the result.
   const std::string& net() const { return net_; }
   int least_side() const { return nets_[0].least_side(); }
 
-  // Both RGB, of one size, at least least_side() wide and high; throws Error otherwise. Not from
-  // several threads at once. The same bits for any number of threads.
+  // Both images must be RGB, of equal size and at least least_side() wide and high; throws Error
+  // otherwise. Not thread-safe. Bit-identical for any number of threads.
   double Distance(const Image8& a, const Image8& b);
 
  private:
   Lpips(const std::string& folder, const std::string& net);
 
   std::string net_, backbone_;
-  std::array<OnnxNet, 2> nets_;  // one for each image: they run side by side
+  std::array<OnnxNet, 2> nets_;  // one per image: they run in parallel
   std::vector<std::vector<float>> weights_;
 };
 

@@ -30,7 +30,7 @@ double ToDecibel(double squared, double weight) {
   return squared > 1e-10 * weight ? -10 * std::log10(squared / weight) : 100;
 }
 
-// Highlights are where a colour must depend on the direction.
+// Highlights are where colours depend most on the viewing direction.
 double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
   constexpr size_t kShare = 50;
   std::vector<std::pair<int, size_t>> by_brightness;

@@ -1,4 +1,4 @@
-// How close a rendered image is to its image.
+// Image quality of a rendering against its ground truth.
 #pragma once
 
 #include <string>
@@ -17,12 +17,12 @@ struct ImageMetrics {
   double ssim = 0;         // 11 x 11 Gaussian window, zero beyond the border (3DGS)
   double psnr_mask = 0;    // dB, squared differences weighted by the mask; 0 without one
   double psnr_region = 0;  // dB inside a rectangle; 0 without one
-  // dB over the brightest fiftieth (of the truth) of what the mask shows wholly; 0 without a mask.
+  // dB over the brightest fiftieth (by ground truth) of the pixels fully in the mask; 0 without it.
   double psnr_highlight = 0;
 };
 
-// Both RGB and of the same size. `mask`: one channel of that size, or null. Throws Error when sizes
-// disagree.
+// Both images must be RGB and of equal size. `mask`: one channel of that size, or null. Throws
+// Error if sizes differ.
 ImageMetrics CompareImages(const Image8& rendered,
                            const Image8& truth,
                            const Image8* mask = nullptr,

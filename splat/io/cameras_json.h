@@ -17,8 +17,8 @@ struct NamedCamera {
 // fx}; ids count from 0. Atomic; throws Error.
 void WriteCamerasJson(const std::string& path, const std::vector<NamedCamera>& cameras);
 
-// Principal points, which the file does not hold, are taken to be the images' middles. Throws
-// Error naming file and field.
+// Principal points, which the file does not store, are assumed at the image centres. Throws Error
+// naming file and field.
 std::vector<NamedCamera> ReadCamerasJson(const std::string& path);
 
 }  // namespace cosplat

@@ -8,12 +8,12 @@
 namespace cosplat::colmap {
 namespace {
 
-// Little-endian numbers read in order; an end of file names the record that was being read.
+// Reads little-endian numbers in order; errors at the end of the file name the current record.
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {}
 
-  // What is being read from here on, for messages.
+  // Sets the current record, for messages.
   void Enter(const std::string& kind, uint64_t index, uint64_t count) {
     record_ = kind + " " + std::to_string(index + 1) + " of " + std::to_string(count);
   }

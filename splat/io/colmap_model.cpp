@@ -29,8 +29,8 @@ const ColmapModelKind* FindByName(const std::string& name) {
   return nullptr;
 }
 
-// Parameters are [f | fx fy] cx cy, then distortion in OpenCV's order, radial models without the
-// tangential terms p1, p2 (which are OpenCV's third and fourth).
+// Parameters are [f | fx fy] cx cy, then distortion in OpenCV's order; radial models lack the
+// tangential terms p1, p2 (OpenCV's third and fourth).
 void SetParams(const std::string& model, const std::vector<double>& p, ColmapCamera& camera) {
   const bool two_focals = model == "PINHOLE" || model == "OPENCV" || model == "OPENCV_FISHEYE" ||
                           model == "FULL_OPENCV";
@@ -46,7 +46,7 @@ void SetParams(const std::string& model, const std::vector<double>& p, ColmapCam
   }
   const bool fisheye = model.find("FISHEYE") != std::string::npos;
   if (fisheye) {
-    camera.distortion.model = Distortion::Model::kFisheye;  // distorts with zeros, too
+    camera.distortion.model = Distortion::Model::kFisheye;  // distorts even if all are zero
   } else if (distorts) {
     camera.distortion.model = Distortion::Model::kBrown;
   }

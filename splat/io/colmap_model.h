@@ -1,4 +1,4 @@
-// COLMAP's sparse model as its files hold it, binary or text.
+// COLMAP's sparse model as stored in its files, binary or text.
 // Format: colmap.github.io/format.html.
 #pragma once
 
@@ -33,19 +33,19 @@ struct ColmapModel {
   std::vector<uint8_t> point_colors;  // [P, 3]
 };
 
-// Reads cameras, images and points3D (.bin, or .txt where there is no .bin) from a folder. The
-// points may be absent. Throws Error naming the file, the record and what was expected.
+// Reads cameras, images and points3D (.bin, or .txt if there is no .bin) from a folder; points3D is
+// optional. Throws Error naming the file, the record and what was expected.
 ColmapModel ReadColmapModel(const std::string& folder);
 
-// A camera of COLMAP's `model` ("OPENCV", ...); throws Error(file, field, ...) for models whose
-// distortion OpenCV cannot undo, by name, and for a wrong number or value of parameters.
+// A camera of COLMAP's `model` ("OPENCV", ...). Throws Error(file, field, ...) for models whose
+// distortion OpenCV cannot undo, and for a wrong number or value of parameters.
 ColmapCamera MakeColmapCamera(const std::string& file,
                               const std::string& field,
                               const std::string& model,
                               const std::array<int64_t, 2>& size,
                               const std::vector<double>& params);
 
-// Name and number of parameters of a model id in a binary file; nullptr when unknown.
+// Name and number of parameters of a model id in a binary file.
 struct ColmapModelKind {
   int id;
   const char* name;
@@ -54,7 +54,7 @@ struct ColmapModelKind {
 const ColmapModelKind* FindColmapModelKind(int id);
 
 namespace colmap {
-// One format each; called by ReadColmapModel with paths that exist (points: maybe).
+// One function per format; ReadColmapModel calls it if its camera file exists.
 void ReadBinary(const std::string& folder, ColmapModel& model);
 void ReadText(const std::string& folder, ColmapModel& model);
 }  // namespace colmap

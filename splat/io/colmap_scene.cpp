@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// 3x3 rotation of a quaternion of any length; all NaN for one of length zero or not finite.
+// 3x3 rotation of a quaternion of any norm; all NaN if the norm is zero or not finite.
 std::array<double, 9> RotationMatrix(const std::array<double, 4>& q) {
   const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   const double w = q[0] / n, x = q[1] / n, y = q[2] / n, z = q[3] / n;
@@ -27,7 +27,7 @@ std::array<double, 9> RotationMatrix(const std::array<double, 4>& q) {
           1 - 2 * (x * x + y * y)};
 }
 
-// "no folder images; found images_8: use -r 8"
+// For example "has no folder images; there is -r 8".
 std::string MissingFolderProblem(const std::string& path, int resolution) {
   std::string text = "has no folder images";
   if (resolution > 1) text += " or images_" + std::to_string(resolution);

@@ -8,7 +8,7 @@
 namespace cosplat::colmap {
 namespace {
 
-// The lines of a file without comments, as streams of words.
+// The lines of a file, without comments, as streams of words.
 class Lines {
  public:
   explicit Lines(const std::string& path) : path_(path) {
@@ -23,7 +23,7 @@ class Lines {
     return false;
   }
 
-  // The next line, whatever it holds (an image without observations has a blank second line).
+  // The next line, with any content (an image without observations has a blank second line).
   bool Next() {
     if (!std::getline(text_, line_)) return false;
     ++number_;
@@ -32,7 +32,7 @@ class Lines {
     return true;
   }
 
-  // std::stod rather than >>: the latter does not read "nan", which must be found out by name.
+  // std::stod rather than >>, which does not parse "nan": NaN must be reported by name.
   double Number(const char* what) {
     std::string word;
     size_t used = 0;
@@ -60,7 +60,7 @@ class Lines {
     return word;
   }
 
-  // The rest of the line: names may hold spaces.
+  // The rest of the line, since names may contain spaces.
   std::string Rest(const char* what) {
     std::string rest;
     std::getline(words_ >> std::ws, rest);

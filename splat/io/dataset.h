@@ -1,4 +1,4 @@
-// A static scene's images: images, cameras, split and initial points.
+// A static scene's data: images, cameras, split and initial points.
 //
 // splat/io/{colmap,transforms}*.cpp read the layouts that structure-from-motion programs and
 // renderers write into this one structure; the scene trainer and `render` read it.
@@ -18,11 +18,11 @@ namespace cosplat {
 struct SceneView {
   std::string name;        // as the data set names the image, without the images folder
   std::string image_path;  // the file that is read
-  std::string mask_path;   // empty, or an image whose first channel becomes alpha
+  std::string mask_path;   // empty, or an image whose first channel replaces alpha
   Camera camera;           // pinhole, at the size that LoadViewImage returns
 
-  // How the file becomes that image: undistorted from `file_camera` (at the file's size), then
-  // resized by area.
+  // How that image is made from the file: undistorted from `file_camera` (at the file's size), then
+  // resized by area averaging.
   Camera file_camera;
   Distortion distortion;
 };
@@ -34,7 +34,7 @@ struct SceneData {
   std::vector<SceneView> test;
   std::vector<float> points;           // [P, 3] world units; empty where the data has none
   std::vector<uint8_t> point_colors;   // [P, 3] RGB
-  std::vector<SkippedFrame> skipped;   // frames that cannot be used, each with why
+  std::vector<SkippedFrame> skipped;   // unusable frames, each with the reason
   float extent = 1;                    // > 0, world units: see SceneExtent
   bool white_background_hint = false;  // renderings with alpha: results are published on white
 };
@@ -42,23 +42,23 @@ struct SceneData {
 struct SceneOptions {
   int resolution = 1;  // -r: images are divided by this
   bool eval = false;   // every 8th view by name is the test set, where the data has no own split
-  // Every 8th of the training views (as if `eval`) becomes the test set and the real test set is
-  // dropped: for choosing hyper-parameters without looking at test views.
+  // Every 8th of the training views (as with `eval`) becomes the test set and the real test set is
+  // dropped: for choosing hyper-parameters without seeing test views.
   bool fold = false;
 };
 
-// Finds the layout by the files present: sparse/ (COLMAP), transforms_train.json (Blender),
+// Detects the layout from the files present: sparse/ (COLMAP), transforms_train.json (Blender),
 // transforms.json (nerfstudio, instant-ngp). Views are sorted by name. Images come from
-// images_<resolution> where that exists and are resized by area otherwise.
-// Throws Error naming file, field and value; frames that cannot be used are skipped and listed.
+// images_<resolution> if that exists and are otherwise resized by area averaging. Throws Error
+// naming file, field and value; unusable frames are skipped and listed.
 SceneData LoadScene(const std::string& path, const SceneOptions& options);
 
-// RGB, or RGBA with straight alpha, of exactly view.camera's size.
-// Throws Error when the file is broken or its size is not view.file_camera's.
+// RGB, or RGBA with straight alpha, of exactly view.camera's size. Throws Error if the file is
+// damaged or its size is not view.file_camera's.
 Image8 LoadViewImage(const SceneView& view);
 
-// 3DGS's cameras_extent: 1.1 times the greatest distance of a camera from their mean; 1 when all
-// cameras are at one place. Rates of positions and size limits scale with it.
+// 3DGS's cameras_extent: 1.1 times the greatest distance of a camera from their mean; 1 if all
+// cameras coincide. Position learning rates and size limits scale with it.
 float SceneExtent(const std::vector<SceneView>& views);
 
 }  // namespace cosplat

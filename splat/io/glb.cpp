@@ -20,7 +20,7 @@ int AddValues(GlbDocument& document,
                 "accessors[" + std::to_string(document.accessors.size()) + "]",
                 "has " + std::to_string(numbers) + " numbers, expected a positive multiple of " +
                     std::to_string(accessor.width));
-  constexpr size_t kBytes = 4;  // of both component types
+  constexpr size_t kBytes = 4;  // size of both component types
   GlbAccessor added = accessor;
   added.count = numbers / accessor.width;
   added.offset = document.binary.size();
@@ -31,7 +31,7 @@ int AddValues(GlbDocument& document,
   return int(document.accessors.size()) - 1;
 }
 
-// The accessor, if it is one of `component` and `width`.
+// The accessor; throws Error unless it has this component type and width.
 const GlbAccessor& Find(
     const GlbDocument& document, int accessor, int component, int width, const std::string& field) {
   if (accessor < 0 || size_t(accessor) >= document.accessors.size())

@@ -16,7 +16,8 @@ constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr size_t kMax = std::numeric_limits<uint32_t>::max();
 
-// Ours nest 9 deep. Readers descend once per level, so that a file could ask for any stack.
+// Our files nest 9 levels deep. Parsers recurse once per level, so that a malicious file could
+// overflow their stack.
 constexpr int kMaxNesting = 64;
 
 struct Chunks {
@@ -90,7 +91,7 @@ Json Parse(const std::string& path, std::string_view text) {
   }
 }
 
-// A member that must be a whole number, `least` to `most`, and written as one.
+// A member that must be an integer in [least, most], written as an integer.
 size_t Whole(const JsonField& object, const std::string& key, size_t least, size_t most) {
   const JsonField field = object[key];
   field.Number();

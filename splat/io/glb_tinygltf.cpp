@@ -1,4 +1,4 @@
-// The one file that sees tinygltf.
+// The only file that includes tinygltf.
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ tinygltf::Value ToValue(const Json& json) {
   return tinygltf::Value(std::move(object));
 }
 
-// Smallest and largest of each component, as glTF demands of positions.
+// Minimum and maximum of each component, which glTF requires for positions.
 void AddBounds(const GlbDocument& document,
                const GlbAccessor& accessor,
                tinygltf::Accessor& out,
@@ -43,7 +43,7 @@ void AddBounds(const GlbDocument& document,
   }
 }
 
-// Each accessor has a buffer view of its own.
+// Each accessor has its own buffer view.
 void AddAccessors(const GlbDocument& document, tinygltf::Model& model) {
   constexpr std::array<int, 5> kTypes{
       0, TINYGLTF_TYPE_SCALAR, TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
@@ -118,7 +118,7 @@ GlbMesh FromTinygltf(const tinygltf::Mesh& mesh) {
     p.attributes = primitive.attributes;
     p.indices = primitive.indices;
     p.targets = primitive.targets;
-    // The text, not tinygltf's values: those keep 32 bits of an integer and drop what is empty.
+    // Parses the text, since tinygltf's values keep 32 bits of an integer and drop empty values.
     if (!primitive.extensions_json_string.empty())
       p.extensions = Json::parse(primitive.extensions_json_string);
     out.primitives.push_back(std::move(p));
@@ -138,7 +138,7 @@ GlbAccessor FromTinygltf(const tinygltf::Model& model, const tinygltf::Accessor&
   return out;
 }
 
-// Images are of no use here, and decoding them is where a glTF library is most easily hurt.
+// Images are not needed, and decoding them is the most vulnerable part of a glTF library.
 bool IgnoreImage(
     tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
   return true;
@@ -163,7 +163,7 @@ tinygltf::Model Load(const std::string& path, const std::vector<char>& bytes) {
 }  // namespace
 
 void WriteGlb(const GlbDocument& document) {
-  // Room for the JSON, which takes some 300 bytes per accessor, is left below the limit.
+  // Leaves room below the limit for the JSON, which takes some 300 bytes per accessor.
   constexpr size_t kMaxBinary = 0xFF000000;
   if (document.binary.size() > kMaxBinary)
     throw Error(

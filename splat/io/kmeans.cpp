@@ -16,7 +16,7 @@ struct Rows {
   Buffer<float> weight;  // [N]
 };
 
-// `count` of 0 .. n - 1, each once, ascending.
+// `count` distinct numbers of 0 .. n - 1, ascending.
 std::vector<uint32_t> Draw(size_t count, size_t n, Rng& rng) {
   std::vector<uint32_t> all(n);
   std::iota(all.begin(), all.end(), 0u);
@@ -38,8 +38,8 @@ Rows Take(View<const float> rows,
   return out;
 }
 
-// `count` of 0 .. weight.size() - 1, each once: one after the other, each of those that are left
-// with a probability in proportion to its weight (Efraimidis & Spirakis 2006).
+// `count` distinct indices of `weight`, drawn one after the other, each with probability
+// proportional to its weight among the remaining ones (Efraimidis & Spirakis 2006).
 std::vector<uint32_t> DrawByWeight(size_t count, View<const float> weight, Rng& rng) {
   std::vector<std::pair<double, uint32_t>> order;
   for (uint32_t i = 0; i < weight.size(); ++i)
@@ -50,7 +50,7 @@ std::vector<uint32_t> DrawByWeight(size_t count, View<const float> weight, Rng& 
   return drawn;
 }
 
-// Centres without rows go where rows are worst represented, each to another row.
+// Moves each centre without rows to a different one of the worst represented rows.
 void MoveEmpty(View<const float> rows,
                size_t width,
                View<const float> weight,

@@ -16,14 +16,14 @@
 #define COSPLAT_SPLAT_CPU_NEAREST_ROW_CPP_
 namespace cosplat {
 
-// Rows of a task: they, their best so far and a panel stay in the first-level cache together.
+// Rows per task: the rows, their best candidates so far and a panel fit in the L1 cache together.
 constexpr size_t kTaskRows = 96;
-// Rows and vectors of candidates that are in registers at once: 12 sums, 2 candidates.
+// Rows and candidate vectors held in registers at once: 12 sums, 2 candidates.
 constexpr size_t kRowsAtOnce = 6;
 constexpr size_t kVectorsAtOnce = 2;
 
-// The candidates c, `lanes` of them side by side: first |c|^2 / 2 of each, then number k of each.
-// Padded to kVectorsAtOnce with candidates that are infinitely far.
+// The candidates c, interleaved in groups of `lanes`: first |c|^2 / 2 of each, then component k of
+// each. Padded to kVectorsAtOnce with candidates at infinite distance.
 struct Panels {
   size_t lanes, width, vectors;
   Buffer<float> values;  // [vectors, 1 + width, lanes]
@@ -46,13 +46,13 @@ using FullVector = hn::Vec<FullLanes>;
 
 size_t PanelLanes() { return hn::Lanes(FullLanes()); }
 
-// Per row and lane the least |c|^2 / 2 - x c and the number of the vector that it is of.
+// Per row and lane, the smallest |c|^2 / 2 - x c and the index of its vector.
 struct BestOfLanes {
   alignas(64) float score[kTaskRows][hn::MaxLanes(FullLanes())];
   alignas(64) float vector[kTaskRows][hn::MaxLanes(FullLanes())];
 };
 
-// Takes kVectorsAtOnce vectors of candidates, from `first`, into the best of rows row, row + 1, ...
+// Updates the best of rows row, row + 1, ... with kVectorsAtOnce candidate vectors from `first` on.
 HWY_INLINE void TryVectors(
     const TaskRows& task, const Panels& panels, size_t first, size_t row, BestOfLanes& best) {
   const FullLanes d;

@@ -1,5 +1,5 @@
-// For each of many rows the nearest of a few thousand others: what k-means (splat/io/kmeans.h)
-// spends its time on. Compiled per instruction set, run over oneTBB.
+// Finds for each of many rows the nearest of a few thousand others, which takes most of the time of
+// k-means (splat/io/kmeans.h). Compiled per instruction set, run in parallel by oneTBB.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 namespace cosplat {
 
 struct NearestRow {
-  uint32_t index = 0;   // of several that are equally near, the first
+  uint32_t index = 0;   // the lowest of those at equal distance
   float distance2 = 0;  // squared Euclidean distance
 };
 
-// rows: [N, width]; of: [K, width], finite, 1 <= K < 2^24. nearest: [N], overwritten. The same bits
+// rows: [N, width]; of: [K, width], finite, 1 <= K < 2^24. nearest: [N], overwritten. Bit-identical
 // for any number of threads.
 void FindNearestRows(View<const float> rows,
                      View<const float> of,

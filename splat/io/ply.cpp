@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written as stored");
 
-// All columns in the order in which they are written, but for the normals behind the position.
+// All columns in file order, except for the normals that follow the position.
 std::vector<PlyColumn> ColumnsOf(int degree) {
   std::vector<PlyColumn> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
   for (int i = 0; i < 3; ++i) columns.push_back({"f_dc_" + std::to_string(i), kColorDc, i});

@@ -1,8 +1,8 @@
-// Splats and points as PLY files in 3DGS's layout; PlayCanvas' compressed one is read too.
+// Splats and points as PLY files in 3DGS's layout; PlayCanvas's compressed layout is also read.
 //
 // Properties, all float: x y z nx ny nz f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3. f_rest is
 // channel-major (all of red, then green, then blue), opacity a logit, scale a logarithm, rotation
-// wxyz. Coefficients are always of 3DGS's SH basis: callers convert (splat/basis.h).
+// wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h).
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,23 @@
 
 namespace cosplat {
 
-// Binary little-endian, atomic. Throws Error when the basis is not kSh or a value is not finite.
+// Binary little-endian, atomic. Throws Error if the basis is not kSh or a value is not finite.
 void WritePly(const std::string& path, const Gaussians& gaussians);
 
-// Any order of properties; others, and other elements, are ignored. The degree follows from the
-// number of f_rest (0, 9, 24, 45, 72). Throws Error naming vertex and property for values that are
-// not finite and for what is missing or cut off. PlayCanvas' layout is told by its header, and its
-// errors name chunks alike.
+// Accepts properties in any order; other properties and elements are ignored. The degree follows
+// from the number of f_rest (0, 9, 24, 45, 72). PlayCanvas's layout is detected by its header.
+// Throws Error naming vertex (or chunk) and property for non-finite, missing or truncated values.
 Gaussians ReadPly(const std::string& path);
 
-// Whether ReadPly takes the file for PlayCanvas' compressed layout. Throws Error when the header
-// cannot be read.
+// Whether the file is in PlayCanvas's compressed layout. Throws Error if the header cannot be read.
 bool IsCompressedPly(const std::string& path);
 
-// x y z nx ny nz red green blue, as 3DGS's input.ply. points: [P, 3]; colors: [P, 3].
+// x y z nx ny nz red green blue, as in 3DGS's input.ply. points: [P, 3]; colors: [P, 3].
 void WritePointsPly(const std::string& path,
                     const std::vector<float>& points,
                     const std::vector<uint8_t>& colors);
 
-// Positions and, where the file has red, green, blue, colours (0..255); mid-grey otherwise.
+// Positions and, if the file has red, green, blue, colours (0..255); otherwise mid-grey.
 void ReadPointsPly(const std::string& path,
                    std::vector<float>& points,
                    std::vector<uint8_t>& colors);

@@ -16,7 +16,7 @@ constexpr std::array<const char*, 4> kPacked{
     "packed_position", "packed_rotation", "packed_scale", "packed_color"};
 constexpr double kSqrt2 = 1.41421356237309505;
 
-// Along three axes.
+// Bounds along three axes.
 struct Bounds {
   std::array<float, 3> low{0, 0, 0}, high{1, 1, 1};
   double At(int axis, double share) const { return low[axis] * (1 - share) + high[axis] * share; }
@@ -25,13 +25,13 @@ struct Chunk {
   Bounds position, scale_log, color;
 };
 
-// `count` bits of `packed` from bit `first` on, as a share of the largest such number.
+// `count` bits of `packed` from bit `first` on, as a fraction of their largest value.
 double Share(uint32_t packed, int first, int count) {
   const uint32_t largest = (1u << count) - 1;
   return double(packed >> first & largest) / largest;
 }
 
-// Where the bounds of one kind are in a row of the element chunk.
+// Columns of one kind of bounds in a row of the element chunk.
 class BoundsColumns {
  public:
   BoundsColumns(const PlyReader& reader, const std::array<const char*, 3>& axes) {
@@ -62,7 +62,7 @@ std::vector<Chunk> ReadChunks(PlyReader& reader) {
   reader.Enter("chunk");
   const BoundsColumns position(reader, {"x", "y", "z"});
   const BoundsColumns scale(reader, {"scale_x", "scale_y", "scale_z"});
-  std::vector<BoundsColumns> color;  // one, or none in older files
+  std::vector<BoundsColumns> color;  // one entry, or none in older files
   if (reader.Find("min_r") >= 0) color.emplace_back(reader, std::array{"r", "g", "b"});
   std::vector<Chunk> chunks(reader.count());
   for (Chunk& chunk : chunks) {
@@ -74,7 +74,7 @@ std::vector<Chunk> ReadChunks(PlyReader& reader) {
   return chunks;
 }
 
-// A value of the current row that must be a whole number up to `largest`.
+// A value of the current row that must be an integer in [0, largest].
 uint32_t Whole(const PlyReader& reader,
                const std::vector<double>& row,
                int index,
@@ -101,8 +101,8 @@ void UnpackRotation(uint32_t packed, float* wxyz) {
   wxyz[largest] = float(std::sqrt(std::max(0.0, rest)));
 }
 
-// Opacity 0 and 1, which have no logit, are taken for the middle of what is rounded to them: a
-// quarter of 1/255 away, so that 0 stays below the least alpha that is drawn.
+// Opacity 0 and 1 have no finite logit. They are moved by a quarter of 1/255, to the middle of the
+// values that round to them, so that 0 stays below the smallest alpha rendered.
 float LogitOf(double share) {
   constexpr double kQuarter = 0.25 / 255;
   const double opacity = std::clamp(share, kQuarter, 1 - kQuarter);
@@ -140,14 +140,14 @@ std::vector<std::array<uint32_t, 4>> ReadVertices(PlyReader& reader) {
   return vertices;
 }
 
-// The middle of the 256th of -4 .. 4 that was rounded to `byte`; the ends, to which everything
-// beyond was clamped, themselves.
+// The middle of bin `byte` of the 256 bins of -4 .. 4; the first and last bins, to which values
+// beyond are clamped, give -4 and 4.
 float RestOfByte(uint32_t byte) {
   if (byte == 0) return -4;
   return byte == UINT8_MAX ? 4 : 8 * ((float(byte) + 0.5f) / 256 - 0.5f);
 }
 
-// Leaves the degree known and the bands filled.
+// Sets the degree and fills the bands.
 void ReadRest(PlyReader& reader, Gaussians& gaussians) {
   const size_t count = gaussians.size();
   reader.Enter("sh");

@@ -24,7 +24,7 @@ bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 }  // namespace
 
 PlyReader::PlyReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
-  bytes_.push_back('\0');  // ends the last number of an ascii file
+  bytes_.push_back('\0');  // terminates the last number of an ascii file
   ReadHeader();
 }
 
@@ -51,7 +51,7 @@ void PlyReader::EnterNext() {
   names_.clear();
   for (const Property& p : element_.properties)
     if (!p.is_list) names_.push_back(p.name);
-  // Every property takes a byte at least: refuses impossible counts before memory is taken.
+  // Every property takes at least one byte; rejects impossible counts before allocating.
   if (element_.count > (bytes_.size() - at_) / std::max<size_t>(1, element_.properties.size()))
     Fail("the file ends before " + std::to_string(element_.count) + " of them");
 }
@@ -194,7 +194,7 @@ double PlyReader::ReadBinary(Type type, const Property& property) {
     case Type::kDouble:
       return Load<double>(p);
   }
-  return 0;  // not reached: all types are listed
+  return 0;  // unreachable: all types are listed
 }
 
 double PlyReader::ReadAscii(const Property& property) {

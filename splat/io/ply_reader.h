@@ -1,4 +1,4 @@
-// The elements of a PLY file, whatever their properties: ascii or binary little-endian.
+// Reads the elements of a PLY file with any properties, ascii or binary little-endian.
 #pragma once
 
 #include <cstdint>
@@ -7,32 +7,32 @@
 
 namespace cosplat {
 
-// Gives one row of an element after the other. Elements are entered in the order in which they lie
-// in the file; those in between are skipped over, those after the last never looked at. Every
-// problem is an Error that names the file and the header line or row.
+// Returns the rows of an element one by one. Elements must be entered in file order; those in
+// between are skipped, and those after the last are never read. Every problem is an Error that
+// names the file and the header line or row.
 class PlyReader {
  public:
   // Reads the header.
   explicit PlyReader(const std::string& path);
 
-  // Whether the header has this property, of an element anywhere in the file.
+  // Whether the header has this property, for an element anywhere in the file.
   bool Has(const std::string& element, const std::string& property) const;
-  // What follows is about this element. Error when there is none behind the present one, or when
-  // the file is too short for as many as it says.
+  // Makes this the current element. Throws Error if there is none after the current one, or if the
+  // file is too short for its count.
   void Enter(const std::string& element);
 
   size_t count() const { return element_.count; }
-  // Names of the element's scalar properties in file order; lists are skipped.
+  // Names of the current element's scalar properties in file order; lists are skipped.
   const std::vector<std::string>& properties() const { return names_; }
-  // Index into properties(); Error naming it when absent, or -1 where it is optional.
+  // Index into properties(). If it is absent, Require throws Error naming it and Find returns -1.
   int Require(const std::string& name) const;
   int Find(const std::string& name) const;
 
   // The next row's properties, in the order of properties(). May hold NaN.
   const std::vector<double>& Next();
-  // Error naming the current row and the property.
+  // Throws Error naming the current row and the property.
   [[noreturn]] void Fail(const std::string& property, const std::string& problem) const;
-  // Error naming the element.
+  // Throws Error naming the element.
   [[noreturn]] void Fail(const std::string& problem) const;
   const std::string& path() const { return path_; }
 
@@ -53,7 +53,7 @@ class PlyReader {
   void ReadHeader();
   void HeaderLine(const std::string& line);
   Type TypeOf(const std::string& line, const std::string& name) const;
-  // The element that comes next in the file.
+  // Enters the next element of the file.
   void EnterNext();
   void ReadRow();
   double ReadNumber(Type type, const Property& property);
@@ -67,8 +67,8 @@ class PlyReader {
   bool format_seen_ = false;
   std::vector<Element> elements_;
   size_t next_element_ = 0;  // into elements_
-  Element element_;          // the one entered
-  size_t row_ = 0;           // of it, the next one
+  Element element_;          // the current one
+  size_t row_ = 0;           // next row of element_
   std::vector<std::string> names_;
   std::vector<double> values_;
 };

@@ -47,10 +47,10 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
                 "transforms.json");
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
-  const bool own_split = scene.layout == "blender";  // whose order is kept, too
+  const bool own_split = scene.layout == "blender";  // its order is also kept
   if (!own_split) SortByName(scene.train);
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);
-  if (own_split && !options.eval && !options.fold) {  // 3DGS: then every view trains
+  if (own_split && !options.eval && !options.fold) {  // as 3DGS: trains on all views
     std::move(scene.test.begin(), scene.test.end(), std::back_inserter(scene.train));
     scene.test.clear();
   }

@@ -32,8 +32,8 @@ int Add(GlbDocument& document, const Column& column, GlbUse use) {
   return AddFloats(document, column.values, column.width, use);
 }
 
-// Exponentials are taken in double, so that their rounding to float, and with it the file's bytes,
-// does not depend on the machine's mathematical library.
+// Exponentials are computed in double, so that their rounding to float, and hence the file's bytes,
+// do not depend on the machine's math library.
 void FillGeometry(const Gaussians& g, size_t i, Column& rotation, Column& scale, Column& opacity) {
   const float* r = g.at(kRotation, i);
   math::Quat<float> q{r[0], r[1], r[2], r[3]};

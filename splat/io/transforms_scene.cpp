@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A frame's fields, which override those of the file.
+// The fields of a frame, which override those of the file.
 class FrameFields {
  public:
   FrameFields(const JsonField& file, const JsonField& frame) : file_(file), frame_(frame) {}
@@ -34,7 +34,7 @@ double FocalFromAngle(const JsonField& angle, double side) {
   return side / 2 / std::tan(value / 2);
 }
 
-// Intrinsics at the size given by w and h, or else that of `info`.
+// Intrinsics at the size given by w and h, or otherwise that of `info`.
 Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
   Camera lens;
   lens.width = fields.Has("w") ? fields.Get("w").Integer() : info.width;
@@ -100,7 +100,7 @@ Distortion DistortionOf(const FrameFields& fields) {
   return distortion;
 }
 
-// "./train/r_0" -> "train/r_0.png": Blender's files leave the extension out.
+// "./train/r_0" -> "train/r_0.png", since Blender's files omit the extension.
 fs::path ImageName(const std::string& file_path) {
   fs::path name = fs::path(file_path).lexically_normal();
   if (!name.has_extension()) name += ".png";
@@ -108,7 +108,7 @@ fs::path ImageName(const std::string& file_path) {
 }
 
 FoundImage FindFrameImage(const fs::path& folder, const fs::path& name, int resolution) {
-  // Images beside the JSON file have no folder of their own that could have reduced siblings.
+  // Images next to the JSON file have no folder of their own that could have reduced copies.
   const bool has_folder = name.has_parent_path();
   FoundImage found = FindImage((folder / name.parent_path()).string(),
                                name.filename().string(),
@@ -159,7 +159,7 @@ void LoadFrames(const JsonField& file,
       ImageInfo info;
       std::string unusable = Problem([&] { info = ReadImageInfo(sized); });
       if (unusable.empty()) {
-        const Camera lens = LensOf(fields, info);  // what the JSON lacks is no frame's own fault
+        const Camera lens = LensOf(fields, info);  // missing fields fail the whole file
         unusable = Problem([&] { FinishView(lens, found.divide_by, view); });
       }
       if (unusable.empty()) {

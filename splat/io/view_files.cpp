@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Rays from the principal point to the border: `kSteps` points on each of them, in this order.
+// Rays from the principal point to the border, with `kSteps` consecutive points on each.
 constexpr int kSteps = 12;
 constexpr int kRaysPerSide = 24;
 
@@ -36,8 +36,8 @@ std::vector<std::array<double, 2>> BorderRays(const Camera& target) {
 }
 
 // Whether every border pixel of `target` lies inside the distorted image. Radii must grow along
-// each ray: a distortion polynomial folds back outside the range for which it was fitted, and what
-// comes in again from there is not the image.
+// each ray: a distortion polynomial folds back outside the range for which it was fitted, and
+// points that fold back into the image do not show it.
 bool CoversBorder(const Camera& lens, const Distortion& distortion, const Camera& target) {
   const auto points = DistortedPixels(lens, distortion, target, BorderRays(target));
   double last_radius = 0;
@@ -46,7 +46,7 @@ bool CoversBorder(const Camera& lens, const Distortion& distortion, const Camera
     const double radius = std::hypot(x - lens.cx, y - lens.cy);
     if (i % kSteps != 0 && !(radius > last_radius)) return false;
     last_radius = radius;
-    // A hundredth of a pixel is rounding.
+    // Allows a hundredth of a pixel for rounding.
     if (!(x >= -0.01 && y >= -0.01 && x <= lens.width + 0.01 && y <= lens.height + 0.01))
       return false;
   }

@@ -13,7 +13,7 @@ Image8 GreyToRgb(const Image8& grey) {
   return rgb;
 }
 
-// The mask's first channel as alpha; it replaces what alpha the image has.
+// The image with the mask's first channel as alpha, replacing any alpha of the image.
 Image8 WithMask(const Image8& image, const std::string& mask_path) {
   Image8 mask = ReadImage(mask_path);
   const double expected = double(image.width) * mask.height / image.height;

@@ -11,17 +11,17 @@
 namespace cosplat {
 namespace {
 
-// A codebook has one row for at least so many splats: with fewer it costs more than it saves.
+// Minimum number of splats per codebook row: with fewer, a row costs more than it saves.
 constexpr size_t kSplatsPerRow = 4;
 
-// What has no finite number, such as a splat larger than any float, counts for nothing.
+// A non-finite significance, such as that of a splat larger than any float, becomes 0.
 std::vector<float> FiniteOrZero(View<const float> significance) {
   std::vector<float> finite;
   for (const float s : significance) finite.push_back(std::isfinite(s) ? s : 0);
   return finite;
 }
 
-// 1 for the `count` least significant; of equal ones the first.
+// 1 for the `count` least significant; ties are resolved by index.
 std::vector<uint8_t> LeastSignificant(View<const float> significance, size_t count) {
   std::vector<uint32_t> order(significance.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -49,8 +49,8 @@ void AppendBands(const Gaussians& g, size_t i, int degree, std::vector<float>& b
   bands.insert(bands.end(), rest, rest + 3 * (CoefficientCount(degree) - 1));
 }
 
-// How much a splat pulls at its row of the codebook: its significance, kept above 0. On a fox of
-// 34,398 splats that gains 0.03 dB over equal weights where 40 % are kept, 0.6 dB where none is.
+// The weight of a splat in its codebook row: its significance, kept above 0. On a fox of 34,398
+// splats this gains 0.03 dB over equal weights if 40 % are kept, 0.6 dB if none are.
 std::vector<float> Weights(View<const float> significance) {
   double sum = 0;
   for (const float s : significance) sum += s;
@@ -102,7 +102,7 @@ QuantisedSplats Quantise(const Gaussians& g,
   const size_t kept = std::min(n, size_t(std::lround(settings.keep * double(n))));
   const std::vector<float> finite = FiniteOrZero(significance);
   splats.quantised = LeastSignificant(finite, n - kept);
-  // Without bands there is nothing to share.
+  // Splats without bands have nothing to quantise.
   for (size_t i = 0; i < n; ++i)
     if (splats.own_degree[i] == 0) splats.quantised[i] = 0;
   const std::vector<float> weights = Weights(finite);

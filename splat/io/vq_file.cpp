@@ -19,7 +19,7 @@ std::string OfDegree(const std::string& name, int degree) {
   return name + "_" + std::to_string(degree);
 }
 
-// The arrays of a file that is being read, checked as they are taken.
+// The members of a file, checked as they are read.
 class Members {
  public:
   explicit Members(const std::string& path) : npz_(Npz::Read(path)) {}
@@ -44,7 +44,7 @@ class Members {
     }
     return values;
   }
-  // Whole numbers of 0 .. `end` - 1.
+  // Integers in 0 .. `end` - 1.
   template <class T>
   std::vector<T> Integers(const std::string& name,
                           const std::vector<long>& shape,
@@ -63,7 +63,7 @@ class Members {
     }
     return values;
   }
-  // What nothing above asked for.
+  // The arrays that have not been read.
   Npz Rest() const {
     Npz rest(npz_.path());
     for (const auto& [name, array] : npz_.arrays())
@@ -102,7 +102,7 @@ Header ReadHeader(const std::string& path, const Members& members) {
   return {header["kind"].String(), count, degree};
 }
 
-// How many splats have this degree and are quantised (1) or kept (0).
+// Number of splats that have this degree and are quantised (1) or kept (0).
 long CountOf(const QuantisedSplats& splats, int degree, uint8_t quantised) {
   long count = 0;
   for (size_t i = 0; i < splats.size(); ++i)
@@ -213,7 +213,7 @@ QuantisedSplats ReadVqFile(const std::string& path) {
 }
 
 bool IsVqFile(const std::string& path) {
-  // A zip's first member follows its local header of 30 bytes.
+  // The name of a zip's first member follows its local header of 30 bytes.
   constexpr size_t kLocalHeader = 30;
   const std::string name = kHeader;
   std::string bytes(kLocalHeader + name.size(), '\0');

@@ -1,4 +1,5 @@
-// One Adam update of one number (Kingma & Ba 2015, algorithm 1), and several without a gradient.
+// The Adam update of one parameter (Kingma & Ba 2015, algorithm 1), and the catch-up of lazy Adam
+// over several steps without a gradient.
 #if defined(COSPLAT_SPLAT_MATH_ADAM_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_ADAM_H_
 #undef COSPLAT_SPLAT_MATH_ADAM_H_
@@ -13,16 +14,16 @@
 
 COSPLAT_MATH_BEGIN
 
-// Constants of a step: rate and eps with the bias corrections of step t folded in, so that
+// Constants of a step: learning rate and eps with the bias corrections of step t folded in, so that
 // rate * m_hat / (sqrt(v_hat) + eps) = step_size * m / (sqrt(v) + scaled_eps).
 struct AdamStep {
   float beta1 = 0.9f;
   float beta2 = 0.999f;
-  float step_size = 0;   // rate * sqrt(1 - beta2^t) / (1 - beta1^t)
+  float step_size = 0;   // learning rate * sqrt(1 - beta2^t) / (1 - beta1^t)
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
 
-// Of step t, counted from 1.
+// The constants of step t, counted from 1. `rate`: learning rate.
 inline AdamStep AdamStepAt(float rate, double eps, int64_t t) {
   AdamStep step;
   const double correction1 = 1 - std::pow(double(step.beta1), double(t));
@@ -32,10 +33,10 @@ inline AdamStep AdamStepAt(float rate, double eps, int64_t t) {
   return step;
 }
 
-// Whether a gradient, and its square, is finite: others count as zero.
+// Whether a gradient and its square are finite; other gradients are treated as zero.
 COSPLAT_HD bool IsUsableGradient(float gradient) { return Abs(gradient) < 1e18f; }
 
-// `rate_scale` multiplies the rate of this one number: parameters of one array that are measured in
+// `rate_scale` multiplies the learning rate of this parameter, for arrays whose parameters have
 // different units.
 template <class T>
 COSPLAT_HD void AdamUpdate(
@@ -45,15 +46,14 @@ COSPLAT_HD void AdamUpdate(
   value = value - rate_scale * T(step.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
 }
 
-// What steps without a gradient do to one number, all at once: m and v shrink, and the value goes
-// on by what is left of its momentum,
+// The effect of k steps without a gradient on one parameter, applied at once (lazy Adam's
+// catch-up): m and v decay, and the remaining momentum moves the value by
 //   sum over j = 1 ... k of step_size beta1^j m / (sqrt(beta2^j v) + eps)
 //     = step_size (r + r^2 + ... + r^k) m / sqrt(v),  r = beta1 / sqrt(beta2),
-// with one step size for all of them (that of the step which makes up for them) and without eps in
-// the series.
+// with one step size for all k steps (that of the catch-up step) and without eps in the series.
 struct AdamTail {
   float m_factor = 1, v_factor = 1;  // beta1^k, beta2^k
-  float step_size = 0;               // with the sum of powers
+  float step_size = 0;               // times the sum of the powers of r
 };
 COSPLAT_HD AdamTail AdamTailOf(const AdamStep& step, int k) {
   const float m_factor = std::pow(step.beta1, float(k)), v_factor = std::pow(step.beta2, float(k));

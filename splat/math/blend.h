@@ -1,8 +1,8 @@
-// Alpha of a projected Gaussian at a pixel, and front-to-back blending over a background.
-// Source: Kerbl et al. 2023, eq. 2-4. Both back ends' blend loops call these.
+// Alpha of a projected Gaussian at a pixel, and front-to-back blending over a background. Source:
+// Kerbl et al. 2023, eq. 2-4. The blend loops of both back ends call these functions.
 //
-// The backward pass also runs front to back: beside the transmittance it carries the part of
-// dot(dL/dC, C) that lies behind, so nothing is stored per pixel between the passes.
+// The backward pass also runs front to back: besides the transmittance it tracks the part of
+// dot(dL/dC, C) that lies behind the current splat, so nothing is stored per pixel between passes.
 #if defined(COSPLAT_SPLAT_MATH_BLEND_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_BLEND_H_
 #undef COSPLAT_SPLAT_MATH_BLEND_H_
@@ -27,8 +27,8 @@ COSPLAT_HD T PowerAt(const PowerForm<T>& form, T dx, T dy) {
   return (form.xx * dx + form.xy * dy) * dx + form.yy * dy * dy;
 }
 
-// The form about another point o: power(o + l) = value + d_x l_x + d_y l_y + PowerAt(form, l).
-// Where many pixels lie at the same few l from different o, the last term is common to all o.
+// The form about another point o: power(o + l) = value + d_x l_x + d_y l_y + PowerAt(form, l). When
+// many pixels have the same few offsets l from different o, they share the last term.
 template <class T>
 struct PowerExpansion {
   T value, d_x, d_y;
@@ -67,8 +67,8 @@ LargestPowerIn(const PowerForm<T>& form, const PowerRidges<T>& ridges, T dx0, T 
   return Max(PowerAt(form, near_x, along_y), PowerAt(form, along_x, near_y));
 }
 
-// Moments over pixels, about the centre, of g = dL/d(opacity falloff) falloff: all that the
-// gradients of opacity (`one`) and, times the opacity, of the geometry need.
+// Moments over pixels, about the centre, of g = dL/d(opacity falloff) falloff. The gradients of the
+// opacity (`one`) and, times the opacity, of the geometry follow from them.
 template <class T>
 struct PowerMoments {
   T one, x, y, xx, xy, yy;
@@ -84,15 +84,15 @@ COSPLAT_HD void Accumulate(T g, T dx, T dy, PowerMoments<T>& m) {
   m.xy += gx * dy;
   m.yy += gy * dy;
 }
-// The moments when every pixel was (l_x, l_y) further from the centre than it was taken to be.
+// The moments after increasing every pixel's offset from the centre by (l_x, l_y).
 template <class T>
 COSPLAT_HD PowerMoments<T> MomentsMovedBy(const PowerMoments<T>& m, T l_x, T l_y) {
   const T x = m.x + l_x * m.one;
   const T y = m.y + l_y * m.one;
   return {m.one, x, y, m.xx + l_x * (m.x + x), m.xy + l_x * m.y + l_y * x, m.yy + l_y * (m.y + y)};
 }
-// Gradients of a projected Gaussian's centre, form and opacity from its moments. In the centre's,
-// the sign turns since dx = pixel - centre.
+// Gradients of a projected Gaussian's centre, form and opacity from its moments. The centre's
+// gradient changes sign since dx = pixel - centre.
 template <class T>
 struct ShapeGradient {
   T x, y, power_xx, power_xy, power_yy, opacity;
@@ -120,7 +120,7 @@ template <class T>
 COSPLAT_HD T AlphaOf(T opacity, T falloff) {
   return Min(opacity * falloff, T(kMaxAlpha));
 }
-// Gradient of the uncapped product; none where it was capped.
+// Gradient of the uncapped product; zero where it was capped.
 template <class T>
 COSPLAT_HD T AlphaOfVjp(T opacity, T falloff, T d_alpha) {
   return Select(opacity * falloff < T(kMaxAlpha), d_alpha, T(0));
@@ -132,14 +132,14 @@ struct BlendState {
   Vec3<T> color;
 };
 
-// Whether a pixel takes a splat: it is visible there and the pixel is not yet opaque.
+// Whether a pixel accepts a splat: it is visible there and the pixel is not yet opaque.
 template <class T>
 COSPLAT_HD auto Accepts(T power, T reject_below, T transmittance) {
   return And(power >= reject_below, transmittance >= T(kMinTransmittance));
 }
 
-// Adds one splat behind what is there. Where it is not accepted, alpha must be 0: nothing changes
-// then, here and in the derivative.
+// Blends one splat behind the previous ones. Where it is not accepted, alpha must be 0, which
+// leaves state and derivatives unchanged.
 template <class T>
 COSPLAT_HD void BlendBehind(T alpha, const Vec3<T>& color, BlendState<T>& state) {
   const T weight = alpha * state.transmittance;
@@ -174,9 +174,9 @@ COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(T alpha,
   return {weight, d_alpha};
 }
 
-// What a pixel would lose without one splat, C(alpha) - C(0), per channel. The image is linear in
-// each alpha, so this is alpha dC/dalpha, exactly. `behind`: what the splats behind it and the
-// background add to the pixel; `transmittance`: before it.
+// The colour that a pixel would lose without one splat, C(alpha) - C(0), per channel. The image is
+// linear in each alpha, so this is exactly alpha dC/dalpha. `behind`: contribution of the splats
+// behind it and the background; `transmittance`: in front of it.
 template <class T>
 COSPLAT_HD Vec3<T> LossWithout(T alpha,
                                const Vec3<T>& color,
@@ -185,9 +185,9 @@ COSPLAT_HD Vec3<T> LossWithout(T alpha,
   return (color * transmittance - behind * (T(1) / (T(1) - alpha))) * alpha;
 }
 
-// The parts of one pixel in a splat's Contribution (splat/render/contribution.h), its opacity left
-// out of `hits`; all zero where it is not accepted. `falloff`: 0 there. Takes the pixel on:
-// `behind` loses the splat and `transmittance` what it hides.
+// One pixel's part of a splat's Contribution (splat/render/contribution.h), without the opacity
+// factor of `hits`; all zero where the splat is not accepted, and `falloff` must be 0 there.
+// Advances the pixel past the splat: subtracts it from `behind` and attenuates `transmittance`.
 template <class T>
 struct PixelContribution {
   T weight, hits, sensitivity, change;

@@ -1,12 +1,11 @@
-// Colour that depends on the viewing direction: real spherical harmonics as polynomials in the
-// direction cosines u = (x, y, z), by two recurrences and no trigonometry.
+// View-dependent colour: real spherical harmonics as polynomials in the direction cosines
+// u = (x, y, z), computed by two recurrences without trigonometry.
 //
 // With (x + iy)^m = rho^m e^{i m phi} and P_l^m(z) = rho^m Q_l^m(z) (Q_l^m the m-th derivative of
 // the Legendre polynomial P_l), every real basis function is
 //   Y_l^m = K * Q_l^|m|(z) * { sqrt2 Re (x+iy)^m | 1 | sqrt2 Im (x+iy)^|m| }  for m > 0, = 0, < 0,
-// with no singular direction. The order is 3DGS's: l^2 + l + m.
-// The bases differ by their constants (splat/basis_constants.h) and one of them by a Fold of u.
-// docs/dcsh.md derives all of it.
+// with no singular direction. Coefficients are in 3DGS's order: l^2 + l + m. The bases differ in
+// their constants (splat/basis_constants.h), and one of them applies Fold to u; see docs/dcsh.md.
 #if defined(COSPLAT_SPLAT_MATH_DCSH_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_DCSH_H_
 #undef COSPLAT_SPLAT_MATH_DCSH_H_
@@ -65,7 +64,7 @@ COSPLAT_HD void EvaluateBasis(const Vec3<T>& u, const float* constants, T* basis
   }
 }
 
-// d_u (x, y, z as free numbers: chain with NormalizeVjp) given weights[k] = dL/d basis[k].
+// d_u (with x, y, z independent: chain with NormalizeVjp) given weights[k] = dL/d basis[k].
 // dQ_l^m/dz = Q_l^{m+1};  d(x+iy)^m/dx = m (x+iy)^{m-1},  d/dy = i m (x+iy)^{m-1}.
 template <int kDegree, class T>
 COSPLAT_HD Vec3<T> EvaluateBasisVjp(const Vec3<T>& u, const float* constants, const T* weights) {
@@ -87,16 +86,16 @@ COSPLAT_HD Vec3<T> EvaluateBasisVjp(const Vec3<T>& u, const float* constants, co
   return d;
 }
 
-// What arctan(y/x) makes of a direction: it loses the quadrant, so that cos and sin of m times it
-// are those of the azimuth of (|x|, sgn(x) y). At x = 0 as arctan(+inf or -inf) of y/+0, whatever
-// the sign of the zero: y stays. On the axis there is no azimuth (0/0), and every function that has
-// one is 0.
+// The effect of arctan(y/x) on a direction: it loses the quadrant, so that cos and sin of m times
+// it are those of the azimuth of (|x|, sgn(x) y). At x = 0, for either sign of the zero, it is
+// arctan(+inf or -inf) of y/+0, so y stays. On the z axis there is no azimuth (0/0), and every
+// function that depends on it is 0.
 template <class T>
 COSPLAT_HD Vec3<T> Fold(const Vec3<T>& u) {
   const T sign = Select(u.x < T(0), T(-1), T(1));
   return {sign * u.x, sign * u.y, u.z};
 }
-// The jump at x = 0 has no derivative: this is that of its sides.
+// Fold has no derivative at its jump at x = 0; this is the derivative on either side.
 template <class T>
 COSPLAT_HD Vec3<T> FoldVjp(const Vec3<T>& u, const Vec3<T>& d) {
   const T sign = Select(u.x < T(0), T(-1), T(1));
@@ -116,13 +115,12 @@ COSPLAT_HD Vec3<T> EvaluateColor(const Vec3<T>& u,
   for (int i = 0; i < 3; ++i) c[i] = T(0.5f) + basis[0] * dc[i];
   for (int k = 1; k < (kDegree + 1) * (kDegree + 1); ++k)
     for (int i = 0; i < 3; ++i) c[i] += basis[k] * rest[3 * (k - 1) + i];
-  // Written so that a NaN stays one and is seen, not turned into black; and minus infinity is one.
+  // Written so that a NaN propagates instead of becoming black; minus infinity becomes NaN.
   for (T& x : c) x = Select(x < T(0), x - x, x);
   return {c[0], c[1], c[2]};
 }
 
-// Writes d_dc[3] and the used part of d_rest; returns d_u. A channel at its floor of 0 has no
-// gradient.
+// Writes d_dc[3] and the used part of d_rest; returns d_u. A channel clamped to 0 has no gradient.
 template <int kDegree, class T>
 COSPLAT_HD Vec3<T> EvaluateColorVjp(const Vec3<T>& u,
                                     const float* constants,

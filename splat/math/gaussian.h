@@ -11,14 +11,14 @@
 
 COSPLAT_MATH_BEGIN
 
-// Symmetric 3x3 matrix, six numbers. As a gradient, an off-diagonal entry is the derivative with
-// respect to that one number, which stands in two places of the matrix.
+// Symmetric 3x3 matrix of six numbers. As a gradient, an off-diagonal entry is the derivative with
+// respect to that one number, which appears twice in the matrix.
 template <class T>
 struct Sym3 {
   T xx, xy, xz, yy, yz, zz;
 };
 
-// a b of the symmetric matrix `a` and a vector.
+// a v of the symmetric matrix `a` and a vector `v`.
 template <class T>
 COSPLAT_HD Vec3<T> operator*(const Sym3<T>& a, const Vec3<T>& v) {
   return {a.xx * v.x + a.xy * v.y + a.xz * v.z,

@@ -1,8 +1,8 @@
-// Where the formulas live. Included by every header of splat/math, guarded per SIMD target.
+// The namespace of the formulas. Included by every header of splat/math, guarded per SIMD target.
 //
-// Ordinarily they are in cosplat::math. A file that Highway re-includes once per instruction set
-// (HWY_TARGET_INCLUDE) gets them once per target, compiled inside that target's pragma, in
-// cosplat::math::<target>: g++ inlines across functions only when their target options agree.
+// Normally they are in cosplat::math. In a file that Highway re-includes once per instruction set
+// (HWY_TARGET_INCLUDE), they are compiled once per target, inside that target's pragma, in
+// cosplat::math::<target>: g++ inlines across functions only if their target options agree.
 #undef COSPLAT_MATH_BEGIN
 #undef COSPLAT_MATH_END
 #if defined(HWY_NAMESPACE)

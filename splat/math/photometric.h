@@ -1,4 +1,4 @@
-// What the photometric loss (splat/train/loss.h) compares, and its pointwise terms.
+// The values compared by the photometric loss (splat/train/loss.h), and its pointwise terms.
 #if defined(COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #undef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
@@ -23,10 +23,10 @@ COSPLAT_HD T PointwiseVjp(T l1, T two_mse, const T& e) {
   return Select(e > T(0), l1, Select(e < T(0), -l1, T(0))) + two_mse * e;
 }
 
-// A target image's bytes as the numbers that a rendering is compared with: [0, 255] -> [0, 1].
+// Converts a target image's byte to the range of a rendering: [0, 255] -> [0, 1].
 COSPLAT_HD float FromByte(uint8_t byte) { return float(byte) * (1.0f / 255); }
 
-// A value of straight alpha over a background, bytes over [0, 1].
+// Composites a byte with straight alpha over a background in [0, 1].
 COSPLAT_HD float Over(uint8_t value, uint8_t alpha_byte, float background) {
   const float alpha = FromByte(alpha_byte);
   return FromByte(value) * alpha + background * (1 - alpha);

@@ -50,8 +50,8 @@ struct Sym2 {
 // The non-zero entries of the projection's Jacobian at a point:
 //   [ x  0  xz ]
 //   [ 0  y  yz ]
-// taken at x/z and y/z clamped to 15 % (each side) beyond the image, about the principal point:
-// without it a splat near the camera's plane covers everything.
+// evaluated at x/z and y/z clamped to 15 % (each side) beyond the image, about the principal point;
+// otherwise a splat near the camera's plane would cover everything.
 template <class T>
 struct ProjectionJacobian {
   T x, xz, y, yz;
@@ -82,7 +82,7 @@ COSPLAT_HD ProjectionJacobian<T> JacobianAt(const Pinhole<T>& camera, const Vec3
           camera.fy * inv_z,
           -camera.fy * sy.value * inv_z};
 }
-// The clamped coordinate has no gradient: moving further out does not change the Jacobian.
+// A clamped coordinate has no gradient: moving it further out does not change the Jacobian.
 template <class T>
 COSPLAT_HD Vec3<T> JacobianAtVjp(const Pinhole<T>& camera,
                                  const Vec3<T>& p,

@@ -86,7 +86,7 @@ COSPLAT_HD Mat3<T> RotationOf(const Quat<T>& q) {
            two * (q.y * q.z + q.w * q.x),
            T(1) - two * (q.x * q.x + q.y * q.y)}};
 }
-// d_q of RotationOf, q taken as four free numbers (chain with NormalizeVjp).
+// d_q of RotationOf, with four independent components (chain with NormalizeVjp).
 template <class T>
 COSPLAT_HD Quat<T> RotationOfVjp(const Quat<T>& q, const Mat3<T>& d) {
   const T two(2), four(4);

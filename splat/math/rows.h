@@ -1,5 +1,5 @@
 // How an element-wise kernel reads and writes arrays [N, width]: one row per lane of its scalar T.
-// A float has one lane; SIMD packs bring their own overloads (splat/render/cpu/pack_rows.h).
+// A float has one lane; SIMD packs have their own overloads (splat/render/cpu/pack_rows.h).
 #if defined(COSPLAT_SPLAT_KERNELS_ROWS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_ROWS_H_
 #undef COSPLAT_SPLAT_KERNELS_ROWS_H_
@@ -19,12 +19,12 @@ struct Rows {
   size_t count;
 };
 
-// out[k]: number k of each row, k < kUsed <= width. Lanes beyond the rows hold some row's numbers.
+// out[k]: value k of each row, k < kUsed <= width. Lanes beyond the rows hold values of some row.
 template <int kUsed>
 COSPLAT_HD void LoadRows(const float* array, size_t width, const Rows& rows, float* out) {
   for (int k = 0; k < kUsed; ++k) out[k] = array[width * rows.first + k];
 }
-// The reverse; numbers of a row beyond kUsed are left alone.
+// The reverse; a row's values beyond kUsed are unchanged.
 template <int kUsed>
 COSPLAT_HD void StoreRows(const float* in, float* array, size_t width, const Rows& rows) {
   for (int k = 0; k < kUsed; ++k) array[width * rows.first + k] = in[k];
@@ -49,7 +49,7 @@ COSPLAT_HD T LoadScalar(const float* array, const Rows& rows) {
   return v[0];
 }
 
-// Each lane's number where `mask`, else 0.
+// Stores each lane's value where `mask` is set, otherwise 0.
 template <class Mask, class T>
 COSPLAT_HD void StoreWhere(Mask mask, const Vec3<T>& v, float* array, const Rows& rows) {
   const T out[3] = {Select(mask, v.x, T(0)), Select(mask, v.y, T(0)), Select(mask, v.z, T(0))};

@@ -1,6 +1,5 @@
-// The elementary functions that the formulas need of a scalar type T, for float and double.
-// Dual numbers (tests/support/dual.h) and SIMD packs (splat/render/cpu/pack.h) bring their own
-// overloads.
+// The elementary functions that the formulas need of a scalar type T, for float and double. Dual
+// numbers (tests/support/dual.h) and SIMD packs (splat/render/cpu/pack.h) have their own overloads.
 #if defined(COSPLAT_SPLAT_MATH_SCALAR_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_SCALAR_H_
 #undef COSPLAT_SPLAT_MATH_SCALAR_H_
@@ -24,11 +23,11 @@ COSPLAT_HD float Abs(float x) { return std::fabs(x); }
 COSPLAT_HD double Abs(double x) { return std::fabs(x); }
 
 COSPLAT_HD bool And(bool a, bool b) { return a && b; }
-// Of a mask: whether any lane is set.
+// Whether any lane of a mask is set.
 COSPLAT_HD bool AnyTrue(bool a) { return a; }
 
 // condition ? a : b. With packs the condition is a mask and both sides are evaluated, so neither
-// may trap or make a NaN that matters.
+// may trap or produce a NaN that matters.
 template <class T>
 COSPLAT_HD T Select(bool condition, const T& a, const T& b) {
   return condition ? a : b;
@@ -53,7 +52,7 @@ template <class T>
 COSPLAT_HD T Sigmoid(const T& x) {
   return T(1) / (T(1) + Exp(-x));
 }
-// The inverse, for 0 < y < 1.
+// Inverse of Sigmoid, for 0 < y < 1.
 inline float Logit(float y) { return std::log(y / (1 - y)); }
 // d_x given y = Sigmoid(x).
 template <class T>

@@ -2,8 +2,8 @@
 // derivative with respect to them.
 //
 // With u = x + y and v = x - y, the products of eq. 13 are sums and differences of squares:
-// 4 mu_x mu_y = mu_u^2 - mu_v^2 and 4 cov = var_u - var_v, so that four windowed means are enough
-// where x, y, x^2, y^2 and x y would be five.
+// 4 mu_x mu_y = mu_u^2 - mu_v^2 and 4 cov = var_u - var_v, so that four windowed means suffice
+// instead of the five of x, y, x^2, y^2 and x y.
 #if defined(COSPLAT_SPLAT_MATH_SSIM_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_SSIM_H_
 #undef COSPLAT_SPLAT_MATH_SSIM_H_
@@ -21,7 +21,7 @@ constexpr float kSsimSigma = 1.5f;
 constexpr float kSsimC1 = 0.01f * 0.01f;
 constexpr float kSsimC2 = 0.03f * 0.03f;
 
-// One axis of the window, which is symmetric: weights[k] weighs both taps k away from the middle.
+// One axis of the symmetric window: weights[k] is the weight of both taps k away from the centre.
 COSPLAT_HD void SsimWindow(float (&weights)[kSsimRadius + 1]) {
   float sum = 0;
   for (int k = 0; k <= kSsimRadius; ++k) {
@@ -43,7 +43,7 @@ struct SsimTerms {
   T a1, a2, b1, b2;
 };
 
-// Variances are clamped at 0: on constant images rounding makes them slightly negative.
+// Variances are clamped to 0: on constant images, rounding makes them slightly negative.
 template <class T>
 COSPLAT_HD SsimTerms<T> SsimTermsOf(const SsimMoments<T>& m) {
   const T half(0.5f), uu = m.u * m.u, vv = m.v * m.v;
@@ -60,7 +60,7 @@ COSPLAT_HD T Ssim(const SsimMoments<T>& m) {
   return s.a1 * s.a2 * (T(1) / (s.b1 * s.b2));
 }
 
-// d/d(u^2, v^2), and d/du + d/dv: a change of x moves the means of u and v alike. For d_ssim = 1.
+// d/d(u^2, v^2) and d/du + d/dv, since a change of x moves u's and v's means alike. For d_ssim = 1.
 template <class T>
 struct SsimPartials {
   T mean, uu, vv;

@@ -1,5 +1,5 @@
-// Vectors and 3x3 matrices of any scalar T: float, double, dual numbers, SIMD packs.
-// Plain aggregates with value semantics; no Eigen, so that nvcc and Highway's targets take them.
+// Vectors and 3x3 matrices of any scalar T: float, double, dual numbers, SIMD packs. Plain
+// aggregates with value semantics; no Eigen, so that nvcc and Highway's targets can compile them.
 #if defined(COSPLAT_SPLAT_MATH_VEC_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_VEC_H_
 #undef COSPLAT_SPLAT_MATH_VEC_H_
@@ -67,8 +67,8 @@ COSPLAT_HD void CrossVjp(
   d_b += Cross(d, a);
 }
 
-// v / |v|, and the zero vector (with zero derivative) where |v|^2 <= 1e-30: a splat at the camera,
-// a collapsed triangle.
+// v / |v|, or the zero vector (with zero derivative) where |v|^2 <= 1e-30: a splat at the camera, a
+// collapsed triangle.
 template <class T>
 COSPLAT_HD Vec3<T> Normalize(const Vec3<T>& v) {
   const T n2 = Dot(v, v);

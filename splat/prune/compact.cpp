@@ -1,5 +1,5 @@
-// Compact-3DGS's hard mask (splat/train/kernels/prune_mask.h). What it hides goes at each
-// densification and, afterwards, every 1,000 of 30,000 steps and at the end.
+// Compact-3DGS's hard mask (splat/train/kernels/prune_mask.h). Gaussians that it hides are removed
+// at each densification and, afterwards, every 1,000 of 30,000 steps and at the end.
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
@@ -9,7 +9,7 @@ namespace cosplat {
 namespace {
 
 constexpr float kFirst = 1, kRate = 0.01f;
-constexpr float kMaskWeight = 5e-4f;  // of images; 4e-3 for synthetic scenes
+constexpr float kMaskWeight = 5e-4f;  // for captured scenes; 4e-3 for synthetic ones
 
 class CompactPruner : public Pruner {
  public:

@@ -1,7 +1,7 @@
 // DCSHARP: shape-aware pruning by plasticity. Score: the mean of |dL/ds| (s: the three standard
-// deviations) over the steps since the last densification in which the Gaussian was drawn. A
-// Gaussian whose shape the loss no longer moves is the least significant. At each densification.
-// The supplement keeps the Top-K.
+// deviations) over the steps since the last densification in which the Gaussian was visible. The
+// least significant Gaussians are those whose shape the loss no longer changes. Prunes at each
+// densification. The supplement keeps the Top-K.
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 

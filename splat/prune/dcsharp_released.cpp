@@ -1,6 +1,6 @@
-// What DCSHARP's released code does, for comparison: the score is |dL/ds| of the first axis alone,
-// the 2 % with the highest go, and they are marked before cloning and splitting but taken by their
-// place after it, so that others than intended are hit.
+// The behaviour of DCSHARP's released code, for comparison: the score is |dL/ds| of the first axis
+// only, the 2 % with the highest scores are removed, and they are marked before cloning and
+// splitting but removed by index afterwards, so that other Gaussians than intended are removed.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -47,11 +47,11 @@ class DcsharpReleasedPruner : public Pruner {
 
   void Gather(const Reordering& order) override {
     const size_t n = order.source.size();
-    sum_.assign(n, 0.0f);  // the accumulators begin anew
+    sum_.assign(n, 0.0f);  // the accumulators restart
     seen_.assign(n, 0.0f);
     if (marked_before_splitting_) {
       marked_before_splitting_ = false;
-      marked_.resize(n, 0);  // the fault: by place, whoever stands there now
+      marked_.resize(n, 0);  // the error: marks stay at their old indices
       return;
     }
     std::vector<uint8_t> gathered(n, 0);
@@ -74,7 +74,7 @@ class DcsharpReleasedPruner : public Pruner {
 
  private:
   Schedule schedule_;
-  std::vector<float> sum_, seen_;  // of |dL/ds_x|; steps in which it was drawn
+  std::vector<float> sum_, seen_;  // of |dL/ds_x|; number of steps where visible
   std::vector<uint8_t> marked_;
   bool marked_before_splitting_ = false;
 };

@@ -1,4 +1,4 @@
-// A number per Gaussian that is trained beside it, from which a rule makes its mask
+// A trained value per Gaussian from which a pruning rule derives its mask
 // (splat/train/kernels/prune_mask.h).
 #pragma once
 
@@ -19,17 +19,17 @@ struct LearnedMask {
   float operator[](size_t i) const { return value[i]; }
 
   float rate;
-  std::vector<float> value, m, v;  // [N] and its moments
-  int64_t step = 0;                // that were taken
+  std::vector<float> value, m, v;  // [N] value and Adam moments
+  int64_t step = 0;                // Adam steps taken
 };
 
-// A mask that is learned in every step, by MaskLearner (splat/train/mask_learner.h); what it has
-// learned is back here when a round of pruning ranks.
+// A mask that MaskLearner (splat/train/mask_learner.h) trains in every step. Its values are written
+// back to `learned` before a pruning round ranks.
 struct MaskInSteps {
   MaskKind kind = MaskKind::kHard;
-  float weight = 0;                          // of its mean in the loss
-  LearnedMask* learned = nullptr;            // null: nothing is learned now
-  std::vector<float>* importance = nullptr;  // [N] where the mask is soft
+  float weight = 0;                          // weight of the mask's mean in the loss
+  LearnedMask* learned = nullptr;            // null: nothing is currently learned
+  std::vector<float>* importance = nullptr;  // [N] for a soft mask
 };
 
 }  // namespace cosplat

@@ -1,6 +1,6 @@
-// By what the images lose. Score: the squared change of the training images when this Gaussian
-// alone is taken out (splat/render/contribution.h): exact, not a derivative. A few rounds once
-// densification is over, so that neighbours have time to take a Gaussian's place.
+// Leave-one-out pruning. Score: the squared change of the training images when only this Gaussian
+// is removed (splat/render/contribution.h): exact, not a derivative. A few rounds after
+// densification, so that neighbours have time to compensate.
 #include <algorithm>
 
 #include "splat/base/error.h"
@@ -11,11 +11,11 @@ namespace cosplat {
 namespace {
 
 constexpr size_t kMaxFrames = 100;
-constexpr double kShareOfRound = 0.2;  // of each round, without a target
+constexpr double kShareOfRound = 0.2;  // per round, if there is no target
 
 class LeaveOneOutPruner : public Pruner {
  public:
-  // Five rounds over the first two fifths of what densification leaves of the run.
+  // Five rounds over the first two fifths of the steps after densification.
   LeaveOneOutPruner(const PruneSettings& settings, int first, int iterations)
       : settings_(settings) {
     rounds_.first = first;

@@ -1,6 +1,6 @@
-// LP-3DGS: for a while a soft mask dims each opacity (splat/train/kernels/prune_mask.h), S being
-// LightGaussian's score, its largest 1. Then what the mask would rather hide than show (mu S < 0)
-// goes, once. 19,500 to 20,000 of 30,000 steps.
+// LP-3DGS: from step 19,500 to 20,000 of 30,000, a learned soft mask scales each opacity
+// (splat/train/kernels/prune_mask.h), where S is LightGaussian's score normalised to a maximum of
+// 1. Then the Gaussians that the mask rather hides than shows (mu S < 0) are removed, once.
 #include <algorithm>
 
 #include "splat/prune/learned_mask.h"
@@ -22,7 +22,7 @@ class LpPruner : public Pruner {
 
   bool PrunesAt(int iteration) const override { return iteration == begin_ || iteration == end_; }
 
-  // The first round scores and begins to learn; the second takes away.
+  // The first round computes the scores and starts learning; the second removes.
   PruneRound Rank(const PruneContext& context) override {
     const size_t n = context.gaussians.size();
     PruneRound round{std::vector<float>(n, 1.0f), {}, 0};
@@ -51,7 +51,7 @@ class LpPruner : public Pruner {
 
  private:
   float weight_;
-  int begin_, end_;  // steps that learn
+  int begin_, end_;  // steps between which the mask is learned
   bool learning_ = false;
   std::vector<float> importance_;  // [N]
   LearnedMask mu_{0, kFirst, kRate};

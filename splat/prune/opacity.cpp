@@ -1,4 +1,4 @@
-// The least opaque go, in the rounds of DCSHARP: what any score must beat.
+// Removes the least opaque, in DCSHARP's rounds: the baseline that any score must beat.
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 

@@ -1,9 +1,9 @@
-// Pruning: which Gaussians training takes away beyond those that density control does (transparent,
-// oversized). One rule a file; all of them rank, and the lowest go.
+// Pruning: training removes Gaussians beyond those that density control removes (transparent,
+// oversized). Each rule has its own file; rules rank the Gaussians, and the lowest are removed.
 //
 //   step (with its Mask) -> AfterBackward -> density control -> PrunesAt? -> Rank -> removal
 //
-// Rules, with the papers they are made after: docs/study.md.
+// docs/study.md lists the rules and their source papers.
 #pragma once
 
 #include <array>
@@ -22,12 +22,12 @@
 
 namespace cosplat {
 
-// What a pruner sees of the run when it ranks.
+// The state of the run that a pruner ranks by.
 struct PruneContext {
-  int iteration = 0;                    // of the step just done, from 1
+  int iteration = 0;                    // of the step just completed, counted from 1
   FrameImages& images;                  // of training frames
-  View<const uint32_t> frames;          // that are trained on
-  const Gaussians& gaussians;           // coefficients of bands 1.. may be others, on a device
+  View<const uint32_t> frames;          // frames to train on
+  const Gaussians& gaussians;           // on a device, bands >= 1 may be out of date
   const DensityStatistics& statistics;  // since the last densification
   int degree = 0;                       // bands in use
   std::array<float, 3> background{0, 0, 0};
@@ -35,22 +35,22 @@ struct PruneContext {
 };
 
 struct PruneRound {
-  std::vector<float> score;     // [N] lowest go first
-  std::vector<uint8_t> exempt;  // [N] 1: not to be judged yet; or empty
-  size_t remove = 0;            // how many go
+  std::vector<float> score;     // [N] the lowest are removed first
+  std::vector<uint8_t> exempt;  // [N] 1: new or unseen, not removed by score; or empty
+  size_t remove = 0;            // number of Gaussians to remove
 };
 
 class Pruner {
  public:
   virtual ~Pruner() = default;
 
-  // Whether there is a round after step `iteration`.
+  // Whether there is a pruning round after step `iteration`.
   virtual bool PrunesAt(int iteration) const = 0;
-  // Of the Gaussians as density control has left them.
+  // Ranks the Gaussians that remain after density control.
   virtual PruneRound Rank(const PruneContext& context) = 0;
 
-  // After a step's gradients, before Adam, on the host (WorksOnProcessorOnly). radii: [N] 0 where
-  // not drawn.
+  // Called after a step's gradients and before Adam, on the host (WorksOnProcessorOnly). radii: [N]
+  // 0 where not rendered.
   virtual void AfterBackward(const Gaussians& gaussians,
                              const Gaussians& gradients,
                              View<const float> radii) {
@@ -58,17 +58,17 @@ class Pruner {
     (void)gradients;
     (void)radii;
   }
-  // The mask that the rule has learned in every step; none for a rule that learns none, or not now.
+  // The mask to learn in every step; empty if the rule learns none, or none at present.
   virtual MaskInSteps Mask() { return {}; }
   virtual void BeforeDensification() {}
-  // Bytes that the rule holds.
+  // Bytes allocated by the rule.
   virtual size_t Held() const { return 0; }
-  // The rule's own data per Gaussian follows, on the host.
+  // Reorders the rule's per-Gaussian data, on the host.
   virtual void Gather(const Reordering& order) { (void)order; }
 };
 
-// Null for PruneRule::kNone. `schedule`, `iterations`: of the run. Throws Error when the settings
-// do not fit the rule (a count for one that has none).
+// Null for PruneRule::kNone. `schedule`, `iterations`: of the run. Throws Error if the settings do
+// not fit the rule (such as a target count for a rule that has none).
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& settings,
                                    const Schedule& schedule,
                                    int iterations,

@@ -1,4 +1,4 @@
-// Any go, in the rounds of DCSHARP: what ranking is worth at all.
+// Removes random Gaussians, in DCSHARP's rounds: shows what ranking is worth at all.
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 

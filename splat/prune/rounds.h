@@ -1,4 +1,4 @@
-// When a rule prunes, and how many go: shared by the rules that rank.
+// When a rule prunes and how many Gaussians it removes: shared by the ranking rules.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct PruneRounds {
   int every = 1;
   int last = 0;
 
-  // Steps of a run of 30,000, scaled to this one.
+  // Step numbers of a 30,000-step run, scaled to `iterations`.
   static PruneRounds Scaled(int iterations, int first, int every, int last) {
     const auto scaled = [iterations](int steps) {
       return std::max(1, int(std::lround(double(steps) * iterations / 30000)));
@@ -28,11 +28,11 @@ struct PruneRounds {
   bool At(int iteration) const {
     return iteration >= first && iteration <= last && (iteration - first) % every == 0;
   }
-  // After this one.
+  // Rounds left after this iteration.
   int LeftAfter(int iteration) const { return std::max(0, (last - iteration) / every); }
 };
 
-// How many of `count` go so that the same ratio in each of the rounds left reaches the target.
+// How many of `count` to remove so that the same ratio in all remaining rounds reaches the target.
 inline size_t RemovalTowards(size_t target, size_t count, int rounds_left) {
   if (count <= target) return 0;
   const double ratio = std::pow(double(target) / double(count), 1.0 / (rounds_left + 1));
@@ -41,17 +41,17 @@ inline size_t RemovalTowards(size_t target, size_t count, int rounds_left) {
 
 inline size_t ShareOf(double share, size_t count) { return size_t(share * double(count)); }
 
-// A share, but not below the target, where there is one.
+// A share of `count`, but leaving at least `target`.
 inline size_t ShareDownTo(size_t target, double share, size_t count) {
   return std::min(ShareOf(share, count), count - std::min(target, count));
 }
 
-// The rounds of DCSHARP: at each densification, 2 % each. To keep to a count there is one more when
-// they are over, since each adds Gaussians that cannot be judged yet.
+// DCSHARP's rounds: 2 % at each densification. With a target there is another round when
+// densification has ended, since each densification adds Gaussians that cannot be ranked yet.
 struct DensificationRounds {
   static constexpr double kShare = 0.02;  // DCSHARP's released code
   Schedule schedule;
-  size_t target = 0;  // 0: no count to keep to
+  size_t target = 0;  // 0: none
 
   bool At(int iteration) const {
     return schedule.DensifiesAt(iteration) || (target > 0 && iteration == schedule.densify_until);
@@ -63,19 +63,19 @@ struct DensificationRounds {
   }
 };
 
-// Which Gaussians a round of pruning takes, given their scores (splat/prune/pruner.h). Groups are
-// triangles for avatars and one group for a scene; nothing here knows meshes.
+// Selects the Gaussians that a pruning round removes by their scores (splat/prune/pruner.h). Groups
+// are triangles for avatars, and a single group for a scene; this code does not depend on meshes.
 
 struct PruneRequest {
-  View<const float> score;     // [N] lowest go first
-  View<const uint8_t> exempt;  // [N] 1: unseen or new, never removed for its score
-  View<const int32_t> group;   // [N] group of each; empty: all in one group
-  size_t remove_lowest = 0;    // how many go for their score, over all groups
-  int group_cap = 0;           // more than this in a group: its lowest scores go first; 0: no cap
-  int group_floor = 0;         // never leave a group that had any with fewer
+  View<const float> score;     // [N] the lowest are removed first
+  View<const uint8_t> exempt;  // [N] 1: unseen or new, not removed by score
+  View<const int32_t> group;   // [N] group index; empty: a single group
+  size_t remove_lowest = 0;    // number to remove by score, over all groups
+  int group_cap = 0;           // maximum per group: the lowest scores above it go first; 0: none
+  int group_floor = 0;         // minimum to leave in a group that had any
 };
 
-// Indices to remove, ascending. Equal scores: the lower index goes.
+// Indices to remove, ascending. Of equal scores, the lower index is removed.
 std::vector<uint32_t> SelectForPruning(const PruneRequest& request);
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// The rules, one a file (splat/prune/pruner.h says what they do; MakePruner chooses).
+// The pruning rules, one per file (splat/prune/pruner.h documents them; MakePruner selects one).
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace cosplat {
 
-// Of all frames of the context, or of so many.
+// Contributions over all frames of the context, or at most `most_frames` of them.
 inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
                                                  size_t most_frames = size_t(-1)) {
   return c.images.Contributions({c.frames, c.degree, c.background, most_frames});

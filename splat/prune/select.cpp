@@ -26,7 +26,7 @@ std::vector<uint32_t> SelectForPruning(const PruneRequest& request) {
     --left[group_of(i)];
     removed.push_back(i);
   };
-  // The cap first: new ones have no score yet and go after the scored ones.
+  // The cap first: new Gaussians have no score yet and are removed after those that have one.
   if (request.group_cap > 0)
     for (const bool take_exempt : {false, true})
       for (const uint32_t i : by_score)

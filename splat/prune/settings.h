@@ -1,4 +1,4 @@
-// The rules of pruning by name, and what can be set (splat/prune/pruner.h).
+// The pruning rules by name, and their settings (splat/prune/pruner.h).
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@ namespace cosplat {
 
 enum class PruneRule {
   kNone,
-  kLeaveOneOut,      // ours: by how much the images change
-  kDcsharp,          // paper: mean |dL/ds|, lowest go
-  kDcsharpReleased,  // its released code, faults included
+  kLeaveOneOut,      // ours: change of the images
+  kDcsharp,          // paper: mean |dL/ds|, removes the lowest
+  kDcsharpReleased,  // its released code, errors included
   kDcsharpTriangle,  // kDcsharp with a floor per triangle (avatars)
   kLightGaussian,
   kCompact,
@@ -22,22 +22,22 @@ enum class PruneRule {
 
 struct PruneSettings {
   PruneRule rule = PruneRule::kNone;
-  // Rules that rank: how many Gaussians the last round leaves; 0: the rule's own shares.
+  // Ranking rules: number of Gaussians left by the last round; 0: the rule's own shares.
   size_t target = 0;
-  // Rules that learn a mask: weight of its loss; 0: the rule's own.
+  // Rules that learn a mask: weight of its loss; 0: the rule's default.
   float mask_weight = 0;
   // Any rule, at each densification and round, per group (splat/train/density.h,
   // Placement::Groups).
-  int group_cap = 0;    // more than this: the lowest scores go; 0: no cap
-  int group_floor = 0;  // never fewer
+  int group_cap = 0;    // maximum: the lowest scores above it are removed; 0: none
+  int group_floor = 0;  // minimum
 };
 
 std::string ToString(PruneRule rule);
-// Error on a name that is not known.
+// Throws Error for an unknown name.
 PruneRule PruneRuleFromString(const std::string& text);
 std::vector<std::string> PruneRuleNames();
 bool LearnsMask(PruneRule rule);
-// Whether the rule works in steps as no device does.
+// Whether the rule works in every step, which is not supported on a device.
 bool WorksOnProcessorOnly(PruneRule rule);
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
 // Speedy-Splat (Hanson et al. 2025): sensitivity of the images to a Gaussian's falloff, sum over
-// views and pixels of (d(red + green + blue)/d(falloff))^2. From 6,000 of 30,000 steps every 3,000:
-// 80 % while densification fills up again (soft), 30 % afterwards (hard). With a target, the hard
-// rounds reach it.
+// views and pixels of (d(red + green + blue)/d(falloff))^2. Every 3,000 steps from step 6,000 of
+// 30,000: removes 80 % while densification refills the model (soft), 30 % afterwards (hard). With a
+// target, the hard rounds reach it.
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
 

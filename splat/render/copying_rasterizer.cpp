@@ -83,7 +83,7 @@ class CopyingRasterizer : public Rasterizer {
  private:
   std::unique_ptr<Rasterizer> on_device_;
   Stream& stream_;
-  // There:
+  // In the device's memory:
   WorldArrays arrays_;
   WorldGradientArrays gradients_;
   WorldGaussians world_;

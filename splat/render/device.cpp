@@ -11,7 +11,7 @@
 namespace cosplat {
 namespace {
 
-// Why there is no CUDA here; empty where there is.
+// Why CUDA is not available; empty if it is.
 std::string WhyNoCuda() {
 #if defined(COSPLAT_HAS_CUDA)
   return cuda::FindDevice() ? "" : "no CUDA device was found";

@@ -1,4 +1,4 @@
-// Which back end draws: the choice behind `--device auto|cpu|cuda`.
+// Selection of the back end that renders: `--device auto|cpu|cuda`.
 #pragma once
 
 #include <memory>
@@ -11,22 +11,22 @@ namespace cosplat {
 
 enum class Device { kCpu, kCuda };
 
-// "cpu"; "cuda", an Error naming `field` and the reason where this program or this machine has
-// none; "auto", which is CUDA where both have it.
+// Parses "cpu", "cuda" or "auto", which is CUDA if both this program and this machine support it.
+// Throws Error naming `field` and the reason for "cuda" without support, and for other names.
 Device DeviceFromString(const std::string& name, const std::string& field = "--device");
 
-// For people: "CPU", or the GPU's name.
+// Display name: "CPU", or the GPU's name.
 std::string NameOf(Device device);
 
-// Of arrays in the device's memory. deterministic: gradients are added in a fixed order, as on the
-// CPU they always are.
+// Rasteriser of arrays in the device's memory. deterministic: gradients are summed in a fixed
+// order, as they always are on the CPU.
 std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic);
 
-// Of arrays in the host's memory, for single images: for a device everything is copied with each
-// call. Deterministic.
+// Rasteriser of arrays in host memory, for single images: with a CUDA device, every call copies
+// everything. Deterministic.
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device);
 
-// For many images of one scene; empty for the CPU, which draws by a Rasterizer.
+// For many images of one scene; empty for the CPU, which renders with a Rasterizer.
 SceneRendererMaker SceneRendererOn(Device device);
 
 }  // namespace cosplat

@@ -1,7 +1,7 @@
-// An image that stays on the device that drew it.
+// An image that stays on the device that rendered it.
 //
-// SceneRenderer, AvatarRenderer -> DeviceImage -> DeviceTexture (splat/render/device_texture.h)
-// or, where it is wanted on the host after all, Download.
+// SceneRenderer, AvatarRenderer -> DeviceImage -> DeviceTexture (splat/render/device_texture.h), or
+// Download if it is needed on the host.
 #pragma once
 
 #include <memory>
@@ -12,19 +12,20 @@
 
 namespace cosplat {
 
-// RGBA bytes. Once it was waited for, whoever gets it need not wait. Of one device; give it back to
-// whoever made it, and its memory is used again. One call at a time, in any thread.
+// RGBA bytes on one device. Once the renderer has waited for the image, its users need not wait.
+// Pass it back to the renderer that made it to reuse its memory. May be used from any thread, but
+// not concurrently.
 class DeviceImage {
  public:
   explicit DeviceImage(const Stream& stream) : copies_(stream.Another()) {}
 
-  // The image's floats as bytes; they are there when the stream has been waited for.
+  // Converts a float image to bytes, which are valid once the stream has been waited for.
   void Write(const RenderedImage& image, AlphaMode alpha, Stream& stream);
 
   int width() const { return width_; }
   int height() const { return height_; }
   const PixelBytes* data() const { return pixels_.data(); }  // [height, width]
-  // Keeps the memory of `out`.
+  // Reuses the memory of `out`.
   void Download(Image8& out) const;
 
  private:

@@ -1,6 +1,6 @@
-// Puts images that stayed on a device into an OpenGL texture; the host's memory sees none of it.
+// Copies device images into an OpenGL texture without a detour through host memory.
 //
-// DeviceImage -> Fill -> texture, in the thread that has OpenGL's context.
+// DeviceImage -> Fill -> texture, in the thread that owns the OpenGL context.
 #pragma once
 
 #include <functional>
@@ -11,18 +11,19 @@
 
 namespace cosplat {
 
-// A texture as the device knows it, for as long as this is there. Everything, the end included, is
-// done in the thread whose context the texture is of.
+// An OpenGL texture registered with the device for the lifetime of this object. All calls,
+// including the destructor, must come from the thread whose context the texture belongs to.
 class DeviceTexture {
  public:
   virtual ~DeviceTexture() = default;
-  // The image, which is of this device and the texture's size, is in the texture for whatever
-  // OpenGL draws next; it may be drawn over at once. Throws Error where the driver refuses.
+  // Copies the image, which must be on this device and have the texture's size, into the texture,
+  // ready for subsequent OpenGL draws. The image may be overwritten immediately afterwards. Throws
+  // Error if the driver refuses.
   virtual void Fill(const DeviceImage& image) = 0;
 };
 
-// Of a texture (OpenGL's name) with storage for RGBA8, which stays as it is meanwhile. Throws Error
-// where the context's device is another, or cannot share its textures.
+// Makes a DeviceTexture for an OpenGL texture (its name) with RGBA8 storage, which must not change
+// in the meantime. Throws Error if the context runs on another device or cannot share its textures.
 using DeviceTextureMaker = std::function<std::unique_ptr<DeviceTexture>(unsigned texture)>;
 
 // Empty for the CPU.
@@ -30,8 +31,8 @@ DeviceTextureMaker DeviceTextureOn(Device device);
 
 namespace cuda {
 
-// By OpenGL interoperability (splat/render/cuda/gl_texture.cpp): a library of its own
-// (cosplat::render_gl), since it needs OpenGL's header. Source: CUDA Runtime API, "Graphics
+// Uses OpenGL interoperability (splat/render/cuda/gl_texture.cpp). In a library of its own
+// (cosplat::render_gl), since it needs the OpenGL header. Source: CUDA Runtime API, "Graphics
 // Interoperability" and "OpenGL Interoperability".
 std::unique_ptr<DeviceTexture> MakeGlTexture(unsigned texture);
 

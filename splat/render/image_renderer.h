@@ -1,7 +1,6 @@
-// Draws images that nothing is learnt from, one after another: to the host's memory, or to stay.
+// Renders images without a backward pass: into host memory, or to stay on the device.
 //
-// Gaussians in the rasteriser's stream -> Forward -> Download or Keep. Both wait for what was
-// drawn.
+// Gaussians in the rasteriser's stream -> Forward -> Download or Keep. Both wait for the rendering.
 #pragma once
 
 #include <memory>
@@ -16,16 +15,16 @@ class ImageRenderer {
   explicit ImageRenderer(std::unique_ptr<Rasterizer> rasterizer)
       : rasterizer_(std::move(rasterizer)), tape_(rasterizer_->MakeTape(false)) {}
 
-  // As Rasterizer::Forward.
+  // Same as Rasterizer::Forward.
   void Forward(const WorldGaussians& gaussians,
                Basis basis,
                const Camera& camera,
                const RenderSettings& settings) {
     rasterizer_->Forward(gaussians, basis, camera, settings, image_, *tape_);
   }
-  // What Forward drew; `times` get its phases.
+  // Copies the image of the last Forward to the host and adds the phases to `times`.
   void Download(RenderedImage& image, PhaseTimes& times);
-  // `out`: null, or from here.
+  // Keeps the image of the last Forward on the device. `out`: null, or from this renderer.
   void Keep(AlphaMode alpha, std::unique_ptr<DeviceImage>& out, PhaseTimes& times);
 
   Stream& stream() const { return rasterizer_->stream(); }

@@ -30,14 +30,14 @@ struct PhaseTimes {
   }
 };
 
-// Of all threads of this process, s.
+// CPU time of all threads of this process, in seconds.
 inline double ProcessorSeconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-// Adds the time from its construction to its end to one phase.
+// Adds the time between its construction and destruction to one phase.
 class ScopedPhase {
  public:
   ScopedPhase(PhaseTimes& times, Phase phase)

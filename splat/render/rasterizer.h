@@ -1,8 +1,8 @@
-// The differentiable renderer: Gaussians + camera -> image, and back.
+// The differentiable renderer: Gaussians + camera -> image, and its backward pass.
 //
 // Forward fills an image and a tape; Backward takes the tape and dL/d(image) and writes the
 // gradients of every Gaussian. All arrays are in the memory of the rasteriser's stream. On the CPU,
-// results are the same bits for any number of threads. Source: Kerbl et al. 2023; back ends:
+// results are bit-identical for any number of threads. Source: Kerbl et al. 2023; back ends:
 // splat/render/cpu/, splat/render/cuda/.
 #pragma once
 
@@ -22,53 +22,53 @@
 
 namespace cosplat {
 
-// Planar image as the renderer writes and the loss reads it.
+// Planar image, written by the renderer and read by the loss.
 struct RenderedImage {
   int width = 0;
   int height = 0;
   Buffer<float> color;          // [3, height, width] over the background, not clamped
-  Buffer<float> transmittance;  // [height, width] share of the background seen; 1 - alpha
+  Buffer<float> transmittance;  // [height, width] visible share of the background, 1 - alpha
 
-  // RGB, or RGBA with straight alpha over no background (requires a black background).
+  // RGB; or RGBA with straight alpha and no background (requires an image rendered over black).
   Image ToImage() const;
   Image ToStraightAlpha() const;
 
-  // Between a stream's memory and the host's, which is `host`; waited for by the caller.
+  // Copy between a stream's memory and `host`, in host memory. The caller waits for the stream.
   void Upload(const RenderedImage& host, Stream& stream);
   void Download(RenderedImage& host, Stream& stream) const;
 };
 
 struct RenderSettings {
   std::array<float, 3> background{0, 0, 0};  // sRGB
-  int degree = 0;                            // bands evaluated; at most those stored
+  int degree = 0;                            // highest band evaluated; at most the stored one
   int exp_degree = kMaxExpDegree;            // of the blend loop's exponential (splat/config.h)
 };
 
-// (Gaussian, tile) pairs of a view, and Gaussians that it shows.
+// Numbers of (Gaussian, tile) pairs and of visible Gaussians in a view.
 struct InstanceCounts {
   uint64_t instances = 0, visible = 0;
 };
 
-// What Backward needs of a Forward. Reuse one tape for many steps: it keeps its memory.
+// What Backward needs from Forward. Reuse one tape for many steps: it keeps its memory.
 class RenderTape {
  public:
   virtual ~RenderTape() = default;
-  // [count] radius in px (3 standard deviations), 0 for Gaussians that were not drawn.
+  // [count] radius in px (3 standard deviations), 0 for invisible Gaussians.
   virtual View<const float> radii() const = 0;
-  // [1] of the last Forward, in the stream's memory.
+  // [1] counts of the last Forward, in the stream's memory.
   virtual const InstanceCounts* counts() const = 0;
   virtual std::vector<MemoryPart> Memory() const = 0;
 
-  // Forward has to know how many instances there are before it can list them, and a device's host
-  // waits for that. It does not where it was told how many to expect: the next Forward makes room
-  // for so many and, where there are more, sets *exceeded (the stream's) to 1 and draws none.
-  // Returns false where that is not possible: no device, or no memory for the guess.
+  // Forward must know the number of instances before it can list them, and with a device the host
+  // waits for it. Expect avoids the wait: the next Forward allocates capacity for `instances` and,
+  // on overflow, sets *exceeded (in the stream's memory) to 1 and renders no Gaussians. Returns
+  // false if that is not possible: without a device, or without enough memory for the prediction.
   virtual bool Expect(size_t instances, uint32_t* exceeded) {
     (void)instances;
     (void)exceeded;
     return false;
   }
-  // Instances that the last Forward had room for.
+  // Number of instances that the last Forward had capacity for.
   virtual size_t capacity() const = 0;
 };
 
@@ -76,12 +76,11 @@ class Rasterizer {
  public:
   virtual ~Rasterizer() = default;
   virtual Stream& stream() = 0;
-  // keep: for Backward or Contributions, for which a device keeps 128 bytes per instance.
+  // keep: for Backward or Contributions, which cost a device 128 bytes per instance.
   virtual std::unique_ptr<RenderTape> MakeTape(bool keep = true) const = 0;
 
-  // Throws Error when the image has no pixels, the settings' degree is not stored or there is no
-  // exponential of their degree.
-  // Gaussians with NaN or infinite numbers are not drawn.
+  // Throws Error if the image has no pixels, settings.degree exceeds the stored one or
+  // settings.exp_degree is not supported. Gaussians with non-finite parameters are not rendered.
   virtual void Forward(const WorldGaussians& gaussians,
                        Basis basis,
                        const Camera& camera,
@@ -89,29 +88,30 @@ class Rasterizer {
                        RenderedImage& image,
                        RenderTape& tape) = 0;
 
-  // d_color: [3, height, width]. Overwrites every gradient (zero where not drawn); with
-  // gradients.drawn_groups_only, those of groups of kGaussianGroup of which one was drawn.
+  // d_color: [3, height, width]. Overwrites every gradient (with zero for invisible Gaussians);
+  // with gradients.drawn_groups_only, only those of groups (kGaussianGroup) with a visible
+  // Gaussian.
   virtual void Backward(const WorldGaussians& gaussians,
                         const RenderedImage& image,
                         const Buffer<float>& d_color,
                         RenderTape& tape,
                         const WorldGradients& gradients) = 0;
 
-  // What every Gaussian does for the image that Forward made (with the full exponential), summed
-  // over its pixels; 0 where it was not drawn. contributions: [count], overwritten.
+  // Contribution of every Gaussian to the image that Forward rendered (with kMaxExpDegree), summed
+  // over its pixels; 0 for invisible Gaussians. contributions: [count], overwritten.
   virtual void Contributions(const RenderedImage& image,
                              RenderTape& tape,
                              Buffer<Contribution>& contributions) = 0;
 
-  // Bytes of tapes per Gaussian where each has so many instances in the fullest view: what training
-  // on a device reckons with.
+  // Tape memory in bytes per Gaussian, given the instances per Gaussian in the fullest view;
+  // training on a device uses it to stay within memory.
   virtual double BytesPerGaussian(double instances) const {
     (void)instances;
     return 0;
   }
 
-  // Project, sort, blend, backward; the caller resets it. A device adds its own when it is asked to
-  // and has been waited for.
+  // Times of project, sort, blend and backward; the caller resets them. Those of a device are added
+  // only by AddForwardTimes and AddBackwardTimes, after its stream has been waited for.
   PhaseTimes times;
   virtual void AddForwardTimes() {}
   virtual void AddBackwardTimes() {}
@@ -119,26 +119,23 @@ class Rasterizer {
 
 std::unique_ptr<Rasterizer> MakeCpuRasterizer();
 
-// Borrowing views; kPosition must be a point in the world (for avatars: see
+// Non-owning views; kPosition must be a point in the world (for avatars: see
 // avatar/surface/binding.h).
 WorldGaussians ViewOf(const Gaussians& gaussians);
 WorldGradients GradientViewOf(Gaussians& gradients,
                               Buffer<float>& screen,
                               Stream& stream = HostStream());
 
-// What the element-wise kernels need of a camera, and what both back ends refuse to draw.
-
-// Colours of bands up to `degree`.
+// What the element-wise kernels need to know of a camera. Colours use the bands up to `degree`.
 ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree);
 
-// Throws Error as Rasterizer::Forward says.
+// Throws Error as specified by Rasterizer::Forward, for both back ends.
 void CheckArguments(const WorldGaussians& gaussians,
                     const Camera& camera,
                     const RenderSettings& settings);
 
-// A rasteriser of arrays in the host's memory by one of a device.
-
-// For single images: everything is copied there and back with each call.
+// Wraps a device's rasteriser for arrays in host memory. For single images: every call copies
+// everything to the device and back.
 std::unique_ptr<Rasterizer> MakeCopyingRasterizer(std::unique_ptr<Rasterizer> on_device);
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// Draws one scene again and again where that is not the CPU: the device keeps the Gaussians.
+// Renders one scene repeatedly on a device other than the CPU, which keeps the Gaussians.
 //
 // Gaussians -> SceneRendererOn (splat/render/device.h) -> Draw -> image.
 // avatar/play/avatar_renderer.h does the same for avatars.
@@ -13,20 +13,20 @@ namespace cosplat {
 
 class SceneRenderer {
  public:
-  // The scene need not outlive the call. Throws Error where the device has no room.
+  // The scene need not outlive the call. Throws Error if the device runs out of memory.
   SceneRenderer(std::unique_ptr<Rasterizer> rasterizer, const Gaussians& scene)
       : images_(std::move(rasterizer)) {
     gaussians_.Upload(scene, images_.stream());
     images_.stream().Wait();
   }
 
-  // As Rasterizer::Forward.
+  // Same as Rasterizer::Forward.
   void Draw(const Camera& camera, const RenderSettings& settings, RenderedImage& image) {
     Forward(camera, settings);
     images_.Download(image, times);
   }
-  // The same, but the image stays on the device; made where `out` is null, otherwise `out` is of
-  // this renderer. The background must be black but with AlphaMode::kOpaque.
+  // Like Draw, but the image stays on the device. `out` is created if null; otherwise it must come
+  // from this renderer. The background must be black unless `alpha` is AlphaMode::kOpaque.
   void DrawToStay(const Camera& camera,
                   const RenderSettings& settings,
                   AlphaMode alpha,

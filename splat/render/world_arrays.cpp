@@ -3,7 +3,7 @@
 namespace cosplat {
 namespace {
 
-// [n, width], or nothing where the host has none.
+// Uploads an array; returns null if the host has none.
 template <class T>
 const T* Copy(Buffer<T>& to, const T* from, size_t numbers, Stream& stream) {
   if (!from) return nullptr;

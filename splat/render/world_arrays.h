@@ -1,4 +1,4 @@
-// Copies of the host's WorldGaussians and WorldGradients in a stream's memory.
+// Copies of WorldGaussians and WorldGradients from host memory in a stream's memory.
 #pragma once
 
 #include "splat/device/buffer.h"
@@ -8,7 +8,7 @@ namespace cosplat {
 
 class WorldArrays {
  public:
-  // Returns the view of what was copied.
+  // Returns a view of the copy.
   WorldGaussians Upload(const WorldGaussians& host, Stream& stream);
 
  private:
@@ -19,10 +19,11 @@ class WorldArrays {
 
 class WorldGradientArrays {
  public:
-  // Gradients for `count` Gaussians, of the arrays that `host` has. With host.drawn_groups_only
-  // what is there now is copied, so that Download brings back what was left alone.
+  // Allocates gradients for `count` Gaussians, for the arrays that are not null in `host`. With
+  // host.drawn_groups_only, copies the current values, so that Download keeps those of skipped
+  // groups.
   WorldGradients Prepare(const WorldGradients& host, size_t count, int rest_width, Stream& stream);
-  // They are there when the stream has been waited for.
+  // Complete once the stream has been waited for.
   void Download(const WorldGradients& host, Stream& stream) const;
 
  private:

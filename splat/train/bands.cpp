@@ -11,7 +11,7 @@ namespace {
 constexpr size_t kFramesWeighed = 50;  // at most, evenly spread
 constexpr size_t kFramesJudged = 20;   // likewise
 
-// Squared changes of the images, summed over their pixels, when a Gaussian is cut to a degree.
+// Squared changes of the images, summed over their pixels, if a Gaussian is cut to each degree.
 using CutErrors = std::array<double, kMaxTrainedDegree + 1>;
 
 // A pixel changes by alpha T times the change of the colour; alpha is at most the opacity. On
@@ -27,8 +27,8 @@ CutErrors ErrorsOf(const Gaussians& g, size_t i, double weight) {
   return errors;
 }
 
-// The degree, at most `highest`, of the least error plus `price` for each coefficient. An error
-// that is not a number is not less.
+// The degree, at most `highest`, with the least error plus `price` per coefficient. A NaN error
+// never compares as less.
 int CheapestDegree(const CutErrors& errors, int highest, double price) {
   int cheapest = highest;
   const auto cost = [&](int degree) { return errors[degree] + price * CoefficientCount(degree); };
@@ -37,11 +37,11 @@ int CheapestDegree(const CutErrors& errors, int highest, double price) {
   return cheapest;
 }
 
-// The highest price, to within a millionth, at which the errors add up to at most `allowed`.
+// The highest price, to within a relative 1e-6, at which the errors add up to at most `allowed`.
 double HighestPrice(const std::vector<CutErrors>& errors,
                     View<const uint8_t> highest,
                     double allowed) {
-  double low = -100, high = 100;  // of its logarithm to base 2
+  double low = -100, high = 100;  // log2 of the price
   while (high - low > 1e-6) {
     const double middle = (low + high) / 2, price = std::exp2(middle);
     double sum = 0;

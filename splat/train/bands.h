@@ -1,8 +1,8 @@
-// Bands of colour that nobody can see: found by their energy, dropped, not evaluated again.
+// Removes imperceptible colour bands: found by their energy, zeroed and no longer evaluated.
 //
-// trained Gaussians -> DropBands -> Gaussians::degrees -> kernels evaluate each Gaussian to its own
-// degree; splat/io/vq_file.h stores it so. docs/dcsh.md derives the energy and has what was
-// measured.
+// trained Gaussians -> DropBands -> Gaussians::degrees -> kernels evaluate each Gaussian up to its
+// own degree; splat/io/vq_file.h stores the degrees. docs/dcsh.md derives the energy and reports
+// measurements.
 #pragma once
 
 #include <array>
@@ -14,34 +14,35 @@
 
 namespace cosplat {
 
-// Root mean square of band l's part of the colour, over all directions and channels; 1 is the range
-// of the colours. In any basis. 1 <= band <= gaussians.degree.
+// Root mean square of a band's part of the colour over all directions and channels; 1 is the range
+// of the colours. Works for any basis. 1 <= band <= gaussians.degree.
 float BandEnergy(const Gaussians& gaussians, size_t i, int band);
 
-// How much of some images each Gaussian is: [N] sums over their pixels of alpha T, its weight.
+// [N] weight of each Gaussian in a set of images: the sum of alpha T over their pixels.
 using Weights = std::vector<float>;
 
-// Zeroes the highest bands of Gaussians and sets `degrees`. The images change by `threshold` (1
-// is the range of the colours), root mean square over what the Gaussians cover, or a little less,
-// as their energies tell; what goes is what changes them least for each of its coefficients. What
-// is in no image keeps none; bands with numbers that are not finite stay. None comes back.
+// Zeroes the highest bands of Gaussians and sets `degrees`. As predicted from the bands' energies,
+// the images change by at most `threshold` (1 is the range of the colours), root mean square over
+// the area that the Gaussians cover; the bands that change the images least per coefficient are
+// removed. Gaussians that are in no image lose all bands; bands with non-finite coefficients are
+// kept. Removed bands are never restored.
 void DropBands(const Weights& weights, float threshold, Gaussians& gaussians);
 
-// Sets what is above each Gaussian's own degree to zero: colours, or what is laid out as they are.
+// Zeroes the coefficients above each Gaussian's own degree, also in arrays laid out like Gaussians.
 void ZeroAbove(View<const uint8_t> degrees, Gaussians& of);
 
-// How many Gaussians have which degree.
+// Number of Gaussians of each degree.
 using DegreeCounts = std::array<size_t, kMaxTrainedDegree + 1>;
 DegreeCounts CountDegrees(const Gaussians& gaussians);
 
 struct DegreeFigures {
   double mean = 0;        // of the Gaussians' own degrees
-  double rest_saved = 0;  // share of the coefficients of bands 1.. that are not needed
+  double rest_saved = 0;  // share of the coefficients of bands >= 1 that are not needed
 };
 DegreeFigures FiguresOf(const DegreeCounts& counts, int degree);
 
-// When training drops bands: `kRounds` times, evenly over the last third of it, the last of them at
-// its end. In between, what is left settles.
+// Training drops bands in `kRounds` rounds, spread evenly over its last third, the last one at its
+// end. In between, the remaining parameters settle.
 struct BandSchedule {
   static constexpr int kRounds = 4;
 
@@ -49,11 +50,11 @@ struct BandSchedule {
   static bool DropsAt(int iteration, int iterations);
 };
 
-// A round of it, with the weights of training images (of `frames`) over `background`. Without
-// momentum and gradient, what was dropped stays zero. Adam must have caught up
-// (splat/train/optimizer.h). threshold: of all rounds together. `changed` is called when they are
-// gone, before `images` are asked again. Returns by how many dB the mean PSNR of up to 20
-// training images changes.
+// Performs one such round, with weights from training images (of `frames`) over `background`.
+// Dropped coefficients stay zero since they get neither momentum nor gradients. Adam must have
+// caught up (splat/train/optimizer.h). threshold: for all rounds together. `changed` is called
+// after the bands are dropped and before `images` is queried again. Returns the change in dB of the
+// mean PSNR of up to 20 training images.
 double DropBandsInTraining(float threshold,
                            FrameImages& images,
                            View<const uint32_t> frames,

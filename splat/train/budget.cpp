@@ -9,10 +9,10 @@ namespace {
 
 constexpr double kFirstShare = 0.25;  // of the Gaussians, tried first
 constexpr double kMinShare = 0.02;
-constexpr double kFineEnough = 1.2;  // ratio between the fewest that held and the most that did not
-constexpr int kMaxTrials = 5;        // beside the unpruned one
+constexpr double kFineEnough = 1.2;  // ratio of the smallest passing to the largest failing count
+constexpr int kMaxTrials = 5;        // besides the unpruned one
 
-// Trains to the end from the checkpoint.
+// Trial runs, each trained to the end from a checkpoint.
 class Trials {
  public:
   Trials(const BudgetSettings& settings,
@@ -59,7 +59,8 @@ BudgetReport FindBudget(const BudgetSettings& settings,
   const Trainer::Checkpoint before = trainer.Save();
   trials.Run(before, none);
 
-  // In the logarithm of the count: from a quarter down or up until it turns, then between.
+  // Search over the logarithm of the count: from a quarter, halve while trials pass; once one has
+  // failed, bisect.
   const double all = double(trials.trials()[0].gaussians);
   double held = 1, failed = 0;
   double share = kFirstShare;

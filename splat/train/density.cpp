@@ -14,7 +14,7 @@
 namespace cosplat {
 namespace {
 
-// How often a round of pruning chooses, with others in the place of those that must stay.
+// Maximum number of selections in a round of pruning, each replacing vetoed Gaussians by others.
 constexpr int kChoices = 4;
 
 void GatherGaussians(Gaussians& gaussians,

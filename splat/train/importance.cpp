@@ -12,7 +12,7 @@ namespace {
 constexpr double kVolumeQuantile = 0.9;
 constexpr float kVolumePower = 0.1f;
 
-// Adds up images' contributions.
+// Sums contributions over images.
 class ContributionSum {
  public:
   explicit ContributionSum(size_t count)

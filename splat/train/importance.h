@@ -1,6 +1,6 @@
-// How much each Gaussian matters to a set of images: what pruners rank by and what compression
-// keeps exact. One pass per image over what the forward pass drew; sums are exact for the image
-// as it is, with no gradient involved.
+// How much each Gaussian matters to a set of images: pruners rank by it, and compression keeps the
+// most important Gaussians exact. One pass per image over what the forward pass rendered; sums are
+// exact for the image as it is and need no gradient.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@
 
 namespace cosplat {
 
-// Images to ask, drawn over `background`: of these frames, at most `most_frames` evenly spread.
+// Images to evaluate, rendered over `background`: up to `most_frames` of these frames, evenly
+// spread.
 struct FrameChoice {
   View<const uint32_t> frames;
   int degree = 0;
@@ -24,16 +25,16 @@ struct FrameChoice {
   size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
 };
 
-// Mean PSNR of these frames, images clamped to what bytes can show, dB. Everything is in the
-// memory of the rasteriser's stream.
+// Mean PSNR in dB of these frames, with images clamped to [0, 1]. Everything is in the memory of
+// the rasteriser's stream.
 double MeanPsnrOfFrames(Subject& subject,
                         const Gaussians& gaussians,
                         const FrameChoice& choice,
                         Rasterizer& rasterizer,
                         RenderTape& tape);
 
-// What pruners ask about Gaussians in training: sums over these frames of every Gaussian's
-// contribution to the frame's image, [N]; and MeanPsnrOfFrames.
+// What pruners can query about Gaussians in training: every Gaussian's contribution, summed over
+// the images of these frames, [N]; and MeanPsnrOfFrames.
 class FrameImages {
  public:
   virtual ~FrameImages() = default;
@@ -42,12 +43,12 @@ class FrameImages {
 };
 
 // LightGaussian's global significance (Fan et al. 2024, eq. 2-4): contribution.hits times
-// (V / V_90)^0.1, V the volume of the Gaussian, V_90 that which 90 % of them do not exceed. V is
-// not capped. [N]
+// (V / V_90)^0.1, where V is the volume of the Gaussian and V_90 the 90th percentile of the
+// volumes. V is not capped. [N]
 std::vector<float> Significance(const Gaussians& gaussians,
                                 const std::vector<Contribution>& contributions);
 
-// The same over the images of a static scene's cameras, on black.
+// The same for images rendered over black from the cameras of a static scene.
 std::vector<float> GlobalSignificance(const Gaussians& gaussians,
                                       const std::vector<Camera>& cameras);
 

@@ -19,7 +19,7 @@ constexpr float kInitialOpacity = 0.1f;     // 3DGS
 constexpr float kMinDistance2 = 1e-7f;      // 3DGS: coincident points
 constexpr float kSyntheticHalfSize = 1.3f;  // 3DGS: half the cube of Synthetic-NeRF scenes
 
-// nanoflann's view of [P, 3] floats.
+// nanoflann adaptor for [P, 3] floats.
 struct PointCloud {
   const std::vector<float>& points;
   size_t kdtree_get_point_count() const { return points.size() / 3; }
@@ -86,7 +86,7 @@ std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras) {
   double a[3][4] = {};
   for (const Camera& c : cameras) {
     const auto center = c.Center();
-    const float* d = &c.rotation[6];  // the axis in the world
+    const float* d = &c.rotation[6];  // the optical axis in the world
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) {
         const double p = (i == k) - double(d[i]) * d[k];

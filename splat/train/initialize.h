@@ -1,4 +1,4 @@
-// First Gaussians of a run.
+// Initial Gaussians of a run.
 #pragma once
 
 #include <array>
@@ -14,34 +14,35 @@ namespace cosplat {
 
 // One Gaussian per point: isotropic, its standard deviation the root mean square distance to the
 // three nearest points; opacity 0.1; the point's colour (3DGS). points: [P, 3]; colors: [P, 3].
-// Throws Error when there is no point or one is not finite.
+// Throws Error if there is no point or one is not finite.
 Gaussians InitializeFromPoints(const std::vector<float>& points,
                                const std::vector<uint8_t>& colors,
                                int degree,
                                Basis basis);
 
-// Keeps at most `most` points, evenly taken in their order.
+// Keeps at most `most` points, evenly subsampled in their order.
 void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors);
 
 // The point closest to all optical axes, in the least-squares sense.
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);
 
 // Appends `count` points of random colour, uniform in the cube [-1.3, 1.3]^3 around the origin
-// (3DGS, for synthetic scenes) or, when the cameras lie elsewhere, in the cube that they look into.
+// (3DGS, for synthetic scenes) or, if the cameras do not surround it, in a cube around their focus.
 void RandomPoints(const std::vector<Camera>& cameras,
                   size_t count,
                   Rng& rng,
                   std::vector<float>& points,
                   std::vector<uint8_t>& colors);
 
-// First points of a scene that comes without any: where its images agree.
-// Source: Collins 1996, *A space-sweep approach to true multi-image matching*, a pixel at a time.
-
-// Appends to `points` ([P, 3], world) and `colors` ([P, 3]) what `rays` rays through random pixels
-// meet. Along each ray that depth is taken at which neighbouring images show most nearly the
-// same 3x3 pixels; rays on which no depth stands out, and pixels with an alpha below one half, give
-// no point. Depths go from a fifth of the distance between a camera and what all look at to
-// infinity, evenly in their inverse. The bits do not depend on the number of threads.
+// Finds initial points by a space sweep, for a scene that has none: points where its images agree.
+// Source: Collins 1996, *A space-sweep approach to true multi-image matching*, applied per pixel.
+//
+// Casts `rays` rays through random pixels and appends the points found to `points` ([P, 3], world)
+// and `colors` ([P, 3]). Along each ray, the depth is chosen at which neighbouring images show the
+// most similar 3x3 pixels; rays on which no depth stands out, and pixels with alpha below one half,
+// yield no point. Depths range from a fifth of the distance between a camera and the common focus
+// point to infinity, evenly spaced in inverse depth. Results are bit-identical for any thread
+// count.
 void SweepPoints(const std::vector<TrainFrame>& frames,
                  size_t rays,
                  Rng& rng,

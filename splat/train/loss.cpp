@@ -12,8 +12,8 @@
 namespace cosplat {
 namespace {
 
-// Fixed, so that sums do not depend on the number of threads. A band works on up to ten rows of
-// either neighbour, so much lower ones cost more; at 1080 rows there are 27 jobs for the cores.
+// Fixed, so that sums do not depend on the number of threads. A band also processes up to ten rows
+// of each neighbour, so much smaller bands would cost more; an image of 1080 rows makes 27 jobs.
 constexpr int kBandRows = 120;
 constexpr int kRowsTogether = math::kSsimRadius;  // a group of splat/train/cpu/ssim_window.h
 
@@ -27,7 +27,7 @@ Bands BandsOf(int height) {
   return {(height + rows - 1) / rows, rows};
 }
 
-// Rendering and target of each channel, for all rows.
+// Rendered and target image of each channel, for all rows.
 using Channels = std::array<SsimBand, 3>;
 
 size_t PixelsOf(const TargetView& target) { return size_t(target.width) * target.height; }

@@ -1,7 +1,7 @@
 // Photometric loss between a rendered image and its target, with its gradient.
 //   value = l1 * mean|x - y| + dssim * (1 - SSIM(x, y)) + mse * mean (x - y)^2
 // 3DGS: 0.8, 0.2, 0 (Kerbl et al. 2023, eq. 7). SplattingAvatar: 1, 0, 10.
-// Targets stay bytes: they are put over the background row by row, where the loss reads them.
+// Target images stay bytes; the loss composites them over the background as it reads them, by rows.
 #pragma once
 
 #include <array>
@@ -24,12 +24,13 @@ struct TargetView {
   const uint8_t* bytes = nullptr;  // [height, width, channels]
 };
 
-// Where the images are: its windows are written for each back end.
+// The loss of a training step, in the memory where the images are; each back end implements the
+// SSIM window.
 class StepLoss {
  public:
   virtual ~StepLoss() = default;
-  // rendered: [3, height, width]. target: that size; grey, RGB or straight-alpha RGBA, which is put
-  // over the background. Writes d_rendered, like rendered, and the loss to value().
+  // rendered: [3, height, width]. target: same size; grey, RGB or straight-alpha RGBA, composited
+  // over the background. Writes d_rendered, shaped like rendered, and the loss to value().
   virtual void Evaluate(const LossWeights& weights,
                         View<const float> rendered,
                         const TargetView& target,
@@ -49,7 +50,7 @@ class PhotometricLoss : public StepLoss {
                 Buffer<float>& d_rendered,
                 Stream& stream) override;
   const double* value() const override { return &value_; }
-  // Of an image, at once.
+  // The same for a target image in host memory; returns the loss.
   double Evaluate(const LossWeights& weights,
                   View<const float> rendered,
                   const Image8& target,
@@ -66,12 +67,12 @@ double MeanSsim(View<const float> rendered,
                 const Image8& target,
                 const std::array<float, 3>& background);
 
-// The target over the background -> planar [3, height, width] in [0, 1].
+// Composites the target over the background -> planar [3, height, width] in [0, 1].
 void CompositeTarget(const Image8& image,
                      const std::array<float, 3>& background,
                      Buffer<float>& planar);
 
-// 10 log10(1 / mean squared difference); 100 for equal images. Same shapes.
+// 10 log10(1 / mean squared difference); 100 for equal images. a and b must have the same shape.
 double Psnr(View<const float> a, View<const float> b);
 
 }  // namespace cosplat

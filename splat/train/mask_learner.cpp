@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr double kMaskEps = 1e-15;  // of its Adam
+constexpr double kMaskEps = 1e-15;  // of the mask's Adam
 
 }  // namespace
 

@@ -1,8 +1,8 @@
-// Learns the mask of a rule of pruning in every step (splat/prune/learned_mask.h), on the host or
-// on a device.
+// Learns a pruning rule's mask in every step (splat/prune/learned_mask.h), on the host or a device.
 //
-// BeforeDraw: what is drawn is not the Gaussians' own opacities -> ... -> AfterBackward: gradients
-// by the mask and, through it, by the opacities; one step of the mask's Adam.
+// BeforeDraw: replaces the Gaussians' opacities by masked ones for rendering -> ... ->
+// AfterBackward: gradients with respect to the mask and, through it, to the opacities; one step of
+// the mask's Adam.
 #pragma once
 
 #include "splat/base/rng.h"
@@ -16,34 +16,34 @@ class MaskLearner {
  public:
   // Takes over a rule's mask, or none.
   void Upload(const MaskInSteps& mask, Stream& stream);
-  // Brings what was learned back to where it came from. The host waits.
+  // Copies what was learned back to the rule's mask. The host waits.
   void Download(Stream& stream);
   bool learns() const { return mask_.learned != nullptr; }
-  // Random numbers that a step takes of the run's.
+  // Number of random numbers that a step takes from the run's generator.
   uint64_t DrawsOf(size_t gaussians) const;
 
-  // Sets what `world` is drawn with. rng: the run's, before those draws.
+  // Sets the opacities that `world` is rendered with. rng: the run's generator before those draws.
   void BeforeDraw(const Gaussians& gaussians, Rng rng, WorldGaussians& world, Stream& stream);
-  // Learns nothing where *overflowed is not 0, but counts the step.
+  // If *overflowed is not 0, learns nothing but still counts the step.
   void AfterBackward(const Gaussians& gaussians,
                      View<const float> radii,
                      const uint32_t* overflowed,
                      Gaussians& gradients,
                      Stream& stream);
-  // So many steps were in vain.
+  // Takes back the count of steps that had no effect.
   void TakeBack(int64_t steps) { step_ -= steps; }
-  // [1] what it adds to the loss, in the stream's memory.
+  // [1] the mask's term of the loss, in the stream's memory.
   const double* value() const { return value_.data(); }
 
-  // New ones have their parent's number and no momentum.
+  // New Gaussians inherit their parent's mask value and have no momentum.
   void Gather(View<const uint32_t> source, size_t first_fresh, Stream& stream);
   size_t held() const;  // bytes
 
  private:
-  MaskInSteps mask_;  // where it came from
+  MaskInSteps mask_;  // the rule's mask
   int64_t step_ = 0;
   Buffer<float> mu_, m_, v_, importance_;  // [N]
-  Buffer<float> shown_, opacity_logit_;    // [N] of this step: of the loss; as drawn
+  Buffer<float> shown_, opacity_logit_;    // [N] this step: masks in the loss; rendered opacities
   Buffer<float> spare_;
   Buffer<double> sums_, value_;
 };

@@ -1,6 +1,7 @@
-// Order along a Morton (Z-order) curve: points near each other in space come near each other in
-// memory. Density control keeps the Gaussians in it, so that what a view does not see is left out
-// in long runs and what a tile draws lies together. Source: Morton 1966; 21 bits per axis.
+// Sorting along a Morton (Z-order) curve: points that are close in space end up close in memory.
+// Density control keeps the Gaussians in this order, so that Gaussians invisible in a view form
+// long runs that are skipped and the Gaussians of a tile lie together. Source: Morton 1966; 21 bits
+// per axis.
 #pragma once
 
 #include <array>
@@ -13,8 +14,8 @@ namespace cosplat {
 
 class MortonSort {
  public:
-  // Indices of the points ([n, 3], in the stream's memory) in that order within their bounding box;
-  // equal codes by index. Points that are not finite come last. Until the next call.
+  // Indices of the points ([n, 3], in the stream's memory), sorted by Morton code within their
+  // bounding box, ties by index. Non-finite points come last. Valid until the next call.
   View<const uint32_t> Order(View<const float> points, Stream& stream);
   size_t held() const { return order_.held() + HeldBy(codes_, boxes_); }  // bytes
 

@@ -46,7 +46,7 @@ void Update(const AdamSettings& settings,
   ForEachRow(most, stream, kernel);
 }
 
-// Appends group g, which is `behind` steps late, to the last run or to a new one.
+// Appends group g, which is `behind` steps behind, to the last run or to a new one.
 void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
   const uint32_t begin = uint32_t(g * kGaussianGroup);
   const uint32_t end = uint32_t(std::min((g + 1) * kGaussianGroup, count));
@@ -59,7 +59,7 @@ void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
 }  // namespace
 
 void RunOnHost(size_t, const UpdateNumbers& kernel) {
-  thread_local std::vector<AdamRun> runs;  // keeps its memory
+  thread_local std::vector<AdamRun> runs;  // reuses its memory
   runs.clear();
   const size_t count = kernel.attributes[kOpacityLogit].numbers;
   const bool catches_up = !kernel.attributes[kOpacityLogit].gradient;
@@ -73,8 +73,8 @@ void RunOnHost(size_t, const UpdateNumbers& kernel) {
     for (const AdamArray& array : kernel.attributes)
       if (array.numbers != 0) bad += uint32_t(AdamRuns(array, all + task.begin(), task.size()));
   };
-  // Isolated: a thread that waits here must not take up another trainer's step, whose runs would
-  // overwrite these.
+  // Isolated: a thread that waits here must not pick up another trainer's step, which would
+  // overwrite its runs.
   tbb::this_task_arena::isolate(
       [&] { tbb::parallel_for(tbb::blocked_range<size_t>(0, runs.size(), kRunsPerTask), update); });
   *kernel.ignored += bad;

@@ -8,23 +8,24 @@
 
 namespace cosplat {
 
-// Its sides divided by `downscale`: means of blocks, weighted by alpha where there is one. What is
-// left over at the right and the bottom is cut off, so that the camera is exact.
+// Divides the sides of a frame by `downscale`: averages blocks of pixels, weighted by alpha if
+// present. Leftover pixels at the right and the bottom are cropped, so that the camera is exact.
 TrainFrame Reduced(const TrainFrame& frame, int downscale);
 
-// Those of a subject, which must outlive it. Keeps the ones of the last downscale asked for.
+// The reduced frames of a subject, which must outlive this object. Keeps those of the last
+// downscale requested.
 class ReducedFrames {
  public:
   explicit ReducedFrames(const Subject& subject) : subject_(subject) {}
 
-  // Frame i; the subject's own where downscale is 1. Borrowed until another downscale is asked for.
+  // Frame i; the subject's own if downscale is 1. Valid until another downscale is requested.
   const TrainFrame& At(size_t i, int downscale);
   size_t held() const { return held_; }  // bytes
 
  private:
   const Subject& subject_;
   int downscale_ = 1;
-  std::vector<TrainFrame> reduced_;  // [frames] empty images: not yet
+  std::vector<TrainFrame> reduced_;  // [frames] empty image: not computed yet
   size_t held_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Static scenes in the training loop of splat/train/trainer.h.
+// Static scenes for the training loop of splat/train/trainer.h.
 #pragma once
 
 #include <utility>
@@ -10,16 +10,16 @@
 
 namespace cosplat {
 
-// All that the training of a static scene begins with.
+// Everything that the training of a static scene starts from.
 struct TrainingScene {
   std::vector<TrainFrame> train, test;
   std::vector<float> points;           // [P, 3] world units; empty where the data has none
   std::vector<uint8_t> point_colors;   // [P, 3] RGB
-  float extent = 1;                    // as SceneData's
+  float extent = 1;                    // as in SceneData
   bool white_background_hint = false;  // likewise
 };
 
-// A static scene: the Gaussians are where they are.
+// A static scene: the Gaussians already are in the world frame.
 class SceneSubject : public Subject {
  public:
   SceneSubject(std::vector<TrainFrame> frames, float extent)
@@ -32,7 +32,7 @@ class SceneSubject : public Subject {
                                    Buffer<float>& screen,
                                    Stream& stream) override {
     WorldGradients view = GradientViewOf(gradients, screen, stream);
-    view.drawn_groups_only = true;  // nothing but Adam reads them
+    view.drawn_groups_only = true;  // only Adam reads them
     return view;
   }
 
@@ -41,13 +41,13 @@ class SceneSubject : public Subject {
   float extent_;
 };
 
-// Loads every view's image, in parallel. Views whose image cannot be used go from `views` to
+// Loads every view's image, in parallel. Views with an unusable image move from `views` to
 // `skipped`.
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
                                         std::vector<SkippedFrame>& skipped);
 
-// The same for both sets of a scene, with what else training needs. Throws Error where too many
-// views cannot be used (splat/base/skipped.h).
+// The same for the training and the test views of a scene, with everything else that training
+// needs. Throws Error if too many views cannot be used (splat/base/skipped.h).
 TrainingScene LoadTrainingScene(SceneData& scene);
 
 }  // namespace cosplat

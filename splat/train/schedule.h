@@ -1,5 +1,5 @@
-// When things happen in a training run: fractions of its length, so that a short run does in
-// proportion what 3DGS does in 30,000 iterations; or 3DGS's absolute steps (`--preset 3dgs`).
+// When things happen in a training run: at fractions of its length, so that a short run is a scaled
+// version of 3DGS's 30,000 iterations; or at 3DGS's absolute steps (`--preset 3dgs`).
 #pragma once
 
 #include <algorithm>
@@ -15,23 +15,23 @@ struct Schedule {
   int densify_until = 15000;
   int densify_every = 100;
   int opacity_reset_every = 3000;
-  float opacity_reset_share = 1;  // of densify_until: none from there on
-  int degree_every = 1000;        // one more band each time
-  int size_prune_after = 3000;    // giants are removed from here on
+  float opacity_reset_share = 1;  // share of densify_until after which there are none
+  int degree_every = 1000;        // steps until one more band is trained
+  int size_prune_after = 3000;    // oversized Gaussians are removed from here on
   int position_rate_steps = 30000;
   bool reset_opacity_at_start = false;  // also at densify_from (3DGS on a white background)
-  // The sides of the first images are divided by two to the power of num_downscales, and double
-  // every so many steps. 3DGS has nothing of the kind.
+  // Image sides are divided by 2^num_downscales at first, and double every downscale_every steps.
+  // Not part of 3DGS.
   int num_downscales = 0;
   int downscale_every = 3000;
-  // Rates other than positions' fall log-linearly to this share of theirs, from that part of
-  // position_rate_steps on. In 3DGS they stay.
+  // Learning rates other than that of positions decay log-linearly to last_rate_share of their
+  // value, from the fraction rates_fall_from of position_rate_steps on. In 3DGS they are constant.
   float last_rate_share = 1;
   float rates_fall_from = 0.8f;
 
-  // 3DGS's steps scaled by iterations / 30,000. Two of them have a least value: screen gradients
-  // averaged over a few steps are noise, and an opacity reset takes a few hundred steps to recover
-  // from (measured in docs/decisions.md).
+  // 3DGS's steps scaled by iterations / 30,000. Two of them have a minimum: screen gradients
+  // averaged over few steps are noise, and recovering from an opacity reset takes a few hundred
+  // steps (measured in docs/decisions.md).
   static Schedule Fractions(int iterations) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {
@@ -61,21 +61,21 @@ struct Schedule {
   int DegreeAt(int iteration, int highest) const {
     return std::min(highest, iteration / degree_every);
   }
-  // What the sides of an image are divided by in this step, the first of which is 1.
+  // Factor that the sides of an image are divided by in this step; steps count from 1.
   int DownscaleAt(int iteration) const {
     return 1 << std::max(0, num_downscales - (iteration - 1) / downscale_every);
   }
-  // Rounds of densification after `iteration`, this one not counted.
+  // Rounds of densification after `iteration`, excluding it.
   int DensificationsAfter(int iteration) const {
     return std::max(0, (densify_until - 1) / densify_every - iteration / densify_every);
   }
-  // The last rate of positions in a run that keeps proportions: 3DGS's hundredth of the first is
-  // for 30,000 steps. The way that a Gaussian can still go is rate times steps, so the share grows
-  // as a run gets shorter (measured in docs/decisions.md).
+  // The final position learning rate of a scaled run. 3DGS's final rate, a hundredth of the first,
+  // is meant for 30,000 steps. The distance that a Gaussian can still move is learning rate times
+  // steps, so the share grows as a run gets shorter (measured in docs/decisions.md).
   static float LastPositionRate(float first, int iterations) {
     return first * std::clamp(300.0f / float(iterations), 0.01f, 1.0f);
   }
-  // What the rates other than positions' are multiplied with.
+  // Factor on the learning rates other than that of positions.
   float RateShare(int iteration) const {
     const float t =
         (float(iteration) / position_rate_steps - rates_fall_from) / (1 - rates_fall_from);
@@ -83,7 +83,7 @@ struct Schedule {
   }
   // Log-linear from `first` to `last` (Plenoxels, 3DGS).
   float PositionRate(int iteration, float first, float last) const {
-    if (first <= 0 || last <= 0) return std::max(first, 0.0f);  // no logarithm: the first one stays
+    if (first <= 0 || last <= 0) return std::max(first, 0.0f);  // no logarithm: keeps the first one
     const float t = std::clamp(float(iteration) / position_rate_steps, 0.0f, 1.0f);
     return std::exp((1 - t) * std::log(first) + t * std::log(last));
   }

@@ -10,11 +10,11 @@
 namespace cosplat {
 namespace {
 
-constexpr double kTargetShare = 0.25;            // of the memory that is free at first
-constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // Buffer
+constexpr double kTargetShare = 0.25;            // of the initially free memory
+constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // growth of a Buffer
 
-// Beside parameters, gradients and moments: three statistics and one in turn, the regulariser's
-// moves, the screen's gradient, and density control.
+// Bytes per Gaussian besides parameters, gradients and moments: three statistics and their swap
+// memory, the regulariser's moves, the screen gradient, and density control.
 constexpr double kBesideParameters = 5 * sizeof(float) + 2 * sizeof(float) + 4 * sizeof(uint64_t) +
                                      6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 3 * sizeof(float);
 
@@ -74,17 +74,17 @@ StepEngine::StepEngine(const TrainSettings& settings,
   try {
     Store();
   } catch (const std::exception&) {
-    subject_.WorkIn(HostStream());  // this stream goes
+    subject_.WorkIn(HostStream());  // this engine's stream is about to be destroyed
     throw;
   }
 }
 
 StepEngine::~StepEngine() {
   try {
-    stream_.Wait();  // for what is in flight, which uses what goes now
+    stream_.Wait();  // steps in flight use what is destroyed now
     subject_.WorkIn(HostStream());
   } catch (const std::exception&) {
-    // What went wrong has been said by whoever waited first.
+    // The error was reported by the call that waited first.
   }
 }
 
@@ -101,8 +101,8 @@ Population StepEngine::Everyone() {
           mask_.learns() ? &mask_ : nullptr};
 }
 
-// On the host, what is sized for the Gaussians: while they are copied it need not be there, and
-// afterwards it is made anew for as many as there then are.
+// On the host, releases what is sized by the number of Gaussians: it is not needed while they are
+// copied and is allocated again afterwards, for the new number.
 void StepEngine::ReleaseScratch() {
   if (!on_host()) return;
   gradients_ = {};
@@ -130,8 +130,8 @@ void StepEngine::Store() {
   overflowed_.Refill(1, stream_);
   overflowed_.FillWithZeros(stream_);
   StoreMask();
-  stream_.Wait();  // for the state's memory
-  in_flight_ = 0;  // steps of another state
+  stream_.Wait();  // the copies read the state's memory
+  in_flight_ = 0;  // those steps belong to another state
   fetched_ = true;
 }
 
@@ -214,7 +214,7 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
 }
 
 void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
-  StoreMask();  // ranking may have begun or ended it
+  StoreMask();  // ranking may have started or ended mask learning
   density_.Prune(round, group_cap, group_floor, Everyone());
   fetched_ = false;
 }
@@ -327,7 +327,7 @@ void StepEngine::Backward(Submitted& step) {
   // On the host nothing has changed yet.
   if (on_host()) CheckLoss(step.photometric.Last(), plan.iteration);
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_, stream_);
-  // Adam then reads those of others, too.
+  // Adam then also reads the gradients of other groups.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
     d_world.drawn_groups_only = false;
   device_.rasterizer->Backward(world_, image_, d_color_, *tape_, d_world);
@@ -335,7 +335,7 @@ void StepEngine::Backward(Submitted& step) {
     ScopedPhase phase(times_, Phase::kPose);
     subject_.PlaceBackward(now_->gaussians, gradients_);
   }
-  // Plasticity is of the photometric loss alone: before the regulariser adds to the gradient.
+  // Plasticity is that of the photometric loss alone: before the regulariser adds to the gradient.
   ScopedPhase phase(times_, Phase::kDensity);
   if (plan.gathers_statistics)
     now_->statistics.Accumulate(tape_->radii(),
@@ -429,7 +429,7 @@ double StepEngine::MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& cho
 }
 
 PhaseTimes StepEngine::Times() const {
-  if (!on_host()) return {};  // work that was submitted takes the host no time
+  if (!on_host()) return {};  // submitted work takes the host no time
   PhaseTimes times = times_;
   return times += device_.rasterizer->times;
 }

@@ -1,7 +1,9 @@
-// Does the work of a training step, on the host or on a device.
+// Executes training steps, on the host or on a device.
 //
-// Trainer says what happens when and with which numbers: frames, rates, degrees, rounds; the engine
-// does it: Subject::Place -> Rasterizer -> StepLoss -> back -> Subject::PlaceBackward -> Adam.
+// Trainer decides what happens when and with which parameters: frames, learning rates, degrees,
+// rounds. The engine executes it:
+//   Subject::Place -> Rasterizer -> StepLoss -> Rasterizer::Backward -> Subject::PlaceBackward
+//   -> Adam
 #pragma once
 
 #include <cstdint>
@@ -27,45 +29,46 @@
 
 namespace cosplat {
 
-// Everything that a run is at a moment, beside its subject's own state (AvatarTrainingState) and
-// what a rule of pruning learns: writing and reading it makes an exact checkpoint. Until the last
-// iteration, `adam` may have put off something for Gaussians that were not drawn lately.
+// The complete state of a run, except its subject's own state (AvatarTrainingState) and what a
+// pruning rule learns: writing and reading it makes an exact checkpoint. Until the last iteration,
+// updates that `adam` has deferred may be pending for Gaussians that were not visible lately.
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;
   DensityStatistics statistics;
   Rng rng;
   int iteration = 0;
-  std::vector<uint32_t> frames_left;  // of the current pass, in the order they will be popped
+  std::vector<uint32_t> frames_left;  // rest of the current pass; the next one is at the back
 };
 
 struct StepPlan {
   int iteration = 0;  // of this step, from 1
-  size_t frame = 0;   // of the subject
+  size_t frame = 0;   // index of the subject's frame
   RenderSettings render;
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
-  int downscale = 1;                // the sides of its image are divided by this
+  int downscale = 1;                // factor that the sides of its image are divided by
 };
 
-// Where steps are done: the pieces of a back end.
+// Where steps run: the components of a back end.
 struct StepDevice {
-  std::unique_ptr<Rasterizer> rasterizer;  // in whose stream everything is
+  std::unique_ptr<Rasterizer> rasterizer;  // its stream is used for everything
   std::unique_ptr<StepLoss> loss;
 };
 StepDevice HostStepDevice();
 
-// Draws, compares, goes back and updates, and adds and removes Gaussians.
+// Runs the forward pass, loss, backward pass and update, and adds and removes Gaussians.
 //
-// On the host every step is done when Step returns. To a device the host submits all of it and then
-// waits for the step before, whose loss and number of instances it reads, so that the device always
-// has something to do. The number of instances is predicted. Where there are more, the device sets
-// a flag: that step and the one after it, which was submitted already, change nothing, and the host
-// does both again, waiting for the numbers. So a run has the bits of one that always knew.
+// On the host, a step is complete when Step returns. With a device, the host submits a whole step
+// and then waits for the previous one, whose loss and number of instances it reads, so that the
+// device always has work to do. The number of instances is predicted. On overflow, the device sets
+// a flag: that step and the next one, which has already been submitted, change nothing, and the
+// host repeats both, waiting for the actual numbers. The result is therefore bit-identical to a run
+// that always knew them.
 class StepEngine : public FrameImages {
  public:
-  // Of a run whose state begins as given, in the host's memory; the first three must outlive it.
-  // Throws Error where the rule of pruning works in every step on the host and the device is none.
+  // Starts from `state`, in host memory; the first three arguments must outlive the engine. Throws
+  // Error if the pruning rule works in every step on the host and the steps run on a device.
   StepEngine(const TrainSettings& settings,
              Subject& subject,
              TrainingState& state,
@@ -73,17 +76,17 @@ class StepEngine : public FrameImages {
              const InstanceForecast& forecast = InstanceForecast());
   ~StepEngine() override;
 
-  // One step. Returns its loss or, where that would mean waiting for a device, the loss of the step
-  // before. Throws Error when one is not finite.
+  // Executes one step. Returns its loss or, if that would mean waiting for a device, the loss of
+  // the previous step. Throws Error if one is not finite.
   double Step(const StepPlan& plan);
-  // What the subject does to the Gaussians after a step and its density control.
+  // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
 
   size_t count() const { return now_->gaussians.size(); }
-  // As AdamCatchUpAll: before any of what follows.
+  // Same as AdamCatchUpAll; needed before any of what follows.
   void CatchUp(const AdamSettings& rates);
-  // As DensityControl's (splat/train/density.h). Fewer than the settings' limit where the device's
-  // memory would not hold them: TakeNotice.
+  // Same as those of DensityControl (splat/train/density.h). Stays below the settings' limit if the
+  // device's memory would not hold that many Gaussians; TakeNotice then reports it.
   void ControlDensity(const DensitySettings& settings, bool remove_oversized);
   void Prune(const PruneRound& round, int group_cap, int group_floor);
   void SortInSpace();
@@ -92,27 +95,27 @@ class StepEngine : public FrameImages {
 
   // Brings the state's Gaussians, moments and statistics up to date.
   void Fetch();
-  // Likewise, but for moments and coefficients of bands 1..: what pruning ranks by.
+  // Likewise, but only what pruning ranks by: no moments and no coefficients of bands >= 1.
   void FetchForRanking();
-  // Takes the state over after it was changed.
+  // Takes over the state after it was changed.
   void Store();
-  // Another rule of pruning, or none.
+  // Sets another pruner; null for none.
   void SetPruner(Pruner* pruner);
-  // The state's Gaussians with all that Adam has put off; the state stays as it is.
+  // A copy of the state's Gaussians with Adam's deferred updates applied; the state is unchanged.
   Gaussians CaughtUp(const AdamSettings& rates);
 
   std::vector<Contribution> Contributions(const FrameChoice& choice) override;
   double MeanPsnr(const FrameChoice& choice) override;
-  // The same of these, of the host's memory.
+  // The same for these Gaussians, which are in host memory.
   double MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice);
 
-  // What there is to tell whoever watches, once; mostly nothing.
+  // A message for the user, returned once; usually empty.
   std::string TakeNotice() { return std::exchange(notice_, {}); }
   PhaseTimes Times() const;
   std::vector<MemoryPart> Memory() const;
 
  private:
-  // A step that was submitted, and what it tells when it is done.
+  // A submitted step, and what it reports when it is done.
   struct Submitted {
     explicit Submitted(Stream& stream)
         : counts(stream),
@@ -121,7 +124,7 @@ class StepEngine : public FrameImages {
           of_needles(stream),
           done(stream.MakeMoment()) {}
     StepPlan plan;
-    Rng rng;              // before what the step draws of it
+    Rng rng;              // before the step's draws
     size_t capacity = 0;  // for instances
     bool masked = false;
     Readback<InstanceCounts> counts;
@@ -133,20 +136,20 @@ class StepEngine : public FrameImages {
   Population Everyone();
   void ReleaseScratch();
   void StoreMask();
-  // How many Gaussians fit, with what views draw of each at the most so far.
+  // How many Gaussians fit in memory, given the most instances per Gaussian so far.
   size_t MostThatFit() const;
-  // Gives the stream all of a step. waits: for the number of instances, and it is right for sure.
+  // Submits all of a step to the stream. waits: for the number of instances, ruling out overflow.
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
   void Backward(Submitted& step);
   void LearnMask(Submitted& step);
-  // Adds the gradient of ScaleRegularizer; returns what Adam works on.
+  // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates.
   View<const float> RegularizeScale(Submitted& step);
   void Update(Submitted& step);
-  // Waits for all that was submitted but the last `left` steps, and does again what was in vain.
-  // Throws where a loss is not finite.
+  // Waits for all submitted steps except the last `left`, and repeats those that overflowed. Throws
+  // Error if a loss is not finite.
   void Settle(size_t left);
-  // Submits again what is in flight, of which the oldest had too many instances.
+  // Resubmits the steps in flight after the oldest of them overflowed.
   void Repeat();
   double LossOf(const Submitted& step) const;
 
@@ -156,7 +159,7 @@ class StepEngine : public FrameImages {
   StepDevice device_;
   Stream& stream_;
   Pruner* pruner_ = nullptr;
-  // What is trained: the state itself on the host, or what a device has of it.
+  // What is trained: the state itself on the host, or its copy on a device.
   TrainingState on_device_;
   TrainingState* now_;
   Gaussians gradients_;
@@ -166,7 +169,7 @@ class StepEngine : public FrameImages {
   std::optional<Canvas> canvas_;
   TargetStore targets_;
   PhaseTimes times_;
-  // Scratch, kept between steps.
+  // Scratch, reused between steps.
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
   WorldGaussians world_;  // this step's
@@ -177,10 +180,10 @@ class StepEngine : public FrameImages {
   Buffer<Contribution> of_image_, contributions_;
   InstanceForecast forecast_;
   static constexpr size_t kInFlight = 2;
-  Submitted steps_[kInFlight];  // in turn
+  Submitted steps_[kInFlight];  // ring buffer
   size_t oldest_ = 0, in_flight_ = 0;
-  std::optional<double> last_loss_;  // of what has settled
-  // That there was capacity for, since the last density control.
+  std::optional<double> last_loss_;  // of the last completed step
+  // Most instances per Gaussian that there was capacity for since the last density control.
   double instances_per_gaussian_ = 0;
   bool fetched_ = true;  // the state is up to date
   bool told_of_memory_ = false;
@@ -193,13 +196,12 @@ std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
                                                Subject& subject,
                                                TrainingState& state);
 
-// Throws Error naming the iteration.
+// Throws Error, naming the iteration, if the loss is not finite.
 void CheckLoss(double loss, int iteration);
 
-// Where training is done: what `--device` and `--deterministic` choose (splat/render/device.h).
-
-// For Trainer, of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums in
-// a fixed order, so that the same run has the same bits, which on the CPU it always has.
+// Makes the engines that `--device` and `--deterministic` choose (splat/render/device.h), for a
+// Trainer of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums are computed
+// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU.
 StepEngineMaker StepEngineOn(Device device,
                              bool deterministic,
                              const InstanceForecast& forecast = InstanceForecast());

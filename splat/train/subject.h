@@ -1,4 +1,4 @@
-// What is trained: where its Gaussians are in each frame, and the frames. Static scenes:
+// What is trained: its frames, and where its Gaussians are in each of them. Static scenes:
 // splat/train/scene_subject.h; avatars: avatar/train/trainer.h.
 #pragma once
 
@@ -20,40 +20,41 @@ struct TrainFrame {
   Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
 };
 
-// What a subject is at a moment beside the Gaussians: a subject's own (AvatarTrainingState).
+// A subject's state besides the Gaussians; each subject defines its own (AvatarTrainingState).
 struct SubjectState {
   virtual ~SubjectState() = default;
 };
 
-// Gaussians, gradients and everything borrowed are in the memory of the stream that it works in.
+// Gaussians, gradients and all borrowed arrays are in the memory of the stream that it works in.
 class Subject : public Placement {
  public:
   virtual size_t frame_count() const = 0;
   virtual const TrainFrame& frame(size_t i) const = 0;
-  // World units per unit of position rate: the scene's extent, or 1.
+  // World units per unit of position learning rate: the scene's extent, or 1.
   virtual float extent() const = 0;
 
-  // Takes what it has of its own there: where the following calls work. At first, the host's.
-  // Throws Error where it is nothing for a device.
+  // Moves the subject's own data to the stream in which the following calls work; at first, the
+  // host's. Throws Error if the subject does not support a device.
   virtual void WorkIn(Stream& stream) { (void)stream; }
-  // The Gaussians in the world of frame i. Borrowed until the next call.
+  // The Gaussians in the world of frame i. Valid until the next call.
   virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
-  // Where, and of which, the rasteriser shall write its gradients for Place's result.
+  // Which gradients of Place's result the rasteriser has to write, and where.
   virtual WorldGradients WorldGradientsFor(Gaussians& gradients,
                                            Buffer<float>& screen,
                                            Stream& stream) = 0;
-  // Turns what was written there into gradients of `gaussians`, in place.
+  // Backward pass of Place: turns what was written there into gradients of `gaussians`, in place.
   virtual void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
     (void)gaussians;
     (void)gradients;
   }
-  // Whether PlaceBackward waits for its result and changes what is not the stream's: a step must
-  // then be right the first time.
+  // Whether PlaceBackward waits for its result and changes data outside the stream: such a step
+  // cannot be repeated, so it must not overflow.
   virtual bool WaitsInSteps() const { return false; }
-  // [N, 3] factors on the rate of kPosition's components, where they differ in unit; or empty.
+  // [N, 3] factors on the learning rate of kPosition's components, if they differ in unit; else
+  // empty.
   virtual View<const float> PositionRateScale() { return {}; }
-  // What it does to the Gaussians after the step's update, where it does anything: `iteration`
-  // counts from 1.
+  // Whether the subject changes the Gaussians after the step's update, and how. `iteration` counts
+  // from 1.
   virtual bool ActsAfter(int iteration) const {
     (void)iteration;
     return false;
@@ -64,11 +65,11 @@ class Subject : public Placement {
     (void)adam;
   }
 
-  // Its own state, to go back to (splat/train/budget.h); null for a subject that has none.
+  // Saves and restores the subject's own state (splat/train/budget.h); null if it has none.
   virtual std::shared_ptr<const SubjectState> SaveState() const { return nullptr; }
   virtual void RestoreState(const SubjectState& state) { (void)state; }
 
-  // What it holds in a device's memory, and what each Gaussian takes of that.
+  // What it holds in a device's memory, and bytes of that per Gaussian.
   virtual std::vector<MemoryPart> Memory() const { return {}; }
   virtual size_t BytesPerGaussian() const { return 0; }
 };

@@ -10,12 +10,13 @@
 namespace cosplat {
 namespace {
 
-constexpr int kSide = 200;        // px, at most the longer side of the images compared
+constexpr int kSide = 200;        // px, maximum of the longer side of the images compared
 constexpr int kDepths = 256;      // about a pixel apart at that size
-constexpr int kNeighbours = 8;    // images that each is compared with
-constexpr int kAgreeing = 4;      // of them count: the others may not see the point
-constexpr float kNearest = 0.2f;  // of the distance to what all look at
-// Of the mean over all depths: above it none stands out. Of [0, 255]: above it they do not agree.
+constexpr int kNeighbours = 8;    // number of images that each is compared with
+constexpr int kAgreeing = 4;      // of these, the most similar count: others may not see the point
+constexpr float kNearest = 0.2f;  // nearest depth, as a share of the distance to the focus point
+// A depth stands out if its difference is below this share of the mean over all depths; images
+// agree if it is at most kMaxDifference, in [0, 255].
 constexpr float kDistinct = 0.4f, kMaxDifference = 20;
 constexpr int kPatch = 1;  // px to either side
 constexpr uint64_t kDraws = 4;
@@ -23,9 +24,9 @@ constexpr uint64_t kDraws = 4;
 struct Photograph {
   Camera camera;
   Image color;                 // [0, 255]
-  std::vector<uint8_t> solid;  // per pixel
+  std::vector<uint8_t> solid;  // per pixel: alpha is at least one half
   std::vector<int> neighbours;
-  float distance = 1;  // to what all look at
+  float distance = 1;  // to the focus point
 };
 
 using Point = std::array<float, 3>;
@@ -36,11 +37,11 @@ float Distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-// Of the k-th pixel of a patch from its middle.
+// Offset of the k-th pixel of a patch from its middle.
 float OffsetX(size_t k) { return float(int(k) % (2 * kPatch + 1) - kPatch); }
 float OffsetY(size_t k) { return float(int(k) / (2 * kPatch + 1) - kPatch); }
 
-// Into the world, from a pixel and its depth.
+// World position of a pixel at a depth.
 Point Unproject(const Camera& c, float x, float y, float depth) {
   const float p[3] = {(x - c.cx) / c.fx * depth - c.translation[0],
                       (y - c.cy) / c.fy * depth - c.translation[1],
@@ -51,7 +52,8 @@ Point Unproject(const Camera& c, float x, float y, float depth) {
   return world;
 }
 
-// Whether the point lies in front of the camera and inside of its image, a pixel from the border.
+// Projects a point. Returns whether it lies in front of the camera and inside its image, at least a
+// pixel from the border.
 bool Project(const Camera& c, const Point& p, float& x, float& y) {
   float q[3];
   for (int i = 0; i < 3; ++i)
@@ -63,7 +65,7 @@ bool Project(const Camera& c, const Point& p, float& x, float& y) {
   return x > 1 && y > 1 && x < float(c.width) - 1 && y < float(c.height) - 1;
 }
 
-// Over mid-grey where there is alpha.
+// Composites over mid-grey if there is alpha.
 void CompositeOnGrey(const Image8& image, Photograph& photograph) {
   photograph.color = Image(image.width, image.height, 3);
   for (size_t i = 0; i < image.pixels(); ++i) {
@@ -76,7 +78,7 @@ void CompositeOnGrey(const Image8& image, Photograph& photograph) {
   }
 }
 
-// Between pixel centres.
+// Interpolates bilinearly between pixel centres.
 Color ColorAt(const Image& image, float x, float y) {
   x = std::clamp(x - 0.5f, 0.0f, float(image.width) - 1.001f);
   y = std::clamp(y - 0.5f, 0.0f, float(image.height) - 1.001f);
@@ -103,7 +105,7 @@ std::vector<Photograph> SmallPhotographs(const std::vector<TrainFrame>& frames) 
     small[i].camera = reduced.camera;
     CompositeOnGrey(reduced.target, small[i]);
     small[i].distance = std::max(Distance(camera.Center(), focus), 1e-6f);
-    // The nearest ones that stand elsewhere.
+    // The nearest cameras that are not in nearly the same place.
     std::vector<std::pair<float, int>> others;
     for (size_t k = 0; k < cameras.size(); ++k) {
       const float apart = Distance(camera.Center(), cameras[k].Center());
@@ -116,8 +118,8 @@ std::vector<Photograph> SmallPhotographs(const std::vector<TrainFrame>& frames) 
   return small;
 }
 
-// Mean difference of the patch about (x, y), seen at this depth, to those neighbours that agree
-// most; negative where too few see it.
+// Mean difference between the patch around (x, y), placed at this depth, and the neighbours that
+// agree best; negative if too few see it.
 float DifferenceAt(const std::vector<Photograph>& photographs,
                    const Photograph& from,
                    const Patch& patch,

@@ -1,4 +1,4 @@
-// The target images that are trained on, as bytes in a stream's memory.
+// Target images of training, as bytes in a stream's memory.
 #pragma once
 
 #include <vector>
@@ -10,17 +10,17 @@ namespace cosplat {
 
 class TargetStore {
  public:
-  // A device keeps up to `most_bytes` of them, each from its first use on; what is beyond that is
-  // sent again with each step.
+  // On a device, up to `most_bytes` of images are kept, each from its first use on; images beyond
+  // that are sent again with each step.
   TargetStore(const Subject& subject, size_t most_bytes)
       : frames_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
 
-  // downscale: as ReducedFrames::At's. Those of one are there at a time.
+  // downscale: as in ReducedFrames::At. Only the images of one downscale are kept at a time.
   const Camera& CameraOf(size_t frame, int downscale) {
     return frames_.At(frame, downscale).camera;
   }
   TargetView Of(size_t frame, int downscale, Stream& stream);
-  // Bytes, of all and of smaller ones on the host.
+  // Bytes, of the images on a device and of the reduced images on the host.
   size_t held() const { return held_ + HeldBy(passing_); }
   size_t HeldForReduced() const { return frames_.held(); }
 
@@ -28,7 +28,7 @@ class TargetStore {
   ReducedFrames frames_;
   int downscale_ = 1;
   size_t most_bytes_, held_ = 0;
-  std::vector<Buffer<uint8_t>> kept_;  // [frames] empty: not there
+  std::vector<Buffer<uint8_t>> kept_;  // [frames] empty: not kept
   Buffer<uint8_t> passing_;
 };
 

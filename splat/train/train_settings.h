@@ -1,4 +1,4 @@
-// What a training run is told: splat/train/trainer.h.
+// Settings of a training run (splat/train/trainer.h).
 #pragma once
 
 #include <array>
@@ -11,19 +11,19 @@
 
 namespace cosplat {
 
-// Which Gaussians a step's Adam works on: every one, as in 3DGS, or groups of which one has a
-// gradient, while what momentum does to the others is put off until they have one again
-// (splat/train/optimizer.h, docs/performance.md).
+// Which Gaussians Adam updates in a step: all, as in 3DGS, or only groups in which one has a
+// gradient, while momentum updates of the others are deferred until they have one again (lazy Adam;
+// splat/train/optimizer.h, docs/performance.md).
 enum class AdamOn { kAll, kDrawn };
 
 enum class Background { kBlack, kWhite, kRandom };
 
-// Rates of 3DGS (Kerbl et al. 2023, released code) unless said otherwise.
+// Learning rates of 3DGS (Kerbl et al. 2023, released code) unless stated otherwise.
 struct LearningRates {
   float position_lr_init = 1.6e-4f;  // times the subject's extent
   float position_lr_final = 1.6e-6f;
   float color = 2.5e-3f;
-  float rest = 0;  // of the coefficients of bands 1..; 0: color / 20 (3DGS)
+  float rest = 0;  // of the coefficients of bands >= 1; 0: color / 20 (3DGS)
   float opacity = 0.05f;
   float scale = 5e-3f;
   float rotation = 1e-3f;
@@ -31,8 +31,9 @@ struct LearningRates {
   float RestRate() const { return rest > 0 ? rest : color / 20; }
 };
 
-// Keeps needles and giants in check: mean of the largest standard deviation over those Gaussians
-// that are both larger than `limit` and more than `ratio` times longer than wide (SplattingAvatar).
+// Penalises large needle-like (high-anisotropy) Gaussians: mean of the largest standard deviation
+// over those Gaussians that are both larger than `limit` and more than `ratio` times longer than
+// wide (SplattingAvatar).
 struct ScaleRegularizer {
   float weight = 0;
   float limit = 0.008f;  // scene units
@@ -42,7 +43,7 @@ struct ScaleRegularizer {
 struct TrainSettings {
   int iterations = 30000;
   int degree = 3;        // highest band trained
-  int first_degree = 0;  // bands active from step 0; one more per Schedule::degree_every
+  int first_degree = 0;  // highest band at step 0; one more per Schedule::degree_every
   uint64_t seed = 0;
   Background background = Background::kBlack;
   LossWeights loss;
@@ -52,7 +53,7 @@ struct TrainSettings {
   Schedule schedule;
   DensitySettings density;
   PruneSettings prune;
-  float drop_bands = 0;  // threshold of DropBandsInTraining (splat/train/bands.h); 0: all stay
+  float drop_bands = 0;  // threshold of DropBandsInTraining (splat/train/bands.h); 0: keep all
   AdamOn adam_on = AdamOn::kDrawn;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };

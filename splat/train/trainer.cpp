@@ -96,7 +96,7 @@ std::array<float, 3> Trainer::MeanBackground() const {
   return {grey, grey, grey};
 }
 
-// Not before all bands are trained: those that are not yet are still zero.
+// Not before all bands are trained: bands that are not are still zero.
 bool Trainer::DropsBandsAt(int iteration) const {
   return settings_.drop_bands > 0 && active_degree() == settings_.degree &&
          BandSchedule::DropsAt(iteration, settings_.iterations);
@@ -131,7 +131,7 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
 
 double Trainer::PsnrOf(View<const uint32_t> frames) {
   const FrameChoice choice{frames, active_degree(), MeanBackground(), frames.size()};
-  // At the end of a run nothing is put off: the Gaussians may be drawn where they are.
+  // At the end of a run no updates are deferred: the Gaussians may be rendered in place.
   if (state_.iteration == settings_.iterations) return engine_->MeanPsnr(choice);
   return engine_->MeanPsnrOf(CaughtUp(), choice);
 }
@@ -152,7 +152,8 @@ void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) 
   engine_->Store();
 }
 
-// What the rule ranks lowest, and what the cap of groups takes.
+// The ranking for this step: the pruning rule's in its rounds, otherwise by plasticity for the cap
+// per group alone.
 PruneRound Trainer::Rank(int iteration) {
   engine_->FetchForRanking();
   const DensityStatistics& statistics = state_.statistics;
@@ -209,8 +210,8 @@ void Trainer::ControlDensityAt(int iteration) {
   if (drops) DropBands();
 }
 
-// The same for all frames: an engine keeps the images of one downscale. None gets smaller than
-// what a loss with windows can judge.
+// The same for all frames, since an engine keeps the images of a single downscale. No image becomes
+// too small for a windowed loss.
 int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);
   while (downscale > 1 && least_side_ < kMinReducedSide * downscale) downscale /= 2;

@@ -1,9 +1,10 @@
-// The training loop: one for static scenes and avatars alike.
+// The training loop, shared by static scenes and avatars.
 //
-// frame -> Subject::Place -> Rasterizer -> loss -> back -> Subject::PlaceBackward -> Adam, and
-// every so often density control. What a frame is, where the Gaussians are in it and what comes of
-// their gradients is the Subject's business: SceneSubject, avatar/train/trainer.h for avatars.
-// Where the work is done is the StepEngine's: here is when, in which order and with which numbers.
+// frame -> Subject::Place -> Rasterizer -> loss -> Rasterizer::Backward -> Subject::PlaceBackward
+// -> Adam, with density control at intervals. The Subject (SceneSubject, or avatar/train/trainer.h
+// for avatars) defines the frames, where the Gaussians are in them and what becomes of their
+// gradients. The StepEngine determines where the work is done; Trainer determines when, in which
+// order and with which parameters.
 #pragma once
 
 #include <array>
@@ -22,24 +23,24 @@ namespace cosplat {
 
 struct StepReport {
   int iteration = 0;
-  double loss = 0;  // on a device, of the step before
+  double loss = 0;  // on a device, of the previous step
   size_t gaussians = 0;
-  std::string notice;  // to tell whoever watches, in a line; mostly nothing
+  std::string notice;  // a line for the user; usually empty
 };
 
-// What a run cost: stats.json.
+// Cost of a run, as written to stats.json.
 struct TrainingStatistics {
   int iterations = 0;
-  size_t steps = 0;        // more than iterations where the run went back, as for a budget
+  size_t steps = 0;        // more than iterations if the run was restored, as for a budget
   double seconds = 0;      // in the training loop: no loading, no evaluation
-  double cpu_seconds = 0;  // processor time of all threads, likewise
+  double cpu_seconds = 0;  // CPU time of all threads, likewise
   size_t gaussians = 0;
   double ms_per_step = 0;  // median of the last 200 steps
   PhaseTimes times;
   size_t ignored_gradients = 0;  // non-finite ones
   DegreeCounts degrees{};
   DegreeFigures bands;
-  double drop_psnr = 0;  // dB, changes of training PSNR by dropping bands, all rounds together
+  double drop_psnr = 0;  // dB, change of training PSNR from dropping bands, sum of all rounds
 };
 
 class Trainer {
@@ -51,24 +52,24 @@ class Trainer {
   Trainer(const Trainer&) = delete;
   Trainer& operator=(const Trainer&) = delete;
 
-  // One iteration. Throws Error when the loss is not finite, the frame's image is not of its
+  // One iteration. Throws Error if the loss is not finite, the frame's image does not have its
   // camera's size or every Gaussian was pruned.
   StepReport Step();
 
-  // Brings everything here from where it is trained: iteration() and count() do not.
+  // Fetches everything from where it is trained; iteration() and count() do not.
   const TrainingState& state() const;
   int iteration() const { return state_.iteration; }
   size_t count() const { return engine_->count(); }
-  // Takes these frames out of what is trained on (an empty list gives all back), and begins a new
-  // pass: evidence for choices made during the run (splat/train/budget.h).
+  // Excludes these frames from training (an empty list restores all) and begins a new pass. Used to
+  // make choices during the run (splat/train/budget.h).
   void HoldOut(std::vector<uint32_t> frames);
-  // Mean PSNR of these frames as they stand, over the background of training (mid-grey where that
-  // is random), images clamped to what bytes can show.
+  // Mean PSNR of these frames with the current Gaussians, over the background of training (mid-grey
+  // if that is random), with images clamped to [0, 1].
   double PsnrOf(View<const uint32_t> frames);
-  // The first step that the rule of pruning has a round after; 0 when there is none.
+  // The first step that is followed by a round of pruning; 0 if there is none.
   int FirstPruneStep() const;
-  // A point to go back to, and back. The rule of pruning starts anew with another target: it must
-  // be one that keeps nothing between rounds. Times go on: what was tried was paid for.
+  // A state of the run to return to. Restore restarts the pruning rule with another target, so the
+  // rule must keep no state between rounds. Timings are not restored: trials count as time spent.
   struct Checkpoint {
     TrainingState state;
     std::shared_ptr<const SubjectState> subject;
@@ -76,14 +77,14 @@ class Trainer {
   };
   Checkpoint Save() const;
   void Restore(const Checkpoint& checkpoint, const PruneSettings& prune);
-  // The Gaussians with all that Adam has put off: what to save or judge in the middle of a run. A
-  // copy, since making up for it in place would change the run's bits.
+  // The Gaussians with Adam's deferred updates applied, to save or evaluate in the middle of a run.
+  // A copy, since catching up in place would change the results of the run.
   Gaussians CaughtUp() const;
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
   size_t frame_count() const { return subject_.frame_count(); }
   TrainingStatistics statistics() const;
-  // Everything held between two steps, except what the subject holds.
+  // Everything held between two steps, except the subject's data in host memory.
   std::vector<MemoryPart> Memory() const;
 
  private:
@@ -105,13 +106,13 @@ class Trainer {
   Subject& subject_;
   TrainingState state_;
   std::unique_ptr<Pruner> pruner_;  // null: no rule
-  std::vector<uint32_t> frames_;    // that are trained on
+  std::vector<uint32_t> frames_;    // frames that are trained on
   int least_side_ = 0;              // px, of all frames
   std::unique_ptr<StepEngine> engine_;
   // Measurements.
-  PhaseTimes times_;  // beside the engine's
+  PhaseTimes times_;  // besides the engine's
   double seconds_ = 0, cpu_seconds_ = 0;
-  std::array<double, 200> last_seconds_{};  // of steps, written in turn
+  std::array<double, 200> last_seconds_{};  // of steps, a ring buffer
   size_t steps_ = 0;
   double drop_psnr_ = 0;
 };

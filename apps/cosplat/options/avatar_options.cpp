@@ -7,8 +7,8 @@
 namespace cosplat {
 namespace {
 
-// SplattingAvatar's own values, of the paper and of its released code alike, by the names of our
-// options. The rates are those of its 30,000 steps and stay what they are in shorter runs.
+// SplattingAvatar's values, which agree in the paper and its released code, by the names of our
+// options. The learning rates are for 30,000 steps and are not adjusted in shorter runs.
 const std::vector<std::pair<std::string, std::string>>& SplattingAvatarValues() {
   static const std::vector<std::pair<std::string, std::string>> values{
       {"--gaussians", "10000"},
@@ -30,7 +30,7 @@ const std::vector<std::pair<std::string, std::string>>& SplattingAvatarValues() 
   return values;
 }
 
-// Of 30,000 steps.
+// For 30,000 steps.
 constexpr int kSplattingAvatarSteps = 30000;
 constexpr int kSplattingAvatarDensifyFrom = 600;
 constexpr int kSplattingAvatarDensifyUntil = 29000;
@@ -46,8 +46,8 @@ AvatarSystem SystemOf(const std::string& preset) {
 AvatarOptions::AvatarOptions() {
   iterations = 6000;
   sh_degree = 2;  // as good as 3 on held-out training frames (docs/results.md)
-  // SplattingAvatar's 1.6e-4 is for 30,000 steps; the way that a Gaussian can go is rate times
-  // steps.
+  // SplattingAvatar's 1.6e-4 is for 30,000 steps; the distance that a Gaussian can move is the
+  // learning rate times the number of steps.
   rates.position_lr_init = 6.4e-4f;
   preset = "cosplat";
 }
@@ -98,7 +98,7 @@ void AvatarOptions::ApplyPreset(CLI::App& command) {
   if (IsSplattingAvatar())
     for (const auto& [name, value] : SplattingAvatarValues()) {
       CLI::Option* option = command.get_option(name);
-      if (option->count() == 0) option->default_val(value);  // sets the variable, too
+      if (option->count() == 0) option->default_val(value);  // also sets the variable
     }
   avatar.color_frame = color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
   using BustChoice = AvatarSettings::BustChoice;
@@ -108,9 +108,9 @@ void AvatarOptions::ApplyPreset(CLI::App& command) {
 
 TrainSettings AvatarOptions::ToSettings(float unit) const {
   TrainSettings settings = TrainOptions::ToSettings(1);
-  settings.scale_regularizer.weight = 1;  // SplattingAvatar's, in every preset
+  settings.scale_regularizer.weight = 1;  // as in SplattingAvatar, for every preset
   settings.prune.group_cap = triangle_cap;
-  // Pruning by triangle leaves none bare that had any.
+  // Pruning by triangle keeps at least one Gaussian on every triangle that has any.
   if (settings.prune.rule == PruneRule::kDcsharpTriangle) settings.prune.group_floor = 1;
   if (IsSplattingAvatar()) {
     settings.loss.mse = kSplattingAvatarMse;

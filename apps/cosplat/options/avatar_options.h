@@ -1,4 +1,4 @@
-// Options of `cosplat train-avatar`, and the presets that give several of them at once.
+// Options of `cosplat train-avatar`, and the presets that set several of them at once.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,12 +9,12 @@
 
 namespace cosplat {
 
-// preset is one of
-//   cosplat                    ours
+// `preset` is one of
+//   cosplat                    this project's settings
 //   splatting-avatar           SplattingAvatar as published
-//   splatting-avatar-released  as its code was released, with the faults that make it other than
-//                              published (avatar/train/trainer.h, AvatarSystem)
-//   3dgs                       ours on 3DGS's absolute schedule steps
+//   splatting-avatar-released  SplattingAvatar's released code, including the faults in which it
+//                              differs from the publication (avatar/train/trainer.h, AvatarSystem)
+//   3dgs                       as cosplat, but with 3DGS's absolute schedule steps
 struct AvatarOptions : TrainOptions {
   AvatarOptions();
 
@@ -28,8 +28,9 @@ struct AvatarOptions : TrainOptions {
   AvatarSettings avatar;
 
   void Declare(CLI::App& command);
-  // Once `command` has been parsed: gives the preset's values to the options that were not given
-  // (whatever their order), also as what ConfigOf reads, and settles `avatar`.
+  // Call once `command` has been parsed. Assigns the preset's values to all options that were not
+  // given on the command line, wherever --preset stands, also in what ConfigOf reads; then fills in
+  // `avatar`.
   void ApplyPreset(CLI::App& command);
   // `unit`: AvatarSubject::extent.
   TrainSettings ToSettings(float unit) const;

@@ -7,8 +7,9 @@
 namespace cosplat {
 namespace {
 
-// Where the training of a scene differs from 3DGS's beside proportion: docs/reference.md says what
-// each is worth. Not for avatars: opacity that is shared costs their mouths.
+// Differences from 3DGS in the training of scenes, apart from steps proportional to the run's
+// length; docs/reference.md lists the gain of each. Not for avatars: shared opacity degrades their
+// mouths.
 void ImproveOn3dgs(TrainSettings& s) {
   s.rates.scale = 1e-2f;
   s.density.shares_opacity = true;

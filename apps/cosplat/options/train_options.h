@@ -1,7 +1,7 @@
-// Options of both trainers, with the names and meanings of 3DGS's where it has them.
+// Options shared by both trainers, with 3DGS's names and meanings where it has the same option.
 //
-// train_options.cpp knows no command line: the benchmark of a device trains by it, too (tests/gpu).
-// train_options_cli.cpp declares them.
+// train_options.cpp does not depend on the command line, so that the GPU benchmark (tests/gpu) can
+// train with it as well. train_options_cli.cpp declares the options.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ class App;
 
 namespace cosplat {
 
-// Far more than any machine holds; more is a slip of the finger.
+// Far more than fits into memory; a larger value is a typing error.
 constexpr size_t kMaxGaussians = 1000000000;
 
 struct TrainOptions {
@@ -45,28 +45,28 @@ struct TrainOptions {
   float tolerance = 0.2f;  // dB
   float lambda_dssim = 0.2f;
   float densify_grad_threshold = 2e-4f;
-  // Steps; -1: by the schedule.
+  // In steps; -1: as in the schedule.
   int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
   int num_downscales = -1, resolution_schedule = -1;
   LearningRates rates;
   float position_lr_final = 0;  // 0: Schedule::LastPositionRate
-  float scaling_lr = 0;         // 0: as the preset says
+  float scaling_lr = 0;         // 0: the preset's
   bool quiet = false;
 
-  // Declares them on a sub-command; defaults are the values at the time of the call.
+  // Declares the options on a sub-command; the current values become the defaults.
   void Declare(CLI::App& command);
-  // `extent`: world units that size limits scale with.
+  // `extent`: scene size in world units; size limits are proportional to it.
   TrainSettings ToSettings(float extent) const;
-  // Settles --device; a rule of pruning that works on the processor alone settles "auto", too.
+  // Resolves --device. "auto" is the CPU if the pruning rule is only implemented there.
   Device ResolveDevice() const;
-  // Settles --background auto and -w.
+  // Resolves --background auto and -w.
   void ResolveBackground(const std::string& automatic);
-  // Behind held-out images: black where training has black, otherwise white.
+  // Background of held-out images: black if training uses black, otherwise white.
   std::array<float, 3> EvaluationBackground() const;
   bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
 };
 
-// All options of a sub-command with their values, as `--config` reads them.
+// All options of a sub-command with their values, in the format that `--config` reads.
 std::string ConfigOf(const CLI::App& app, const CLI::App& command);
 
 }  // namespace cosplat

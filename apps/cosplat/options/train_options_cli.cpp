@@ -57,7 +57,7 @@ void TrainOptions::Declare(CLI::App& command) {
           "white, photographs black)")
       ->check(CLI::IsMember({"auto", "black", "white", "random"}));
   command.add_flag("-w,--white_background", white_background, "the same as --background white");
-  // Nothing in config.ini where they are empty: that could not be read back.
+  // An empty list must not appear in config.ini, as it could not be read back.
   command.add_option("--test_iterations", test_iterations, "evaluate at these steps")
       ->default_str("");
   command.add_option("--save_iterations", save_iterations, "save at these steps")->default_str("");

@@ -12,12 +12,12 @@ namespace {
 using math::Vec3;
 
 constexpr float kPi = 3.14159265f;
-// Wider gaps between neighbouring cameras' azimuths than this are not crossed.
+// The path does not cross gaps between neighbouring azimuths that are wider than this.
 constexpr float kMaxGap = kPi / 2;
 
 Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 
-// Like `lens`, at `eye`, looking at `target` with `up` upwards in the image.
+// A camera like `lens`, at `eye`, looking at `target` with `up` pointing upwards in the image.
 Camera LookAt(const Camera& lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
   const Vec3<float> z = math::Normalize(target - eye);
   const Vec3<float> x = math::Normalize(math::Cross(z, up));

@@ -1,4 +1,4 @@
-// Cameras that circle a subject, for images that people look at.
+// Camera paths around a subject, for videos and previews.
 #pragma once
 
 #include <array>
@@ -8,19 +8,20 @@
 
 namespace cosplat {
 
-// Around what the training cameras look at, at their mean height and distance: a full turn where
-// they stand all around, otherwise there and back over the angle that they cover.
+// Orbits the point that the training cameras look at, at their mean height and distance: a full
+// turn if they surround it, otherwise back and forth over the angle that they cover.
 std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames);
 
-// A full turn about the axis `up` through `target`, at `distance` from it and level with it;
-// everything but the pose is that of `lens`. The first camera is at -z as far as `up` allows.
+// A full turn about the axis `up` through `target`, at `distance` from it and at its height; all
+// camera parameters but the pose are those of `lens`. The first camera is as close to -z as `up`
+// allows.
 std::vector<Camera> OrbitTarget(const Camera& lens,
                                 const std::array<float, 3>& target,
                                 const std::array<float, 3>& up,
                                 float distance,
                                 int frames);
 
-// There and back around `target`, `degrees` to each side of `reference`, about the axis `up`.
+// Back and forth around `target`, `degrees` to each side of `reference`, about the axis `up`.
 std::vector<Camera> SwingAround(const Camera& reference,
                                 const std::array<float, 3>& target,
                                 const std::array<float, 3>& up,

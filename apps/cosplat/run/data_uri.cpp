@@ -8,7 +8,7 @@
 namespace cosplat {
 namespace {
 
-// RFC 4648.
+// Source: RFC 4648.
 std::string Base64(const std::vector<uint8_t>& bytes) {
   constexpr const char* kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -1,4 +1,4 @@
-// Images inside a page, so that it needs no other file.
+// Images embedded into an HTML page, so that it needs no other file.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Where rendered frames go: numbered PNGs in a folder, or a video file.
+// Writes rendered frames as numbered PNGs in a folder or as a video file.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,11 @@ constexpr double kFramesPerSecond = 25;
 
 class FrameSink {
  public:
-  // A path that ends in .mp4 is a video; anything else a folder.
+  // A path that ends in .mp4 is a video file, any other path a folder.
   explicit FrameSink(std::string path);
   bool is_video() const { return is_video_; }
-  // RGB; into a folder RGBA too. Video codecs want even sides: an odd last row or column is left
-  // out there.
+  // `image` is RGB; RGBA is allowed for folders too. Video codecs require even dimensions, so a
+  // video omits an odd last row or column.
   void Write(const Image8& image);
   void Finish();
   int count() const { return count_; }

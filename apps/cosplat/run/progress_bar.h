@@ -1,5 +1,5 @@
-// Shows how far long work has come: on a terminal one line that is redrawn; elsewhere (a log file)
-// nothing, or a new line at every 5 %.
+// Shows the progress of a long task: on a terminal as one line that is redrawn; elsewhere (a log
+// file) not at all, or as a new line every 5 %.
 #pragma once
 
 #include <chrono>
@@ -16,20 +16,20 @@ class ProgressBar {
               bool quiet = false,
               OffTerminal off_terminal = OffTerminal::kSilent);
   ~ProgressBar();
-  // Redraws at most ten times a second; `detail` stands after the bar, or in the line.
+  // Redraws at most ten times per second; `detail` is shown after the bar, or in the log line.
   void Update(int done, const std::string& detail);
-  // A line above the bar.
+  // Prints a line above the bar.
   void Tell(const std::string& line);
 
  private:
-  // How far, with which detail, how fast and how long still.
+  // Progress, `detail`, speed and remaining time.
   std::string Status(int done, const std::string& detail) const;
   void WriteLine(int done, const std::string& detail);
 
   std::string title_;
   int total_;
   bool visible_, lines_;
-  int written_ = 0;  // percent, in the last line
+  int written_ = 0;  // percentage in the last line written
   std::chrono::steady_clock::time_point start_, drawn_;
 };
 

@@ -1,4 +1,4 @@
-// The data of a run, split the same way when it is trained and when it is rendered again.
+// The data of a run, split identically for training and for later rendering.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace cosplat {
 
-// What decides which images train and which are held out; part of run.json.
+// Determines which images are used for training and which are held out; part of run.json.
 struct DataSplit {
   int resolution = 1;
   bool eval = false;
@@ -24,14 +24,14 @@ DataSplit SplitFromJson(const JsonField& run);
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 
-// Without eval every frame trains. With fold the last fifth of the training frames are held out in
-// place of the test frames.
+// Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
+// frames is held out in place of the test frames.
 TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split);
 
-// Colour behind held-out images, as run.json has it.
+// Background colour of held-out images, from run.json.
 std::array<float, 3> BackgroundOf(const JsonField& run);
 
-// An avatar's head where it is on average: root pose and translation, all else zero.
+// Mean root pose and translation of an avatar's head; all other parameters are zero.
 FlameParams ReferenceRoot(const JsonField& run);
 
 }  // namespace cosplat

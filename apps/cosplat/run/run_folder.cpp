@@ -23,7 +23,7 @@ std::string Quoted(const std::string& text) {
   return out + "'";
 }
 
-// As Python prints it: 3DGS's tools evaluate this line.
+// Formatted as Python prints it: 3DGS's tools evaluate this line.
 std::string CfgArgs(const TrainOptions& o) {
   const auto flag = [](bool b) { return std::string(b ? "True" : "False"); };
   const bool white = o.background == "white";
@@ -146,10 +146,10 @@ void WriteStatistics(const std::string& folder,
   WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
 }
 
-// Of /proc: getrusage's maximum begins with what the process that started this one held.
+// Read from /proc: getrusage's maximum starts at the memory of the process that started this one.
 double PeakMegabytes() {
   std::ifstream status("/proc/self/status");
-  const std::string key = "VmHWM:";  // then kB
+  const std::string key = "VmHWM:";  // followed by kB
   for (std::string line; std::getline(status, line);)
     if (line.rfind(key, 0) == 0) return std::atof(line.c_str() + key.size()) / 1024;
   return 0;

@@ -1,4 +1,4 @@
-// The output folder of a run, laid out as other tools read it (3DGS):
+// The output folder of a run, in 3DGS's layout, which other tools read:
 //   cfg_args  config.ini  run.json  cameras.json  input.ply
 //   point_cloud/iteration_N/point_cloud.ply
 //   test/ours_N/{renders,gt,masks}/00000.png  results.json  per_view.json  stats.json
@@ -13,41 +13,42 @@
 
 namespace cosplat {
 
-// cfg_args (3DGS's one line), config.ini (everything, for --config) and run.json (for render,
-// report).
+// Writes cfg_args (one line, as in 3DGS), config.ini (all options, for --config) and run.json (for
+// render and report).
 void WriteRunConfiguration(const std::string& folder,
                            const TrainOptions& options,
                            const std::string& config_ini,
                            const Json& run);
 
-// Throws Error when `folder` holds no run.
+// Throws Error if `folder` holds no run.
 Json ReadRun(const std::string& folder);
 
 Json CameraToJson(const Camera& camera);
 Camera CameraFromJson(const JsonField& json);
 
-// Whether files can hold the run's colours (IsHarmonic in splat/basis.h); where not, says in a
-// line, unless quiet, that nothing will be saved.
+// Whether splat files can represent the run's colour basis (IsHarmonic in splat/basis.h). If not,
+// prints a line, unless quiet, that nothing will be saved.
 bool CanSaveSplats(const TrainOptions& options);
-// Throws Error where nothing was saved because of that.
+// Throws Error if the run saved no splats for that reason.
 void RequireSplats(const JsonField& run);
 
-// Writes point_cloud/iteration_N/point_cloud.ply in 3DGS's SH.
+// Writes point_cloud/iteration_N/point_cloud.ply with the colours converted to 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
 
-// The run's last saved iteration: run.json's, or the highest there is of an unfinished run. Error
-// when nothing was saved; but run.json's where that cannot be: its test images are there.
+// The run's last saved iteration: the one in run.json, or the highest one on disk if training was
+// interrupted. Throws Error if nothing was saved, except for runs that cannot save splats: these
+// still have test images at the iteration in run.json.
 int SavedIteration(const std::string& folder, const JsonField& run);
 std::string SplatPath(const std::string& folder, int iteration);
 
-// skipped_frames.json: names and reasons; nothing when none was skipped.
+// Writes skipped_frames.json with names and reasons, or no file if no frame was skipped.
 void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& skipped);
 
 void WriteStatistics(const std::string& folder,
                      const TrainingStatistics& statistics,
                      size_t skipped_frames);
 
-// Peak resident memory of this process, MB.
+// Peak resident memory of this process in MB.
 double PeakMegabytes();
 
 }  // namespace cosplat

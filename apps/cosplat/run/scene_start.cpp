@@ -8,12 +8,12 @@ namespace {
 constexpr size_t kSweepRays = 40000;
 constexpr size_t kRandomPoints = 100000;  // 3DGS
 
-// Returns whether some are random.
+// Returns whether random points were added.
 bool FindPoints(size_t random_points, const TrainOptions& o, TrainingScene& scene) {
   Rng rng{o.seed};
   if (random_points == 0 && o.preset == "default")
     SweepPoints(scene.train, kSweepRays, rng, scene.points, scene.point_colors);
-  // Where next to nothing was found: too few images, or nothing to tell their pixels apart by.
+  // Almost nothing was found: too few images, or images without texture.
   if (scene.points.size() / 3 >= kSweepRays / 20) return false;
   std::vector<Camera> cameras;
   for (const TrainFrame& frame : scene.train) cameras.push_back(frame.camera);
@@ -31,7 +31,7 @@ SceneStart StartScene(size_t random_points, TrainOptions& o, TrainingScene& scen
   SceneStart start{o.ToSettings(scene.extent),
                    InitializeFromPoints(
                        scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis))};
-  // Random points leave floaters before the cameras, which only resets take away.
+  // Random points cause floaters in front of the cameras, which only opacity resets remove.
   if (random) start.settings.schedule.opacity_reset_share = 1;
   return start;
 }

@@ -1,5 +1,5 @@
-// What `train-scene` makes of its options and a scene before the first step; the benchmark of a
-// device begins with the same (tests/gpu).
+// The state from which `train-scene` starts, derived from its options and the scene; shared with
+// the GPU benchmark (tests/gpu).
 #pragma once
 
 #include "apps/cosplat/options/train_options.h"
@@ -12,10 +12,10 @@ struct SceneStart {
   Gaussians first;
 };
 
-// Settles the background. The scene's points become those that its Gaussians begin at, no more than
-// the choices allow. Where it has none, they are `random_points` random ones or, where that is 0,
-// as the preset says: found in the images (splat/train/initialize.h), or 3DGS's 100,000 random
-// ones.
+// Resolves the background. Replaces the scene's points by the initial positions of its Gaussians,
+// no more than the options allow. A scene without points gets `random_points` random ones or, if
+// that is 0, those of the preset: points found in the images (splat/train/initialize.h), or 3DGS's
+// 100,000 random ones.
 SceneStart StartScene(size_t random_points, TrainOptions& choices, TrainingScene& scene);
 
 }  // namespace cosplat

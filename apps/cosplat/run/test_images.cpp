@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMouth = "mouth";
-constexpr const char* kLpips = "LPIPS";        // of the net that was measured last
-constexpr const char* kLpipsOfNet = "LPIPS_";  // and the net's name
+constexpr const char* kLpips = "LPIPS";        // of the network measured last
+constexpr const char* kLpipsOfNet = "LPIPS_";  // followed by the network's name
 
 Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
   RenderedImage image;
@@ -45,7 +45,7 @@ std::vector<std::string> SortedFiles(const std::string& folder) {
   return names;
 }
 
-// Figures of one test/ours_N folder, by name of figure, then of image.
+// Metrics of one test/ours_N folder, by metric and image name.
 using Figures = std::map<std::string, std::map<std::string, double>>;
 
 Figures EvaluateFolder(const std::string& folder,
@@ -80,7 +80,7 @@ Figures EvaluateFolder(const std::string& folder,
   return figures;
 }
 
-// An earlier evaluation, by folder; `dropped` says why when it cannot be read: it is replaced then.
+// An earlier evaluation, by folder. If it cannot be read, it is replaced and `dropped` says why.
 std::map<std::string, Figures> ReadEarlier(const std::string& path,
                                            std::vector<std::string>& dropped) {
   std::map<std::string, Figures> earlier;
@@ -98,8 +98,8 @@ std::map<std::string, Figures> ReadEarlier(const std::string& path,
   return earlier;
 }
 
-// Adds LPIPS that `earlier` measured with other nets, if it was of the same images: then each
-// view's PSNR and SSIM have the same bits. Returns the names of what is not kept.
+// Adds the LPIPS values that `earlier` has for other networks, if they are of the same images, that
+// is if PSNR and SSIM of every view are bit-identical. Returns the names of the values not kept.
 std::string KeepLpips(Figures& earlier, Figures& figures) {
   const bool same = earlier["PSNR"] == figures["PSNR"] && earlier["SSIM"] == figures["SSIM"];
   std::string dropped;
@@ -133,7 +133,7 @@ void Summarize(const Figures& figures, TestSummary& summary) {
     if (figure.rfind(kLpipsOfNet, 0) == 0) summary.lpips[figure.substr(prefix)] = Mean(values);
 }
 
-// The folders ours_N that hold images, and how many.
+// The folders ours_N that contain images, and the number of images in each.
 std::map<std::string, int> CountViews(const std::string& folder) {
   std::map<std::string, int> views;
   std::error_code ignored;
@@ -157,7 +157,7 @@ TestImageWriter::TestImageWriter(const std::string& folder,
       background_(background) {
   for (const char* sub : {"/renders", "/gt", "/masks"}) {
     std::error_code ignored;
-    fs::remove_all(path_ + sub, ignored);  // images of an earlier run would be counted
+    fs::remove_all(path_ + sub, ignored);  // or images of an earlier run would be counted
   }
   MakeDirectories(path_ + "/renders");
   MakeDirectories(path_ + "/gt");

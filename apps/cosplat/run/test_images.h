@@ -1,4 +1,4 @@
-// Held-out views: images written beside their images, and the figures over them.
+// Held-out views: renders written next to their ground truth, and metrics computed from them.
 #pragma once
 
 #include <functional>
@@ -21,14 +21,14 @@ struct TestSummary {
   size_t views = 0;
   double psnr = 0, ssim = 0;
   std::optional<double> psnr_mask, psnr_mouth;
-  std::map<std::string, double> other_psnr;  // of splats that are not the run's own: ours_N_NAME
-  std::map<std::string, double> lpips;       // by net
-  std::vector<std::string> dropped;  // what was measured earlier and is not kept, a line each
+  std::map<std::string, double> other_psnr;  // of splats other than the run's own (ours_N_NAME)
+  std::map<std::string, double> lpips;       // by network
+  std::vector<std::string> dropped;  // earlier measurements that were discarded, one line each
 };
 
-// Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png (`set`: "test", or "train" for views that were
-// trained on; a suffix for splats that are not the run's own) and, when `truth` has
-// alpha, masks/000ii.png; both images over the background.
+// Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png and, if `truth` has alpha, masks/000ii.png.
+// Both images are composited over the background. `set` is "test", or "train" for training views;
+// `suffix` marks splats other than the run's own.
 class TestImageWriter {
  public:
   TestImageWriter(const std::string& folder,
@@ -39,7 +39,7 @@ class TestImageWriter {
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
   void Write(const RenderedImage& rendered, const Image8& truth, const Rectangle* mouth = nullptr);
-  // Writes regions.json when there were mouth rectangles.
+  // Writes regions.json if there were mouth rectangles.
   void Finish();
 
  private:
@@ -49,13 +49,13 @@ class TestImageWriter {
   std::string regions_;
 };
 
-// Reads test/ours_*/ of a run, writes results.json and per_view.json with all of them, returns the
-// means of ours_<iteration>, or of the highest when that is negative. Throws Error when it is
-// absent.
+// Reads test/ours_*/ of a run, writes results.json and per_view.json for all of them, and returns
+// the means of ours_<iteration>, or of the highest iteration if `iteration` is negative. Throws
+// Error if that folder is missing.
 //
-// With `lpips`, LPIPS_<net> is written as well, and once more as LPIPS, where other tools look for
-// it. LPIPS that was measured earlier is kept if it is of the same images. `progress` is told the
-// number of views done and of all.
+// With `lpips`, also writes LPIPS_<net>, and again as LPIPS, the name that other tools expect. An
+// earlier LPIPS measurement is kept if the images are unchanged. `progress` is called with the
+// number of views done and the total.
 TestSummary EvaluateTestImages(const std::string& folder,
                                int iteration = -1,
                                Lpips* lpips = nullptr,
@@ -64,14 +64,13 @@ TestSummary EvaluateTestImages(const std::string& folder,
 // "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
 std::string ToString(const TestSummary& summary);
 
-// Draws tracked frames of an avatar beside their images: used while training and by `render`.
-
+// Renders tracked frames of an avatar next to their ground truth, for training and `render`.
 class AvatarTestImages {
  public:
-  // Keeps a reference to `flame`. The model must have its mesh.
+  // Keeps a reference to `flame`, which must outlive it. The model must have its mesh.
   AvatarTestImages(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
 
-  // Renders the frame over the writer's background and writes it beside `truth`, with the mouth's
+  // Renders the frame over the writer's background and writes it with `truth` and the mouth's
   // rectangle.
   void WriteTestImage(const TrackedFrame& frame, const Image8& truth, TestImageWriter& writer);
 

@@ -67,7 +67,7 @@ void ChooseBudget(const TrainOptions& o, Trainer& trainer, bool video) {
   const BudgetReport report =
       FindBudget(settings, trainer, [&](size_t trial, const StepReport& step) {
         if (trial != shown) {
-          bar.reset();  // ends its line
+          bar.reset();  // terminates its line
           bar = std::make_unique<ProgressBar>("budget, trial " + std::to_string(trial + 1),
                                               o.iterations,
                                               o.quiet,
@@ -89,7 +89,7 @@ void RunTraining(const TrainOptions& o,
                  const RunHooks& hooks) {
   WriteSkipped(o.model, skipped);
   std::error_code ignored;
-  std::filesystem::remove(o.model + "/budget.json", ignored);  // an earlier run's
+  std::filesystem::remove(o.model + "/budget.json", ignored);  // of an earlier run
   if (o.budget == "auto") ChooseBudget(o, trainer, hooks.video);
   {
     ProgressBar bar("train", o.iterations, o.quiet, OffTerminal::kLines);

@@ -1,4 +1,4 @@
-// What both trainers do around the training loop: progress, milestones, figures.
+// The parts of a run that both trainers share: progress, milestones, statistics.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 namespace cosplat {
 
 struct RunHooks {
-  bool video = false;              // frames follow each other in time
+  bool video = false;              // frames are consecutive in time
   std::function<void()> save;      // at --save_iterations and at the end
-  std::function<void()> evaluate;  // at --test_iterations and at the end; empty: nothing held out
+  std::function<void()> evaluate;  // at --test_iterations and the end; empty: nothing held out
 };
 
 // Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto),
-// skipped_frames.json (where there are any), results.json and per_view.json. Returns once all of it
-// is on disk.
+// skipped_frames.json (if any were skipped), results.json and per_view.json. Returns once
+// everything is on disk.
 void RunTraining(const TrainOptions& options,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
                  const RunHooks& hooks);
 
-// Up to five skipped frames with their reasons, and how many there are.
+// Prints the number of skipped frames, and up to five of them with their reasons.
 void PrintSkipped(const std::vector<SkippedFrame>& skipped);
 
 }  // namespace cosplat

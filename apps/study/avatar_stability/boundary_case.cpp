@@ -1,4 +1,4 @@
-// Gaussians that are pushed to one place on each rim of the mesh, neck and mouth, and stay there.
+// Gaussians pushed repeatedly to one point on each rim of the mesh, neck and mouth.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ using math::Vec3;
 constexpr size_t kSampled = 40000;
 constexpr int kPushes = 60;
 constexpr float kPush = 0.002f, kNear = 0.03f;  // metres
-constexpr int kForEver = 1000;                  // rounds of one push
+constexpr int kForEver = 1000;                  // rounds of one push that stand for an endless loop
 
 // The foremost vertex of each boundary loop (FLAME's axes: the face looks along z).
 std::vector<Vec3<float>> PlacesOnRims(const Surface& surface) {
@@ -52,7 +52,7 @@ Embedding StartsNear(const std::vector<Vec3<float>>& places,
   return starts;
 }
 
-// Most points on one face with a boundary edge; infinite where one is not inside its face.
+// Largest number of points on one boundary face; infinite if a point is outside its face.
 double Crowding(const Surface& surface, const Embedding& e) {
   std::vector<int> count(surface.faces().size());
   int most = 0;
@@ -66,7 +66,7 @@ double Crowding(const Surface& surface, const Embedding& e) {
   return most;
 }
 
-// The neck's rim from the front: from below the rim up, what looks forward.
+// The neck's rim from the front: the front-facing part, from below the rim upwards.
 Image8 ImageOfNeck(const Surface& surface, const Embedding& e, const SketchColor& ink) {
   constexpr float kSide = 0.05f;
   const std::vector<Vec3<float>> places = PlacesOnRims(surface);

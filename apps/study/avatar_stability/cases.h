@@ -1,4 +1,4 @@
-// The cases of AvatarStability, one function each, so that tests can run them one at a time.
+// The cases of AvatarStability, one function each, so that tests can run them individually.
 #pragma once
 
 #include <vector>
@@ -39,15 +39,16 @@ StabilityCase JitterCase(const StudyHead& head);
 // apps/study/avatar_stability/component_cases.cpp
 StabilityCase EyeballShareCase(const StudyHead& head);
 
-// Where avatars bound to a mesh are known to fail: the forms of SplattingAvatar's code release, or
-// the plainest ones, beside ours. Nothing here is part of training or of playing.
+// Known failure cases of avatars bound to a mesh: the formulas of SplattingAvatar's released code,
+// or the most obvious ones, compared with ours. Not used in training or playback.
 //
 // AvatarStability -> apps/study/stability/stability_case.h -> `cosplat study --stability`;
-// tests/study/avatar_stability_test.cpp holds each case to its bound. docs/stability.md explains
-// them.
-
-// All cases, measured on the procedural head: the same bits on every run. Some seconds. Writes a
-// small video into the system's temporary folder and removes it; throws Error where it cannot.
+// tests/study/avatar_stability_test.cpp checks each case against its bound. docs/stability.md
+// explains them.
+//
+// Returns all cases, measured on the procedural head; bit-identical on every run. Takes some
+// seconds. Writes a small video into the system's temporary folder and removes it; throws Error if
+// that fails.
 inline std::vector<StabilityCase> AvatarStability() {
   const StudyHead head;
   return {InverseScaleCase(head),

@@ -1,4 +1,4 @@
-// Where the first Gaussians go, and whether they stay on their part of the head.
+// Distribution of the initial Gaussians, and whether they stay on their component of the head.
 #include <algorithm>
 #include <limits>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kComponentSamples = 3000;
 
-// Eyeballs are all components but the first, the head.
+// All components but the first (the head) are eyeballs.
 bool IsOnAnEye(const Surface& surface, int32_t face) {
   return surface.topology().face_component[face] > 0;
 }
@@ -22,7 +22,7 @@ double EyeShare(const Surface& surface, const std::vector<SurfacePoint>& points)
   return double(on_eyes) / double(points.size());
 }
 
-// Points that have left their component after some random steps across several triangles.
+// Number of points that left their component after random steps across several triangles.
 int CountStrays(const Surface& surface, std::vector<SurfacePoint> points) {
   constexpr int kWalks = 20;
   Rng rng{3};

@@ -1,5 +1,5 @@
-// Expressions far from those of any training video: how large Gaussians become, how far they reach,
-// and whether the head stays closed.
+// Expressions far outside any training video: the size of Gaussians, how far they reach, and
+// whether the head remains closed.
 #include <algorithm>
 #include <cmath>
 
@@ -28,8 +28,8 @@ void ForEachExtremeExpression(int sigmas, const F& f) {
     }
 }
 
-// What `measure(posed)` is at most over the expressions, as a curve over the deviations, by both
-// ways; the last point is the form's value. Returns where the naive one is largest.
+// Maximum of `measure(posed)` over the expressions, as a curve over the deviations, for both rules;
+// the last point is the form's value. Returns the parameters at which the naive one is largest.
 template <class F>
 FlameParams MeasureOverExpressions(const StudyHead& head, const F& measure, StabilityCase& c) {
   c.chart.x_name = "deviations from the mean";
@@ -53,7 +53,7 @@ FlameParams MeasureOverExpressions(const StudyHead& head, const F& measure, Stab
   return worst;
 }
 
-// Pixels whose neighbours up to `reach` px away are all in the mask.
+// Pixels whose neighbours within `reach` px are all in the mask.
 std::vector<uint8_t> Eroded(const std::vector<uint8_t>& mask, int side, int reach) {
   std::vector<uint8_t> out(mask.size());
   for (int y = reach; y < side - reach; ++y)
@@ -66,7 +66,7 @@ std::vector<uint8_t> Eroded(const std::vector<uint8_t>& mask, int side, int reac
   return out;
 }
 
-// How much each face is turned towards the camera: the cosine.
+// Cosine of the angle between each face's normal and the direction to the camera.
 std::vector<float> FacingOf(const std::vector<float>& vertices,
                             const std::vector<std::array<int32_t, 3>>& faces,
                             const Camera& camera) {
@@ -81,12 +81,12 @@ std::vector<float> FacingOf(const std::vector<float>& vertices,
   return facing;
 }
 
-// Pixels of what is plainly turned towards the camera, but for its rim.
+// Pixels of the parts that clearly face the camera, without their rim.
 std::vector<uint8_t> FrontOf(const StudyHead& head,
                              const std::vector<float>& vertices,
                              const std::vector<float>& facing,
                              const Camera& camera) {
-  constexpr int kRim = 3;  // px, where alpha must fall
+  constexpr int kRim = 3;  // px, where alpha has to fall
   constexpr float kPlainly = 0.5f;
   std::vector<std::array<int32_t, 3>> front;
   for (size_t f = 0; f < facing.size(); ++f)
@@ -152,7 +152,7 @@ StabilityCase ExpressionReachCase(const StudyHead& head) {
 }
 
 StabilityCase HolesCase(const StudyHead& head) {
-  constexpr float kNothing = -30;  // logit of an opacity
+  constexpr float kNothing = -30;  // opacity logit
   StabilityCase c;
   c.key = "holes";
   c.title = "Holes in a stretched face";

@@ -1,5 +1,5 @@
-// Two triangles folded about their common edge, as a lip is: what lies off them by d along the
-// normal must neither tear at the fold nor leave them by more than |d|.
+// Two triangles folded about their common edge, like a lip: points at distance d along the normal
+// must neither separate at the fold nor be farther than |d| from the triangles.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,8 +14,8 @@ namespace {
 
 using math::Vec3;
 
-constexpr float kOffset = 0.2f;  // of the triangles' height
-constexpr int kAcross = 24;      // places on each triangle, from the fold outwards
+constexpr float kOffset = 0.2f;  // relative to the triangles' height
+constexpr int kAcross = 24;      // points on each triangle, from the fold outwards
 constexpr double kDegree = 0.017453292519943295;
 
 // The fold from (0, -1, 0) to (0, 1, 0); one triangle to the left, one to the right and turned up.
@@ -24,8 +24,8 @@ std::vector<float> FoldedVertices(double degrees) {
   return {0, -1, 0, 0, 1, 0, -1, 0, 0, c, 0, s};
 }
 
-// Places along y = 0: the left triangle's, then the right's, each from the fold outwards. The two
-// on the fold are the same place.
+// Points along y = 0: the left triangle's, then the right's, each from the fold outwards. The two
+// on the fold coincide.
 AvatarModel PlacesAcrossTheFold() {
   AvatarModel avatar;
   avatar.mesh = {FoldedVertices(0), {{2, 0, 1}, {3, 1, 0}}};  // the outer corner first
@@ -43,7 +43,7 @@ AvatarModel PlacesAcrossTheFold() {
   return avatar;
 }
 
-// Points [2 kAcross] of the sheet, and off it by each face's own normal.
+// Points [2 kAcross] on the sheet, and the same points offset by each face's own normal.
 struct ByFaceNormals {
   std::vector<Vec3<float>> on, off;
   ByFaceNormals(const AvatarModel& avatar, const std::vector<float>& vertices) {
@@ -65,7 +65,8 @@ std::vector<Vec3<float>> PointsOf(const PosedGaussians& posed) {
   return points;
 }
 
-// Between the two places on the fold, in offsets; infinite where a place is farther off than that.
+// Distance between the two points on the fold, in units of the offset; infinite if a point is
+// farther than one offset from the sheet.
 double TearOf(const std::vector<Vec3<float>>& on, const std::vector<Vec3<float>>& off) {
   for (size_t i = 0; i < on.size(); ++i)
     if (!(math::Length(off[i] - on[i]) <= 1.0001f * kOffset))
@@ -73,7 +74,7 @@ double TearOf(const std::vector<Vec3<float>>& on, const std::vector<Vec3<float>>
   return math::Length(off[0] - off[kAcross]) / kOffset;
 }
 
-// Seen along the fold.
+// Cross-section, seen along the fold.
 Image8 Profile(const std::vector<Vec3<float>>& on,
                const std::vector<Vec3<float>>& off,
                const SketchColor& ink) {

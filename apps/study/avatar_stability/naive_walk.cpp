@@ -9,11 +9,11 @@ namespace {
 
 using Weights = std::array<double, 3>;
 
-// The path and the lines of the three edges as one system of equations: singular.
+// Whether the system of the path and the lines of the three edges is singular.
 bool IsParallelToAnEdge(const Weights& step) { return step[0] * step[1] * step[2] == 0; }
 
-// The corner whose weight runs out first and the share of the step until then; -1: there is none,
-// of numbers that are none.
+// The corner whose weight reaches zero first, and the share of the step until then; -1 if there is
+// none because the weights are NaN.
 int NaiveExit(const Weights& at, const Weights& step, double& share) {
   int corner = -1;
   share = 1;

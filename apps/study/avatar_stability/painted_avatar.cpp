@@ -11,11 +11,11 @@
 namespace cosplat {
 namespace {
 
-constexpr float kWidth = 0.6f, kThickness = 0.15f;  // standard deviations in spacings
+constexpr float kWidth = 0.6f, kThickness = 0.15f;  // standard deviations in units of the spacing
 constexpr float kOpacityLogitMean = 2.0f;
 constexpr uint64_t kSeed = 4;
 
-// Unit quaternion that turns z to the unit vector n.
+// Unit quaternion that rotates z to the unit vector n.
 std::array<float, 4> QuatFromZ(const math::Vec3<float>& n) {
   const float w = std::sqrt(std::max(0.0f, 0.5f * (1 + n.z)));
   if (w < 1e-3f) return {0, 1, 0, 0};

@@ -1,5 +1,5 @@
-// An avatar without training: Gaussians spread over the made head, flat on it, in the colours that
-// it is painted with as seen from the front. For measurements, tests and benches.
+// An untrained avatar: flat Gaussians spread over the procedural head, in its painted colours as
+// seen from the front. For measurements, tests and benchmarks.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace cosplat {
 
-// A Gaussian at each of the points, as wide as if they were spread evenly. The same bits for the
+// One Gaussian at each of `points`, as wide as if they were evenly spaced. Bit-identical for the
 // same points and state of `rng`.
 AvatarModel PaintedAvatar(const ProceduralHead& head,
                           const std::vector<SurfacePoint>& points,

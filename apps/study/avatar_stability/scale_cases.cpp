@@ -1,4 +1,4 @@
-// How large a Gaussian becomes as its triangle does, and in which unit.
+// How the size of a Gaussian follows that of its triangle, and in which unit.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace cosplat {
 namespace {
 
-constexpr float kReleasedUnits = 4;  // SplattingAvatar enlarges FLAME's mesh as many times
+constexpr float kReleasedUnits = 4;  // SplattingAvatar enlarges FLAME's mesh by this factor
 
 std::vector<float> Times(std::vector<float> vertices, float factor) {
   for (float& x : vertices) x *= factor;
@@ -20,7 +20,7 @@ Camera Farther(Camera camera, float factor) {
   return camera;
 }
 
-// The same avatar on a mesh, and with a camera, `factor` times as large.
+// The same avatar on a mesh `factor` times as large.
 AvatarModel Enlarged(AvatarModel avatar, float factor) {
   avatar.mesh.vertices = Times(avatar.mesh.vertices, factor);
   for (float& s : avatar.gaussians.values[kScaleLog]) s += std::log(factor);
@@ -35,7 +35,7 @@ double MedianScale(const PosedGaussians& posed) {
   return scales[scales.size() / 2];
 }
 
-// The left half of one image beside the right half of another.
+// The left half of one image next to the right half of another.
 Image8 LeftOfOther(const Image8& left, Image8 right) {
   for (int y = 0; y < right.height; ++y)
     std::copy_n(&left.at(0, y, 0), right.width / 2 * right.channels, &right.at(0, y, 0));

@@ -5,7 +5,7 @@
 
 namespace cosplat {
 
-// Every pixel by its distance from the segment, softened over one pixel.
+// Shades every pixel by its distance from the segment, with a one-pixel soft edge.
 void Sketch::Line(float x0, float y0, float x1, float y1, const SketchColor& color, float width) {
   const float half = 0.5f * width, dx = x1 - x0, dy = y1 - y0, square = dx * dx + dy * dy;
   const int left = std::max(0, int(std::min(x0, x1) - half - 1));

@@ -1,4 +1,4 @@
-// Lines and dots for the images of a case: a triangle mesh, paths on it, places.
+// Draws lines and dots for the images of a case: a triangle mesh, paths on it, points.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ constexpr SketchColor kMeshLine{205, 205, 205}, kNaiveInk{200, 40, 40}, kOursInk
 
 class Sketch {
  public:
-  // White; coordinates in px from the top left corner.
+  // Starts white; coordinates in px from the top left corner.
   Sketch(int width, int height) : image_(width, height, 3, 255) {}
   void Line(float x0, float y0, float x1, float y1, const SketchColor& color, float width = 1);
   void Dot(float x, float y, float radius, const SketchColor& color);

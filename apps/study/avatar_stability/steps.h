@@ -1,4 +1,4 @@
-// Places and steps on the faces of a mesh.
+// Positions and steps on the faces of a mesh.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ inline math::Vec3<float> VertexAt(const std::vector<float>& vertices, int32_t v)
   return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
 }
 
-// On the canonical mesh, as the next two.
+// On the canonical mesh, as in the next two functions.
 inline math::Vec3<float> CornerAt(const Surface& surface, int32_t face, int corner) {
   return surface.canonical()[surface.faces()[face][corner]].position;
 }
@@ -24,7 +24,7 @@ inline math::Vec3<float> PlaceOf(const Surface& surface, const SurfacePoint& p) 
          CornerAt(surface, p.triangle, 2) * (1 - u - v);
 }
 
-// (du, dv) of a step in space, projected on the face's plane.
+// (du, dv) of a step in space, projected onto the face's plane.
 inline std::array<float, 2> StepOn(const Surface& surface,
                                    int32_t face,
                                    const math::Vec3<float>& step) {

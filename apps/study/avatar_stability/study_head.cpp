@@ -11,8 +11,8 @@ namespace cosplat {
 namespace {
 
 constexpr size_t kPainted = 15000;
-constexpr float kWider = 1.6f;      // than painted, so that the head is closed
-constexpr float kDistance = 0.85f;  // metres, of the camera
+constexpr float kWider = 1.6f;      // than painted, so that the head has no holes
+constexpr float kDistance = 0.85f;  // camera distance, metres
 constexpr float kMinDeviation = 0.1f;
 
 }  // namespace

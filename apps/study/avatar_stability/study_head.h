@@ -1,5 +1,5 @@
-// What the cases of this folder are measured on: the procedural head with Gaussians painted on it,
-// bound to a posed mesh by the release's rule and by ours, and drawn.
+// Subject of the cases in this folder: the procedural head with Gaussians painted on it, bound to a
+// posed mesh by the released code's rule and by ours, and rendered.
 #pragma once
 
 #include <memory>
@@ -28,26 +28,26 @@ struct StudyHead {
   std::vector<float> Vertices(const FlameParams& params) const;  // [V, 3] metres
 };
 
-// From the front, the head filling the image; `azimuth` radians towards the subject's left.
+// Frontal view with the head filling the image; `azimuth` in radians towards the subject's left.
 Camera StudyCamera(float azimuth = 0);
 
-// The mean and the standard deviation (at least 0.1) of each expression coefficient over the
-// script of the demonstration video.
+// Mean and standard deviation (at least 0.1) of each expression coefficient over the script of the
+// demonstration video.
 struct ExpressionRange {
   std::vector<float> mean, deviation;
 };
 ExpressionRange RangeOfExpressions();
 
-// Mouth and jaw open, a smile to one side, cheeks and brows as far as they go.
+// Open mouth and jaw, a one-sided smile, cheeks and brows at full expression.
 FlameParams Grimace();
 
 // The largest of a Gaussian's three standard deviations, metres.
 float LargestScale(const PosedGaussians& posed, size_t i);
 
-// An avatar on a posed mesh, by both rules.
+// An avatar on a posed mesh, bound by both rules.
 class BoundBothWays {
  public:
-  // `unit`: that the release takes the mesh to be in (ReleasedRule).
+  // `unit`: the unit in which the released code assumes the mesh to be (ReleasedRule).
   BoundBothWays(const AvatarModel& avatar, float unit);
   explicit BoundBothWays(const AvatarModel& avatar);
 

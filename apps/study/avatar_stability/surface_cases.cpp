@@ -1,4 +1,4 @@
-// The surface itself: rotations of opposite sign, faces without area.
+// The surface itself: rotations of opposite sign, degenerate faces.
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +9,12 @@ namespace cosplat {
 namespace {
 
 using math::Vec3;
-constexpr size_t kTurned = 4000;  // Gaussians on the head that turns
+constexpr size_t kTurned = 4000;  // Gaussians on the rotating head
 constexpr double kDegree = 0.017453292519943295;
-constexpr Vec3<float> kMouthCorner{0.026f, -0.04f, 0.056f};  // the left one, of the made head
-constexpr float kOffset = 0.002f;  // metres along the normal, of every Gaussian
+constexpr Vec3<float> kMouthCorner{0.026f, -0.04f, 0.056f};  // the left one, of the procedural head
+constexpr float kOffset = 0.002f;  // metres along the normal, for every Gaussian
 
-// Degrees between rotation i of both; [N] rows of unit quaternions.
+// Angle in degrees between rotation i of both; [N] rows of unit quaternions.
 double TurnOf(const Buffer<float>& a, const Buffer<float>& b, size_t i) {
   double dot = 0;
   for (size_t k = 4 * i; k < 4 * i + 4; ++k) dot += double(a[k]) * b[k];
@@ -34,7 +34,7 @@ void Redden(float by, Gaussians& gaussians, size_t i) {
   color[1] = color[2] = 0.5f - 2 * by;
 }
 
-// Grey, and red by how far its rotation is from the other way's: all of it at half a turn.
+// Grey, blending to red with the angle to the other rule's rotation: fully red at 180 degrees.
 Image8 ImageOfTurns(BoundBothWays::Way way, const Buffer<float>& other, const Camera& camera) {
   for (size_t i = 0; i < way.model.size(); ++i)
     Redden(float(TurnOf(way.posed.frame, other, i) / 180), way.model.gaussians, i);
@@ -46,7 +46,7 @@ AvatarModel OffTheSurface(AvatarModel avatar) {
   return avatar;
 }
 
-// The surroundings of the mouth's left corner, brought to one point, or mirrored.
+// The region around the left corner of the mouth, collapsed to a point or mirrored.
 std::vector<float> Spoiled(std::vector<float> vertices, bool mirrored) {
   constexpr float kRadius = 0.02f;  // metres
   const Vec3<float> centre = kMouthCorner;
@@ -61,7 +61,7 @@ std::vector<float> Spoiled(std::vector<float> vertices, bool mirrored) {
   return vertices;
 }
 
-// Places by normals and frames divided by their lengths, whatever these are.
+// Positions from normals and frames that are normalised without a check for zero length.
 Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<float>& vertices) {
   const auto& faces = avatar.mesh.faces;
   std::vector<Vec3<float>> normals(vertices.size() / 3, {0, 0, 0});
@@ -87,7 +87,7 @@ Buffer<float> UnguardedPositions(const AvatarModel& avatar, const std::vector<fl
   return out;
 }
 
-// Whether each Gaussian is not finite, or farther from its triangle's place than its offset.
+// Whether each Gaussian is non-finite, or farther from its point on the triangle than its offset.
 std::vector<bool> Astray(const AvatarModel& avatar,
                          const std::vector<float>& vertices,
                          const Buffer<float>& positions) {
@@ -104,7 +104,7 @@ std::vector<bool> Astray(const AvatarModel& avatar,
   return astray;
 }
 
-// Where they are at rest: grey, and red those that go astray.
+// At their rest positions: grey, and red for those that go astray.
 Image8 ImageOfAstray(BoundBothWays::Way way, const std::vector<bool>& astray) {
   for (size_t i = 0; i < astray.size(); ++i) Redden(astray[i], way.model.gaussians, i);
   return ImageOf(way, StudyCamera());
@@ -157,7 +157,7 @@ StabilityCase OppositeRotationsCase(const StudyHead& head) {
     worst_sum = std::max(sum, worst_sum);
   }
   turn_to(worst);
-  bound.naive.posed.scale_log = bound.ours.posed.scale_log;  // that is another case
+  bound.naive.posed.scale_log = bound.ours.posed.scale_log;  // scale is a separate case
   const Camera camera = StudyCamera(float(worst * kDegree));
   c.naive.image = ImageOfTurns(bound.naive, bound.ours.posed.frame, camera);
   c.ours.image = ImageOfTurns(bound.ours, bound.ours.posed.frame, camera);
@@ -190,7 +190,7 @@ StabilityCase CollapsedFacesCase(const StudyHead& head) {
     c.naive.value = std::max(c.naive.value, double(count));
     c.ours.value = std::max(c.ours.value, double(std::count(ours.begin(), ours.end(), true)));
   }
-  // And recovers to the bit.
+  // Recovery must be bit-exact.
   if (bound.ours.posed.position != rest.posed.position) c.ours.value = INFINITY;
   return c;
 }

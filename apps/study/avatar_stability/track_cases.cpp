@@ -1,4 +1,4 @@
-// Tracks as trackers leave them: frames that are missing or no numbers, and noise.
+// Imperfect tracks: missing frames, non-finite parameters, and noise.
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,17 +21,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFrames = 40, kTestFrames = 4;
-constexpr int kDropEvery = 10;                  // of the images, one is not there
-constexpr int kBad = kFrames / kDropEvery + 1;  // and one frame's expression is no number
+constexpr int kDropEvery = 10;                  // one image in this many is missing
+constexpr int kBad = kFrames / kDropEvery + 1;  // plus one frame with a non-finite expression
 constexpr int kSpoiledFrame = 7;
 constexpr int kVideoSide = 48;  // px
 constexpr int kSteps = 300;
 constexpr size_t kGaussians = 1500;
 
-// In the system's temporary folder; disappears with the object.
+// A video in the system's temporary folder, removed by the destructor.
 class TemporaryVideo {
  public:
-  TemporaryVideo() : TemporaryVideo(MakeFolder()) {  // so that it disappears if this throws
+  TemporaryVideo() : TemporaryVideo(MakeFolder()) {  // the destructor runs even if this throws
     MakeHeadOptions options;
     options.frames = kFrames;
     options.test_frames = kTestFrames;
@@ -49,7 +49,7 @@ class TemporaryVideo {
     for (int i = 1; i <= kFrames; i += kDropEvery)
       fs::remove(folder_ + "/image/" + std::to_string(i) + ".png");
     Json json = ReadJson(folder_ + "/flame_params.json");
-    json["frames"][kSpoiledFrame]["expression"][3] = nullptr;  // how JSON has a NaN
+    json["frames"][kSpoiledFrame]["expression"][3] = nullptr;  // JSON's representation of NaN
     std::ofstream(folder_ + "/flame_params.json") << json;
   }
   const std::string& folder() const { return folder_; }
@@ -87,7 +87,7 @@ TrainSettings ShortTraining(float unit) {
   return s;
 }
 
-// Adam's first step (Kingma & Ba 2015) on a loss that is NaN: so is its derivative by everything.
+// Adam's first step (Kingma & Ba 2015) on a NaN loss, all of whose derivatives are NaN.
 Gaussians AfterNaiveStep(Gaussians gaussians) {
   constexpr float kRate = 1e-3f, kEps = 1e-15f;
   const float gradient = std::numeric_limits<float>::quiet_NaN();
@@ -96,7 +96,7 @@ Gaussians AfterNaiveStep(Gaussians gaussians) {
   return gaussians;
 }
 
-// As a landmark tracker's numbers tremble on a head that is still.
+// Noise as in the output of a landmark tracker on a still head.
 FlameParams Trembling(Rng& rng) {
   constexpr float kExpression = 0.1f;
   FlameParams params;
@@ -105,7 +105,7 @@ FlameParams Trembling(Rng& rng) {
   return params;
 }
 
-// White where they are alike.
+// White where the images are equal.
 Image8 DifferenceImage(const RenderedImage& a, const RenderedImage& b) {
   constexpr float kTimes = 10;
   RenderedImage difference = a;
@@ -150,7 +150,7 @@ StabilityCase BadFramesCase(const StudyHead& head) {
 
 StabilityCase JitterCase(const StudyHead& head) {
   constexpr int kShown = 16;
-  constexpr size_t kSharp = 15000;  // Gaussians, small ones: what is smooth trembles unseen
+  constexpr size_t kSharp = 15000;  // Gaussians, small ones: jitter is invisible on smooth regions
   StabilityCase c;
   c.key = "jitter";
   c.title = "A still head, a trembling track";

@@ -1,4 +1,4 @@
-// Walking on triangles: parallel to edges, straight on, without end.
+// Walking on triangles: parallel to edges, in a straight line, without termination.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ using math::Vec3;
 
 constexpr int kForEver = 100000;  // rounds; Walk takes kMaxWalkCrossings at most
 
-// n x n squares over the unit square, cut along their diagonals, inner vertices moved.
+// n x n squares over the unit square, cut along their diagonals, with displaced inner vertices.
 CanonicalMesh IrregularSheet(int n) {
   Rng rng{1};
   CanonicalMesh mesh;
@@ -62,7 +62,7 @@ class SheetSketch {
 const std::array<std::array<float, 2>, 6> kAxisSteps{
     {{.5f, 0}, {-.5f, 0}, {0, .5f}, {0, -.5f}, {.5f, -.5f}, {-.5f, .5f}}};
 
-// A point of which the step leads out of its face and not out of the sheet.
+// A point from which the step leaves its face but not the sheet.
 SurfacePoint StartBeforeAnEdge(const Surface& surface, const std::array<float, 2>& step, Rng& rng) {
   for (;;) {
     SurfacePoint p{int32_t(rng.Below(surface.faces().size())), {rng.Uniform(), rng.Uniform()}};

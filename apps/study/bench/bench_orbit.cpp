@@ -22,14 +22,14 @@ namespace cosplat {
 namespace {
 
 constexpr int kViews = 36;
-constexpr float kFilled = 0.9f;                // of the image's height
-constexpr std::array<float, 3> kUp{0, -1, 0};  // as 3DGS's and PlayCanvas' files mostly have it
+constexpr float kFilled = 0.9f;                // share of the image's height
+constexpr std::array<float, 3> kUp{0, -1, 0};  // as in most 3DGS and PlayCanvas files
 constexpr float kHalfFieldOfView = 22.5f / 180 * 3.14159265f;  // vertical
 
 using Point = std::array<float, 3>;
 
-// All but a thousandth at either end of some numbers, at least one, which it reorders. Splats are
-// small: what lies outside is stray ones, not the subject's head or feet.
+// Range of some values (at least one, which it reorders) without the outermost thousandth at either
+// end. Splats are small: those outside are strays, not part of the subject.
 struct Range {
   float low, high;
   float middle() const { return 0.5f * (low + high); }
@@ -54,10 +54,10 @@ std::vector<Point> VisiblePoints(const Gaussians& g) {
   return points;
 }
 
-// Of the points in the images, mean over the views.
+// Extent of the points in the images, mean over the views.
 struct Filling {
-  float share = 0;         // of the image's height that they fill
-  float above_middle = 0;  // of the image's height, by which their middle is above its own
+  float share = 0;         // of the image's height that they cover
+  float above_middle = 0;  // offset of their middle above the image's, in image heights
 };
 Filling FillingOf(const std::vector<Point>& points, const std::vector<Camera>& cameras) {
   Filling mean;
@@ -89,7 +89,7 @@ Camera Lens(bool quick) {
   return lens;
 }
 
-// What lies before the axis looks larger than at the axis' distance, from which the search begins.
+// Points in front of the axis look larger than at the axis' distance, where the search starts.
 std::vector<Camera> FittingOrbit(const std::string& path,
                                  const std::vector<Point>& points,
                                  const Camera& lens) {
@@ -101,11 +101,11 @@ std::vector<Camera> FittingOrbit(const std::string& path,
   }
   if (!(box[1].length() > 0)) throw Error(path, "vertex", "those to be seen have no height");
   Point target{box[0].middle(), box[1].middle(), box[2].middle()};
-  // Outside of them, however low they are.
+  // Stays outside the points, however flat they are.
   const float nearest = 0.6f * std::hypot(box[0].length(), box[2].length());
   float distance = std::max(nearest, lens.fy * box[1].length() / (kFilled * float(lens.height)));
   std::vector<Camera> cameras = OrbitTarget(lens, target, kUp, distance, kViews);
-  constexpr int kSearchSteps = 5;  // the share is nearly in inverse proportion to the distance
+  constexpr int kSearchSteps = 5;  // the share is nearly inversely proportional to the distance
   for (int i = 0; i < kSearchSteps; ++i) {
     const Filling filling = FillingOf(points, cameras);
     const float height = float(lens.height) / lens.fy * distance;  // of the image, at the axis
@@ -116,7 +116,7 @@ std::vector<Camera> FittingOrbit(const std::string& path,
   return cameras;
 }
 
-// The fastest of some rounds over all views; the first round is not counted.
+// Fastest of several rounds over all views, after a warm-up round.
 struct ViewTime {
   double seconds = std::numeric_limits<double>::infinity();
   PhaseTimes phases;

@@ -20,7 +20,7 @@ constexpr int kSide = 512;          // px
 constexpr float kDistance = 0.84f;  // metres: the head covers 40 to 50 % of the image
 constexpr int kFrames = 24;
 
-// Splats spread over the head as training begins, opaque as training leaves them.
+// Splats spread over the head as at the start of training, with the opacity of trained ones.
 AvatarModel MakeAvatar(const FlameModel& flame, size_t count) {
   AvatarModel avatar;
   avatar.mesh = MakeCanonicalMesh(flame, {}, {}, {});
@@ -32,7 +32,7 @@ AvatarModel MakeAvatar(const FlameModel& flame, size_t count) {
   Gaussians& g = avatar.gaussians;
   g.degree = 2;
   g.Resize(count);
-  constexpr double kHeadArea = 0.25;  // square metres, about; each splat has an equal share
+  constexpr double kHeadArea = 0.25;  // square metres, approximate; shared equally by the splats
   const float spacing = float(std::sqrt(kHeadArea / double(count)));
   for (size_t i = 0; i < count; ++i) {
     g.at(kRotation, i)[0] = 1;
@@ -46,7 +46,7 @@ AvatarModel MakeAvatar(const FlameModel& flame, size_t count) {
   return avatar;
 }
 
-// Every parameter is different in every frame: the script's motion, and a wave on each.
+// Every parameter differs in every frame: the script's motion plus a wave on each.
 std::vector<PlaybackFrame> MakeMotion() {
   std::vector<PlaybackFrame> motion;
   for (const procedural::ScriptFrame& scripted : procedural::MakeScript({kFrames, 0, kSide, 0})) {
@@ -63,12 +63,12 @@ std::vector<PlaybackFrame> MakeMotion() {
   return motion;
 }
 
-// A way of playing.
+// A playback mode.
 struct Mode {
   const char* name;
   bool pipelined, half_resolution;
 };
-// The first is what avatar_fps says.
+// avatar_fps is measured with the first one.
 constexpr Mode kModes[] = {{"next frame posed meanwhile", true, false},
                            {"frame by frame", false, false},
                            {"half-resolution preview", true, true}};
@@ -90,8 +90,8 @@ void PlayOnce(const std::vector<PlaybackFrame>& motion, bool pipelined, Player& 
   seen(*playback.Finish());
 }
 
-// One player per mode; in turns, so that what else the machine does meets all of them. The fastest
-// pass of each counts.
+// One player per mode, measured alternately, so that other load on the machine affects all of them.
+// Returns the fastest pass of each.
 std::vector<double> FramesPerSecond(const BenchRun& run, std::vector<Player>& players) {
   const std::vector<PlaybackFrame> motion = MakeMotion();
   std::vector<double> best(players.size(), 0);
@@ -105,7 +105,7 @@ std::vector<double> FramesPerSecond(const BenchRun& run, std::vector<Player>& pl
   return best;
 }
 
-// Share of the pixels that the head mostly hides, over all frames.
+// Share of pixels that the head mostly covers, over all frames.
 double CoveredShare(Player& player) {
   size_t covered = 0, pixels = 0;
   PlayOnce(MakeMotion(), false, player, [&](const RenderedImage& image) {

@@ -1,5 +1,5 @@
-// What `cosplat bench` has measured, and how it is written: bench.json, a chart per series and a
-// page that shows them all.
+// Results of `cosplat bench` and their output: bench.json, one chart per series, and a page that
+// shows all charts.
 #pragma once
 
 #include <functional>
@@ -13,22 +13,23 @@ namespace cosplat {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// One chart: bench.json has it under `key`, and <key>.svg draws it.
+// One chart: stored in bench.json under `key` and drawn as <key>.svg.
 struct BenchSeries {
   std::string key;
   std::string explanation;  // one sentence: what the chart shows and how to read it
-  std::string statistic;    // how several readings became one number
+  std::string statistic;    // how repeated measurements were reduced to one number
   Chart chart;
-  OrderedJson more = OrderedJson::object();  // further figures that belong to it
+  OrderedJson more = OrderedJson::object();  // additional figures of this series
 };
 
-// How much is measured, and who is told.
+// Scope of the measurements and progress callback.
 struct BenchRun {
   bool quick = false;
   std::function<void(const std::string& detail)> progress;
 };
 
-// Writes <folder>/<key>.svg of each, index.html, and last bench.json: `head`, then the series.
+// Writes <folder>/<key>.svg of each series, index.html and finally bench.json: `head`, then the
+// series.
 void WriteBench(const std::string& folder,
                 const OrderedJson& head,
                 const std::vector<BenchSeries>& series);

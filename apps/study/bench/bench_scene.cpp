@@ -44,7 +44,7 @@ std::vector<TrainFrame> Reduced(const std::vector<TrainFrame>& frames, int divis
   return reduced;
 }
 
-// Does to the moments what storing them in 16 bits would.
+// Emulates storing the moments in 16 bits.
 class HalfMomentsSubject : public SceneSubject {
  public:
   using SceneSubject::SceneSubject;
@@ -62,7 +62,7 @@ std::unique_ptr<Subject> MakeSubject(const BenchScene& scene, const TrainingChoi
   return std::make_unique<SceneSubject>(std::move(frames), scene.extent);
 }
 
-// Mean over the held-out views, both images as bytes over the background.
+// Mean over the held-out views, on 8-bit images over the background.
 double HeldOutPsnr(const BenchScene& scene,
                    const Gaussians& gaussians,
                    const RenderSettings& settings) {
@@ -85,7 +85,7 @@ std::vector<Camera> CamerasAround(int side, int views) {
   std::vector<Camera> cameras;
   for (int i = 0; i < views; ++i) {
     const float turn = 6.2831853f * float(i) / float(views);
-    constexpr float kDistance = 0.95f;  // metres, as in the made head's video
+    constexpr float kDistance = 0.95f;  // metres, as in the procedural head's video
     cameras.push_back(
         procedural::OrbitCamera(turn, 0.45f * std::sin(3.7f * float(i)), kDistance, side));
   }

@@ -1,4 +1,4 @@
-// Photographs that `cosplat bench` trains on: a made head's, or a scene of the user's.
+// Images that `cosplat bench` trains on: of the procedural head, or a scene given by the user.
 #pragma once
 
 #include <string>
@@ -12,18 +12,18 @@ namespace cosplat {
 struct BenchScene {
   std::string name;
   std::vector<TrainFrame> train, test;
-  std::vector<float> points;          // [P, 3] where Gaussians begin, world units
+  std::vector<float> points;          // [P, 3] initial Gaussian positions, world units
   std::vector<uint8_t> point_colors;  // [P, 3]
   float extent = 1;
-  std::string background = "black";  // as --background
+  std::string background = "black";  // as for --background
   size_t max_gaussians = 0;
 };
 
 // The procedural head at rest, seen from all sides; `views` images of `side` px, every fifth held
-// out. Gaussians begin grey on its vertices.
+// out. The initial Gaussians are grey and lie on its vertices.
 BenchScene MakeHeadScene(int side, int views);
 
-// A folder as train-scene takes it, every 8th view held out where it has no test views.
+// A folder in train-scene's format; every 8th view is held out if it has no test views.
 BenchScene LoadBenchScene(const std::string& path, int resolution);
 
 struct TrainedScene {
@@ -33,19 +33,19 @@ struct TrainedScene {
   std::vector<MemoryPart> memory;
 };
 
-// What a training run may differ in.
+// Parameters in which training runs differ.
 struct TrainingChoice {
-  int divisor = 1;  // of the training images' size
+  int divisor = 1;  // downscaling factor of the training images
   int iterations = 0;
   uint64_t seed = 0;
   StepShortcuts shortcuts = {};
-  bool half_moments = false;  // of the colours' higher bands (apps/study/bench/half_adam.h)
+  bool half_moments = false;  // for the higher colour bands (apps/study/bench/half_adam.h)
 };
 
-// Held-out views are drawn with the exact exponential whatever the training had.
+// Held-out views are rendered with the exact exponential, whichever one training used.
 TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choice);
 
-// A further step of such a run, ms: the mean of `steps`. Moments are floats.
+// Milliseconds per further step of such a run: the mean of `steps`. Moments are stored as floats.
 double StepMs(const BenchScene& scene,
               const TrainingChoice& choice,
               const Gaussians& trained,

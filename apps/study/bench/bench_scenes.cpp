@@ -12,7 +12,7 @@
 namespace cosplat {
 namespace {
 
-// Gaussians and the images they are drawn for.
+// Gaussians and the views that they are rendered for.
 struct Drawn {
   std::string name;
   Gaussians gaussians;
@@ -60,7 +60,7 @@ struct TrainingRun {
   double step_ms = std::numeric_limits<double>::infinity();
 };
 
-// Runs of equal divisor follow each other, from short to long.
+// Runs with the same divisor are consecutive, from short to long.
 std::vector<TrainingRun> TrainAll(const BenchRun& run, const BenchScene& scene) {
   std::vector<int> lengths{250, 500, 1000, 2000}, divisors{1, 2, 4};
   if (run.quick) lengths = {40, 80}, divisors = {1, 2};
@@ -95,7 +95,7 @@ void AddRuns(const BenchScene& scene,
   }
 }
 
-// Of the longest run on images at full size.
+// Result of the longest run on full-size images.
 Gaussians BestOf(std::vector<TrainingRun>& runs) {
   TrainingRun* best = &runs[0];
   for (TrainingRun& r : runs)
@@ -103,7 +103,7 @@ Gaussians BestOf(std::vector<TrainingRun>& runs) {
   return std::move(best->trained.gaussians);
 }
 
-// Seconds that the blend loop takes for a view on one thread.
+// Seconds per view spent in the blend loop on one thread.
 double BlendSeconds(const Gaussians& g, const Camera& camera, int repeats) {
   using tbb::global_control;
   const global_control one_thread(global_control::max_allowed_parallelism, 1);

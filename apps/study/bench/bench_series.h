@@ -1,4 +1,4 @@
-// `cosplat bench --splats`: how fast a file of splats is drawn from all around.
+// `cosplat bench --splats`: rendering speed of a splat file on an orbit.
 #pragma once
 
 #include <string>
@@ -18,48 +18,47 @@ struct OrbitSubject {
   std::vector<Camera> cameras;
 };
 
-// Reads a PLY file and stands cameras around its splats, looking level at their middle, -y up, at
-// such a distance that the visible ones (but for a thousandth at either end) fill 90 % of the
-// images' height on average. 1920x1080 px, a 30th of it when `quick`. Throws Error when nothing
-// is to be seen.
+// Reads a PLY file and places cameras around its splats, looking horizontally at their centre, with
+// -y up, at a distance at which the visible splats (without the outermost thousandth at either end)
+// fill 90 % of the image height on average. 1920x1080 px, or a 30th of it if `quick`. Throws Error
+// if no splat is visible.
 OrbitSubject LoadOrbit(const std::string& path, bool quick);
 
 struct OrbitResult {
   BenchSeries series;
-  Image first;  // image of the first camera
+  Image first;  // rendered from the first camera
 };
 OrbitResult MeasureOrbit(const BenchRun& run, const OrbitSubject& subject);
 
-// `cosplat bench`: the blend loop beside what the machine can do.
-
-// Time per pair on every instruction set, its share of the FMA peak, and the memory stream. Adds
-// the figures of the instruction set in use to `head`.
+// `cosplat bench`: the blend loop compared with the machine's limits.
+//
+// Time per pixel-splat pair on every instruction set, its share of the FMA peak, and the memory
+// bandwidth. Adds the figures of the instruction set in use to `head`.
 std::vector<BenchSeries> MeasureLoops(const BenchRun& run, OrderedJson& head);
 
-// `cosplat bench`: what a training run holds in memory.
-
-// Bytes per Gaussian, part by part, of a synthetic view and of a run on each scene.
+// `cosplat bench`: memory held by a training run.
+//
+// Bytes per Gaussian, by component, of a synthetic view and of a run on each scene.
 BenchSeries MeasureMemory(const BenchRun& run, const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: frames per second of a moving avatar.
-
-// Against the number of splats; adds avatar_fps, that of an avatar of the usual size, to `head`.
+// `cosplat bench`: frame rate of an animated avatar.
+//
+// As a function of the number of splats; adds avatar_fps, for an avatar of typical size, to `head`.
 BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head);
 
-// `cosplat bench`: what is measured on images: speed against accuracy, the pairs that the
-// blend loop looks at, and where a step's time goes.
-
+// `cosplat bench`: measurements on images: speed against accuracy, the pairs that the blend loop
+// evaluates, and the time per phase of a step.
 std::vector<BenchSeries> MeasureScenes(const BenchRun& run, const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: what each shortcut of the training step gains in time and costs in accuracy.
-
-// A chart per scene: that of the first is `shortcuts`, that of a second one `shortcuts_given`.
+// `cosplat bench`: time gained and accuracy lost by each shortcut of the training step.
+//
+// One chart per scene: `shortcuts` for the first, `shortcuts_given` for a second one.
 std::vector<BenchSeries> MeasureShortcuts(const BenchRun& run,
                                           const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: how the time of a training step grows.
-
-// On synthetic views: against the number of Gaussians, of pixels and of threads.
+// `cosplat bench`: scaling of the time of a training step.
+//
+// On synthetic views, with the number of Gaussians, of pixels and of threads.
 std::vector<BenchSeries> MeasureSteps(const BenchRun& run);
 
 }  // namespace cosplat

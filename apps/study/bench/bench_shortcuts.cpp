@@ -13,7 +13,7 @@
 namespace cosplat {
 namespace {
 
-// What is varied on its own; the default (TrainSettings) is in every group.
+// A parameter that is varied on its own; the default (TrainSettings) is in every group.
 struct Group {
   const char* name;
   const char* default_label;
@@ -27,11 +27,11 @@ struct Variant {
   size_t group;
   std::string label;
   TrainingChoice choice;
-  std::vector<double> psnr = {};  // of each seed, dB
+  std::vector<double> psnr = {};  // per seed, dB
   double step_ms = std::numeric_limits<double>::infinity();
 };
 
-// The default comes first.
+// The first one is the default.
 std::vector<Variant> MakeVariants(int iterations) {
   const TrainingChoice base{1, iterations};
   std::vector<Variant> variants{{0, kGroups[0].default_label, base}};
@@ -51,7 +51,7 @@ std::string NameOf(const Variant& v) { return std::string(kGroups[v.group].name)
 double Mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
-// Of one value, estimated from at least two.
+// Sample standard deviation of one value; needs at least two values.
 double Deviation(const std::vector<double>& values) {
   const double mean = Mean(values);
   double sum = 0;
@@ -59,7 +59,7 @@ double Deviation(const std::vector<double>& values) {
   return std::sqrt(sum / double(values.size() - 1));
 }
 
-// Fills in psnr. Returns the Gaussians of the default and the first seed.
+// Fills in `psnr`. Returns the Gaussians of the default variant with the first seed.
 Gaussians TrainVariants(const BenchRun& run,
                         const BenchScene& scene,
                         int seeds,
@@ -76,7 +76,7 @@ Gaussians TrainVariants(const BenchRun& run,
   return first;
 }
 
-// How many numbers of the colours' higher bands a step updates, mean over the views.
+// Parameters of the higher colour bands that a step updates, mean over the views.
 uint32_t NumbersPerStep(const BenchScene& scene, const Gaussians& g) {
   double share = 0;
   for (const TrainFrame& frame : scene.train) share += AdamShare(g, frame.camera);
@@ -84,13 +84,13 @@ uint32_t NumbersPerStep(const BenchScene& scene, const Gaussians& g) {
   return std::max(1u, uint32_t(gaussians * g.width(kColorRest)));
 }
 
-// Fills in step_ms, all of steps on the same Gaussians. Where moments have 16 bits, which the
-// trainer cannot, it is reckoned: the default's less what the optimiser's loop gains.
+// Fills in `step_ms`, with all steps on the same Gaussians. The trainer does not support 16-bit
+// moments: their time is estimated as the default's minus the gain in the optimiser's loop.
 AdamLoopTimes TimeVariants(const BenchRun& run,
                            const BenchScene& scene,
                            const Gaussians& g,
                            std::vector<Variant>& variants) {
-  // Many short readings: differences are small, and a quiet moment is enough.
+  // Many short measurements, as the differences are small and a quiet moment suffices.
   const int rounds = run.quick ? 1 : 25, steps = run.quick ? 3 : 8;
   for (int round = 0; round < rounds; ++round)
     for (Variant& v : variants) {

@@ -17,18 +17,18 @@ constexpr uint64_t kSeed = 1;
 constexpr size_t kUsualCount = 30000;
 constexpr int kUsualSide = 512;  // px
 
-// Every point is measured in each of some rounds, and the fastest counts: what else the machine
-// does comes and goes in between.
+// Rounds over all points, of which the fastest measurement counts; other load on the machine varies
+// between rounds.
 int Rounds(const BenchRun& run) { return run.quick ? 1 : 3; }
 
 double StepMs(const BenchRun& run, const SyntheticView& view) {
   return run.quick ? TimeSteps(view, 1, 3).fastest_ms : TimeSteps(view, 2, 8).fastest_ms;
 }
 
-// The fastest of `ms` and what mark.y is from an earlier round; 0: from none.
+// Keeps the minimum of `ms` and mark.y, which is 0 in the first round.
 void KeepFastest(double ms, Mark& mark) { mark.y = mark.y > 0 ? std::min(mark.y, ms) : ms; }
 
-// Exponent with which y grows with x between two marks: 1 is in proportion.
+// Exponent of the growth of y with x between two marks: 1 is linear.
 double Slope(const Mark& from, const Mark& to) {
   return std::log(to.y / from.y) / std::log(to.x / from.x);
 }
@@ -39,8 +39,7 @@ OrderedJson Slopes(const std::vector<Mark>& marks) {
           {"last_slope", Slope(marks[marks.size() - 2], marks.back())}};
 }
 
-// A line in proportion to x through the last mark: a curve that is steeper than it grows faster
-// than in proportion.
+// A line through the last mark, proportional to x: a steeper curve grows superlinearly.
 ChartSeries Proportional(const std::vector<Mark>& marks) {
   const Mark &first = marks.front(), &last = marks.back();
   const double x = std::max(first.x, last.x * first.y / last.y);

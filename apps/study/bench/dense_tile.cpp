@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSplats = 128, kPixels = kTileSize * kTileSize;
 
-// Every pixel takes every splat, and none is opaque at the end.
+// Every pixel accepts every splat, and none is opaque at the end.
 std::vector<ProjectedSplat> DenseSplats() {
   Rng rng{1};
   std::vector<ProjectedSplat> splats(kSplats);
@@ -60,7 +60,7 @@ struct Tile {
   }
 };
 
-// The same formulas with T = float, a pixel at a time.
+// The same formulas with T = float, one pixel at a time.
 void ScalarForward(Tile& tile) {
   for (int y = 0; y < kTileSize; ++y)
     for (int x = 0; x < kTileSize; ++x) {

@@ -14,10 +14,10 @@ namespace cosplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Independent chains: two units times a latency of up to six cycles; the chains and their two
-// factors fit the sixteen registers of AVX2.
+// factors fit into the sixteen registers of AVX2.
 constexpr int kChains = 12;
 
-// Returns how many operations it did. `sink`: [kChains lanes], so that nothing is left out.
+// Returns the number of operations. `sink`: [kChains lanes], prevents elimination of the loop.
 double MultiplyAdd(int rounds, float* sink) {
   const hn::ScalableTag<float> d;
   const auto scale = hn::Set(d, 0.999f), offset = hn::Set(d, 1e-3f);

@@ -20,8 +20,8 @@
 
 COSPLAT_MATH_BEGIN
 
-// 32 random bits: the finaliser of MurmurHash3 (Appleby 2011) over the index, which each step
-// shifts by the golden ratio of 2^32.
+// 32 random bits: the finaliser of MurmurHash3 (Appleby 2011) of the index, offset in each step by
+// 2^32 over the golden ratio.
 inline uint32_t HashOf(uint32_t index, uint32_t step) {
   uint32_t h = index + step * 0x9e3779b9u;
   h = (h ^ (h >> 16)) * 0x85ebca6bu;
@@ -31,12 +31,12 @@ inline uint32_t HashOf(uint32_t index, uint32_t step) {
 
 inline float FromHalf(uint16_t half) { return std::bit_cast<float>(uint32_t(half) << 16); }
 
-// `random` < 2^16. It carries into the upper half with the chance that the lower half is of 2^16.
+// `random` < 2^16. The probability of a carry into the upper half is the lower half / 2^16.
 inline uint16_t ToHalf(float x, uint32_t random) {
   constexpr uint32_t kInfinity = 0x7f800000u, kQuiet = 0x00400000u;
   const uint32_t bits = std::bit_cast<uint32_t>(x);
   const bool is_nan = (bits & 0x7fffffffu) > kInfinity;
-  // A NaN must neither overflow nor be left with an infinity's upper half.
+  // A NaN must neither overflow nor become an infinity by losing its lower half.
   return uint16_t((is_nan ? bits | kQuiet : bits + random) >> 16);
 }
 
@@ -51,7 +51,7 @@ inline void Store(float m, float v, uint32_t hash, uint16_t& to_m, uint16_t& to_
   to_v = ToHalf(v, hash >> 16);
 }
 
-// Indices have 32 bits, as many as a lane.
+// Indices have 32 bits, the same width as the lanes.
 void RoundRange(
     uint32_t step, uint32_t begin, uint32_t end, float* __restrict m, float* __restrict v) {
   for (uint32_t i = begin; i < end; ++i) {
@@ -78,7 +78,7 @@ size_t Update(const MomentArray<Moment>& a, uint32_t step, uint32_t begin, uint3
   }
   return bad;
 }
-// One name each, which dispatching needs.
+// Named functions, as required by the dispatch.
 size_t UpdateFloats(const MomentArray<float>& a, uint32_t step, uint32_t begin, uint32_t end) {
   return Update(a, step, begin, end);
 }
@@ -112,7 +112,7 @@ size_t AdamRange(const MomentArray<uint16_t>& array, uint32_t step, uint32_t beg
 
 namespace {
 
-// Calls f(begin, end) on all threads, a task being about what one takes in the optimiser.
+// Calls f(begin, end) on all threads; a task is about as large as one of the optimiser's.
 template <class F>
 void InTasks(uint32_t numbers, const F& f) {
   constexpr uint32_t kTask = 1 << 15;
@@ -131,7 +131,7 @@ struct Loop {
     Rng rng{1};
     for (float& g : gradient) g = rng.Normal();
   }
-  // Which constants does not matter, as long as nothing overflows.
+  // The values of the constants do not matter, as long as nothing overflows.
   void Run(uint32_t step) {
     const MomentArray<Moment> array{
         0.9f, 0.999f, 1e-6f, 1e-15f, gradient.data(), value.data(), m.data(), v.data()};
@@ -147,14 +147,14 @@ struct Loop {
 AdamLoopTimes TimeAdamLoops(uint32_t numbers, int batches) {
   Loop<float> floats(numbers);
   Loop<uint16_t> halves(numbers);
-  // What the rest of a training step does to the caches: 96 MiB are more than two cores have.
+  // Evicts the caches, as the rest of a training step does: 96 MiB exceed the caches of two cores.
   Buffer<float> other(size_t(96) << 18);
   const auto clear_caches = [&] {
     InTasks(uint32_t(other.size()), [&](uint32_t begin, uint32_t end) {
       for (uint32_t i = begin; i < end; ++i) other[i] += 1;
     });
   };
-  // In turns, so that what else the machine does meets both.
+  // Alternately, so that other load on the machine affects both.
   for (int batch = 0; batch < batches; ++batch) {
     clear_caches();
     floats.Run(uint32_t(batch));

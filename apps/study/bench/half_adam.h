@@ -1,9 +1,9 @@
-// What storing Adam's moments in 16 bits would cost and gain; the optimiser stores floats.
+// Cost and benefit of storing Adam's moments in 16 bits; the actual optimiser stores floats.
 //
-// A number of 16 bits is the upper half of a float (bfloat16: a float's exponent, 8 significant
-// bits). Rounded to the nearest, a second moment would never shrink, since 1 - beta2 is less than
-// half of its last bit; so it is rounded up or down at random, right on average (Gupta et al. 2015,
-// Deep Learning with Limited Numerical Precision).
+// A 16-bit number is the upper half of a float (bfloat16: a float's exponent, 8 significant bits).
+// With rounding to nearest, a second moment would never shrink, since 1 - beta2 is less than half
+// of its last bit; it is therefore rounded stochastically, unbiased in expectation (Gupta et al.
+// 2015, Deep Learning with Limited Numerical Precision).
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace cosplat {
 
-// Rounds numbers begin .. end of m and v to what 16 bits hold. The chance is a hash of a number's
-// index and of `step`. Infinities and NaN stay what they are.
+// Rounds elements [begin, end) of m and v to 16-bit precision. The random bits are a hash of an
+// element's index and `step`. Infinities and NaN are preserved.
 void RoundMoments(uint32_t step, uint32_t begin, uint32_t end, float* m, float* v);
 
-// Numbers, their gradients and their moments, stored as float or in 16 bits (uint16_t); and the
+// Parameters, their gradients and their moments, stored as float or in 16 bits (uint16_t); and the
 // constants of a step (math/adam.h).
 template <class Moment>
 struct MomentArray {
@@ -26,8 +26,8 @@ struct MomentArray {
   Moment* v = nullptr;
 };
 
-// The optimiser's inner loop on numbers begin .. end: AdamUpdate, and where moments have 16 bits
-// then RoundMoments. Returns how many gradients were not finite (and counted as zero).
+// The optimiser's inner loop on elements [begin, end): AdamUpdate and, for 16-bit moments,
+// RoundMoments. Returns the number of non-finite gradients (treated as zero).
 size_t AdamRange(const MomentArray<float>& array, uint32_t step, uint32_t begin, uint32_t end);
 size_t AdamRange(const MomentArray<uint16_t>& array, uint32_t step, uint32_t begin, uint32_t end);
 
@@ -36,8 +36,8 @@ struct AdamLoopTimes {
   double half_ms = 0;
 };
 
-// A step of each on the same count of numbers (at least 1), all threads, arrays in no cache; the
-// fastest of `batches` (at least 1).
+// Times a step of each variant on the same number of parameters (at least 1), on all threads, with
+// cold caches; the fastest of `batches` (at least 1).
 AdamLoopTimes TimeAdamLoops(uint32_t numbers, int batches);
 
 }  // namespace cosplat

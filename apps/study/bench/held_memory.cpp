@@ -12,10 +12,10 @@
 namespace cosplat {
 namespace {
 
-constexpr int kSteps = 3;  // every buffer has its size after the first
+constexpr int kSteps = 3;  // all buffers have their final size after the first
 constexpr uint64_t kSeed = 1;
 
-// Of this process, without what the C library only keeps for later.
+// Of this process, excluding free memory retained by the C library.
 double ResidentBytes() {
   malloc_trim(0);
   constexpr const char* kFile = "/proc/self/statm";
@@ -50,7 +50,7 @@ std::vector<MemoryPart> MemoryOfSteps(SyntheticView view, int steps) {
 }
 
 double ResidentBytesPerGaussian(size_t fewer, size_t more, int side) {
-  ResidentGrowth(fewer, side);  // what threads and code take once
+  ResidentGrowth(fewer, side);  // absorbs one-time allocations of threads and code
   return (ResidentGrowth(more, side) - ResidentGrowth(fewer, side)) / double(more - fewer);
 }
 

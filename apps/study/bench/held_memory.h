@@ -1,4 +1,4 @@
-// What a training run holds in memory, as it says itself and as the system sees it.
+// Memory held by a training run, as reported by itself and as measured by the system.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace cosplat {
 
-// Sum of the parts that grow with the Gaussians or with the pixels, bytes.
+// Sum of the parts that grow with the number of Gaussians or of pixels, bytes.
 size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of);
 
 // After `steps` training steps on the view, at its full degree, without density control.
 std::vector<MemoryPart> MemoryOfSteps(SyntheticView view, int steps);
 
-// Bytes per Gaussian by which the process's resident set grows more with a training run of `more`
-// Gaussians than with one of `fewer`, both on synthetic views of side x side px (whose buffers are
-// therefore not in it). Read from Linux's /proc; throws Error where that is not.
+// Growth of the process's resident set per additional Gaussian, bytes: a training run of `more`
+// Gaussians compared with one of `fewer`, both on synthetic views of side x side px (so image
+// buffers cancel out). Reads Linux's /proc; throws Error where that is not available.
 double ResidentBytesPerGaussian(size_t fewer, size_t more, int side);
 
 }  // namespace cosplat

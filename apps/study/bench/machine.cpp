@@ -23,7 +23,7 @@ std::string CpuName() {
 
 std::vector<SimdTarget> SimdTargets() {
   std::vector<SimdTarget> targets;
-  // From the lowest bit, which is the best.
+  // Starting at the lowest bit, the best target.
   for (const int64_t id : hwy::SupportedAndGeneratedTargets())
     targets.push_back({id, hwy::TargetName(id)});
   return targets;
@@ -35,7 +35,7 @@ OnlySimdTarget::OnlySimdTarget(const SimdTarget& target) {
 OnlySimdTarget::~OnlySimdTarget() { hwy::SetSupportedTargetsForTest(0); }
 
 double StreamGbs(size_t bytes, bool all_cores, int batches) {
-  // Floats that one task works on: long enough that starting it costs nothing beside.
+  // Floats per task: enough to make the task overhead negligible.
   constexpr size_t kTask = 1 << 18;
   const size_t tasks = std::max<size_t>(1, bytes / (3 * sizeof(float) * kTask));
   Buffer<float> a(tasks * kTask), b(a.size(), 1.0f), c(a.size(), 2.0f);

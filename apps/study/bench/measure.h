@@ -1,5 +1,5 @@
-// How the measurements of this folder take time: after a call that is not counted, the fastest of
-// several batches, so that a machine that is busy with other things spoils little.
+// Timing for the measurements of this folder: a warm-up call, then the fastest of several batches,
+// so that other load on the machine has little influence.
 #pragma once
 
 #include <algorithm>

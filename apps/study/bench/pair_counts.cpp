@@ -26,9 +26,9 @@ Projected Project(const Gaussians& gaussians, const Camera& camera) {
   return p;
 }
 
-// Part of a tile, and how opaque its pixels are: 0 transmittance beyond the image.
+// Part of a tile and the transmittance of its pixels, 0 beyond the image.
 struct Block {
-  float x0, y0;  // its first pixel's centre
+  float x0, y0;  // centre of its first pixel
   std::array<float, kBlockSize * kBlockSize> transmittance;
 
   bool Open() const {
@@ -49,7 +49,7 @@ struct Block {
   }
 };
 
-// The block whose first pixel this is.
+// The block with this first pixel.
 Block BlockAt(int x0, int y0, const Camera& camera) {
   Block block{float(x0) + 0.5f, float(y0) + 0.5f, {}};
   for (int i = 0; i < kBlockSize * kBlockSize; ++i)

@@ -1,5 +1,4 @@
-// How much work a view needs: of the blend loop, pixel and splat pairs; of the optimiser,
-// Gaussians.
+// Work required by a view: pixel-splat pairs in the blend loop, and Gaussians in the optimiser.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +9,18 @@
 namespace cosplat {
 
 struct PairCounts {
-  // Pixels of the blocks that a splat reaches, while a pixel of the block still takes splats: the
-  // lanes that the blend loop works on.
+  // Pixels of the blocks that a splat reaches, while any pixel of the block still accepts splats:
+  // the lanes that the blend loop processes.
   uint64_t evaluated = 0;
-  // Of them, those with an alpha of at least 1/255 that are not yet opaque.
+  // Those with an alpha of at least 1/255, at pixels that are not yet opaque.
   uint64_t contributing = 0;
 };
 
-// Of one view over a black background, colours of all stored bands.
+// One view over a black background, with all stored colour bands.
 PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera);
 
-// Share of the Gaussians (at least 1) whose groups a step on this view updates with AdamOn::kDrawn.
+// Share of the Gaussians (at least 1) in groups that a step on this view updates with
+// AdamOn::kDrawn.
 double AdamShare(const Gaussians& gaussians, const Camera& camera);
 
 }  // namespace cosplat

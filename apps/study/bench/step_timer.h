@@ -1,4 +1,4 @@
-// What a training step and its phases cost.
+// Cost of a training step and its phases.
 #pragma once
 
 #include <vector>
@@ -16,18 +16,18 @@ struct StepTimes {
   PhaseTimes mean_phases;  // seconds per step
 };
 
-// What a step may leave out or do less exactly (TrainSettings).
+// Parts of a step that may be skipped or computed less exactly (TrainSettings).
 struct StepShortcuts {
   int exp_degree = kMaxExpDegree;
   AdamOn adam_on = AdamOn::kDrawn;
 };
 
-// Statistics for density control are gathered, as in most steps of a run, and not acted upon; no
-// resets.
+// Gathers the statistics for density control, as in most steps of a run, without acting on them; no
+// opacity resets.
 TrainSettings SteadySettings(int degree);
 
-// Trains `first` on `frames` at their full degree, without density control and without resets:
-// `warm_up` steps that are not counted, then `steps` (at least 1) that are.
+// Trains `first` on `frames` at full degree, without density control or opacity resets: `warm_up`
+// untimed steps, then `steps` (at least 1) timed ones.
 StepTimes TimeSteps(std::vector<TrainFrame> frames,
                     const Gaussians& first,
                     int warm_up,

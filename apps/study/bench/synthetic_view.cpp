@@ -27,7 +27,7 @@ Camera CameraFor(int width, int height) {
   return c;
 }
 
-// Standard deviation, px, with which `count` splats of the mean opacity cover the image
+// Standard deviation, px, with which `count` splats of mean opacity cover the image
 // kSyntheticLayers times with an alpha of at least kMinAlpha, before the low-pass filter.
 float SigmaPx(size_t count, const Camera& camera) {
   const double area = kSyntheticLayers * camera.width * camera.height / double(count);
@@ -49,10 +49,11 @@ Shape DrawRound(float sigma_px, Rng& rng) {
   return shape;
 }
 
-// Half of what a training leaves are needles, the other half discs: the thinnest axis is far below
-// a pixel, and so is the middle one of every second. Lengths and opacities are distributed about as
-// those of a chair trained at 800x800 for 30,000 steps: the longest axis has a median of 1.8 px and
-// a tenth of them above 7.5, the opacity's quartiles are 0.10, 0.31 and 0.67.
+// Half of the Gaussians in a trained scene are needle-like, the other half discs: the thinnest axis
+// is far below a pixel, and for every second one so is the middle axis. Lengths and opacities are
+// distributed roughly as in a chair trained at 800x800 for 30,000 steps: the longest axis has a
+// median of 1.8 px and a 90th percentile of 7.5 px, the opacity's quartiles are 0.10, 0.31 and
+// 0.67.
 Shape DrawTrained(Rng& rng) {
   constexpr float kThin = 0.003f;  // px
   const float longest = 1.84f * std::exp(1.1f * rng.Normal());
@@ -84,7 +85,7 @@ Gaussians Spread(size_t count, const Camera& camera, Rng& rng, const DrawShape& 
   return g;
 }
 
-// Moved by a fraction of their size and recoloured, so that every gradient is at work.
+// Moved by a fraction of their size and recoloured, so that no gradient is zero.
 void Displace(Gaussians& g, Rng& rng) {
   for (size_t i = 0; i < g.size(); ++i)
     for (int k = 0; k < 3; ++k) {
@@ -93,7 +94,7 @@ void Displace(Gaussians& g, Rng& rng) {
     }
 }
 
-// Photographs `start`, and displaces it.
+// Renders the frame from `start`, then displaces `start`.
 SyntheticView Photographed(Gaussians start, const Camera& camera, Rng& rng) {
   SyntheticView view;
   view.frame.camera = camera;

@@ -7,7 +7,7 @@
 namespace cosplat {
 namespace {
 
-constexpr double kSlack = 1e-9;  // a value this close to a round number is that number
+constexpr double kSlack = 1e-9;  // relative tolerance for treating a value as a round number
 
 // The round numbers 1, 2, 5, 10, 20, ... and their fractions, by index.
 double RoundNumber(int index) {
@@ -15,7 +15,7 @@ double RoundNumber(int index) {
   const int decade = index >= 0 ? index / 3 : -((2 - index) / 3);
   return kMantissa[index - 3 * decade] * std::pow(10.0, decade);
 }
-// The largest one that is at most `value` > 0.
+// Index of the largest round number that is at most `value` > 0.
 int RoundIndexBelow(double value) {
   int index = 3 * int(std::floor(std::log10(value))) + 3;
   while (RoundNumber(index) > value * (1 + kSlack)) --index;
@@ -77,7 +77,7 @@ std::string ShortNumber(double value, int digits) {
 }
 
 std::vector<std::string> TickTexts(const std::vector<double>& ticks) {
-  constexpr int kAllDigits = 17;  // that a double has
+  constexpr int kAllDigits = 17;  // significant digits of a double
   std::vector<std::string> texts;
   for (int digits = 3; digits <= kAllDigits; ++digits) {
     texts.clear();

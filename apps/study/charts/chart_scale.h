@@ -1,4 +1,4 @@
-// Numbers along a chart's axis: where they lie, which ones get a tick, how they are written.
+// Axis of a chart: positions of values, choice of ticks and their labels.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@ namespace cosplat {
 class ChartScale {
  public:
   // Covers `values` and ends on round numbers (1, 2, 5 times a power of ten); a linear scale that
-  // would begin near zero begins there. Bars: always from zero.
+  // would begin near zero begins at zero. `from_zero`, for bars: always begins at zero.
   ChartScale(std::vector<double> values, bool log, bool from_zero);
-  // Share of the way along the axis.
+  // Position as a fraction of the axis length.
   double operator()(double value) const;
   const std::vector<double>& ticks() const { return ticks_; }
 
@@ -24,10 +24,10 @@ class ChartScale {
   std::vector<double> ticks_;
 };
 
-// Significant digits, with k and M: 0.25, 12, 1.5k, 1M.
+// Rounded to significant digits, with k and M: 0.25, 12, 1.5k, 1M.
 std::string ShortNumber(double value, int digits = 3);
 
-// Short numbers with as many digits as tell each tick from the next.
+// Short numbers with as many digits as needed to distinguish neighbouring ticks.
 std::vector<std::string> TickTexts(const std::vector<double>& ticks);
 
 }  // namespace cosplat

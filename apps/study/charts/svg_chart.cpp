@@ -28,7 +28,7 @@ bool IsShown(const Chart& chart, const Mark& mark) {
   return shown(mark.x, chart.x) && (chart.kind == Chart::Kind::kBars || shown(mark.y, chart.y));
 }
 
-// Of all marks that are shown, with the ends of their error bars.
+// Values of all shown marks, including the ends of their error bars.
 std::vector<double> Values(const Chart& chart,
                            double Mark::*member,
                            double Mark::*error,
@@ -113,7 +113,7 @@ class PointPlot {
   void DrawMark(const Mark& mark, size_t series) {
     const double x = X(mark.x), y = Y(mark.y);
     const std::string color = ColorOf(series);
-    // A logarithmic axis ends above zero.
+    // On a logarithmic axis, error bars must stay above zero.
     const auto low = [](double value, double error, bool log) {
       return log && error >= value ? value : value - error;
     };
@@ -131,7 +131,7 @@ class PointPlot {
       drawing_.Dot(x, y, color);
     if (mark.ringed) drawing_.Ring(x, y, kRing);
   }
-  // With a cap at either end.
+  // With a cap at both ends.
   void DrawErrorBar(double x0, double y0, double x1, double y1, const std::string& color) {
     const double dx = y0 == y1 ? 0 : kCap, dy = kCap - dx;
     TakeLine(x0, y0, x1, y1);
@@ -147,10 +147,10 @@ class PointPlot {
       taken_.push_back({x - 2, y - 2, x + 2, y + 2});
     }
   }
-  // Where it covers least of what is there: right of the point, left, above or below.
+  // Placed where it covers least: right of the point, left, above or below.
   void DrawLabel(const Mark& mark, const std::string& color) {
     struct Place {
-      double x, y;  // of the text's beginning, middle or end; its base line
+      double x, y;  // of the text's anchor, on its baseline
       SvgAnchor anchor;
       SvgBox box;
     };
@@ -185,7 +185,7 @@ class PointPlot {
   std::vector<SvgBox> taken_;
 };
 
-// Labels of bars in the order in which they first appear.
+// Bar labels in order of first appearance.
 std::vector<std::string> Categories(const Chart& chart) {
   std::vector<std::string> names;
   for (const ChartSeries& series : chart.series)
@@ -224,7 +224,7 @@ class BarPlot {
 
  private:
   double X(double value) const {
-    constexpr double kNumber = 40;  // room for the one after the longest bar
+    constexpr double kNumber = 40;  // space for the number after the longest bar
     return left_ + scale_(value) * (kChartWidth - left_ - kChartMarginRight - kNumber);
   }
   void DrawGroup(const std::string& category, double y) {

@@ -1,5 +1,5 @@
-// Small charts as SVG: lines, points and bars on linear or logarithmic axes. Self-contained, on
-// white, readable at its natural size; used by `bench`, `report` and `study`.
+// Small charts as SVG: lines, points and bars on linear or logarithmic axes. Self-contained, white
+// background, readable at natural size; used by `bench`, `report` and `study`.
 #pragma once
 
 #include <string>
@@ -15,8 +15,8 @@ struct Axis {
 
 struct Mark {
   double x = 0, y = 0;
-  std::string label;  // beside the point; may be empty. Of bars: the category
-  // Not of bars: half the length of error bars, none where 0; a ring around the point.
+  std::string label;  // next to the point, may be empty; for bars: the category
+  // Not for bars: half the length of the error bars (0: none), and a ring around the point.
   double x_error = 0, y_error = 0;
   bool ringed = false;
 };
@@ -28,20 +28,20 @@ struct ChartSeries {
 
 struct Chart {
   enum class Kind {
-    kLines,   // points joined in their order
-    kPoints,  // points alone
-    // A bar of length x per mark, grouped by label, one below the other; y is not used. On a
-    // logarithmic axis, which has no zero for a bar to begin at, a dot on a line.
+    kLines,   // points joined in order
+    kPoints,  // points only
+    // One bar of length x per mark, grouped by label, stacked vertically; y is unused. A
+    // logarithmic axis has no zero at which a bar could begin, so it shows dots on lines instead.
     kBars
   };
   Kind kind = Kind::kLines;
   std::string title;
   Axis x, y;
   std::vector<ChartSeries> series;
-  std::vector<ChartSeries> guides;  // dashed lines to compare with, all shown; not with bars
+  std::vector<ChartSeries> guides;  // dashed reference lines, always fully visible; not with bars
 };
 
-// Marks that are not finite, or not positive on a logarithmic axis, are left out.
+// Omits marks that are non-finite, or not positive on a logarithmic axis.
 std::string ToSvg(const Chart& chart);
 
 }  // namespace cosplat

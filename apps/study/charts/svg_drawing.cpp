@@ -53,7 +53,7 @@ double Overlap(const SvgBox& a, const SvgBox& b) {
 }
 
 double SvgTextWidth(const std::string& text) {
-  constexpr double kMeanWidth = 0.56;  // of a character, in font sizes
+  constexpr double kMeanWidth = 0.56;  // of a character, in units of the font size
   size_t characters = 0;
   for (const char c : text) characters += (uint8_t(c) & 0xc0) != 0x80;  // not a UTF-8 continuation
   return kMeanWidth * kSvgFont * double(characters);

@@ -1,4 +1,4 @@
-// The shapes that charts are made of, as SVG text. Lengths in px, from the top left.
+// The shapes of a chart as SVG text. Lengths in px, from the top left corner.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@ constexpr double kSvgFont = 13;
 struct SvgBox {
   double left = 0, top = 0, right = 0, bottom = 0;
 };
-// Area that both cover.
+// Area of the intersection.
 double Overlap(const SvgBox& a, const SvgBox& b);
 
-// About the width that UTF-8 text takes in a sans-serif font of kSvgFont.
+// Approximate width of UTF-8 text in a sans-serif font of size kSvgFont.
 double SvgTextWidth(const std::string& text);
 
-// Text as XML and HTML have it.
+// Escapes text for XML and HTML.
 std::string EscapeXml(const std::string& text);
 
 enum class SvgAnchor { kStart, kMiddle, kEnd };
@@ -27,13 +27,13 @@ class SvgDrawing {
 
   void Title(double x, double y, const std::string& text);
   void Text(double x, double y, const std::string& text, SvgAnchor anchor = SvgAnchor::kStart);
-  // With a white seam, for text that lies on lines.
+  // With a white outline, for text drawn on lines.
   void Label(double x,
              double y,
              const std::string& text,
              const std::string& color,
              SvgAnchor anchor = SvgAnchor::kStart);
-  // From bottom to top, centred at (x, y).
+  // Reads from bottom to top, centred at (x, y).
   void UprightText(double x, double y, const std::string& text);
   void Line(double x0, double y0, double x1, double y1, const std::string& color);
   void DashedLine(double x0, double y0, double x1, double y1, const std::string& color);
@@ -44,7 +44,7 @@ class SvgDrawing {
   // "x,y x,y ..."
   void Path(const std::string& points, const std::string& color);
 
-  // The whole file, on white.
+  // The whole file, on a white background.
   std::string Finish() const;
 
  private:
@@ -52,7 +52,7 @@ class SvgDrawing {
   std::string body_;
 };
 
-// One decimal, as everything in the file.
+// One decimal, as all numbers in the file.
 std::string SvgNumber(double px);
 
 }  // namespace cosplat

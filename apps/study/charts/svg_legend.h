@@ -1,5 +1,4 @@
-// What every chart of svg_chart.h begins with: its measures, the colours of its series, its title
-// and the legend under it.
+// Shared by all charts of svg_chart.h: dimensions, series colours, title and the legend below it.
 #pragma once
 
 #include <array>
@@ -15,15 +14,15 @@ namespace cosplat {
 // px
 inline constexpr double kChartWidth = 720, kChartMarginRight = 28, kChartTitleHeight = 34;
 
-// Of Okabe & Ito (2008): told apart by colour-blind readers too.
+// Palette of Okabe & Ito (2008), suitable for colour-blind readers.
 inline constexpr std::array<const char*, 7> kSeriesColors{
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444"};
 inline const char* ColorOf(size_t series) { return kSeriesColors[series % kSeriesColors.size()]; }
-// Once the colours are used up.
+// Hollow markers once all colours are used.
 inline bool IsHollow(size_t series) { return series / kSeriesColors.size() % 2 == 1; }
 inline constexpr const char* kGuideColor = "#777777";
 
-// Names of series and guides in as many rows as they need; nothing where one name says it all.
+// Names of series and guides in as many rows as they need; empty if there are fewer than two.
 class Legend {
  public:
   explicit Legend(const Chart& chart) {

@@ -6,7 +6,7 @@
 namespace cosplat {
 namespace {
 
-constexpr double kLogFrom = 4;  // ratio of the greatest cost to the least
+constexpr double kLogFrom = 4;  // largest to smallest cost from which the axis is logarithmic
 
 struct Placed {
   std::string label;
@@ -14,7 +14,7 @@ struct Placed {
   Mark mark;
 };
 
-// In the order of their counts; those that lack a figure are left out.
+// In order of their counts; settings without one of the figures are omitted.
 std::vector<Placed> Place(const std::vector<StudyPoint>& points,
                           const std::string& quality,
                           const std::string& cost) {
@@ -30,7 +30,7 @@ std::vector<Placed> Place(const std::vector<StudyPoint>& points,
   return placed;
 }
 
-// Rings those that no other beats; returns them from left to right.
+// Rings the Pareto-optimal points and returns them from left to right.
 ChartSeries MarkFront(const StudyFigure& quality,
                       const StudyFigure& cost,
                       std::vector<Placed>& placed) {
@@ -49,8 +49,8 @@ ChartSeries MarkFront(const StudyFigure& quality,
   return line;
 }
 
-// Curves in the order of their settings, each named where it has fewest Gaussians: there they are
-// furthest apart.
+// Curves in order of their settings, each labelled where it has the fewest Gaussians, as curves are
+// furthest apart there.
 std::vector<ChartSeries> CurvesOf(const std::vector<StudyPoint>& points,
                                   const std::vector<Placed>& placed) {
   std::vector<ChartSeries> curves;

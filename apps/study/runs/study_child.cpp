@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kProgram = "/proc/self/exe";
 
-// With the signals that the parent keeps to itself as they were.
+// Starts the child with the signal mask that the parent had before blocking signals.
 pid_t Spawn(const std::vector<std::string>& arguments, const sigset_t& signals) {
   std::vector<char*> argv{const_cast<char*>("cosplat")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -59,7 +59,7 @@ void StudyChildren::Run(const std::vector<std::string>& arguments) const {
     stopped = IsStop(sigwaitinfo(&waited_for_, nullptr));
     if (stopped) kill(child, SIGTERM);
   }
-  // Ctrl-C in a terminal reaches the child as well, which may end before the parent hears of it.
+  // Ctrl-C in a terminal also reaches the child, which may exit before the parent sees the signal.
   const timespec at_once{};
   for (int signal; (signal = sigtimedwait(&waited_for_, nullptr, &at_once)) > 0;)
     stopped = stopped || IsStop(signal);

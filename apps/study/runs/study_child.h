@@ -1,4 +1,4 @@
-// Runs this program again as a child process: the steps of a study, each as a user would give it.
+// Runs this program as a child process for the steps of a study, each as a user would run it.
 #pragma once
 
 #include <signal.h>
@@ -9,12 +9,13 @@
 
 namespace cosplat {
 
-// The user stopped it (SIGINT, SIGTERM); no child is left.
+// The user interrupted the study (SIGINT, SIGTERM); no child process is left.
 struct StudyStopped : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// While it lives, SIGINT and SIGTERM wait for the next call of Run. To be made before threads are.
+// While it exists, SIGINT and SIGTERM are deferred to the next call of Run. Create it before any
+// threads.
 class StudyChildren {
  public:
   StudyChildren();
@@ -22,8 +23,8 @@ class StudyChildren {
   StudyChildren(const StudyChildren&) = delete;
   StudyChildren& operator=(const StudyChildren&) = delete;
 
-  // `cosplat` with the arguments; what it prints to standard output is dropped. Throws Error with
-  // its command when it fails, StudyStopped.
+  // Runs `cosplat` with the arguments and discards its standard output. Throws Error with the
+  // command if it fails, and StudyStopped.
   void Run(const std::vector<std::string>& arguments) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr const char* kLpips = "LPIPS_";  // then the net's name
+constexpr const char* kLpips = "LPIPS_";  // followed by the network's name
 constexpr const char* kQuantisedSize = "vq_mb";
 
 std::set<std::string> KeysIn(const std::vector<StudyPoint>& points) {

@@ -1,4 +1,4 @@
-// The figures of a study: how each is named, written and judged. Charts and tables follow it.
+// The figures of a study: their names, formatting and direction. Used by charts and tables.
 #pragma once
 
 #include <optional>
@@ -10,24 +10,24 @@
 namespace cosplat {
 
 struct StudyFigure {
-  std::string key;  // in a line
+  std::string key;  // in a study line
   std::string name, unit;
   int decimals = 0;
   bool less_is_better = false;
 };
 
-// How good the images are, what it costs: those that some point has, in the order of columns.
-// LPIPS is a figure of its own per net.
+// Image quality and cost figures: those that some point has, in column order. LPIPS is a separate
+// figure per network.
 std::vector<StudyFigure> QualitiesIn(const std::vector<StudyPoint>& points);
 std::vector<StudyFigure> CostsIn(const std::vector<StudyPoint>& points);
 
-// The key of a quality where the cost is that of the quantised file, whose images are others;
-// empty where it was not measured of that.
+// The key of `quality` to plot against `cost`. For the size of the quantised file, it is the
+// quality of the quantised images, or empty if that was not measured.
 std::string QualityKeyFor(const StudyFigure& quality, const StudyFigure& cost);
 
-// "31.70 ± 0.05", without an error for a single seed; "-" for none.
+// "31.70 ± 0.05"; without an error for a single seed; "-" for nullopt.
 std::string ToString(const std::optional<Estimate>& estimate, int decimals);
-// The same of a difference, with its sign: "+0.52 ± 0.05".
+// The same for a difference, with its sign: "+0.52 ± 0.05".
 std::string SignedText(const std::optional<Estimate>& difference, int decimals);
 
 }  // namespace cosplat

@@ -85,7 +85,7 @@ void ReadFileInto(const std::string& path, StudyLines& all) {
   }
 }
 
-// A full disk takes part of a text before it refuses the rest.
+// On a nearly full disk, write may accept part of a text before it fails.
 bool WriteWhole(int file, const std::string& text) {
   for (size_t done = 0; done < text.size();) {
     const ssize_t written = write(file, text.data() + done, text.size() - done);
@@ -130,7 +130,7 @@ void StudyLog::Append(const StudyLine& line) {
   const off_t end = lseek(file_, 0, SEEK_END);
   if (WriteWhole(file_, ToText(line)) && fsync(file_) == 0) return;
   std::string problem = std::string("write failed: ") + std::strerror(errno);
-  // What is there of the line would spoil the next one.
+  // The partial line would corrupt the next one.
   if (ftruncate(file_, end) != 0) problem += "; the line that was begun could not be removed";
   throw Error(path_, problem);
 }

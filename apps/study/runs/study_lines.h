@@ -1,5 +1,5 @@
-// The finished runs of a study, one JSON line each: what `cosplat study` measured, and with which
-// command. Lines of several files add up.
+// The finished runs of a study, one JSON line each: the results of `cosplat study` and the command
+// that produced them. Lines of several files are combined.
 #pragma once
 
 #include <map>
@@ -16,22 +16,22 @@ struct StudyLine {
   std::vector<std::string> groups, minus;
   int seed = 0;
   std::string command, version, cpu;
-  std::vector<StudyFigures> checkpoints;  // by iterations; the last is the finished model
+  std::vector<StudyFigures> checkpoints;  // by iterations; the last one is the finished model
 
   std::string Id() const;  // as StudyRun's
 };
 
 struct StudyLines {
   std::vector<StudyLine> lines;       // one per Id, in the order of their first appearance
-  std::vector<std::string> replaced;  // Ids of which a later line took the place of an earlier
+  std::vector<std::string> replaced;  // Ids for which a later line replaced an earlier one
 };
 
-// Of every *.jsonl in the folder, by name. A last line without its end is of a study that was cut
-// short and is left out. Throws Error naming file, line and field of a line that is no good.
+// Reads every *.jsonl in the folder, in order of name. An unterminated last line belongs to an
+// interrupted study and is ignored. Throws Error naming file, line and field of an invalid line.
 StudyLines ReadStudyLines(const std::string& folder);
 
-// Adds lines to <folder>/runs.jsonl, each whole and on the disk or not at all. What a study that
-// was cut short left of a line is removed. Throws Error when another study writes to the folder.
+// Appends lines to <folder>/runs.jsonl, each atomically and flushed to disk. Removes a partial line
+// that an interrupted study left. Throws Error if another study is writing to the folder.
 class StudyLog {
  public:
   explicit StudyLog(const std::string& folder);

@@ -16,7 +16,7 @@ constexpr const char *kCount = "{count}", *kValue = "{value}";
 
 void Append(const Strings& more, Strings& all) { all.insert(all.end(), more.begin(), more.end()); }
 
-// A slip in a key would otherwise leave a setting out without a word.
+// Otherwise a misspelt key would silently omit a setting.
 void ExpectKeys(const JsonField& object, const std::set<std::string>& known) {
   if (!object.raw().is_object()) throw Error(object.file(), object.path(), "expected an object");
   for (const auto& [key, value] : object.raw().items())
@@ -51,7 +51,7 @@ std::vector<int> IntegersOf(const JsonField& object,
   return numbers;
 }
 
-// Names become folders and are quoted in tables.
+// Names are used as folders and are quoted in tables.
 std::string CheckedName(const JsonField& field) {
   const std::string name = field.String();
   const bool ok =
@@ -81,7 +81,7 @@ Defaults DefaultsOf(const JsonField& list) {
   return d;
 }
 
-// Where the data are, or how their head is made.
+// The location of the data, or the arguments that generate its head.
 void ReadSource(const JsonField& field, StudyData& data) {
   if (!field.Has("make_head")) {
     data.source = field["source"].String();
@@ -130,7 +130,7 @@ std::vector<StudyData> AllDataOf(const JsonField& list, const Defaults& defaults
   return all;
 }
 
-// The run once for each value of its placeholder, or as it is.
+// One copy of the run for each value of its placeholder, or the run unchanged.
 std::vector<StudyRun> Expand(const JsonField& field, const StudyRun& run) {
   const auto uses = [&](const char* what) {
     return std::find(run.arguments.begin(), run.arguments.end(), what) != run.arguments.end();
@@ -169,7 +169,7 @@ std::vector<StudyRun> Expand(const JsonField& field, const StudyRun& run) {
   return all;
 }
 
-// On every data set that it names, or on all, at seed 0.
+// On every data set that it names, or on all, with seed 0.
 std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData>& all_data) {
   ExpectKeys(field, {"name", "label", "groups", "minus", "arguments", "values", "data", "seeds"});
   StudyRun run;

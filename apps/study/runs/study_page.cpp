@@ -42,7 +42,7 @@ class Table {
     html_ += "</tr>\n";
     ++rows_;
   }
-  // Nothing where it has no row.
+  // Empty if it has no rows.
   std::string Html() const { return rows_ > 0 ? html_ + "</table></div>\n" : ""; }
 
  private:
@@ -82,7 +82,7 @@ std::string TableAt(const std::vector<StudyPoint>& points, int iterations) {
   return table.Html();
 }
 
-// Of all data sets: settings minus those that they are compared with, paired by seed.
+// Over all data sets: settings minus those that they are compared with, paired by seed.
 std::string DifferencesTable(const std::vector<StudyPoint>& points) {
   const std::vector<StudyFigure> qualities = QualitiesIn(points);
   std::vector<std::string> heads{"data", "difference", "seeds"};
@@ -114,7 +114,7 @@ std::vector<StudyPoint> PointsIn(const std::vector<StudyPoint>& all,
   return points;
 }
 
-// What is told apart, in the order in which it first appears.
+// Distinct names in order of first appearance.
 template <class F>
 std::vector<std::string> InOrder(const std::vector<StudyPoint>& points, const F& names_of) {
   std::vector<std::string> all;
@@ -124,7 +124,7 @@ std::vector<std::string> InOrder(const std::vector<StudyPoint>& points, const F&
   return all;
 }
 
-// One group of one data set. The first quality's charts are open, the others fold out.
+// One group of one data set. The charts of the first metric are expanded, the others collapsed.
 std::string GroupHtml(const std::vector<StudyPoint>& points,
                       const std::string& group,
                       const std::string& charts_folder) {
@@ -153,7 +153,7 @@ std::string Joined(const std::set<std::string>& texts) {
   return line;
 }
 
-// What a reader must know before comparing.
+// Caveats for comparing the figures.
 std::string Notes(const StudyLines& all) {
   std::set<std::string> cpus, versions;
   for (const StudyLine& line : all.lines) {
@@ -176,7 +176,7 @@ std::string Notes(const StudyLines& all) {
   return html;
 }
 
-// Every setting's command, so that a line of a table can be run again.
+// The command of every setting, to reproduce a line of a table.
 std::string CommandsHtml(const std::vector<StudyPoint>& points) {
   std::string html = "<h2>Commands</h2><details><summary>of the first seed</summary>\n<pre>";
   for (const StudyPoint& point : points) html += EscapeXml(point.lines[0].command) + "\n";

@@ -9,20 +9,19 @@
 
 namespace cosplat {
 
-// Writes <folder>/index.html from the lines in it; with `charts`, each chart as a file of that
-// folder, too. Throws Error when there is no line.
+// Writes <folder>/index.html from the lines in the folder; if `charts` is not empty, also writes
+// each chart as a file into that folder. Throws Error if there is no line.
 void WriteStudyPage(const std::string& folder, const std::string& charts);
 
-// The charts of a study: on each a data set and a group of settings, a quality against a cost.
-
+// A chart of a study: quality against cost for one data set and one group of settings.
 struct StudyChart {
-  std::string key;  // "fox-8-pruning-psnr-gaussians": of its file
+  std::string key;  // "fox-8-pruning-psnr-gaussians": file name
   Chart chart;
 };
 
-// A point per setting with the standard errors of both figures; settings with one label are a
-// curve in the order of their counts; those that no other beats are ringed and joined by a dashed
-// line. `points`: of one data set and group.
+// One point per setting with the standard errors of both figures. Settings with the same label form
+// a curve in order of their counts; Pareto-optimal settings are ringed and joined by a dashed line.
+// `points`: of one data set and group.
 std::vector<StudyChart> StudyCharts(const std::vector<StudyPoint>& points,
                                     const std::string& group,
                                     const StudyFigure& quality);

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kMegabyte = 1e6;
 
-// Films the head, unless it is there as the list has it. What is in a folder of that name and was
-// not made here stays.
+// Generates the head, unless it already exists with these arguments. A folder of that name that was
+// not generated here is left alone.
 void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren& children) {
   const std::string folder = s.out + "/" + data.source, mark = folder + "/made_with.txt";
   const std::string with = ShellLine(*data.make_head);
@@ -40,14 +40,14 @@ void MakeHead(const StudyData& data, const StudySettings& s, const StudyChildren
   WriteFileAtomically(mark, with);
 }
 
-// None where the basis is one that files cannot hold.
+// False if files cannot represent the basis.
 bool HasSplats(const std::string& model) { return fs::exists(model + "/point_cloud"); }
 
-// results.json's figures of one evaluation, and what was saved at that step.
+// Figures of one evaluation in results.json, and of what was saved at that step.
 StudyFigures CheckpointOf(const std::string& model, int iteration, const JsonField& results) {
   StudyFigures figures;
   for (const auto& [key, value] : results.raw().items())
-    if (key != "LPIPS") figures[key] = results[key].Number();  // LPIPS_<net> says whose it is
+    if (key != "LPIPS") figures[key] = results[key].Number();  // LPIPS_<net> names the network
   figures["iterations"] = iteration;
   const std::string splats = SplatPath(model, iteration);
   if (!fs::exists(splats)) return figures;
@@ -63,7 +63,7 @@ void AddNumbers(const std::string& path,
   for (const char* key : keys) figures[key] = JsonField(path, json)[key].Number();
 }
 
-// What the finished model cost, and what its files make of it.
+// Cost of the finished model, and the quality of its files.
 void AddCosts(const std::string& model, StudyFigures& figures) {
   AddNumbers(model + "/stats.json", {"gaussians", "seconds", "cpu_seconds", "peak_mb"}, figures);
   if (!HasSplats(model)) return;
@@ -80,7 +80,7 @@ void RunSteps(const StudyRun& run,
               const std::string& model) {
   if (run.data.make_head) MakeHead(run.data, s, children);
   std::vector<std::string> train = run.TrainArguments(s.data + "/", s.out + "/", model);
-  if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has a line per run
+  if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has one line per run
   children.Run(train);
   if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
   if (HasSplats(model))
@@ -116,7 +116,7 @@ StudyLine MeasureStudyRun(const StudyRun& run,
                           const StudyChildren& children) {
   const auto start = std::chrono::steady_clock::now();
   const std::string model = StudyModelFolder(run, s);
-  fs::remove_all(model);  // of a run that was cut short
+  fs::remove_all(model);  // of an interrupted run
   RunSteps(run, s, children, model);
   StudyLine line;
   line.data = run.data.name;

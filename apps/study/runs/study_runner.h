@@ -1,5 +1,5 @@
-// One run of a study: trained, evaluated and measured, each step a child process of its own, so
-// that the command in its line reproduces it.
+// One run of a study: trained, evaluated and measured, with every step in a child process of its
+// own, so that the command in its line reproduces it.
 #pragma once
 
 #include <string>
@@ -13,23 +13,22 @@ namespace cosplat {
 struct StudySettings {
   std::string data;   // folder of the data sets
   std::string out;    // folder of the study
-  std::string lpips;  // folder of an LPIPS net; empty: none
-  bool keep = false;  // the models
+  std::string lpips;  // folder of an LPIPS network; empty: none
+  bool keep = false;  // keep the models
 };
 
-// The model is in <out>/models/<id> until the caller removes it. Throws Error naming the step that
-// failed, StudyStopped.
+// The model stays in <out>/models/<id> until the caller removes it. Throws Error naming the step
+// that failed, and StudyStopped.
 StudyLine MeasureStudyRun(const StudyRun& run,
                           const StudySettings& settings,
                           const StudyChildren& children);
 
 std::string StudyModelFolder(const StudyRun& run, const StudySettings& settings);
 
-// How fast a trained model is drawn: frames per second of its held-out views.
-
-// Per second of one core's processor time, of the model as its folder has it, each frame drawn
-// whole (an avatar's is posed too); the best of several passes over all held-out views. Reads the
-// run's data set. Throws Error when something of it is missing.
+// Rendering speed of a trained model in frames per second of CPU time, on one core, over its
+// held-out views. The model is read from its folder, and each frame is rendered completely
+// (including posing for an avatar); returns the best of several passes over all views. Reads the
+// run's data set. Throws Error if a part of it is missing.
 double StudyFramesPerSecond(const std::string& model_folder);
 
 }  // namespace cosplat

@@ -20,10 +20,10 @@
 namespace cosplat {
 namespace {
 
-// One thread and its processor time: what else the machine does then hardly counts.
+// One thread, measured in CPU time, so that other load on the machine hardly matters.
 constexpr int kThreads = 1;
 constexpr int kMinPasses = 4;
-constexpr double kMinSeconds = 1;  // of all passes, for views that are drawn in no time
+constexpr double kMinSeconds = 1;  // over all passes, for views that render very fast
 
 double SecondsOf(const std::function<void()>& f) {
   const double start = ProcessorSeconds();
@@ -31,9 +31,9 @@ double SecondsOf(const std::function<void()>& f) {
   return ProcessorSeconds() - start;
 }
 
-// `pass` draws all `frames`.
+// `pass` renders all `frames`.
 double BestRate(size_t frames, const std::function<void()>& pass) {
-  pass();  // takes the memory
+  pass();  // allocates memory
   double best = std::numeric_limits<double>::infinity();
   const double start = ProcessorSeconds();
   for (int i = 0; i < kMinPasses || ProcessorSeconds() - start < kMinSeconds; ++i)
@@ -61,7 +61,7 @@ double AvatarRate(const std::string& folder, const JsonField& run) {
   AttachMesh(model, flame);
   Player player(std::move(model), flame);
   const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
-  // A player does not draw the same frame twice.
+  // A player does not render the same frame twice.
   if (video.test.size() < 2)
     throw Error(run["source"].String(), "test frames", "one is too few to measure the speed of");
   RenderedImage image;

@@ -1,4 +1,4 @@
-// The cases of the colour basis.
+// The stability cases of the colour basis.
 #include <array>
 #include <cmath>
 
@@ -37,7 +37,7 @@ Basis16 OursAt(const Vec3& u) {
   return basis;
 }
 
-// Of a random Gaussian.
+// Coefficients of a random Gaussian.
 struct Coefficients {
   float dc[3], rest[3 * (kFunctions - 1)];
 
@@ -99,7 +99,7 @@ int CountNotFinite(const Basis16& basis) {
   return count;
 }
 
-// Directions around the pole, a pixel being 2e-8 rad, so that the middle one is the pole itself.
+// Directions around the pole; a pixel is 2e-8 rad, and the middle one is the pole itself.
 template <class F>
 Image8 AroundThePole(const F& color) {
   constexpr int kCells = 21, kCell = 8;
@@ -114,7 +114,7 @@ Image8 AroundThePole(const F& color) {
 constexpr double kFirstPolar = 1e-7, kPerPolar = 1.25892541;  // a tenth of a decade
 constexpr int kPolars = 71, kTurns = 24;
 
-// The largest over the turns of measure(direction), at angles from a pole up to 1 rad.
+// Maximum of measure(direction) over the azimuths, at angles from the pole up to 1 rad.
 template <class F>
 StabilityCurve CurveFromPole(const std::string& name, const F& measure) {
   StabilityCurve curve{name, {}};
@@ -141,8 +141,7 @@ double BasisError(const ExactDirection& direction, const Basis16& basis) {
   return largest;
 }
 
-// Along the sphere, of the sum of all functions; the gradient's part across it is not seen by what
-// follows (NormalizeVjp).
+// Tangential part of the gradient. The radial part has no effect on what follows (NormalizeVjp).
 template <class T>
 math::Vec3<T> Tangential(const math::Vec3<T>& u, const math::Vec3<T>& d) {
   return d - u * math::Dot(u, d);
@@ -178,7 +177,7 @@ StabilityCase ArctanJump() {
   s.quantity = "largest change of the colour over 1e-6 rad";
   s.naive = {"arctan, as DCSHARP writes it", LargestJump(literal), Ball(literal)};
   s.ours = {"polynomials", LargestJump(ours), Ball(ours)};
-  s.bound = 1e-5;  // the colour's steepest slope, below 5 per rad, and rounding
+  s.bound = 1e-5;  // the colour's steepest slope, below 5 per rad, plus rounding
   return s;
 }
 
@@ -216,7 +215,7 @@ StabilityCase AnglesInFloat() {
       "polynomials", [](const ExactDirection& d) { return BasisError(d, OursAt(Rounded(d))); });
   s.naive = {"acos and atan2, as in textbooks", Largest(naive), {}};
   s.ours = {"polynomials", Largest(ours), {}};
-  s.bound = 3e-6;  // a dozen roundings of functions up to 4
+  s.bound = 3e-6;  // a dozen rounding errors of functions up to 4
   s.chart = {"angle from the pole", "rad", "largest error", "", true, true, {naive, ours}};
   return s;
 }

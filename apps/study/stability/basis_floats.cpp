@@ -1,4 +1,4 @@
-// EvaluateOnFloats, built without vectorising: a sample at a time.
+// EvaluateOnFloats, compiled without vectorisation: one sample at a time.
 #include <utility>
 
 #include "apps/study/stability/basis_samples.h"

@@ -19,7 +19,7 @@ constexpr int kCount = BasisSamples::kCount, kStride = BasisSamples::kStride;
 constexpr int kNumbers = 3 * kMaxCoefficients;
 
 struct SampleSet {
-  std::vector<ExactDirection> exact;  // [kCount]; what is evaluated is rounded to floats
+  std::vector<ExactDirection> exact;  // [kCount]; rounded to float for the evaluation
   Buffer<float> x, y, z, coefficients;
   Buffer<uint16_t> halves;
 
@@ -27,7 +27,7 @@ struct SampleSet {
       : x(kCount), y(kCount), z(kCount), coefficients(kNumbers * kStride), halves(x.size()) {
     Rng rng{seed};
     for (int i = 0; i < kCount; ++i) {
-      // A quarter of them between 1e-6 rad and 1 rad from a pole, the others everywhere.
+      // A quarter of them between 1e-6 rad and 1 rad from a pole, the others uniform on the sphere.
       const double t = rng.Uniform(), turn = 2 * M_PI * rng.Uniform();
       const double polar = i % 4 ? std::acos(1 - 2 * t) : std::pow(10.0, -6 * t);
       exact.push_back(DirectionAt(i % 8 == 4 ? M_PI - polar : polar, turn));
@@ -35,7 +35,7 @@ struct SampleSet {
       y[i] = float(exact[i].y);
       z[i] = float(exact[i].z);
     }
-    // Colours around 0.8, seldom at their floor, where an error would be hidden.
+    // Colours around 0.8, rarely clamped to 0, which would hide errors.
     for (int k = 0; k < kNumbers; ++k)
       for (int i = 0; i < kStride; ++i)
         coefficients[k * kStride + i] = (k < 3 ? 1.0f : 0.0f) + 0.05f * rng.Normal();
@@ -67,7 +67,7 @@ BasisForm Measure(const std::string& name,
                   const std::vector<SampleSet>& sets,
                   int batches,
                   const Evaluate& evaluate) {
-  constexpr int kCalls = 8;  // a batch is some 20 to 200 microseconds
+  constexpr int kCalls = 8;  // a batch takes about 20 to 200 microseconds
   BasisForm form{name, {}};
   Buffer<float> out(3 * kCount);
   for (int degree = 0; degree <= kMaxEvaluatedDegree; ++degree) {

@@ -1,4 +1,4 @@
-// The cases of blending: opacity, the last splat of a pixel, order.
+// The stability cases of blending: opacity, the last splat of a pixel, order.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 using Vec3 = math::Vec3<float>;
 
-// `count` opaque Gaussians in one place. Their logit is beyond what a float's sigmoid tells from 1.
+// `count` opaque Gaussians at one point. In floats, the sigmoid of their logit is 1.
 Gaussians Coincident(size_t count) {
   Gaussians g;
   for (size_t i = 0; i < count; ++i) Append({{0, 0, 2}, 0.3f, 0.5f, {0.8f, 0.5f, 0.2f}}, g);
@@ -27,8 +27,8 @@ Gaussians Coincident(size_t count) {
   return g;
 }
 
-// d(pixel) / d(alpha of the first) of 1000 splats of one alpha, without cap or stop: what 3DGS's
-// equations say.
+// d(pixel) / d(alpha of the first) of 1000 splats with equal alpha, without opacity cap or early
+// stop, as in 3DGS's equations.
 struct PixelGradient {
   size_t not_finite = 0;
   float first = 0;
@@ -47,8 +47,8 @@ PixelGradient UncappedGradient(float alpha, size_t count) {
   return result;
 }
 
-// Grey of the gradient's size over a splat, its centre being in the middle cell; black for 0, white
-// for 1 and more.
+// Grey image of the gradient's magnitude over a splat, with its centre in the middle cell; black
+// for 0, white for 1 and above.
 template <class F>
 Image8 GradientImage(const F& gradient) {
   constexpr int kCells = 19, kCell = 8, kMiddle = kCells / 2;
@@ -59,8 +59,8 @@ Image8 GradientImage(const F& gradient) {
   });
 }
 
-// Six splats of alpha 0.93 over the whole image: three leave 4e-4 of the light, the fourth brings
-// it below the limit and is the last.
+// Six splats of alpha 0.93 over the whole image: after three, the transmittance is 4e-4; the fourth
+// brings it below the limit and is the last contributor.
 Gaussians Stack() {
   Gaussians g;
   for (int i = 0; i < 6; ++i)
@@ -69,8 +69,8 @@ Gaussians Stack() {
 }
 constexpr size_t kLast = 3;
 
-// dL/d(red of the last one) of a backward pass that ends where the next alpha would bring the light
-// below the limit, while the forward pass took that one, too.
+// dL/d(red of the last contributor) by a backward pass that stops where the next alpha would bring
+// the transmittance below the limit, although the forward pass blended that splat.
 double GradientStoppingEarlier(const Gaussians& g, const Camera& camera) {
   const std::vector<NaiveFootprint> footprints = NaiveFootprints(g, camera);
   double sum = 0;
@@ -86,7 +86,7 @@ double GradientStoppingEarlier(const Gaussians& g, const Camera& camera) {
   return sum * double(BasisConstants(g.basis)[0]);
 }
 
-// dL/d(red of the last one) by differences, which see what the forward pass drew.
+// dL/d(red of the last contributor) by finite differences, which reflect the forward pass.
 double NumericGradient(Gaussians g, const Camera& camera) {
   constexpr float kStep = 0.25f;
   g.at(kColorDc, kLast)[0] += kStep;
@@ -95,7 +95,7 @@ double NumericGradient(Gaussians g, const Camera& camera) {
   return (up - WeighedSum(Draw(g, camera))) / (2 * double(kStep));
 }
 
-// What a change of order alone does to an image; of several, the largest is kept.
+// Change of an image caused by a different order alone; the largest of several is kept.
 struct Change {
   double levels = -1;  // root mean square, of 255
   Image8 image;        // 8 times brighter
@@ -114,7 +114,7 @@ struct Change {
   }
 };
 
-// Addends as a splat's gradients in many tiles are: of either sign, of many sizes.
+// Addends like the gradients of a splat from many tiles: of either sign and many magnitudes.
 std::vector<float> ManyRecords() {
   Rng rng{3};
   std::vector<float> records(2000);

@@ -1,4 +1,4 @@
-// The cases of the splat side, one function each. For stability.cpp.
+// The stability cases of the renderer and trainer, one function each. For stability.cpp.
 #pragma once
 
 #include <vector>
@@ -31,10 +31,10 @@ StabilityCase Needles();
 StabilityCase SsimOfConstants();
 StabilityCase PairCount();
 
-// The stability suite of the splats' side: each way in which splatting is known to fail, the naive
-// form measured beside ours. docs/stability.md explains the cases.
-
-// All cases, in the order in which they are shown. Some seconds; the same bits in every run.
+// The stability suite for splatting: known failure cases, the naive form compared with ours.
+// docs/stability.md explains the cases.
+//
+// Returns all cases in display order. Takes some seconds; bit-identical on every run.
 inline std::vector<StabilityCase> SplatStability() {
   return {ArctanJump(),
           ThePole(),

@@ -7,7 +7,7 @@
 namespace cosplat {
 namespace {
 
-// As BasisConstants(Basis::kDcsh), not rounded to floats.
+// As BasisConstants(Basis::kDcsh), but not rounded to float.
 ExactBasis ExactConstants() {
   ExactBasis constants;
   for (int l = 0; l <= kMaxEvaluatedDegree; ++l)

@@ -1,4 +1,4 @@
-// Small images of what a case of the stability suite computes.
+// Small images of the results of stability cases.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace cosplat {
 
-// What is not a number is painted magenta, so that it is seen.
+// Non-finite colours are painted magenta to make them visible.
 inline void SetPixel(Image8& image, int x, int y, const math::Vec3<float>& color) {
   const float channels[3] = {color.x, color.y, color.z};
   const bool is_number = std::isfinite(color.x) && std::isfinite(color.y) && std::isfinite(color.z);
@@ -19,7 +19,7 @@ inline void SetPixel(Image8& image, int x, int y, const math::Vec3<float>& color
         is_number ? uint8_t(255 * std::clamp(channels[c], 0.0f, 1.0f) + 0.5f) : kNotANumber[c];
 }
 
-// color(x, y) of every pixel.
+// Evaluates color(x, y) at every pixel.
 template <class F>
 Image8 Paint(int width, int height, const F& color) {
   Image8 image(width, height, 3);

@@ -1,8 +1,8 @@
-// The colour basis `dcsh` written with angles, in the two ways that it is found in: what the
-// polynomials of splat/math/dcsh.h are compared with. With long double and an angle that is exact
-// near the poles, too, it is the truth that all forms are measured against.
+// The colour basis `dcsh` in terms of angles, in the two forms found in the literature, for
+// comparison with the polynomials of splat/math/dcsh.h. In long double, with angles that are
+// accurate near the poles, it is the reference for all forms.
 //
-// Not used for drawing. Same constants and order as splat/math/dcsh.h.
+// Not used for rendering. Same constants and order as splat/math/dcsh.h.
 #if defined(COSPLAT_SPLAT_STUDY_NAIVE_BASIS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_STUDY_NAIVE_BASIS_H_
 #undef COSPLAT_SPLAT_STUDY_NAIVE_BASIS_H_
@@ -16,7 +16,7 @@
 
 COSPLAT_MATH_BEGIN
 
-// Of numbers; packs bring their own (apps/study/stability/basis_packs.cpp).
+// For scalars; packs define their own (apps/study/stability/basis_packs.cpp).
 #define COSPLAT_STUDY_FUNCTIONS(T)                          \
   COSPLAT_HD T Sin(T x) { return std::sin(x); }             \
   COSPLAT_HD T Cos(T x) { return std::cos(x); }             \
@@ -29,26 +29,26 @@ COSPLAT_STUDY_FUNCTIONS(double)
 COSPLAT_STUDY_FUNCTIONS(long double)
 #undef COSPLAT_STUDY_FUNCTIONS
 
-// A direction by its angles: z = cos(theta), s = sin(theta), phi.
+// A direction as angles: z = cos(theta), s = sin(theta), phi.
 template <class T>
 struct Angles {
   T z, s, phi;
 };
 
-// As DCSHARP writes it: P_l^m(u_z) and exp(i m arctan(u_y / u_x)).
+// As written in DCSHARP: P_l^m(u_z) and exp(i m arctan(u_y / u_x)).
 template <class T>
 COSPLAT_HD Angles<T> LiteralAngles(const Vec3<T>& u) {
   return {u.z, SquareRoot(T(1) - u.z * u.z), Atan(u.y / u.x)};
 }
 
-// As textbooks do: theta = acos(z), phi = atan2(y, x).
+// As in textbooks: theta = acos(z), phi = atan2(y, x).
 template <class T>
 COSPLAT_HD Angles<T> TextbookAngles(const Vec3<T>& u) {
   const T theta = Acos(u.z);
   return {Cos(theta), Sin(theta), Atan2(u.y, u.x)};
 }
 
-// Without the cancellation of 1 - z^2 or the flat end of acos. For the truth.
+// Without the cancellation in 1 - z^2 and the ill-conditioned end of acos. For the reference.
 template <class T>
 COSPLAT_HD Angles<T> ExactAngles(const Vec3<T>& u) {
   const T s = SquareRoot(u.x * u.x + u.y * u.y);
@@ -68,7 +68,7 @@ COSPLAT_HD void AssociatedLegendre(const Angles<T>& a, T (&p)[kDegree + 1][kDegr
   }
 }
 
-// basis[(kDegree+1)^2]; `constants` as BasisConstants(Basis::kDcsh), in any precision.
+// basis[(kDegree+1)^2]; `constants` as in BasisConstants(Basis::kDcsh), in any precision.
 template <int kDegree, class T, class Constant>
 COSPLAT_HD void BasisAtAngles(const Angles<T>& a, const Constant* constants, T* basis) {
   T p[kDegree + 1][kDegree + 1];
@@ -107,7 +107,7 @@ COSPLAT_HD Vec3<T> TextbookBasisVjp(const Vec3<T>& u, const float* constants, co
   return {d_phi * (-u.y / rho2), d_phi * (u.x / rho2), -d_theta / SquareRoot(T(1) - u.z * u.z)};
 }
 
-// max(0, 1/2 + sum_k c_k Y_k), as EvaluateColor (splat/math/dcsh.h), of a basis at hand.
+// max(0, 1/2 + sum_k c_k Y_k), as EvaluateColor (splat/math/dcsh.h), for a given basis.
 template <int kDegree, class T, class Coefficient>
 COSPLAT_HD Vec3<T> ColorOfBasis(const T* basis, const Coefficient* dc, const Coefficient* rest) {
   T c[3];

@@ -28,7 +28,7 @@ math::Pinhole<float> PinholeOf(const Camera& camera) {
 
 Vec3 Row(const float* p) { return {p[0], p[1], p[2]}; }
 
-// R S S^T R^T with q / |q|.
+// R S S^T R^T with the quaternion q / |q|.
 math::Sym3<float> UnguardedCovariance(const float* q, const float* scale_log) {
   const float norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   const math::Quat<float> unit{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
@@ -115,7 +115,7 @@ Image DrawNaive(const std::vector<NaiveFootprint>& footprints,
                 const std::vector<uint32_t>& order,
                 int width,
                 int height) {
-  // Beyond four deviations every alpha is below the limit. Of what is not a number nothing is.
+  // Beyond four deviations every alpha is below the limit. NaN footprints are not skipped.
   std::vector<float> reach2;
   for (const NaiveFootprint& f : footprints) reach2.push_back(16.0f / 9 * f.Radius() * f.Radius());
   Image image(width, height, 3);

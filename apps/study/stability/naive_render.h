@@ -1,6 +1,6 @@
-// A renderer without the guards of ours, as released code or the papers' formulas have it: for
-// images of what then goes wrong. Pixel by pixel, on plain floats; where nothing goes wrong it
-// draws what ours does (tests/study/stability_test.cpp).
+// A renderer without our guards, following released code or the papers' formulas, to show what goes
+// wrong. Pixel by pixel on scalar floats; in harmless cases its images equal ours
+// (tests/study/stability_test.cpp).
 #pragma once
 
 #include <cmath>
@@ -16,14 +16,14 @@
 
 namespace cosplat {
 
-// Where the Jacobian of the projection is taken.
+// Where the Jacobian of the projection is evaluated.
 enum class NaiveJacobian {
   kUnclamped,    // at the centre, wherever it is (Zwicker et al. 2002, eq. 29)
   kAboutMiddle,  // slopes clamped to 1.3 half-sizes of the image about its middle (3DGS)
 };
 
 // A Gaussian's centre and covariance in the image, px. The quaternion is divided by its norm and
-// the covariance inverted whatever they are.
+// the covariance inverted without checks.
 struct NaiveFootprint {
   float x = 0, y = 0, depth = 0, opacity = 0;
   math::Sym2<float> covariance{0, 0, 0}, conic{0, 0, 0};
@@ -36,11 +36,11 @@ NaiveFootprint NaiveFootprintOf(const Gaussians& gaussians,
                                 const Camera& camera,
                                 NaiveJacobian jacobian = NaiveJacobian::kUnclamped);
 
-// By depth along the camera's axis.
+// Sorted by depth along the camera's axis.
 std::vector<uint32_t> DepthOrder(const std::vector<NaiveFootprint>& footprints);
 
-// In this order, over black: alpha's two limits and the stop are 3DGS's, written as there, so that
-// a NaN is not below the limit and is drawn.
+// Blends in the given order over black. The alpha limits and the early stop are written as in 3DGS,
+// so that a NaN does not compare below the limit and is drawn.
 Image DrawNaive(const std::vector<NaiveFootprint>& footprints,
                 const std::vector<uint32_t>& order,
                 int width,
@@ -50,10 +50,11 @@ std::vector<NaiveFootprint> NaiveFootprints(const Gaussians& gaussians,
                                             const Camera& camera,
                                             NaiveJacobian jacobian = NaiveJacobian::kUnclamped);
 
-// Structural similarity as its paper writes it, in floats: variances as E[x^2] - E[x]^2 and not
-// clamped, and standard deviations taken of them. Source: Wang et al. 2004, eq. 6, 9, 10, 14-16.
-
-// Of a window that holds x[i] and y[i] with these weights (of sum 1).
+// Structural similarity as written in the paper, in floats: variances as E[x^2] - E[x]^2 without
+// clamping, and standard deviations as their square roots. Source: Wang et al. 2004, eq. 6, 9, 10,
+// 14-16.
+//
+// For a window of values x[i] and y[i] with these weights (of sum 1).
 inline float NaiveSsim(const float* weights, const float* x, const float* y, int count) {
   float mx = 0, my = 0, xx = 0, yy = 0, xy = 0;
   for (int i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// The cases of projection: where a Gaussian is in the image, how large, of what colour.
+// The stability cases of projection: a Gaussian's position, size and colour in the image.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kSide = 128;
-constexpr float kGrazingScale = 1;  // standard deviation of the grazing splat, its depth being 1
+constexpr float kGrazingScale = 1;  // standard deviation of the grazing splat, at depth 1
 
 Image8 NaiveImage(const Gaussians& g, const Camera& camera, NaiveJacobian jacobian) {
   const auto footprints = NaiveFootprints(g, camera, jacobian);
@@ -24,7 +24,7 @@ Image8 OurImage(const Gaussians& g, const Camera& camera) {
   return ImageOf(Draw(g, camera).ToImage());
 }
 
-// Radius that the product gives the first Gaussian, px; 0 where it is not drawn.
+// Radius of the first Gaussian in the product's renderer, px; 0 if it is not drawn.
 float OurRadius(const Gaussians& g, const Camera& camera) {
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
@@ -44,24 +44,24 @@ Blob Grazing(double degrees) {
   return {{x, 0.2f, 1}, kGrazingScale, 0.95f, {1, 0.6f, 0.1f}};
 }
 
-// An image whose principal point is far left, so that its right edge is seen at a large angle.
+// A camera with the principal point far left, so that the right image edge is at a large angle.
 Camera OffCenterCamera() {
   Camera camera = StraightCamera(kSide);
   camera.cx = 0.1f * float(kSide);
   return camera;
 }
 
-// The product's footprint where the image would reach: the same Gaussian with a wider image, which
-// moves nothing but the clamp.
+// The product's footprint if the image extended that far: the same Gaussian with a wider image,
+// which only moves the clamp.
 float TrueRadius(const Gaussians& g, Camera camera) {
   camera.width *= 8;
   return OurRadius(g, camera);
 }
 
-// Each with some number at the end of its range.
+// Scenes that each have some value at the end of its range.
 std::vector<Gaussians> DegenerateScenes() {
   std::vector<Gaussians> scenes;
-  const float scales[] = {-std::numeric_limits<float>::infinity(), -46, -2, 46};  // of 1e-20, 1e20
+  const float scales[] = {-std::numeric_limits<float>::infinity(), -46, -2, 46};  // for 1e-20, 1e20
   for (const float norm : {0.0f, 1e-25f, 1.0f})
     for (const float first : scales)
       for (const float second : scales) {
@@ -117,7 +117,7 @@ StabilityCase FrustumEdge() {
              NaiveImage(scene, camera, NaiveJacobian::kUnclamped)};
   s.ours = {
       "clamped to 15 % beyond the image", double(OurRadius(one, camera)), OurImage(scene, camera)};
-  s.bound = 570;  // 3 deviations of 128 px at the clamped slopes, sqrt(1 + 1.05^2 + 0.2^2) times
+  s.bound = 570;  // 3 deviations of 128 px at the clamped slopes, times sqrt(1 + 1.05^2 + 0.2^2)
   return s;
 }
 

@@ -30,7 +30,7 @@ constexpr const char* kPageStyle =
     "th{color:#555}"
     "a{color:inherit}</style>";
 
-// 0.00123 -> "1.23e-3", 22003 -> "22,003"; what is no number in words.
+// 0.00123 -> "1.23e-3", 22003 -> "22,003"; non-finite values in words.
 std::string ValueText(double value) {
   if (std::isnan(value)) return "not a number";
   if (std::isinf(value)) return "infinite";
@@ -58,7 +58,7 @@ std::string BoundText(const StabilityCase& s) {
 
 std::string ImageHtml(const Image8& image, const std::string& about) {
   if (image.empty()) return "";
-  // Small ones larger, but by whole pixels.
+  // Enlarges small images by an integer factor.
   const int times = std::max(1, 320 / std::max(image.width, image.height));
   return "<img width=\"" + std::to_string(times * image.width) + "\" height=\"" +
          std::to_string(times * image.height) + "\" alt=\"" + EscapeXml(about) + "\" src=\"" +

@@ -1,4 +1,4 @@
-// What the stability suite found, as a page and as JSON.
+// Results of the stability suite as a page and as JSON.
 #pragma once
 
 #include <string>
@@ -12,18 +12,18 @@
 namespace cosplat {
 
 struct StabilityResults {
-  std::string machine;  // that the times are of
+  std::string machine;  // on which the times were measured
   std::vector<BasisForm> forms;
   std::vector<StabilityCase> cases;
 };
 
-// Error against time, a curve per form, a point per degree.
+// Error against time, one curve per form, one point per degree.
 Chart FormsChart(const std::vector<BasisForm>& forms);
 
-// Self-contained.
+// A self-contained page.
 std::string StabilityHtml(const StabilityResults& results);
 
-// Values that are infinite or not a number are null.
+// Non-finite values become null.
 nlohmann::ordered_json StabilityJson(const StabilityResults& results);
 
 }  // namespace cosplat

@@ -9,39 +9,39 @@
 
 namespace cosplat {
 
-// At the origin, looking along +z; focal length of the image's side.
+// At the origin, looking along +z; the focal length equals the image side.
 Camera StraightCamera(int side);
 
-// Turned by `rad` about its own centre, to the right.
+// Rotated by `rad` about its own centre, to the right.
 Camera Turned(const Camera& camera, double rad);
 
-// `count` blobs of degree 1 in random colours, of about this standard deviation, 0.3 around
-// (0, 0, depth).
+// `count` blobs of degree 1 in random colours, of about the size `scale`, at positions distributed
+// normally around (0, 0, depth) with standard deviation 0.3.
 Gaussians RandomBlobs(size_t count, float depth, uint64_t seed, float scale = 0.1f);
 
-// Adds a round one.
+// Appends an isotropic Gaussian.
 struct Blob {
-  float position[3], scale, opacity, color[3];  // world units; colour as it is seen
+  float position[3], scale, opacity, color[3];  // world units; colour as seen
 };
 void Append(const Blob& blob, Gaussians& gaussians);
 
-// What the product draws, over black.
+// Renders with the product's renderer, over black.
 RenderedImage Draw(const Gaussians& gaussians, const Camera& camera);
 
-// Of number i of an image [3, height, width] in the loss below: not all alike.
+// Weight of value i of an image [3, height, width] in the loss below; the weights vary.
 float PixelWeight(size_t i);
 
-// And its gradients of the weighed sum of all its numbers.
+// The image and the gradients of WeighedSum of its values.
 struct DrawnBothWays {
   RenderedImage image;
   Gaussians gradients;
 };
 DrawnBothWays DrawBothWays(const Gaussians& gaussians, const Camera& camera);
 
-// The loss that DrawBothWays derives.
+// The loss that DrawBothWays differentiates.
 double WeighedSum(const RenderedImage& image);
 
-// How many numbers of the gradients are not finite.
+// Number of non-finite gradients.
 size_t CountNotFinite(const Gaussians& gradients);
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// The cases of training: shapes, the loss, counts.
+// The stability cases of training: shapes, the loss, counts.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace {
 constexpr float kDepth = 2.5f;  // of the scene's middle
 constexpr int kViewSide = 48;
 
-// Around the scene's middle.
+// A camera at this angle around the scene's centre.
 Camera Beside(double degrees, int side) {
   const double rad = degrees * M_PI / 180;
   Camera camera = Turned(StraightCamera(side), rad);
@@ -33,7 +33,7 @@ Camera Beside(double degrees, int side) {
   return camera;
 }
 
-// Seen from the front and 20 degrees from either side: how deep something is they hardly tell.
+// Views from the front and 20 degrees to either side, which hardly constrain depth.
 std::vector<TrainFrame> FewPhotographs() {
   const Gaussians truth = RandomBlobs(40, kDepth, 17);
   std::vector<TrainFrame> frames;
@@ -79,7 +79,7 @@ Gaussians Trained(const std::vector<TrainFrame>& frames, float regularizer) {
   return trainer.state().gaussians;
 }
 
-// Longest over shortest standard deviation, ascending.
+// Ratios of the largest to the smallest standard deviation, ascending.
 std::vector<float> Anisotropies(const Gaussians& g) {
   std::vector<float> ratios;
   for (size_t i = 0; i < g.size(); ++i) {
@@ -90,7 +90,7 @@ std::vector<float> Anisotropies(const Gaussians& g) {
   std::sort(ratios.begin(), ratios.end());
   return ratios;
 }
-// Those more than 5 times as long as wide, from 75 degrees aside.
+// Needle-like Gaussians, more than 5 times as long as wide, seen from 75 degrees to the side.
 Image8 NeedlesImage(const Gaussians& all) {
   std::vector<uint32_t> needles;
   for (size_t i = 0; i < all.size(); ++i) {
@@ -109,7 +109,7 @@ StabilityCurve PercentilesOf(const std::string& name, const std::vector<float>& 
   return curve;
 }
 
-// The window of SSIM as one list of weights.
+// SSIM's window as a flat list of weights.
 std::vector<float> SsimWeights() {
   std::vector<float> weights;
   for (int y = -math::kSsimRadius; y <= math::kSsimRadius; ++y)
@@ -121,13 +121,13 @@ std::vector<float> SsimWeights() {
   return weights;
 }
 
-// SSIM of a constant window of this grey with itself: 1 in mathematics.
+// SSIM of a constant window of this grey with itself: exactly 1 in theory.
 float NaiveSsimOfGrey(int grey) {
   static const std::vector<float> weights = SsimWeights();
   const std::vector<float> values(weights.size(), float(grey) / 255);
   return NaiveSsim(weights.data(), values.data(), values.data(), int(values.size()));
 }
-// The same of a constant image through the product's loss.
+// The same for a constant image, through the product's loss.
 float OurSsimOfGrey(int grey) {
   constexpr int kSide = 16;
   const Image8 target(kSide, kSide, 3, uint8_t(grey));
@@ -137,7 +137,7 @@ float OurSsimOfGrey(int grey) {
   return float(MeanSsim(rendered, target, black));
 }
 
-// All 256 greys, a cell each; black: SSIM is 1 as it should.
+// One cell per grey level; black where SSIM is 1 as it should be.
 template <class F>
 Image8 GreysImage(const F& ssim_of_grey) {
   constexpr int kCells = 16, kCell = 10;
@@ -155,16 +155,16 @@ double CountWrong(const F& ssim_of_grey) {
   return count;
 }
 
-// 4096 splats over all of a 16384 x 16384 image: 2^32 pairs of Gaussian and tile.
+// 4096 splats covering a 16384 x 16384 image: 2^32 pairs of Gaussian and tile.
 constexpr int kManySplats = 4096, kManyTiles = 1024 * 1024;
 
-// How many pairs are forgotten without a word where they are counted in 32 bits.
+// Number of pairs silently lost when they are counted in 32 bits.
 double ForgottenBy32Bits() {
   const std::vector<uint32_t> per_splat(kManySplats, uint32_t(kManyTiles));
   const uint32_t counted = std::accumulate(per_splat.begin(), per_splat.end(), uint32_t(0));
   return double(kManySplats) * kManyTiles - counted;
 }
-// The same of the product's lists, which refuse them with an error.
+// The same for the product's tile lists, which throw an error instead.
 double ForgottenByTheLists() {
   ProjectedSplat s{};
   s.x = s.y = 8192;
@@ -207,7 +207,7 @@ StabilityCase Needles() {
   s.chart = {"Gaussians", "%", "longest over shortest", "", false, true, {}};
   s.naive = form("no regulariser", 0, s);
   s.ours = form("scale regulariser", 1, s);
-  s.bound = 6.5;  // seeds and instruction sets: 4.7 to 5.0; without: 10 to 14
+  s.bound = 6.5;  // across seeds and instruction sets: 4.7 to 5.0; without regulariser: 10 to 14
   return s;
 }
 

@@ -2,8 +2,8 @@
 
 namespace cosplat::cuda {
 
-// Lets devices run the kernels of flame/kernels/ and avatar/surface/kernels/: they pose the mesh
-// and what is embedded in it.
+// Registers the kernels of flame/kernels/ and avatar/surface/kernels/, which pose the mesh and the
+// Gaussians embedded on it, for CUDA devices.
 void ProvideAvatarKernels();
 
 }  // namespace cosplat::cuda

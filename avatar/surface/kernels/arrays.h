@@ -1,4 +1,4 @@
-// What the element-wise kernels of avatars work on: borrowed arrays, of the host or of a device.
+// Arguments of the element-wise avatar kernels: borrowed arrays in host or device memory.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +13,27 @@ namespace cosplat {
 constexpr size_t kSurfaceVertexFloats = 11;
 // Rows of faces: area vector 3, its length, rotation from canonical to posed 4.
 constexpr size_t kPosedFaceFloats = 8;
-// Rows of what vertices are normalised from: normal 3, rotation 4.
+// Rows of unnormalised vertex sums: normal 3, rotation 4.
 constexpr size_t kVertexSumFloats = 7;
 
-// A mesh and one pose of it. `posed_faces` ends with a row of zeros, a face that adds nothing.
+// A mesh and one pose of it. `posed_faces` ends with a row of zeros, a face that contributes
+// nothing.
 struct SurfaceArrays {
   size_t face_count = 0;
   size_t vertex_count = 0;
   const int32_t* faces = nullptr;              // [F, 3]
   const int32_t* vertex_face_begin = nullptr;  // [V + 1]
   const int32_t* vertex_faces = nullptr;       // [3 F]
-  const int32_t* corner_places = nullptr;      // [F, 3] where vertex_faces lists the corner
+  const int32_t* corner_places = nullptr;      // [F, 3] index of the corner in vertex_faces
   const float* canonical_frames = nullptr;     // [F, 9] row-major
   float* vertices = nullptr;                   // [V, kSurfaceVertexFloats]
   float* posed_faces = nullptr;                // [F + 1, kPosedFaceFloats]
   float* sums = nullptr;                       // [V, kVertexSumFloats]
-  float* signs = nullptr;  // [3 F] like vertex_faces: hemisphere in which the rotation was added
+  float* signs = nullptr;  // [3 F] like vertex_faces: sign with which the rotation was added
 };
 
-// The canonical mesh with what walks and searches over it need: who is across an edge (-1: nobody),
-// who is at a vertex.
+// The canonical mesh with the adjacency that walks and searches need: the face across an edge (-1:
+// none) and the faces at a vertex.
 struct MeshArrays {
   size_t face_count = 0;
   const int32_t* faces = nullptr;              // [F, 3]
@@ -43,12 +44,12 @@ struct MeshArrays {
   const float* vertices = nullptr;             // [V, kSurfaceVertexFloats]
 };
 
-// Which corner of `face` [3] the vertex is; it must be one.
+// The corner of `face` [3] that the vertex is; it must be one of them.
 COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
   return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
 }
 
-// Gaussians on the triangles of a posed mesh. The triangles must exist.
+// Gaussians on the triangles of a posed mesh; the triangles must exist.
 struct EmbeddedArrays {
   size_t count = 0;
   const int32_t* triangle = nullptr;       // [N]
@@ -70,8 +71,8 @@ struct PosedArrays {
   T* frame = nullptr;
 };
 
-// Derivatives, overwritten. `corners`: [N, 3, kSurfaceVertexFloats] of the triangle's vertices for
-// each Gaussian, or null.
+// Derivatives, overwritten. corners: [N, 3, kSurfaceVertexFloats], each Gaussian's contribution to
+// the vertices of its triangle, or null.
 struct EmbeddedGradients {
   float* offset = nullptr;
   float* rotation = nullptr;
@@ -79,14 +80,14 @@ struct EmbeddedGradients {
   float* corners = nullptr;
 };
 
-// What ForEachRow (splat/device/for_each.h) runs; what each does: avatar/surface/kernels/surface.h
+// Kernels for ForEachRow (splat/device/for_each.h), implemented in avatar/surface/kernels/surface.h
 // and embed.h.
 
-// Rows of faces.
+// One row per face.
 struct PoseFacesKernel {
   SurfaceArrays s;
 };
-// Rows of vertices.
+// One row per vertex.
 struct PoseVerticesKernel {
   SurfaceArrays s;
 };
@@ -100,17 +101,17 @@ struct FacesVjpKernel {
   const float* d_sums;  // [V, kSurfaceVertexFloats]
   float* d_corners;     // [F, 3, 3]
 };
-// Rows of Gaussians.
+// One row per Gaussian.
 struct EmbedKernel {
   EmbeddedArrays gaussians;
   PosedArrays<float> out;
 };
 struct EmbedVjpKernel {
   EmbeddedArrays gaussians;
-  PosedArrays<const float> d_posed;  // `frame` may be null: zero
+  PosedArrays<const float> d_posed;  // a null `frame` counts as zero
   EmbeddedGradients out;
 };
-// On SIMD packs, compiled per instruction set.
+// Run on SIMD packs, compiled per instruction set.
 void RunOnHost(size_t n, const PoseFacesKernel& kernel);
 void RunOnHost(size_t n, const PoseVerticesKernel& kernel);
 void RunOnHost(size_t n, const VerticesVjpKernel& kernel);
@@ -118,12 +119,12 @@ void RunOnHost(size_t n, const FacesVjpKernel& kernel);
 void RunOnHost(size_t n, const EmbedKernel& kernel);
 void RunOnHost(size_t n, const EmbedVjpKernel& kernel);
 
-// Gaussians of each face, ascending: index[begin[f] .. begin[f + 1]).
+// The Gaussians of each face in ascending order: index[begin[f] .. begin[f + 1]).
 struct FaceListArrays {
   const uint32_t* begin = nullptr;  // [F + 1]
   const uint32_t* index = nullptr;  // [N]
 };
-// What they are sorted by.
+// Writes the sort keys (faces) and values (Gaussians) for FaceListArrays.
 struct FaceKeys {
   const int32_t* triangle;
   View<uint32_t> keys, values;

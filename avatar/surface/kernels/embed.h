@@ -1,5 +1,5 @@
-// Gaussians on the posed surface and the derivative, a Gaussian each: the kernels that the CPU runs
-// on SIMD packs (avatar/surface/packs.cpp) and a device with a thread each
+// Embedding of Gaussians on the posed surface and its derivative, one Gaussian per row. The CPU
+// runs these kernels on SIMD packs (avatar/surface/packs.cpp), a device with one thread per row
 // (avatar/surface/cuda/kernels.cu). Formulas: avatar/math/embed.h.
 #if defined(COSPLAT_AVATAR_KERNELS_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_KERNELS_EMBED_H_
@@ -14,7 +14,7 @@
 
 COSPLAT_MATH_BEGIN
 
-// What Embed takes.
+// The arguments of Embed.
 template <class T>
 struct EmbedInput {
   Three<SurfaceVertex<T>> vertices;
@@ -99,7 +99,8 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   if (out.corners) StoreCorners(d_corners, out.corners, rows);
 }
 
-// Of one vertex: what the Gaussians around it have for it, in the order of its faces, then theirs.
+// One vertex per index: sums the contributions of the Gaussians around it in a fixed order, by face
+// and then by Gaussian.
 struct SumAtVertexKernel {
   SurfaceArrays s;
   FaceListArrays lists;

@@ -1,5 +1,6 @@
-// What a search over the mesh remembers: the faces still to be looked around, nearest first, and
-// those seen. Of one fixed size, so that a device can lend it; 12 kB.
+// The state of a best-first search over the mesh: a queue of faces still to be expanded, nearest
+// first, and the set of faces seen. Of fixed size (12 kB), so that it can be preallocated on a
+// device.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@ namespace cosplat::math {
 struct FaceAtDistance {
   double distance2;
   int32_t face;
-  // Equal distances by face index.
+  // Ties are broken by face index.
   COSPLAT_HD bool IsBefore(const FaceAtDistance& other) const {
     return distance2 != other.distance2 ? distance2 < other.distance2 : face < other.face;
   }
@@ -20,7 +21,7 @@ struct FaceAtDistance {
 
 class FaceSearch {
  public:
-  // A split moves a Gaussian by a few of its own widths, a few triangles on FLAME.
+  // Enough, because a split moves a Gaussian by a few of its own widths: a few triangles on FLAME.
   static constexpr int kMaxFaces = 512;
 
   COSPLAT_HD void Start() {
@@ -28,10 +29,10 @@ class FaceSearch {
     for (int32_t& slot : seen_) slot = kFree;
   }
 
-  // Whether `face` is one to look at: not seen before, while there is room for more.
+  // Marks `face` as seen. Returns false if it was seen before or the set is full.
   COSPLAT_HD bool See(int32_t face) {
     if (seen_count_ == kMaxFaces) return false;
-    // Knuth's multiplicative hash, then the next free slot: half of them stay free.
+    // Knuth's multiplicative hash with linear probing; at most half of the slots are used.
     uint32_t slot = uint32_t(face) * 2654435769u >> (32 - kSlotBits);
     for (; seen_[slot] != kFree; slot = (slot + 1) % kSlots)
       if (seen_[slot] == face) return false;
@@ -42,7 +43,7 @@ class FaceSearch {
   COSPLAT_HD bool IsFull() const { return seen_count_ == kMaxFaces; }
 
   COSPLAT_HD bool IsEmpty() const { return open_count_ == 0; }
-  // Of faces that See has let through: each goes in once.
+  // Only for faces for which See returned true, so that each is pushed once.
   COSPLAT_HD void Push(const FaceAtDistance& entry) {
     int at = open_count_++;
     for (; at > 0 && entry.IsBefore(open_[(at - 1) / 2]); at = (at - 1) / 2)
@@ -68,7 +69,7 @@ class FaceSearch {
   static constexpr int32_t kFree = -1;
 
   FaceAtDistance open_[kMaxFaces];  // a binary heap
-  int32_t seen_[kSlots];            // by hash
+  int32_t seen_[kSlots];            // a hash table
   int open_count_, seen_count_;
 };
 

@@ -1,6 +1,6 @@
-// Rows that an element-wise kernel reads from a place of their own for each lane of its scalar T.
-// A float has one lane; SIMD packs bring their own overloads (avatar/surface/gather_rows.h). And
-// what else the kernels of avatar/surface/kernels/ share.
+// Loads and stores shared by the kernels of avatar/surface/kernels/, above all gathers: each lane
+// of a kernel's scalar T reads a row of its own. A float has one lane; SIMD packs have their own
+// overloads (avatar/surface/gather_rows.h).
 #if defined(COSPLAT_AVATAR_KERNELS_GATHER_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_KERNELS_GATHER_H_
 #undef COSPLAT_AVATAR_KERNELS_GATHER_H_
@@ -12,8 +12,8 @@
 
 #include "splat/math/rows.h"
 
-// For bodies and what hands many packs over, which g++ would otherwise pass through memory: a tenth
-// of the time of binding.
+// For kernel bodies and functions that pass many packs, which g++ would otherwise pass through
+// memory (a tenth of the time of binding).
 #undef COSPLAT_HD_FORCED
 #if defined(__CUDACC__)
 #define COSPLAT_HD_FORCED __host__ __device__ __forceinline__
@@ -26,7 +26,7 @@ COSPLAT_MATH_BEGIN
 template <class T>
 inline constexpr size_t kLaneCount = 1;
 
-// A number per lane.
+// One number per lane.
 template <class Number, class T>
 struct PerLane {
   alignas(T) Number lane[kLaneCount<T>];
@@ -36,7 +36,7 @@ struct PerLane {
 template <class T>
 using LaneRows = PerLane<int32_t, T>;
 
-// number_of(row) of the row of each lane; lanes beyond the rows repeat the first.
+// number_of(row) for the row of each lane; lanes beyond the last row repeat the first.
 template <class T, class F>
 COSPLAT_HD_FORCED LaneRows<T> RowPerLane(const Rows& rows, const F& number_of) {
   LaneRows<T> r;
@@ -48,7 +48,7 @@ COSPLAT_HD_FORCED LaneRows<T> RowPerLane(const Rows& rows, const F& number_of) {
 COSPLAT_HD float FromLanes(const PerLane<float, float>& lanes) { return lanes[0]; }
 COSPLAT_HD void ToLanes(float x, PerLane<float, float>& lanes) { lanes[0] = x; }
 
-// out[k]: number k of each row; 4 <= kUsed <= width.
+// out[k] = number k of each row, for k < kUsed; 4 <= kUsed <= width.
 template <int kUsed>
 COSPLAT_HD void GatherRows(const float* array,
                            size_t width,

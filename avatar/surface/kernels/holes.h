@@ -1,5 +1,5 @@
-// Holes that removals would tear into an avatar, for the CPU and for a device: which pixels lose
-// their cover, and who is drawn near one.
+// Detection of holes that pruning would open in an avatar, for the CPU and for a device: the pixels
+// that lose their cover, and the Gaussians near them.
 #pragma once
 
 #include <cmath>
@@ -12,29 +12,31 @@
 
 namespace cosplat::math {
 
-// A triangle's last Gaussian goes only while the alpha inside the silhouette stays above this.
+// A triangle's last Gaussian is removed only while the alpha inside the silhouette stays above
+// this.
 constexpr float kHoleAlpha = 0.9f;
-// A loss of alpha that counts: one grey level.
+// The smallest loss of alpha that counts: one grey level.
 constexpr float kAlphaLoss = 1.0f / 255;
 
-// Training frames, evenly spread, in which holes are looked for: the k-th of them.
+// Number of training frames, evenly spaced, that are searched for holes; index of the k-th.
 constexpr size_t kHoleFrames = 3;
 COSPLAT_HD size_t HoleFrame(size_t k, size_t frame_count) { return k * frame_count / kHoleFrames; }
 
-// A pixel's transmittance with all Gaussians and without those that are to go. Also where it was
-// uncovered already (after an opacity reset): its alpha shall not fall further.
+// before, after: the pixel's transmittance with all Gaussians, and without those to be removed. A
+// pixel that was already uncovered (after an opacity reset) counts too: its alpha must not fall
+// further.
 COSPLAT_HD bool IsHole(bool inside_silhouette, float before, float after) {
   return inside_silhouette && 1 - after < kHoleAlpha && after - before > kAlphaLoss;
 }
 
-// The logit of one that is gone.
+// Opacity logit that makes a Gaussian invisible.
 constexpr float kGoneLogit = -100;
 
 struct HoleMask {
   const uint8_t* holes;  // [height, width] 1: a hole
   int width, height;
 
-  // Whether one's pixel centre is within `radius` of (x, y); px.
+  // Whether the centre of a hole pixel is within `radius` of (x, y); px.
   COSPLAT_HD bool HasWithin(float x, float y, float radius) const {
     const int x0 = PixelAt(x - radius, width), x1 = PixelAt(x + radius + 1, width);
     const int y0 = PixelAt(y - radius, height), y1 = PixelAt(y + radius + 1, height);
@@ -59,7 +61,7 @@ namespace cosplat {
 
 // The steps of HoleGuard (avatar/train/hole_guard.h).
 
-// A face each: which of its Gaussians would be the last to go.
+// One face per index: marks its Gaussians if all of them are to be removed.
 struct FindLast {
   FaceListArrays lists;
   View<const uint8_t> unwanted;
@@ -77,7 +79,7 @@ struct FindLast {
   }
 };
 
-// A Gaussian each.
+// One Gaussian per index: makes those to be removed invisible.
 struct ThinOut {
   View<const float> logits;
   View<const uint8_t> unwanted;
@@ -87,7 +89,7 @@ struct ThinOut {
   }
 };
 
-// A pixel each.
+// One pixel per index.
 struct FindHoles {
   View<const uint8_t> silhouette;
   View<const float> before, after;
@@ -97,7 +99,7 @@ struct FindHoles {
   }
 };
 
-// A Gaussian each: stays where it is drawn near a hole.
+// One Gaussian per index: it is kept if it is rendered near a hole.
 struct SpareOne {
   math::HoleMask mask;
   ViewParameters view;

@@ -1,18 +1,18 @@
-// A Gaussian's place on the canonical mesh, for density control on the CPU and on a device.
+// Positions of Gaussians on the canonical mesh, for density control on the CPU and on a device.
 #pragma once
 
 #include "avatar/surface/kernels/reembed.h"
 
 namespace cosplat::math {
 
-// Where density control finds and leaves a Gaussian.
+// Pointers to a Gaussian's embedding, which density control reads and updates.
 struct PlaceOnMesh {
   int32_t* triangle;   // [1]
   float* barycentric;  // [2]
   float* offset;       // [3] (du, dv, d)
 };
 
-// barycentric: [2]; offset: [3].
+// The position in the canonical frame. barycentric: [2]; offset: [3].
 COSPLAT_HD Vec3<float> CanonicalPlace(const MeshArrays& mesh,
                                       int32_t triangle,
                                       const float* barycentric,
@@ -29,9 +29,8 @@ COSPLAT_HD Vec3<float> CanonicalPlace(const MeshArrays& mesh,
   return Embed(corners, area, local).position;
 }
 
-// Re-embeds it where it is after a move by `by` on the canonical mesh; keeps_d: with the d that it
-// had. One that is not at a place or would be moved to none (its numbers are not finite) is left
-// alone.
+// Moves a Gaussian by `by` in the canonical frame and re-embeds it; with keeps_d it keeps its d. A
+// Gaussian whose position before or after the move is not finite is left unchanged.
 COSPLAT_HD void MoveOnMesh(const MeshArrays& mesh,
                            const Vec3<float>& by,
                            bool keeps_d,
@@ -52,11 +51,12 @@ COSPLAT_HD void MoveOnMesh(const MeshArrays& mesh,
 
 namespace cosplat {
 
-// Searcher s takes every so many-th child from the s-th on: each has 12 kB to search in.
+// One searcher per index, because each search needs 12 kB. Searcher s takes the children s, s +
+// searches.count, ...
 struct MoveEach {
   MeshArrays mesh;
   View<const float> offsets;  // [children, 3]
-  size_t first;               // child's Gaussian
+  size_t first;               // index of the first child among the Gaussians
   bool keeps_d;
   View<math::FaceSearch> searches;
   int32_t* triangle;
@@ -74,7 +74,7 @@ struct MoveEach {
   }
 };
 
-// A Gaussian each.
+// Kernels with one Gaussian per index.
 
 struct PlaceEach {
   MeshArrays mesh;

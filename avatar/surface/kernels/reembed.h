@@ -1,6 +1,5 @@
-// Where a point near the canonical mesh is to be embedded: the body of Reembed
-// (avatar/surface/sample.h, which says what it does), for the CPU and for a device (a thread per
-// point).
+// Re-embedding of a point near the canonical mesh: the implementation of Reembed, documented in
+// avatar/surface/sample.h, for the CPU and for a device (one thread per point).
 #pragma once
 
 #include "avatar/surface/kernels/face_search.h"
@@ -8,11 +7,12 @@
 
 namespace cosplat::math {
 
-// So many faces without an improvement end the search.
+// The search ends after this many faces without an improvement.
 constexpr int kMaxFruitlessFaces = 48;
-// Newton's method for P(b) + d n(b) = x converges quadratically; a handful suffices where it does.
+// Newton's method for P(b) + d n(b) = x converges quadratically; where it converges, a few steps
+// suffice.
 constexpr int kNewtonSteps = 12;
-// Moves to a neighbouring face during it.
+// Moves to a neighbouring face during Newton's method.
 constexpr int kMaxFaceChanges = 8;
 
 struct CanonicalTriangle {
@@ -34,7 +34,7 @@ COSPLAT_HD CanonicalTriangle TriangleOf(const MeshArrays& mesh, int32_t face) {
   return t;
 }
 
-// Closest point to x on the segment from corner i to corner j.
+// Weights of the closest point to x on the segment from corner i to corner j.
 COSPLAT_HD Weights ClosestOnEdge(const CanonicalTriangle& t, int i, int j, const Vec3<double>& x) {
   const Vec3<double> edge = t.position[j] - t.position[i];
   const double length2 = Dot(edge, edge);
@@ -45,8 +45,8 @@ COSPLAT_HD Weights ClosestOnEdge(const CanonicalTriangle& t, int i, int j, const
   return b;
 }
 
-// Weights of the closest point to x: the foot on the plane if it lies inside, otherwise the closest
-// of the three edges.
+// Weights of the closest point to x: its projection onto the plane if that lies inside, otherwise
+// the closest point of the three edges.
 COSPLAT_HD Weights ClosestOnTriangle(const CanonicalTriangle& t, const Vec3<double>& x) {
   const Vec3<double> a = t.position[1] - t.position[0], c = t.position[2] - t.position[0];
   const Vec3<double> normal = Cross(a, c), to_x = x - t.position[0];
@@ -82,7 +82,7 @@ COSPLAT_HD ClosestPlace ClosestOnFace(const MeshArrays& mesh, int32_t face, cons
   return {face, b, Dot(off, off)};
 }
 
-// Closest point of the faces around `start`, nearest faces first.
+// Closest point on the faces around `start`, searched nearest first.
 COSPLAT_HD ClosestPlace ClosestAround(const MeshArrays& mesh,
                                       int32_t start,
                                       const Vec3<double>& x,
@@ -117,7 +117,7 @@ struct Reembedded {
   double residual;
 };
 
-// The best that weights `b` (inside the triangle) allow: d by projection on their normal.
+// The best embedding with weights `b` (inside the triangle): d is the projection onto their normal.
 COSPLAT_HD Reembedded ProjectOnFace(const MeshArrays& mesh,
                                     int32_t face,
                                     const Weights& b,
@@ -129,8 +129,9 @@ COSPLAT_HD Reembedded ProjectOnFace(const MeshArrays& mesh,
   return {face, b, d, Sqrt(Dot(off, off))};
 }
 
-// Solves P + h N = x for (b_0, b_1, h) on the plane of one triangle, N the sum of weighted normals
-// before it is normalised (the line is the same). False when the equations become singular.
+// Solves P + h N = x for (b_0, b_1, h) on the plane of one triangle, where N is the weighted sum of
+// the normals, not normalised (the line is the same). Returns false when the equations become
+// singular.
 COSPLAT_HD bool SolveOnTriangle(const CanonicalTriangle& t, const Vec3<double>& x, Weights& b) {
   double h = Dot(x - t.PointAt(b), Normalize(t.NormalSum(b)));
   const Vec3<double> p0 = t.position[0] - t.position[2], p1 = t.position[1] - t.position[2];
@@ -151,8 +152,8 @@ COSPLAT_HD bool SolveOnTriangle(const CanonicalTriangle& t, const Vec3<double>& 
   return std::isfinite(b[0] + b[1] + b[2] + h);
 }
 
-// Near face `start`, which exists; x is finite. Solves on the closest face; where the solution lies
-// outside, goes on in the face across the edge it left by.
+// Embeds x, which must be finite, near face `start`, which must exist. Solves on the closest face;
+// if the solution lies outside it, continues on the face across the edge by which it left.
 COSPLAT_HD Reembedded ReembedNear(const MeshArrays& mesh,
                                   int32_t start,
                                   const Vec3<double>& x,

@@ -1,9 +1,9 @@
-// The posed surface and its derivative, element by element: the kernels that the CPU runs on SIMD
-// packs (avatar/surface/packs.cpp) and a device with a thread each
+// The posed surface and its derivative, element by element. The CPU runs these kernels on SIMD
+// packs (avatar/surface/packs.cpp), a device with one thread per row
 // (avatar/surface/cuda/kernels.cu).
 //
-// vertices' positions -> PoseFaces -> PoseVertices; back: VerticesVjp -> FacesVjp -> SumCorners ->
-// d_vertices. Formulas: avatar/math/frame.h.
+// vertices' positions -> PoseFaces -> PoseVertices; backward: VerticesVjp -> FacesVjp -> SumCorners
+// -> d_vertices. Formulas: avatar/math/frame.h.
 #if defined(COSPLAT_AVATAR_KERNELS_SURFACE_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_KERNELS_SURFACE_H_
 #undef COSPLAT_AVATAR_KERNELS_SURFACE_H_
@@ -29,14 +29,14 @@ template <class T>
 COSPLAT_HD_FORCED FaceCorners<T> LoadCorners(const SurfaceArrays& s, const Rows& rows) {
   FaceCorners<T> corners;
   for (int c = 0; c < 3; ++c) {
-    T row[4];  // the position and a number that is not used
+    T row[4];  // the position and an unused number
     GatherRows<4>(s.vertices, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), row);
     corners.p[c] = {row[0], row[1], row[2]};
   }
   return corners;
 }
 
-// Rows of faces: posed_faces.
+// One row per face: writes posed_faces.
 template <class T>
 COSPLAT_HD_FORCED void Run(const PoseFacesKernel& kernel, const Rows& rows) {
   const SurfaceArrays& s = kernel.s;
@@ -49,7 +49,7 @@ COSPLAT_HD_FORCED void Run(const PoseFacesKernel& kernel, const Rows& rows) {
   StoreRows<kPosedFaceFloats>(row, s.posed_faces, kPosedFaceFloats, rows);
 }
 
-// The faces around the vertices of the lanes.
+// The faces around the vertex of each lane.
 template <class T>
 struct Fans {
   LaneRows<T> begin, count;
@@ -78,8 +78,8 @@ struct VertexSums {
   T area;
 };
 
-// Each rotation is added in the hemisphere of the sum so far, which therefore only grows: face
-// rotations cannot cancel at a vertex.
+// Sums over the faces around a vertex. Each rotation is added in the hemisphere of the sum so far,
+// which therefore only grows: face rotations cannot cancel at a vertex.
 template <class T>
 COSPLAT_HD_FORCED VertexSums<T> SumFaces(const SurfaceArrays& s,
                                          const Fans<T>& fans,
@@ -105,15 +105,16 @@ COSPLAT_HD_FORCED VertexSums<T> SumFaces(const SurfaceArrays& s,
   return sum;
 }
 
-// Rows of vertices, of posed_faces: the vertices' other numbers, sums and signs.
+// One row per vertex: from posed_faces, writes normal, rotation and area of the vertices, sums and
+// signs.
 template <class T>
 COSPLAT_HD_FORCED void Run(const PoseVerticesKernel& kernel, const Rows& rows) {
   const SurfaceArrays& s = kernel.s;
   const T one(1.0f);
   const Fans<T> fans(s, rows);
   const VertexSums<T> sum = SumFaces<T>(s, fans, rows);
-  // Areas of a head in metres are near 1e-5: the sum is brought to norm 1 or less before
-  // Normalize's floor, which is meant for quaternions of order 1, sees it.
+  // Face areas of a head are near 1e-5 square metres: the sum is scaled to norm 1 or less, because
+  // the floor in Normalize is meant for quaternions of order 1.
   const auto some = sum.area > T(0.0f);
   const Quat<T> r = sum.rotation * (one / Select(some, sum.area, one));
   const T sums[kVertexSumFloats] = {sum.normal.x, sum.normal.y, sum.normal.z, r.w, r.x, r.y, r.z};
@@ -125,9 +126,9 @@ COSPLAT_HD_FORCED void Run(const PoseVerticesKernel& kernel, const Rows& rows) {
   StoreRows<8>(row, s.vertices + 3, kSurfaceVertexFloats, rows);
 }
 
-// Rows of vertices, to the sums over the faces: of the normals, of the rotations before their
-// division by the area (which changes the sum's norm only, and that Normalize ignores: the area may
-// be taken as a constant there), and of the areas.
+// One row per vertex: the derivative of the sums over the faces, of normals, of rotations before
+// the division by the area, and of areas. The division only changes the norm of the sum, which
+// Normalize removes, so the area is treated as a constant there.
 template <class T>
 COSPLAT_HD_FORCED void Run(const VerticesVjpKernel& kernel, const Rows& rows) {
   const SurfaceArrays& s = kernel.s;
@@ -148,7 +149,7 @@ COSPLAT_HD_FORCED void Run(const VerticesVjpKernel& kernel, const Rows& rows) {
   StoreRows<kSurfaceVertexFloats>(row, kernel.d_sums, kSurfaceVertexFloats, rows);
 }
 
-// Rows of faces, to their corners.
+// The signs with which the faces' rotations were added at one of their corners.
 template <class T>
 COSPLAT_HD T SignsOf(const SurfaceArrays& s, const Rows& rows, int corner) {
   PerLane<float, T> signs;
@@ -159,6 +160,7 @@ COSPLAT_HD T SignsOf(const SurfaceArrays& s, const Rows& rows, int corner) {
   return FromLanes(signs);
 }
 
+// One row per face: the derivative of its corners' positions.
 template <class T>
 COSPLAT_HD_FORCED void Run(const FacesVjpKernel& kernel, const Rows& rows) {
   const SurfaceArrays& s = kernel.s;
@@ -191,7 +193,7 @@ COSPLAT_HD_FORCED void Run(const FacesVjpKernel& kernel, const Rows& rows) {
   StoreRows<9>(row, kernel.d_corners, 9, rows);
 }
 
-// Of one vertex.
+// One vertex per index.
 struct PutPositionsKernel {
   const float* positions;  // [V, 3]
   float* vertices;         // [V, kSurfaceVertexFloats]
@@ -201,7 +203,8 @@ struct PutPositionsKernel {
   }
 };
 
-// Of one vertex: its own part and those of the corners around it, in the order of the faces.
+// One vertex per index: sums its own derivative and those of the corners around it, in the order of
+// the faces.
 struct SumCornersKernel {
   SurfaceArrays s;
   const float* d_sums;     // [V, kSurfaceVertexFloats]

@@ -1,5 +1,5 @@
-// Places on the triangles of the canonical mesh, in double: what walking (walk.h) and searching
-// (reembed.h) share, on the CPU and on a device.
+// Points on the triangles of the canonical mesh, in double precision: shared by walk.h and
+// reembed.h, on the CPU and on a device.
 #pragma once
 
 #include "avatar/math/embed.h"
@@ -7,17 +7,17 @@
 
 namespace cosplat::math {
 
-// Of a triangle's corners; the sum is 1. Or changes of them; the sum is 0.
+// Barycentric weights of a triangle's corners, which sum to 1, or changes of them, which sum to 0.
 using Weights = Three<double>;
 
 COSPLAT_HD bool AllFinite(const Weights& w) {
   return std::isfinite(w[0]) && std::isfinite(w[1]) && std::isfinite(w[2]);
 }
 
-// Points that a search or a walk has moved keep each weight at least this: float's rounding of
-// 1 - u - v is 1.2e-7.
+// The smallest weight of points that a search or a walk has moved; the rounding of 1 - u - v in
+// float is 1.2e-7.
 constexpr double kInsideTriangle = 1e-6;
-// Raises weights below it to it; the sum back to 1.
+// Raises smaller weights to it and renormalises the sum to 1.
 COSPLAT_HD Weights KeepInsideTriangle(Weights w) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
-// The walk of one Gaussian over the canonical mesh: the body of avatar/surface/walk.h, which says
-// what it does, for the CPU and for a device (a thread per Gaussian).
+// The walk of one Gaussian over the canonical mesh: the implementation of avatar/surface/walk.h,
+// which documents it, for the CPU and for a device (one thread per Gaussian).
 #pragma once
 
 #include "avatar/surface/kernels/triangle.h"
@@ -7,15 +7,14 @@
 namespace cosplat {
 
 enum class WalkStatus {
-  kWithin,    // ended in the triangle it began in
-  kCrossed,   // ended in another one
-  kBoundary,  // met a boundary on its way; may have crossed edges too
-  kInvalid    // not finite, or longer than kMaxWalkCrossings triangles: the point is left where it
-              // was
+  kWithin,    // ended in the triangle in which it began
+  kCrossed,   // ended in another triangle
+  kBoundary,  // met a boundary; may have crossed edges as well
+  kInvalid    // not finite, or longer than kMaxWalkCrossings triangles: the point is not moved
 };
 
-// A step between two walks is a few triangles long; this many is a quarter of the way round FLAME's
-// finely divided eyeballs.
+// A step between two walks is a few triangles long; this many go a quarter of the way around
+// FLAME's finely tessellated eyeballs.
 constexpr int kMaxWalkCrossings = 256;
 
 namespace math {
@@ -23,7 +22,7 @@ namespace math {
 // Edge i of a face (corner i to corner i + 1) with the corner opposite to it.
 struct EdgeShape {
   double length;
-  double foot;    // of the opposite corner, measured from corner i along the edge
+  double foot;    // projection of the opposite corner onto the edge, measured from corner i
   double height;  // of the opposite corner over the edge
   COSPLAT_HD bool IsSolid() const { return length > 0 && height > 0; }
 };
@@ -41,17 +40,17 @@ COSPLAT_HD EdgeShape ShapeOfEdge(const MeshArrays& mesh, int32_t face, int edge)
 struct Walker {
   int32_t face;
   Weights barycentric;
-  Weights offset;  // what is left of (du, dv), as changes of all three; sums to zero
+  Weights offset;  // the rest of (du, dv), as changes of all three weights; sums to zero
 
-  // A weight falls by 1 at most in each triangle of about the same size.
+  // In triangles of similar size, a weight falls by at most 1 per triangle.
   COSPLAT_HD bool IsTooLong() const {
     for (int i = 0; i < 3; ++i)
       if (Abs(offset[i]) > kMaxWalkCrossings) return true;
     return false;
   }
 
-  // The corner that the path leaves behind when it goes out of the face, and at which fraction of
-  // the step; -1 when the step ends inside.
+  // The corner opposite to the edge through which the step leaves the face, and the fraction of the
+  // step at which it does; -1 if the step ends inside.
   COSPLAT_HD int ExitCorner(double& fraction) const {
     int corner = -1;
     fraction = 1;
@@ -70,12 +69,12 @@ struct Walker {
     }
   }
 
-  // Length of the step along `edge`.
+  // Length of the step's component along `edge`.
   COSPLAT_HD double Along(int edge, const EdgeShape& shape) const {
     return offset[(edge + 1) % 3] * shape.length + offset[(edge + 2) % 3] * shape.foot;
   }
 
-  // The step's part along the boundary edge is kept.
+  // Keeps only the step's component along the boundary edge.
   COSPLAT_HD void Slide(int edge, const EdgeShape& shape) {
     const double share = shape.length > 0 ? Along(edge, shape) / shape.length : 0;
     offset[(edge + 1) % 3] = share;
@@ -84,9 +83,9 @@ struct Walker {
     barycentric = KeepInsideTriangle(barycentric);
   }
 
-  // Into the face across `edge`, unfolded into this one's plane: the step's parts along the edge
-  // and across it are the same lengths there. A path that meets a vertex turns about it, face by
-  // face, until it has gone half way round: straight on.
+  // Moves to the face across `edge`, unfolded into this face's plane: the step's components along
+  // and across the edge keep their lengths. A path that meets a vertex passes around it, face by
+  // face, until it has gone half way around, that is, straight on.
   COSPLAT_HD void Cross(
       int edge, const EdgeShape& shape, int32_t next, int next_edge, const EdgeShape& shape2) {
     const double along = Along(edge, shape);
@@ -103,9 +102,10 @@ struct Walker {
   }
 };
 
-// Whether the walk ended within the bound; `met_boundary` says whether it met one.
+// Returns whether the walk ended within kMaxWalkCrossings. Sets `met_boundary` if it met a
+// boundary.
 COSPLAT_HD bool FollowStep(const MeshArrays& mesh, Walker& walker, bool& met_boundary) {
-  bool slid_here = false;  // already along a boundary edge of this face
+  bool slid_here = false;  // already slid along a boundary edge of this face
   for (int events = 0; events < kMaxWalkCrossings; ++events) {
     double fraction;
     const int corner = walker.ExitCorner(fraction);
@@ -136,7 +136,7 @@ struct WalkEnd {
   WalkStatus status;
 };
 
-// From (u, v) of a face by (du, dv).
+// Walks from (u, v) on a face by (du, dv).
 COSPLAT_HD WalkEnd
 WalkFrom(const MeshArrays& mesh, int32_t face, float u, float v, float du, float dv) {
   const WalkEnd stays{face, u, v, WalkStatus::kInvalid};
@@ -153,7 +153,7 @@ WalkFrom(const MeshArrays& mesh, int32_t face, float u, float v, float du, float
   return {walker.face, float(barycentric[0]), float(barycentric[1]), status};
 }
 
-// Of a Gaussian that has not been pushed nothing is touched.
+// Walks a Gaussian. One whose du and dv are zero keeps its barycentrics exactly.
 COSPLAT_HD WalkEnd WalkGaussian(const MeshArrays& mesh,
                                 int32_t face,
                                 const float* barycentric,
@@ -163,13 +163,13 @@ COSPLAT_HD WalkEnd WalkGaussian(const MeshArrays& mesh,
   return WalkFrom(mesh, face, barycentric[0], barycentric[1], offset[0], offset[1]);
 }
 
-// Takes the walks of a mesh's Gaussians, in their order.
+// Accepts or refuses the walks of a mesh's Gaussians, in order of their indices.
 struct WalkTaker {
   MeshArrays mesh;
   int boundary_face_cap;
-  int32_t* count;  // [F] Gaussians of each face so far; of those with a boundary edge at least
+  int32_t* count;  // [F] current Gaussians of each face; exact at least for boundary faces
 
-  // Whether the walk from one face to another is taken, which it is not where that is full.
+  // Whether the walk from one face to another is accepted: not if that is a full boundary face.
   COSPLAT_HD bool Take(int32_t from, int32_t to) const {
     if (from != to && count[to] >= boundary_face_cap && HasBoundaryEdge(mesh, to)) return false;
     --count[from];
@@ -180,10 +180,10 @@ struct WalkTaker {
 
 }  // namespace math
 
-// What is said of a Gaussian that was walked; bits.
+// The outcome of a Gaussian's walk, as bit flags.
 enum WalkOutcome : uint8_t { kWalkCrossed = 1, kWalkStopped = 2, kWalkInvalid = 4 };
 
-// The steps of TriangleWalk (avatar/surface/walk.h). A Gaussian each:
+// The steps of TriangleWalk (avatar/surface/walk.h), with one Gaussian per index unless noted.
 
 struct WalkOne {
   MeshArrays mesh;
@@ -213,15 +213,15 @@ struct ListTouching {
   }
 };
 
-// A face each.
+// One face per index.
 struct CountOnFace {
   const uint32_t* begin;  // [F + 1]
   View<int32_t> count;
   COSPLAT_HD void operator()(size_t f) const { count[f] = int32_t(begin[f + 1] - begin[f]); }
 };
 
-// All in one: who may stay on a face with a boundary edge depends on those that come before it.
-// Some in a hundred touch such a face.
+// Run sequentially by a single thread: whether a walk onto a face with a boundary edge is accepted
+// depends on the walks before it. Only a few percent of the Gaussians touch such a face.
 struct TakeEach {
   math::WalkTaker taker;
   const int32_t* triangle;

@@ -1,4 +1,4 @@
-// The GPU that work is given to: the first that CUDA lists (CUDA_VISIBLE_DEVICES chooses).
+// The GPU in use: the first that CUDA lists (select it by CUDA_VISIBLE_DEVICES).
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct DeviceInfo {
   size_t memory = 0;  // bytes
 };
 
-// None where there is no GPU or no driver.
+// std::nullopt if there is no GPU or no driver.
 std::optional<DeviceInfo> FindDevice();
 
 }  // namespace cosplat::cuda

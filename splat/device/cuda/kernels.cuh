@@ -1,5 +1,5 @@
-// Lists kernels (splat/device/for_each.h) that are compiled for CUDA devices: each library's
-// cuda/kernels.cu calls these once for its own.
+// Registers the kernels (splat/device/for_each.h) that are compiled for CUDA devices: each
+// library's cuda/kernels.cu calls these functions once for its own.
 #pragma once
 
 #include "splat/device/cuda/launch.cuh"
@@ -8,7 +8,7 @@
 
 namespace cosplat::cuda {
 
-// Of kernels for ForEach.
+// Registers kernels for ForEach.
 template <class... Kernels>
 void Provide() {
   ((KernelLaunch<Kernels>::function = &ForEachThread<Kernels>), ...);
@@ -20,7 +20,7 @@ struct AtRow {
   __device__ void operator()(size_t i) const { Run<float>(kernel, math::Rows{i, 1}); }
 };
 
-// Of kernels for ForEachRow.
+// Registers kernels for ForEachRow.
 template <class... Kernels>
 void ProvideRows() {
   ((KernelLaunch<Kernels>::function =

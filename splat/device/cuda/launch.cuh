@@ -1,4 +1,4 @@
-// Launches bodies: small structs of views with an operator() for the device.
+// Launches bodies: small structs of views with a device operator().
 #pragma once
 
 #include <cuda_runtime.h>
@@ -14,7 +14,7 @@ constexpr unsigned kWarp = 32;
 constexpr unsigned kAllLanes = 0xffffffffu;
 
 #if defined(__CUDACC__)
-// The block's shared memory as a T; any values at first.
+// The block's shared memory as a T, initially uninitialised.
 template <class T>
 __device__ T& SharedMemory() {
   __shared__ alignas(16) unsigned char bytes[sizeof(T)];
@@ -52,7 +52,7 @@ void Launch(size_t blocks,
   Check(cudaLaunchKernelEx(&config, kernel, arguments...), "cudaLaunchKernelEx");
 }
 
-// body(i) for i < n, a thread each. n < 2^39.
+// body(i) for i < n, one thread each. n < 2^39.
 template <class Body>
 void ForEachThread(size_t n, Stream& stream, const Body& body) {
   const size_t blocks = (n + kElementThreads - 1) / kElementThreads;

@@ -17,7 +17,7 @@ std::string Megabytes(size_t bytes) {
 
 class CudaMemory : public Memory {
  public:
-  // Throws Error with how much was wanted and how much there is.
+  // Throws Error with the requested and the free memory.
   void* Allocate(size_t bytes) override {
     void* p = nullptr;
     const cudaError_t error = cudaMalloc(&p, bytes);
@@ -67,7 +67,7 @@ size_t FreeMemory() {
 }
 
 Memory& CudaStream::memory() const {
-  // Never destroyed: buffers may outlive what is static.
+  // Never destroyed, since buffers may outlive static objects.
   static CudaMemory& memory = *new CudaMemory;
   return memory;
 }
@@ -112,7 +112,7 @@ void CudaStream::Wait() { Check(cudaStreamSynchronize(stream_), "cudaStreamSynch
 std::optional<DeviceInfo> FindDevice() {
   int count = 0;
   if (cudaGetDeviceCount(&count) != cudaSuccess || count == 0) {
-    cudaGetLastError();  // no driver is no error of whoever asks
+    cudaGetLastError();  // clears it: a missing driver is not an error here
     return std::nullopt;
   }
   cudaDeviceProp p{};

@@ -1,4 +1,4 @@
-// Streams and events of a CUDA device, which are given back by themselves.
+// RAII wrappers of CUDA streams and events.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -12,14 +12,14 @@
 
 namespace cosplat::cuda {
 
-// Every call of the CUDA runtime goes through this. Throws Error naming the call and the reason.
+// All calls of the CUDA runtime go through this. Throws Error naming the call and the reason.
 inline void Check(cudaError_t error, const char* call) {
   if (error == cudaSuccess) return;
-  cudaGetLastError();  // so that the next call is not blamed for this one
+  cudaGetLastError();  // clears it, so that the next call does not report it
   throw Error("CUDA", std::string(call) + ": " + cudaGetErrorString(error));
 }
 
-// A moment in a stream.
+// A point in a stream's work.
 class Event {
  public:
   Event() { Check(cudaEventCreate(&event_), "cudaEventCreate"); }
@@ -28,9 +28,9 @@ class Event {
   Event& operator=(const Event&) = delete;
   void Record(cudaStream_t stream) { Check(cudaEventRecord(event_, stream), "cudaEventRecord"); }
   void Record(const Stream& stream);
-  // The host waits until it has come to pass; not at all where it was never recorded.
+  // Blocks the host until the recorded point is reached; returns at once if none was recorded.
   void Wait() const { Check(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
-  // From another that was recorded before, ms. Waits for this one.
+  // Time since an earlier recorded event, ms. Waits for this one.
   float MillisecondsSince(const Event& from) const {
     Wait();
     float ms = 0;
@@ -42,7 +42,7 @@ class Event {
   cudaEvent_t event_ = nullptr;
 };
 
-// Work in the order in which it was given. Not the default stream, which waits for all others.
+// Executes work in submission order. Not the default stream, which waits for all others.
 class CudaStream : public Stream {
  public:
   CudaStream() {
@@ -55,13 +55,13 @@ class CudaStream : public Stream {
   Memory& memory() const override;
   void Upload(void* to, const void* from, size_t bytes) override;
   void Download(void* to, const void* from, size_t bytes) override;
-  // By way of pinned memory, in two pieces in turn, since one may still be on its way: the driver
-  // may wait for the stream before it reads memory that is not pinned.
+  // Copies through one of two pinned buffers in turn, since the other may still be in transfer: the
+  // driver may wait for the stream before it reads memory that is not pinned.
   void Send(void* to, const void* from, size_t bytes) override;
   void FillWithZeros(void* data, size_t bytes) override;
-  // The host waits for all of it. What a kernel did wrong is found here.
+  // Blocks the host until all work is done. Errors in kernels are detected here.
   void Wait() override;
-  // By CUB.
+  // These use CUB.
   void Sort(KeyedValues& pairs, int bits) override;
   void ExclusiveSum(Buffer<uint64_t>& numbers) override;
   size_t held() const override { return scratch_.capacity(); }
@@ -84,15 +84,15 @@ class CudaStream : public Stream {
   };
 
   cudaStream_t stream_ = nullptr;
-  Buffer<unsigned char> scratch_;  // of sorts and sums
-  std::array<Piece, 2> pieces_;    // of what is sent
+  Buffer<unsigned char> scratch_;  // for sorts and sums
+  std::array<Piece, 2> pieces_;    // for Send
   size_t next_ = 0;
 };
 
-// Bytes of the device that are free, as the driver says.
+// Free device memory in bytes, as reported by the driver.
 size_t FreeMemory();
 
-// CUDA's name of a stream, which must be a device's.
+// The CUDA handle of a stream, which must be a CudaStream.
 inline cudaStream_t HandleOf(const Stream& stream) {
   return static_cast<const CudaStream&>(stream).get();
 }

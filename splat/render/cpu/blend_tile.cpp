@@ -90,7 +90,8 @@ BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, Til
   const SplatOnTile on(s, grid);
   const Vec3<Pack> color = ColorOfSplat(s);
   const Pack opacity(s.opacity), reject(s.reject_below), zero(0.0f);
-  // About each pack's first pixel, a number common to its lanes; moved to the pixels at the end.
+  // Accumulated about each pack's first pixel, whose offset is common to all lanes; shifted to the
+  // lanes' own pixels at the end.
   PowerMoments<Pack> moments{zero, zero, zero, zero, zero, zero};
   Vec3<Pack> d_color{zero, zero, zero};
   ForPacks(on.reached & open, [&](int block, int pack, int at) HWY_ATTR {
@@ -110,7 +111,8 @@ BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, Til
                Pack(on.dy[block] + float(pack * int(kLanes) / kBlockSize)),
                moments);
   });
-  // in_block begins with the offsets in a block's first pack, which are those in any.
+  // in_block starts with the pixel offsets in a block's first pack; they are the same in every
+  // pack.
   moments = MomentsMovedBy(moments, LoadPack(grid.in_block_x), LoadPack(grid.in_block_y));
   const Pack lanes[9] = {moments.one,
                          moments.x,
@@ -132,7 +134,7 @@ BlendSplatVjp(const ProjectedSplat& s, const TileGrid& grid, BlockMask open, Til
 
 template <int kExpDegree>
 void Backward(const TileJob& job, const float* d_color, SplatGradient* records) {
-  if (job.entry_count == 0) return;  // half of the tiles of an object before a background
+  if (job.entry_count == 0) return;  // half of the tiles if an object is in front of a background
   const TileGrid grid(job);
   TileVjpPixels px;
   LoadVjpPixels(job, d_color, px);

@@ -1,4 +1,4 @@
-// The blend loop over one tile, on the widest SIMD instruction set of the machine.
+// The blend loop over one tile, dispatched to the widest SIMD instruction set of the machine.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,21 @@ struct TileJob {
   int x0 = 0, y0 = 0;         // the tile's first pixel
   int width = 0, height = 0;  // of the image
   float background[3] = {0, 0, 0};
-  int exp_degree = kMaxExpDegree;  // the same forward and backward
+  int exp_degree = kMaxExpDegree;  // must be the same in the forward and backward passes
   float* color = nullptr;          // [3, height, width]
   float* transmittance = nullptr;  // [height, width]
 };
 
-// Writes the tile's pixels. Returns how many entries were looked at before every pixel was opaque.
+// Writes the tile's pixels. Returns the number of entries processed before every pixel was opaque.
 uint32_t BlendTileForward(const TileJob& job);
 
 // d_color: [3, height, width]. Writes records[entry.record] for each of the job's entries (the
-// caller passes only those that the forward pass looked at).
+// caller passes only those that the forward pass processed).
 void BlendTileBackward(const TileJob& job, const float* d_color, SplatGradient* records);
 
-// What each splat of a tile contributes to its pixels: the scores of pruning
-// (splat/train/importance.h).
-
-// Writes records[entry.record] for each of the job's entries (the caller passes only those that the
-// forward pass looked at; job.color must be what it wrote).
+// Sums each splat's contributions to the tile's pixels, the basis of pruning scores
+// (splat/train/importance.h). Writes records[entry.record] for each of the job's entries (the
+// caller passes only those that the forward pass processed; job.color must be what it wrote).
 void SumContributions(const TileJob& job, Contribution* records);
 
 }  // namespace cosplat

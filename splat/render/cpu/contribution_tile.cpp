@@ -11,7 +11,7 @@
 
 COSPLAT_MATH_BEGIN
 
-// Per pixel: the transmittance and what is behind the splats so far.
+// Per pixel: the transmittance, and the colour from behind the splats so far.
 struct alignas(64) ContributionPixels {
   float t[kPixels], behind[3][kPixels];
 };

@@ -1,6 +1,6 @@
-// The CPU back end: project -> tile lists -> blend per tile, in parallel over oneTBB.
-// Bits do not depend on the number of threads: tiles and Gaussians are independent, and a
-// Gaussian's gradient is the sum of its tiles' records in a fixed order.
+// The CPU back end: project -> tile lists -> blend per tile, in parallel with oneTBB. Results are
+// bit-identical for any number of threads: tiles and Gaussians are independent, and a Gaussian's
+// gradient is the sum of its tiles' records in a fixed order.
 #include <tbb/parallel_for.h>
 
 #include "splat/config.h"
@@ -30,10 +30,10 @@ class CpuTape : public RenderTape {
   Buffer<float> radius;           // [count]
   TileLists lists;
   InstanceCounts drawn;
-  Buffer<uint32_t> n_contrib;          // [tiles] entries before the tile was opaque
+  Buffer<uint32_t> n_contrib;          // [tiles] entries processed before the tile was opaque
   Buffer<SplatGradient> records;       // [instances]
   Buffer<SplatGradient> d_splats;      // [count]
-  Buffer<Contribution> contributions;  // [instances]; only once they were asked for
+  Buffer<Contribution> contributions;  // [instances]; allocated on first use
 };
 
 class CpuRasterizer : public Rasterizer {
@@ -138,7 +138,7 @@ class CpuRasterizer : public Rasterizer {
     return job;
   }
 
-  // Per Gaussian, its instances' records in their fixed order.
+  // Sums each Gaussian's records over its instances in a fixed order.
   static void SumRecords(CpuTape& tape) {
     tape.d_splats.resize(tape.splats.size());
     const TileLists& lists = tape.lists;

@@ -60,7 +60,7 @@ HWY_EXPORT(ProjectVjpRange);
 }  // namespace math
 
 namespace {
-// A multiple of kGaussianGroup, which is one of every pack's lanes.
+// A multiple of kGaussianGroup, which is a multiple of every pack's lane count.
 constexpr size_t kGrain = 512;
 template <class F>
 void ForRanges(size_t count, const F& f) {

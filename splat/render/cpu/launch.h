@@ -1,4 +1,5 @@
-// Runs the element-wise kernels (splat/render/kernels) over oneTBB, compiled per instruction set.
+// Runs the element-wise kernels (splat/render/kernels/) in parallel with oneTBB, compiled once per
+// instruction set.
 #pragma once
 
 #include "splat/render/cpu/tile_lists.h"
@@ -6,13 +7,13 @@
 
 namespace cosplat {
 
-// Writes radii of all Gaussians, and the splats of those that are drawn.
+// Writes the radii of all Gaussians and the projected splats of the visible ones.
 void LaunchProject(const WorldGaussians& gaussians,
                    const ViewParameters& view,
                    ProjectedSplat* splats,
                    float* radii);
 
-// d_splats: [count], counts only where a Gaussian was drawn. Writes the gradients: see
+// d_splats: [count], used only where radii > 0. Writes the gradients as specified by
 // Rasterizer::Backward (splat/render/rasterizer.h).
 void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const ViewParameters& view,

@@ -1,5 +1,6 @@
-// A SIMD register as a scalar type: the formulas of splat/math run on it unchanged.
-// Re-included per Highway target; at most kTileSize lanes (one 4x4 block of a tile's pixels).
+// A SIMD register that behaves like a scalar type, so that the formulas in splat/math/ run on it
+// unchanged. Re-included once per Highway target; has at most kTileSize lanes (one 4x4 block of a
+// tile's pixels).
 #if defined(COSPLAT_SPLAT_CPU_PACK_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_CPU_PACK_H_
 #undef COSPLAT_SPLAT_CPU_PACK_H_
@@ -37,9 +38,9 @@ HWY_INLINE Pack Ramp(float first) { return Pack(hn::Iota(Lanes(), first)); }
 HWY_INLINE float Sum(const Pack& a) { return hn::GetLane(hn::SumOfLanes(Lanes(), a.v)); }
 HWY_INLINE bool AnyTrue(const PackMask& m) { return !hn::AllFalse(Lanes(), m.m); }
 
-// Bit l: lane l.
+// Bit l corresponds to lane l.
 HWY_INLINE uint32_t MaskBits(const PackMask& m) {
-  uint8_t bytes[8] = {};  // at least 8 are written
+  uint8_t bytes[8] = {};  // StoreMaskBits needs at least 8 writable bytes
   hn::StoreMaskBits(Lanes(), m.m, bytes);
   return uint32_t(bytes[0]) | uint32_t(bytes[1]) << 8;
 }
@@ -62,7 +63,8 @@ HWY_INLINE Pack Max(const Pack& a, const Pack& b) { return Pack(hn::Max(a.v, b.v
 
 HWY_INLINE Pack Sqrt(const Pack& x) { return Pack(hn::Sqrt(x.v)); }
 HWY_INLINE Pack Abs(const Pack& x) { return Pack(hn::Abs(x.v)); }
-// Highway's is right to 104, where e^x is infinite, and anything above or for NaN.
+// Highway's Exp is valid up to x = 104, where e^x is already infinite in float; above that, and for
+// NaN, its result is unspecified, hence the clamp and the select.
 HWY_INLINE Pack Exp(const Pack& x) {
   const Lanes d;
   const auto e = hn::Exp(d, hn::Min(x.v, hn::Set(d, 104.0f)));
@@ -70,8 +72,9 @@ HWY_INLINE Pack Exp(const Pack& x) {
 }
 HWY_INLINE Pack Log(const Pack& x) { return Pack(hn::Log(Lanes(), x.v)); }
 
-// Coefficients, lowest first, of the polynomial for 2^f, |f| <= 1/2, with the least relative error
-// of its degree (Remez algorithm): 1.7e-3, 7.5e-5, 2.6e-6 and 7.5e-8, that of a float.
+// Coefficients, lowest order first, of the polynomials for 2^f, |f| <= 1/2, with the smallest
+// relative error for their degree (Remez algorithm). Relative errors of degrees 2 to 5: 1.7e-3,
+// 7.5e-5, 2.6e-6 and 7.5e-8, which is float precision.
 constexpr float kExp2Coefficients[6][6] = {
     {},
     {},
@@ -81,8 +84,8 @@ constexpr float kExp2Coefficients[6][6] = {
     {1.000000072f, 0.6931469671f, 0.2402211972f, 5.550713272e-2f, 9.675541343e-3f, 1.327647263e-3f},
 };
 
-// e^x for x in [-80, 0]; below, anything. 2^n times the polynomial for 2^f. Adding 1.5 * 2^23
-// rounds to an integer and leaves it in the lowest bits.
+// e^x for x in [-80, 0]; unspecified below. Computed as 2^n times the polynomial for 2^f; adding
+// 1.5 * 2^23 rounds to an integer and leaves it in the lowest bits.
 template <int kDegree>
 HWY_INLINE Pack FastExp(const Pack& x) {
   static_assert(kDegree >= kMinExpDegree && kDegree <= kMaxExpDegree);
@@ -99,7 +102,7 @@ HWY_INLINE Pack FastExp(const Pack& x) {
 }
 
 #if HWY_TARGET != HWY_SCALAR
-// Transposes the 4x4 matrices that stand in the four vectors' 128-bit blocks.
+// Transposes the 4x4 matrices formed by corresponding 128-bit blocks of the four vectors.
 template <class D>
 HWY_INLINE void Transpose4x4(D d, hn::Vec<D>& v0, hn::Vec<D>& v1, hn::Vec<D>& v2, hn::Vec<D>& v3) {
   const hn::RepartitionToWide<D> wide;
@@ -113,7 +116,8 @@ HWY_INLINE void Transpose4x4(D d, hn::Vec<D>& v0, hn::Vec<D>& v1, hn::Vec<D>& v2
   v3 = hn::BitCast(d, hn::InterleaveUpper(wide, high_01, high_23));
 }
 
-// sums[i]: of the lanes of v[i]. Together they take fewer instructions than one after the other.
+// sums[i] is the sum of the lanes of v[i]. Reducing eight vectors together takes fewer instructions
+// than reducing them one by one.
 template <class D>
 HWY_INLINE void SumEight(D d, const hn::Vec<D>* v, float* sums) {
   if constexpr (hn::MaxLanes(D()) == 16) {
@@ -123,7 +127,7 @@ HWY_INLINE void SumEight(D d, const hn::Vec<D>* v, float* sums) {
       h[i] = hn::Add(hn::LowerHalf(half, v[i]), hn::UpperHalf(half, v[i]));
     SumEight(half, h, sums);
   } else if constexpr (hn::MaxLanes(D()) == 8) {
-    hn::Vec<D> w[4];  // of v[i] in the lower half, of v[i + 4] in the upper
+    hn::Vec<D> w[4];  // partial sums of v[i] in the lower half, of v[i + 4] in the upper
     for (int i = 0; i < 4; ++i)
       w[i] =
           hn::Add(hn::ConcatLowerLower(d, v[i + 4], v[i]), hn::ConcatUpperUpper(d, v[i + 4], v[i]));

@@ -1,5 +1,5 @@
-// Rows of arrays into SIMD packs and back (splat/math/rows.h): lane l of out[k] is number
-// k of row l, which is a transposition, done by 4x4 pieces in registers.
+// Loads rows of arrays into SIMD packs and stores them back (splat/math/rows.h). Lane l of out[k]
+// is element k of row l: a transposition, done in registers by 4x4 blocks.
 #if defined(COSPLAT_SPLAT_CPU_PACK_ROWS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_CPU_PACK_ROWS_H_
 #undef COSPLAT_SPLAT_CPU_PACK_ROWS_H_
@@ -13,7 +13,7 @@
 COSPLAT_MATH_BEGIN
 
 #if HWY_TARGET != HWY_SCALAR
-// Four numbers per 128-bit block, the blocks' numbers `stride` apart in memory.
+// Loads and stores four floats per 128-bit block; blocks are `stride` floats apart in memory.
 template <class D>
 HWY_INLINE hn::Vec<D> LoadBlocks(D d, const float* from, size_t stride) {
   if constexpr (hn::MaxLanes(D()) == 4) {
@@ -35,13 +35,14 @@ HWY_INLINE void StoreBlocks(D d, hn::Vec<D> v, float* to, size_t stride) {
   }
 }
 
-// Where the four numbers begin that hold number k: the last four overlap those before.
+// First element of the group of four that starts at element k; a partial last group is moved back
+// to overlap the one before.
 template <int kUsed>
 constexpr int FourFrom(int k) {
   return k + 4 <= kUsed ? k : kUsed - 4;
 }
 
-// As many rows as there are lanes; kUsed >= 4.
+// Exactly one row per lane; kUsed >= 4.
 template <int kUsed>
 HWY_INLINE void LoadByFours(const float* first, size_t width, Pack* out) {
   for (int k = 0; k < kUsed; k += 4) {

@@ -1,5 +1,5 @@
-// How the blend loop lays a tile out: blocks of 4x4 pixels, one after the other, and a splat over
-// all of them at once.
+// How the blend loop lays out a tile: as blocks of 4x4 pixels, stored one after another, with a
+// splat evaluated for all blocks at once.
 #if defined(COSPLAT_SPLAT_CPU_TILE_BLOCKS_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_CPU_TILE_BLOCKS_H_
 #undef COSPLAT_SPLAT_CPU_TILE_BLOCKS_H_
@@ -16,16 +16,16 @@
 
 COSPLAT_MATH_BEGIN
 
-// A tile's pixels are kept block after block: 4x4 px each, in as many packs as they need. A splat
-// works on the blocks that it reaches, which for the small splats of a trained scene wastes fewer
-// lanes than rows of the tile do.
+// A tile's pixels are stored block by block: 4x4 px each, in as many packs as needed. A splat is
+// blended only into the blocks that it reaches; for the small splats of a trained scene, this
+// wastes fewer lanes than working on rows of the tile would.
 constexpr int kBlockPixels = kBlockSize * kBlockSize;
 constexpr int kBlocksPerRow = kTileSize / kBlockSize;
 constexpr int kBlocks = kBlocksPerRow * kBlocksPerRow;
 constexpr int kPixels = kTileSize * kTileSize;
 constexpr int kPacksPerBlock = kBlockPixels / int(kLanes);
 static_assert(kBlocks % kLanes == 0 && kBlockPixels % kLanes == 0);
-using BlockMask = uint32_t;  // a bit per block
+using BlockMask = uint32_t;  // one bit per block
 
 HWY_INLINE int ColumnOf(int pixel) {
   return pixel / kBlockPixels % kBlocksPerRow * kBlockSize + pixel % kBlockSize;
@@ -38,7 +38,8 @@ HWY_INLINE PowerForm<Pack> FormOf(const ProjectedSplat& s) {
   return {Pack(s.power_xx), Pack(s.power_xy), Pack(s.power_yy)};
 }
 
-// Of a tile: where its blocks' first pixels are, and where a block's pixels are from its first.
+// Pixel positions in a tile: the first pixel of each block, and the offsets of a block's pixels
+// from its first pixel.
 struct TileGrid {
   alignas(64) float block_x[kBlocks], block_y[kBlocks];  // px, in the image, at pixel centres
   alignas(64) float in_block_x[kBlockPixels], in_block_y[kBlockPixels];  // px
@@ -55,9 +56,9 @@ struct TileGrid {
   }
 };
 
-// One splat over all of a tile's blocks: a lane per block.
+// One splat evaluated for all blocks of a tile, one lane per block.
 struct SplatOnTile {
-  alignas(64) float dx[kBlocks], dy[kBlocks];  // from the centre to block_x, _y
+  alignas(64) float dx[kBlocks], dy[kBlocks];  // from the splat's centre to (block_x, block_y)
   alignas(64) float power[kBlocks], d_power_x[kBlocks], d_power_y[kBlocks];  // PowerExpansion there
   Pack power_in_block[kPacksPerBlock];
   BlockMask reached;
@@ -93,7 +94,7 @@ struct SplatOnTile {
   }
 };
 
-// Calls f(block, pack, first pixel of the pack) for the blocks in the mask.
+// Calls f(block, pack, first pixel of the pack) for each pack of the blocks in the mask.
 template <class F>
 HWY_INLINE void ForPacks(BlockMask blocks, const F& f) {
   for (; blocks != 0; blocks &= blocks - 1) {
@@ -103,15 +104,15 @@ HWY_INLINE void ForPacks(BlockMask blocks, const F& f) {
   }
 }
 
-// Calls f(i, at, n) for each row of each block: its n pixels on the image are the tile's i, i + 1,
-// ... and the image's at, at + 1, ...
+// Calls f(i, at, n) for each row of each block that lies on the image: its n pixels inside the
+// image have tile indices i, i + 1, ... and image indices at, at + 1, ...
 template <class F>
 HWY_INLINE void ForRowsOnImage(const TileJob& job, const F& f) {
   for (int i = 0; i < kPixels; i += kBlockSize) {
     const int x = job.x0 + ColumnOf(i), y = job.y0 + RowOf(i);
     if (x >= job.width || y >= job.height) continue;
     const size_t at = size_t(y) * job.width + x;
-    // A constant count makes a loop over it one instruction.
+    // With a constant count, a loop over it compiles to a single instruction.
     if (x + kBlockSize <= job.width)
       f(i, at, kBlockSize);
     else
@@ -123,16 +124,16 @@ HWY_INLINE Vec3<Pack> ColorOfSplat(const ProjectedSplat& s) {
   return {Pack(s.r), Pack(s.g), Pack(s.b)};
 }
 
-// The k-th splat, front to back. Splats lie scattered in memory: one that comes later is fetched
-// now.
+// Returns the k-th splat, front to back. Splats are scattered in memory, so a later one is
+// prefetched.
 HWY_INLINE const ProjectedSplat& SplatAt(const TileJob& job, uint32_t k) {
   constexpr uint32_t kAhead = 8;
   __builtin_prefetch(&job.splats[job.entries[std::min(k + kAhead, job.entry_count - 1)].gaussian]);
   return job.splats[job.entries[k].gaussian];
 }
 
-// Transmittance 1 on the image, 0 beyond it: pixels outside take nothing and do not keep the loop
-// going.
+// Sets the transmittance to 1 on the image and to 0 outside it, so that pixels outside accept no
+// splats and do not keep the loop going.
 HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
   std::fill(t, t + kPixels, 0.0f);
   ForRowsOnImage(job, [&](int i, size_t, int n) HWY_ATTR {
@@ -140,7 +141,7 @@ HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
   });
 }
 
-// Blocks with a pixel that still takes splats.
+// Blocks with a pixel that still accepts splats.
 HWY_INLINE BlockMask OpenBlocks(const float* t) {
   BlockMask open = 0;
   for (int block = 0; block < kBlocks; ++block) {

@@ -18,7 +18,7 @@ constexpr size_t kDigits = size_t(1) << kDigitBits;
 
 constexpr size_t kPrefetch = 8;  // Gaussians ahead
 
-// Few enough chunks that adding up their counts costs nothing beside the rest.
+// Few enough chunks that summing their counts is negligible.
 constexpr size_t kGaussiansPerChunk = 8192, kMaxChunks = 32;
 size_t ChunkCount(size_t n) {
   return std::min((n + kGaussiansPerChunk - 1) / kGaussiansPerChunk, kMaxChunks);
@@ -34,8 +34,9 @@ void ForChunks(size_t n, const F& f) {
 
 }  // namespace
 
-// Indices and depths of the splats that are drawn, by index. Counts whole boxes on the way, which
-// is at least as many tiles as will be stored: what does not fit is refused before it fills memory.
+// Collects the indices and depths of the visible splats, in index order. Also counts the tiles of
+// whole bounding boxes, an upper bound on what will be stored, so that what does not fit is
+// rejected before it fills memory.
 void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float> radii) {
   const size_t n = splats.size();
   ForChunks(n, [&](size_t c, size_t begin, size_t end) {
@@ -63,7 +64,7 @@ void TileLists::CollectDrawn(View<const ProjectedSplat> splats, View<const float
     for (size_t i = begin; i < end; ++i) {
       if (!(radii[i] > 0)) continue;
       order[to] = uint32_t(i);
-      keys_[to++] = std::bit_cast<uint32_t>(splats[i].depth);  // positive: bits order as values
+      keys_[to++] = std::bit_cast<uint32_t>(splats[i].depth);  // positive: bits order like values
     }
   });
 }
@@ -97,8 +98,8 @@ void TileLists::SortByDepth() {
   for (int shift = 0; shift < 32; shift += kDigitBits) SortByDigit(shift);
 }
 
-// Appends the tiles of the Gaussians from order[begin] on, and writes their numbers to
-// record_begin.
+// Lists the tiles of the Gaussians order[begin], ..., order[end - 1] and writes their tile counts
+// to record_begin.
 void TileLists::EmitChunk(View<const ProjectedSplat> splats,
                           size_t begin,
                           size_t end,
@@ -119,7 +120,7 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
     const bool test = NeedsTileTest(range);
     for (int ty = range.y0; ty < range.y1; ++ty)
       for (int tx = range.x0; tx < range.x1; ++tx) {
-        // Without a branch: which tiles of a box are reached cannot be predicted.
+        // Branch-free: which tiles of a box are reached cannot be predicted.
         const uint32_t touched = !test || math::TouchesTile(s, tx, ty);
         const uint32_t tile = uint32_t(ty) * tiles_x + tx;
         tiles[count] = tile;
@@ -131,7 +132,7 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
   chunk.instances = count;
 }
 
-// Takes what EmitChunk wrote to its place in `entries`, and makes the numbers beginnings.
+// Moves what EmitChunk wrote to its place in `entries` and turns the counts into offsets.
 void TileLists::StoreChunk(size_t begin, size_t end, Chunk& chunk) {
   const uint32_t* tile = chunk.tiles.data();
   uint32_t record = chunk.first_record;
@@ -156,7 +157,7 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   ForChunks(n,
             [&](size_t c, size_t begin, size_t end) { EmitChunk(splats, begin, end, chunks_[c]); });
 
-  // Where each chunk's instances of each tile go: tile by tile, chunks in depth order.
+  // Output positions of each chunk's instances of each tile: tile by tile, chunks in depth order.
   tile_begin.resize(tiles + 1);
   uint32_t next = 0;
   for (size_t t = 0; t < tiles; ++t) {

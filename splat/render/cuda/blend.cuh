@@ -1,4 +1,4 @@
-// What the kernels that walk over tiles share.
+// Definitions shared by the blending kernels.
 #pragma once
 
 #include "splat/config.h"
@@ -10,13 +10,13 @@ namespace cosplat::cuda {
 
 constexpr int kTilePixels = kTileSize * kTileSize;
 
-// A tile's pixels are kept warp after warp, each 8 wide and 4 high: squarer than rows of the tile,
-// so that fewer splats reach a warp.
+// A tile's pixels are ordered warp by warp, each warp covering a patch 8 wide and 4 high: closer to
+// a square than rows of the tile would be, so that fewer splats reach a warp.
 constexpr int kPatchWidth = 8, kPatchHeight = 4;
 constexpr int kPatchesAcross = kTileSize / kPatchWidth;
 static_assert(kPatchWidth * kPatchHeight == kWarp && kTilePixels % kWarp == 0);
 
-// Of a tile, from the image's first pixel; pixel p of it is at (x(p), y(p)).
+// Image coordinates of a tile's pixels: pixel p of the tile is at (x(p), y(p)).
 struct TilePixels {
   int x0, y0;
   __device__ TilePixels(int tile, int tiles_x)
@@ -29,8 +29,8 @@ struct TilePixels {
   }
 };
 
-// Of a ProjectedSplat, what blending needs. An odd number of floats: neighbours are in different
-// banks of shared memory.
+// The part of a ProjectedSplat that blending needs. Its size is an odd number of floats, so that
+// neighbours are in different banks of shared memory.
 struct BlendSplat {
   float x, y, power_xx, power_xy, power_yy, opacity, reject_below, r, g, b, x_per_y, y_per_x;
   float padding;
@@ -54,8 +54,8 @@ struct BlendSplat {
   __device__ math::Vec3<float> color() const { return {r, g, b}; }
 };
 
-// e^power, the same forward and backward. The hardware's: to about 2 units in the last place where
-// alpha counts.
+// e^power, the same in the forward and backward passes. Uses the hardware intrinsic, accurate to
+// about 2 ulp in the range where alpha matters.
 __device__ inline float Falloff(float power) { return __expf(power); }
 
 }  // namespace cosplat::cuda

@@ -10,7 +10,7 @@ __device__ math::Vec3<float> ColorAt(const float* planes, size_t plane, size_t a
   return {planes[at], planes[plane + at], planes[2 * plane + at]};
 }
 
-// Where the sum of one instance goes: to its Gaussian at once, or to its record.
+// Destination of an instance's gradient: added to its Gaussian directly, or stored in its record.
 struct GradientSink {
   View<const uint32_t> record;
   View<SplatGradient> records;  // empty: atomics
@@ -138,7 +138,7 @@ struct ContributionWalk {
   }
 };
 
-// Per Gaussian, drawn or not, its instances' records in their fixed order.
+// Sums each Gaussian's records over its instances in a fixed order; 0 for invisible Gaussians.
 template <class Record>
 struct SumRecords {
   TileListsView lists;

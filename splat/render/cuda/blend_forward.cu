@@ -5,8 +5,8 @@
 namespace cosplat::cuda {
 namespace {
 
-// Front to back over the tile's instances, a batch at a time in shared memory. Each warp first
-// looks which of 32 splats reach its patch of pixels, a lane each, and then blends those.
+// Blends the tile's instances front to back, one batch at a time in shared memory. Each warp first
+// tests which of 32 splats reach its patch of pixels, one per lane, and then blends those.
 struct ForwardKernel {
   static constexpr unsigned kThreads = kTilePixels;
   TileListsView lists;
@@ -15,7 +15,7 @@ struct ForwardKernel {
   float background[3];
   View<float> color, transmittance;
   View<uint32_t> n_contrib;
-  View<PixelCheckpoint> checkpoints;  // empty: not kept
+  View<PixelCheckpoint> checkpoints;  // empty: not stored
 
   struct Shared {
     BlendSplat splats[kThreads];
@@ -31,9 +31,9 @@ struct ForwardKernel {
     const bool inside = x < width && y < height;
     State state{inside ? 1.0f : 0.0f, {0, 0, 0}};
     const uint32_t begin = lists.tile_begin[tile], count = lists.tile_begin[tile + 1] - begin;
-    uint32_t looked = 0;  // of the tile's instances, before this warp's pixels were opaque
+    uint32_t looked = 0;  // instances processed before this warp's pixels were opaque
     for (uint32_t batch = 0; batch < count; batch += kThreads) {
-      // Also keeps the last batch until everyone has done with it.
+      // The barrier also keeps the last batch in place until all threads have finished with it.
       if (__syncthreads_count(state.transmittance >= kMinTransmittance) == 0) break;
       const uint32_t k = batch + threadIdx.x;
       if (k < count) shared.splats[threadIdx.x] = BlendSplat(splats[lists.gaussian[begin + k]]);

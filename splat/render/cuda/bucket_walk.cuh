@@ -1,10 +1,11 @@
-// Walks over buckets: 32 neighbours of a tile's instances, a lane each, and all pixels of the tile.
+// Warp-wide walks over buckets. A bucket is 32 consecutive instances of a tile, one per lane; a
+// walk visits all pixels of the tile.
 //
-// The pixels pass through the lanes like beads through fingers: in step s, lane l has pixel s - l,
-// with what the lanes before it, which have the splats before its own, left of it. So every lane
-// sees its splat's pixels one after the other and adds up by itself, in one order, what a splat
-// gets of a tile. Buckets start from what the forward pass kept (PixelCheckpoint), independent of
-// each other. Source: Mallick et al. 2024 (Taming 3DGS).
+// Pixels are pipelined through the lanes: in step s, lane l processes pixel s - l, whose state has
+// already passed through the preceding lanes, which hold the splats in front of its own. Each lane
+// therefore visits all pixels for its own splat and accumulates that splat's sum over the tile by
+// itself, in one fixed order. Buckets start from the pixel states that the forward pass stored
+// (PixelCheckpoint) and are independent of each other. Source: Mallick et al. 2024 (Taming 3DGS).
 #pragma once
 
 #include "splat/render/cuda/blend.cuh"
@@ -12,26 +13,27 @@
 
 namespace cosplat::cuda {
 
-// The lists and images that any walk needs.
+// Lists and images that every walk needs.
 struct BucketLists {
   TileListsView lists;
   View<const ProjectedSplat> splats;
   View<const uint32_t> n_contrib;
   View<const PixelCheckpoint> checkpoints;
-  View<const float> color;  // [3, height, width] the image
+  View<const float> color;  // [3, height, width] the rendered image
   int width, height;
 };
 
 BucketLists BucketListsOf(const CudaTape& tape, const RenderedImage& image);
 
-// Walk has
-//   Pixel      what shared memory holds of a pixel at the bucket's start
+// A Walk defines
+//   Pixel      per-pixel data in shared memory, as of the start of the bucket
 //   State      the part of it that splats change
-//   Sum        what a splat adds up
-//   Load       a pixel on the image
-//   Outside    one beyond it, which takes nothing
-//   Step       a pixel that takes the splat
-//   Finish     once per instance; of those that were not looked at with a sum of 0
+//   Sum        what is accumulated per splat
+//   Load       returns the Pixel of a pixel inside the image
+//   Outside    returns the Pixel of one outside it, which accepts no splats
+//   StartOf    returns a Pixel's initial State
+//   Step       processes a pixel that accepts the splat
+//   Finish     called once per instance; with a zero Sum if the instance was not processed
 template <class Walk>
 struct BucketKernel {
   static constexpr unsigned kThreads = 128;
@@ -45,7 +47,7 @@ struct BucketKernel {
     Pixel pixels[kWarps][kTilePixels];
   };
 
-  // No barriers: warps are on their own.
+  // Uses no block-wide barriers: warps are independent.
   __device__ void operator()() const {
     const uint64_t bucket = uint64_t(blockIdx.x) * kWarps + WarpInBlock();
     const int tiles = int(in.n_contrib.count);
@@ -67,7 +69,7 @@ struct BucketKernel {
     if (mine) walk.Finish(k, gaussian, splat, sum);
   }
 
-  // The last tile that begins at the bucket or before.
+  // The last tile whose first bucket is at or before `bucket`.
   __device__ int TileOf(uint64_t bucket, int tiles) const {
     int low = 0, high = tiles;  // bucket_begin[low] <= bucket < bucket_begin[high]
     while (high - low > 1) {

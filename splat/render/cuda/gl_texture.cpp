@@ -8,16 +8,16 @@
 namespace cosplat::cuda {
 namespace {
 
-constexpr unsigned kMaxDevices = 32;  // that one context may be drawn by
+constexpr unsigned kMaxDevices = 32;  // maximum per OpenGL context
 
-// Of Mesa's renderers, and of another GPU's driver, cudaGLGetDevices lists none or fails.
+// With Mesa's renderers, or with another GPU's driver, cudaGLGetDevices lists no device or fails.
 void CheckContext() {
   int own = 0;
   Check(cudaGetDevice(&own), "cudaGetDevice");
   unsigned count = 0;
   int devices[kMaxDevices];
   const cudaError_t asked = cudaGLGetDevices(&count, devices, kMaxDevices, cudaGLDeviceListAll);
-  cudaGetLastError();  // so that the next call is not blamed for this one
+  cudaGetLastError();  // clears the error, so that the next call does not report it
   if (asked != cudaSuccess) count = 0;
   if (std::find(devices, devices + count, own) != devices + count) return;
   const std::string reason =
@@ -37,7 +37,7 @@ class GlTexture : public DeviceTexture {
   GlTexture(const GlTexture&) = delete;
   GlTexture& operator=(const GlTexture&) = delete;
 
-  // The host waits, so that the image may be drawn over and what went wrong is known here.
+  // The host waits, so that the image may be overwritten and errors are reported here.
   void Fill(const DeviceImage& image) override {
     Check(cudaGraphicsMapResources(1, &resource_, stream_.get()), "cudaGraphicsMapResources");
     const cudaError_t copied = Copy(image);

@@ -32,7 +32,8 @@ struct ProjectBack {
 
 }  // namespace
 
-// Every basis once and for all: copying from ordinary memory makes the host wait for the stream.
+// Uploads the constants of every basis once: copying from pageable memory makes the host wait for
+// the stream.
 CudaRasterizer::CudaRasterizer(SumOrder order) : order_(order) {
   std::vector<float> constants;
   for (size_t b = 0; b < kBasisNames.size(); ++b) {

@@ -1,8 +1,8 @@
-// splat/render/rasterizer.h on a CUDA device.
+// The rasteriser (splat/render/rasterizer.h) on a CUDA device.
 //
-// One stream; nothing waits but Forward, once, for the number of instances, and it does not where
-// it was told how many to expect (RenderTape::Expect). The exponential is the device's own,
-// whatever RenderSettings::exp_degree says.
+// Uses a single stream. The host waits only in Forward, once, for the number of instances, and not
+// even there if it was told how many to expect (RenderTape::Expect). The exponential is the
+// hardware's own, regardless of RenderSettings::exp_degree.
 #pragma once
 
 #include "splat/device/cuda/stream.h"
@@ -36,8 +36,8 @@ class CudaRasterizer : public Rasterizer {
   void AddForwardTimes() override;
   void AddBackwardTimes() override;
 
-  // Between the stages of the last Forward and Backward, in their order: project, sort, blend; and
-  // blend back, project back. For whoever has waited for the stream.
+  // Events between the stages of the last Forward and Backward, in order: project, sort, blend;
+  // then blend backward, project backward. Valid once the caller has waited for the stream.
   enum Mark { kStart, kProjected, kSorted, kBlended, kBackStart, kBlendedBack, kBack, kMarks };
   float MillisecondsBetween(Mark from, Mark to) const {
     return marks_[to].MillisecondsSince(marks_[from]);
@@ -50,7 +50,7 @@ class CudaRasterizer : public Rasterizer {
   Buffer<float> basis_constants_;  // [bases, kMaxCoefficients]
 };
 
-// Lets devices run the kernels of splat/render/kernels/ that ForEach launches.
+// Registers the kernels of splat/render/kernels/ that ForEach launches to run on a device.
 void ProvideRenderKernels();
 
 }  // namespace cosplat::cuda

@@ -6,11 +6,12 @@
 namespace cosplat::cuda {
 namespace {
 
-constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // Buffer
-// Per Gaussian: the projected splat with its radius and gradient, and sorting by depth.
+constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // growth of a Buffer
+// Bytes per Gaussian: the projected splat with its radius and gradient, and the sort by depth.
 constexpr double kPerSplat = sizeof(ProjectedSplat) + sizeof(float) + sizeof(SplatGradient) +
                              4 * sizeof(uint32_t) + sizeof(uint64_t);
-// Lists: two pairs of keys and values, the record's Gaussian, the list's; and a bucket's pixels.
+// Bytes per instance: two pairs of keys and values, the Gaussian by record and by list entry, and
+// its share of a bucket's pixels.
 constexpr double kPerInstance =
     6 * sizeof(uint32_t) + double(kTileSize) * kTileSize * sizeof(PixelCheckpoint) / kBucket;
 

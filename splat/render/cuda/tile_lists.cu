@@ -11,11 +11,11 @@
 namespace cosplat::cuda {
 namespace {
 
-constexpr uint32_t kNotDrawn = 0xffffffffu;  // behind every depth
-// Splats over more tiles than this are looked at by a whole warp together.
+constexpr uint32_t kNotDrawn = 0xffffffffu;  // sorts behind every depth
+// Splats over more tiles than this are processed by a whole warp.
 constexpr uint64_t kFewTiles = 4;
 
-// Depths are positive: their bits order as values.
+// Depths are positive: their bits order like values.
 struct DepthKey {
   View<const ProjectedSplat> splats;
   View<const float> radii;
@@ -26,9 +26,10 @@ struct DepthKey {
   }
 };
 
-// For every Gaussian in depth order, its tiles row by row; a warp has 32 neighbours. Calls
-// visit(k, tile, n): tile `tile` is the n-th that Gaussian k of the order touches. Returns how many
-// the lane's own one touches. Counting and storing must not disagree: both are this.
+// Visits the tiles of every Gaussian, in depth order and row by row; a warp processes 32
+// consecutive Gaussians. Calls visit(k, tile, n) for the n-th tile that the k-th Gaussian in depth
+// order touches. Returns the number of tiles that the lane's own Gaussian touches. Counting and
+// storing must agree, so both use this.
 struct TileVisitor {
   View<const ProjectedSplat> splats;
   View<const uint32_t> keys, gaussians;
@@ -64,7 +65,7 @@ struct TileVisitor {
     return touched;
   }
 
-  // All lanes: a tile each at a time.
+  // Called by all lanes, each of which tests one tile at a time.
   template <class Visit>
   __device__ uint64_t Together(size_t k, uint32_t i, const Visit& visit) const {
     const ProjectedSplat& splat = splats[i];
@@ -95,7 +96,7 @@ struct CountTiles {
   static constexpr unsigned kThreads = 256;
   TileVisitor visitor;
   View<uint64_t> counts;   // [keys + 1]; the last is 0
-  View<uint64_t> visible;  // [1]: 0 at first
+  View<uint64_t> visible;  // [1]; initially 0
   __device__ void operator()() const {
     const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
     const uint64_t n = visitor.Run(k, [](size_t, uint32_t, uint64_t) {});
@@ -107,12 +108,12 @@ struct CountTiles {
   }
 };
 
-// How many there are, and whether that is more than was expected.
+// Writes the number of instances and whether it exceeds the expected one.
 struct TellCounts {
   View<const uint64_t> record_begin;
   size_t capacity;
   uint64_t* instances;
-  uint32_t* exceeded;  // null: nothing was expected
+  uint32_t* exceeded;  // null: Expect was not called
   __device__ void operator()(size_t) const {
     *instances = record_begin[record_begin.count - 1];
     if (exceeded && *instances > capacity) *exceeded = 1;
@@ -137,7 +138,7 @@ struct EmitInstances {
   }
 };
 
-// Entries that no instance has: sorted behind the last tile.
+// Fills the unused entries so that they sort behind the last tile.
 struct FillCapacity {
   View<const uint64_t> record_begin;
   uint32_t behind;

@@ -1,4 +1,4 @@
-// The renderer's planes as RGBA bytes, a pixel at a time, for hosts and for devices.
+// Converts the renderer's planes to RGBA bytes, pixel by pixel, on the host or on a device.
 #pragma once
 
 #include <cstddef>
@@ -8,19 +8,19 @@
 
 namespace cosplat {
 
-// What the fourth byte of a pixel says.
+// Meaning of the alpha byte.
 enum class AlphaMode {
-  kStraight,       // colour not multiplied by alpha; of an image over black
-  kPremultiplied,  // colour <= alpha; of an image over black
-  kOpaque          // alpha 255, the colour as it is; of an image over its background
+  kStraight,       // colour not multiplied by alpha; needs an image over black
+  kPremultiplied,  // colour <= alpha; needs an image over black
+  kOpaque          // alpha is 255, colour unchanged; an image over its background
 };
 
-// As textures and image files have them.
+// As stored in textures and image files.
 struct alignas(4) PixelBytes {
   uint8_t red, green, blue, alpha;
 };
 
-// RenderedImage (splat/render/rasterizer.h), borrowed.
+// Non-owning view of a RenderedImage (splat/render/rasterizer.h).
 struct ImagePlanes {
   const float* color = nullptr;          // [3, pixels]
   const float* transmittance = nullptr;  // [pixels]
@@ -29,12 +29,12 @@ struct ImagePlanes {
 
 namespace math {
 
-// [0, 1] to [0, 255], rounded; what is not a number is 0.
+// Converts [0, 1] to [0, 255], clamped and rounded; NaN becomes 0.
 COSPLAT_HD uint8_t ToByte(float x) {
   return x > 0 ? uint8_t(Min(1.0f, x) * 255 + 0.5f) : uint8_t(0);
 }
 
-// color: over black where kMode is not kOpaque.
+// color: over black unless kMode is kOpaque.
 template <AlphaMode kMode>
 COSPLAT_HD uint8_t ColorByte(float color, float alpha) {
   if (kMode == AlphaMode::kStraight) return ToByte(alpha > 0 ? color / alpha : 0.0f);

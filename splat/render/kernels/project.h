@@ -1,6 +1,6 @@
 // Element-wise stage: one Gaussian in the world -> one ProjectedSplat, and its derivative.
 // world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel ->
-// gradients. Run<T>(rows) does as many Gaussians as T has lanes.
+// gradients. Run<T>(rows) processes as many Gaussians as T has lanes.
 #if defined(COSPLAT_SPLAT_KERNELS_PROJECT_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_PROJECT_H_
 #undef COSPLAT_SPLAT_KERNELS_PROJECT_H_
@@ -37,11 +37,11 @@ COSPLAT_HD Pinhole<T> ToPinhole(const ViewParameters& v) {
 }
 
 // Viewing direction in the frame that the colour is stored in: from the camera to the Gaussian,
-// turned by R(frame)^T where there is a surface frame.
+// rotated by R(frame)^T if there is a surface frame.
 template <class T>
 struct ColorView {
   Vec3<T> offset;     // Gaussian - camera, world
-  Quat<T> frame;      // as stored; only where there are frames
+  Quat<T> frame;      // as stored, not normalised; only if there are frames
   Vec3<T> direction;  // unit
 };
 template <class T>
@@ -72,11 +72,11 @@ COSPLAT_HD Vec3<T> ColorViewVjp(const ColorView<T>& c,
   return NormalizeVjp(c.offset, d_direction);
 }
 
-// Highest band that the view evaluates of Gaussian i.
+// Highest band that the view evaluates for Gaussian i.
 COSPLAT_HD int DegreeOf(const WorldGaussians& g, const ViewParameters& view, size_t i) {
   return g.degree && g.degree[i] < view.degree ? g.degree[i] : view.degree;
 }
-// Of any of these Gaussians: the others' coefficients up to there are zero.
+// The maximum over these Gaussians; the coefficients of the others up to there are zero.
 COSPLAT_HD int HighestDegree(const WorldGaussians& g,
                              const ViewParameters& view,
                              const Rows& rows) {
@@ -106,7 +106,7 @@ COSPLAT_HD auto WithDegree(int degree, const F& f) {
   }
 }
 
-// Coefficients of bands 1 ... kDegree, all channels; at least one, so that arrays have a size.
+// Number of coefficients of bands 1 to kDegree, all channels; at least one, to size arrays.
 template <int kDegree>
 constexpr int kRestUsed = kDegree == 0 ? 1 : 3 * ((kDegree + 1) * (kDegree + 1) - 1);
 
@@ -127,8 +127,8 @@ struct ColorOf {
   }
 };
 
-// Writes the coefficients' gradients (those of bands above kDegree are left alone);
-// returns d_direction. d_color must be zero where nothing was drawn.
+// Writes the coefficients' gradients (those of bands above kDegree are left unchanged) and returns
+// d_direction. d_color must be zero for invisible Gaussians.
 template <class T>
 struct ColorVjpOf {
   const WorldGaussians& gaussians;
@@ -158,7 +158,7 @@ struct Footprint {
   Sym2<T> covariance;
   PowerForm<T> form;
   T reject_below;
-  T half_x, half_y;  // exact box of power >= reject_below
+  T half_x, half_y;  // half-extents of the exact bounding box of power >= reject_below
   T radius;          // 3 standard deviations along the longer axis
 };
 template <class T>
@@ -182,7 +182,7 @@ COSPLAT_HD Footprint<T> FootprintOf(const Pinhole<T>& camera,
   return f;
 }
 
-// Whether it has an extent, is finite and reaches the image. Comparisons with NaN are false.
+// Whether the footprint is non-degenerate, finite and on the image. Comparisons with NaN are false.
 template <class T>
 COSPLAT_HD auto CanBeDrawn(const Footprint<T>& f, const Pinhole<T>& camera) {
   const auto on_image =
@@ -196,7 +196,7 @@ COSPLAT_HD auto CanBeDrawn(const Footprint<T>& f, const Pinhole<T>& camera) {
 struct ProjectKernel {
   WorldGaussians gaussians;
   ViewParameters view;
-  ProjectedSplat* splats;  // [count]; written only where drawn, or near that
+  ProjectedSplat* splats;  // [count]; written for visible Gaussians, and others in their pack
   float* radii;            // [count]
 
   template <class T>
@@ -242,13 +242,13 @@ struct ProjectKernel {
   COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }
 };
 
-// Writes the gradients of the Gaussians in `rows` (all zero for those that were not drawn).
+// Writes the gradients of the Gaussians in `rows` (zero for invisible ones).
 struct ProjectVjpKernel {
   WorldGaussians gaussians;
   ViewParameters view;
   const ProjectedSplat* splats;   // [count]
   const float* radii;             // [count]
-  const SplatGradient* d_splats;  // [count]; counts only where drawn
+  const SplatGradient* d_splats;  // [count]; used only where visible
   WorldGradients out;
 
   template <class T>
@@ -285,12 +285,13 @@ struct ProjectVjpKernel {
     StoreRows<2>(d_screen, out.screen, 2, rows);
   }
 
-  // Writes the gradients of the colour's parameters; returns its part of d_position.
+  // Writes the gradients of the colour's parameters; returns the colour's part of d_position.
   template <class T, class Mask>
   COSPLAT_HD Vec3<T> ColorVjp(
       Mask drawn, const Vec3<T>& position, const T* splat, const T* d, const Rows& rows) const {
     const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
-    // What was not drawn may have no direction; its colour's gradient is 0 times a basis function.
+    // An invisible Gaussian may have no valid direction; its colour gradient is 0 times a basis
+    // function, which must be finite.
     const Vec3<T>& seen = color_view.direction;
     Vec3<T> direction{
         Select(drawn, seen.x, T(0)), Select(drawn, seen.y, T(0)), Select(drawn, seen.z, T(0))};
@@ -310,8 +311,8 @@ struct ProjectVjpKernel {
     return d_offset;
   }
 
-  // Of bands that are stored but that the view or the Gaussian does not have. After the others:
-  // they were written up to the highest degree of all rows.
+  // Zeroes the gradients of stored bands that the view or the Gaussian does not use. Runs after the
+  // others, which write up to the highest degree of all rows.
   COSPLAT_HD void ZeroUnusedBands(const Rows& rows) const {
     const int width = gaussians.rest_width;
     for (size_t i = rows.first; i < rows.first + rows.count; ++i) {

@@ -1,6 +1,6 @@
-// What the blend loop needs of one Gaussian: made by ProjectKernel, read per tile. Beside it, radii
-// [count] say which were drawn: 3 standard deviations along the longer axis, px, or 0. The splat of
-// one that was not may hold anything.
+// What the blend loop needs to know of one Gaussian: written by ProjectKernel, read per tile. A
+// separate array, radii [count], holds 3 standard deviations along the longer axis in px, or 0 for
+// invisible Gaussians, whose splats are unspecified.
 #pragma once
 
 #include "splat/math/namespace.h"
@@ -16,13 +16,13 @@ struct alignas(64) ProjectedSplat {
   float r, g, b;                       // colour along the view direction, >= 0
   float half_x, half_y;                // half-extents of the ellipse where alpha >= kMinAlpha
   float depth;                         // along the camera's axis, world units
-  float x_per_y, y_per_x;              // the exponent's ridges (math/blend.h)
+  float x_per_y, y_per_x;              // PowerRidges of the exponent (math/blend.h)
   float padding;
 };
 constexpr int kProjectedFloats = 15;  // without the padding
 constexpr int kProjectedStride = sizeof(ProjectedSplat) / sizeof(float);
 
-// dL/d of the above, summed over the pixels of one tile or of all tiles.
+// dL/d of these members, summed over the pixels of one tile or of all tiles.
 struct SplatGradient {
   float x, y;
   float power_xx, power_xy, power_yy;

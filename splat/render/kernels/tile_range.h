@@ -1,5 +1,5 @@
-// Which tiles a projected splat can reach. Both back ends list (splat, tile) pairs by these: the
-// counting and the storing of pairs, and the CPU and the device, must not disagree.
+// Which tiles a projected splat can reach. Both back ends use these functions to list (splat, tile)
+// pairs: counting and storing pairs must agree, and so must the CPU and the device.
 #if defined(COSPLAT_SPLAT_KERNELS_TILE_RANGE_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_TILE_RANGE_H_
 #undef COSPLAT_SPLAT_KERNELS_TILE_RANGE_H_
@@ -14,25 +14,25 @@
 
 COSPLAT_MATH_BEGIN
 
-// (splat, tile) pairs of one view: indices are 32 bits.
+// Limit on the (splat, tile) pairs of one view: indices have 32 bits.
 constexpr uint64_t kInstanceLimit = uint64_t(1) << 31;
 
 COSPLAT_HD int TilesAcross(int px) { return (px + kTileSize - 1) / kTileSize; }
 
 struct TileRange {
-  int x0, x1, y0, y1;  // half open
+  int x0, x1, y0, y1;  // half-open
   COSPLAT_HD int columns() const { return x1 > x0 ? x1 - x0 : 0; }
   COSPLAT_HD int rows() const { return y1 > y0 ? y1 - y0 : 0; }
   COSPLAT_HD uint64_t size() const { return uint64_t(columns()) * uint64_t(rows()); }
 };
 
-// The tile of a coordinate. Clamped as a float: a huge splat's extent does not fit an int. Not
-// negative, so that converting rounds down.
+// The tile of a coordinate. Clamped as a float, since a huge splat's extent does not fit into an
+// int; never negative, so that the conversion rounds down.
 COSPLAT_HD int TileAt(float px, int limit) {
   return int(Clamp(px * (1.0f / kTileSize), 0.0f, float(limit)));
 }
 
-// Tiles with a pixel centre in the splat's box; may be empty.
+// Tiles with a pixel centre in the splat's bounding box; may be empty.
 COSPLAT_HD TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) {
   constexpr float kToLast = kTileSize - 0.5f;  // from a tile's edge to its last pixel centre
   return {TileAt(s.x - s.half_x + kTileSize - kToLast, tiles_x),
@@ -41,8 +41,8 @@ COSPLAT_HD TileRange RangeOf(const ProjectedSplat& s, int tiles_x, int tiles_y) 
           TileAt(s.y + s.half_y + kToLast, tiles_y)};
 }
 
-// Whether a pixel centre of the rectangle of width x height pixels from (x0, y0) on can reach the
-// splat's rejection level. Splat: has ProjectedSplat's members.
+// Whether the exponent can reach the splat's rejection threshold at a pixel centre of the rectangle
+// of width x height pixels starting at (x0, y0). Splat must have ProjectedSplat's members.
 template <class Splat>
 COSPLAT_HD bool TouchesRectangle(const Splat& s, int x0, int y0, int width, int height) {
   const float x = x0 + 0.5f - s.x, y = y0 + 0.5f - s.y;
@@ -59,7 +59,7 @@ COSPLAT_HD bool TouchesTile(const ProjectedSplat& s, int tile_x, int tile_y) {
   return TouchesRectangle(s, tile_x * kTileSize, tile_y * kTileSize, kTileSize, kTileSize);
 }
 
-// Whether the tiles of its range have to be looked at: a range of one tile is worth no test.
+// Whether the tiles of a range must be tested one by one: for a single tile it does not pay.
 COSPLAT_HD bool NeedsTileTest(const TileRange& r) { return r.columns() > 1 || r.rows() > 1; }
 
 COSPLAT_MATH_END

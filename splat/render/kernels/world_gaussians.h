@@ -1,4 +1,4 @@
-// Borrowed arrays of Gaussians in the world frame, and of their gradients: what kernels get.
+// Non-owning arrays of Gaussians in the world frame, and of their gradients, as passed to kernels.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace cosplat {
 
-// Gaussians that are worked on together begin at multiples of this: as many as the widest SIMD
-// register has lanes.
+// Gaussians are processed in groups that start at multiples of this, the number of lanes of the
+// widest SIMD register.
 constexpr size_t kGaussianGroup = 16;
 
 struct WorldGaussians {
@@ -19,8 +19,8 @@ struct WorldGaussians {
   const float* opacity_logit = nullptr;  // [count] inverse logistic
   const float* color_dc = nullptr;       // [count, 3]
   const float* color_rest = nullptr;     // [count, rest_width]
-  const float* color_frame = nullptr;    // [count, 4] wxyz: colour sees R(frame)^T d; or null
-  const uint8_t* degree = nullptr;       // [count] own highest band; or null: all are evaluated
+  const float* color_frame = nullptr;    // [count, 4] wxyz: colour along R(frame)^T d; or null
+  const uint8_t* degree = nullptr;       // [count] highest band of each; null: all are evaluated
 };
 
 struct WorldGradients {
@@ -33,19 +33,19 @@ struct WorldGradients {
   float* color_frame = nullptr;  // null when there is no color_frame
   float* screen = nullptr;       // [count, 2] dL/d(centre in the image), per px
 
-  // Leave the gradients of groups alone of which no Gaussian was drawn, instead of making them 0.
+  // Leave the gradients of groups without a visible Gaussian unchanged instead of zeroing them.
   bool drawn_groups_only = false;
 };
 
-// A camera and what else one view fixes, as plain numbers.
+// The camera and the other constants of a view, as plain numbers.
 struct ViewParameters {
   float rotation[9];  // cam_from_world, row-major
   float translation[3];
-  float center[3];  // of the camera, in the world
+  float center[3];  // camera centre in the world
   float fx, fy, cx, cy, width, height;
   const float* basis_constants;  // splat/basis_constants.h
-  bool folds_direction;          // before the basis is evaluated (Fold in splat/math/dcsh.h)
-  int degree;                    // bands evaluated, <= stored
+  bool folds_direction;          // whether Fold (splat/math/dcsh.h) precedes the basis
+  int degree;                    // highest band evaluated, <= the stored one
 };
 
 }  // namespace cosplat

@@ -9,7 +9,7 @@
 
 COSPLAT_MATH_BEGIN
 
-// One run's numbers of an attribute.
+// One run's values of one attribute.
 struct RunNumbers {
   size_t count;
   const float* gradient;

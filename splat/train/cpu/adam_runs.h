@@ -10,19 +10,19 @@ namespace cosplat {
 struct AdamArray {
   float beta1 = 0, beta2 = 0, step_size = 0, scaled_eps = 0;
   size_t numbers = 0;
-  int width = 1;                    // numbers per Gaussian
-  const float* gradient = nullptr;  // null: nothing but what was put off
+  int width = 1;                    // floats per Gaussian
+  const float* gradient = nullptr;  // null: catch-up only
   float *value = nullptr, *m = nullptr, *v = nullptr;
-  const float* rate_scale = nullptr;  // multiplies the step of each number; or null
+  const float* rate_scale = nullptr;  // per-element factor on the learning rate; or null
 };
 
-// Gaussians [begin, end), which are that many steps behind.
+// Gaussians [begin, end), all of them `behind` steps behind.
 struct AdamRun {
   uint32_t begin, end;
   int behind;
 };
 
-// Updates the Gaussians of `count` runs. Returns how many gradients were not finite (and counted as
+// Updates the Gaussians of `count` runs. Returns the number of non-finite gradients (taken as
 // zero).
 size_t AdamRuns(const AdamArray& array, const AdamRun* runs, size_t count);
 

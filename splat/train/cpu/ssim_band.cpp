@@ -14,11 +14,11 @@
 COSPLAT_MATH_BEGIN
 
 constexpr int kMoments = 4, kPartials = 3;
-// Zeros on both sides of a row: at least the window's radius.
+// Zero padding on both sides of a row; at least the window's radius.
 constexpr size_t kMargin = kLineFloats;
 
 // Sum and difference of a row of x and of the target image. Plain loops, which the compiler
-// vectorises for this target.
+// vectorises for this instruction set.
 template <int kChannels>
 void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HWY_RESTRICT v) {
   const float* HWY_RESTRICT x = band.x + from;
@@ -31,7 +31,7 @@ void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HW
   } else {
     for (int i = 0; i < width; ++i) u[i] = FromByte(y[kChannels * i]);
   }
-  // Not in one loop: x - y of equal values is zero only if y was rounded before.
+  // Not in the same loop: for equal values, x - y is zero only if y has been rounded before.
   for (int i = 0; i < width; ++i) {
     const float target = u[i];
     u[i] = x[i] + target;
@@ -39,7 +39,7 @@ void ReadRow(const SsimBand& band, size_t from, float* HWY_RESTRICT u, float* HW
   }
 }
 
-// The first n lanes.
+// Stores the first n lanes.
 HWY_INLINE void StoreFirst(const Pack& a, float* p, int n) {
   if (n >= int(kLanes)) return hn::StoreU(a.v, Lanes(), p);
   alignas(64) float lanes[kLanes];
@@ -47,10 +47,11 @@ HWY_INLINE void StoreFirst(const Pack& a, float* p, int n) {
   std::memcpy(p, lanes, n * sizeof(float));
 }
 
-// Three stages a group of rows apart: rows enter and their moments are summed along them; moments
-// are summed down and become SSIM's partials, which are summed along; these are summed down and
-// leave as the gradient. Groups are counted from the band's first row; a band works out what it
-// needs of its neighbours by itself.
+// Three stages, each a group of rows behind the previous one. Enter reads rows and applies the
+// window to their moments along the rows. Compare applies it down the columns, computes SSIM and
+// its partial derivatives, and applies the window to these along the rows. Leave applies it down
+// the columns and writes the gradient. Groups are counted from the band's first row; a band
+// recomputes what it needs of its neighbours.
 class BandLoop {
  public:
   static size_t Scratch(int width) {
@@ -58,7 +59,7 @@ class BandLoop {
            RowRing<kPartials>::Size(width);
   }
 
-  // d_x null: the value alone.
+  // d_x: null to compute only the value.
   BandLoop(const SsimBand& band, const ValueWeights& weights, float* scratch, float* d_x)
       : band_(band),
         weights_(weights),
@@ -94,9 +95,9 @@ class BandLoop {
   }
 
  private:
-  // Three groups of u and of v, and a group's partials.
+  // Three groups each of u and v, and the partials of one group.
   static constexpr size_t kPaddedRows = 2 * kRingRows + kGroup * kPartials;
-  // An odd number of cache lines: the rows of a column are in different sets of the cache.
+  // An odd number of cache lines, so that the rows of a column are in different sets of the cache.
   static size_t StrideOf(int width) {
     return kLineFloats * ((2 * kMargin + width + kLineFloats - 1) / kLineFloats | 1);
   }
@@ -155,7 +156,7 @@ class BandLoop {
     }
   }
 
-  // Adds the rows of the band to the sum; fills the partial rows.
+  // Adds the SSIM of the band's rows to the sum and fills the partial rows.
   void SumSsim(int group) {
     ColumnWindow<kMoments> columns(window_, moments_, group);
     const Pack zero(0.0f);
@@ -253,7 +254,7 @@ HWY_EXPORT(Evaluate);
 HWY_EXPORT(SumOfSsim);
 }  // namespace math
 
-// The same for every instruction set.
+// Independent of the instruction set.
 size_t SsimScratch(int width) { return math::HWY_NAMESPACE::ScratchSize(width); }
 
 LossSums EvaluateBand(const SsimBand& band,

@@ -1,8 +1,8 @@
-// SSIM's window on packs, along rows and down columns (splat/train/cpu/ssim_band.cpp).
-// Re-included per Highway target.
+// The SSIM window on packs, along rows and down columns (splat/train/cpu/ssim_band.cpp).
+// Re-included once per Highway target.
 //
-// Rows are worked on in groups of the window's radius: a window over a group's rows spans that
-// group and its two neighbours, so that three groups are all that has to be kept.
+// Rows are processed in groups of as many rows as the window's radius: a window over a group's rows
+// spans that group and its two neighbours, so that only three groups have to be kept.
 #if defined(COSPLAT_SPLAT_CPU_SSIM_WINDOW_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_CPU_SSIM_WINDOW_H_
 #undef COSPLAT_SPLAT_CPU_SSIM_WINDOW_H_
@@ -18,7 +18,7 @@ COSPLAT_MATH_BEGIN
 constexpr int kTaps = 2 * kSsimRadius + 1;
 constexpr int kGroup = kSsimRadius;  // rows
 constexpr int kRingRows = 3 * kGroup;
-constexpr size_t kLineFloats = 16;  // a cache line of 64 bytes; every pack is a part of one
+constexpr size_t kLineFloats = 16;  // a 64-byte cache line; every pack lies within one
 static_assert(kSsimRadius == 5 && kLineFloats % kLanes == 0);
 
 struct Window {
@@ -30,8 +30,9 @@ struct Window {
   }
 };
 
-// The packs at row - 5 ... row + 5; row is aligned. Five are loaded and the others shifted together
-// within blocks of 16 bytes: a load that straddles two cache lines costs as much as two.
+// Loads the packs at row - 5, ..., row + 5; row is aligned. Five are loaded and the others are
+// assembled by shifts within blocks of 16 bytes, since a load that straddles two cache lines costs
+// as much as two.
 HWY_INLINE void LoadTaps(const float* row, Pack* taps) {
   const Lanes d;
 #if HWY_TARGET == HWY_SCALAR
@@ -53,7 +54,7 @@ HWY_INLINE void LoadTaps(const float* row, Pack* taps) {
 #endif
 }
 
-// The window around taps[kSsimRadius].
+// The windowed sum around taps[kSsimRadius].
 HWY_INLINE Pack Weigh(const Window& window, const Pack* taps) {
   Pack sum = window.w[0] * taps[kSsimRadius];
 #pragma GCC unroll 16
@@ -71,20 +72,21 @@ HWY_INLINE Pack WeighSquares(const Window& window, const Pack* taps) {
   return sum;
 }
 
-// Rows of kPlanes quantities, in three groups, stored so that what one window down a column needs
-// is together and at constant offsets: [pack of columns][group][row][plane][lane].
+// Ring buffer of three groups of rows with kPlanes quantities each. The layout keeps what one
+// window down a column needs together and at constant offsets:
+// [pack of columns][group][row][plane][lane].
 template <int kPlanes>
 class RowRing {
  public:
   static constexpr size_t kRowFloats = kPlanes * kLanes;
   static constexpr size_t kPackFloats = kRingRows * kRowFloats;
-  // The same for every instruction set.
+  // Independent of the instruction set.
   static size_t Size(int width) {
     return (size_t(width) + kLineFloats - 1) / kLineFloats * kLineFloats * kRingRows * kPlanes;
   }
 
   explicit RowRing(float* data) : data_(data) {}
-  // Row j of a group, at the first pack of columns. Groups count from -2.
+  // Row j of a group, at the first pack of columns. Groups are numbered from -2.
   float* Row(int group, int j) const {
     return data_ + size_t((group + 3) % 3 * kGroup + j) * kRowFloats;
   }
@@ -98,7 +100,8 @@ class RowRing {
   float* data_;
 };
 
-// The window down the columns, for each row of a group and each plane, pack after pack.
+// Applies the window down the columns, for each row of a group and each plane, one pack of columns
+// at a time.
 template <int kPlanes>
 class ColumnWindow {
  public:

@@ -7,7 +7,8 @@ namespace {
 
 constexpr int kMoments = 4, kPartials = 3;
 
-// SSIM's sum over the tile, and its derivatives by the windowed means at every pixel.
+// Computes the sum of SSIM over the tile, and its derivatives with respect to the windowed means at
+// every pixel.
 struct SsimKernel {
   static constexpr unsigned kThreads = kLossThreads;
   ComparedImages images;
@@ -70,15 +71,15 @@ struct SsimKernel {
   }
 };
 
-// The gradient, and the sum of the pointwise terms over the tile. The window is symmetric, so the
-// derivative of the windowed means is the same window over the partials.
+// Computes the gradient, and the sum of the pointwise terms over the tile. The window is symmetric,
+// so the derivative of the windowed means is the same window over the partials.
 template <bool kWithSsim>
 struct GradientKernel {
   static constexpr unsigned kThreads = kLossThreads;
   ComparedImages images;
   SsimWeights window;
   const float* partials;
-  float l1, mse, dssim;  // of one value
+  float l1, mse, dssim;  // weights per value
   float* d_rendered;
   double* sums;  // [blocks]
 
@@ -139,10 +140,11 @@ struct GradientKernel {
   }
 };
 
-// One block adds up what the others left, each thread every 256th, and then the threads in order.
+// One block sums the per-block results: each thread sums every 256th of them, then the first thread
+// sums the threads' sums in order.
 struct AddUpLoss {
   static constexpr unsigned kThreads = 256;
-  View<const double> pointwise, ssim;  // ssim: empty where it has no weight
+  View<const double> pointwise, ssim;  // ssim: empty if its weight is 0
   double dssim, values;
   double* loss;
 

@@ -1,4 +1,4 @@
-// SSIM's window over a tile of pixels: along rows, then down columns, in shared memory.
+// The SSIM window over a tile of pixels: along rows, then down columns, in shared memory.
 #pragma once
 
 #include "splat/device/cuda/launch.cuh"
@@ -8,10 +8,10 @@
 namespace cosplat::cuda {
 
 constexpr int kLossSide = 16;                                 // of a tile, px
-constexpr int kLossHalo = kLossSide + 2 * math::kSsimRadius;  // with what the window reaches
+constexpr int kLossHalo = kLossSide + 2 * math::kSsimRadius;  // tile and window border
 constexpr unsigned kLossThreads = kLossSide * kLossSide;      // one per pixel of the tile
 
-// Numbers of a tile's pixels and of those around it; and a window's sums along its rows.
+// Values of a tile's pixels and of the border around it; and windowed sums along its rows.
 using HaloPlane = float[kLossHalo][kLossHalo + 1];
 using AlongPlane = float[kLossHalo][kLossSide];
 
@@ -19,7 +19,7 @@ struct SsimWeights {
   float w[math::kSsimRadius + 1];
 };
 
-// The window around *middle, whose neighbours are `stride` apart; of the numbers or their squares.
+// The windowed sum around *middle of the values or their squares; neighbours are `stride` apart.
 __device__ inline float Weigh(const SsimWeights& window, const float* middle, int stride) {
   float sum = window.w[0] * middle[0];
   for (int k = 1; k <= math::kSsimRadius; ++k)
@@ -33,7 +33,7 @@ __device__ inline float WeighSquares(const SsimWeights& window, const float* mid
   return sum;
 }
 
-// One channel's tile: blocks are tiles, row after row, channel after channel.
+// One tile of one channel: one thread block per tile, row by row, then channel by channel.
 struct LossTile {
   int channel, x0, y0;
   __device__ LossTile(int width, int height) {
@@ -49,7 +49,7 @@ struct LossTile {
   __device__ int x() const { return x0 + column(); }
   __device__ int y() const { return y0 + row(); }
 
-  // Calls f(row, column, x, y) for what the window reaches; (x, y) may be beyond the image.
+  // Calls f(row, column, x, y) for all pixels that the window reaches, also outside the image.
   template <class F>
   __device__ void ForHalo(const F& f) const {
     for (int i = int(threadIdx.x); i < kLossHalo * kLossHalo; i += int(kLossThreads)) {
@@ -57,7 +57,7 @@ struct LossTile {
       f(r, c, x0 + c - math::kSsimRadius, y0 + r - math::kSsimRadius);
     }
   }
-  // Calls f(row, column) for the sums along rows.
+  // Calls f(row, column) for each element of an AlongPlane.
   template <class F>
   __device__ void ForAlong(const F& f) const {
     for (int i = int(threadIdx.x); i < kLossHalo * kLossSide; i += int(kLossThreads))
@@ -65,7 +65,8 @@ struct LossTile {
   }
 };
 
-// The image beside the target image, whose bytes are put over the background where they are read.
+// The rendered image and the target image; target bytes are composited over the background on
+// reading.
 struct ComparedImages {
   const float* rendered;  // [3, height, width]
   const uint8_t* target;  // [height, width, channels]
@@ -82,7 +83,7 @@ struct ComparedImages {
     const uint8_t* p = target + (size_t(y) * width + x) * channels;
     const uint8_t value = p[channels == 1 ? 0 : channel];
     if (channels != 4) return math::FromByte(value);
-    // Not background[channel]: an index that is not a constant would move the array to memory.
+    // Not background[channel]: a non-constant index would move the array to memory.
     const float behind = channel == 0   ? background[0]
                          : channel == 1 ? background[1]
                                         : background[2];
@@ -90,8 +91,8 @@ struct ComparedImages {
   }
 };
 
-// The block's sum of one number per thread, in a fixed order; valid in the first thread. All
-// threads call it.
+// Sum of one value per thread over the block, in a fixed order; valid in the first thread. All
+// threads must call it.
 struct BlockSumScratch {
   double of_warp[kLossThreads / kWarp];
 };

@@ -1,4 +1,4 @@
-// What a training step on a CUDA device needs beside the rasteriser: its kernels and its loss.
+// What a training step on a CUDA device needs besides the rasteriser: its kernels and its loss.
 #pragma once
 
 #include <memory>
@@ -7,11 +7,11 @@
 
 namespace cosplat::cuda {
 
-// Lets devices run the kernels of splat/train/kernels/.
+// Registers the kernels of splat/train/kernels/, so that they run on a device.
 void ProvideTrainKernels();
 
-// rendered image, target image's bytes -> SSIM's partials -> dL/d(rendered), in two passes of 16x16
-// pixels a block; sums are added in a fixed order.
+// rendered image, bytes of the target image -> SSIM partials -> dL/d(rendered), in two passes with
+// 16x16 pixels per block; sums are computed in a fixed order.
 std::unique_ptr<StepLoss> MakeCudaLoss();
 
 }  // namespace cosplat::cuda

@@ -12,10 +12,10 @@ namespace cosplat {
 
 constexpr uint32_t kNotNow = 0xffffffffu;
 
-// Which groups a step works on, and how late each is: a group each.
+// Finds which groups a step updates and how many steps each of them is behind; one call per group.
 struct FindBehind {
-  View<const float> moves;  // [N] not positive: no gradient; or empty: all groups
-  uint32_t before, after;   // steps
+  View<const float> moves;  // [N] not positive: no gradient; empty: all groups are updated
+  uint32_t before, after;   // step counts
   View<uint32_t> updated, behind;
   const uint32_t* overflowed;  // or null
   COSPLAT_HD void operator()(size_t g) const {
@@ -31,12 +31,12 @@ struct FindBehind {
   }
 };
 
-// Number i of every attribute that has so many. On the host in runs of groups, on a device a number
-// each (splat/train/cuda/kernels.cu).
+// Updates element i of every attribute that has that many. On the host, processes runs of groups;
+// on a device, one element per thread (splat/train/cuda/kernels.cu).
 struct UpdateNumbers {
   AdamArray attributes[kAttributeCount];
-  View<const uint32_t> behind;  // [groups] steps to make up for, or kNotNow
-  uint32_t* ignored;            // gradients that are not finite are counted
+  View<const uint32_t> behind;  // [groups] steps to catch up, or kNotNow
+  uint32_t* ignored;            // counts non-finite gradients
 };
 void RunOnHost(size_t n, const UpdateNumbers& kernel);
 

@@ -1,5 +1,5 @@
-// The steps of density control (splat/train/density.h), element by element: who is cloned or split,
-// where each goes, who is removed, who is beside whom.
+// The kernels of density control (splat/train/density.h): which Gaussians are cloned, split or
+// removed, where each of them goes, and Morton order.
 #pragma once
 
 #include <cfloat>
@@ -13,13 +13,13 @@ namespace cosplat {
 // What density control does with a Gaussian.
 enum DensityKind : uint8_t { kStays, kIsCloned, kIsSplit };
 
-// What happens to each, and flags of who is chosen.
+// Decides each Gaussian's kind and flags those that are cloned or split.
 struct FindKinds {
   View<const float> screen_gradient, visible, scale_log;
   float threshold, split_scale;
   View<float> mean;
   View<uint8_t> kind;
-  View<uint64_t> chosen;  // one more than Gaussians
+  View<uint64_t> chosen;  // [N + 1]
   COSPLAT_HD void operator()(size_t i) const {
     chosen[i] = 0;
     if (i == mean.count) return;
@@ -31,8 +31,8 @@ struct FindKinds {
   }
 };
 
-// Strongest first, then those that are not chosen. Means are not negative: their bits order as
-// values.
+// Sort keys: strongest gradient first, then those that are not chosen. Means are not negative, so
+// their bits order like values.
 struct StrengthKey {
   View<const float> mean;
   View<const uint8_t> kind;
@@ -50,7 +50,7 @@ struct LetStay {
   COSPLAT_HD void operator()(size_t k) const { kind[gaussians[from + k]] = kStays; }
 };
 
-// Before the copies are made.
+// Runs before the copies are made.
 struct ShareOpacity {
   View<const uint8_t> kind;
   View<float> opacity_logit;
@@ -70,7 +70,7 @@ struct FlagKinds {
   }
 };
 
-// Those that are kept, then clones, then two children of each that is split.
+// Output order: the Gaussians that are kept, then clones, then two children of each that is split.
 struct PlaceSources {
   View<const uint8_t> kind;
   View<const uint64_t> kept, cloned, split;
@@ -85,7 +85,7 @@ struct PlaceSources {
   }
 };
 
-// Where each child goes, from its parent's place, which it has; and its scale.
+// Draws each child's offset from its parent's position, where it starts, and shrinks its scale.
 struct DrawChild {
   size_t first;
   Rng rng;  // before the first child
@@ -159,7 +159,7 @@ struct FillNumbers {
   COSPLAT_HD void operator()(size_t i) const { numbers[i] = value; }
 };
 
-// Lowest and highest corner of a block of points; of what is not finite nothing.
+// Bounding box of each block of points: lowest and highest corner; non-finite points are ignored.
 struct FindBoxes {
   static constexpr size_t kBlock = 256;
   View<const float> points;  // [n, 3]
@@ -178,7 +178,7 @@ struct FindBoxes {
     }
   }
 };
-// The box of all of them, into the first; all in one.
+// Joins all boxes into the first, in a single call.
 struct JoinBoxes {
   View<float> boxes;
   COSPLAT_HD void operator()(size_t) const {
@@ -190,7 +190,7 @@ struct JoinBoxes {
   }
 };
 
-// Sorted by the lower half of the codes first, then, stably, by the upper.
+// Keys of two stable sorts: by the lower half of the codes first, then by the upper half.
 struct LowKeys {
   View<const float> position, box;
   View<uint64_t> codes;

@@ -1,5 +1,5 @@
-// Density control, one Gaussian at a time: what it gathers of a step, who is split where, who goes,
-// who is beside whom. Both back ends decide by these. Source: Kerbl et al. 2023, section 5.
+// Density control, one Gaussian at a time: statistics of a step, offsets of split Gaussians,
+// removal and Morton codes. Shared by both back ends. Source: Kerbl et al. 2023, section 5.
 #pragma once
 
 #include <cmath>
@@ -13,11 +13,11 @@ namespace cosplat::math {
 constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
 constexpr float kResetOpacity = 0.01f;  // 3DGS
 
-// What a step says of a Gaussian that it drew.
+// What a step contributes to the statistics of a visible Gaussian.
 struct ShapeOfStep {
   float screen = 0;      // |dL/d(centre)| in normalised device coordinates
   float plasticity = 0;  // |dL/ds|, s the three standard deviations
-  // With a broken gradient it says nothing (Adam ignores it, too).
+  // Steps with a non-finite gradient are not counted (Adam ignores such gradients, too).
   COSPLAT_HD bool IsUsable() const { return std::isfinite(screen) && std::isfinite(plasticity); }
 };
 
@@ -28,13 +28,14 @@ COSPLAT_HD ShapeOfStep ShapeOf(
   float square = 0;
   for (int k = 0; k < 3; ++k) {
     const float s = std::exp(scale_log[k]);
-    const float d = s > 0 ? d_scale_log[k] / s : 0.0f;  // dL/ds, 0 with s
+    const float d = s > 0 ? d_scale_log[k] / s : 0.0f;  // dL/ds; 0 if s is 0
     square += d * d;
   }
   return {std::sqrt(gx * gx + gy * gy), std::sqrt(square)};
 }
 
-// A sum over steps by the steps in which it was drawn; 0 for one that was not.
+// A sum over steps divided by the number of steps in which the Gaussian was visible; 0 if there
+// were none.
 COSPLAT_HD float MeanWhereVisible(float sum, float visible) {
   return visible > 0 ? sum / visible : 0.0f;
 }
@@ -46,7 +47,7 @@ COSPLAT_HD float LargestScale(const float* scale_log) {
   return std::exp(largest);
 }
 
-// A point drawn from the Gaussian itself, relative to its centre.
+// A sample from the Gaussian itself, relative to its centre.
 COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log, Rng& rng) {
   const Vec3<float> local{rng.Normal() * std::exp(scale_log[0]),
                           rng.Normal() * std::exp(scale_log[1]),
@@ -54,7 +55,7 @@ COSPLAT_HD Vec3<float> SplitOffset(const float* rotation, const float* scale_log
   return RotationOf(Normalize(Quat<float>{rotation[0], rotation[1], rotation[2], rotation[3]})) *
          local;
 }
-constexpr uint64_t kSplitDraws = 6;  // random numbers that it takes
+constexpr uint64_t kSplitDraws = 6;  // random numbers that SplitOffset takes
 
 // Logit of the opacity a' that two copies in one place need to be as opaque as one of opacity a:
 // 1 - a = (1 - a')^2 (Rota Bulo et al. 2024, section 3.3). With a = sigmoid(l):
@@ -65,8 +66,8 @@ COSPLAT_HD float SharedOpacityLogit(float logit) {
   return logit - std::log(std::sqrt(1 + std::exp(logit)) + 1);
 }
 
-// Which Gaussians are removed by opacity and size. There is no limit in pixels: 3DGS has one, which
-// its code never applies, and applying it costs accuracy (docs/reference.md).
+// Which Gaussians are removed for their opacity or size. There is no limit in pixels: 3DGS has one
+// that its code never applies, and applying it costs accuracy (docs/reference.md).
 struct RemovalRule {
   float min_logit;
   bool removes_oversized;
@@ -82,7 +83,7 @@ COSPLAT_HD Removal RemovalOf(const RemovalRule& rule, float opacity_logit, const
 
 constexpr int kMortonBits = 21;  // per axis: three fit 64 bits
 
-// Spreads the lowest 21 bits to every third place.
+// Moves the lowest 21 bits to every third bit position.
 COSPLAT_HD uint64_t SpreadBits(uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffff;
   x = (x | x << 16) & 0x001f0000ff0000ff;
@@ -95,7 +96,7 @@ COSPLAT_HD bool IsFinitePoint(const float* p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-// Along a Morton curve through the box [low, high]; what is not finite comes last.
+// Position along a Morton curve through the box [low, high]; non-finite points come last.
 COSPLAT_HD uint64_t MortonCode(const float* p, const float* low, const float* high) {
   if (!IsFinitePoint(p)) return ~uint64_t(0);
   uint64_t code = 0;

@@ -1,5 +1,5 @@
-// Masks that rules of pruning learn beside the Gaussians (splat/prune/), one Gaussian at a time.
-// Both back ends learn by these.
+// Masks that pruning rules (splat/prune/) learn together with the Gaussians, one Gaussian at a
+// time. Shared by both back ends.
 #pragma once
 
 #include <cmath>
@@ -14,13 +14,13 @@ namespace cosplat::math {
 // Compact-3DGS (Lee et al. 2024, section 4.1): a mask 1[sigma(mu) > 0.01] on opacity and scale,
 // learned with a straight-through gradient; loss weight * mean sigma(mu).
 constexpr float kMaskThreshold = 0.01f;
-constexpr float kHiddenLogit = -100;  // of an opacity
+constexpr float kHiddenLogit = -100;  // opacity logit of a hidden Gaussian
 
 COSPLAT_HD bool MaskHides(float mu) { return Sigmoid(mu) <= kMaskThreshold; }
 
-// dL/dmu, given the Gaussian's gradients where it was drawn. With the mask m = 1: d_m = dL/ds . s +
-// dL/do o, the derivatives by log s and logit o being at hand. What is hidden was not drawn and has
-// none. share: weight / how many there are.
+// dL/dmu, from the Gaussian's gradients if it was visible. With the mask m = 1:
+// d_m = dL/ds . s + dL/do o, computed from the derivatives with respect to log s and logit o. A
+// hidden Gaussian was not rendered and has no gradients. share: weight / number of Gaussians.
 COSPLAT_HD float HardMaskVjp(float mu,
                              float share,
                              bool drawn,
@@ -38,8 +38,8 @@ COSPLAT_HD float HardMaskVjp(float mu,
 // LP-3DGS (Zhang et al. 2024): a soft mask m = sigma((mu S + g1 - g2) / 0.5) dims an opacity o to
 // m o, S an importance score, g Gumbel noise; loss weight * mean m.
 constexpr float kMaskTemperature = 0.5f;
-constexpr float kMinMask = 1e-6f;  // and of 1 - opacity: no division by zero
-constexpr int kMaskDraws = 2;      // random numbers of a Gaussian
+constexpr float kMinMask = 1e-6f;  // also of 1 - opacity: avoids division by zero
+constexpr int kMaskDraws = 2;      // random numbers per Gaussian
 
 struct SoftMask {
   float mask, opacity_logit;  // m, and the logit of m o
@@ -57,8 +57,9 @@ COSPLAT_HD SoftMask SoftMaskOf(float mu, float importance, float opacity_logit, 
   return {mask, std::log(dimmed / (1 - dimmed))};
 }
 
-// dL/dmu; d_opacity_logit, where the Gaussian was drawn, becomes dL/d(logit o) from dL/d(logit of
-// o' = m o): d_m = d / (m (1 - o')), d_logit(o) = d (1 - o) / (1 - o').
+// Returns dL/dmu. If the Gaussian was visible, converts d = d_opacity_logit from dL/d(logit o'),
+// where o' = m o, to dL/d(logit o):
+//   d_m = d / (m (1 - o')), d_logit(o) = d (1 - o) / (1 - o').
 COSPLAT_HD float SoftMaskVjp(const SoftMask& soft,
                              float importance,
                              float share,
@@ -81,7 +82,7 @@ namespace cosplat {
 
 enum class MaskKind { kHard, kSoft };
 
-// The steps of MaskLearner (splat/train/mask_learner.h). A Gaussian each:
+// The kernels of MaskLearner (splat/train/mask_learner.h), one call per Gaussian:
 
 struct HideMasked {
   View<const float> mu, opacity_logit;
@@ -131,7 +132,7 @@ struct LearnMask {
   }
 };
 
-// Of each block of 256, in order.
+// Sums of blocks of 256 Gaussians, in order.
 struct SumShown {
   static constexpr size_t kBlock = 256;
   View<const float> shown;

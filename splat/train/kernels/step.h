@@ -1,5 +1,5 @@
-// The smaller parts of a training step, element by element: what density control gathers, the
-// regulariser of scales, sums of contributions.
+// Smaller kernels of a training step: statistics for density control, the scale regulariser, sums
+// of contributions.
 #pragma once
 
 #include "splat/device/buffer.h"
@@ -8,7 +8,7 @@
 
 namespace cosplat {
 
-// A Gaussian each. Nothing while *overflowed is not 0: the step will be done again.
+// One call per Gaussian. Does nothing if *overflowed is not 0, since the step will be repeated.
 struct AccumulateStep {
   View<const float> radii, screen, d_scale_log, scale_log;
   int width, height;
@@ -31,10 +31,11 @@ struct AddContributions {
   COSPLAT_HD void operator()(size_t i) const { sums[i] += more[i]; }
 };
 
-// Which Gaussians ScaleRegularizer (splat/train/train_settings.h) pulls at: the needle-like ones.
+// Which Gaussians ScaleRegularizer (splat/train/train_settings.h) acts on: large needle-like
+// (high-anisotropy) ones.
 struct NeedleRule {
   float limit_log, ratio_log;
-  // The axis of its length; -1 for one that is no needle.
+  // The longest axis; -1 if the Gaussian is not a needle.
   COSPLAT_HD int AxisOf(const float* s) const {
     int longest = 0, shortest = 0;
     for (int k = 1; k < 3; ++k) {
@@ -45,7 +46,7 @@ struct NeedleRule {
   }
 };
 
-// The lengths of a block of Gaussians' needles, and how many; in order.
+// Sum of the lengths of the needles in a block of Gaussians, and their number; in order.
 struct SumNeedles {
   static constexpr size_t kBlock = 256;
   NeedleRule rule;
@@ -66,11 +67,11 @@ struct SumNeedles {
 };
 
 struct NeedleTotal {
-  double value = 0;  // of the loss
-  float scale = 0;   // weight / how many
+  double value = 0;  // the regulariser's term of the loss
+  float scale = 0;   // weight / number of needles
 };
 
-// All in one.
+// Runs as a single call.
 struct AddUpNeedles {
   View<const double> sums, counts;
   float weight;
@@ -86,8 +87,8 @@ struct AddUpNeedles {
   }
 };
 
-// Adds to the gradient of a needle's length. `moves`: what Adam works on, those with a radius and
-// needles.
+// Adds the regulariser's gradient with respect to a needle's log length. `moves`: positive for the
+// Gaussians that Adam updates, i.e. visible ones and needles.
 struct PullNeedles {
   NeedleRule rule;
   View<const float> scale_log, radii;
