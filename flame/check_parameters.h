@@ -21,7 +21,7 @@ void CheckParameters(const FlameModel& model, const char* name, const Range& val
     if (!(std::abs(double(values[i])) <= kMaxParameter))
       throw Error(model.name,
                   name + ("[" + std::to_string(i) + "]"),
-                  std::to_string(double(values[i])) + " is not a usable number");
+                  std::to_string(double(values[i])) + " is not a finite number within [-1e6, 1e6]");
 }
 
 // Returns how many coefficients the model can use; any excess ones must be zero.

@@ -34,8 +34,8 @@ void CheckFaces(const FlameModel& model) {
       if (v < 0 || v >= model.vertex_count)
         throw Error(model.name,
                     "faces",
-                    "face " + std::to_string(f) + " names vertex " + std::to_string(v) + " of " +
-                        std::to_string(model.vertex_count));
+                    "face " + std::to_string(f) + " refers to vertex " + std::to_string(v) +
+                        ", but there are only " + std::to_string(model.vertex_count));
 }
 
 void CheckRowsSumToOne(const FlameModel& model,

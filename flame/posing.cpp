@@ -44,9 +44,9 @@ void PosingReach::Check(const FlameRig<float>& rig) const {
     const std::vector<double>& largest = t < rig.expression_terms ? expression_ : pose_;
     unskinned += std::abs(double(rig.terms[t].coefficient)) * largest[rig.terms[t].direction];
   }
-  // Unlike std::max, this comparison accepts a NaN.
+  // Unlike std::max, keeps a NaN, whatever follows it.
   const auto enlarge = [](double& largest, float x) {
-    if (!(std::abs(x) <= largest)) largest = std::abs(x);
+    if (!std::isnan(largest) && !(std::abs(x) <= largest)) largest = std::abs(x);
   };
   for (size_t j = 0; j < kFlameJoints; ++j) {
     for (const float x : rig.transforms.rotation[j]) enlarge(rotation, x);
@@ -56,7 +56,7 @@ void PosingReach::Check(const FlameRig<float>& rig) const {
   for (const float x : rig.translation) reach += std::abs(x);
   if (reach <= std::numeric_limits<float>::max()) return;
   std::ostringstream problem;
-  problem << "might be " << reach << " metres away, which float does not hold";
+  problem << "could be " << reach << " metres from the origin, which overflows float";
   throw Error("surface", "vertices", problem.str());
 }
 

@@ -25,7 +25,8 @@ void CheckFaces(const std::string& name, const Faces& faces, int vertex_count) {
       if (a < 0 || a >= vertex_count)
         throw Error(name,
                     FaceField(f),
-                    "names vertex " + std::to_string(a) + " of " + std::to_string(vertex_count));
+                    "refers to vertex " + std::to_string(a) + ", but there are only " +
+                        std::to_string(vertex_count));
       if (a == b) throw Error(name, FaceField(f), "uses vertex " + std::to_string(a) + " twice");
       const auto [entry, fresh] = face_of_edge.emplace(uint64_t(a) << 32 | uint32_t(b), f);
       if (!fresh)

@@ -112,12 +112,12 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
     LoadVhapTrack(path, request, video);
   } else {
     throw Error(path,
-                "holds no tracked video: expected flame_params.json (IMavatar) or "
+                "contains no tracked video: expected flame_params.json (IMavatar) or "
                 "transforms_train.json (VHAP)");
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && video.layout != "npz")
-    throw Error(path, "holds no frames to train on");
+    throw Error(path, "contains no frames to train on");
   HoldCameraStill(video);
   return video;
 }

@@ -100,10 +100,11 @@ void FindDegrees(Gaussians& g) {
 void ConvertBasis(Gaussians& g, Basis to) {
   if (g.basis == to) return;
   if (!IsHarmonic(g.basis, g.degree) || !IsHarmonic(to, g.degree))
-    throw Error("basis",
-                ToString(Basis::kDcshLiteral) +
-                    " folds the direction and is not spherical harmonics: other programs cannot "
-                    "show it");
+    throw Error(
+        "basis",
+        ToString(Basis::kDcshLiteral) +
+            " folds the viewing direction, so it cannot be converted to spherical harmonics "
+            "for other programs");
   const float* from_constants = BasisConstants(g.basis);
   const float* to_constants = BasisConstants(to);
   const int rest = CoefficientCount(g.degree) - 1;

@@ -25,9 +25,9 @@ struct ExportOptions {
 
 void Check(const ExportOptions& o) {
   if (o.vq.empty() && o.ply.empty() && o.glb.empty())
-    throw Error("--vq, --ply, --glb", "none is given: at least one file must be written");
+    throw Error("--vq, --ply, --glb", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
-    throw Error("-m", "or --splats is needed: what is to be exported");
+    throw Error("-m, --splats", "give at least one of them: the model to export");
   if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
     throw Error("--measure", "compares a model's PLY with its --vq: give -m and --vq only");
 }
@@ -35,14 +35,13 @@ void Check(const ExportOptions& o) {
 void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {
   if (o.glb.empty()) return;
   if (subject.is_avatar())
-    throw Error(o.source.model,
-                "--glb",
-                "is for scenes; an avatar is in avatar.glb, which shows it at rest");
+    throw Error(
+        o.source.model, "--glb", "is only for scenes; an avatar's run already has avatar.glb");
   if (subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
-    throw Error(o.glb,
-                "degree",
-                "is 4, which standard glTF files do not hold: give --truncate-degree to leave band "
-                "4 out");
+    throw Error(
+        o.glb,
+        "degree",
+        "is 4, but standard glTF supports at most 3: pass --truncate-degree to omit band 4");
 }
 
 // `what`: appended for avatars only.
@@ -149,7 +148,7 @@ void AddExport(CLI::App& app) {
   command
       ->add_option("--keep",
                    o->settings.keep,
-                   "share of the splats, the most significant, that keep their own colour")
+                   "fraction of the most significant splats that keep their own colour")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", o->settings.seed, "of the codebook");
   command->add_flag("--measure",

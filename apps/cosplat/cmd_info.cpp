@@ -36,7 +36,7 @@ void CodebookInfo(const QuantisedSplats& splats) {
     const QuantisedBands& bands = splats.bands[degree];
     const size_t width = 3 * size_t(CoefficientCount(degree) - 1), kept = bands.kept.size() / width;
     if (kept + bands.index.size() == 0) continue;
-    std::printf("degree %d: %s with bands of their own, %s with those of a codebook of %s\n",
+    std::printf("degree %d: %s with own bands, %s with bands from a codebook of %s entries\n",
                 degree,
                 WithThousands(kept).c_str(),
                 WithThousands(bands.index.size()).c_str(),
@@ -52,7 +52,7 @@ void DegreeInfo(Gaussians g) {
   for (int degree = 0; degree <= g.degree; ++degree)
     std::printf(" %s of %d,", WithThousands(counts[degree]).c_str(), degree);
   const DegreeFigures figures = FiguresOf(counts, g.degree);
-  std::printf(" mean %.2f; %.0f %% of the coefficients from band 1 on are not needed\n",
+  std::printf(" mean %.2f; %.0f %% of the coefficients of bands 1 and up are unused\n",
               figures.mean,
               100 * figures.rest_saved);
 }
@@ -156,7 +156,7 @@ std::string BandsLine(const std::string& path) {
   std::snprintf(
       line,
       sizeof line,
-      "bands dropped: mean degree %.2f, %.0f %% of the coefficients from band 1 on; %+.2f "
+      "bands dropped: mean degree %.2f, %.0f %% of the coefficients of bands 1 and up; %+.2f "
       "dB on training images at the time\n",
       stats["mean_degree"].Number(),
       100 * stats["rest_saved"].Number(),
@@ -227,7 +227,7 @@ void Info(const std::string& path) {
       TrackInfo(path, false);
     }
   } else {
-    throw Error(path, "is none of .ply, .glb, .pkl, .npz, quantised splats or a folder");
+    throw Error(path, "is not a .ply, .glb, .pkl or .npz file, quantised splats or a folder");
   }
 }
 
@@ -235,7 +235,7 @@ void Info(const std::string& path) {
 
 void AddInfo(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("info", "say what a model, avatar, splat file or data set is");
+      app.add_subcommand("info", "summarise a model, avatar, splat file or data set");
   const auto path = std::make_shared<std::string>();
   command->add_option("file", *path, "file or folder")->required();
   command->callback([path] { Info(*path); });

@@ -50,7 +50,7 @@ Size SizeOf(const PlayOptions& o, const StartView& start) {
 void SetLook(const PlayOptions& o, Session& session) {
   const viewer::View view = viewer::ViewFromString(o.view, "--view");
   if (viewer::NeedsMesh(view) && !session.is_avatar())
-    throw Error(o.model, "--view", o.view + " is of avatars; this is a scene");
+    throw Error(o.model, "--view", o.view + " is only available for avatars; this is a scene");
   session.SetView(view);
   session.transparent = o.transparent;
   if (o.background == "black") session.background = {0, 0, 0};
@@ -112,7 +112,7 @@ void AddLook(CLI::App& command, PlayOptions& o) {
 
 void AddPlay(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("play", "look at an avatar or a scene in a window, or render it to files");
+      app.add_subcommand("play", "show an avatar or a scene in a window, or render it to files");
   const auto o = std::make_shared<PlayOptions>();
   command->add_option("model", o->model, "a run's folder, an avatar's .glb, or a scene's splats")
       ->required();
@@ -121,7 +121,7 @@ void AddPlay(CLI::App& app) {
                           o->drive,
                           "what moves an avatar: a tracked video or .npz, udp://HOST:PORT, "
                           "vmc://HOST:PORT?matrix=FILE or stdin:");
-  command->add_option("--fps", o->fps, "of a recorded drive; its own if not given")
+  command->add_option("--fps", o->fps, "frame rate of a recorded drive (default: its own)")
       ->needs(drive)
       ->check(CLI::Range(0.001, 10000.0));
   command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
@@ -131,16 +131,18 @@ void AddPlay(CLI::App& app) {
           "--device", o->device, "where to render splats: cpu, cuda (an NVIDIA GPU) or auto")
       ->capture_default_str();
   auto* headless =
-      command->add_flag("--headless", o->headless, "draw to files, without a window or a display");
+      command->add_flag("--headless", o->headless, "render to files; needs no window or display");
   command->add_option("-o,--out",
                       o->out,
                       "headless: folder or .mp4; otherwise the folder of screenshots and videos");
-  command->add_option("--frames", o->frames, "headless: so many, of the drive or of a turn")
+  command
+      ->add_option(
+          "--frames", o->frames, "headless: number of frames of the drive, or of a full turn")
       ->needs(headless)
       ->check(CLI::Range(0, 1000000));
   command->add_option("--size", o->size, "headless: WIDTHxHEIGHT; as it was filmed if not given")
       ->needs(headless);
-  command->add_option("--ui-scale", o->scale, "size of letters and panels; 0: as the screen says")
+  command->add_option("--ui-scale", o->scale, "scale of text and panels; 0: the display's scale")
       ->check(CLI::Range(0.0, 8.0));
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Play(*o); });

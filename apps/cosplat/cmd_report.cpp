@@ -161,7 +161,8 @@ void Report(const std::string& model, bool quiet) {
   const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);
   if (!fs::exists(test))
-    throw Error(model, "test", "holds no images: train with --eval or run `cosplat render` first");
+    throw Error(
+        model, "test", "contains no images: train with --eval or run `cosplat render` first");
   const std::string key = fs::path(test).filename().string();
   const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
   const JsonField stats(model + "/stats.json", stats_json);

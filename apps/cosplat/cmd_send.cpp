@@ -100,7 +100,7 @@ void Send(const SendOptions& o, const Recording& recording, PacketOutput& output
 
 void Run(const SendOptions& o) {
   if (o.drop_percent + o.bad_percent > 100)
-    throw Error("--drop and --bad", "are more than 100 percent together");
+    throw Error("--drop and --bad", "add up to more than 100 percent");
   LiveSourceOptions options;
   options.frames_per_second = o.frames_per_second;
   const Recording recording = LoadRecording(o.sequence, options);
@@ -108,12 +108,13 @@ void Run(const SendOptions& o) {
   Counts counts;
   Send(o, recording, output, counts);
   if (o.quiet || o.to.empty()) return;
-  std::printf("%ld packets to %s, %ld of them spoilt; %ld left out\n",
+  std::printf("%ld packets sent to %s, %ld of them corrupted; %ld dropped\n",
               counts.sent,
               o.to.c_str(),
               counts.bad,
               counts.dropped);
-  if (counts.lost > 0) std::printf("%ld were refused: does anyone listen there?\n", counts.lost);
+  if (counts.lost > 0)
+    std::printf("%ld were refused: is a receiver listening there?\n", counts.lost);
 }
 
 }  // namespace
@@ -131,7 +132,7 @@ void AddSend(CLI::App& app) {
       ->check(CLI::Range(0.0, 100.0));
   command->add_option("--bad", o->bad_percent, "percent of the packets to spoil")
       ->check(CLI::Range(0.0, 100.0));
-  command->add_option("--seed", o->seed, "of what is left out and spoilt");
+  command->add_option("--seed", o->seed, "seed for --drop and --bad");
   command->add_flag("--quiet", o->quiet, "print nothing but errors and, without --to, the frames");
   command->callback([o] { Run(*o); });
 }

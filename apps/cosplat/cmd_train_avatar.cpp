@@ -122,8 +122,8 @@ void Train(AvatarOptions o, const std::string& config) {
   const Device device = o.ResolveDevice();
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error("--sh_degree " + std::to_string(o.sh_degree),
-                "does not fit standard glTF files: give --truncate-degree to leave band 4 out of "
-                "what other programs read");
+                "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
+                "other programs read");
   o.ResolveBackground("random");
   const FlameModel flame = LoadFlameModel(o.flame);
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o));
@@ -156,7 +156,7 @@ void Train(AvatarOptions o, const std::string& config) {
   if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
   RunTraining(o, trainer, video.skipped, hooks);
   if (!o.quiet)
-    std::printf("%.1f %% of the Gaussians are on another triangle than they began on\n",
+    std::printf("%.1f %% of the Gaussians moved to another triangle\n",
                 100 * subject.WalkedShare());
 }
 

@@ -64,7 +64,7 @@ void SaveInputs(const SceneCommand& o,
 
 void Train(SceneCommand o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
-    throw Error("--prune dcsharp-triangle", "a scene has no triangles: for train-avatar");
+    throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
   const Device device = o.ResolveDevice();
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
@@ -108,10 +108,11 @@ void AddTrainScene(CLI::App& app) {
           "default: in proportion to --iterations, better and faster; 3dgs: as its code does")
       ->check(CLI::IsMember({"default", "3dgs"}));
   command
-      ->add_option("--random-points,--random_points",
-                   options->random_points,
-                   "where the data has no points, begin at so many random ones; 0: as the preset "
-                   "says, by default where the photographs agree, 3dgs: 100,000")
+      ->add_option(
+          "--random-points,--random_points",
+          options->random_points,
+          "number of random initial points for data without points; 0: the preset's choice "
+          "(default: points found in the images; 3dgs: 100,000)")
       ->check(CLI::Range(size_t(0), kMaxGaussians));
   command->callback([options, command, &app] { Train(*options, ConfigOf(app, *command)); });
 }

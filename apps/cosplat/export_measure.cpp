@@ -21,7 +21,7 @@ TestViews ViewsOfScene(const Gaussians& gaussians,
     const Camera& camera = scene.test[i].camera;
     rasterizer->Forward(ViewOf(gaussians), gaussians.basis, camera, settings, image, *tape);
   };
-  views.photograph = [&scene](size_t i) { return LoadViewImage(scene.test[i]); };
+  views.ground_truth = [&scene](size_t i) { return LoadViewImage(scene.test[i]); };
   return views;
 }
 
@@ -34,7 +34,7 @@ TestViews ViewsOfAvatar(const AvatarModel& model,
   views.render = [=, &video](size_t i, RenderedImage& image) {
     player->RenderOver(video.test[i].params, video.test[i].camera, background, image);
   };
-  views.photograph = [&video](size_t i) { return LoadTrackedImage(video, video.test[i]); };
+  views.ground_truth = [&video](size_t i) { return LoadTrackedImage(video, video.test[i]); };
   return views;
 }
 
@@ -48,7 +48,7 @@ FileFigures Measure(const std::string& path,
     views.render(i, image);
     truth.width = image.width;
     truth.height = image.height;
-    CompositeTarget(views.photograph(i), views.background, truth.color);
+    CompositeTarget(views.ground_truth(i), views.background, truth.color);
     const ImageMetrics m = CompareImages(ToBytes(image.ToImage()), ToBytes(truth.ToImage()));
     figures.psnr += m.psnr / double(views.count);
     figures.ssim += m.ssim / double(views.count);

@@ -15,7 +15,7 @@ struct TestViews {
   size_t count = 0;
   std::array<float, 3> background{};
   std::function<void(size_t view, RenderedImage& image)> render;  // composited over the background
-  std::function<Image8(size_t view)> photograph;
+  std::function<Image8(size_t view)> ground_truth;
 };
 
 // The returned views keep references to the arguments, which must outlive them.

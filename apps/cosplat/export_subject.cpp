@@ -98,7 +98,7 @@ std::unique_ptr<ExportSubject> LoadExportSubject(const ExportSource& source) {
     return std::make_unique<SceneSplats>(source.splats, SceneData(), std::array<float, 3>());
   std::unique_ptr<ExportSubject> subject = LoadRun(source);
   if (source.measure && subject->AsTrained().count == 0)
-    throw Error(source.model, "--measure", "the run holds no views out: train with --eval");
+    throw Error(source.model, "--measure", "the run has no held-out views: train with --eval");
   return subject;
 }
 

@@ -167,7 +167,7 @@ void Study(const StudyCommand& o) {
   if (o.stability) return WriteStabilityPage(o.out, o.quiet);
   if (o.page) return WritePage(o);
   if (o.list.empty() || o.data.empty())
-    throw Error("--list, --data", "are needed; or --page or --stability, which need neither");
+    throw Error("--list, --data", "are required unless --page or --stability is given");
   const std::vector<StudyRun> runs = WantedRuns(o);
   if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
   const size_t failed = RunAll(o, runs);
@@ -193,9 +193,11 @@ void AddStudy(CLI::App& app) {
   command->add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
       ->default_str("");
   command->add_flag("--page", o->page, "run nothing, write the page of the runs that are done");
-  command->add_flag("--stability",
-                    o->stability,
-                    "run nothing of a list: where splatting fails, the naive form beside ours");
+  command->add_flag(
+      "--stability",
+      o->stability,
+      "run the stability suite instead of a list: known failure cases, naive form against "
+      "ours");
   command->add_option("--charts", o->charts, "write the page's charts into this folder, too")
       ->default_str("");
   command->add_flag("--dry-run", o->dry_run, "print the commands, those that are done included");

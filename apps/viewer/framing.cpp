@@ -103,7 +103,7 @@ StartView BeforeSplats(const std::string& file, const Gaussians& gaussians) {
     const bool finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
     if (finite && *gaussians.at(kOpacityLogit, i) >= least) points.push_back({p[0], p[1], p[2]});
   }
-  if (points.empty()) throw Error(file, "vertex", "none is to be seen");
+  if (points.empty()) throw Error(file, "vertex", "no splat is visible");
   Vec3<float> center = Middle(points, 0.5f);
   const auto from_center = [&](const Vec3<float>& p) { return Distance(p, center); };
   const float most = kFarthestOfHalf * Quantile(points, 0.5f, from_center);

@@ -96,7 +96,8 @@ void Stage::Prepare(const Shot& shot) {
   if (NeedsMesh(shot.view) && !player_)
     throw Error(content_.title,
                 "view",
-                std::string(kViewNames[size_t(shot.view)]) + " is of avatars; this is a scene");
+                std::string(kViewNames[size_t(shot.view)]) +
+                    " is only available for avatars; this is a scene");
   if (player_) player_->Place(shot.face, placed_);
 }
 

@@ -103,7 +103,7 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
                 "'" + flame.name + "' has " + std::to_string(flame.vertex_count) +
                     " vertices and " + std::to_string(flame.faces.size()) +
                     " faces, the avatar's mesh has " + std::to_string(vertices) + " and " +
-                    std::to_string(faces) + " or other corners");
+                    std::to_string(faces) + " or different face indices");
 }
 
 // Adds the canonical mesh as triangles, with a morph target per expression direction: at zero pose,
@@ -171,7 +171,7 @@ AvatarModel ReadAvatarGlb(const std::string& path) {
   const GlbDocument document = ReadGlb(path, {kSplatExtension, kBindingExtension});
   const Json binding = FindBinding(FindSplats(document));
   if (binding.is_null())
-    throw Error(path, kBindingExtension, "is missing: these splats are no avatar");
+    throw Error(path, kBindingExtension, "is missing: the file contains splats, but not an avatar");
   return ReadBinding(document, binding);
 }
 
@@ -216,7 +216,7 @@ std::string ToString(const GlbSummary& summary) {
     text += "avatar (binding version " + std::to_string(a.version) + "): " + ToString(a.basis) +
             " of degree " + std::to_string(a.degree) + ", colours in the " +
             ToString(a.color_frame) + " frame\n";
-    if (a.released) text += "follows the mesh by SplattingAvatar's released rule\n";
+    if (a.released) text += "follows the mesh by the rule of SplattingAvatar's released code\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
             std::to_string(a.shape_count) + " shape coefficients, " +
             (a.has_static_offset ? "a" : "no") + " static offset\n";

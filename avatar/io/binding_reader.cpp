@@ -87,7 +87,7 @@ void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   for (size_t i = 0; i < range.expression_least.size(); ++i)
     if (range.expression_least[i] > range.expression_most[i])
       Fail(field["expressionMost"][i],
-           "is " + std::to_string(range.expression_most[i]) + ", less than the least, " +
+           "is " + std::to_string(range.expression_most[i]) + ", below the minimum " +
                std::to_string(range.expression_least[i]));
   FillNumbers(field["angle"], range.angle);
 }
@@ -120,8 +120,8 @@ std::vector<int32_t> ReadTriangles(const GlbDocument& document,
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= face_count)
       Fail(field,
-           "Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) + " of " +
-               std::to_string(face_count));
+           "Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) +
+               ", but the mesh has " + std::to_string(face_count) + " faces");
   return {indices.begin(), indices.end()};
 }
 
@@ -145,11 +145,12 @@ const GlbPrimitive& MeshPrimitive(const GlbDocument& document, const JsonField& 
   const int index = IntegerWithin(field, 0, kMaxCount);
   if (size_t(index) >= document.meshes.size())
     Fail(field,
-         "names mesh " + std::to_string(index) + " of " + std::to_string(document.meshes.size()));
+         "refers to mesh " + std::to_string(index) + ", but the file has " +
+             std::to_string(document.meshes.size()) + " meshes");
   const auto& primitives = document.meshes[index].primitives;
   if (primitives.size() != 1 || primitives[0].mode != kGlbTriangles ||
       !primitives[0].attributes.contains("POSITION"))
-    Fail(field, "names a mesh that is not one primitive of triangles with positions");
+    Fail(field, "refers to a mesh that is not a single triangle primitive with positions");
   return primitives[0];
 }
 
@@ -169,8 +170,8 @@ void ReadMesh(const GlbDocument& document,
   for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= vertex_count)
       Fail(index,
-           "face " + std::to_string(i / 3) + " names vertex " + std::to_string(indices[i]) +
-               " of " + std::to_string(vertex_count));
+           "face " + std::to_string(i / 3) + " refers to vertex " + std::to_string(indices[i]) +
+               ", but there are " + std::to_string(vertex_count) + " vertices");
     if (i % 3 == 0) mesh.faces.emplace_back();
     mesh.faces.back()[i % 3] = int32_t(indices[i]);
   }
@@ -193,7 +194,10 @@ const GlbPrimitive& FindSplats(const GlbDocument& document) {
       if (found) throw Error(document.path, kSplatExtension, "is on more than one primitive");
       found = &primitive;
     }
-  if (!found) throw Error(document.path, kSplatExtension, "is on no primitive: no splats here");
+  if (!found)
+    throw Error(document.path,
+                kSplatExtension,
+                "is not used by any primitive: the file contains no splats");
   return *found;
 }
 

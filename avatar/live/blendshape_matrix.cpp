@@ -25,8 +25,9 @@ std::vector<float> ReadRows(const Npz& npz, const std::string& name, long column
     if (!(most <= kMaxParameter))
       throw Error(npz.path(),
                   name,
-                  "column " + std::to_string(column) + " adds up to " + std::to_string(most) +
-                      ", at most " + std::to_string(int(kMaxParameter)) + " is a face");
+                  "absolute values of column " + std::to_string(column) + " add up to " +
+                      std::to_string(most) + ", at most " + std::to_string(int(kMaxParameter)) +
+                      " is allowed");
   }
   return {array.values.begin(), array.values.end()};
 }

@@ -38,14 +38,14 @@ void ReadEyes(const JsonField& field, FlameParams& params) {
 
 uint64_t SequenceOf(const JsonField& field) {
   if (!field.raw().is_number_unsigned())
-    throw Error(field.file(), field.path(), "is not a whole number from 0 on");
+    throw Error(field.file(), field.path(), "is not a non-negative integer");
   return field.raw().get<uint64_t>();
 }
 
 double TimeOf(const JsonField& field) {
   const double time = field.Number();
   if (std::abs(time) > kMaxSeconds)
-    throw Error(field.file(), field.path(), "is beyond 9e9 seconds");
+    throw Error(field.file(), field.path(), "is out of range: at most 9e9 seconds");
   return time;
 }
 
@@ -66,7 +66,7 @@ void ReadMember(const JsonField& json, const std::string& name, JsonFrame& frame
   if (name == "jaw") return ReadVector(json[name], p.pose[2]);
   if (name == "eyes") return ReadEyes(json[name], p);
   if (name == "translation") return ReadVector(json[name], p.translation);
-  throw Error(json.file(), Quoted(name), "is no field of a frame");
+  throw Error(json.file(), Quoted(name), "is not a field of a frame");
 }
 
 void AppendNumbers(const char* name, const float* begin, size_t count, std::string& line) {

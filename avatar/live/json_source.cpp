@@ -55,8 +55,8 @@ class JsonSource : public LiveSource {
       return true;
     }
     ++counts_.reordered;
-    counts_.last_problem =
-        Description() + ": seq: " + std::to_string(frame.sequence) + " is not newer than the last";
+    counts_.last_problem = Description() + ": seq: " + std::to_string(frame.sequence) +
+                           " is not greater than the last sequence number";
     return false;
   }
 

@@ -108,19 +108,19 @@ std::string ParseMessage(std::string_view bytes, OscMessage& message) {
   types.remove_prefix(1);
   if (types.size() > kMaxOscArguments)
     return "has " + std::to_string(types.size()) + " arguments, at most " +
-           std::to_string(kMaxOscArguments) + " are taken";
+           std::to_string(kMaxOscArguments) + " are accepted";
   for (const char type : types) {
     OscArgument& argument = message.arguments.emplace_back();
     argument.type = type;
     if (!ReadArgument(reader, argument)) return "has an argument of an unknown OSC type";
   }
   if (!reader.ok()) return "ends within its arguments";
-  return reader.empty() ? "" : "is longer than its OSC types say";
+  return reader.empty() ? "" : "is longer than its OSC type tags imply";
 }
 
 std::string ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& messages) {
   if (!bytes.starts_with(kBundle)) return ParseMessage(bytes, messages.emplace_back());
-  if (bundles == kMaxOscBundles) return "has too many OSC bundles inside each other";
+  if (bundles == kMaxOscBundles) return "has OSC bundles nested too deeply";
   Reader reader(bytes);
   reader.Text();
   reader.DoubleWord();  // the time tag, ignored: bundles take effect at once

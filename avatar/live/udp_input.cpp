@@ -44,13 +44,14 @@ std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address) {
 void CountOversize(const std::string& description, size_t bytes, LiveCounts& counts) {
   ++counts.oversize;
   counts.last_problem = description + ": a packet of " + std::to_string(bytes) +
-                        " bytes, at most " + std::to_string(kMaxPacketBytes) + " are taken";
+                        " bytes, at most " + std::to_string(kMaxPacketBytes) + " are accepted";
 }
 
 void CountFlooded(const std::string& description, size_t packets, LiveCounts& counts) {
   if (packets == 0) return;
   counts.flooded += packets;
-  counts.last_problem = description + ": more packets at once than are looked at";
+  counts.last_problem =
+      description + ": too many packets between two polls; the oldest were dropped";
 }
 
 }  // namespace cosplat

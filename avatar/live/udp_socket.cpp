@@ -52,7 +52,8 @@ UdpSocket UdpSocket::Listen(const DriveAddress& address) {
   UdpSocket result(OpenDescriptor(address, target));
   setsockopt(result.descriptor_, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof(kReceiveBytes));
   if (bind(result.descriptor_, target.ai_addr, target.ai_addrlen) != 0)
-    throw Error(address.drive, std::string("cannot listen there: ") + std::strerror(errno));
+    throw Error(address.drive,
+                std::string("cannot listen on this address: ") + std::strerror(errno));
   return result;
 }
 
@@ -61,7 +62,7 @@ UdpSocket UdpSocket::ConnectTo(const DriveAddress& address) {
   const addrinfo& target = Preferred(*list);
   UdpSocket result(OpenDescriptor(address, target));
   if (connect(result.descriptor_, target.ai_addr, target.ai_addrlen) != 0)
-    throw Error(address.drive, std::string("cannot send there: ") + std::strerror(errno));
+    throw Error(address.drive, std::string("cannot send to this address: ") + std::strerror(errno));
   return result;
 }
 

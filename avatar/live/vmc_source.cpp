@@ -44,7 +44,7 @@ std::string ProblemOf(const OscMessage& message) {
   const math::Quat<float> q = BoneRotation(message);
   const float length = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
   if (length > 0.5f && length < 2) return "";
-  return std::string(message.address) + ": its rotation is no unit quaternion";
+  return std::string(message.address) + ": its rotation is not a unit quaternion";
 }
 
 // Unity's axes are left-handed with x to the subject's right, FLAME's x points to the subject's

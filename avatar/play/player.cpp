@@ -57,8 +57,8 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
   if (surface_.vertex_count() != poser_.vertex_count())
     throw Error(flame.name,
                 "vertices",
-                std::to_string(poser_.vertex_count()) + " where the avatar's mesh has " +
-                    std::to_string(surface_.vertex_count()));
+                "the model has " + std::to_string(poser_.vertex_count()) +
+                    " vertices, the avatar's mesh " + std::to_string(surface_.vertex_count()));
   if (!settings.make_renderer) return;
   CheckEmbedding(avatar_.gaussians, avatar_.embedding, surface_.faces().size());
   const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
@@ -118,7 +118,7 @@ const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
 const RenderedImage& Player::Draw(const PlacedAvatar& placed,
                                   const Camera& camera,
                                   const std::array<float, 3>& background) {
-  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (placed.id_ == 0) throw Error("avatar", "placed", "was not placed before rendering");
   if (last_.id == placed.id_ && SameBits(last_.camera, camera) &&
       SameBits(last_.background, background))
     return last_.image;
@@ -140,7 +140,7 @@ void Player::DrawToStay(const PlacedAvatar& placed,
                         const std::array<float, 3>& background,
                         AlphaMode alpha,
                         std::unique_ptr<DeviceImage>& out) {
-  if (placed.id_ == 0) throw Error("avatar", "placed", "is drawn before it was placed");
+  if (placed.id_ == 0) throw Error("avatar", "placed", "was not placed before rendering");
   if (!DrawsOnDevice()) throw Error("avatar", "image", "cannot stay: no device draws it");
   renderer_->DrawToStay(
       placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);

@@ -27,7 +27,7 @@ constexpr float kMaxZoom = 100;
 
 void CheckBetween(float value, float least, float most, const char* field) {
   if (!std::isfinite(value))
-    throw CodedError(COSPLAT_ERROR_NOT_FINITE, field, std::to_string(value) + " is not a number");
+    throw CodedError(COSPLAT_ERROR_NOT_FINITE, field, std::to_string(value) + " is not finite");
   if (value < least || value > most)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      field,

@@ -41,7 +41,9 @@ FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
 AvatarRendererMaker RendererFor(uint32_t device) {
   if (device == COSPLAT_DEVICE_AUTO || device == COSPLAT_DEVICE_CPU) return {};
   if (device != COSPLAT_DEVICE_CUDA)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT, "device", std::to_string(device) + " is none");
+    throw CodedError(COSPLAT_ERROR_ARGUMENT,
+                     "device",
+                     std::to_string(device) + " is not a COSPLAT_DEVICE_ value");
   try {
     return AvatarRendererOn(DeviceFromString("cuda", "device"));
   } catch (const Error& error) {
@@ -116,8 +118,8 @@ ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char
   if (stride < -kMaxStride || stride > kMaxStride || std::abs(stride) < row || stride % step != 0)
     throw CodedError(COSPLAT_ERROR_ARGUMENT,
                      field,
-                     std::to_string(stride) + " bytes: at least " + std::to_string(row) +
-                         " either way" + (step > 1 ? ", a multiple of 4" : ""));
+                     std::to_string(stride) + " bytes; its magnitude must be at least " +
+                         std::to_string(row) + (step > 1 ? " and a multiple of 4" : ""));
   return ptrdiff_t(stride);
 }
 

@@ -81,8 +81,8 @@ void LiveFace::Advance(int64_t now_ns, LiveParameters& parameters) {
   if (shown_ && now_ns < now_ns_)
     throw CodedError(COSPLAT_ERROR_LATE,
                      "now_ns",
-                     std::to_string(now_ns) + " is earlier than " + std::to_string(now_ns_) +
-                         ", where the avatar is; cosplat_reset_parameters begins anew");
+                     std::to_string(now_ns) + " is earlier than the previous cosplat_advance (" +
+                         std::to_string(now_ns_) + "); call cosplat_reset_parameters to restart");
   if (source_ && source_->Poll(now_ns, frame_) &&
       guard_.Offer(frame_.params, frame_.time_ns) == Verdict::kAccepted)
     parameters.Keep(frame_.params, frame_.time_ns);

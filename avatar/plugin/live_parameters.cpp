@@ -18,12 +18,13 @@ void CheckNumber(float value, const char* field, size_t index) {
     throw BadFrame(Verdict::kNotFinite,
                    COSPLAT_ERROR_NOT_FINITE,
                    name(),
-                   std::to_string(value) + " is not a number");
+                   std::to_string(value) + " is not finite");
   if (std::abs(value) > COSPLAT_LARGEST_PARAMETER)
     throw BadFrame(Verdict::kOutOfRange,
                    COSPLAT_ERROR_ARGUMENT,
                    name(),
-                   std::to_string(value) + " is too large");
+                   std::to_string(value) + " is out of range: at most " +
+                       std::to_string(COSPLAT_LARGEST_PARAMETER) + " in magnitude");
 }
 
 void CheckNumbers(const float* values, size_t count, const char* field) {
@@ -51,11 +52,12 @@ void LiveParameters::Keep(const FlameParams& params, int64_t time_ns) {
 
 void LiveParameters::CheckTime(int64_t time_ns) const {
   if (time_ns < time_ns_)
-    throw BadFrame(
-        Verdict::kLate,
-        COSPLAT_ERROR_LATE,
-        "time_ns",
-        std::to_string(time_ns) + " is earlier than what is set, of " + std::to_string(time_ns_));
+    throw BadFrame(Verdict::kLate,
+                   COSPLAT_ERROR_LATE,
+                   "time_ns",
+                   std::to_string(time_ns) +
+                       " is earlier than the time of the current parameters (" +
+                       std::to_string(time_ns_) + ")");
 }
 
 void LiveParameters::Set(const cosplat_parameters& given) {

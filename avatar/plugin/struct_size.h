@@ -36,7 +36,7 @@ T ReadStruct(const T* theirs, const char* name) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(theirs);
   if (std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; }))
     throw CodedError(
-        COSPLAT_ERROR_ARGUMENT, name, "asks for something that only a newer library has");
+        COSPLAT_ERROR_ARGUMENT, name, "uses fields that this version of the library does not know");
   T ours;
   std::memcpy(&ours, theirs, sizeof(T));
   return ours;

@@ -79,10 +79,9 @@ WorldGaussians PosedView(const Gaussians& gaussians,
 
 void UploadEmbedding(const Embedding& from, Embedding& to, Stream& stream) {
   if (from.released)
-    throw Error(
-        "avatar",
-        "mesh",
-        "is followed by the rule of the released SplattingAvatar, which is the CPU's alone");
+    throw Error("avatar",
+                "mesh",
+                "uses the rule of SplattingAvatar's released code, which only the CPU supports");
   to.triangle.Upload(from.triangle.data(), from.triangle.size(), stream);
   to.barycentric.Upload(from.barycentric.data(), from.barycentric.size(), stream);
 }
@@ -138,7 +137,8 @@ void BindBackward(const Gaussians& gaussians,
   d[kScaleLog].Refill(3 * n, stream);
   if (embedding.released) {
     if (d_vertices)
-      throw Error("avatar", "mesh", "has no gradient by the rule of the released SplattingAvatar");
+      throw Error(
+          "avatar", "mesh", "has no gradient under the rule of SplattingAvatar's released code");
     return BindReleasedBackward(gaussians, embedding, surface, d_posed, d_gaussians);
   }
   // Derivatives for the corners of each Gaussian's triangle. The kernel writes every number, so

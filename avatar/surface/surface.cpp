@@ -160,8 +160,8 @@ double FaceArea(const CanonicalMesh& mesh, size_t face) {
     if (vertex >= mesh.vertices.size() / 3)
       throw Error("canonical mesh",
                   "faces[" + std::to_string(face) + "]",
-                  "names vertex " + std::to_string(mesh.faces[face][c]) + " of " +
-                      std::to_string(mesh.vertices.size() / 3));
+                  "refers to vertex " + std::to_string(mesh.faces[face][c]) +
+                      ", but there are only " + std::to_string(mesh.vertices.size() / 3));
     const float* v = &mesh.vertices[3 * vertex];
     p[c] = {v[0], v[1], v[2]};
   }

@@ -246,13 +246,13 @@ std::vector<MemoryPart> AvatarSubject::Memory() const {
   size_t silhouettes = 0;
   for (const Buffer<uint8_t>& s : silhouettes_) silhouettes += HeldBy(s);
   return {
-      {"places on the mesh",
+      {"embedding",
        HeldBy(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
            HeldBy(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
            scratch_.by_face.held() + walk_.held() + holes_.held()},
       {"posed Gaussians", posed_.held() + d_posed_.held() + HeldBy(scratch_.d_corners)},
-      {"looking for holes", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
-      {"mesh and its poses",
+      {"hole detection", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
+      {"mesh and posed vertices",
        surface_.held() + posed_vertices_.held() + scratch_.by_face.HeldForMesh() +
            walk_.HeldForMesh() + HeldBy(scratch_.d_surface, searches_, face_rates_, d_vertices_),
        MemoryOf::kFixed}};

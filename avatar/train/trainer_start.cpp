@@ -33,7 +33,8 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
       unit_(MeshUnit(mesh_)),
       surface_(mesh_) {
   if (settings_.refine_track && settings_.system == AvatarSystem::kReleased)
-    throw Error("--refine-track", "does not go with SplattingAvatar's released rule");
+    throw Error("--refine-track",
+                "is not supported with the rule of SplattingAvatar's released code");
   LoadFrames();
   if (settings_.bust == AvatarSettings::BustChoice::kYes ||
       (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))

@@ -31,7 +31,7 @@ class ModelArrays {
     } else if (extension == ".pkl") {
       ReadPickle();
     } else {
-      throw Error(path, "is no FLAME model: expected .pkl or .npz");
+      throw Error(path, "is not a FLAME model: expected .pkl or .npz");
     }
   }
 
@@ -86,7 +86,7 @@ class ModelArrays {
   void ReadPickle() {
     const Pickle pickle(path_, ReadFile(path_));
     if (pickle.root().kind != PickleValue::Kind::kDict)
-      throw Error(path_, "is no FLAME model: its pickle holds no dictionary");
+      throw Error(path_, "is not a FLAME model: its pickle does not contain a dictionary");
     for (const char* name :
          {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
       if (const PickleValue* value = pickle.root().Find(name))

@@ -87,12 +87,12 @@ class Converter {
   // dtype: arguments ("f8", ...), state (version, byte order, ...).
   std::string DtypeText(const PickleValue& dtype) const {
     if (dtype.kind != Kind::kObject || dtype.type != PickleClass::kDtype || dtype.items.empty())
-      Fail("has no type of numbers");
+      Fail("has no numeric dtype");
     const std::string& code = dtype.items[0]->text;
     // A quote or a backslash would corrupt the header that is built from it.
     if (code.empty() ||
         code.find_first_not_of("abcdefghijklmnopqrstuvwxyzOSUV0123456789") != std::string::npos)
-      Fail("has no type of numbers");
+      Fail("has no numeric dtype");
     const PickleValue* state = dtype.state;
     const bool big = state != nullptr && state->items.size() > 1 && state->items[1]->text == ">";
     return (big ? ">" : "<") + code;
@@ -141,7 +141,7 @@ class Converter {
     for (const PickleValue* extent : shape.items) {
       if (extent->kind != Kind::kInteger || extent->integer <= 0 ||
           uint64_t(extent->integer) > kMaxDenseNumbers / product)
-        Fail("has an impossible shape");
+        Fail("has an invalid or too large shape");
       extents.push_back(size_t(extent->integer));
       product *= extents.back();
     }

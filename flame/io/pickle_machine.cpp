@@ -92,7 +92,8 @@ bool PickleMachine::Text(uint8_t opcode) {
 void PickleMachine::Extend(Kind kind, const std::vector<const PickleValue*>& items) {
   PickleValue* target = Top();
   if (target->kind != kind)
-    in_.Fail(kind == Kind::kList ? "appends to what is no list" : "sets items of no dictionary");
+    in_.Fail(kind == Kind::kList ? "appends to a value that is not a list"
+                                 : "sets items of a value that is not a dictionary");
   if (kind == Kind::kDict && items.size() % 2 != 0) in_.Fail("a dictionary key has no value");
   target->items.insert(target->items.end(), items.begin(), items.end());
 }

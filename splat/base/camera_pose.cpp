@@ -37,11 +37,12 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
     for (int k = i; k < 3; ++k) {
       const double dot = Dot(r[i], r[k]);
       if (std::abs(dot - (i == k)) > kOrthonormalTolerance)
-        return "pose has a rotation that is not orthonormal: rows " + std::to_string(i) + " and " +
-               std::to_string(k) + " have product " + Shown(dot);
+        return "pose has a rotation that is not orthonormal: the dot product of rows " +
+               std::to_string(i) + " and " + std::to_string(k) + " is " + Shown(dot);
     }
   const double determinant = Dot(Cross(r[0], r[1]), r[2]);
-  if (determinant < 0) return "pose has a rotation that mirrors: determinant " + Shown(determinant);
+  if (determinant < 0)
+    return "pose has a reflection instead of a rotation: determinant " + Shown(determinant);
   // Gram-Schmidt; the third row follows from the others.
   const double n0 = std::sqrt(Dot(r[0], r[0]));
   for (double& x : r[0]) x /= n0;

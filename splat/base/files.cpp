@@ -112,7 +112,7 @@ void MakeDirectories(const std::string& path) {
   std::error_code code;
   fs::create_directories(path, code);
   if (!code && !fs::is_directory(path)) code = std::make_error_code(std::errc::not_a_directory);
-  if (code) throw Error(path, "folder cannot be made: " + code.message());
+  if (code) throw Error(path, "cannot create folder: " + code.message());
 }
 
 std::string Sha256OfFile(const std::string& path) {

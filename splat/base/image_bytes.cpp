@@ -15,7 +15,7 @@ Image8 ToBytes(const Image& image) {
       const size_t pixel = i / image.channels;
       throw Error("image",
                   "pixel (" + std::to_string(pixel % image.width) + ", " +
-                      std::to_string(pixel / image.width) + ") is not a number");
+                      std::to_string(pixel / image.width) + ") is NaN");
     }
     bytes.data[i] = uint8_t(std::clamp(image.data[i], 0.f, 1.f) * 255 + 0.5f);
   }

@@ -77,7 +77,7 @@ void CheckPng(const std::string& path, const std::vector<char>& bytes) {
       throw Error(path, "is damaged: checksum of chunk " + std::string(type, 4) + " is wrong");
     return std::memcmp(type, "IEND", 4) != 0;
   });
-  if (!complete) throw Error(path, "is cut off after " + std::to_string(bytes.size()) + " bytes");
+  if (!complete) throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
 }
 
 bool HasLength(uint8_t marker) {
@@ -137,7 +137,7 @@ void CheckImageIsComplete(const std::string& path, const std::vector<char>& byte
   if (IsPng(bytes)) CheckPng(path, bytes);
   if (!IsJpeg(bytes)) return;
   if (!WalkJpeg(bytes, [](uint8_t marker, const char*, size_t) { return marker != 0xd9; }))
-    throw Error(path, "is cut off after " + std::to_string(bytes.size()) + " bytes");
+    throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
 }
 
 }  // namespace cosplat

@@ -110,7 +110,7 @@ class Header {
     size_t i = ValueOf("descr");
     const char quote = text_[i];
     const size_t end = quote == '\'' || quote == '"' ? text_.find(quote, i + 1) : std::string::npos;
-    if (end == std::string::npos) Fail("holds records, expected an array of numbers");
+    if (end == std::string::npos) Fail("has a structured dtype, expected a numeric array");
     return text_.substr(i + 1, end - i - 1);
   }
 
@@ -124,7 +124,7 @@ class Header {
       if (text_[i] < '0' || text_[i] > '9') continue;
       size_t extent = 0;
       for (; i < text_.size() && text_[i] >= '0' && text_[i] <= '9'; ++i) {
-        if (extent > (size_t(1) << 48)) Fail("has an impossible shape");
+        if (extent > (size_t(1) << 48)) Fail("has an invalid or too large shape");
         extent = extent * 10 + (text_[i] - '0');
       }
       shape.push_back(extent);
@@ -156,7 +156,8 @@ size_t CheckedCount(const Header& header,
                     size_t bytes) {
   size_t count = 1;
   for (size_t extent : shape) {
-    if (extent != 0 && count > (size_t(1) << 48) / extent) header.Fail("has an impossible shape");
+    if (extent != 0 && count > (size_t(1) << 48) / extent)
+      header.Fail("has an invalid or too large shape");
     count *= extent;
   }
   if (bytes < count * element_bytes)
@@ -190,7 +191,8 @@ bool ParseNpy(const std::string& file,
   if (dtype.size() > 1 && (dtype[1] == 'U' || dtype[1] == 'S')) return false;
   const Element element = ElementOf(dtype);
   if (element.bytes == 0)
-    header.Fail("has type " + dtype + ", expected numbers (objects are not read)");
+    header.Fail("has type " + dtype +
+                ", expected a numeric type (object arrays are not supported)");
   if (dtype[0] == '>' && element.bytes > 1)
     header.Fail("has type " + dtype + ", expected little-endian numbers");
   const std::vector<size_t> shape = header.Shape();

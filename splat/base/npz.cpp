@@ -184,7 +184,7 @@ void Npz::AddHalf(const std::string& name,
       throw Error(path_,
                   name,
                   "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
-                      ", 16 bits hold less than 65520");
+                      ", float16 is limited to magnitudes below 65520");
   arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<f2");
 }
 

@@ -116,7 +116,7 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
       throw Error(path, "output " + name, "is missing; the outputs are " + Listed(known));
   std::string refusal;
   do {
-    if (++least_side_ > kMaxMinSide) throw Error(path, "takes no RGB image: " + refusal);
+    if (++least_side_ > kMaxMinSide) throw Error(path, "does not accept an RGB image: " + refusal);
     refusal = impl_->Try(least_side_);
   } while (!refusal.empty());
   for (size_t i = 0; i < outputs.size(); ++i) {
@@ -138,7 +138,7 @@ std::vector<FeatureMap> OnnxNet::Run(const Image8& image) {
                 "takes RGB images of at least " + SizeText(least_side_, least_side_) + ", not " +
                     SizeText(image.width, image.height) + "x" + std::to_string(image.channels));
   const std::string refusal = impl_->Forward(image);
-  if (!refusal.empty()) throw Error(path_, "cannot be run on a image: " + refusal);
+  if (!refusal.empty()) throw Error(path_, "cannot be run on an image: " + refusal);
   std::vector<FeatureMap> maps;
   for (const cv::Mat& map : impl_->maps)
     maps.push_back({map.ptr<float>(), map.size[1], map.size[2], map.size[3]});

@@ -11,7 +11,7 @@ void CheckSkipped(const std::string& source,
                   const std::vector<SkippedFrame>& skipped) {
   const size_t total = usable + skipped.size();
   if (usable > 0 && skipped.size() * 3 <= total) return;
-  if (total == 0) throw Error(source, "holds no frames");
+  if (total == 0) throw Error(source, "contains no frames");
   std::string text = std::to_string(skipped.size()) + " of " + std::to_string(total) +
                      " frames cannot be used, at most a third may: ";
   constexpr size_t kShown = 3;

@@ -44,7 +44,8 @@ struct KernelLaunch {
   static inline Function function = nullptr;
 
   static void Run(size_t n, Stream& stream, const Kernel& kernel) {
-    if (!function) throw Error("device", std::string("has no kernel ") + typeid(Kernel).name());
+    if (!function)
+      throw Error("device", std::string("has no compiled kernel ") + typeid(Kernel).name());
     function(n, stream, kernel);
   }
 };

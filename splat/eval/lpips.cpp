@@ -31,7 +31,7 @@ std::string FindNet(const std::string& folder) {
     if (name.ends_with(kBackbone)) nets.push_back(name);
   }
   std::sort(nets.begin(), nets.end());
-  if (nets.empty()) throw Error(folder, std::string("holds no NET") + kBackbone);
+  if (nets.empty()) throw Error(folder, std::string("contains no NET") + kBackbone);
   if (nets.size() > 1)
     throw Error(folder, "holds " + nets[0] + " and " + nets[1] + ", expected one net");
   return nets[0].substr(0, nets[0].size() - std::string(kBackbone).size());
@@ -42,7 +42,7 @@ std::vector<std::string> ReadTaps(const std::string& path) {
   std::istringstream words(std::string(bytes.begin(), bytes.end()));
   std::vector<std::string> taps;
   for (std::string name; words >> name;) taps.push_back(name);
-  if (taps.empty()) throw Error(path, "names no output of the net");
+  if (taps.empty()) throw Error(path, "lists no outputs of the network");
   return taps;
 }
 
@@ -66,7 +66,8 @@ std::vector<std::vector<float>> ReadWeights(const std::string& path,
   }
   const std::string next = "lin" + std::to_string(channels.size());
   if (npz.Has(next))
-    throw Error(path, next, "is one more than the " + std::to_string(taps.size()) + " taps");
+    throw Error(
+        path, next, "has no matching tap: the number of taps is " + std::to_string(taps.size()));
   return weights;
 }
 
@@ -123,13 +124,14 @@ Lpips::Lpips(const std::string& folder, const std::string& net)
 
 double Lpips::Distance(const Image8& a, const Image8& b) {
   if (a.width != b.width || a.height != b.height)
-    throw Error("images", SizeText(a.width, a.height) + " against " + SizeText(b.width, b.height));
+    throw Error("images differ in size",
+                SizeText(a.width, a.height) + " and " + SizeText(b.width, b.height));
   std::vector<FeatureMap> maps_a, maps_b;
   tbb::parallel_invoke([&] { maps_a = nets_[0].Run(a); }, [&] { maps_b = nets_[1].Run(b); });
   double sum = 0;
   for (size_t i = 0; i < weights_.size(); ++i)
     sum += MapDistance(maps_a[i], maps_b[i], weights_[i]);
-  if (!std::isfinite(sum)) throw Error(backbone_, "gives feature maps that are not finite");
+  if (!std::isfinite(sum)) throw Error(backbone_, "produces non-finite feature maps");
   return sum;
 }
 

@@ -57,7 +57,9 @@ ImageMetrics CompareImages(const Image8& rendered,
                            const Rectangle* region) {
   if (rendered.width != truth.width || rendered.height != truth.height || rendered.channels != 3 ||
       truth.channels != 3)
-    throw Error("images", SizeOf(rendered) + " against " + SizeOf(truth));
+    throw Error("images",
+                "have sizes " + SizeOf(rendered) + " and " + SizeOf(truth) +
+                    ", expected equal sizes and 3 channels");
   if (mask && (mask->width != truth.width || mask->height != truth.height || mask->channels != 1))
     throw Error("mask", SizeOf(*mask) + " for an image of " + SizeOf(truth));
   ImageMetrics m;

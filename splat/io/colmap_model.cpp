@@ -101,13 +101,13 @@ ColmapModel ReadColmapModel(const std::string& folder) {
     model.images_file = folder + "/images.txt";
     colmap::ReadText(folder, model);
   } else {
-    throw Error(folder, "holds no COLMAP model: neither cameras.bin nor cameras.txt");
+    throw Error(folder, "contains no COLMAP model (neither cameras.bin nor cameras.txt)");
   }
   for (const ColmapImage& image : model.images)
     if (!model.cameras.contains(image.camera_id))
       throw Error(model.images_file,
                   image.name,
-                  "names camera " + std::to_string(image.camera_id) + ", which does not exist");
+                  "refers to camera " + std::to_string(image.camera_id) + ", which does not exist");
   for (size_t i = 0; i < model.points.size(); ++i)
     if (!std::isfinite(model.points[i]))
       throw Error(folder, "points3D, record " + std::to_string(i / 3), "is not finite");

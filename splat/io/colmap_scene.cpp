@@ -27,16 +27,17 @@ std::array<double, 9> RotationMatrix(const std::array<double, 4>& q) {
           1 - 2 * (x * x + y * y)};
 }
 
-// For example "has no folder images; there is -r 8".
+// For example "has no folder images; found images_8: use -r 8".
 std::string MissingFolderProblem(const std::string& path, int resolution) {
   std::string text = "has no folder images";
   if (resolution > 1) text += " or images_" + std::to_string(resolution);
   std::string found;
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_directory() && name.starts_with("images_")) found += ", -r " + name.substr(7);
+    if (entry.is_directory() && name.starts_with("images_"))
+      found += "; found " + name + ": use -r " + name.substr(7);
   }
-  return found.empty() ? text : text + "; there is" + found.substr(1);
+  return text + found;
 }
 
 }  // namespace
@@ -47,7 +48,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   scene.layout = "colmap";
   const std::string numbered = path + "/sparse/0";
   ColmapModel model = ReadColmapModel(fs::is_directory(numbered) ? numbered : path + "/sparse");
-  if (model.images.empty()) throw Error(model.images_file, "holds no images");
+  if (model.images.empty()) throw Error(model.images_file, "contains no images");
   scene.points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   const FoundImage any = FindImage(path + "/images", model.images[0].name, options.resolution);

@@ -37,7 +37,7 @@ const GlbAccessor& Find(
   if (accessor < 0 || size_t(accessor) >= document.accessors.size())
     throw Error(document.path,
                 field,
-                "names accessor " + std::to_string(accessor) + " of " +
+                "refers to accessor " + std::to_string(accessor) + ", but there are only " +
                     std::to_string(document.accessors.size()));
   const GlbAccessor& found = document.accessors[accessor];
   if (found.component != component || found.width != width)

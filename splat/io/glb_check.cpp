@@ -129,7 +129,8 @@ size_t CheckBuffers(const JsonField& root, size_t binary_size) {
   size_t length = 0;
   ForEach(root, "buffers", [&](const JsonField& buffer) {
     RefuseUri(buffer);
-    if (length > 0) throw Error(buffer.file(), buffer.path(), "is one more than the one expected");
+    if (length > 0)
+      throw Error(buffer.file(), buffer.path(), "is a second buffer, expected only one");
     length = Whole(buffer, "byteLength", 1, binary_size);
   });
   return length;
@@ -187,7 +188,7 @@ size_t Width(const JsonField& accessor) {
 
 void CheckAccessor(const JsonField& field, const std::vector<BufferView>& views) {
   if (field.Has("sparse"))
-    throw Error(field.file(), field["sparse"].path(), "sparse accessors are not read");
+    throw Error(field.file(), field["sparse"].path(), "sparse accessors are not supported");
   if (views.empty()) throw Error(field.file(), field.path(), "there are no bufferViews");
   const BufferView& view = views[Whole(field, "bufferView", 0, views.size() - 1)];
   const size_t component = ComponentBytes(field), element = component * Width(field);

@@ -166,10 +166,10 @@ void WriteGlb(const GlbDocument& document) {
   // Leaves room below the limit for the JSON, which takes some 300 bytes per accessor.
   constexpr size_t kMaxBinary = 0xFF000000;
   if (document.binary.size() > kMaxBinary)
-    throw Error(
-        document.path,
-        "",
-        "would hold " + std::to_string(document.binary.size()) + " bytes, a .glb holds 4 GiB");
+    throw Error(document.path,
+                "",
+                "would need " + std::to_string(document.binary.size()) +
+                    " bytes, but a .glb is limited to 4 GiB");
   const tinygltf::Model model = ToTinygltf(document);
   WriteFileAtomically(document.path, [&](std::ostream& out) {
     constexpr bool kPretty = false, kBinary = true;

@@ -53,7 +53,7 @@ void PlyReader::EnterNext() {
     if (!p.is_list) names_.push_back(p.name);
   // Every property takes at least one byte; rejects impossible counts before allocating.
   if (element_.count > (bytes_.size() - at_) / std::max<size_t>(1, element_.properties.size()))
-    Fail("the file ends before " + std::to_string(element_.count) + " of them");
+    Fail("the file is too short for " + std::to_string(element_.count) + " of them");
 }
 
 int PlyReader::Find(const std::string& name) const {
@@ -90,7 +90,9 @@ void PlyReader::HeaderLine(const std::string& line) {
   if (word == "format") {
     words >> name;
     if (name != "ascii" && name != "binary_little_endian")
-      throw Error(path_, "format", "'" + name + "' is not read: ascii, binary_little_endian are");
+      throw Error(path_,
+                  "format",
+                  "'" + name + "' is not supported, expected ascii or binary_little_endian");
     ascii_ = name == "ascii";
     format_seen_ = true;
   } else if (word == "element") {

@@ -43,7 +43,7 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
     LoadNerfstudioScene(path, options, scene);
   } else {
     throw Error(path,
-                "holds no scene: expected sparse/ (COLMAP), transforms_train.json or "
+                "contains no scene: expected sparse/ (COLMAP), transforms_train.json or "
                 "transforms.json");
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
@@ -57,8 +57,8 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   if (options.fold) HoldOutEvery8th(scene);
   if (scene.train.empty())
     throw Error(path,
-                "leaves no training views: the " + std::to_string(scene.test.size()) +
-                    " there are belong to the test set");
+                "has no training views: all " + std::to_string(scene.test.size()) +
+                    " views are in the test set");
   scene.extent = SceneExtent(scene.train);
   return scene;
 }

@@ -58,10 +58,11 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
   const size_t n = gaussians.size();
   if (n == 0) throw Error(document.path, "there are no Gaussians to write");
   if (gaussians.degree > kMaxSplatFileDegree && !truncate_degree)
-    throw Error(document.path,
-                "degree",
-                "is " + std::to_string(gaussians.degree) +
-                    ", other programs read up to 3: ask for truncation to leave the rest out");
+    throw Error(
+        document.path,
+        "degree",
+        "is " + std::to_string(gaussians.degree) +
+            ", other programs read degrees up to 3: request truncation to drop higher bands");
   GlbPrimitive primitive;
   primitive.mode = kGlbPoints;
   const auto add = [&](const Column& column, GlbUse use = GlbUse::kAttribute) {

@@ -86,7 +86,8 @@ QuantisedBands BandsOfDegree(const Gaussians& g,
 QuantisedSplats Quantise(const Gaussians& g,
                          View<const float> significance,
                          const VqSettings& settings) {
-  if (g.basis != Basis::kSh) throw Error("basis", "is " + ToString(g.basis) + ", sh is quantised");
+  if (g.basis != Basis::kSh)
+    throw Error("basis", "is " + ToString(g.basis) + ", only sh can be quantised");
   const size_t n = g.size();
   const auto copied = [&](Attribute a) {
     return std::vector<float>(g.values[a].begin(), g.values[a].end());

@@ -50,7 +50,7 @@ std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
   if (first + 4 >= iterations)
     throw Error("--prune leave-one-out",
                 "densification until step " + std::to_string(schedule.densify_until) + " of " +
-                    std::to_string(iterations) + " leaves none to prune in");
+                    std::to_string(iterations) + " leaves no steps for pruning");
   return std::make_unique<LeaveOneOutPruner>(settings, first, iterations);
 }
 

@@ -40,7 +40,7 @@ PruneRule PruneRuleFromString(const std::string& text) {
     if (text == r.name) return r.rule;
     known += (known.empty() ? "" : ", ") + std::string(r.name);
   }
-  throw Error("prune", "'" + text + "' is not a rule of pruning; known: " + known);
+  throw Error("prune", "'" + text + "' is not a pruning rule; known: " + known);
 }
 
 std::vector<std::string> PruneRuleNames() {
@@ -63,9 +63,10 @@ std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
   const bool ranks =
       !LearnsMask(s.rule) && s.rule != PruneRule::kNone && s.rule != PruneRule::kDcsharpReleased;
   if (s.target > 0 && !ranks)
-    throw Error("--prune-to " + std::to_string(s.target), name + " keeps to no count");
+    throw Error("--prune-to " + std::to_string(s.target),
+                name + " does not support a target count");
   if (s.mask_weight > 0 && !LearnsMask(s.rule))
-    throw Error("--prune-lambda", name + " learns no mask");
+    throw Error("--prune-lambda", name + " does not learn a mask");
   switch (s.rule) {
     case PruneRule::kNone:
       return nullptr;

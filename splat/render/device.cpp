@@ -25,7 +25,7 @@ std::string WhyNoCuda() {
 Device DeviceFromString(const std::string& name, const std::string& field) {
   if (name == "cpu") return Device::kCpu;
   if (name != "auto" && name != "cuda")
-    throw Error(field, "'" + name + "' is none of auto, cpu, cuda");
+    throw Error(field, "'" + name + "' is not a device: expected auto, cpu or cuda");
   const std::string reason = WhyNoCuda();
   if (reason.empty()) return Device::kCuda;
   if (name == "cuda") throw Error(field, "cuda: " + reason);

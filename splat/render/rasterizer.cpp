@@ -98,11 +98,12 @@ void CheckArguments(const WorldGaussians& gaussians,
     throw Error("camera", "image of " + SizeText(camera.width, camera.height) + " pixels");
   if (3 * (CoefficientCount(settings.degree) - 1) > gaussians.rest_width ||
       settings.degree > kMaxTrainedDegree)
-    throw Error("degree", std::to_string(settings.degree) + " is more than is stored");
+    throw Error("degree",
+                std::to_string(settings.degree) + " exceeds the degree stored in the Gaussians");
   if (settings.exp_degree < kMinExpDegree || settings.exp_degree > kMaxExpDegree)
     throw Error("exp_degree",
-                std::to_string(settings.exp_degree) + " is not from " +
-                    std::to_string(kMinExpDegree) + " to " + std::to_string(kMaxExpDegree));
+                std::to_string(settings.exp_degree) + " is not between " +
+                    std::to_string(kMinExpDegree) + " and " + std::to_string(kMaxExpDegree));
 }
 
 }  // namespace cosplat

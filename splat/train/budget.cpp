@@ -46,9 +46,9 @@ BudgetReport FindBudget(const BudgetSettings& settings,
                         Trainer& trainer,
                         const std::function<void(size_t, const StepReport&)>& progress) {
   const int first = trainer.FirstPruneStep();
-  if (first == 0) throw Error("--budget auto", "the rule of pruning has no round in this run");
+  if (first == 0) throw Error("--budget auto", "the pruning rule has no round in this run");
   if (settings.held_out.empty())
-    throw Error("--budget auto", "there are too few training frames to hold some out");
+    throw Error("--budget auto", "there are too few training frames to hold any out");
   PruneSettings prune = trainer.settings().prune, none = prune;
   none.rule = PruneRule::kNone;
   none.target = 0;

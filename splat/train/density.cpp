@@ -36,7 +36,7 @@ void GatherGaussians(Gaussians& gaussians,
 void CheckCaughtUp(const AdamState& adam, const Stream& stream) {
   if (!stream.on_host()) return;
   for (const uint32_t step : adam.updated)
-    if (step != adam.step) throw Error("density control", "Adam has not caught up");
+    if (step != adam.step) throw Error("density control", "deferred Adam updates are pending");
 }
 
 }  // namespace

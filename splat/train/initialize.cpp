@@ -39,7 +39,7 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
                                int degree,
                                Basis basis) {
   const size_t n = points.size() / 3;
-  if (n == 0) throw Error("points", "there is none to start from");
+  if (n == 0) throw Error("points", "there are no points to start from");
   for (size_t i = 0; i < points.size(); ++i)
     if (!std::isfinite(points[i]))
       throw Error("points[" + std::to_string(i / 3) + "]", "is not finite");

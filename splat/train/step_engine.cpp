@@ -21,7 +21,7 @@ constexpr double kBesideParameters = 5 * sizeof(float) + 2 * sizeof(float) + 4 *
 void CheckRule(PruneRule rule) {
   if (WorksOnProcessorOnly(rule))
     throw Error("--prune " + ToString(rule),
-                "works in every step on the processor: give --device cpu, or another rule");
+                "runs on the CPU in every step: use --device cpu or another rule");
 }
 
 size_t TargetBytes(const Stream& stream) {
@@ -32,8 +32,8 @@ std::string NoticeOfMemory(const Stream& stream, size_t gaussians) {
   char text[160];
   std::snprintf(text,
                 sizeof text,
-                "the device's memory is nearly full (%.2f GB are free): training goes on with "
-                "about %zu Gaussians",
+                "GPU memory is nearly full (%.2f GB free): training continues with about %zu "
+                "Gaussians",
                 1e-9 * double(stream.FreeMemory()),
                 gaussians);
   return text;
@@ -441,17 +441,17 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"gradients", HeldBy(gradients_)},
       {"first moments", HeldBy(now_->adam.m)},
       {"second moments", HeldBy(now_->adam.v)},
-      {"groups of Adam", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},
+      {"Adam group state", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},
       {"learned mask", mask_.held()},
       {"density statistics", HeldBy(d.screen_gradient, d.plasticity, d.visible)},
       {"density control", density_.held()},
       {"screen gradients", HeldBy(screen_)},
-      {"sums and sorting", stream_.held() + HeldBy(contributions_, of_image_)},
+      {"reduction and sort scratch", stream_.held() + HeldBy(contributions_, of_image_)},
       {"image and its gradient",
        HeldBy(image_.color, image_.transmittance, d_color_),
        MemoryOf::kPixels},
-      {"photographs", targets_.held(), MemoryOf::kPixels},
-      {"smaller photographs", targets_.HeldForReduced(), MemoryOf::kPixels}};
+      {"target images", targets_.held(), MemoryOf::kPixels},
+      {"downscaled target images", targets_.HeldForReduced(), MemoryOf::kPixels}};
   for (MemoryPart& part : tape_->Memory()) parts.push_back(std::move(part));
   for (MemoryPart& part : subject_.Memory()) parts.push_back(std::move(part));
   std::erase_if(parts, [](const MemoryPart& part) { return part.bytes == 0; });

@@ -21,7 +21,7 @@ constexpr float kDistinct = 0.4f, kMaxDifference = 20;
 constexpr int kPatch = 1;  // px to either side
 constexpr uint64_t kDraws = 4;
 
-struct Photograph {
+struct SweepImage {
   Camera camera;
   Image color;                 // [0, 255]
   std::vector<uint8_t> solid;  // per pixel: alpha is at least one half
@@ -66,14 +66,14 @@ bool Project(const Camera& c, const Point& p, float& x, float& y) {
 }
 
 // Composites over mid-grey if there is alpha.
-void CompositeOnGrey(const Image8& image, Photograph& photograph) {
-  photograph.color = Image(image.width, image.height, 3);
+void CompositeOnGrey(const Image8& image, SweepImage& sweep) {
+  sweep.color = Image(image.width, image.height, 3);
   for (size_t i = 0; i < image.pixels(); ++i) {
     const uint8_t* pixel = &image.data[i * image.channels];
     const float alpha = image.channels == 4 ? float(pixel[3]) / 255 : 1.0f;
-    photograph.solid.push_back(alpha >= 0.5f);
+    sweep.solid.push_back(alpha >= 0.5f);
     for (int c = 0; c < 3; ++c)
-      photograph.color.data[3 * i + c] =
+      sweep.color.data[3 * i + c] =
           alpha * float(pixel[image.channels == 1 ? 0 : c]) + (1 - alpha) * 128;
   }
 }
@@ -93,8 +93,8 @@ Color ColorAt(const Image& image, float x, float y) {
   return color;
 }
 
-std::vector<Photograph> SmallPhotographs(const std::vector<TrainFrame>& frames) {
-  std::vector<Photograph> small(frames.size());
+std::vector<SweepImage> DownscaledImages(const std::vector<TrainFrame>& frames) {
+  std::vector<SweepImage> small(frames.size());
   std::vector<Camera> cameras;
   for (const TrainFrame& frame : frames) cameras.push_back(frame.camera);
   const Point focus = FocusPoint(cameras);
@@ -120,8 +120,8 @@ std::vector<Photograph> SmallPhotographs(const std::vector<TrainFrame>& frames) 
 
 // Mean difference between the patch around (x, y), placed at this depth, and the neighbours that
 // agree best; negative if too few see it.
-float DifferenceAt(const std::vector<Photograph>& photographs,
-                   const Photograph& from,
+float DifferenceAt(const std::vector<SweepImage>& images,
+                   const SweepImage& from,
                    const Patch& patch,
                    float x,
                    float y,
@@ -132,7 +132,7 @@ float DifferenceAt(const std::vector<Photograph>& photographs,
   std::array<float, kNeighbours> difference;
   int seen = 0;
   for (const int neighbour : from.neighbours) {
-    const Photograph& other = photographs[neighbour];
+    const SweepImage& other = images[neighbour];
     float sum = 0, u, v;
     bool inside = true;
     for (size_t k = 0; k < patch.size() && inside; ++k) {
@@ -157,7 +157,7 @@ struct Met {
   std::array<uint8_t, 3> color{};
 };
 
-Met Sweep(const std::vector<Photograph>& photographs, const Photograph& from, Rng rng) {
+Met Sweep(const std::vector<SweepImage>& images, const SweepImage& from, Rng rng) {
   Met met;
   const float x = 1 + rng.Uniform() * float(from.camera.width - 2);
   const float y = 1 + rng.Uniform() * float(from.camera.height - 2);
@@ -171,7 +171,7 @@ Met Sweep(const std::vector<Photograph>& photographs, const Photograph& from, Rn
   for (int k = 0; k < kDepths; ++k) {
     const float inverse = (float(k) + offset) / kDepths / (kNearest * from.distance);
     const float depth = 1 / std::max(inverse, 1e-9f);
-    const float difference = DifferenceAt(photographs, from, patch, x, y, depth);
+    const float difference = DifferenceAt(images, from, patch, x, y, depth);
     if (difference < 0) continue;
     ++judged;
     sum += difference;
@@ -197,10 +197,10 @@ void SweepPoints(const std::vector<TrainFrame>& frames,
                  std::vector<float>& points,
                  std::vector<uint8_t>& colors) {
   if (frames.empty()) return;
-  const std::vector<Photograph> photographs = SmallPhotographs(frames);
+  const std::vector<SweepImage> images = DownscaledImages(frames);
   std::vector<Met> met(rays);
   tbb::parallel_for(size_t(0), rays, [&](size_t i) {
-    met[i] = Sweep(photographs, photographs[i % photographs.size()], rng.After(i * kDraws));
+    met[i] = Sweep(images, images[i % images.size()], rng.After(i * kDraws));
   });
   rng = rng.After(rays * kDraws);
   for (const Met& m : met) {

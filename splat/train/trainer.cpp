@@ -17,7 +17,7 @@ void CheckSize(const TrainFrame& frame, size_t index) {
   const Camera& camera = frame.camera;
   if (image.width == camera.width && image.height == camera.height) return;
   throw Error("training frame " + std::to_string(index),
-              "an image of " + SizeText(image.width, image.height) + " pixels for a camera of " +
+              "the image has " + SizeText(image.width, image.height) + " pixels, its camera " +
                   SizeText(camera.width, camera.height));
 }
 
@@ -37,7 +37,7 @@ Trainer::Trainer(const TrainSettings& settings,
                  Gaussians first,
                  const StepEngineMaker& make_engine)
     : settings_(settings), subject_(subject) {
-  if (subject.frame_count() == 0) throw Error("training frames", "there is none");
+  if (subject.frame_count() == 0) throw Error("training frames", "there are no training frames");
   least_side_ = LeastSide(subject);
   state_.gaussians = std::move(first);
   state_.adam = AdamState(state_.gaussians);
@@ -125,7 +125,7 @@ void Trainer::HoldOut(std::vector<uint32_t> frames) {
   frames_.clear();
   for (uint32_t f = 0; f < subject_.frame_count(); ++f)
     if (!std::binary_search(frames.begin(), frames.end(), f)) frames_.push_back(f);
-  if (frames_.empty()) throw Error("training frames", "none is left beside those held out");
+  if (frames_.empty()) throw Error("training frames", "no frames remain after holding some out");
   state_.frames_left.clear();
 }
 

@@ -255,7 +255,7 @@ TEST_F(AvatarFile, ARuleAndACanonicalFrameComeBackInVersion2) {
   EXPECT_EQ(read.canonical_frame->translation, model.canonical_frame->translation);
   const GlbSummary summary = SummarizeGlb(path_);
   EXPECT_EQ(summary.avatar.value().version, 2);
-  EXPECT_TRUE(Contains(ToString(summary), "released rule"));
+  EXPECT_TRUE(Contains(ToString(summary), "released code"));
   // Expression directions are those of the mesh at rest only.
   WriteAvatarGlb(path_, model, &flame_, {.embed_flame = true});
   EXPECT_EQ(SummarizeGlb(path_).avatar.value().expression_count, 0u);
@@ -438,8 +438,8 @@ TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
       {"/degree", 2, "colorRest: has 3 accessors, expected 8"},
       {"/basis", "fourier", "basis"},
       {"/colorFrame", "moon", "colorFrame"},
-      {"/triangle", 999, "triangle: names accessor 999"},
-      {"/triangle", -1, "triangle: names accessor -1"},
+      {"/triangle", 999, "triangle: refers to accessor 999"},
+      {"/triangle", -1, "triangle: refers to accessor -1"},
       {"/triangle", binding["offset"], "triangle: accessor"},
       {"/barycentric", binding["offset"], "barycentric: accessor"},
       {"/rotation", nullptr, "rotation"},
@@ -453,7 +453,7 @@ TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
       {"/canonicalMesh/faceCount", 1, "canonicalMesh.mesh"},
       {"/canonicalMesh/vertexCount", 7, "canonicalMesh.mesh"},
       {"/canonicalMesh/mesh", 0, "canonicalMesh.mesh"},
-      {"/canonicalMesh/mesh", 2, "canonicalMesh.mesh: names mesh 2 of 2"},
+      {"/canonicalMesh/mesh", 2, "canonicalMesh.mesh: refers to mesh 2, but the file has 2 meshes"},
       {"", 5, "COSPLAT_mesh_binding"},
   };
   for (const Case& c : cases) {
@@ -476,7 +476,7 @@ TEST_F(AvatarFile, IndicesOutOfRangeAreErrors) {
   const json& binding = valid.json[json::json_pointer(kBindingPointer)];
   EXPECT_TRUE(Contains(overwritten(binding["triangle"]), "triangle: Gaussian 1 is on face"));
   const int indices = valid.json["meshes"][1]["primitives"][0]["indices"];
-  EXPECT_TRUE(Contains(overwritten(indices), "face 0 names vertex 2147483649"));
+  EXPECT_TRUE(Contains(overwritten(indices), "face 0 refers to vertex 2147483649"));
 }
 
 TEST_F(AvatarFile, DamageNeverCrashes) {

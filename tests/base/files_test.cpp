@@ -111,7 +111,7 @@ TEST(Skipped, AThirdMayBeMissing) {
   EXPECT_NO_THROW(CheckSkipped("set", 1, {}));
   ExpectError([&] { CheckSkipped("set", 1, {bad}); }, {"set", "1 of 2", "7.png: is missing"});
   ExpectError([&] { CheckSkipped("set", 5, {bad, bad, bad, bad}); }, {"4 of 9", "..."});
-  ExpectError([&] { CheckSkipped("set", 0, {}); }, {"set", "holds no frames"});
+  ExpectError([&] { CheckSkipped("set", 0, {}); }, {"set", "contains no frames"});
   ExpectError([&] { CheckSkipped("set", 0, {bad}); }, {"1 of 1"});
 }
 

@@ -71,7 +71,7 @@ TEST(ImageIo, CutOffImagesAreErrors) {
       ExpectError([&] { ReadImage(cut_name); }, {cut_name});
     }
     WriteFileAtomically(cut_name, whole.substr(0, whole.size() - 1));
-    ExpectError([&] { ReadImage(cut_name); }, {cut_name, "cut off"});
+    ExpectError([&] { ReadImage(cut_name); }, {cut_name, "truncated"});
     WriteFileAtomically(cut_name, whole + "trailing bytes");
     EXPECT_NO_THROW(ReadImage(cut_name));
   }
@@ -102,7 +102,7 @@ TEST(ImageIo, FloatsAreClampedAndRounded) {
   for (int i = 0; i < 256; ++i) all.data[i] = uint8_t(i);
   EXPECT_EQ(ToBytes(ToFloat(all)).data, all.data);
   image.data[3] = std::numeric_limits<float>::quiet_NaN();
-  ExpectError([&] { ToBytes(image); }, {"pixel (3, 0)", "not a number"});
+  ExpectError([&] { ToBytes(image); }, {"pixel (3, 0)", "is NaN"});
 }
 
 TEST(ImageIo, ResizingAveragesTheArea) {

@@ -90,9 +90,9 @@ TEST(Npy, RefusesWhatItCannotRead) {
   };
   expect(Npy("'|O'", false, "(1,)", "12345678"), "|O");
   expect(Npy("'>f4'", false, "(1,)", "1234"), "little-endian");
-  expect(Npy("[('x', '<f4')]", false, "(1,)", "1234"), "records");
+  expect(Npy("[('x', '<f4')]", false, "(1,)", "1234"), "structured dtype");
   expect(Npy("'<f4'", false, "(2,)", "1234"), "4 bytes of data, its shape needs 8");
-  expect(Npy("'<f4'", false, "(99999999999, 99999999999)", "1234"), "impossible shape");
+  expect(Npy("'<f4'", false, "(99999999999, 99999999999)", "1234"), "too large shape");
   expect({'x'}, "not a .npy");
   EXPECT_FALSE(ParseNpy("f.npz", "a.npy", Npy("'<U3'", false, "(1,)", "123456789012"), array));
   const std::vector<char> whole = Npy("'<f4'", false, "(2,)", Raw<float>({1, 2}));

@@ -14,7 +14,7 @@ TEST(DeviceChoice, TakesTheCardWhereThereIsOne) {
   EXPECT_EQ(DeviceFromString("auto"), Device::kCuda);
   EXPECT_EQ(NameOf(Device::kCuda), "the host, pretending");
   EXPECT_EQ(NameOf(Device::kCpu), "CPU");
-  test::ExpectError([] { DeviceFromString("gpu"); }, {"--device", "auto, cpu, cuda"});
+  test::ExpectError([] { DeviceFromString("gpu"); }, {"--device", "auto, cpu or cuda"});
 }
 
 // Knows where it is trained.

@@ -170,7 +170,7 @@ TEST_F(Emulation, RefusesWhatDoesNotFit) {
   cuda_on_host::SetFreeMemory(1000);
   Buffer<float> buffer;
   test::ExpectError([&] { buffer.Refill(2000, stream); },
-                    {"CUDA", "no room for 0.0 MB", "are free"});
+                    {"CUDA", "out of device memory: 0.0 MB requested", " free"});
   cuda_on_host::SetFreeMemory(before);
   EXPECT_TRUE(buffer.empty());
   buffer.Refill(2000, stream);

@@ -118,7 +118,7 @@ TEST_F(GlTexture, SaysWhyItCannotBeShared) {
   stage.DrawToStay(shot, stays);
   const auto show = [&] { texture->Show(*stays); };
   cuda_on_host::SetGlKind(GlKind::kOfAnother);
-  ExpectError(show, {"OpenGL", "runs on another device", "invalid argument"});
+  ExpectError(show, {"OpenGL", "runs on a different GPU", "invalid argument"});
   cuda_on_host::SetGlKind(GlKind::kNotShared);
   ExpectError(show, {"CUDA", "cudaGraphicsGLRegisterImage"});
   cuda_on_host::SetGlKind(GlKind::kBreaksOff);

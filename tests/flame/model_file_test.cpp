@@ -176,7 +176,7 @@ TEST_F(ModelFile, FaultsNameFileArrayAndShape) {
   ExpectRefused(WriteSpoiled("weights", pickle::Floats({7, 5}, std::vector<float>(35, 0.3f))),
                 {"skinning_weights", "sums to 1.5"});
   WriteFileAtomically(folder_ / "list.pkl", pickle::File("]"));
-  ExpectRefused(folder_ / "list.pkl", {"no dictionary"});
+  ExpectRefused(folder_ / "list.pkl", {"does not contain a dictionary"});
   ExpectRefused(folder_ / "absent.pkl", {"absent.pkl"});
   ExpectRefused(folder_ / "model.obj", {"expected .pkl or .npz"});
 }

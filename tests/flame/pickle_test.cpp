@@ -271,14 +271,14 @@ TEST(PickleArrays, NumpyArrays) {
 TEST(PickleArrays, RefusesWhatDisagrees) {
   const std::string data = Bytes(std::string(24, '\1'));
   ExpectNoArray(Array({2, 4}, Dtype("f4"), data), "array: holds 24 bytes");
-  ExpectNoArray(Array({1 << 30, 1 << 30, 1 << 30, 1 << 30}, Dtype("f8"), data), "impossible shape");
+  ExpectNoArray(Array({1 << 30, 1 << 30, 1 << 30, 1 << 30}, Dtype("f8"), data), "too large shape");
   ExpectNoArray(Array({-1}, Dtype("f4"), data), "shape");
   ExpectNoArray(Array({6}, Dtype("f4", ">"), data), "little-endian");
-  ExpectNoArray(Array({3}, Dtype("O8"), data), "objects are not read");
+  ExpectNoArray(Array({3}, Dtype("O8"), data), "object arrays are not supported");
   ExpectNoArray(Array({3}, Dtype("S8"), data), "text");
-  ExpectNoArray(Array({3}, Dtype("f4', 'shape': (9"), data), "no type of numbers");
+  ExpectNoArray(Array({3}, Dtype("f4', 'shape': (9"), data), "no numeric dtype");
   ExpectNoArray(Array({3}, Dtype("f8"), "]"), "block of bytes");
-  ExpectNoArray(Array({3}, "N", data), "no type of numbers");
+  ExpectNoArray(Array({3}, "N", data), "no numeric dtype");
   ExpectNoArray(Object(Class("numpy", "ndarray"), "N"), "unknown form");
   ExpectNoArray(Reduce(Class("numpy", "ndarray"), Tuple({})), "without its state");
   ExpectNoArray(Text("abc"), "no array");
@@ -318,8 +318,8 @@ TEST(PickleArrays, SparseMatrices) {
   ExpectNoArray(Csc({2, 3}, {1, 0, 1}, {0, 3, 1, 3}, {5, 6, 7}), "overlap");
   ExpectNoArray(Csc({2, 3}, {1, 0, 1}, {0, 1, 3}, {5, 6, 7}), "column starts");
   ExpectNoArray(Csc({2, 3}, {1, 0}, {0, 1, 1, 3}, {5, 6, 7}), "row indices");
-  ExpectNoArray(Csc({1 << 30, 1 << 30}, {}, {0}, {}), "impossible shape");
-  ExpectNoArray(Csc({0, 3}, {}, {0}, {}), "impossible shape");
+  ExpectNoArray(Csc({1 << 30, 1 << 30}, {}, {0}, {}), "too large shape");
+  ExpectNoArray(Csc({0, 3}, {}, {0}, {}), "too large shape");
   ExpectNoArray(Object(Class("scipy.sparse.csc", "csc_matrix"), Dict({})), "'shape'");
 }
 

@@ -104,5 +104,14 @@ TEST(Posing, ReachIsAnUpperBound) {
   ExpectError([&] { check(FrameOf({})); }, {"vertices", "float"});
 }
 
+TEST(Posing, ReachKeepsANaN) {
+  const FlameModel model = RandomModel();
+  const Poser poser(model, {});
+  FlameRig<float> rig;
+  poser.Prepare(FrameOf({}), rig);
+  rig.transforms.rotation[1][3] = std::numeric_limits<float>::quiet_NaN();  // finite ones follow
+  ExpectError([&] { PosingReach(poser.Arrays()).Check(rig); }, {"vertices"});
+}
+
 }  // namespace
 }  // namespace cosplat::test

@@ -370,7 +370,7 @@ TEST(TrackedVideo, ImavatarJsonErrorsNameTheField) {
       {"/shape_params", "none", {"shape_params", "\"none\"", "an array"}},
       {"/shape_params/1", nullptr, {"shape_params[1]", "null", "finite"}},
       {"/frames", 1, {"frames", "an array"}},
-      {"/frames", Json::array(), {"holds no frames"}},
+      {"/frames", Json::array(), {"contains no frames"}},
       {"/frames/3/pose/2", "x", {"frames[3].pose[2]", "\"x\""}},
       {"/frames/3/expression", 4, {"frames[3].expression", "an array"}},
       {"/frames/3/file_path", nullptr, {"frames[3].file_path", "a string"}},

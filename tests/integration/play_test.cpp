@@ -103,7 +103,8 @@ TEST(Play, SaysWhatIsWrong) {
   ExpectLine(PlayInto(out / "a", w.avatar, {"--fps", "9"}), {"--fps", "--drive"});
   ExpectLine(PlayInto(out / "a", w.avatar, {"--view", "mesh"}), {"--view", "'mesh'", "wire"});
   ExpectLine(PlayInto(out / "a", w.avatar, {"--size", "12"}), {"--size", "'12'"});
-  ExpectLine(PlayInto(out / "a", w.scene, {"--view", "wire"}), {"--view", "wire is of avatars"});
+  ExpectLine(PlayInto(out / "a", w.scene, {"--view", "wire"}),
+             {"--view", "wire is only available for avatars"});
   ExpectLine(PlayInto(out / "a", w.scene, {"--drive", w.head}), {"--drive", "is for avatars"});
   ExpectLine(PlayInto(out / "a", w.scene, {"--flame", w.model}), {"--flame", "is for avatars"});
   ExpectLine(PlayInto(out / "a.mp4", w.avatar, {"--transparent"}), {"--transparent", "no alpha"});

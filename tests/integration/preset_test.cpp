@@ -32,7 +32,7 @@ TEST(Preset, WhatTheReleaseTrainsIsPlayedByItsRule) {
   EXPECT_EQ(ReadJson(out + "/run.json")["preset"], "splatting-avatar-released");
   EXPECT_EQ(ReadJson(out + "/run.json")["degree"], 0);
   const CommandResult info = Cosplat({"info", out + "/avatar.glb"});
-  EXPECT_NE(info.out.find("SplattingAvatar's released rule"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("SplattingAvatar's released code"), std::string::npos) << info.out;
   // The player, from the file, draws what the trainer drew at its end.
   ASSERT_EQ(Cosplat({"render", "-m", out, "-o", images, "--quiet"}).code, 0);
   EXPECT_EQ(Slurp(images + "/00000.png"), Slurp(out + "/test/ours_20/renders/00000.png"));

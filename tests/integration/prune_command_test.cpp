@@ -53,9 +53,9 @@ TEST_F(PruneCommand, BudgetAutoSaysWhatItTried) {
 }
 
 TEST_F(PruneCommand, WhatDoesNotFitIsAnError) {
-  ExpectBadScene({"--prune", "dcsharp-triangle"}, "a scene has no triangles");
-  ExpectBadScene({"--prune", "compact", "--prune-to", "100"}, "keeps to no count");
-  ExpectBadScene({"--prune", "speedy", "--prune-lambda", "1"}, "learns no mask");
+  ExpectBadScene({"--prune", "dcsharp-triangle"}, "needs triangles");
+  ExpectBadScene({"--prune", "compact", "--prune-to", "100"}, "does not support a target count");
+  ExpectBadScene({"--prune", "speedy", "--prune-lambda", "1"}, "does not learn a mask");
   ExpectBadScene({"--budget", "auto", "--prune-to", "100"}, "--budget auto finds the count");
   ExpectBadScene({"--budget", "auto", "--prune", "speedy"}, "prunes by leave-one-out");
 }

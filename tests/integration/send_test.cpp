@@ -78,22 +78,22 @@ TEST(Send, ReachesALiveSourceOverLoopback) {
   source->Poll(Now(), frame);
   const CommandResult result = sender.get();
   ASSERT_EQ(result.code, 0) << result.err;
-  int sent = 0, spoilt = 0, dropped = 0;
+  int sent = 0, corrupted = 0, dropped = 0;
   char address[64];
   ASSERT_EQ(std::sscanf(result.out.c_str(),
-                        "%d packets to %63s %d of them spoilt; %d left out",
+                        "%d packets sent to %63s %d of them corrupted; %d dropped",
                         &sent,
                         address,
-                        &spoilt,
+                        &corrupted,
                         &dropped),
             4)
       << result.out;
   EXPECT_EQ(sent + dropped, 60);
   EXPECT_GT(dropped, 0);
-  EXPECT_GT(spoilt, 0);
+  EXPECT_GT(corrupted, 0);
   const LiveCounts counts = source->Counts();
-  EXPECT_EQ(counts.malformed + counts.oversize, uint64_t(spoilt)) << counts.last_problem;
-  EXPECT_EQ(counts.frames + counts.replaced + counts.flooded, uint64_t(sent - spoilt));
+  EXPECT_EQ(counts.malformed + counts.oversize, uint64_t(corrupted)) << counts.last_problem;
+  EXPECT_EQ(counts.frames + counts.replaced + counts.flooded, uint64_t(sent - corrupted));
 }
 
 TEST(Send, PipesIntoStandardInput) {

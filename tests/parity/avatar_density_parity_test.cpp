@@ -64,7 +64,9 @@ struct Both {
     ASSERT_EQ(got.embedding.triangle, expected.embedding.triangle);
     for (size_t i = 0; i < expected.embedding.barycentric.size(); ++i)
       for (int k = 0; k < 2; ++k)
-        ASSERT_NEAR(got.embedding.barycentric[i][k], expected.embedding.barycentric[i][k], 2e-6f);
+        // Walks in a row: with multiplications and additions fused on one side alone (tests/cuda)
+        // the largest difference is 3.9e-6.
+        ASSERT_NEAR(got.embedding.barycentric[i][k], expected.embedding.barycentric[i][k], 2e-5f);
   }
   size_t count() const { return device.engine->count(); }
 };

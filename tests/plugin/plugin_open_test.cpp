@@ -228,13 +228,13 @@ TEST(PluginLastError, IsPerHandleAndPerThread) {
   EXPECT_STREQ(cosplat_last_error(nullptr), cosplat_last_error(a));
   EXPECT_STREQ(cosplat_last_error(b), "");
   EXPECT_EQ(cosplat_set_expression(b, 0, NAN, 0), COSPLAT_ERROR_NOT_FINITE);
-  EXPECT_STREQ(cosplat_last_error(b), "expression[0]: nan is not a number");
+  EXPECT_STREQ(cosplat_last_error(b), "expression[0]: nan is not finite");
   EXPECT_STREQ(cosplat_last_error(nullptr), cosplat_last_error(b));
   EXPECT_EQ(cosplat_reset_parameters(a), COSPLAT_OK);  // what succeeds changes no text
   EXPECT_STREQ(cosplat_last_error(a), "expression: 1000 of 18");
   std::thread([&] {
     EXPECT_STREQ(cosplat_last_error(nullptr), "");
-    EXPECT_STREQ(cosplat_last_error(b), "expression[0]: nan is not a number");
+    EXPECT_STREQ(cosplat_last_error(b), "expression[0]: nan is not finite");
   }).join();
 }
 

@@ -48,7 +48,8 @@ TEST(Basis, TheLiteralOneCannotBeConverted) {
   for (const Basis other : kHarmonicBases) {
     Gaussians literal = RandomGaussians(3, 1, Basis::kDcshLiteral, 1);
     Gaussians harmonic = RandomGaussians(3, 1, other, 1);
-    const std::vector<std::string> said{"basis: dcsh-literal", "not spherical harmonics"};
+    const std::vector<std::string> said{"basis: dcsh-literal",
+                                        "cannot be converted to spherical harmonics"};
     ExpectError([&] { ConvertBasis(literal, other); }, said);
     ExpectError([&] { ConvertBasis(harmonic, Basis::kDcshLiteral); }, said);
     ExpectError([&] { WriteSceneGlb(folder / "scene.glb", literal); }, said);

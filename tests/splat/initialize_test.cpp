@@ -65,7 +65,7 @@ TEST(InitializeFromPoints, OnePointAndCoincidentOnesAreFinite) {
 }
 
 TEST(InitializeFromPoints, BadPointsAreAnError) {
-  test::ExpectError([] { InitializeFromPoints({}, {}, 0, Basis::kDcsh); }, {"points", "none"});
+  test::ExpectError([] { InitializeFromPoints({}, {}, 0, Basis::kDcsh); }, {"points", "no points"});
   for (const float bad : {NAN, INFINITY, -INFINITY})
     test::ExpectError(
         [&] {

@@ -198,8 +198,9 @@ TEST(Colmap, TakesReducedFoldersWhereTheyAre) {
   // images_4 serves -r 8, too, but not -r 2 or the full size.
   EXPECT_EQ(LoadScene(folder.path(), {.resolution = 8}).train[0].camera.width, 20);
   ExpectError([&] { LoadScene(folder.path(), {.resolution = 2}); },
-              {"no folder images or images_2", "-r 4"});
-  ExpectError([&] { LoadScene(folder.path(), {}); }, {"no folder images", "-r 4"});
+              {"no folder images or images_2", "use -r 4"});
+  ExpectError([&] { LoadScene(folder.path(), {}); },
+              {"no folder images", "found images_4: use -r 4"});
 }
 
 TEST(Colmap, SkipsMissingImagesAndBadPoses) {
@@ -273,7 +274,7 @@ TEST(Colmap, BadTextNamesTheLine) {
       {"cameras.txt", "", {"images.txt", "camera 7", "does not exist"}},
       {"images.txt", "1 1 0 0 0 0 0 3 7\n", {"line 1", "an image name"}},
       {"images.txt", "1 1 0 0 zero 0 0 3 7 a.png\n", {"line 1", "'zero'", "a rotation"}},
-      {"images.txt", "# nothing\n", {"images.txt", "no images"}},
+      {"images.txt", "# nothing\n", {"images.txt", "contains no images"}},
       {"points3D.txt", "5 0 0 0 10 20 300 0\n", {"line 1", "300"}},
       {"points3D.txt", "5 0 nan 0 10 20 30 0\n", {"record 0", "not finite"}},
   };
@@ -317,7 +318,7 @@ TEST(Colmap, FilesThatChangeAfterLoadingAreErrors) {
 TEST(Scene, NothingThereIsAnError) {
   const TemporaryFolder folder;
   ExpectError([&] { LoadScene(folder / "none", {}); }, {"none", "is not a folder"});
-  ExpectError([&] { LoadScene(folder.path(), {}); }, {folder.path(), "holds no scene"});
+  ExpectError([&] { LoadScene(folder.path(), {}); }, {folder.path(), "contains no scene"});
   ExpectError([&] { LoadScene(folder.path(), {.resolution = 0}); }, {"resolution", "0"});
   MakeDirectories(folder / "sparse/0");
   ExpectError([&] { LoadScene(folder.path(), {}); }, {"sparse/0", "cameras.bin"});

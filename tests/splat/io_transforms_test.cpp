@@ -210,7 +210,7 @@ TEST(Nerfstudio, BadJsonNamesTheField) {
       {"/camera_model", "EQUIRECTANGULAR", {"camera_model", "EQUIRECTANGULAR"}},
       {"/is_fisheye", 1, {"is_fisheye", "true or false"}},
       {"/ply_file_path", "none.ply", {"none.ply", "No such file"}},
-      {"/frames", Json::array(), {"holds no frames"}},
+      {"/frames", Json::array(), {"contains no frames"}},
       {"/frames", 3, {"frames", "an array"}},
       {"/frames/0", Json::object(), {"frames[0].file_path", "missing"}},
       {"/frames/0/file_path", 5, {"frames[0].file_path", "5", "a string"}},

@@ -160,7 +160,7 @@ TEST_F(LpipsTest, FilesThatAreMissing) {
     ExpectRefused({folder_ / file});
   }
   fs::remove(folder_ / "tiny_backbone.onnx");
-  ExpectRefused({folder_.path(), "holds no", "_backbone.onnx"});
+  ExpectRefused({folder_.path(), "contains no", "_backbone.onnx"});
   test::WriteTinyLpips(folder_.path(), "other");
   ExpectRefused({folder_.path(), "other_backbone.onnx", "tiny_backbone.onnx"});
 }
@@ -182,7 +182,7 @@ TEST_F(LpipsTest, NetsThatAreNone) {
   Spill("tiny_backbone.onnx", test::TinyOnnx({wide, test::TinyConvs()[1]}));
   Lpips broken(folder_.path());
   test::ExpectError([&] { broken.Distance(Image8(8, 8, 3), Image8(8, 8, 3, 9)); },
-                    {file, "not finite"});
+                    {file, "non-finite"});
 }
 
 TEST_F(LpipsTest, TapsThatDoNotFit) {
@@ -193,7 +193,7 @@ TEST_F(LpipsTest, TapsThatDoNotFit) {
   Spill("tiny_taps.txt", "far\nnear\n");
   ExpectRefused({"tiny_lin.npz", "lin0", "2 weights", "far", "3 channels"});
   Spill("tiny_taps.txt", "near\n");
-  ExpectRefused({"tiny_lin.npz", "lin1", "1 tap"});
+  ExpectRefused({"tiny_lin.npz", "lin1", "number of taps is 1"});
 }
 
 TEST_F(LpipsTest, WeightsThatDoNotFit) {

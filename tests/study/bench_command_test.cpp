@@ -197,10 +197,10 @@ TEST(BenchCommand, RefusesBadInputBeforeItMeasures) {
   for (Unpacked& s : splats) s.opacity = 0;
   WriteFileAtomically(folder / "clear.ply", PackedFile(splats, {}));
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "clear.ply"},
-                "none is to be seen");
+                "no splat is visible");
   WriteFileAtomically(folder / "one.ply", PackedFile(RandomSplats(1), {}));
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "one.ply"},
-                "no height");
+                "zero height");
   EXPECT_FALSE(fs::exists(folder / "bench"));
 }
 

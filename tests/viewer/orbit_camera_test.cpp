@@ -169,7 +169,7 @@ TEST(Framing, StraysDoNotMatter) {
 TEST(Framing, NothingToSeeIsAnError) {
   Gaussians g = RandomGaussians(3, 0, Basis::kSh, 5);
   for (size_t i = 0; i < g.size(); ++i) *g.at(kOpacityLogit, i) = -30;
-  ExpectError([&] { viewer::BeforeSplats("a.ply", g); }, {"a.ply", "none is to be seen"});
+  ExpectError([&] { viewer::BeforeSplats("a.ply", g); }, {"a.ply", "no splat is visible"});
 }
 
 TEST(Framing, AtTheFirstCameraLookingWhereAllLook) {

@@ -190,7 +190,7 @@ TEST(Stage, SameBitsForAnyNumberOfThreads) {
 TEST(Stage, RefusesWhatItCannotDraw) {
   Stage scene{SmallScene()};
   const Shot mesh = ShotOf(PaintedHead(), View::kWire);
-  ExpectError([&] { Drawn(scene, mesh); }, {"scene", "view", "wire is of avatars"});
+  ExpectError([&] { Drawn(scene, mesh); }, {"scene", "view", "wire is only available for avatars"});
   Stage head{Content(PaintedHead())};
   Shot flat = ShotOf(PaintedHead(), View::kSplats);
   flat.camera.height = 0;

@@ -58,7 +58,7 @@ TEST(RenderWorker, SaysWhatIsWrongAndGoesOn) {
   worker.Start({wire, 1, 0});
   const FinishedImage broken = Newest(worker);
   EXPECT_TRUE(broken.image.empty());
-  EXPECT_NE(broken.problem.find("wire is of avatars"), std::string::npos);
+  EXPECT_NE(broken.problem.find("wire is only available for avatars"), std::string::npos);
   worker.Start({SceneShot(8), 1, 0});
   const FinishedImage picture = Newest(worker);
   EXPECT_EQ(picture.problem, "");

@@ -69,7 +69,7 @@ void AvatarOptions::Declare(CLI::App& command) {
   command
       .add_option("--color-frame,--color_frame",
                   color_frame,
-                  "surface: colours see the direction in the skin's frame; world: in the world's")
+                  "frame of the view direction for colours: surface (moves with the skin) or world")
       ->check(CLI::IsMember({"surface", "world"}));
   command
       .add_option(
@@ -77,7 +77,7 @@ void AvatarOptions::Declare(CLI::App& command) {
       ->check(CLI::IsMember({"auto", "yes", "no"}));
   command.add_flag("--refine-track",
                    avatar.refine_track,
-                   "improve pose, translation and expression of the training frames along");
+                   "also optimise pose, translation and expression of the training frames");
   command.add_flag(
       "--embed-flame", embed_flame, "put the FLAME mesh into avatar.glb; mind the model's licence");
   command.add_flag(
@@ -89,7 +89,7 @@ void AvatarOptions::Declare(CLI::App& command) {
                   preset,
                   "splatting-avatar: as published, but without its LPIPS loss; "
                   "splatting-avatar-released: as its code was released, faults included; 3dgs: "
-                  "absolute schedule steps; options that are given count more")
+                  "absolute schedule steps; explicitly given options take precedence")
       ->check(CLI::IsMember({"cosplat", "splatting-avatar", "splatting-avatar-released", "3dgs"}));
 }
 

@@ -46,8 +46,8 @@ void TrainOptions::Declare(CLI::App& command) {
       .add_option(
           "--basis",
           basis,
-          "of the view-dependent colour: dcsh; sh: 3DGS's; dcsh-released: DCSHARP's released "
-          "code; dcsh-literal: its published formula, which no file can hold")
+          "basis of the view-dependent colour: dcsh; sh: 3DGS's; dcsh-released: DCSHARP's released "
+          "code; dcsh-literal: its published formula, which cannot be saved")
       ->check(CLI::IsMember(std::vector<std::string>(kBasisNames.begin(), kBasisNames.end())));
   command
       .add_option(
@@ -73,12 +73,11 @@ void TrainOptions::Declare(CLI::App& command) {
   command.add_flag(
       "--deterministic",
       deterministic,
-      "the same bits from the same run on a GPU, too, by sums in a fixed order; the CPU "
-      "always does so");
+      "bit-identical runs on a GPU as well, by summing in a fixed order; CPU runs always are");
   command
       .add_option("--prune",
                   prune,
-                  "rule by which Gaussians are taken away beyond density control (docs/study.md)")
+                  "rule for pruning Gaussians in addition to density control (docs/study.md)")
       ->check(CLI::IsMember(PruneRuleNames()));
   command.add_option("--prune-to",
                      prune_to,
@@ -98,8 +97,8 @@ void TrainOptions::Declare(CLI::App& command) {
   command
       .add_option("--budget",
                   budget,
-                  "auto: find how few Gaussians hold the quality, on training views held out in "
-                  "the meantime; takes two to three times the time")
+                  "auto: find the smallest number of Gaussians that keeps the quality, measured on "
+                  "temporarily held-out training views; takes two to three times as long")
       ->check(CLI::IsMember({"none", "auto"}));
   command.add_option("--tolerance", tolerance, "dB that --budget auto may lose on those views")
       ->check(kRate);
@@ -133,24 +132,27 @@ void TrainOptions::Declare(CLI::App& command) {
                   resolution_schedule,
                   "steps after which the sides of the images double; -1: a tenth of the run")
       ->check(kInterval);
-  command.add_option("--position_lr_init", rates.position_lr_init, "first rate of positions")
+  command
+      .add_option(
+          "--position_lr_init", rates.position_lr_init, "initial learning rate of positions")
       ->check(kRate);
   command
       .add_option("--position_lr_final",
                   position_lr_final,
-                  "last rate of positions; 0: a hundredth of the first in 30,000 steps, more in "
-                  "shorter runs")
+                  "final learning rate of positions; 0: a hundredth of the first in 30,000 steps, "
+                  "more in shorter runs")
       ->check(kRate);
-  command.add_option("--feature_lr", rates.color, "rate of colours")->check(kRate);
+  command.add_option("--feature_lr", rates.color, "learning rate of colours")->check(kRate);
   command
       .add_option("--rest-lr,--rest_lr",
                   rates.rest,
-                  "rate of the colours' bands from 1 on; 0: feature_lr / 20")
+                  "learning rate of colour bands 1 and up; 0: feature_lr / 20")
       ->check(kRate);
-  command.add_option("--opacity_lr", rates.opacity, "rate of opacities")->check(kRate);
-  command.add_option("--scaling_lr", scaling_lr, "rate of log scales; 0: as the preset says")
+  command.add_option("--opacity_lr", rates.opacity, "learning rate of opacities")->check(kRate);
+  command
+      .add_option("--scaling_lr", scaling_lr, "learning rate of log scales; 0: as the preset says")
       ->check(kRate);
-  command.add_option("--rotation_lr", rates.rotation, "rate of rotations")->check(kRate);
+  command.add_option("--rotation_lr", rates.rotation, "learning rate of rotations")->check(kRate);
   command.add_flag("--quiet", quiet, "print nothing but errors");
 }
 

@@ -113,7 +113,8 @@ int SavedIteration(const std::string& folder, const JsonField& run) {
     if (name.rfind(prefix, 0) != 0) continue;
     latest = std::max(latest, std::atoi(name.c_str() + prefix.size()));
   }
-  if (latest < 0) throw Error(folder, "point_cloud", "holds no iteration_N: not a trained model");
+  if (latest < 0)
+    throw Error(folder, "point_cloud", "contains no iteration_N: not a trained model");
   return latest;
 }
 

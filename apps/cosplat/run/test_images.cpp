@@ -196,7 +196,8 @@ TestSummary EvaluateTestImages(const std::string& folder,
                                const std::function<void(int done, int total)>& progress) {
   const std::map<std::string, int> views = CountViews(folder + "/test");
   if (views.empty())
-    throw Error(folder, "test", "holds no images: train with --eval or run `cosplat render` first");
+    throw Error(
+        folder, "test", "contains no images: train with --eval or run `cosplat render` first");
   TestSummary summary;
   auto earlier = ReadEarlier(folder + "/per_view.json", summary.dropped);
   Json results = Json::object(), per_view = Json::object();
@@ -225,7 +226,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
   if (latest < 0)
     throw Error(folder,
                 "test",
-                "holds no ours_" + std::to_string(iteration) + ": run `cosplat render` first");
+                "contains no ours_" + std::to_string(iteration) + ": run `cosplat render` first");
   WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
   WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
   return summary;

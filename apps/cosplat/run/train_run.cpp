@@ -113,7 +113,7 @@ void RunTraining(const TrainOptions& o,
                 WithThousands(statistics.gaussians).c_str());
   if (!o.quiet && o.drop_bands > 0)
     std::printf(
-        "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients from band 1 on; "
+        "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients of bands 1 and up; "
         "%+.2f dB on training images at the time\n",
         statistics.bands.mean,
         o.sh_degree,

@@ -99,7 +99,7 @@ std::vector<Camera> FittingOrbit(const std::string& path,
     for (const Point& p : points) values.push_back(p[k]);
     box[k] = MostOf(values);
   }
-  if (!(box[1].length() > 0)) throw Error(path, "vertex", "those to be seen have no height");
+  if (!(box[1].length() > 0)) throw Error(path, "vertex", "the visible splats have zero height");
   Point target{box[0].middle(), box[1].middle(), box[2].middle()};
   // Stays outside the points, however flat they are.
   const float nearest = 0.6f * std::hypot(box[0].length(), box[2].length());
@@ -158,7 +158,7 @@ OrbitSubject LoadOrbit(const std::string& path, bool quick) {
   subject.gaussians = ReadSplats(path);
   SortByDegree(subject.gaussians);
   const std::vector<Point> points = VisiblePoints(subject.gaussians);
-  if (points.empty()) throw Error(path, "vertex", "none is to be seen");
+  if (points.empty()) throw Error(path, "vertex", "no splat is visible");
   subject.cameras = FittingOrbit(path, points, Lens(quick));
   return subject;
 }

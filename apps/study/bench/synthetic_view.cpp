@@ -95,7 +95,7 @@ void Displace(Gaussians& g, Rng& rng) {
 }
 
 // Renders the frame from `start`, then displaces `start`.
-SyntheticView Photographed(Gaussians start, const Camera& camera, Rng& rng) {
+SyntheticView RenderedView(Gaussians start, const Camera& camera, Rng& rng) {
   SyntheticView view;
   view.frame.camera = camera;
   view.start = std::move(start);
@@ -120,7 +120,7 @@ SyntheticView MakeSyntheticView(size_t count, int width, int height, uint64_t se
   const Camera camera = CameraFor(width, height);
   count = std::max<size_t>(1, count);
   const float sigma_px = SigmaPx(count, camera);
-  return Photographed(
+  return RenderedView(
       Spread(count, camera, rng, [=](Rng& r) { return DrawRound(sigma_px, r); }), camera, rng);
 }
 
@@ -128,7 +128,7 @@ SyntheticView MakeTrainedView(int width, int height, uint64_t seed) {
   Rng rng{seed};
   const Camera camera = CameraFor(width, height);
   const auto count = std::max<size_t>(1, size_t(kTrainedPerPixel * width * height));
-  return Photographed(Spread(count, camera, rng, DrawTrained), camera, rng);
+  return RenderedView(Spread(count, camera, rng, DrawTrained), camera, rng);
 }
 
 }  // namespace cosplat

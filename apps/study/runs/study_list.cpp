@@ -91,7 +91,7 @@ void ReadSource(const JsonField& field, StudyData& data) {
   const std::string path = field["make_head"].path();
   if (!data.avatar) throw Error(field.file(), path, "is for avatars; this is a scene");
   if (field.Has("source") || field.Has("flame"))
-    throw Error(field.file(), path, "stands in place of source and flame; there is one of them");
+    throw Error(field.file(), path, "replaces source and flame, but one of them is also given");
   data.make_head = StringsOf(field, "make_head");
   data.source = data.name;
   data.flame = data.name + "/model.npz";

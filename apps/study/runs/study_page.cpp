@@ -206,7 +206,7 @@ std::string Page(const StudyLines& all, const std::string& charts_folder) {
 
 void WriteStudyPage(const std::string& folder, const std::string& charts) {
   const StudyLines all = ReadStudyLines(folder);
-  if (all.lines.empty()) throw Error(folder, "holds no finished run (*.jsonl)");
+  if (all.lines.empty()) throw Error(folder, "contains no finished run (*.jsonl)");
   if (!charts.empty()) MakeDirectories(charts);
   WriteFileAtomically(folder + "/index.html", Page(all, charts));
 }

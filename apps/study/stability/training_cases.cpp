@@ -34,7 +34,7 @@ Camera Beside(double degrees, int side) {
 }
 
 // Views from the front and 20 degrees to either side, which hardly constrain depth.
-std::vector<TrainFrame> FewPhotographs() {
+std::vector<TrainFrame> FewImages() {
   const Gaussians truth = RandomBlobs(40, kDepth, 17);
   std::vector<TrainFrame> frames;
   for (const double degrees : {-20.0, 0.0, 20.0}) {
@@ -188,7 +188,7 @@ double ForgottenByTheLists() {
 }  // namespace
 
 StabilityCase Needles() {
-  const std::vector<TrainFrame> frames = FewPhotographs();
+  const std::vector<TrainFrame> frames = FewImages();
   const auto form = [&](const std::string& name, float regularizer, StabilityCase& s) {
     const Gaussians g = Trained(frames, regularizer);
     const std::vector<float> ratios = Anisotropies(g);

@@ -26,8 +26,8 @@ class CudaMemory : public Memory {
       size_t free = 0, total = 0;
       Check(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
       throw Error("CUDA",
-                  "the device has no room for " + Megabytes(bytes) + " more: " + Megabytes(free) +
-                      " of " + Megabytes(total) + " are free");
+                  "out of device memory: " + Megabytes(bytes) + " requested, " + Megabytes(free) +
+                      " of " + Megabytes(total) + " free");
     }
     Check(error, "cudaMalloc");
     return p;

@@ -22,7 +22,7 @@ void CheckContext() {
   if (std::find(devices, devices + count, own) != devices + count) return;
   const std::string reason =
       asked == cudaSuccess ? "" : std::string(" (") + cudaGetErrorString(asked) + ")";
-  throw Error("OpenGL", "runs on another device" + reason);
+  throw Error("OpenGL", "the OpenGL context runs on a different GPU than CUDA" + reason);
 }
 
 class GlTexture : public DeviceTexture {

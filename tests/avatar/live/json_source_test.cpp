@@ -198,7 +198,7 @@ TEST(JsonSource, ALineThatIsTooLongCostsOnlyItself) {
   ASSERT_TRUE(source->Poll(0, frame));
   EXPECT_EQ(source->Counts().oversize, 1u);
   EXPECT_EQ(source->Counts().last_problem,
-            "standard input: a packet of 24576 bytes, at most 16384 are taken");
+            "standard input: a packet of 24576 bytes, at most 16384 are accepted");
 }
 
 TEST(JsonSource, AClosedInputHasEnded) {

@@ -97,7 +97,7 @@ TEST(Osc, BundlesInsideEachOtherEnd) {
   std::string packet = OscText("/a");
   for (int i = 0; i < kMaxOscBundles; ++i) packet = OscBundle({packet});
   EXPECT_EQ(ProblemOf(packet), "");
-  EXPECT_EQ(ProblemOf(OscBundle({packet})), "has too many OSC bundles inside each other");
+  EXPECT_EQ(ProblemOf(OscBundle({packet})), "has OSC bundles nested too deeply");
 }
 
 }  // namespace
