@@ -14,7 +14,7 @@ namespace {
 // Why CUDA is not available; empty if it is.
 std::string WhyNoCuda() {
 #if defined(COSPLAT_HAS_CUDA)
-  return cuda::FindDevice() ? "" : "no CUDA device was found";
+  return cuda::WhyNoDevice();
 #else
   return "this program was built without CUDA";
 #endif

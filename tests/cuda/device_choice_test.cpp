@@ -1,4 +1,5 @@
 // What --device chooses, where there is a device and the build has its back end.
+#include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
 #include "splat/train/step_engine.h"
@@ -8,13 +9,31 @@
 namespace cosplat {
 namespace {
 
-TEST(DeviceChoice, TakesTheCardWhereThereIsOne) {
+TEST(DeviceChoice, TakesTheGpuIfThereIsOne) {
   EXPECT_EQ(DeviceFromString("cpu"), Device::kCpu);
   EXPECT_EQ(DeviceFromString("cuda"), Device::kCuda);
   EXPECT_EQ(DeviceFromString("auto"), Device::kCuda);
   EXPECT_EQ(NameOf(Device::kCuda), "the host, pretending");
   EXPECT_EQ(NameOf(Device::kCpu), "CPU");
   test::ExpectError([] { DeviceFromString("gpu"); }, {"--device", "auto, cpu or cuda"});
+}
+
+TEST(DeviceChoice, SaysWhyThereIsNone) {
+  struct Case {
+    int problem, driver;
+    const char* text;
+  };
+  for (const Case& c :
+       {Case{cudaErrorInsufficientDriver, 12020, "supports CUDA 12.2, this program needs 13.0"},
+        Case{cudaErrorInsufficientDriver, 0, "no CUDA device was found"},
+        Case{cudaErrorNoDevice, 13000, "no CUDA device was found"},
+        Case{cudaErrorInvalidValue, 13000, "invalid argument"}}) {
+    cuda_on_host::SetDriver(c.problem, c.driver);
+    test::ExpectError([] { DeviceFromString("cuda"); }, {"--device", c.text});
+    EXPECT_EQ(DeviceFromString("auto"), Device::kCpu);
+  }
+  cuda_on_host::SetDriver(0, 13000);
+  EXPECT_EQ(DeviceFromString("auto"), Device::kCuda);
 }
 
 // Knows where it is trained.

@@ -17,4 +17,8 @@ struct DeviceInfo {
 // std::nullopt if there is no GPU or no driver.
 std::optional<DeviceInfo> FindDevice();
 
+// Why FindDevice finds none: no GPU, no driver, a driver older than this program's CUDA runtime, or
+// another error of the runtime. Empty if it finds one.
+std::string WhyNoDevice();
+
 }  // namespace cosplat::cuda

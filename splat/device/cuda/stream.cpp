@@ -56,6 +56,11 @@ class EventMoment : public Moment {
   Event event_;
 };
 
+// CUDA's version numbers: 1000 major + 10 minor.
+std::string VersionText(int version) {
+  return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
+}
+
 }  // namespace
 
 std::unique_ptr<Moment> CudaStream::MakeMoment() { return std::make_unique<EventMoment>(stream_); }
@@ -110,14 +115,28 @@ void CudaStream::FillWithZeros(void* data, size_t bytes) {
 void CudaStream::Wait() { Check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
 
 std::optional<DeviceInfo> FindDevice() {
-  int count = 0;
-  if (cudaGetDeviceCount(&count) != cudaSuccess || count == 0) {
-    cudaGetLastError();  // clears it: a missing driver is not an error here
-    return std::nullopt;
-  }
+  if (!WhyNoDevice().empty()) return std::nullopt;
   cudaDeviceProp p{};
   Check(cudaGetDeviceProperties(&p, 0), "cudaGetDeviceProperties");
   return DeviceInfo{p.name, p.major, p.minor, p.multiProcessorCount, p.totalGlobalMem};
+}
+
+std::string WhyNoDevice() {
+  int count = 0;
+  const cudaError_t error = cudaGetDeviceCount(&count);
+  if (error == cudaSuccess && count > 0) return "";
+  cudaGetLastError();  // the caller may go on without a device
+  if (error == cudaErrorInsufficientDriver) {
+    int driver = 0, runtime = 0;
+    cudaDriverGetVersion(&driver);
+    cudaRuntimeGetVersion(&runtime);
+    if (driver > 0)
+      return "the NVIDIA driver is too old: it supports CUDA " + VersionText(driver) +
+             ", this program needs " + VersionText(runtime);
+  }
+  if (error == cudaSuccess || error == cudaErrorNoDevice || error == cudaErrorInsufficientDriver)
+    return "no CUDA device was found";
+  return std::string("no CUDA device was found: ") + cudaGetErrorString(error);
 }
 
 }  // namespace cosplat::cuda

@@ -138,6 +138,17 @@ struct ContributionWalk {
   }
 };
 
+// Zero for the records that belong to no tile (EmitInstances) or to no instance, which no bucket
+// writes.
+template <class Record>
+struct ClearUnlisted {
+  TileListsView lists;
+  View<Record> records;
+  __device__ void operator()(size_t k) const {
+    if (k >= lists.tile_begin[lists.tile_begin.count - 1]) records[lists.record[k]] = Record{};
+  }
+};
+
 // Sums each Gaussian's records over its instances in a fixed order; 0 for invisible Gaussians.
 template <class Record>
 struct SumRecords {
@@ -176,11 +187,13 @@ void BlendBackward(CudaTape& tape,
   if (!fixed) tape.d_splats.FillWithZeros(stream);
   const GradientSink sink{lists.record, tape.records.view(), tape.d_splats.view()};
   WalkBuckets(tape, image, BackwardWalk{d_color, sink}, stream);
-  if (fixed)
-    ForEachThread(
-        tape.splats.size(),
-        stream,
-        SumRecords<SplatGradient>{lists, std::as_const(tape.records).view(), tape.d_splats.view()});
+  if (!fixed) return;
+  ForEachThread(
+      tape.records.size(), stream, ClearUnlisted<SplatGradient>{lists, tape.records.view()});
+  ForEachThread(
+      tape.splats.size(),
+      stream,
+      SumRecords<SplatGradient>{lists, std::as_const(tape.records).view(), tape.d_splats.view()});
 }
 
 void SumContributions(CudaTape& tape,
@@ -191,6 +204,9 @@ void SumContributions(CudaTape& tape,
   const size_t count = tape.splats.size();
   tape.contributions.Refill(tape.lists.capacity(), stream);
   WalkBuckets(tape, image, ContributionWalk{lists.record, tape.contributions.view()}, stream);
+  ForEachThread(tape.contributions.size(),
+                stream,
+                ClearUnlisted<Contribution>{lists, tape.contributions.view()});
   ForEachThread(count,
                 stream,
                 SumRecords<Contribution>{

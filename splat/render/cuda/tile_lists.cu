@@ -6,14 +6,10 @@
 #include "splat/device/cuda/launch.cuh"
 #include "splat/device/gather.h"
 #include "splat/render/cuda/tile_lists.h"
-#include "splat/render/kernels/tile_range.h"
+#include "splat/render/cuda/tile_visit.cuh"
 
 namespace cosplat::cuda {
 namespace {
-
-constexpr uint32_t kNotDrawn = 0xffffffffu;  // sorts behind every depth
-// Splats over more tiles than this are processed by a whole warp.
-constexpr uint64_t kFewTiles = 4;
 
 // Depths are positive: their bits order like values.
 struct DepthKey {
@@ -26,88 +22,6 @@ struct DepthKey {
   }
 };
 
-// Visits the tiles of every Gaussian, in depth order and row by row; a warp processes 32
-// consecutive Gaussians. Calls visit(k, tile, n) for the n-th tile that the k-th Gaussian in depth
-// order touches. Returns the number of tiles that the lane's own Gaussian touches. Counting and
-// storing must agree, so both use this.
-struct TileVisitor {
-  View<const ProjectedSplat> splats;
-  View<const uint32_t> keys, gaussians;
-  int tiles_x, tiles_y;
-
-  template <class Visit>
-  __device__ uint64_t Run(size_t k, const Visit& visit) const {
-    const bool drawn = k < keys.count && keys[k] != kNotDrawn;
-    const uint32_t i = drawn ? gaussians[k] : 0;
-    math::TileRange range{0, 0, 0, 0};
-    if (drawn) range = math::RangeOf(splats[i], tiles_x, tiles_y);
-    const bool many = range.size() > kFewTiles;
-    uint64_t touched = 0;
-    if (!many) touched = Alone(k, i, range, visit);
-    for (unsigned left = __ballot_sync(kAllLanes, many); left != 0; left &= left - 1) {
-      const int owner = __ffs(left) - 1;
-      const uint64_t n = Together(k - Lane() + owner, __shfl_sync(kAllLanes, i, owner), visit);
-      if (int(Lane()) == owner) touched = n;
-    }
-    return touched;
-  }
-
- private:
-  template <class Visit>
-  __device__ uint64_t
-  Alone(size_t k, uint32_t i, const math::TileRange& range, const Visit& visit) const {
-    uint64_t touched = 0;
-    const bool test = NeedsTileTest(range);
-    for (int y = range.y0; y < range.y1; ++y)
-      for (int x = range.x0; x < range.x1; ++x)
-        if (!test || math::TouchesTile(splats[i], x, y))
-          visit(k, uint32_t(y) * tiles_x + x, touched++);
-    return touched;
-  }
-
-  // Called by all lanes, each of which tests one tile at a time.
-  template <class Visit>
-  __device__ uint64_t Together(size_t k, uint32_t i, const Visit& visit) const {
-    const ProjectedSplat& splat = splats[i];
-    const math::TileRange range = math::RangeOf(splat, tiles_x, tiles_y);
-    const uint64_t size = range.size();
-    uint64_t touched = 0;
-    for (uint64_t first = 0; first < size; first += kWarp) {
-      const uint64_t at = first + Lane();
-      const int x = range.x0 + int(at % range.columns()), y = range.y0 + int(at / range.columns());
-      const bool touches = at < size && math::TouchesTile(splat, x, y);
-      const unsigned votes = __ballot_sync(kAllLanes, touches);
-      const unsigned before = votes & ((1u << Lane()) - 1);
-      if (touches) visit(k, uint32_t(y) * tiles_x + x, touched + __popc(before));
-      touched += __popc(votes);
-    }
-    return touched;
-  }
-};
-
-TileVisitor VisitorOf(View<const ProjectedSplat> splats,
-                      const KeyedValues& by_depth,
-                      int tiles_x,
-                      int tiles_y) {
-  return {splats, by_depth.keys.view(), by_depth.values.view(), tiles_x, tiles_y};
-}
-
-struct CountTiles {
-  static constexpr unsigned kThreads = 256;
-  TileVisitor visitor;
-  View<uint64_t> counts;   // [keys + 1]; the last is 0
-  View<uint64_t> visible;  // [1]; initially 0
-  __device__ void operator()() const {
-    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
-    const uint64_t n = visitor.Run(k, [](size_t, uint32_t, uint64_t) {});
-    const size_t last = visitor.keys.count;
-    if (k <= last) counts[k] = n;
-    if (k < last && visitor.keys[k] != kNotDrawn &&
-        (k + 1 == last || visitor.keys[k + 1] == kNotDrawn))
-      visible[0] = k + 1;
-  }
-};
-
 // Writes the number of instances and whether it exceeds the expected one.
 struct TellCounts {
   View<const uint64_t> record_begin;
@@ -117,24 +31,6 @@ struct TellCounts {
   __device__ void operator()(size_t) const {
     *instances = record_begin[record_begin.count - 1];
     if (exceeded && *instances > capacity) *exceeded = 1;
-  }
-};
-
-struct EmitInstances {
-  static constexpr unsigned kThreads = 256;
-  TileVisitor visitor;
-  View<const uint64_t> record_begin;
-  View<uint32_t> tiles, records, of_record;
-  __device__ void operator()() const {
-    if (record_begin[record_begin.count - 1] > tiles.count) return;
-    const size_t k = size_t(blockIdx.x) * kThreads + threadIdx.x;
-    const EmitInstances& self = *this;
-    visitor.Run(k, [&self](size_t owner, uint32_t tile, uint64_t n) {
-      const uint64_t r = self.record_begin[owner] + n;
-      self.tiles[r] = tile;
-      self.records[r] = uint32_t(r);
-      self.of_record[r] = self.visitor.gaussians[owner];
-    });
   }
 };
 
@@ -216,6 +112,7 @@ void TileLists::Emit(View<const ProjectedSplat> splats, Stream& stream) {
             stream,
             EmitInstances{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_),
                           record_begin,
+                          uint32_t(tiles()),
                           tiles_of,
                           records,
                           of_record_.view()});

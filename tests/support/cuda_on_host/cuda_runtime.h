@@ -119,7 +119,13 @@ T& SharedMemory() {
 
 // --- The host's side.
 
-enum cudaError_t { cudaSuccess = 0, cudaErrorInvalidValue = 1, cudaErrorMemoryAllocation = 2 };
+enum cudaError_t {
+  cudaSuccess = 0,
+  cudaErrorInvalidValue = 1,
+  cudaErrorMemoryAllocation = 2,
+  cudaErrorInsufficientDriver = 35,
+  cudaErrorNoDevice = 100
+};
 inline const char* cudaGetErrorString(cudaError_t error) {
   return error == cudaErrorMemoryAllocation ? "out of memory" : "invalid argument";
 }
@@ -135,7 +141,16 @@ struct cudaDeviceProp {
   int major = 8, minor = 0, multiProcessorCount = 1;
 };
 inline cudaError_t cudaGetDeviceCount(int* count) {
-  *count = 1;
+  const auto error = cudaError_t(cuda_on_host::DriverProblem());
+  *count = error == cudaSuccess ? 1 : 0;
+  return error;
+}
+inline cudaError_t cudaDriverGetVersion(int* version) {
+  *version = cuda_on_host::DriverVersion();
+  return cudaSuccess;
+}
+inline cudaError_t cudaRuntimeGetVersion(int* version) {
+  *version = 13000;
   return cudaSuccess;
 }
 inline cudaError_t cudaGetDeviceProperties(cudaDeviceProp* p, int) {

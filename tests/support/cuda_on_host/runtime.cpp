@@ -32,6 +32,7 @@ uint64_t enqueued = 0;
 Waits waits;
 std::exception_ptr problem;  // of work that was done where nobody could be told
 size_t free_bytes = size_t(1) << 40;
+int driver_problem = 0, driver_version = 13000;
 
 // Of all of the above; what is done for the device enqueues and allocates, too.
 std::recursive_mutex mutex;
@@ -69,6 +70,20 @@ void SetFreeMemory(size_t bytes) {
 size_t FreeMemory() {
   const Lock lock(mutex);
   return free_bytes;
+}
+
+void SetDriver(int problem, int version) {
+  const Lock lock(mutex);
+  driver_problem = problem;
+  driver_version = version;
+}
+int DriverProblem() {
+  const Lock lock(mutex);
+  return driver_problem;
+}
+int DriverVersion() {
+  const Lock lock(mutex);
+  return driver_version;
 }
 
 void* AllocateOnDevice(size_t bytes) {

@@ -20,6 +20,12 @@ namespace cuda_on_host {
 void SetFreeMemory(size_t bytes);
 size_t FreeMemory();
 
+// What asking for devices gives: an error, or 0 for one device; and the driver's version, as CUDA
+// writes it (1000 major + 10 minor; 0: no driver).
+void SetDriver(int problem, int version);
+int DriverProblem();
+int DriverVersion();
+
 void* AllocateOnDevice(size_t bytes);  // null where it does not fit
 bool FreeOnDevice(void* p);            // false where it is not the begin of an allocation
 void* AllocatePinned(size_t bytes);
