@@ -55,10 +55,10 @@ struct FlamePoser<T>::Impl {
   };
 
   Impl(const FlameModel& m, const std::vector<float>& shape, const std::vector<float>& offset);
-  Rig RigOf(const Frame& frame) const;
+  Rig RigOf(const Parameters& parameters) const;
   // Updates the cache strip by strip, calling use(first vertex, number) after each strip.
   template <class Use>
-  void Blend(const Frame& frame, const Rig& rig, Cache& cache, const Use& use) const;
+  void Blend(const Parameters& parameters, const Rig& rig, Cache& cache, const Use& use) const;
   Transforms SkinVjp(const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const;
 
   // The vertex before skinning.
@@ -116,19 +116,19 @@ FlamePoser<T>::Impl::Impl(const FlameModel& m,
 }
 
 template <class T>
-typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Frame& frame) const {
+typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Parameters& parameters) const {
   const size_t count =
-      CheckCoefficients(model, "expression", frame.expression, model.expression_count);
-  CheckParameters(model, "translation", frame.translation);
+      CheckCoefficients(model, "expression", parameters.expression, model.expression_count);
+  CheckParameters(model, "translation", parameters.translation);
   Rig rig;
   rig.expression_count = count;
   Eigen::Matrix<T, 3 * kFlameJoints, 1> joints = rest_joints;
   joints.noalias() += joint_directions.leftCols(count) *
-                      Eigen::Map<const VectorX<T>>(frame.expression.data(), count);
+                      Eigen::Map<const VectorX<T>>(parameters.expression.data(), count);
   for (int j = 0; j < kFlameJoints; ++j) {
-    CheckParameters(model, "pose", frame.pose[j]);
+    CheckParameters(model, "pose", parameters.pose[j]);
     rig.joints[j] = {joints[3 * j], joints[3 * j + 1], joints[3 * j + 2]};
-    rig.local[j] = flame_math::Rodrigues(frame.pose[j]);
+    rig.local[j] = flame_math::Rodrigues(parameters.pose[j]);
     for (int i = 0; j > 0 && i < 9; ++i)
       rig.pose_features[9 * (j - 1) + i] = rig.local[j][i] - (i % 4 == 0 ? T(1) : T(0));
   }
@@ -138,14 +138,14 @@ typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Frame& frame)
 
 template <class T>
 template <class Use>
-void FlamePoser<T>::Impl::Blend(const Frame& frame,
+void FlamePoser<T>::Impl::Blend(const Parameters& parameters,
                                 const Rig& rig,
                                 Cache& cache,
                                 const Use& use) const {
   const bool first = cache.expressed.empty();
   cache.expressed.resize(shaped.size());
   cache.corrections.resize(shaped.size());
-  const T* const expression = frame.expression.data();
+  const T* const expression = parameters.expression.data();
   const bool express = Remember(expression, rig.expression_count, cache.expression) || first;
   const bool correct =
       Remember(rig.pose_features.data(), rig.pose_features.size(), cache.features) || first;
@@ -207,43 +207,45 @@ const FlameModel& FlamePoser<T>::model() const {
 }
 
 template <class T>
-typename FlamePoser<T>::Frame FlamePoser<T>::FrameOf(const FlameParams& params) {
-  Frame frame;
-  frame.expression.assign(params.expression.begin(), params.expression.end());
+typename FlamePoser<T>::Parameters FlamePoser<T>::ParametersOf(const FlameParams& params) {
+  Parameters parameters;
+  parameters.expression.assign(params.expression.begin(), params.expression.end());
   for (int j = 0; j < kFlameJoints; ++j)
-    for (int i = 0; i < 3; ++i) frame.pose[j][i] = params.pose[j][i];
-  for (int i = 0; i < 3; ++i) frame.translation[i] = params.translation[i];
-  return frame;
+    for (int i = 0; i < 3; ++i) parameters.pose[j][i] = params.pose[j][i];
+  for (int i = 0; i < 3; ++i) parameters.translation[i] = params.translation[i];
+  return parameters;
 }
 
 template <class T>
-void FlamePoser<T>::Forward(const Frame& frame, std::vector<T>& vertices, Cache& cache) const {
+void FlamePoser<T>::Forward(const Parameters& parameters,
+                            std::vector<T>& vertices,
+                            Cache& cache) const {
   const Impl& m = *impl_;
-  const auto rig = m.RigOf(frame);
+  const auto rig = m.RigOf(parameters);
   vertices.resize(m.shaped.size());
-  m.Blend(frame, rig, cache, [&](Eigen::Index begin, Eigen::Index count) {
+  m.Blend(parameters, rig, cache, [&](Eigen::Index begin, Eigen::Index count) {
     for (Eigen::Index v = begin; v < begin + count; ++v) {
       Vector3<T> p = flame_math::SkinPoint(
           rig.transforms, &m.weights[kFlameJoints * v], Impl::Unskinned(cache, v));
-      flame_math::AddTo(p, frame.translation);
+      flame_math::AddTo(p, parameters.translation);
       std::copy_n(p.data(), 3, &vertices[3 * v]);
     }
   });
 }
 
 template <class T>
-void FlamePoser<T>::Prepare(const Frame& frame, FlameRig<T>& out) const {
-  const auto rig = impl_->RigOf(frame);
+void FlamePoser<T>::Prepare(const Parameters& parameters, FlameRig<T>& out) const {
+  const auto rig = impl_->RigOf(parameters);
   out.terms.clear();
   const auto add_terms = [&](const T* coefficients, size_t count) {
     for (size_t k = 0; k < count; ++k)
       if (coefficients[k] != T(0)) out.terms.push_back({int32_t(k), coefficients[k]});
     return out.terms.size();
   };
-  out.expression_terms = add_terms(frame.expression.data(), rig.expression_count);
+  out.expression_terms = add_terms(parameters.expression.data(), rig.expression_count);
   add_terms(rig.pose_features.data(), kFlamePoseFeatures);
   out.transforms = rig.transforms;
-  out.translation = frame.translation;
+  out.translation = parameters.translation;
 }
 
 template <class T>
@@ -258,9 +260,9 @@ PosingArrays<T> FlamePoser<T>::Arrays() const {
 }
 
 template <class T>
-typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
-                                                      std::span<const T> d_vertices,
-                                                      Cache& cache) const {
+typename FlamePoser<T>::Parameters FlamePoser<T>::Backward(const Parameters& parameters,
+                                                           std::span<const T> d_vertices,
+                                                           Cache& cache) const {
   const Impl& m = *impl_;
   const size_t size = m.shaped.size();
   if (d_vertices.size() != size)
@@ -268,8 +270,8 @@ typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
         m.model.name,
         "d_vertices",
         "has " + std::to_string(d_vertices.size()) + " numbers, expected " + std::to_string(size));
-  const auto rig = m.RigOf(frame);
-  m.Blend(frame, rig, cache, [](Eigen::Index, Eigen::Index) {});
+  const auto rig = m.RigOf(parameters);
+  m.Blend(parameters, rig, cache, [](Eigen::Index, Eigen::Index) {});
   VectorX<T> d_v = Eigen::Map<const VectorX<T>>(d_vertices.data(), size);
   const auto d_transforms = m.SkinVjp(rig, cache, d_v);
 
@@ -283,13 +285,13 @@ typename FlamePoser<T>::Frame FlamePoser<T>::Backward(const Frame& frame,
       m.joint_directions.transpose() *
           Eigen::Map<const VectorX<T>>(d_joints[0].data(), 3 * kFlameJoints);
 
-  Frame d;
+  Parameters d;
   for (int j = 0; j < kFlameJoints; ++j) {
     for (int i = 0; j > 0 && i < 9; ++i) d_local[j][i] += d_features[9 * (j - 1) + i];
-    d.pose[j] = flame_math::RodriguesVjp(frame.pose[j], d_local[j]);
+    d.pose[j] = flame_math::RodriguesVjp(parameters.pose[j], d_local[j]);
   }
   // Coefficients beyond the model's have no effect, hence a zero gradient; sized like the input.
-  d.expression.assign(frame.expression.size(), T(0));
+  d.expression.assign(parameters.expression.size(), T(0));
   for (Eigen::Index k = 0; k < Eigen::Index(rig.expression_count); ++k)
     d.expression[k] = d_expression[k];
   for (size_t i = 0; i < size; ++i) d.translation[i % 3] += d_vertices[i];

@@ -30,12 +30,12 @@ class FlamePoser {
   FlamePoser(FlamePoser&&) noexcept;
 
   // The subset of FlameParams that changes per frame, in T.
-  struct Frame {
+  struct Parameters {
     std::vector<T> expression;
     std::array<std::array<T, 3>, kFlameJoints> pose{};
     std::array<T, 3> translation{};
   };
-  static Frame FrameOf(const FlameParams& params);
+  static Parameters ParametersOf(const FlameParams& params);
 
   // A caller's state between frames: memory, and the two blend-shape sums of the last frame, which
   // are reused while its expression or joint rotations are unchanged. Does not affect results. Not
@@ -48,25 +48,27 @@ class FlamePoser {
   };
 
   // vertices: [V, 3], metres. Throws Error, without writing anything, if a parameter is not finite
-  // or an expression coefficient beyond those of the model is not zero. Bit-identical for any
-  // number of threads.
-  void Forward(const Frame& frame, std::vector<T>& vertices, Cache& cache) const;
-  void Forward(const Frame& frame, std::vector<T>& vertices) const {
+  // or beyond 1e6, or an expression coefficient beyond those of the model is not zero.
+  // Bit-identical for any number of threads.
+  void Forward(const Parameters& parameters, std::vector<T>& vertices, Cache& cache) const;
+  void Forward(const Parameters& parameters, std::vector<T>& vertices) const {
     Cache cache;
-    Forward(frame, vertices, cache);
+    Forward(parameters, vertices, cache);
   }
 
-  // d_vertices [V, 3] = dL/d(vertices) at `frame` -> gradients with respect to the frame. Cheaper
+  // d_vertices [V, 3] = dL/d(vertices) at `parameters` -> gradients with respect to them. Cheaper
   // with the cache of the preceding Forward.
-  Frame Backward(const Frame& frame, std::span<const T> d_vertices, Cache& cache) const;
-  Frame Backward(const Frame& frame, std::span<const T> d_vertices) const {
+  Parameters Backward(const Parameters& parameters,
+                      std::span<const T> d_vertices,
+                      Cache& cache) const;
+  Parameters Backward(const Parameters& parameters, std::span<const T> d_vertices) const {
     Cache cache;
-    return Backward(frame, d_vertices, cache);
+    return Backward(parameters, d_vertices, cache);
   }
 
   // For code that poses the vertices itself, instead of Forward: `out` is the frame after posing
   // its joints. Throws Error as Forward does, without writing `out`.
-  void Prepare(const Frame& frame, FlameRig<T>& out) const;
+  void Prepare(const Parameters& parameters, FlameRig<T>& out) const;
   PosingArrays<T> Arrays() const;
 
   const FlameModel& model() const;

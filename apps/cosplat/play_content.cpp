@@ -25,7 +25,7 @@ std::vector<float> HeadVertices(const Content::Avatar& avatar) {
   const AvatarModel& model = avatar.model;
   AvatarPoser poser(avatar.flame, model.shape, model.static_offset, model.bust);
   std::vector<float> vertices;
-  poser.Forward(poser.FrameFor(avatar.rest), vertices);
+  poser.Forward(poser.ParametersFor(avatar.rest), vertices);
   vertices.resize(3 * size_t(avatar.flame.vertex_count));  // drops the bust's, which come last
   return vertices;
 }

@@ -91,7 +91,7 @@ void WriteProceduralVideo(const std::string& folder,
   int done = 0;
   tbb::parallel_for(size_t(0), script.size(), [&](size_t f) {
     std::vector<float> vertices;
-    poser.Forward(FlamePoser<float>::FrameOf(script[f].params), vertices);
+    poser.Forward(FlamePoser<float>::ParametersOf(script[f].params), vertices);
     const Image8 image = RenderProceduralHead(head, vertices, script[f].params, script[f].camera);
     const Image8 mask = AlphaOf(image);
     const std::string name = std::to_string(f + 1) + ".png";

@@ -101,7 +101,7 @@ CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
   if (bust) AppendBust(flame, mesh);
   if (!frame) return mesh;
   AvatarPoser poser(flame, shape, static_offset, bust);
-  poser.Forward(poser.FrameFor(*frame), mesh.vertices);
+  poser.Forward(poser.ParametersFor(*frame), mesh.vertices);
   return mesh;
 }
 
@@ -120,28 +120,29 @@ AvatarPoser::AvatarPoser(const FlameModel& flame,
                             bust->translation[r]);
 }
 
-AvatarPoser::Frame AvatarPoser::FrameFor(const FlameParams& params) const {
-  Frame frame;
-  FrameFor(params, frame);
-  return frame;
+AvatarPoser::Parameters AvatarPoser::ParametersFor(const FlameParams& params) const {
+  Parameters parameters;
+  ParametersFor(params, parameters);
+  return parameters;
 }
 
-void AvatarPoser::FrameFor(const FlameParams& params, Frame& frame) const {
+void AvatarPoser::ParametersFor(const FlameParams& params, Parameters& parameters) const {
   const size_t most = poser_.model().expression_count;
   const auto begin = params.expression.begin();
-  frame.expression.assign(begin, begin + std::min(params.expression.size(), most));
-  frame.pose = params.pose;
-  frame.translation = params.translation;
+  parameters.expression.assign(begin, begin + std::min(params.expression.size(), most));
+  parameters.pose = params.pose;
+  parameters.translation = params.translation;
 }
 
-void AvatarPoser::Forward(const Frame& frame, std::vector<float>& vertices) {
-  poser_.Forward(frame, vertices, cache_);
+void AvatarPoser::Forward(const Parameters& parameters, std::vector<float>& vertices) {
+  poser_.Forward(parameters, vertices, cache_);
   vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
 }
 
-AvatarPoser::Frame AvatarPoser::Backward(const Frame& frame, View<const float> d_vertices) {
+AvatarPoser::Parameters AvatarPoser::Backward(const Parameters& parameters,
+                                              View<const float> d_vertices) {
   return poser_.Backward(
-      frame, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
+      parameters, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
 }
 
 FlameParams MeanRoot(const std::vector<FlameParams>& frames) {

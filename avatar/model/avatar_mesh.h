@@ -26,7 +26,7 @@ CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
 
 class AvatarPoser {
  public:
-  using Frame = FlamePoser<float>::Frame;
+  using Parameters = FlamePoser<float>::Parameters;
 
   // Keeps a reference to `flame`.
   AvatarPoser(const FlameModel& flame,
@@ -35,14 +35,14 @@ class AvatarPoser {
               const std::optional<Bust>& bust);
 
   // Converts parameters; expression coefficients that the model does not have are ignored.
-  Frame FrameFor(const FlameParams& params) const;
-  // The same, reusing the memory of `frame`.
-  void FrameFor(const FlameParams& params, Frame& frame) const;
+  Parameters ParametersFor(const FlameParams& params) const;
+  // The same, reusing the memory of `parameters`.
+  void ParametersFor(const FlameParams& params, Parameters& parameters) const;
   // vertices: [vertex_count, 3] metres. Throws Error when a parameter is not finite, without
   // writing anything. Parts that have not changed since the last call are not recomputed.
-  void Forward(const Frame& frame, std::vector<float>& vertices);
+  void Forward(const Parameters& parameters, std::vector<float>& vertices);
   // Cheaper right after Forward of the same frame.
-  Frame Backward(const Frame& frame, View<const float> d_vertices);
+  Parameters Backward(const Parameters& parameters, View<const float> d_vertices);
   // The head's poser, and the bust's vertices, which are the same in every frame: [K, 3] metres.
   const FlamePoser<float>& flame() const { return poser_; }
   const std::vector<float>& bust() const { return posed_bust_; }

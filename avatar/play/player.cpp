@@ -68,7 +68,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
 
 void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   if (out.IsFor(params)) return;
-  poser_.FrameFor(params, frame_);
+  poser_.ParametersFor(params, frame_);
   if (renderer_)
     Prepare(out);
   else
@@ -99,7 +99,7 @@ void Player::BindInto(PlacedAvatar& placed) {
 
 const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
   if (placed.posed_id_ != placed.id_) {
-    poser_.FrameFor(placed.params_, frame_);
+    poser_.ParametersFor(placed.params_, frame_);
     poser_.Forward(frame_, placed.vertices_);
     placed.posed_id_ = placed.id_;
   }

@@ -116,7 +116,7 @@ class Player {
   AvatarModel avatar_;
   bool half_resolution_;
   AvatarPoser poser_;
-  AvatarPoser::Frame frame_;  // of the last Place; reused for its memory
+  AvatarPoser::Parameters frame_;  // of the last Place; reused for its memory
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;

@@ -18,7 +18,7 @@ constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
 
 template <class F>
-void ForEachNumber(AvatarPoser::Frame& a, const F& f) {
+void ForEachNumber(AvatarPoser::Parameters& a, const F& f) {
   for (size_t k = 0; k < a.expression.size(); ++k) f(0, k, a.expression[k]);
   for (size_t j = 0; j < a.pose.size(); ++j)
     for (size_t k = 0; k < 3; ++k) f(1, 3 * j + k, a.pose[j][k]);
@@ -31,7 +31,7 @@ constexpr size_t kDeviceSearchers = 1024;
 // Limit of the cache of posed vertices on a device: 8,000 frames of FLAME.
 constexpr size_t kPosedVertexBytes = size_t(480) << 20;
 
-float* NumberOf(AvatarPoser::Frame& a, int group, size_t k) {
+float* NumberOf(AvatarPoser::Parameters& a, int group, size_t k) {
   if (group == 0) return &a.expression[k];
   return group == 1 ? &a.pose[k / 3][k % 3] : &a.translation[k];
 }
@@ -203,7 +203,7 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradien
 
 void AvatarSubject::RefineFrame(View<const float> d_vertices) {
   RefinedFrame& frame = track_[current_];
-  Frame gradient = poser_->Backward(frame.params, d_vertices);
+  Parameters gradient = poser_->Backward(frame.params, d_vertices);
   gradient.expression.resize(frame.params.expression.size(), 0.0f);
   const float rates[3] = {settings_.expression_rate,
                           settings_.pose_rate,

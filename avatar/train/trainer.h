@@ -68,7 +68,7 @@ void ScaleToUnit(float unit, TrainSettings& settings);
 
 // One training frame's parameters with their Adam moments; they change only with --refine-track.
 struct RefinedFrame {
-  AvatarPoser::Frame params, m, v;
+  AvatarPoser::Parameters params, m, v;
   int64_t step = 0;
 };
 
@@ -140,7 +140,7 @@ class AvatarSubject : public Subject {
   size_t BytesPerGaussian() const override;
 
  private:
-  using Frame = AvatarPoser::Frame;
+  using Parameters = AvatarPoser::Parameters;
 
   void LoadFrames();
   bool NeedsBust() const;

@@ -78,7 +78,7 @@ void AvatarSubject::LoadFrames() {
     }
     frames_.push_back({frame.camera, std::move(images[i])});
     RefinedFrame refined;
-    refined.params = FlamePoser<float>::FrameOf(frame.params);
+    refined.params = FlamePoser<float>::ParametersOf(frame.params);
     refined.params.expression.resize(flame_.expression_count, 0.0f);
     refined.m.expression.resize(flame_.expression_count, 0.0f);
     refined.v.expression.resize(flame_.expression_count, 0.0f);

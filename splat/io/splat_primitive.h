@@ -1,7 +1,7 @@
 // Gaussians as attributes of a glTF points primitive with KHR_gaussian_splatting.
 //
 // Gaussians in the world (glTF's axes) -> AddSplats -> GlbPrimitive -> avatar/io/avatar_file.h,
-// scene_glb.h. Attributes, all float: POSITION; KHR_gaussian_splatting:ROTATION (xyzw, unit),
+// splat_file.h. Attributes, all float: POSITION; KHR_gaussian_splatting:ROTATION (xyzw, unit),
 // :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (VEC3, the signs and constants of 3DGS).
 // Kernel ellipse, colour space srgb_rec709_display, projection perspective, sorted by
 // cameraDistance. Source: Khronos, KHR_gaussian_splatting.

@@ -86,9 +86,9 @@ TEST(AvatarPoser, PosesTheHeadAsFlameDoesAndHoldsTheBust) {
   FlameParams params = Root({0.1f, 0.4f, -0.2f}, {0.01f, 0.02f, 0.03f});
   params.expression = {0.5f, 1};
   std::vector<float> posed, head;
-  poser.Forward(poser.FrameFor(params), posed);
+  poser.Forward(poser.ParametersFor(params), posed);
   const FlamePoser<float> flame(Flame(), {});
-  flame.Forward(FlamePoser<float>::FrameOf(params), head);
+  flame.Forward(FlamePoser<float>::ParametersOf(params), head);
   ASSERT_EQ(posed.size(), mesh.vertices.size());
   EXPECT_TRUE(std::equal(head.begin(), head.end(), posed.begin()));
   for (size_t i = head.size(); i < posed.size(); i += 3) {
@@ -101,10 +101,10 @@ TEST(AvatarPoser, PosesTheHeadAsFlameDoesAndHoldsTheBust) {
   // What pulls at the bust does not pull at the head's parameters.
   std::vector<float> d_vertices(posed.size(), 0.0f);
   std::fill(d_vertices.begin() + long(head.size()), d_vertices.end(), 1.0f);
-  const auto none = poser.Backward(poser.FrameFor(params), d_vertices);
+  const auto none = poser.Backward(poser.ParametersFor(params), d_vertices);
   EXPECT_EQ(none.translation, (std::array<float, 3>{0, 0, 0}));
   std::fill(d_vertices.begin(), d_vertices.end(), 1.0f);
-  const auto some = poser.Backward(poser.FrameFor(params), d_vertices);
+  const auto some = poser.Backward(poser.ParametersFor(params), d_vertices);
   EXPECT_NEAR(some.translation[0], float(Flame().vertex_count), 0.1f);
 }
 
@@ -165,7 +165,7 @@ TEST(MeanBust, StandsWhereTheHeadIsOnAverage) {
   const CanonicalMesh mesh = MakeCanonicalMesh(Flame(), {}, {}, bust);
   std::vector<float> posed;
   AvatarPoser poser(Flame(), {}, {}, bust);
-  poser.Forward(poser.FrameFor(MeanRoot(frames)), posed);
+  poser.Forward(poser.ParametersFor(MeanRoot(frames)), posed);
   // Rigid as a whole: distances between vertices of head and bust are those of the rest pose.
   const size_t bust_begin = size_t(Flame().vertex_count), n = mesh.vertices.size() / 3;
   const auto distance = [](const std::vector<float>& v, size_t a, size_t b) {

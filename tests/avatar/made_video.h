@@ -51,7 +51,7 @@ inline TrackedVideo MakeSmallVideo(size_t frames, int resolution) {
   video.shape.assign(size_t(MadeHead().model.shape_count), 0.0f);
   std::vector<float> vertices;
   for (size_t f = 0; f < std::min(frames, script.size()); ++f) {
-    poser.Forward(FlamePoser<float>::FrameOf(script[f].params), vertices);
+    poser.Forward(FlamePoser<float>::ParametersOf(script[f].params), vertices);
     const Image8 large =
         RenderProceduralHead(MadeHead(), vertices, script[f].params, script[f].camera);
     TrackedFrame frame;

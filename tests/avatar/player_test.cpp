@@ -58,7 +58,7 @@ class PosedAvatar {
         poser_(Flame(), model.shape, model.static_offset, model.bust) {}
   const PosedGaussians& At(const FlameParams& params) {
     std::vector<float> vertices;
-    poser_.Forward(poser_.FrameFor(params), vertices);
+    poser_.Forward(poser_.ParametersFor(params), vertices);
     surface_.Pose(vertices);
     Bind(model, surface_, posed_);
     return posed_;

@@ -39,7 +39,7 @@ TEST(AvatarSystem, TheCanonicalMeshIsTheShapeOrFrame0) {
   const TrackedVideo video = LoadSmallVideo(4, 3);
   std::vector<float> frame0;
   AvatarPoser poser(flame, video.shape, video.static_offset, {});
-  poser.Forward(poser.FrameFor(video.train[0].params), frame0);
+  poser.Forward(poser.ParametersFor(video.train[0].params), frame0);
   const CanonicalMesh rest = MakeCanonicalMesh(flame, video.shape, video.static_offset, {});
   ASSERT_NE(frame0, rest.vertices);
   for (const AvatarSystem system : kSystems) {

@@ -101,7 +101,7 @@ TEST(AvatarTrack, WithoutRefinementItStaysAsItIs) {
 // The whole chain by hand: parameters -> vertices -> surface -> Gaussians -> image -> loss.
 class Chain {
  public:
-  using Frame = AvatarPoser::Frame;
+  using Parameters = AvatarPoser::Parameters;
 
   Chain(const AvatarModel& model, const TrackedFrame& frame, const Image8& image)
       : model_(model),
@@ -111,11 +111,11 @@ class Chain {
         rasterizer_(MakeCpuRasterizer()),
         tape_(rasterizer_->MakeTape()),
         target_(image) {
-    start = poser_.FrameFor(frame.params);
+    start = poser_.ParametersFor(frame.params);
   }
 
   // Squared differences: smooth, so that finite differences mean something.
-  double Loss(const Frame& frame) {
+  double Loss(const Parameters& frame) {
     std::vector<float> vertices;
     poser_.Forward(frame, vertices);
     surface_.Pose(vertices);
@@ -127,7 +127,7 @@ class Chain {
     return PhotometricLoss().Evaluate(weights, image_.color, target_, background_, d_color_);
   }
 
-  Frame Gradient(const Frame& frame) {
+  Parameters Gradient(const Parameters& frame) {
     Loss(frame);
     Gaussians gradients = model_.gaussians.ZerosLike();
     Buffer<float> screen;
@@ -145,12 +145,12 @@ class Chain {
   }
 
   // From now on the target is the avatar's own image with these parameters.
-  void AimAt(const Frame& frame) {
+  void AimAt(const Parameters& frame) {
     Loss(frame);
     target_ = ToBytes(image_.ToImage());
   }
 
-  Frame start;
+  Parameters start;
 
  private:
   AvatarModel model_;
@@ -170,19 +170,19 @@ class Chain {
 struct Number {
   const char* name;
   float reach;
-  float& (*in)(AvatarPoser::Frame&);
+  float& (*in)(AvatarPoser::Parameters&);
 };
 const Number kNumbers[] = {
-    {"smile", 0.1f, [](AvatarPoser::Frame& f) -> float& { return f.expression[0]; }},
-    {"lips apart", 0.1f, [](AvatarPoser::Frame& f) -> float& { return f.expression[5]; }},
-    {"brow up", 0.1f, [](AvatarPoser::Frame& f) -> float& { return f.expression[8]; }},
-    {"nod", 0.01f, [](AvatarPoser::Frame& f) -> float& { return f.pose[0][0]; }},
-    {"turn", 0.01f, [](AvatarPoser::Frame& f) -> float& { return f.pose[0][1]; }},
-    {"tilt of the neck", 0.01f, [](AvatarPoser::Frame& f) -> float& { return f.pose[1][2]; }},
-    {"jaw", 0.01f, [](AvatarPoser::Frame& f) -> float& { return f.pose[2][0]; }},
-    {"x", 1e-3f, [](AvatarPoser::Frame& f) -> float& { return f.translation[0]; }},
-    {"y", 1e-3f, [](AvatarPoser::Frame& f) -> float& { return f.translation[1]; }},
-    {"z", 4e-3f, [](AvatarPoser::Frame& f) -> float& { return f.translation[2]; }}};
+    {"smile", 0.1f, [](AvatarPoser::Parameters& f) -> float& { return f.expression[0]; }},
+    {"lips apart", 0.1f, [](AvatarPoser::Parameters& f) -> float& { return f.expression[5]; }},
+    {"brow up", 0.1f, [](AvatarPoser::Parameters& f) -> float& { return f.expression[8]; }},
+    {"nod", 0.01f, [](AvatarPoser::Parameters& f) -> float& { return f.pose[0][0]; }},
+    {"turn", 0.01f, [](AvatarPoser::Parameters& f) -> float& { return f.pose[0][1]; }},
+    {"tilt of the neck", 0.01f, [](AvatarPoser::Parameters& f) -> float& { return f.pose[1][2]; }},
+    {"jaw", 0.01f, [](AvatarPoser::Parameters& f) -> float& { return f.pose[2][0]; }},
+    {"x", 1e-3f, [](AvatarPoser::Parameters& f) -> float& { return f.translation[0]; }},
+    {"y", 1e-3f, [](AvatarPoser::Parameters& f) -> float& { return f.translation[1]; }},
+    {"z", 4e-3f, [](AvatarPoser::Parameters& f) -> float& { return f.translation[2]; }}};
 
 // Slope of the straight line through losses and of that through gradients, over +-reach: images
 // of splats jump a little where two of them change order and where one fades below 1/255, and many
@@ -193,9 +193,9 @@ void Slopes(Chain& chain, const Number& number, double& measured, double& mean_g
   double squares = 0;
   for (int i = -kSamples; i <= kSamples; ++i) {
     const double offset = double(number.reach) * i / kSamples;
-    AvatarPoser::Frame frame = chain.start;
+    AvatarPoser::Parameters frame = chain.start;
     number.in(frame) += float(offset);
-    AvatarPoser::Frame gradient = chain.Gradient(frame);
+    AvatarPoser::Parameters gradient = chain.Gradient(frame);
     mean_gradient += number.in(gradient) / (2 * kSamples + 1);
     measured += offset * chain.Loss(frame);
     squares += offset * offset;
@@ -214,7 +214,7 @@ TEST(AvatarTrack, GradientOfTheImageMatchesFiniteDifferences) {
   for (float& logit : model.gaussians.values[kOpacityLogit]) logit = 2.2f;
   Chain chain(model, video.train[0], LoadTrackedImage(video, video.train[0]));
   for (const Number& number : kNumbers) {
-    AvatarPoser::Frame aim = chain.start;
+    AvatarPoser::Parameters aim = chain.start;
     number.in(aim) += 5 * number.reach;
     chain.AimAt(aim);
     double measured, gradient;
@@ -237,7 +237,7 @@ TEST(AvatarTrack, TheFirstStepGoesDownTheGradient) {
   Training<> run(perturbed, avatar, settings);
   const std::vector<FlameParams> before = run.subject.RefinedTrack();
   Chain chain(run.Model(), perturbed.train[0], LoadTrackedImage(video, video.train[0]));
-  const AvatarPoser::Frame gradient = chain.Gradient(chain.start);
+  const AvatarPoser::Parameters gradient = chain.Gradient(chain.start);
   run.trainer.Step();
   const FlameParams after = run.subject.RefinedTrack()[0];
   const auto expect = [&](float g, float from, float to, const std::string& what) {

@@ -57,7 +57,7 @@ class StagedPlayer {
   Stages Play(const FlameParams& params) {
     Stages s;
     auto start = Clock::now();
-    poser_.Forward(poser_.FrameFor(params), vertices_);
+    poser_.Forward(poser_.ParametersFor(params), vertices_);
     s.pose = MillisecondsSince(start);
     start = Clock::now();
     surface_.Pose(vertices_);

@@ -25,15 +25,15 @@ std::array<double, 3> Joint(const FlameModel& m, int j, const std::vector<double
   return p;
 }
 
-std::vector<double> Posed(const Poser& poser, const Poser::Frame& frame) {
+std::vector<double> Posed(const Poser& poser, const Poser::Parameters& frame) {
   std::vector<double> vertices;
   poser.Forward(frame, vertices);
   return vertices;
 }
 
-Poser::Frame RandomFrame(unsigned seed, double scale = 0.6) {
+Poser::Parameters RandomFrame(unsigned seed, double scale = 0.6) {
   const auto x = RandomVector(22, seed, scale);
-  Poser::Frame frame;
+  Poser::Parameters frame;
   frame.expression.assign(x.begin(), x.begin() + 4);
   for (int j = 0; j < kFlameJoints; ++j)
     for (int i = 0; i < 3; ++i) frame.pose[j][i] = x[4 + 3 * j + i];
@@ -52,7 +52,7 @@ TEST(FlamePose, ShapeOffsetExpressionAndTranslationAdd) {
   const FlameModel model = RandomModel();
   const std::vector<float> offset(3 * model.vertex_count, 0.25f);
   const Poser poser(model, {0, 2}, offset);
-  Poser::Frame frame;
+  Poser::Parameters frame;
   frame.expression = {0, 0, -3};
   frame.translation = {1, 2, 3};
   const auto v = Posed(poser, frame);
@@ -69,7 +69,7 @@ TEST(FlamePose, RootTurnsAboutItsJointNotTheOrigin) {
   const Poser poser(model, {});
   const auto rest = Posed(poser, {});
   const auto pivot = Joint(model, 0, rest);
-  Poser::Frame frame;
+  Poser::Parameters frame;
   frame.pose[0] = {0, 0, std::numbers::pi / 2};
   const auto v = Posed(poser, frame);
   for (int i = 0; i < model.vertex_count; ++i) {
@@ -85,7 +85,7 @@ TEST(FlamePose, RootTurnsAboutItsJointNotTheOrigin) {
 TEST(FlamePose, MatchesTheDefinition) {
   using namespace flame_math;
   const FlameModel m = RandomModel();
-  const Poser::Frame frame = RandomFrame(5);
+  const Poser::Parameters frame = RandomFrame(5);
   const size_t n = 3 * m.vertex_count;
   std::vector<double> v(m.template_vertices.begin(), m.template_vertices.end());
   for (size_t i = 0; i < n; ++i) {
@@ -128,9 +128,9 @@ TEST(FlamePose, FloatAgreesWithDouble) {
   params.expression = {0.5f, 0, -1.5f};
   params.pose = {{{0.1f, 0.4f, 0}, {0, 0, 0.2f}, {0.3f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}}};
   params.translation = {0.1f, 0.2f, 0.3f};
-  const auto exact = Posed(Poser(model, {1.0f}), Poser::FrameOf(params));
+  const auto exact = Posed(Poser(model, {1.0f}), Poser::ParametersOf(params));
   std::vector<float> v;
-  FlamePoser<float>(model, {1.0f}).Forward(FlamePoser<float>::FrameOf(params), v);
+  FlamePoser<float>(model, {1.0f}).Forward(FlamePoser<float>::ParametersOf(params), v);
   for (size_t i = 0; i < v.size(); ++i) EXPECT_NEAR(v[i], exact[i], 2e-6);
 }
 
@@ -140,7 +140,7 @@ void ExpectCacheIsInvisible(const FlameModel& model) {
   typename FlamePoser<T>::Cache cache;
   std::vector<T> kept, fresh;
   const std::vector<T> d(3 * model.vertex_count, T(0.5));
-  typename FlamePoser<T>::Frame frame;  // first without expression
+  typename FlamePoser<T>::Parameters frame;  // first without expression
   for (int step = 0; step < 24; ++step) {
     const auto x = RandomVector(22, 70 + step, 0.5);
     if (step % 3 == 1) frame.expression.assign(x.begin(), x.begin() + step % 5);
@@ -165,7 +165,7 @@ TEST(FlamePose, TheCacheChangesNothing) {
 TEST(FlamePose, SameBitsForAnyNumberOfThreads) {
   const FlameModel model = RandomModel(3000);
   const FlamePoser<float> poser(model, {0.3f});
-  FlamePoser<float>::Frame frame;
+  FlamePoser<float>::Parameters frame;
   frame.expression = {0.1f, -0.4f, 0, 0.9f};
   frame.pose = {{{0.1f, 0.4f, 0}, {0, 0, 0.2f}, {0.3f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}}};
   std::vector<float> one, many;
@@ -185,10 +185,10 @@ TEST(FlamePose, ARefusedFrameLeavesVerticesAndCache) {
   const Poser poser(model, {});
   Poser::Cache cache;
   std::vector<double> v;
-  const Poser::Frame good = RandomFrame(3);
+  const Poser::Parameters good = RandomFrame(3);
   poser.Forward(good, v, cache);
   const std::vector<double> before = v;
-  Poser::Frame bad = RandomFrame(4);
+  Poser::Parameters bad = RandomFrame(4);
   bad.translation[2] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(poser.Forward(bad, v, cache), Error);
   EXPECT_EQ(v, before);
@@ -196,9 +196,9 @@ TEST(FlamePose, ARefusedFrameLeavesVerticesAndCache) {
   EXPECT_EQ(v, before);
 }
 
-void ExpectGradientMatchesDifferences(const Poser& poser, Poser::Frame frame) {
+void ExpectGradientMatchesDifferences(const Poser& poser, Poser::Parameters frame) {
   const auto weights = RandomVector(3 * poser.model().vertex_count, 9);
-  const Poser::Frame d = poser.Backward(frame, weights);
+  const Poser::Parameters d = poser.Backward(frame, weights);
   const auto loss = [&] {
     const auto v = Posed(poser, frame);
     double sum = 0;
@@ -230,7 +230,7 @@ TEST(FlamePose, BackwardMatchesDifferences) {
   for (unsigned seed : {1, 2, 3}) ExpectGradientMatchesDifferences(poser, RandomFrame(seed));
   ExpectGradientMatchesDifferences(poser, RandomFrame(4, 0));  // everything at zero
   ExpectGradientMatchesDifferences(poser, RandomFrame(5, 2));  // beyond a half turn
-  Poser::Frame few = RandomFrame(6);
+  Poser::Parameters few = RandomFrame(6);
   few.expression.resize(2);
   ExpectGradientMatchesDifferences(poser, few);
 }
@@ -239,7 +239,7 @@ TEST(FlamePose, RefusesUnusableParameters) {
   const FlameModel model = RandomModel();
   const Poser poser(model, {});
   std::vector<double> v;
-  Poser::Frame frame;
+  Poser::Parameters frame;
   frame.expression = {0, 0, 0, 0, 0, 0};
   EXPECT_NO_THROW(poser.Forward(frame, v));
   frame.expression[5] = 0.1;

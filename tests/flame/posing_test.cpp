@@ -16,15 +16,15 @@ namespace {
 
 using Poser = FlamePoser<float>;
 
-Poser::Frame FrameOf(std::vector<float> expression) {
-  Poser::Frame frame;
+Poser::Parameters FrameOf(std::vector<float> expression) {
+  Poser::Parameters frame;
   frame.expression = std::move(expression);
   for (int j = 0; j < kFlameJoints; ++j) frame.pose[j] = {0.1f * float(j), 0.3f, -0.2f};
   frame.translation = {1, 2, 3};
   return frame;
 }
 
-std::vector<float> ByKernels(const Poser& poser, const Poser::Frame& frame) {
+std::vector<float> ByKernels(const Poser& poser, const Poser::Parameters& frame) {
   FlameRig<float> rig;
   poser.Prepare(frame, rig);
   const PosingArrays<float> arrays = poser.Arrays();
@@ -43,11 +43,11 @@ std::vector<float> ByKernels(const Poser& poser, const Poser::Frame& frame) {
 TEST(Posing, KernelsGiveTheBitsOfForward) {
   const FlameModel model = RandomModel(300, 3, 11);
   const Poser poser(model, {0.5f, -2});
-  for (const Poser::Frame& frame : {Poser::Frame{},
-                                    FrameOf({}),
-                                    FrameOf({0, 0, 1}),
-                                    FrameOf({1, 0, -1, 2, 0.5f}),
-                                    FrameOf(std::vector<float>(11, 0.3f))}) {
+  for (const Poser::Parameters& frame : {Poser::Parameters{},
+                                         FrameOf({}),
+                                         FrameOf({0, 0, 1}),
+                                         FrameOf({1, 0, -1, 2, 0.5f}),
+                                         FrameOf(std::vector<float>(11, 0.3f))}) {
     std::vector<float> forward;
     poser.Forward(frame, forward);
     EXPECT_EQ(ByKernels(poser, frame), forward);
@@ -60,7 +60,7 @@ TEST(Posing, ZeroCoefficientsAreLeftOut) {
   FlameRig<float> rig;
   poser.Prepare({}, rig);
   EXPECT_TRUE(rig.terms.empty());
-  Poser::Frame frame;
+  Poser::Parameters frame;
   frame.expression = {0, 2, 0};
   frame.pose[2] = {0, 0, 0.4f};  // the jaw: four of its nine features change
   poser.Prepare(frame, rig);
@@ -77,7 +77,7 @@ TEST(Posing, RefusesWhatForwardRefuses) {
   FlameRig<float> rig;
   poser.Prepare(FrameOf({1}), rig);
   const size_t before = rig.terms.size();
-  Poser::Frame bad = FrameOf({});
+  Poser::Parameters bad = FrameOf({});
   bad.pose[3][1] = std::numeric_limits<float>::quiet_NaN();
   ExpectError([&] { poser.Prepare(bad, rig); }, {"random", "pose[1]"});
   ExpectError([&] { poser.Prepare(FrameOf({2e6f}), rig); }, {"random", "expression[0]"});
@@ -88,7 +88,7 @@ TEST(Posing, RefusesWhatForwardRefuses) {
 // A model's numbers are finite, but have no other limit.
 TEST(Posing, ReachIsAnUpperBound) {
   FlameModel model = RandomModel();
-  const auto check = [&](const Poser::Frame& frame) {
+  const auto check = [&](const Poser::Parameters& frame) {
     const Poser poser(model, {});
     FlameRig<float> rig;
     poser.Prepare(frame, rig);

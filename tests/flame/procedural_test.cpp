@@ -28,7 +28,7 @@ const ProceduralHead& Head() {
 
 bool IsEye(Part part) { return part == Part::kLeftEye || part == Part::kRightEye; }
 
-using Frame = FlamePoser<float>::Frame;
+using Frame = FlamePoser<float>::Parameters;
 
 Frame RestFrame() {
   Frame frame;

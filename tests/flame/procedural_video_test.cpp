@@ -26,7 +26,7 @@ const ProceduralHead& Head() {
 std::vector<float> Posed(const FlameParams& params) {
   const FlamePoser<float> poser(Head().model, {});
   std::vector<float> vertices;
-  poser.Forward(FlamePoser<float>::FrameOf(params), vertices);
+  poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
   return vertices;
 }
 

@@ -34,7 +34,7 @@ TEST_F(RealFlame, PickleAndNpzPoseTheSameMesh) {
     EXPECT_EQ(m->parents, (std::array<int, kFlameJoints>{-1, 0, 1, 1, 1}));
     EXPECT_FALSE(m->redistributable);
   }
-  FlamePoser<float>::Frame frame;
+  FlamePoser<float>::Parameters frame;
   frame.expression = {1, -2, 0.5f};
   frame.pose = {{{0.1f, 0.4f, 0}, {0, 0, 0.2f}, {0.3f, 0, 0}, {0, 0.1f, 0}, {0, 0.1f, 0}}};
   std::vector<float> va, vb;
@@ -72,7 +72,7 @@ Projection Project(const JsonField& track, const JsonField& frame, const FlamePo
   for (int j = 0; j < kFlameJoints; ++j)
     for (int i = 0; i < 3; ++i) params.pose[j][i] = pose[3 * j + i];
   std::vector<float> v;
-  poser.Forward(FlamePoser<float>::FrameOf(params), v);
+  poser.Forward(FlamePoser<float>::ParametersOf(params), v);
   const auto k = track["intrinsics"].Numbers(4);
   const auto m = frame["world_mat"].Numbers(12);
   Projection out;

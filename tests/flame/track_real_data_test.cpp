@@ -19,7 +19,7 @@ using Pixels = std::vector<std::array<double, 2>>;
 // Where the camera sees the posed mesh.
 Pixels Project(const FlamePoser<float>& poser, const TrackedFrame& frame) {
   std::vector<float> v;
-  poser.Forward(FlamePoser<float>::FrameOf(frame.params), v);
+  poser.Forward(FlamePoser<float>::ParametersOf(frame.params), v);
   const Camera& c = frame.camera;
   Pixels pixels;
   for (size_t i = 0; i < v.size(); i += 3) {

@@ -47,12 +47,12 @@ struct Posers {
 
   std::vector<float> OnHost(const FlameParams& params) {
     std::vector<float> vertices;
-    host.Forward(host.FrameFor(params), vertices);
+    host.Forward(host.ParametersFor(params), vertices);
     return vertices;
   }
   std::vector<float> OnDevice(const FlameParams& params) {
     FlameRig<float> rig;
-    host.flame().Prepare(host.FrameFor(params), rig);
+    host.flame().Prepare(host.ParametersFor(params), rig);
     std::vector<float> vertices(3 * device.vertex_count());
     device.Pose(rig, stream).Download(vertices.data(), stream);
     stream.Wait();

@@ -166,13 +166,13 @@ TEST(PluginRest, TheHeadSitsOnItsBust) {
   ASSERT_EQ(cosplat_get_parameters(avatar, &rest), COSPLAT_OK);
   std::vector<float> posed, expected;
   AvatarPoser poser(files.flame, {}, {}, model.bust);
-  poser.Forward(poser.FrameFor(root), expected);
+  poser.Forward(poser.ParametersFor(root), expected);
   FlameParams opened;
   for (size_t k = 0; k < 3; ++k) {
     opened.pose[0][k] = rest.joints[COSPLAT_JOINT_ROOT][k];
     opened.translation[k] = rest.translation[k];
   }
-  poser.Forward(poser.FrameFor(opened), posed);
+  poser.Forward(poser.ParametersFor(opened), posed);
   for (size_t i = 0; i < posed.size(); ++i) ASSERT_NEAR(posed[i], expected[i], 1e-5f);
   const Extent turned = HeadIn(Orbit(avatar, 200, 200, 0.4f, 0.2f, 1), posed);
   const OpenAvatar plain;

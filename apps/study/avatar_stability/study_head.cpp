@@ -26,7 +26,7 @@ StudyHead::StudyHead()
 
 std::vector<float> StudyHead::Vertices(const FlameParams& params) const {
   std::vector<float> vertices;
-  poser.Forward(FlamePoser<float>::FrameOf(params), vertices);
+  poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
   return vertices;
 }
 
