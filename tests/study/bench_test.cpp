@@ -12,7 +12,7 @@
 #include "apps/study/bench/half_adam.h"
 #include "apps/study/bench/held_memory.h"
 #include "apps/study/bench/machine.h"
-#include "apps/study/bench/pair_counts.h"
+#include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/step_timer.h"
 #include "apps/study/bench/synthetic_view.h"
 #include "splat/base/rng.h"

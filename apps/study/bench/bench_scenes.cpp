@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
-#include "apps/study/bench/pair_counts.h"
 #include "apps/study/bench/step_timer.h"
 
 namespace cosplat {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/half_adam.h"
-#include "apps/study/bench/pair_counts.h"
 
 namespace cosplat {
 namespace {

@@ -1,9 +1,8 @@
-#include "apps/study/bench/pair_counts.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "apps/study/bench/bench_scene.h"
 #include "splat/config.h"
 #include "splat/math/blend.h"
 #include "splat/render/cpu/launch.h"
