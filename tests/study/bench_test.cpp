@@ -8,11 +8,11 @@
 #include <limits>
 #include <vector>
 
+#include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/dense_tile.h"
 #include "apps/study/bench/half_adam.h"
 #include "apps/study/bench/held_memory.h"
 #include "apps/study/bench/machine.h"
-#include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/step_timer.h"
 #include "apps/study/bench/synthetic_view.h"
 #include "splat/base/rng.h"
