@@ -18,14 +18,18 @@ dry() {
   shift
   status=0
   "$run" --dry-run --build "$build" --out "$work/$name" "$@" >"$work/$name.log" 2>&1 || status=$?
+  [[ -f $work/$name/summary.json ]] || die "no summary: $(cat "$work/$name.log")"
   steps=$(steps_of "$work/$name")
 }
 steps_of() { sed -n 's/.*"name": "\([^"]*\)", "result": "\([^"]*\)".*/\1=\2/p' "$1/summary.json"; }
 place() { grep -n "^$1=" <<<"$steps" | cut -d : -f 1; }
 expect() { grep -qx "$1" <<<"$steps" || die "no '$1' in: $steps"; }
 
-rm -f "$build/begun"
+# What a carried folder holds, from the system's packages. From nothing each time: CMake remembers
+# what an earlier call found.
+rm -rf "$build"
 mkdir -p "$work/carried"
+ln -s /usr/include /usr/src "$work/carried"
 : >"$work/carried/scene.tar.xz"
 
 dry first --carried "$work/carried"
