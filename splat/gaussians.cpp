@@ -16,8 +16,9 @@ Basis BasisFromString(const std::string& text, const std::string& file, const st
 }
 
 int Gaussians::width(int attribute) const {
-  constexpr std::array<int, kAttributeCount> kWidths{3, 4, 3, 1, 3, 0};
+  constexpr std::array<int, kAttributeCount> kWidths{3, 4, 3, 1, 3, 0, 0};
   if (attribute == kColorRest) return 3 * (CoefficientCount(degree) - 1);
+  if (attribute == kCorrection) return kCorrectionNumbers * corrections;
   return kWidths[attribute];
 }
 
@@ -44,6 +45,7 @@ Gaussians Gaussians::ZerosLike() const {
   Gaussians zeros;
   zeros.degree = degree;
   zeros.basis = basis;
+  zeros.corrections = corrections;
   zeros.Resize(size());
   return zeros;
 }
@@ -51,6 +53,7 @@ Gaussians Gaussians::ZerosLike() const {
 void Gaussians::Upload(const Gaussians& from, Stream& stream) {
   degree = from.degree;
   basis = from.basis;
+  corrections = from.corrections;
   degrees.Upload(from.degrees.data(), from.degrees.size(), stream);
   for (int a = 0; a < kAttributeCount; ++a)
     values[a].Upload(from.values[a].data(), from.values[a].size(), stream);
@@ -59,6 +62,7 @@ void Gaussians::Upload(const Gaussians& from, Stream& stream) {
 void Gaussians::Download(Gaussians& to, Stream& stream) const {
   to.degree = degree;
   to.basis = basis;
+  to.corrections = corrections;
   to.degrees.resize(degrees.size());
   degrees.Download(to.degrees.data(), stream);
   for (int a = 0; a < kAttributeCount; ++a) {
@@ -70,6 +74,7 @@ void Gaussians::Download(Gaussians& to, Stream& stream) const {
 void Gaussians::RefillLike(const Gaussians& other, Stream& stream) {
   degree = other.degree;
   basis = other.basis;
+  corrections = other.corrections;
   degrees.clear();
   for (int a = 0; a < kAttributeCount; ++a) values[a].Refill(other.values[a].size(), stream);
 }

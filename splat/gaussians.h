@@ -21,14 +21,19 @@ enum Attribute {
   kOpacityLogit,  // [N, 1] inverse logistic
   kColorDc,       // [N, 3] coefficient of the constant function; colour = 0.5 + K0 * dc + ...
   kColorRest,     // [N, (degree+1)^2 - 1, 3] coefficients of bands >= 1, in 3DGS's order
+  kCorrection,    // [N, corrections, kCorrectionNumbers] of avatars (avatar/math/correct.h)
   kAttributeCount
 };
 
 constexpr int kMaxTrainedDegree = 4;
 
+// Numbers of a basis of corrections: offset 3, rotation 4, scale 3, opacity 1, colour 3.
+constexpr int kCorrectionNumbers = 14;
+
 struct Gaussians {
   int degree = 0;  // highest band stored
   Basis basis = Basis::kDcsh;
+  int corrections = 0;  // bases per Gaussian by which an avatar follows the expression
   // [N] degree of each Gaussian, <= `degree`: coefficients of its higher bands are zero, are not
   // evaluated and get no gradient. Empty if all have `degree`.
   Buffer<uint8_t> degrees;

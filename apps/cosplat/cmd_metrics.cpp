@@ -4,16 +4,60 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
+#include "avatar/io/avatar_file.h"
+#include "avatar/surface/silhouette.h"
+#include "avatar/train/fit_track.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
-// `lpips_folder` may be empty.
-void Measure(const std::string& model, const std::string& lpips_folder) {
+struct MetricsOptions {
+  std::string model, lpips, flame;  // the last two may be empty
+  bool fit_track = false, fit_bust = false;
+};
+
+// Writes the held-out frames as the avatar shows them once their parameters have been fitted,
+// beside those on tracked parameters: test/ours_N<suffix>.
+void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
+  FitSettings settings;
+  settings.head = o.fit_track;
+  if (run["kind"].String() != "avatar")
+    throw Error(o.model, "--fit-track", "is for avatars; this is a scene");
+  const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
+  AvatarModel avatar = ReadAvatarGlb(o.model + "/avatar.glb");
+  AttachMesh(avatar, flame);
+  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
+  if (video.test.empty()) throw Error(o.model, "--fit-track", "no frames were held out");
+  const MeshTopology topology =
+      BuildTopology("avatar", avatar.mesh.faces, int(avatar.mesh.vertices.size() / 3));
+  TrackFitter fitter(avatar, flame);
+  TestImageWriter writer(
+      o.model, "test", iteration, avatar.background, o.fit_track ? "_fitted" : "_fitted_bust");
+  ProgressBar bar("fit", int(video.test.size()));
+  for (size_t i = 0; i < video.test.size(); ++i) {
+    const TrackedFrame& frame = video.test[i];
+    const Image8 truth = LoadTrackedImage(video, frame);
+    fitter.Fit(frame, truth, avatar.background, settings);
+    const std::array<int, 4> box =
+        MouthBox(fitter.vertices(), avatar.mesh.vertices, topology, frame.camera);
+    const Rectangle mouth{box[0], box[1], box[2], box[3]};
+    writer.Write(fitter.image(), truth, mouth.width > 0 ? &mouth : nullptr);
+    bar.Update(int(i) + 1, "frames");
+  }
+  writer.Finish();
+}
+
+void Measure(const MetricsOptions& o) {
+  const std::string &model = o.model, &lpips_folder = o.lpips;
   const Json json = ReadRun(model);
-  const int iteration = SavedIteration(model, JsonField(model + "/run.json", json));
+  const JsonField run(model + "/run.json", json);
+  const int iteration = SavedIteration(model, run);
+  if (o.fit_track || o.fit_bust) WriteFitted(o, run, iteration);
   std::unique_ptr<Lpips> lpips;
   if (!lpips_folder.empty()) lpips = std::make_unique<Lpips>(lpips_folder);
   std::unique_ptr<ProgressBar> bar;
@@ -34,13 +78,23 @@ void Measure(const std::string& model, const std::string& lpips_folder) {
 void AddMetrics(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "metrics", "PSNR, SSIM and LPIPS of the test views: results.json, per_view.json");
-  const auto model = std::make_shared<std::string>(), lpips = std::make_shared<std::string>();
-  command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
+  const auto o = std::make_shared<MetricsOptions>();
+  command->add_option("-m,--model_path", o->model, "a trained model's folder")->required();
+  command->add_option("--flame", o->flame, "FLAME model file, if not where it was in training");
+  command->add_flag("--fit-track",
+                    o->fit_track,
+                    "also with pose, expression and bust of each test frame fitted to its image, "
+                    "the avatar held fixed: ours_N_fitted");
+  command
+      ->add_flag("--fit-bust",
+                 o->fit_bust,
+                 "likewise, with the bust's pose alone fitted: ours_N_fitted_bust")
+      ->excludes("--fit-track");
   command->add_option("--lpips",
-                      *lpips,
+                      o->lpips,
                       "LPIPS by the net in this folder: NET_backbone.onnx, NET_lin.npz and "
                       "NET_taps.txt (docs/lpips.md)");
-  command->callback([=] { Measure(*model, *lpips); });
+  command->callback([o] { Measure(*o); });
 }
 
 }  // namespace cosplat

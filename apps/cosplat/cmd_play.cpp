@@ -8,6 +8,7 @@
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/viewer/window.h"
+#include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "splat/base/error.h"
 #include "splat/render/device_texture.h"
@@ -28,7 +29,7 @@ struct PlayOptions {
   double fps = 0;
   int frames = 0;  // 0: the drive's length, or one without a drive
   float scale = 0;
-  bool headless = false, transparent = false, quiet = false;
+  bool headless = false, transparent = false, still_bust = false, quiet = false;
 };
 
 struct Size {
@@ -90,6 +91,7 @@ void Play(const PlayOptions& o) {
     throw Error("--out", "is needed with --headless: a folder or a file that ends in .mp4");
   const Device device = DeviceFromString(o.device);
   Content content = LoadContent(o.model, o.flame);
+  if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
   Session session(content);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
   SetLook(o, session);
@@ -140,6 +142,9 @@ void AddPlay(CLI::App& app) {
           "--frames", o->frames, "headless: number of frames of the drive, or of a full turn")
       ->needs(headless)
       ->check(CLI::Range(0, 1000000));
+  command->add_flag("--still-bust",
+                    o->still_bust,
+                    "hold an avatar's shoulders still instead of following the head");
   command->add_option("--size", o->size, "headless: WIDTHxHEIGHT; as it was filmed if not given")
       ->needs(headless);
   command->add_option("--ui-scale", o->scale, "scale of text and panels; 0: the display's scale")

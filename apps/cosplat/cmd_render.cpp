@@ -15,6 +15,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
 #include "avatar/play/preview.h"
@@ -37,6 +38,7 @@ struct RenderOptions {
   bool orbit = false;
   int resolution = 0;  // 0: as in training
   bool preview = false;
+  bool still_bust = false;
   bool quiet = false;
 };
 
@@ -198,6 +200,7 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(model, flame);
   if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
+  if (o.still_bust) HoldBustStill(model);
   AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
@@ -244,6 +247,9 @@ void AddRender(CLI::App& app) {
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("-r,--resolution", o->resolution, "divide the images' size by this")
       ->check(CLI::Range(0, 64));
+  command->add_flag("--still-bust",
+                    o->still_bust,
+                    "hold an avatar's shoulders still instead of following the head");
   command->add_flag(
       "--preview", o->preview, "render at half the resolution and enlarge: faster and softer");
   command->add_option("--device", o->device, "where to render: cpu, cuda (an NVIDIA GPU) or auto")

@@ -19,6 +19,7 @@ VERSION = (0, 2)  # of cosplat.h: the structures below are those of this version
 
 JOINTS = ("root", "neck", "jaw", "left_eye", "right_eye")
 DEVICE_AUTO, DEVICE_CPU, DEVICE_CUDA = range(3)
+BUST_FOLLOWS, BUST_STILL = range(2)
 RGBA8, BGRA8 = range(2)
 STRAIGHT, PREMULTIPLIED, OPAQUE = range(3)
 RANGE_SOFT, RANGE_FREE = range(2)
@@ -34,7 +35,12 @@ class _Structure(c.Structure):
 
 
 class OpenOptions(_Structure):
-    _fields_ = [("struct_size", c.c_uint32), ("device", c.c_uint32), ("flame_path", c.c_char_p)]
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("device", c.c_uint32),
+        ("flame_path", c.c_char_p),
+        ("bust", c.c_uint32),
+    ]
 
 
 class Info(_Structure):
@@ -206,9 +212,9 @@ def _path(path):
 class Avatar:
     """An open avatar; `with` closes it."""
 
-    def __init__(self, path, flame=None, device=DEVICE_AUTO):
+    def __init__(self, path, flame=None, device=DEVICE_AUTO, bust=BUST_FOLLOWS):
         self._handle = _Handle()
-        options = OpenOptions(device=device, flame_path=_path(flame))
+        options = OpenOptions(device=device, flame_path=_path(flame), bust=bust)
         _check(library.cosplat_open(_path(path), options, c.byref(self._handle)))
         self.rest = Parameters()  # what it is opened with
         self._call("get_parameters", self.rest)

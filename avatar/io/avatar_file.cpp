@@ -5,6 +5,7 @@
 
 #include "avatar/io/binding_extension.h"
 #include "avatar/model/avatar_mesh.h"
+#include "avatar/model/corrections.h"
 #include "avatar/surface/binding.h"
 #include "avatar/surface/surface.h"
 #include "splat/base/error.h"
@@ -35,6 +36,21 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
   if (model.bust) {
     CheckArray(path, "bust rotation", model.bust->rotation, 9);
     CheckArray(path, "bust translation", model.bust->translation, 3);
+    if (const auto& follow = model.bust->follow) {
+      CheckArray(path, "bust follow headMean", follow->head_mean, 9);
+      CheckArray(path, "bust follow matrix", follow->matrix, 54);
+      CheckArray(path, "bust follow mean", follow->mean, 6);
+      CheckArray(path, "bust follow least", follow->least, 6);
+      CheckArray(path, "bust follow most", follow->most, 6);
+    }
+  }
+  if (model.gaussians.corrections > 0) {
+    const CorrectionMap& map = model.correction_map;
+    const size_t count = size_t(model.gaussians.corrections);
+    CheckArray(path, "corrections mean", map.mean, map.mean.size());
+    CheckArray(path, "corrections matrix", map.matrix, count * map.mean.size());
+    CheckArray(path, "corrections least", map.least, count);
+    CheckArray(path, "corrections most", map.most, count);
   }
   if (const auto& range = model.trained_range) {
     CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
@@ -54,7 +70,7 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
 
 void CheckModel(const std::string& path, const AvatarModel& model) {
   constexpr std::array<const char*, kAttributeCount> kNames{
-      "offset", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest"};
+      "offset", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest", "correction"};
   const size_t n = model.size();
   const int degree = model.gaussians.degree;
   if (degree < 0 || degree > kMaxTrainedDegree)
@@ -132,8 +148,14 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
 
 Gaussians RestPose(const AvatarModel& model) {
   PosedGaussians posed;
-  Bind(model, Surface(model.mesh), posed);
+  Bind(model, Surface(model.mesh), posed, CorrectionWeights(model.correction_map, {}));
   Gaussians rest = model.gaussians;
+  if (rest.corrections > 0) {
+    rest.values[kOpacityLogit] = std::move(posed.opacity_logit);
+    rest.values[kColorDc] = std::move(posed.color_dc);
+    rest.corrections = 0;
+    rest.values[kCorrection].clear();
+  }
   rest.values[kPosition] = std::move(posed.position);
   rest.values[kRotation] = std::move(posed.rotation);
   rest.values[kScaleLog] = std::move(posed.scale_log);
@@ -217,12 +239,17 @@ std::string ToString(const GlbSummary& summary) {
             " of degree " + std::to_string(a.degree) + ", colours in the " +
             ToString(a.color_frame) + " frame\n";
     if (a.released) text += "follows the mesh by the rule of SplattingAvatar's released code\n";
+    if (a.corrections > 0)
+      text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
             std::to_string(a.shape_count) + " shape coefficients, " +
             (a.has_static_offset ? "a" : "no") + " static offset\n";
     text +=
         "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
-        std::to_string(a.face_count) + " faces" + (a.has_bust ? " with a bust, " : ", ") +
+        std::to_string(a.face_count) + " faces" +
+        (a.bust_follows ? " with a bust that follows the head, "
+         : a.has_bust   ? " with a bust, "
+                        : ", ") +
         (a.has_mesh ? "in the file with " + std::to_string(a.expression_count) + " morph targets\n"
                     : "not in the file: made from the FLAME model\n");
   }

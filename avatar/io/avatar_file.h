@@ -70,6 +70,8 @@ struct GlbSummary {
     size_t shape_count = 0;
     bool has_static_offset = false;
     bool has_bust = false;
+    bool bust_follows = false;
+    int corrections = 0;                      // bases per Gaussian
     bool released = false;                    // follows the mesh by ReleasedRule
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh
     bool has_mesh = false;                    // whether the file contains the mesh

@@ -12,9 +12,9 @@
 namespace cosplat {
 
 inline constexpr const char* kBindingExtension = "COSPLAT_mesh_binding";
-// The newest version, written for avatars with a rule or a canonical frame; all others are version
-// 1.
-constexpr int kBindingVersion = 2;
+// The newest version. An avatar is written in the oldest that has all its fields: 3 with
+// corrections or a bust that follows the head, 2 with a rule or a canonical frame, else 1.
+constexpr int kBindingVersion = 3;
 inline constexpr const char* kReleasedRule = "splatting-avatar-released";
 
 std::string ToString(ColorFrame frame);  // "surface" or "world"

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "avatar/io/binding_extension.h"
+#include "avatar/model/corrections.h"
 #include "splat/base/error.h"
 #include "splat/io/splat_primitive.h"
 
@@ -76,26 +77,58 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
   FillNumbers(field["translation"], frame.translation);
 }
 
+// Checks that an array is at least as large as another, number by number.
+void CheckRange(const JsonField& field, View<const float> least, View<const float> most) {
+  if (most.size() != least.size())
+    Fail(field,
+         "has " + std::to_string(most.size()) + " numbers, expected " +
+             std::to_string(least.size()));
+  for (size_t i = 0; i < least.size(); ++i)
+    if (least[i] > most[i])
+      Fail(field[i],
+           "is " + std::to_string(most[i]) + ", below the minimum " + std::to_string(least[i]));
+}
+
+void ReadBustFollow(const JsonField& field, BustFollow& follow) {
+  FillNumbers(field["headMean"], follow.head_mean);
+  FillNumbers(field["matrix"], follow.matrix);
+  FillNumbers(field["mean"], follow.mean);
+  FillNumbers(field["least"], follow.least);
+  FillNumbers(field["most"], follow.most);
+  CheckRange(field["most"], follow.least, follow.most);
+}
+
+// After the embedding has been read.
+void ReadCorrections(const GlbDocument& document, const JsonField& field, AvatarModel& model) {
+  CorrectionMap& map = model.correction_map;
+  model.gaussians.corrections = IntegerWithin(field["count"], 1, kMaxCorrections);
+  const size_t count = size_t(model.gaussians.corrections);
+  map.mean = field["mean"].Numbers();
+  map.matrix = field["matrix"].Numbers(count * map.mean.size());
+  map.least = field["least"].Numbers(count);
+  map.most = field["most"].Numbers(count);
+  CheckRange(field["most"], map.least, map.most);
+  if (map.mean.size() < kMinCorrectionInputs)
+    Fail(field["mean"],
+         "has " + std::to_string(map.mean.size()) + " numbers, expected at least " +
+             std::to_string(kMinCorrectionInputs));
+  const size_t width = size_t(model.gaussians.width(kCorrection));
+  model.gaussians.values[kCorrection] =
+      Floats(document, field["bases"], 1, width * model.embedding.triangle.size());
+}
+
 void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   TrainedRange& range = model.trained_range.emplace();
   range.expression_least = field["expressionLeast"].Numbers();
   range.expression_most = field["expressionMost"].Numbers();
-  if (range.expression_most.size() != range.expression_least.size())
-    Fail(field["expressionMost"],
-         "has " + std::to_string(range.expression_most.size()) + " numbers, expected " +
-             std::to_string(range.expression_least.size()));
-  for (size_t i = 0; i < range.expression_least.size(); ++i)
-    if (range.expression_least[i] > range.expression_most[i])
-      Fail(field["expressionMost"][i],
-           "is " + std::to_string(range.expression_most[i]) + ", below the minimum " +
-               std::to_string(range.expression_least[i]));
+  CheckRange(field["expressionMost"], range.expression_least, range.expression_most);
   FillNumbers(field["angle"], range.angle);
 }
 
 // Reads all fields of the binding that are not accessors.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
   const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
-  if (version == 2) ReadVersion2(binding, model);
+  if (version >= 2) ReadVersion2(binding, model);
   model.gaussians.degree = IntegerWithin(binding["degree"], 0, kMaxTrainedDegree);
   const std::string basis = binding["basis"].String(), frame = binding["colorFrame"].String();
   model.gaussians.basis = BasisFromString(basis, binding.file(), binding["basis"].path());
@@ -111,6 +144,8 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   model.bust.emplace();
   FillNumbers(binding["bust"]["rotation"], model.bust->rotation);
   FillNumbers(binding["bust"]["translation"], model.bust->translation);
+  if (version >= 3 && binding["bust"].Has("follow"))
+    ReadBustFollow(binding["bust"]["follow"], model.bust->follow.emplace());
 }
 
 std::vector<int32_t> ReadTriangles(const GlbDocument& document,
@@ -228,6 +263,8 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   FillFloats(document, binding["opacityLogit"], model, kOpacityLogit);
   FillFloats(document, binding["colorDc"], model, kColorDc);
   ReadColorRest(document, binding, model);
+  if (binding["version"].Integer() >= 3 && binding.Has("corrections"))
+    ReadCorrections(document, binding["corrections"], model);
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {
     const JsonField field = binding["staticOffset"];
@@ -253,6 +290,8 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.shape_count = model.shape.size();
   summary.has_static_offset = !model.static_offset.empty();
   summary.has_bust = model.bust.has_value();
+  summary.bust_follows = model.bust && model.bust->follow;
+  summary.corrections = model.gaussians.corrections;
   const Json& mesh = json["canonicalMesh"];
   summary.vertex_count = mesh["vertexCount"].get<size_t>();
   summary.face_count = mesh["faceCount"].get<size_t>();

@@ -53,8 +53,7 @@ std::string Utf8(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-// Adds the fields that version 1 lacks, and the version. Readers of version 1 would render such an
-// avatar wrongly.
+// Adds the fields that version 1 lacks. Readers of version 1 would render such an avatar wrongly.
 void AddVersion2(const AvatarModel& model, Json& binding) {
   if (model.embedding.released)
     binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.embedding.released->unit)}};
@@ -66,7 +65,31 @@ void AddVersion2(const AvatarModel& model, Json& binding) {
                                  {"pose", pose},
                                  {"translation", Numbers(frame.translation)}};
   }
-  binding["version"] = model.embedding.released || model.canonical_frame ? kBindingVersion : 1;
+}
+
+// Adds the fields that version 2 lacks.
+void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding) {
+  if (model.bust && model.bust->follow) {
+    const BustFollow& follow = *model.bust->follow;
+    binding["bust"]["follow"] = {{"headMean", Numbers(follow.head_mean)},
+                                 {"matrix", Numbers(follow.matrix)},
+                                 {"mean", Numbers(follow.mean)},
+                                 {"least", Numbers(follow.least)},
+                                 {"most", Numbers(follow.most)}};
+  }
+  if (model.gaussians.corrections == 0) return;
+  const CorrectionMap& map = model.correction_map;
+  binding["corrections"] = {{"count", model.gaussians.corrections},
+                            {"mean", Numbers(map.mean)},
+                            {"matrix", Numbers(map.matrix)},
+                            {"least", Numbers(map.least)},
+                            {"most", Numbers(map.most)},
+                            {"bases", AddArray(document, model.gaussians.values[kCorrection], 1)}};
+}
+
+int VersionOf(const AvatarModel& model) {
+  if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow)) return 3;
+  return model.embedding.released || model.canonical_frame ? 2 : 1;
 }
 
 }  // namespace
@@ -81,6 +104,7 @@ Json AddBinding(GlbDocument& document,
                 int mesh) {
   const auto& values = model.gaussians.values;
   Json binding;
+  binding["version"] = VersionOf(model);
   AddVersion2(model, binding);
   binding["degree"] = model.gaussians.degree;
   binding["basis"] = ToString(model.gaussians.basis);
@@ -91,7 +115,10 @@ Json AddBinding(GlbDocument& document,
   binding["rotation"] = AddArray(document, values[kRotation], 4);
   binding["scaleLog"] = AddArray(document, values[kScaleLog], 3);
   binding["opacityLogit"] = AddArray(document, values[kOpacityLogit], 1);
-  binding["colorDc"] = splats.attributes.at(SplatCoefficientName(0));
+  // At rest the colours are corrected.
+  binding["colorDc"] = model.gaussians.corrections > 0
+                           ? AddArray(document, values[kColorDc], 3)
+                           : splats.attributes.at(SplatCoefficientName(0));
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
   binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
   if (!model.shape.empty()) binding["shape"] = AddArray(document, model.shape, 1);
@@ -101,6 +128,7 @@ Json AddBinding(GlbDocument& document,
   if (model.bust)
     binding["bust"] = {{"rotation", Numbers(model.bust->rotation)},
                        {"translation", Numbers(model.bust->translation)}};
+  AddVersion3(document, model, binding);
   if (model.trained_range)
     binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},
                                {"expressionMost", Numbers(model.trained_range->expression_most)},

@@ -5,7 +5,10 @@
 
 #include "avatar/math/frame.h"
 #include "avatar/math/turn.h"
+#include "avatar/model/bust.h"
+#include "avatar/model/place_bust.h"
 #include "flame/topology.h"
+#include "splat/device/for_each.h"
 #include "splat/math/quat.h"
 
 namespace cosplat {
@@ -109,15 +112,16 @@ AvatarPoser::AvatarPoser(const FlameModel& flame,
                          const std::vector<float>& shape,
                          const std::vector<float>& static_offset,
                          const std::optional<Bust>& bust)
-    : poser_(flame, shape, static_offset), flame_vertices_(flame.vertex_count) {
+    : poser_(flame, shape, static_offset), flame_vertices_(flame.vertex_count), bust_(bust) {
   if (!bust) return;
   const CanonicalMesh mesh = MakeCanonicalMesh(flame, shape, static_offset, bust);
   for (size_t i = 3 * flame_vertices_; i < mesh.vertices.size(); i += 3)
     for (int r = 0; r < 3; ++r)
-      posed_bust_.push_back(bust->rotation[3 * r] * mesh.vertices[i] +
-                            bust->rotation[3 * r + 1] * mesh.vertices[i + 1] +
-                            bust->rotation[3 * r + 2] * mesh.vertices[i + 2] +
-                            bust->translation[r]);
+      mean_bust_.push_back(bust->rotation[3 * r] * mesh.vertices[i] +
+                           bust->rotation[3 * r + 1] * mesh.vertices[i + 1] +
+                           bust->rotation[3 * r + 2] * mesh.vertices[i + 2] + bust->translation[r]);
+  const float* collar = &mean_bust_[3 * (kColumns / 2)];
+  bust_pivot_ = {collar[0], collar[1], collar[2]};
 }
 
 AvatarPoser::Parameters AvatarPoser::ParametersFor(const FlameParams& params) const {
@@ -132,17 +136,21 @@ void AvatarPoser::ParametersFor(const FlameParams& params, Parameters& parameter
   parameters.expression.assign(begin, begin + std::min(params.expression.size(), most));
   parameters.pose = params.pose;
   parameters.translation = params.translation;
+  parameters.bust = bust_ ? PoseOfBust(*bust_, params) : kMeanBustPose;
 }
 
 void AvatarPoser::Forward(const Parameters& parameters, std::vector<float>& vertices) {
   poser_.Forward(parameters, vertices, cache_);
-  vertices.insert(vertices.end(), posed_bust_.begin(), posed_bust_.end());
+  vertices.resize(3 * vertex_count());
+  ForEach(mean_bust_.size() / 3,
+          HostStream(),
+          PlaceBust{mean_bust_, bust_pivot_, &parameters.bust, &vertices[3 * flame_vertices_]});
 }
 
 AvatarPoser::Parameters AvatarPoser::Backward(const Parameters& parameters,
                                               View<const float> d_vertices) {
-  return poser_.Backward(
-      parameters, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_);
+  return {poser_.Backward(
+      parameters, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_)};
 }
 
 FlameParams MeanRoot(const std::vector<FlameParams>& frames) {

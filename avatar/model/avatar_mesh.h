@@ -4,7 +4,7 @@
 // FlameModel + shape -> MakeCanonicalMesh -> Surface; FlameParams -> AvatarPoser -> posed vertices
 // -> Surface::Pose. FLAME ends at the neck and rotates as a whole with the head's root joint;
 // shoulders bound to it would swing with every nod (GaussianAvatars issue 97). The bust is a
-// separate sheet that stays fixed in the world.
+// separate sheet and a rigid body of its own.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,9 @@ CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
 
 class AvatarPoser {
  public:
-  using Parameters = FlamePoser<float>::Parameters;
+  struct Parameters : FlamePoser<float>::Parameters {
+    BustPose bust = kMeanBustPose;
+  };
 
   // Keeps a reference to `flame`.
   AvatarPoser(const FlameModel& flame,
@@ -34,7 +36,8 @@ class AvatarPoser {
               const std::vector<float>& static_offset,
               const std::optional<Bust>& bust);
 
-  // Converts parameters; expression coefficients that the model does not have are ignored.
+  // Converts parameters; expression coefficients that the model does not have are ignored. The bust
+  // follows the head if it has learned to, else it is at its mean place.
   Parameters ParametersFor(const FlameParams& params) const;
   // The same, reusing the memory of `parameters`.
   void ParametersFor(const FlameParams& params, Parameters& parameters) const;
@@ -43,16 +46,20 @@ class AvatarPoser {
   void Forward(const Parameters& parameters, std::vector<float>& vertices);
   // Cheaper right after Forward of the same frame.
   Parameters Backward(const Parameters& parameters, View<const float> d_vertices);
-  // The head's poser, and the bust's vertices, which are the same in every frame: [K, 3] metres.
+  // The head's poser.
   const FlamePoser<float>& flame() const { return poser_; }
-  const std::vector<float>& bust() const { return posed_bust_; }
-  size_t vertex_count() const { return flame_vertices_ + posed_bust_.size() / 3; }
+  // The bust's vertices at its mean place, [K, 3] metres, and the middle of its collar.
+  const std::vector<float>& bust() const { return mean_bust_; }
+  const math::Vec3<float>& bust_pivot() const { return bust_pivot_; }
+  size_t vertex_count() const { return flame_vertices_ + mean_bust_.size() / 3; }
 
  private:
   FlamePoser<float> poser_;
   FlamePoser<float>::Cache cache_;
   size_t flame_vertices_;
-  std::vector<float> posed_bust_;
+  std::optional<Bust> bust_;
+  std::vector<float> mean_bust_;
+  math::Vec3<float> bust_pivot_{0, 0, 0};
 };
 
 // The frames' mean root rotation and translation, everything else zero.

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "avatar/math/bust.h"
 #include "flame/model.h"
 #include "splat/gaussians.h"
 
@@ -27,13 +28,29 @@ struct CanonicalMesh {
   std::vector<std::array<int32_t, 3>> faces;  // [F]
 };
 
+// Where the bust is in a frame, relative to its mean place (avatar/math/bust.h).
+using BustPose = math::BustMotion<float>;
+constexpr BustPose kMeanBustPose{{1, 0, 0, 0}, {0, 0, 0}};
+
+constexpr size_t kBustInputs = 9;   // the head's root turn and translation, its neck's turn
+constexpr size_t kBustOutputs = 6;  // the bust's turn (axis-angle, radians) and shift (metres)
+
+// How the bust follows the head where nothing else gives its pose (avatar/model/bust.h): a linear
+// map from the head's pose, softly limited to what training showed.
+struct BustFollow {
+  std::array<float, kBustInputs> head_mean{};
+  std::array<float, kBustOutputs * kBustInputs> matrix{};  // row-major
+  std::array<float, kBustOutputs> mean{};
+  std::array<float, kBustOutputs> least{}, most{};  // in the training frames
+};
+
 // Shoulders and clothes, which FLAME does not cover: a sheet below the neck
-// (avatar/model/avatar_mesh.h) that stays at the subject's mean position instead of turning with
-// the head.
+// (avatar/model/avatar_mesh.h), a rigid body that does not turn with the head.
 struct Bust {
   // world_from_canonical: p = rotation * p_canonical + translation; metres.
   std::array<float, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
   std::array<float, 3> translation{};
+  std::optional<BustFollow> follow{};  // not set: it stays at this mean place
 };
 
 // Follows the mesh by the rule of SplattingAvatar's code release (avatar/math/released.h).
@@ -61,6 +78,18 @@ struct TrainedRange {
   std::array<float, kFlameJoints> angle{};               // radians, the largest per joint
 };
 
+// How a frame's parameters choose the weights of the Gaussians' corrections
+// (avatar/model/corrections.h). Inputs z: the expression coefficients, then the axis-angles of
+// neck, jaw, left and right eye. weight_k = matrix_k (z - mean), softly limited to [least_k,
+// most_k].
+struct CorrectionMap {
+  std::vector<float> mean;         // [Z]
+  std::vector<float> matrix;       // [K, Z]
+  std::vector<float> least, most;  // [K] in the training frames
+
+  size_t count() const { return least.size(); }
+};
+
 struct AvatarModel {
   CanonicalMesh mesh;
   // The frame that `mesh` is posed by, if it is not at rest; only expression, pose and translation
@@ -81,6 +110,7 @@ struct AvatarModel {
   std::vector<float> static_offset;          // [V, 3] metres, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation
   std::optional<TrainedRange> trained_range;
+  CorrectionMap correction_map;  // for gaussians.corrections bases
 
   size_t size() const { return gaussians.size(); }
 };

@@ -17,7 +17,7 @@ AvatarRenderer::AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
   images_.stream().Wait();  // the avatar may be freed after this call
 }
 
-void AvatarRenderer::Draw(const FlameRig<float>& rig,
+void AvatarRenderer::Draw(const AvatarRig& rig,
                           uint64_t placement,
                           const Camera& camera,
                           const RenderSettings& settings,
@@ -27,7 +27,7 @@ void AvatarRenderer::Draw(const FlameRig<float>& rig,
   images_.Download(image, times);
 }
 
-void AvatarRenderer::DrawToStay(const FlameRig<float>& rig,
+void AvatarRenderer::DrawToStay(const AvatarRig& rig,
                                 uint64_t placement,
                                 const Camera& camera,
                                 const RenderSettings& settings,
@@ -38,11 +38,12 @@ void AvatarRenderer::DrawToStay(const FlameRig<float>& rig,
   images_.Keep(alpha, out, times);
 }
 
-void AvatarRenderer::Place(const FlameRig<float>& rig, uint64_t placement) {
+void AvatarRenderer::Place(const AvatarRig& rig, uint64_t placement) {
   if (placement != 0 && placement == placed_) return;
   placed_ = 0;
   surface_.Pose(poser_.Pose(rig, images_.stream()));
-  Bind(gaussians_, embedding_, surface_, posed_);
+  weights_.Upload(rig.weights.data(), rig.weights.size(), images_.stream());
+  Bind(gaussians_, embedding_, surface_, posed_, weights_);
   placed_ = placement;
 }
 

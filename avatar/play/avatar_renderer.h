@@ -30,14 +30,14 @@ class AvatarRenderer {
   // As Rasterizer::Forward, of the avatar in this pose, which must stay within float's range
   // (PosingReach). placement: identifies the pose; the avatar is not posed again while it is
   // unchanged and not 0.
-  void Draw(const FlameRig<float>& rig,
+  void Draw(const AvatarRig& rig,
             uint64_t placement,
             const Camera& camera,
             const RenderSettings& settings,
             RenderedImage& image);
   // The same, but the image stays on the device. out: null to create an image, otherwise one made
   // by this renderer. The background must be black except with AlphaMode::kOpaque.
-  void DrawToStay(const FlameRig<float>& rig,
+  void DrawToStay(const AvatarRig& rig,
                   uint64_t placement,
                   const Camera& camera,
                   const RenderSettings& settings,
@@ -47,7 +47,7 @@ class AvatarRenderer {
   PhaseTimes times;  // project, sort, blend; reset by the caller
 
  private:
-  void Place(const FlameRig<float>& rig, uint64_t placement);
+  void Place(const AvatarRig& rig, uint64_t placement);
   void Forward(const Camera& camera, const RenderSettings& settings);
 
   ImageRenderer images_;
@@ -56,6 +56,7 @@ class AvatarRenderer {
   Surface surface_;
   Gaussians gaussians_;
   Embedding embedding_;
+  Buffer<float> weights_;
   PosedGaussians posed_;
   uint64_t placed_ = 0;  // the placement of posed_
 };

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "avatar/model/corrections.h"
 #include "avatar/play/image_bytes.h"
 #include "avatar/play/preview.h"
 #include "splat/base/error.h"
@@ -61,7 +62,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
                     " vertices, the avatar's mesh " + std::to_string(surface_.vertex_count()));
   if (!settings.make_renderer) return;
   CheckEmbedding(avatar_.gaussians, avatar_.embedding, surface_.faces().size());
-  const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust()};
+  const AvatarPosing posing{poser_.flame().Arrays(), poser_.bust(), poser_.bust_pivot()};
   reach_.emplace(posing.flame);
   renderer_ = settings.make_renderer(avatar_, posing);
 }
@@ -87,14 +88,16 @@ void Player::PoseAndBind(PlacedAvatar& placed) {
 }
 
 void Player::Prepare(PlacedAvatar& placed) {
-  poser_.flame().Prepare(frame_, rig_);
-  reach_->Check(rig_);
+  poser_.flame().Prepare(frame_, rig_.flame);
+  reach_->Check(rig_.flame);
+  rig_.bust = frame_.bust;
+  rig_.weights = CorrectionWeights(avatar_.correction_map, frame_);
   std::swap(placed.rig_, rig_);
 }
 
 void Player::BindInto(PlacedAvatar& placed) {
   surface_.Pose(placed.vertices_);
-  Bind(avatar_, surface_, placed.gaussians_);
+  Bind(avatar_, surface_, placed.gaussians_, CorrectionWeights(avatar_.correction_map, frame_));
 }
 
 const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {

@@ -41,7 +41,7 @@ class PlacedAvatar {
   uint64_t posed_id_ = 0;  // the id_ that vertices_ belong to
   uint64_t bound_id_ = 0;  // the id_ that gaussians_ belong to
   FlameParams params_;
-  FlameRig<float> rig_;          // for rendering on a device
+  AvatarRig rig_;                // for rendering on a device
   std::vector<float> vertices_;  // [V, 3] metres
   PosedGaussians gaussians_;
 };
@@ -122,7 +122,7 @@ class Player {
   PlacedAvatar placed_;
   std::unique_ptr<AvatarRenderer> renderer_;  // null: rendered on the CPU by rasterizer_ and tape_
   std::optional<PosingReach> reach_;          // set if renderer_ is
-  FlameRig<float> rig_;                       // of the next Place; reused for its memory
+  AvatarRig rig_;                             // of the next Place; reused for its memory
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   Image last_;

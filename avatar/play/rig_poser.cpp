@@ -1,5 +1,8 @@
 #include "avatar/play/rig_poser.h"
 
+#include <utility>
+
+#include "avatar/model/place_bust.h"
 #include "flame/kernels/pose.h"
 #include "splat/device/for_each.h"
 
@@ -22,14 +25,15 @@ std::shared_ptr<const PosingDirections> DirectionStore::Get(const PosingArrays<f
 }
 
 RigPoser::RigPoser(const AvatarPosing& posing, DirectionStore& store, Stream& stream)
-    : directions_(store.Get(posing.flame, stream)), arrays_(posing.flame) {
+    : directions_(store.Get(posing.flame, stream)),
+      bust_pivot_(posing.bust_pivot),
+      arrays_(posing.flame) {
   const size_t vertices = arrays_.vertex_count;
   shaped_.Upload(arrays_.shaped, 3 * vertices, stream);
   weights_.Upload(arrays_.weights, kFlameJoints * vertices, stream);
   unskinned_.Refill(3 * vertices, stream);
-  std::vector<float> bust_last(3 * vertices, 0.0f);
-  bust_last.insert(bust_last.end(), posing.bust.begin(), posing.bust.end());
-  vertices_.Upload(bust_last.data(), bust_last.size(), stream);
+  mean_bust_.Upload(posing.bust.data, posing.bust.count, stream);
+  vertices_.Refill(3 * vertices + posing.bust.count, stream);
   stream.Wait();
   arrays_.shaped = shaped_.data();
   arrays_.weights = weights_.data();
@@ -37,7 +41,8 @@ RigPoser::RigPoser(const AvatarPosing& posing, DirectionStore& store, Stream& st
   arrays_.pose_directions = directions_->pose.data();
 }
 
-const Buffer<float>& RigPoser::Pose(const FlameRig<float>& rig, Stream& stream) {
+const Buffer<float>& RigPoser::Pose(const AvatarRig& avatar_rig, Stream& stream) {
+  const FlameRig<float>& rig = avatar_rig.flame;
   terms_.Upload(rig.terms.data(), rig.terms.size(), stream);
   ForEach(3 * arrays_.vertex_count,
           stream,
@@ -49,6 +54,14 @@ const Buffer<float>& RigPoser::Pose(const FlameRig<float>& rig, Stream& stream) 
   ForEach(arrays_.vertex_count,
           stream,
           flame_math::SkinKernel<float>(rig, weights_.data(), unskinned_.data(), vertices_.data()));
+  if (mean_bust_.empty()) return vertices_;
+  bust_pose_.Upload(&avatar_rig.bust, 1, stream);
+  ForEach(mean_bust_.size() / 3,
+          stream,
+          PlaceBust{std::as_const(mean_bust_).view(),
+                    bust_pivot_,
+                    bust_pose_.data(),
+                    vertices_.data() + 3 * arrays_.vertex_count});
   return vertices_;
 }
 

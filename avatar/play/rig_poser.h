@@ -8,15 +8,24 @@
 #include <memory>
 #include <mutex>
 
+#include "avatar/model/avatar_model.h"
 #include "flame/posing.h"
 #include "splat/device/buffer.h"
 
 namespace cosplat {
 
-// The data from which an avatar's vertices are posed: FLAME's head and the bust, which is fixed.
+// The data from which an avatar's vertices are posed: FLAME's head and the bust.
 struct AvatarPosing {
   PosingArrays<float> flame;
-  View<const float> bust;  // [K, 3] metres, posed
+  View<const float> bust;  // [K, 3] metres, at its mean place
+  math::Vec3<float> bust_pivot{0, 0, 0};
+};
+
+// A frame whose joints are posed.
+struct AvatarRig {
+  FlameRig<float> flame;
+  BustPose bust = kMeanBustPose;
+  std::vector<float> weights;  // [corrections] (avatar/model/corrections.h)
 };
 
 // A model's blend shape directions, most of the data that posing reads: 8 MB for FLAME with 100
@@ -45,13 +54,16 @@ class RigPoser {
 
   // Returns [vertex_count, 3] metres in the stream's memory, valid until the next call. `rig` must
   // stay unchanged until the stream has been waited for.
-  const Buffer<float>& Pose(const FlameRig<float>& rig, Stream& stream);
+  const Buffer<float>& Pose(const AvatarRig& rig, Stream& stream);
   size_t vertex_count() const { return vertices_.size() / 3; }
 
  private:
   std::shared_ptr<const PosingDirections> directions_;
   Buffer<float> shaped_, weights_, unskinned_;
-  Buffer<float> vertices_;  // the bust's come last and are written once
+  Buffer<float> mean_bust_;
+  math::Vec3<float> bust_pivot_;
+  Buffer<BustPose> bust_pose_;
+  Buffer<float> vertices_;  // the bust's come last
   Buffer<DirectionTerm<float>> terms_;
   PosingArrays<float> arrays_;  // in the stream's memory
 };

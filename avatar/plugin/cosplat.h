@@ -80,6 +80,10 @@ COSPLAT_API const char* cosplat_last_error(cosplat_avatar* avatar);
  * if the library was built with CUDA. */
 enum { COSPLAT_DEVICE_AUTO = 0, COSPLAT_DEVICE_CPU = 1, COSPLAT_DEVICE_CUDA = 2 };
 
+/* FOLLOWS: shoulders follow the head as they did in training. STILL: they stay where they were on
+ * average. Avatars without a bust, or from before it learned to follow, look the same with both. */
+enum { COSPLAT_BUST_FOLLOWS = 0, COSPLAT_BUST_STILL = 1 };
+
 typedef struct cosplat_open_options {
   uint32_t struct_size; /* sizeof(cosplat_open_options) */
   uint32_t device;      /* COSPLAT_DEVICE_... */
@@ -87,6 +91,7 @@ typedef struct cosplat_open_options {
    * files do not contain its joints. Without it cosplat_open returns COSPLAT_ERROR_FLAME, and the
    * error text names the model. */
   const char* flame_path;
+  uint32_t bust; /* COSPLAT_BUST_... */
 } cosplat_open_options;
 
 /* Opens an avatar. avatar_path: a .glb written by `cosplat train-avatar`. Paths are UTF-8. On

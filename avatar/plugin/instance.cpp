@@ -6,6 +6,7 @@
 
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
+#include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/image_bytes.h"
 #include "avatar/plugin/coded_error.h"
@@ -51,9 +52,16 @@ AvatarRendererMaker RendererFor(uint32_t device) {
   }
 }
 
-Player MakePlayer(AvatarModel avatar, const FlameModel& flame, AvatarRendererMaker make_renderer) {
+Player MakePlayer(AvatarModel avatar,
+                  const FlameModel& flame,
+                  AvatarRendererMaker make_renderer,
+                  uint32_t bust) {
+  if (bust > COSPLAT_BUST_STILL)
+    throw CodedError(
+        COSPLAT_ERROR_ARGUMENT, "bust", std::to_string(bust) + " is not a COSPLAT_BUST_ value");
   try {
     AttachMesh(avatar, flame);
+    if (bust == COSPLAT_BUST_STILL) HoldBustStill(avatar);
     return Player(std::move(avatar), flame, {false, std::move(make_renderer)});
   } catch (const Error& error) {
     throw CodedError(COSPLAT_ERROR_FLAME, error.what());
@@ -151,7 +159,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
         AvatarRendererMaker make_renderer = RendererFor(options.device);
         AvatarModel avatar = ReadAvatarGlb(avatar_path);
         flame_ = ReadFlame(options.flame_path, avatar);
-        return MakePlayer(std::move(avatar), flame_, std::move(make_renderer));
+        return MakePlayer(std::move(avatar), flame_, std::move(make_renderer), options.bust);
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),
       parameters_(size_t(flame_.expression_count), rest_),

@@ -22,7 +22,8 @@ void CheckSize(const char* field, size_t found, size_t expected) {
 
 EmbeddedArrays ArraysOf(const Gaussians& gaussians,
                         const Embedding& embedding,
-                        const Surface& surface) {
+                        const Surface& surface,
+                        View<const float> weights) {
   EmbeddedArrays arrays;
   arrays.count = gaussians.size();
   if (arrays.count == 0) return arrays;
@@ -35,6 +36,13 @@ EmbeddedArrays ArraysOf(const Gaussians& gaussians,
   arrays.faces = posed.faces;
   arrays.vertices = posed.vertices;
   arrays.canonical_areas = surface.canonical_areas().data();
+  static_assert(math::kCorrectionWidth == kCorrectionNumbers);
+  if (gaussians.corrections == 0) return arrays;
+  arrays.corrections = {size_t(gaussians.corrections),
+                        gaussians.values[kCorrection].data(),
+                        weights.data,
+                        gaussians.values[kOpacityLogit].data(),
+                        gaussians.values[kColorDc].data()};
   return arrays;
 }
 
@@ -46,6 +54,7 @@ void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size
   CheckSize("position", values[kPosition].size(), 3 * n);
   CheckSize("rotation", values[kRotation].size(), 4 * n);
   CheckSize("scale_log", values[kScaleLog].size(), 3 * n);
+  CheckSize("corrections", values[kCorrection].size(), n * gaussians.width(kCorrection));
   CheckSize("triangle", embedding.triangle.size(), n);
   CheckSize("barycentric", embedding.barycentric.size(), n);
   // One maximum instead of a branch per triangle; negative numbers become large unsigned ones.
@@ -74,6 +83,10 @@ WorldGaussians PosedView(const Gaussians& gaussians,
   view.rotation = posed.rotation.data();
   view.scale_log = posed.scale_log.data();
   if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
+  if (gaussians.corrections > 0) {
+    view.opacity_logit = posed.opacity_logit.data();
+    view.color_dc = posed.color_dc.data();
+  }
   return view;
 }
 
@@ -104,17 +117,24 @@ FaceListArrays FaceLists::Of(const Embedding& embedding, size_t face_count, Stre
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
-          PosedGaussians& out) {
+          PosedGaussians& out,
+          View<const float> weights) {
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
+  CheckSize("weights", weights.size(), size_t(gaussians.corrections));
   out.Refill(gaussians.size(), stream);
+  out.opacity_logit.Refill(gaussians.corrections > 0 ? gaussians.size() : 0, stream);
+  out.color_dc.Refill(3 * out.opacity_logit.size(), stream);
   if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
-  ForEachRow(
-      gaussians.size(),
-      stream,
-      EmbedKernel{
-          ArraysOf(gaussians, embedding, surface),
-          {out.position.data(), out.rotation.data(), out.scale_log.data(), out.frame.data()}});
+  ForEachRow(gaussians.size(),
+             stream,
+             EmbedKernel{ArraysOf(gaussians, embedding, surface, weights),
+                         {out.position.data(),
+                          out.rotation.data(),
+                          out.scale_log.data(),
+                          out.frame.data(),
+                          out.opacity_logit.data(),
+                          out.color_dc.data()}});
 }
 
 void BindBackward(const Gaussians& gaussians,
@@ -123,7 +143,8 @@ void BindBackward(const Gaussians& gaussians,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
                   Buffer<float>* d_vertices,
-                  BindScratch& scratch) {
+                  BindScratch& scratch,
+                  View<const float> weights) {
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
   const size_t n = gaussians.size();
@@ -135,6 +156,7 @@ void BindBackward(const Gaussians& gaussians,
   d[kPosition].Refill(3 * n, stream);
   d[kRotation].Refill(4 * n, stream);
   d[kScaleLog].Refill(3 * n, stream);
+  d[kCorrection].Refill(n * gaussians.width(kCorrection), stream);
   if (embedding.released) {
     if (d_vertices)
       throw Error(
@@ -145,15 +167,20 @@ void BindBackward(const Gaussians& gaussians,
   // they are not cleared first, which would take as long as using them.
   if (d_vertices) scratch.d_corners.Refill(3 * kSurfaceVertexFloats * n, stream);
   float* d_corners = d_vertices ? scratch.d_corners.data() : nullptr;
-  ForEachRow(
-      n,
-      stream,
-      EmbedVjpKernel{ArraysOf(gaussians, embedding, surface),
-                     {d_posed.position.data(),
-                      d_posed.rotation.data(),
-                      d_posed.scale_log.data(),
-                      d_posed.frame.empty() ? nullptr : d_posed.frame.data()},
-                     {d[kPosition].data(), d[kRotation].data(), d[kScaleLog].data(), d_corners}});
+  ForEachRow(n,
+             stream,
+             EmbedVjpKernel{ArraysOf(gaussians, embedding, surface, weights),
+                            {d_posed.position.data(),
+                             d_posed.rotation.data(),
+                             d_posed.scale_log.data(),
+                             d_posed.frame.empty() ? nullptr : d_posed.frame.data(),
+                             d[kOpacityLogit].data(),
+                             d[kColorDc].data()},
+                            {d[kPosition].data(),
+                             d[kRotation].data(),
+                             d[kScaleLog].data(),
+                             d_corners,
+                             d[kCorrection].data()}});
   if (!d_vertices) return;
   Buffer<SurfaceVertex>& d_surface = scratch.d_surface;
   d_surface.Refill(surface.vertex_count(), stream);

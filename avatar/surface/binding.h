@@ -19,17 +19,21 @@ struct PosedGaussians {
   Buffer<float> rotation;   // [N, 4] wxyz, with the norm of the local rotation
   Buffer<float> scale_log;  // [N, 3] log(metres)
   Buffer<float> frame;      // [N, 4] wxyz, unit: canonical to posed at the Gaussian
+  // With corrections (avatar/math/correct.h); else empty.
+  Buffer<float> opacity_logit;  // [N]
+  Buffer<float> color_dc;       // [N, 3]
 
   size_t size() const { return position.size() / 3; }
-  // Resizes; the values are undefined.
+  // Resizes all but the corrected attributes; the values are undefined.
   void Refill(size_t n, Stream& stream);
   void Resize(size_t n) { Refill(n, HostStream()); }
-  size_t held() const { return HeldBy(position, rotation, scale_log, frame); }  // bytes
+  size_t held() const {  // bytes
+    return HeldBy(position, rotation, scale_log, frame) + HeldBy(opacity_logit, color_dc);
+  }
   static constexpr size_t kBytesPerGaussian = (3 + 4 + 3 + 4) * sizeof(float);
 };
 
-// The rasteriser's input: `gaussians` with position, rotation and scale replaced by those of
-// `posed`.
+// The rasteriser's input: `gaussians` with what `posed` has in place of their own.
 WorldGaussians PosedView(const Gaussians& gaussians,
                          const PosedGaussians& posed,
                          ColorFrame color_frame);
@@ -59,14 +63,19 @@ class FaceLists {
   Buffer<uint32_t> begin_;
 };
 
-// Overwrites `out`. All arrays are in the memory of the surface's stream. On the host, throws as
-// CheckEmbedding does.
+// Overwrites `out`. weights: [gaussians.corrections] of this frame (avatar/model/corrections.h).
+// All arrays are in the memory of the surface's stream. On the host, throws as CheckEmbedding does.
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
-          PosedGaussians& out);
-inline void Bind(const AvatarModel& model, const Surface& surface, PosedGaussians& out) {
-  Bind(model.gaussians, model.embedding, surface, out);
+          PosedGaussians& out,
+          View<const float> weights = {});
+// On the host.
+inline void Bind(const AvatarModel& model,
+                 const Surface& surface,
+                 PosedGaussians& out,
+                 View<const float> weights = {}) {
+  Bind(model.gaussians, model.embedding, surface, out, weights);
 }
 
 // Scratch memory of BindBackward for d_vertices. Reuse it to avoid allocations.
@@ -78,8 +87,10 @@ struct BindScratch {
 };
 
 // d_posed: dL/d(output of Bind), in the same layout; an empty `frame` counts as zero (colours in
-// the world frame). Resizes and overwrites kPosition = d(du, dv, d), kRotation and kScaleLog of
-// d_gaussians; its other attributes are left unchanged. d_vertices: [V, 3], overwritten; null to
+// the world frame). d_gaussians: kOpacityLogit and kColorDc must hold dL/d(those of Bind's output),
+// which are the Gaussians' own derivatives too, so d_posed has none. Resizes and overwrites
+// kPosition = d(du, dv, d), kRotation, kScaleLog and kCorrection of d_gaussians; its other
+// attributes are left unchanged. d_vertices: [V, 3], overwritten; null to
 // skip its computation. Throws Error if it is requested for an embedding with the released rule,
 // which has no derivative for it.
 void BindBackward(const Gaussians& gaussians,
@@ -88,15 +99,23 @@ void BindBackward(const Gaussians& gaussians,
                   const PosedGaussians& d_posed,
                   Gaussians& d_gaussians,
                   Buffer<float>* d_vertices,
-                  BindScratch& scratch);
+                  BindScratch& scratch,
+                  View<const float> weights = {});
 inline void BindBackward(const AvatarModel& model,
                          Surface& surface,
                          const PosedGaussians& d_posed,
                          Gaussians& d_gaussians,
-                         Buffer<float>* d_vertices = nullptr) {
+                         Buffer<float>* d_vertices = nullptr,
+                         View<const float> weights = {}) {
   BindScratch scratch;
-  BindBackward(
-      model.gaussians, model.embedding, surface, d_posed, d_gaussians, d_vertices, scratch);
+  BindBackward(model.gaussians,
+               model.embedding,
+               surface,
+               d_posed,
+               d_gaussians,
+               d_vertices,
+               scratch,
+               weights);
 }
 
 // Bind and BindBackward call these if Embedding::released is set. They follow the rule of

@@ -22,7 +22,7 @@ class PosedVertices {
 
   // pose() -> const std::vector<float>& [V, 3] is called if the frame is not cached yet.
   template <class Pose>
-  View<const float> Of(size_t frame, const Pose& pose, Stream& stream) {
+  View<float> Of(size_t frame, const Pose& pose, Stream& stream) {
     if (frame >= sent_.size()) {
       const std::vector<float>& vertices = pose();
       passing_.Refill(frame_numbers_, stream);

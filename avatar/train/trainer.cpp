@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "avatar/model/avatar_model.h"
+#include "avatar/model/bust.h"
+#include "avatar/model/corrections.h"
 #include "avatar/play/player.h"
 #include "avatar/surface/kernels/place.h"
 #include "splat/device/for_each.h"
@@ -11,8 +13,7 @@
 namespace cosplat {
 namespace {
 
-// SplattingAvatar's lengths, in units of a FLAME mesh enlarged by kEnlarged.
-constexpr float kEnlarged = 4;
+// SplattingAvatar's lengths, in units of its enlarged mesh.
 constexpr float kSplitScale = 0.02f;
 constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
@@ -58,6 +59,7 @@ AvatarTrainingState AvatarSubject::State() const {
   first_triangle_.Download(state.first_triangle.data(), *stream_);
   stream_->Wait();
   state.track = track_;
+  state.busts = bust_track_.States();
   return state;
 }
 
@@ -69,6 +71,7 @@ void AvatarSubject::RestoreState(const SubjectState& saved) {
   const auto& state = dynamic_cast<const AvatarTrainingState&>(saved);
   Take(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
   track_ = state.track;
+  bust_track_.SetStates(state.busts);
 }
 
 Embedding AvatarSubject::EmbeddingIn(Stream& stream, const Embedding& on_host) {
@@ -104,6 +107,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
   posed_vertices_ =
       PosedVertices(frame_count(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
   silhouettes_ = {};
+  bust_track_.WorkIn(stream);
   stream_ = &stream;
   surface_ = std::move(surface);
   face_rates_ = std::move(face_rates);
@@ -118,12 +122,19 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   model.canonical_frame = canonical_frame_;
   model.gaussians = gaussians;
   model.bust = bust_;
+  if (!bust_track_.empty()) {
+    const std::vector<FlameParams> track = RefinedTrack();
+    std::vector<FlameParams> heads;
+    for (const size_t frame : bust_track_.first_frames()) heads.push_back(track[frame]);
+    model.bust->follow = FitBustFollow(*bust_, heads, bust_track_.Poses());
+  }
   model.color_frame = settings_.color_frame;
   model.flame_name = flame_.name;
   model.flame_sha256 = flame_.sha256;
   model.shape = video_.shape;
   model.static_offset = video_.static_offset;
   model.trained_range = RangeOf(RefinedTrack());
+  model.correction_map = correction_map_;
   return model;
 }
 
@@ -164,8 +175,13 @@ WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
     if (!stream_->on_host()) surface_.CheckVertices(vertices);
     return vertices;
   };
-  surface_.Pose(posed_vertices_.Of(i, pose, *stream_));
-  Bind(gaussians, embedding_, surface_, posed_);
+  const View<float> vertices = posed_vertices_.Of(i, pose, *stream_);
+  if (!bust_track_.empty()) bust_track_.Place(i, vertices);
+  surface_.Pose(vertices);
+  const std::vector<float> weights = CorrectionWeights(correction_map_, track_[i].params);
+  weights_.Refill(weights.size(), *stream_);
+  stream_->Send(weights_.data(), weights.data(), weights.size() * sizeof(float));
+  Bind(gaussians, embedding_, surface_, posed_, weights_);
   return PosedView(gaussians, posed_, settings_.color_frame);
 }
 
@@ -184,7 +200,11 @@ WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients,
   return view;
 }
 
-void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
+void AvatarSubject::PlaceBackward(const Gaussians& gaussians,
+                                  Gaussians& gradients,
+                                  const uint32_t* overflowed) {
+  if (!bust_track_.empty())
+    bust_track_.Advance(current_, embedding_, flame_.faces.size(), posed_, d_posed_, overflowed);
   const bool refines = settings_.refine_track;
   BindBackward(gaussians,
                embedding_,
@@ -192,7 +212,8 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians, Gaussians& gradien
                d_posed_,
                gradients,
                refines ? &d_vertices_ : nullptr,
-               scratch_);
+               scratch_,
+               weights_);
   if (!refines) return;
   if (stream_->on_host()) return RefineFrame(d_vertices_);
   std::vector<float> of_host(d_vertices_.size());
@@ -236,6 +257,8 @@ View<const float> AvatarSubject::PositionRateScale() {
 
 void AvatarSubject::Act(int, Gaussians& gaussians, AdamState& adam) {
   walk_.Run(surface_, kBoundaryFaceCap, scratch_.by_face, embedding_, gaussians.values[kPosition]);
+  Buffer<float>& bases = gaussians.values[kCorrection];
+  ForEach(bases.size(), *stream_, ScaleEach{bases.view(), 1 - settings_.correction_decay});
   for (Gaussians* moments : {&adam.m, &adam.v})
     walk_.ResetMoment(moments->values[kPosition], *stream_);
   TrianglesChanged();

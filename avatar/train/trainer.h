@@ -19,6 +19,7 @@
 #include "avatar/surface/kernels/holes.h"
 #include "avatar/surface/surface.h"
 #include "avatar/surface/walk.h"
+#include "avatar/train/bust_track.h"
 #include "avatar/train/hole_guard.h"
 #include "avatar/train/posed_vertices.h"
 #include "flame/model.h"
@@ -53,12 +54,23 @@ struct AvatarSettings {
   // A bust for the region below the neck; kAuto adds it if the masks show more than the mesh
   // covers.
   enum class BustChoice { kAuto, kYes, kNo } bust = BustChoice::kAuto;
+  bool still_bust = false;  // it stays at its mean place, instead of being found in each frame
+  BustRates bust_rates;
+  int iterations = 6000;  // length of the run, over which some learning rates fall
+  // Most bases per Gaussian that follow the expression (avatar/math/correct.h).
+  size_t corrections = 0;
+  // By how much a walk's time shrinks corrections (decoupled weight decay, Loshchilov & Hutter
+  // 2019): a short video shows few expressions, and without it the bases learn its noise.
+  float correction_decay = 0.1f;
   bool refine_track = false;
   // GaussianAvatars' learning rates for the track.
   float pose_rate = 1e-5f;         // radians per step
   float translation_rate = 1e-6f;  // metres per step, on a head of the template's size
   float expression_rate = 1e-3f;
 };
+
+// SplattingAvatar enlarges FLAME's mesh, and gives lengths in units of the enlarged one.
+constexpr float kEnlarged = 4;
 
 // Sets SplattingAvatar's lengths in metres of this subject: the clone/split threshold 0.02, the
 // largest scale 0.2 and the scale 0.008 above which needle-like (high-anisotropy) Gaussians are
@@ -78,6 +90,7 @@ struct AvatarTrainingState : SubjectState {
   Embedding embedding;
   Buffer<int32_t> first_triangle;   // [N] on which it, or its first ancestor, began
   std::vector<RefinedFrame> track;  // [training frames]
+  std::vector<BustState> busts;     // [training frames], or empty
 };
 
 // Concurrent searches over the mesh on the host, each with 12 kB.
@@ -119,7 +132,9 @@ class AvatarSubject : public Subject {
   WorldGradients WorldGradientsFor(Gaussians& gradients,
                                    Buffer<float>& screen,
                                    Stream& stream) override;
-  void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) override;
+  void PlaceBackward(const Gaussians& gaussians,
+                     Gaussians& gradients,
+                     const uint32_t* overflowed) override;
   bool WaitsInSteps() const override { return settings_.refine_track; }
   View<const float> PositionRateScale() override;
   bool ActsAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
@@ -145,6 +160,7 @@ class AvatarSubject : public Subject {
   void LoadFrames();
   bool NeedsBust() const;
   Bust MeanBustOfTrack() const;
+  void StartBustTrack();
   void BuildMesh();
   void SetFaceRates();
   void SetSpacing(Gaussians& gaussians);
@@ -171,6 +187,8 @@ class AvatarSubject : public Subject {
   size_t current_ = 0;
   std::vector<RefinedFrame> track_;
   std::vector<float> vertices_;  // the last output of poser_
+  CorrectionMap correction_map_;
+  BustTrack bust_track_;
 
   // In the memory of the current stream.
   Stream* stream_ = &HostStream();
@@ -179,6 +197,7 @@ class AvatarSubject : public Subject {
   Embedding embedding_;
   Buffer<int32_t> first_triangle_;
   PosedVertices posed_vertices_;
+  Buffer<float> weights_;  // [corrections] of the current frame
   PosedGaussians posed_, d_posed_;
   Buffer<float> d_vertices_;
   BindScratch scratch_;

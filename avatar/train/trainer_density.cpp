@@ -54,8 +54,10 @@ std::vector<int32_t> AvatarSubject::Groups(Stream& stream) {
 }
 
 const Buffer<uint8_t>& AvatarSubject::SilhouetteOf(size_t k) {
-  if (!silhouettes_[k].empty() && !settings_.refine_track) return silhouettes_[k];
+  const bool moves = settings_.refine_track || !bust_track_.empty();
+  if (!silhouettes_[k].empty() && !moves) return silhouettes_[k];
   const size_t f = math::HoleFrame(k, frames_.size());
+  if (!bust_track_.empty()) track_[f].params.bust = bust_track_.PoseOf(f);
   const std::vector<uint8_t> silhouette =
       MeshSilhouette(VerticesOf(f), mesh_.faces, frames_[f].camera);
   silhouettes_[k].Refill(silhouette.size(), *stream_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "avatar/model/corrections.h"
 #include "avatar/play/player.h"
 #include "avatar/surface/sample.h"
 #include "avatar/surface/silhouette.h"
@@ -42,6 +43,12 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
   if (settings_.system != AvatarSystem::kCosplat) canonical_frame_ = video_.train[0].params;
   if (bust_ || canonical_frame_) BuildMesh();
   poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
+  if (bust_ && IsOurs() && !settings_.still_bust) StartBustTrack();
+  if (settings_.corrections > 0) {
+    std::vector<FlamePoser<float>::Parameters> frames;
+    for (const RefinedFrame& frame : track_) frames.push_back(frame.params);
+    correction_map_ = FindCorrectionMap(flame, frames, settings_.corrections);
+  }
   SetFaceRates();
   posed_vertices_ = PosedVertices(frame_count(), surface_.vertex_count(), 0);
 }
@@ -78,7 +85,8 @@ void AvatarSubject::LoadFrames() {
     }
     frames_.push_back({frame.camera, std::move(images[i])});
     RefinedFrame refined;
-    refined.params = FlamePoser<float>::ParametersOf(frame.params);
+    static_cast<FlamePoser<float>::Parameters&>(refined.params) =
+        FlamePoser<float>::ParametersOf(frame.params);
     refined.params.expression.resize(flame_.expression_count, 0.0f);
     refined.m.expression.resize(flame_.expression_count, 0.0f);
     refined.v.expression.resize(flame_.expression_count, 0.0f);
@@ -117,6 +125,27 @@ Bust AvatarSubject::MeanBustOfTrack() const {
   return MeanBust(flame_, video_.shape, video_.static_offset, track);
 }
 
+void AvatarSubject::StartBustTrack() {
+  std::vector<int> timesteps;
+  for (const TrackedFrame& frame : video_.train) timesteps.push_back(frame.timestep);
+  const std::vector<size_t> instants = InstantsOf(timesteps);
+  std::vector<BustPose> poses(*std::max_element(instants.begin(), instants.end()) + 1,
+                              kMeanBustPose);
+  const bool masked = std::all_of(frames_.begin(), frames_.end(), [](const TrainFrame& frame) {
+    return frame.target.channels == 4;
+  });
+  // With several cameras, images of different ones cannot be compared.
+  if (masked && poses.size() == frames_.size()) {
+    std::vector<std::vector<float>> vertices;
+    for (size_t i = 0; i < frames_.size(); ++i) vertices.push_back(VerticesOf(i));
+    const std::vector<BustPose> of_frames = RegisterBusts(*poser_, frames_, vertices);
+    for (size_t i = 0; i < frames_.size(); ++i) poses[instants[i]] = of_frames[i];
+  }
+  BustRates rates = settings_.bust_rates;
+  rates.shift *= kEnlarged * unit_;
+  bust_track_ = BustTrack(*poser_, poses, instants, rates, settings_.iterations);
+}
+
 void AvatarSubject::BuildMesh() {
   mesh_ = MakeCanonicalMesh(flame_, video_.shape, video_.static_offset, bust_, canonical_frame_);
   surface_ = Surface(mesh_);
@@ -143,6 +172,7 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   Gaussians g;
   g.degree = degree;
   g.basis = basis;
+  g.corrections = int(correction_map_.count());
   g.Resize(settings_.initial_gaussians);
   const bool released = settings_.system == AvatarSystem::kReleased;
   embedding_ = {};

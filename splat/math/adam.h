@@ -24,7 +24,7 @@ struct AdamStep {
 };
 
 // The constants of step t, counted from 1. `rate`: learning rate.
-inline AdamStep AdamStepAt(float rate, double eps, int64_t t) {
+COSPLAT_HD AdamStep AdamStepAt(float rate, double eps, int64_t t) {
   AdamStep step;
   const double correction1 = 1 - std::pow(double(step.beta1), double(t));
   const double correction2 = std::sqrt(1 - std::pow(double(step.beta2), double(t)));

@@ -11,9 +11,12 @@
 
 namespace cosplat {
 
+constexpr std::array<float, kAttributeCount> kAdamEps{
+    1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
+
 struct AdamSettings {
   std::array<float, kAttributeCount> rate{};
-  std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
+  std::array<float, kAttributeCount> eps = kAdamEps;
 };
 
 // Gaussians are updated in groups of kGaussianGroup, whose values fill whole SIMD registers.

@@ -153,7 +153,8 @@ void StepEngine::FetchForRanking() {
     const Gaussians& from = on_device_.gaussians;
     state_.gaussians.Resize(count());
     for (int a = 0; a < kAttributeCount; ++a)
-      if (a != kColorRest) from.values[a].Download(state_.gaussians.values[a].data(), stream_);
+      if (a != kColorRest && a != kCorrection)
+        from.values[a].Download(state_.gaussians.values[a].data(), stream_);
     state_.gaussians.degrees.resize(from.degrees.size());
     from.degrees.Download(state_.gaussians.degrees.data(), stream_);
     on_device_.statistics.Download(state_.statistics, stream_);
@@ -333,7 +334,7 @@ void StepEngine::Backward(Submitted& step) {
   device_.rasterizer->Backward(world_, image_, d_color_, *tape_, d_world);
   {
     ScopedPhase phase(times_, Phase::kPose);
-    subject_.PlaceBackward(now_->gaussians, gradients_);
+    subject_.PlaceBackward(now_->gaussians, gradients_, overflowed_.data());
   }
   // Plasticity is that of the photometric loss alone: before the regulariser adds to the gradient.
   ScopedPhase phase(times_, Phase::kDensity);

@@ -43,9 +43,13 @@ class Subject : public Placement {
                                            Buffer<float>& screen,
                                            Stream& stream) = 0;
   // Backward pass of Place: turns what was written there into gradients of `gaussians`, in place.
-  virtual void PlaceBackward(const Gaussians& gaussians, Gaussians& gradients) {
+  // If *overflowed is not 0 the step will be repeated: the subject must not change.
+  virtual void PlaceBackward(const Gaussians& gaussians,
+                             Gaussians& gradients,
+                             const uint32_t* overflowed) {
     (void)gaussians;
     (void)gradients;
+    (void)overflowed;
   }
   // Whether PlaceBackward waits for its result and changes data outside the stream: such a step
   // cannot be repeated, so it must not overflow.

@@ -7,6 +7,7 @@
 #include "splat/prune/settings.h"
 #include "splat/train/density.h"
 #include "splat/train/loss.h"
+#include "splat/train/optimizer.h"
 #include "splat/train/schedule.h"
 
 namespace cosplat {
@@ -27,6 +28,7 @@ struct LearningRates {
   float opacity = 0.05f;
   float scale = 5e-3f;
   float rotation = 1e-3f;
+  float correction = 3e-4f;  // of avatars, in the units of avatar/math/correct.h; it falls
 
   float RestRate() const { return rest > 0 ? rest : color / 20; }
 };
@@ -49,7 +51,7 @@ struct TrainSettings {
   LossWeights loss;
   ScaleRegularizer scale_regularizer;
   LearningRates rates;
-  std::array<float, kAttributeCount> eps{1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};
+  std::array<float, kAttributeCount> eps = kAdamEps;
   Schedule schedule;
   DensitySettings density;
   PruneSettings prune;

@@ -10,7 +10,8 @@
 namespace cosplat {
 namespace {
 
-constexpr int kMinReducedSide = 100;  // px
+constexpr int kMinReducedSide = 100;          // px
+constexpr float kLastCorrectionRate = 0.01f;  // as a fraction of the first
 
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
@@ -114,6 +115,8 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   adam.rate[kOpacityLogit] = r.opacity;
   adam.rate[kColorDc] = r.color;
   adam.rate[kColorRest] = r.RestRate();
+  adam.rate[kCorrection] =
+      settings_.schedule.PositionRate(iteration, r.correction, r.correction * kLastCorrectionRate);
   const float share = settings_.schedule.RateShare(iteration);
   for (const Attribute a : {kRotation, kScaleLog, kOpacityLogit, kColorDc, kColorRest})
     adam.rate[a] *= share;

@@ -18,6 +18,7 @@
 #include "splat/base/files.h"
 #include "splat/io/splat_primitive.h"
 #include "tests/avatar/meshes.h"
+#include "tests/avatar/with_corrections.h"
 #include "tests/flame/random_model.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/random_gaussians.h"
@@ -90,7 +91,20 @@ void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
   if (a.bust) {
     EXPECT_EQ(a.bust->rotation, b.bust->rotation);
     EXPECT_EQ(a.bust->translation, b.bust->translation);
+    ASSERT_EQ(a.bust->follow.has_value(), b.bust->follow.has_value());
+    if (a.bust->follow) {
+      EXPECT_EQ(a.bust->follow->head_mean, b.bust->follow->head_mean);
+      EXPECT_EQ(a.bust->follow->matrix, b.bust->follow->matrix);
+      EXPECT_EQ(a.bust->follow->mean, b.bust->follow->mean);
+      EXPECT_EQ(a.bust->follow->least, b.bust->follow->least);
+      EXPECT_EQ(a.bust->follow->most, b.bust->follow->most);
+    }
   }
+  EXPECT_EQ(a.gaussians.corrections, b.gaussians.corrections);
+  ExpectSameBits(a.correction_map.mean, b.correction_map.mean, "corrections mean");
+  ExpectSameBits(a.correction_map.matrix, b.correction_map.matrix, "corrections matrix");
+  ExpectSameBits(a.correction_map.least, b.correction_map.least, "corrections least");
+  ExpectSameBits(a.correction_map.most, b.correction_map.most, "corrections most");
   EXPECT_EQ(a.flame_name, b.flame_name);
   EXPECT_EQ(a.flame_sha256, b.flame_sha256);
 }
@@ -177,6 +191,15 @@ TEST_F(AvatarFile, ABustComesBackToo) {
     model.embedding.triangle[5] = int32_t(model.mesh.faces.size()) - 1;
     WriteAvatarGlb(path_, model, &flame_);
     EXPECT_TRUE(SummarizeGlb(path_).avatar->has_bust);
+    EXPECT_EQ(SummarizeGlb(path_).avatar->version, 1);
+    BustFollow& follow = model.bust->follow.emplace();
+    follow.head_mean = {0.1f, 0.2f, 0.3f, 4, 5, 6, 7, 8, 9};
+    for (size_t i = 0; i < follow.matrix.size(); ++i) follow.matrix[i] = 0.01f * float(i);
+    follow.mean.fill(0.05f);
+    follow.most.fill(0.2f);
+    WriteAvatarGlb(path_, model, &flame_);
+    EXPECT_EQ(SummarizeGlb(path_).avatar->version, 3);
+    EXPECT_TRUE(SummarizeGlb(path_).avatar->bust_follows);
     AvatarModel read = ReadAvatarGlb(path_);
     EXPECT_EQ(read.mesh.faces.empty(), !redistributable);
     AttachMesh(read, flame_);
@@ -284,6 +307,46 @@ TEST_F(AvatarFile, HostileRulesAndFramesAreErrorsThatNameTheField) {
   }
 }
 
+TEST_F(AvatarFile, CorrectionsComeBackInVersion3) {
+  const AvatarModel model =
+      test::WithCorrections(BallAvatar(flame_, 20, 1, Basis::kDcsh), flame_, 3);
+  WriteAvatarGlb(path_, model, &flame_);
+  AvatarModel read = ReadAvatarGlb(path_);
+  AttachMesh(read, flame_);
+  ExpectSameAvatar(model, read);
+  const GlbSummary summary = SummarizeGlb(path_);
+  EXPECT_EQ(summary.avatar.value().version, 3);
+  EXPECT_EQ(summary.avatar->corrections, 3);
+  EXPECT_TRUE(Contains(ToString(summary), "3 corrections"));
+  // Other programs see the Gaussians as they are at rest.
+  const Gaussians rest = RestPose(model);
+  EXPECT_EQ(rest.corrections, 0);
+  EXPECT_NE(rest.values[kOpacityLogit], model.gaussians.values[kOpacityLogit]);
+}
+
+TEST_F(AvatarFile, HostileCorrectionsAreErrorsThatNameTheField) {
+  AvatarModel model = test::WithCorrections(BallAvatar(flame_, 20, 1, Basis::kDcsh), flame_, 3);
+  WriteAvatarGlb(path_, model, &flame_);
+  const test::GlbBytes valid = test::SplitGlb(Slurp(path_));
+  const std::vector<std::tuple<const char*, json, const char*>> cases{
+      {"/corrections/count", 0, "corrections.count: is 0"},
+      {"/corrections/count", 1000, "corrections.count: is 1000"},
+      {"/corrections/count", 2, "corrections.matrix"},
+      {"/corrections/mean", json::array(), "corrections.mean"},
+      {"/corrections/matrix", {1, 2, 3}, "corrections.matrix"},
+      {"/corrections/most", {1, 1, -2}, "corrections.most[2]: is -2"},
+      {"/corrections/bases", 0, "corrections.bases"},
+      {"/corrections/bases", -1, "corrections.bases"},
+      {"/corrections", 7, "corrections"},
+  };
+  for (const auto& [field, value, named] : cases) {
+    test::GlbBytes changed = valid;
+    changed.json[json::json_pointer(kBindingPointer + field)] = value;
+    const std::string error = ErrorOf([&, glb = test::JoinGlb(changed)] { Parse(glb); });
+    EXPECT_TRUE(Contains(error, named)) << field << ": " << error;
+  }
+}
+
 TEST_F(AvatarFile, LicensedFlameDataStaysOut) {
   const AvatarModel model = BallAvatar(flame_, 20, 1, Basis::kDcsh);
   const auto holds = [&](const std::vector<float>& values, size_t count) {
@@ -370,7 +433,8 @@ TEST_F(AvatarFile, Summary) {
 }
 
 TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
-  const AvatarModel good = BallAvatar(flame_, 20, 1, Basis::kDcsh);
+  const AvatarModel good =
+      test::WithCorrections(BallAvatar(flame_, 20, 1, Basis::kDcsh), flame_, 2);
   WriteAvatarGlb(path_, good, &flame_);
   const std::string before = Slurp(path_);
   const auto refused = [&](const std::function<void(AvatarModel&)>& spoil) {
@@ -383,6 +447,9 @@ TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
     EXPECT_NE(refused([&](AvatarModel& m) { m.gaussians.values[a].pop_back(); }), "") << a;
   }
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.mesh = {}; }), "mesh"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.correction_map.most.pop_back(); }), "most"));
+  const auto bad_follow = [](AvatarModel& m) { m.bust.emplace().follow.emplace().matrix[3] = NAN; };
+  EXPECT_TRUE(Contains(refused(bad_follow), "bust follow matrix"));
   EXPECT_TRUE(
       Contains(refused([](AvatarModel& m) { m.embedding.triangle[7] = 100000; }), "triangle[7]"));
   EXPECT_TRUE(
@@ -429,7 +496,7 @@ TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
     const char* named;
   };
   const std::vector<Case> cases{
-      {"/version", 3, "version: is 3"},
+      {"/version", 4, "version: is 4"},
       {"/version", 0, "version: is 0"},
       {"/version", 4294967297ll, "version"},
       {"/version", "1", "version"},

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "avatar/math/correct.h"
 #include "tests/support/gradient_check.h"
 
 namespace cosplat {
@@ -342,6 +343,68 @@ TEST(EmbedFormula, EmbedVjpInsideAndOutsideTheTriangle) {
     for (int i = 0; i < 3; ++i) x[i * kVertexWidth + 10] = .5 + std::abs(x[i * kVertexWidth + 10]);
     for (int k = 0; k < 2; ++k) x[3 * kVertexWidth + k] *= seed % 2 ? .05 : .8;
     ExpectVjpMatchesDual(EmbedFunction(), EmbedVjpFunction, x);
+  }
+}
+
+// The same after a sum of weighted bases, x's last numbers, has corrected the Gaussian.
+constexpr size_t kFirstCorrection = 3 * kVertexWidth + 10;
+template <class T>
+math::Correction<T> CorrectionIn(const std::vector<T>& x) {
+  T c[math::kCorrectionWidth];
+  for (int k = 0; k < math::kCorrectionWidth; ++k) c[k] = x[kFirstCorrection + size_t(k)];
+  return math::CorrectionOf(c);
+}
+struct CorrectedFunction {
+  template <class T>
+  std::vector<T> operator()(const std::vector<T>& x) const {
+    const math::Correction<T> c = CorrectionIn(x);
+    const auto p = math::EmbedCorrected(VerticesOf(x), {{T(.9), T(1.1), T(1.3)}}, LocalOf(x), c);
+    std::vector<T> y;
+    Put(y, p.position);
+    Put(y, p.rotation);
+    Put(y, p.scale_log);
+    Put(y, p.frame);
+    y.push_back(c.opacity_logit);
+    Put(y, c.color_dc);
+    return y;
+  }
+};
+std::vector<double> CorrectedVjp(const std::vector<double>& x, const std::vector<double>& d) {
+  math::EmbeddedGaussian<double> d_g;
+  math::Correction<double> d_c;
+  Three<math::SurfaceVertex<double>> d_v{};
+  math::EmbedCorrectedVjp(VerticesOf(x),
+                          {{.9, 1.1, 1.3}},
+                          LocalOf(x),
+                          CorrectionIn(x),
+                          {V(d, 0), Q(d, 3), V(d, 7), Q(d, 10)},
+                          d_g,
+                          d_c,
+                          &d_v);
+  d_c.opacity_logit = d[14];
+  d_c.color_dc = V(d, 15);
+  std::vector<double> d_x;
+  for (const auto& v : d_v.c) {
+    Put(d_x, v.position);
+    Put(d_x, v.normal);
+    Put(d_x, v.rotation);
+    d_x.push_back(v.area);
+  }
+  Put(d_x, d_g.offset);
+  Put(d_x, d_g.rotation);
+  Put(d_x, d_g.scale_log);
+  double d_numbers[math::kCorrectionWidth];
+  math::CorrectionOfVjp(d_c, d_numbers);
+  d_x.insert(d_x.end(), d_numbers, d_numbers + math::kCorrectionWidth);
+  return d_x;
+}
+
+TEST(EmbedFormula, EmbedCorrectedVjpMatchesDual) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    auto x = RandomVector(kFirstCorrection + math::kCorrectionWidth, seed);
+    for (int i = 0; i < 3; ++i) x[i * kVertexWidth + 10] = .5 + std::abs(x[i * kVertexWidth + 10]);
+    for (int k = 0; k < 2; ++k) x[3 * kVertexWidth + k] *= seed % 2 ? .05 : .8;
+    ExpectVjpMatchesDual(CorrectedFunction(), CorrectedVjp, x);
   }
 }
 

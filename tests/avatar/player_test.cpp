@@ -25,6 +25,7 @@ Training<>& Trained() {
   static Training<> run = [] {
     AvatarSettings avatar = SmallAvatar(2000);
     avatar.bust = AvatarSettings::BustChoice::kYes;
+    avatar.still_bust = true;
     return Training<>(LoadSmallVideo(8, 1), avatar, ShortRun(150, 3000));
   }();
   if (run.trainer.state().iteration == 0) run.Run(150);

@@ -9,6 +9,7 @@
 
 #include "apps/study/bench/synthetic_view.h"
 #include "avatar/model/avatar_model.h"
+#include "avatar/play/rig_poser.h"
 #include "flame/kernels/pose.h"
 #include "flame/math/rodrigues.h"
 #include "splat/base/rng.h"
@@ -28,7 +29,7 @@ struct MadeModel {
 struct MadeAvatar {
   AvatarModel model;
   MadeModel flame;
-  std::vector<FlameRig<float>> rigs;
+  std::vector<AvatarRig> rigs;
   std::vector<std::vector<float>> poses;  // what the rigs make of the mesh
   Camera camera;
   Image8 photograph;
@@ -108,8 +109,8 @@ inline MadeAvatar MakeAvatar(size_t count, int side, int levels) {
   }
   MakeModel(made.model.mesh, made.flame);
   for (int pose = 0; pose < kPoses; ++pose) {
-    made.rigs.push_back(MakeRig(pose));
-    made.poses.push_back(PosedByCpu(made.flame, made.rigs.back()));
+    made.rigs.push_back({MakeRig(pose), kMeanBustPose, {}});
+    made.poses.push_back(PosedByCpu(made.flame, made.rigs.back().flame));
   }
   made.camera = view.frame.camera;
   made.camera.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};

@@ -100,6 +100,37 @@ TEST_F(AvatarTrainingParity, AFixedOrderGivesTheSameBits) {
   EXPECT_EQ(first.subject.State().embedding.triangle, again.subject.State().embedding.triangle);
 }
 
+TEST_F(AvatarTrainingParity, FindsTheBust) {
+  AvatarSettings avatar = Avatar();
+  avatar.bust = AvatarSettings::BustChoice::kYes;
+  avatar.iterations = 40;
+  const AvatarRun cpu(avatar, {}, 6), device(avatar, SumOrder::kFixed, 6);
+  ExpectSameLosses(cpu, device, 6);
+  const auto on_cpu = cpu.subject.State().busts, there = device.subject.State().busts;
+  ASSERT_EQ(on_cpu.size(), cpu.subject.frame_count());
+  ASSERT_EQ(there.size(), on_cpu.size());
+  float moved = 0;
+  for (size_t i = 0; i < there.size(); ++i) {
+    moved = std::max(moved, std::abs(on_cpu[i].pose.shift.x));
+    EXPECT_EQ(there[i].step, on_cpu[i].step);
+    EXPECT_NEAR(there[i].pose.shift.x, on_cpu[i].pose.shift.x, 2e-5f);
+    EXPECT_NEAR(there[i].pose.turn.y, on_cpu[i].pose.turn.y, 2e-4f);
+  }
+  EXPECT_GT(moved, 1e-4f);
+}
+
+TEST_F(AvatarTrainingParity, LearnsCorrections) {
+  AvatarSettings avatar = Avatar();
+  avatar.corrections = 3;
+  const AvatarRun cpu(avatar, {}, 12), device(avatar, SumOrder::kFixed, 12);
+  ExpectSameLosses(cpu, device, 6);
+  const Gaussians &a = cpu.trainer.state().gaussians, &b = device.trainer.state().gaussians;
+  EXPECT_EQ(a.corrections, 3);
+  EXPECT_EQ(b.corrections, 3);
+  EXPECT_EQ(b.values[kCorrection].size(), b.size() * size_t(b.width(kCorrection)));
+  EXPECT_NEAR(Quality(device), Quality(cpu), 0.5);
+}
+
 TEST_F(AvatarTrainingParity, RefinesTheTrack) {
   AvatarSettings avatar = Avatar();
   avatar.refine_track = true;

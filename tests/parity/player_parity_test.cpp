@@ -8,6 +8,7 @@
 #include "assets/head/motion.h"
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
+#include "tests/avatar/with_corrections.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/image_bytes.h"
@@ -118,6 +119,15 @@ TEST_F(PlayerParity, DrawsABust) {
   for (size_t i = 0; i < avatar.size(); i += 3)
     avatar.embedding.triangle[i] = int32_t(head_faces + (7 * i) % bust_faces);
   ExpectSamePlayed(avatar, 2);
+  BustFollow& follow = avatar.bust->follow.emplace();
+  follow.matrix.fill(0.2f);
+  follow.least.fill(-0.3f);
+  follow.most.fill(0.3f);
+  ExpectSamePlayed(avatar, 2);
+}
+
+TEST_F(PlayerParity, FollowsTheExpressionWithCorrections) {
+  ExpectSamePlayed(test::WithCorrections(PaintedAvatar(Head(), 300), Flame(), 3), 3);
 }
 
 // A face that no tracker gives, then one at rest.

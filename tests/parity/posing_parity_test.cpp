@@ -43,7 +43,7 @@ FlameParams RandomParams(unsigned seed, float expression, float angle, float met
 struct Posers {
   explicit Posers(const FlameModel& flame = Flame(), const std::optional<Bust>& bust = {})
       : host(flame, {0.7f, -1}, {}, bust),
-        device({host.flame().Arrays(), host.bust()}, store, stream) {}
+        device({host.flame().Arrays(), host.bust(), host.bust_pivot()}, store, stream) {}
 
   std::vector<float> OnHost(const FlameParams& params) {
     std::vector<float> vertices;
@@ -51,8 +51,10 @@ struct Posers {
     return vertices;
   }
   std::vector<float> OnDevice(const FlameParams& params) {
-    FlameRig<float> rig;
-    host.flame().Prepare(host.ParametersFor(params), rig);
+    const AvatarPoser::Parameters parameters = host.ParametersFor(params);
+    AvatarRig rig;
+    host.flame().Prepare(parameters, rig.flame);
+    rig.bust = parameters.bust;
     std::vector<float> vertices(3 * device.vertex_count());
     device.Pose(rig, stream).Download(vertices.data(), stream);
     stream.Wait();
@@ -128,6 +130,16 @@ TEST_F(PosingParity, AHeadWithItsBust) {
   ASSERT_FALSE(posers.host.bust().empty());
   EXPECT_EQ(posers.device.vertex_count(), posers.host.vertex_count());
   for (const int frame : {1, 8}) posers.ExpectSame(test::RestlessParams(head, frame));
+  BustFollow& follow = bust.follow.emplace();
+  for (size_t i = 0; i < follow.matrix.size(); ++i) follow.matrix[i] = 0.1f * float(i % 7) - 0.3f;
+  follow.least.fill(-0.2f);
+  follow.most.fill(0.3f);
+  Posers following(head, bust);
+  for (const int frame : {1, 8}) {
+    const FlameParams params = test::RestlessParams(head, frame);
+    following.ExpectSame(params);
+    EXPECT_NE(following.OnHost(params), posers.OnHost(params));
+  }
 }
 
 TEST_F(PosingParity, KeepsNothingOfTheLastFace) {

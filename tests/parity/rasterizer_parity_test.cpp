@@ -76,7 +76,7 @@ void ExpectSame(const Drawn& cpu, const Drawn& device, const test::ParityToleran
   ExpectSameImage(cpu.image.color, device.image.color, tolerance, "colour");
   ExpectSameImage(cpu.image.transmittance, device.image.transmittance, tolerance, "transmittance");
   const char* names[] = {"position", "rotation", "scale", "opacity", "dc", "rest"};
-  for (int a = 0; a < kAttributeCount; ++a)
+  for (int a = 0; a <= kColorRest; ++a)
     ExpectSameGradients(cpu.gradients.values[a], device.gradients.values[a], tolerance, names[a]);
   ExpectSameGradients(cpu.screen, device.screen, tolerance, "screen");
   ExpectSameGradients(cpu.color_frame, device.color_frame, tolerance, "frame");

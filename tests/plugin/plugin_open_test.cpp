@@ -129,11 +129,22 @@ TEST(PluginOpen, RefusesWrongArguments) {
   EXPECT_EQ(Open(nullptr, &options), COSPLAT_ERROR_ARGUMENT);
   EXPECT_EQ(Open(Path(), nullptr), COSPLAT_ERROR_ARGUMENT);
   EXPECT_EQ(cosplat_open(Path(), &options, nullptr), COSPLAT_ERROR_ARGUMENT);
-  for (const uint32_t size : {0u, 4u, uint32_t(sizeof(options)) - 1, 100000u, ~0u}) {
+  // The first version's had no `bust`.
+  const uint32_t first = offsetof(cosplat_open_options, bust);
+  for (const uint32_t size : {0u, 4u, first - 1, 100000u, ~0u}) {
     options.struct_size = size;
     EXPECT_EQ(Open(Path(), &options), COSPLAT_ERROR_ARGUMENT);
     EXPECT_TRUE(Contains(cosplat_last_error(nullptr), "struct_size: " + std::to_string(size)));
   }
+  options.struct_size = first;
+  options.bust = 77;  // beyond what such a caller has
+  EXPECT_EQ(Open(Path(), &options), COSPLAT_OK);
+  options = OpenOptions();
+  options.bust = COSPLAT_BUST_STILL;
+  EXPECT_EQ(Open(Path(), &options), COSPLAT_OK);
+  options.bust = 2;
+  EXPECT_EQ(Open(Path(), &options), COSPLAT_ERROR_ARGUMENT);
+  EXPECT_TRUE(Contains(cosplat_last_error(nullptr), "bust: 2 is not"));
   options = OpenOptions();
   for (const uint32_t device : {COSPLAT_DEVICE_AUTO, COSPLAT_DEVICE_CPU}) {
     options.device = device;

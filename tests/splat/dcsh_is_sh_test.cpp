@@ -27,7 +27,7 @@ class ScaledBasisSubject : public SceneSubject {
     world.color_rest = rest_.data();
     return world;
   }
-  void PlaceBackward(const Gaussians&, Gaussians& gradients) override {
+  void PlaceBackward(const Gaussians&, Gaussians& gradients, const uint32_t*) override {
     for (float& d : gradients.values[kColorRest]) d *= kRatio;
   }
 

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "avatar/model/corrections.h"
+
 namespace cosplat {
 namespace {
 
@@ -75,6 +77,14 @@ void AvatarOptions::Declare(CLI::App& command) {
       .add_option(
           "--bust", bust, "a sheet for shoulders, which FLAME lacks: yes, no, or auto by the masks")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
+  command
+      .add_option("--corrections",
+                  avatar.corrections,
+                  "most bases per Gaussian that follow the expression; 0: none")
+      ->check(CLI::Range(0, kMaxCorrections));
+  command.add_flag("--still-bust",
+                   avatar.still_bust,
+                   "hold the bust still, instead of finding where it is in each frame");
   command.add_flag("--refine-track",
                    avatar.refine_track,
                    "also optimise pose, translation and expression of the training frames");
@@ -100,6 +110,7 @@ void AvatarOptions::ApplyPreset(CLI::App& command) {
       CLI::Option* option = command.get_option(name);
       if (option->count() == 0) option->default_val(value);  // also sets the variable
     }
+  avatar.iterations = iterations;
   avatar.color_frame = color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
   using BustChoice = AvatarSettings::BustChoice;
   avatar.bust =

@@ -1,4 +1,6 @@
+#include "avatar/model/place_bust.h"
 #include "avatar/surface/cuda/kernels.h"
+#include "avatar/surface/kernels/bust.h"
 #include "avatar/surface/kernels/embed.h"
 #include "avatar/surface/kernels/holes.h"
 #include "avatar/surface/kernels/place.h"
@@ -21,7 +23,8 @@ void ProvideAvatarKernels() {
   Provide<math::PutPositionsKernel, math::SumCornersKernel, math::SumAtVertexKernel>();
   Provide<FaceKeys, FindBegin>();
   Provide<WalkOne, ListTouching, CountOnFace, TakeEach, SettleWalk, ForgetMoment>();
-  Provide<MoveEach, PlaceEach, RateEach>();
+  Provide<MoveEach, PlaceEach, RateEach, ScaleEach>();
+  Provide<PlaceBust, SumBust, AdvanceBust>();
   Provide<FindLast, ThinOut, FindHoles, SpareOne>();
   Provide<GatherRow<std::array<float, 2>>>();
 }

@@ -49,6 +49,15 @@ COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
   return size_t(face[0]) == vertex ? 0 : size_t(face[1]) == vertex ? 1 : 2;
 }
 
+// How a frame's expression corrects the Gaussians (avatar/math/correct.h); none if count is 0.
+struct CorrectionArrays {
+  size_t count = 0;                      // K
+  const float* bases = nullptr;          // [N, K, kCorrectionNumbers]
+  const float* weights = nullptr;        // [K] of this frame
+  const float* opacity_logit = nullptr;  // [N] uncorrected
+  const float* color_dc = nullptr;       // [N, 3] uncorrected
+};
+
 // Gaussians on the triangles of a posed mesh; the triangles must exist.
 struct EmbeddedArrays {
   size_t count = 0;
@@ -60,6 +69,7 @@ struct EmbeddedArrays {
   const int32_t* faces = nullptr;          // [F, 3]
   const float* vertices = nullptr;         // [V, kSurfaceVertexFloats]
   const float* canonical_areas = nullptr;  // [F, 4] at the corners; the fourth is unused
+  CorrectionArrays corrections;
 };
 
 // The arrays of PosedGaussians (avatar/surface/binding.h).
@@ -69,6 +79,9 @@ struct PosedArrays {
   T* rotation = nullptr;
   T* scale_log = nullptr;
   T* frame = nullptr;
+  // With corrections only. Their derivatives are those of the Gaussians' own.
+  T* opacity_logit = nullptr;
+  T* color_dc = nullptr;
 };
 
 // Derivatives, overwritten. corners: [N, 3, kSurfaceVertexFloats], each Gaussian's contribution to
@@ -78,6 +91,7 @@ struct EmbeddedGradients {
   float* rotation = nullptr;
   float* scale_log = nullptr;
   float* corners = nullptr;
+  float* corrections = nullptr;  // [N, K, kCorrectionNumbers]
 };
 
 // Kernels for ForEachRow (splat/device/for_each.h), implemented in avatar/surface/kernels/surface.h

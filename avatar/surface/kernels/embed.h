@@ -8,6 +8,7 @@
 #define COSPLAT_AVATAR_KERNELS_EMBED_H_
 #endif
 
+#include "avatar/math/correct.h"
 #include "avatar/math/embed.h"
 #include "avatar/surface/kernels/arrays.h"
 #include "avatar/surface/kernels/gather.h"
@@ -45,10 +46,38 @@ COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbeddedArrays& gaussians, 
 }
 
 template <class T>
+COSPLAT_HD_FORCED Correction<T> LoadCorrection(const CorrectionArrays& corrections,
+                                               const Rows& rows) {
+  T sum[kCorrectionWidth];
+  for (int i = 0; i < kCorrectionWidth; ++i) sum[i] = T(0.0f);
+  const size_t width = corrections.count * kCorrectionWidth;
+  for (size_t k = 0; k < corrections.count; ++k) {
+    T basis[kCorrectionWidth];
+    LoadRows<kCorrectionWidth>(corrections.bases + k * kCorrectionWidth, width, rows, basis);
+    const T weight(corrections.weights[k]);
+    for (int i = 0; i < kCorrectionWidth; ++i) sum[i] = sum[i] + weight * basis[i];
+  }
+  return CorrectionOf(sum);
+}
+
+template <class T>
+COSPLAT_HD_FORCED PosedGaussian<T> EmbedInFrame(const EmbedInput<T>& in,
+                                                const CorrectionArrays& corrections,
+                                                const PosedArrays<float>& out,
+                                                const Rows& rows) {
+  if (corrections.count == 0) return Embed(in.vertices, in.canonical_area, in.gaussian);
+  const Correction<T> c = LoadCorrection<T>(corrections, rows);
+  const T opacity[1] = {LoadScalar<T>(corrections.opacity_logit, rows) + c.opacity_logit};
+  StoreRows<1>(opacity, out.opacity_logit, 1, rows);
+  StoreVec3(LoadVec3<T>(corrections.color_dc, rows) + c.color_dc, out.color_dc, rows);
+  return EmbedCorrected(in.vertices, in.canonical_area, in.gaussian, c);
+}
+
+template <class T>
 COSPLAT_HD_FORCED void Run(const EmbedKernel& kernel, const Rows& rows) {
   const PosedArrays<float>& out = kernel.out;
   const EmbedInput<T> in = LoadEmbedInput<T>(kernel.gaussians, rows);
-  const PosedGaussian<T> posed = Embed(in.vertices, in.canonical_area, in.gaussian);
+  const PosedGaussian<T> posed = EmbedInFrame(in, kernel.gaussians.corrections, out, rows);
   StoreVec3(posed.position, out.position, rows);
   StoreQuat(posed.rotation, out.rotation, rows);
   StoreVec3(posed.scale_log, out.scale_log, rows);
@@ -77,6 +106,23 @@ COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d,
   }
 }
 
+// Writes the derivative of every basis: weight_k d_c.
+template <class T>
+COSPLAT_HD_FORCED void StoreBases(const Correction<T>& d_c,
+                                  const CorrectionArrays& corrections,
+                                  float* d_bases,
+                                  const Rows& rows) {
+  T d[kCorrectionWidth];
+  CorrectionOfVjp(d_c, d);
+  const size_t width = corrections.count * kCorrectionWidth;
+  for (size_t k = 0; k < corrections.count; ++k) {
+    const T weight(corrections.weights[k]);
+    T d_basis[kCorrectionWidth];
+    for (int i = 0; i < kCorrectionWidth; ++i) d_basis[i] = weight * d[i];
+    StoreRows<kCorrectionWidth>(d_basis, d_bases + k * kCorrectionWidth, width, rows);
+  }
+}
+
 template <class T>
 COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   const auto& [gaussians, d_posed, out] = kernel;
@@ -91,8 +137,17 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   Three<SurfaceVertex<T>> d_corners;
   for (int c = 0; c < 3; ++c)
     d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
-  EmbedVjp(
-      in.vertices, in.canonical_area, in.gaussian, d, d_local, out.corners ? &d_corners : nullptr);
+  Three<SurfaceVertex<T>>* const to_corners = out.corners ? &d_corners : nullptr;
+  if (gaussians.corrections.count == 0) {
+    EmbedVjp(in.vertices, in.canonical_area, in.gaussian, d, d_local, to_corners);
+  } else {
+    const Correction<T> c = LoadCorrection<T>(gaussians.corrections, rows);
+    Correction<T> d_c;
+    d_c.opacity_logit = LoadScalar<T>(d_posed.opacity_logit, rows);
+    d_c.color_dc = LoadVec3<T>(d_posed.color_dc, rows);
+    EmbedCorrectedVjp(in.vertices, in.canonical_area, in.gaussian, c, d, d_local, d_c, to_corners);
+    StoreBases(d_c, gaussians.corrections, out.corrections, rows);
+  }
   StoreVec3(d_local.offset, out.offset, rows);
   StoreQuat(d_local.rotation, out.rotation, rows);
   StoreVec3(d_local.scale_log, out.scale_log, rows);

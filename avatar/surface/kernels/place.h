@@ -101,4 +101,11 @@ struct RateEach {
   }
 };
 
+// Shrinks the bases of corrections.
+struct ScaleEach {
+  View<float> numbers;
+  float factor;
+  COSPLAT_HD void operator()(size_t i) const { numbers[i] *= factor; }
+};
+
 }  // namespace cosplat

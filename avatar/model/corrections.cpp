@@ -1,0 +1,106 @@
+#include "avatar/model/corrections.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "avatar/math/one_euro.h"
+
+namespace cosplat {
+namespace {
+
+using Parameters = FlamePoser<float>::Parameters;
+
+// Components that move the mesh less are rounding: variance in square metres, and as a share of the
+// largest.
+constexpr double kLeastVariance = 1e-14;
+constexpr double kLeastShare = 1e-6;
+// The most that a weight can exceed its range, as a fraction of the range's width.
+constexpr float kWeightMargin = 0.25f;
+
+// Expression, then axis-angles of neck, jaw and eyes.
+Eigen::VectorXd InputsOf(const Parameters& p, size_t count) {
+  Eigen::VectorXd inputs = Eigen::VectorXd::Zero(long(count));
+  const size_t expressions = count - kMinCorrectionInputs;
+  for (size_t e = 0; e < std::min(expressions, p.expression.size()); ++e)
+    inputs[long(e)] = p.expression[e];
+  for (size_t j = 1; j < kFlameJoints; ++j)
+    for (size_t k = 0; k < 3; ++k) inputs[long(expressions + 3 * (j - 1) + k)] = p.pose[j][k];
+  return inputs;
+}
+
+double Rms(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += std::pow(double(a[i]) - b[i], 2);
+  return std::sqrt(sum / double(a.size()));
+}
+
+// How far one unit of each input moves the mesh: the root mean square over its coordinates, metres.
+Eigen::VectorXd ReachOf(const FlameModel& flame, size_t count) {
+  constexpr float kStep = 0.1f;
+  const FlamePoser<float> poser(flame, {});
+  std::vector<float> rest, moved;
+  poser.Forward({}, rest);
+  Eigen::VectorXd reach(static_cast<long>(count));
+  const size_t expressions = count - kMinCorrectionInputs;
+  for (size_t i = 0; i < count; ++i) {
+    Parameters p;
+    p.expression.assign(expressions, 0.0f);
+    (i < expressions ? p.expression[i] : p.pose[1 + (i - expressions) / 3][(i - expressions) % 3]) =
+        kStep;
+    poser.Forward(p, moved);
+    reach[long(i)] = Rms(rest, moved) / kStep;
+  }
+  return reach;
+}
+
+}  // namespace
+
+CorrectionMap FindCorrectionMap(const FlameModel& flame,
+                                const std::vector<Parameters>& frames,
+                                size_t count) {
+  const size_t inputs = size_t(flame.expression_count) + kMinCorrectionInputs;
+  Eigen::MatrixXd z(frames.size(), inputs);
+  for (size_t f = 0; f < frames.size(); ++f)
+    z.row(long(f)) = InputsOf(frames[f], inputs).transpose();
+  const Eigen::RowVectorXd mean = z.colwise().mean();
+  z.rowwise() -= mean;
+  const Eigen::RowVectorXd reach = ReachOf(flame, inputs).transpose();
+  const Eigen::MatrixXd moved = z.array().rowwise() * reach.array();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(moved.transpose() * moved /
+                                                              double(frames.size()));
+  CorrectionMap map;
+  map.mean.assign(mean.data(), mean.data() + inputs);
+  const double largest = solver.eigenvalues().maxCoeff();
+  for (size_t k = 0; k < std::min(count, inputs); ++k) {
+    const long column = long(inputs - 1 - k);  // the largest first
+    const double variance = solver.eigenvalues()[column];
+    if (!(variance > kLeastVariance && variance > kLeastShare * largest)) break;
+    Eigen::VectorXd row = solver.eigenvectors().col(column).array() * reach.transpose().array();
+    Eigen::VectorXd weights = z * row;
+    const double most = weights.cwiseAbs().maxCoeff();
+    row /= most;
+    weights /= most;
+    map.matrix.insert(map.matrix.end(), row.data(), row.data() + inputs);
+    map.least.push_back(float(weights.minCoeff()));
+    map.most.push_back(float(weights.maxCoeff()));
+  }
+  return map;
+}
+
+std::vector<float> CorrectionWeights(const CorrectionMap& map, const Parameters& parameters) {
+  const size_t inputs = map.mean.size();
+  std::vector<float> weights(map.count());
+  if (weights.empty()) return weights;
+  const Eigen::VectorXd z = InputsOf(parameters, inputs);
+  for (size_t k = 0; k < weights.size(); ++k) {
+    double sum = 0;
+    for (size_t i = 0; i < inputs; ++i)
+      sum += double(map.matrix[k * inputs + i]) * (z[long(i)] - map.mean[i]);
+    const float margin = kWeightMargin * (map.most[k] - map.least[k]);
+    weights[k] = math::SoftClamp(float(sum), map.least[k], map.most[k], margin);
+  }
+  return weights;
+}
+
+}  // namespace cosplat

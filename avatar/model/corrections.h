@@ -1,0 +1,28 @@
+// From a frame's parameters to the weights of an avatar's corrections (avatar/math/correct.h).
+//
+// training frames' parameters -> FindCorrectionMap -> CorrectionMap -> CorrectionWeights -> Bind.
+#pragma once
+
+#include <vector>
+
+#include "avatar/model/avatar_model.h"
+#include "flame/pose.h"
+
+namespace cosplat {
+
+constexpr int kMaxCorrections = 64;
+// Inputs of a CorrectionMap besides expression coefficients: all joints but the root.
+constexpr size_t kMinCorrectionInputs = 3 * (kFlameJoints - 1);
+
+// At most `count` weights: the principal components of the frames' expressions and of the turns of
+// neck, jaw and eyes, each measured by how far it moves the mesh; fewer if the frames have fewer
+// motions. In the frames a weight is zero on average and at most 1 in magnitude.
+CorrectionMap FindCorrectionMap(const FlameModel& flame,
+                                const std::vector<FlamePoser<float>::Parameters>& frames,
+                                size_t count);
+
+// [map.count()] weights, softly limited to the range of the training frames.
+std::vector<float> CorrectionWeights(const CorrectionMap& map,
+                                     const FlamePoser<float>::Parameters& parameters);
+
+}  // namespace cosplat

@@ -1,0 +1,65 @@
+// Fits the parameters of single frames to their images, with the avatar held fixed.
+//
+// AvatarModel + frame + image -> TrackFitter::Fit -> parameters of head and bust, and the avatar's
+// image there. An evaluation on tracked parameters measures the tracker too; one on fitted
+// parameters measures what the avatar can show, as PointAvatar (Zheng et al. 2023) and IMavatar
+// (Zheng et al. 2022) report it. Both are worth knowing, so that one never replaces the other.
+#pragma once
+
+#include <array>
+
+#include "avatar/model/avatar_mesh.h"
+#include "avatar/surface/binding.h"
+#include "flame/track.h"
+#include "splat/render/rasterizer.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+
+struct FitSettings {
+  int steps = 80;
+  bool head = true, bust = true;  // which of them is fitted
+  // First learning rates; they fall to a twentieth.
+  float pose_rate = 2e-3f;           // radians per step
+  float translation_rate = 2.5e-4f;  // metres per step
+  float expression_rate = 2e-2f;
+};
+
+class TrackFitter {
+ public:
+  // The model must have its mesh. Keeps a reference to `flame`. Throws Error if the avatar follows
+  // the mesh by the released rule, which has no derivative for it.
+  TrackFitter(const AvatarModel& model, const FlameModel& flame);
+
+  // Starts at the frame's own parameters, and for the bust where it follows the head. target: of
+  // the camera's size.
+  void Fit(const TrackedFrame& frame,
+           const Image8& target,
+           const std::array<float, 3>& background,
+           const FitSettings& settings);
+  // Of the last fit.
+  const AvatarPoser::Parameters& parameters() const { return parameters_; }
+  const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
+  const RenderedImage& image() const { return image_; }             // over the background
+
+ private:
+  void Draw(const Camera& camera, const std::array<float, 3>& background);
+  void Step(const FitSettings& settings, int step);
+
+  const AvatarModel& model_;
+  AvatarPoser poser_;
+  Surface surface_;
+  std::unique_ptr<Rasterizer> rasterizer_;
+  std::unique_ptr<RenderTape> tape_;
+  AvatarPoser::Parameters parameters_;
+  std::vector<float> moments_;  // [2, numbers]
+  std::vector<float> vertices_;
+  PosedGaussians posed_, d_posed_;
+  RenderedImage image_;
+  PhotometricLoss loss_;
+  Gaussians gradients_;
+  Buffer<float> screen_, d_color_, d_vertices_;
+  BindScratch scratch_;
+};
+
+}  // namespace cosplat
