@@ -8,7 +8,6 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
-#include "avatar/surface/silhouette.h"
 #include "avatar/train/fit_track.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
@@ -43,10 +42,8 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
     const TrackedFrame& frame = video.test[i];
     const Image8 truth = LoadTrackedImage(video, frame);
     fitter.Fit(frame, truth, avatar.background, settings);
-    const std::array<int, 4> box =
-        MouthBox(fitter.vertices(), avatar.mesh.vertices, topology, frame.camera);
-    const Rectangle mouth{box[0], box[1], box[2], box[3]};
-    writer.Write(fitter.image(), truth, mouth.width > 0 ? &mouth : nullptr);
+    writer.Write(
+        fitter.image(), truth, RegionsOf(fitter.vertices(), avatar, topology, flame, frame.camera));
     bar.Update(int(i) + 1, "frames");
   }
   writer.Finish();
@@ -68,8 +65,8 @@ void Measure(const MetricsOptions& o) {
       });
   bar.reset();
   std::printf("%s\n", ToString(summary).c_str());
-  for (const auto& [name, psnr] : summary.other_psnr)
-    std::printf("%s: PSNR %.2f dB\n", name.c_str(), psnr);
+  for (const auto& [name, figures] : summary.others)
+    std::printf("%s: %s\n", name.c_str(), figures.c_str());
   for (const std::string& line : summary.dropped) std::printf("dropped: %s\n", line.c_str());
 }
 

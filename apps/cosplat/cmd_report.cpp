@@ -62,6 +62,7 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   const std::vector<std::array<const char*, 3>> figures{
       {"PSNR", "PSNR, whole image", "%.2f dB"},
       {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
+      {"PSNR_head", "PSNR of the head alone, above the chin", "%.2f dB"},
       {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
       {"PSNR_highlight", "PSNR of the brightest 2 %", "%.2f dB"},
       {"SSIM", "SSIM", "%.4f"}};

@@ -57,6 +57,18 @@ std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
   return mask;
 }
 
+int ChinRow(const std::vector<float>& vertices, const FlameModel& flame, const Camera& camera) {
+  constexpr size_t kJaw = 2;
+  constexpr float kFollows = 0.5f;  // least skinning weight
+  float row = 0;
+  for (int v = 0; v < flame.vertex_count; ++v) {
+    if (flame.skinning_weights[kFlameJoints * size_t(v) + kJaw] < kFollows) continue;
+    const ScreenPoint p = Project(vertices, v, camera);
+    if (p.depth > 0) row = std::max(row, p.y);
+  }
+  return std::min(int(std::ceil(row)), camera.height);
+}
+
 std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,

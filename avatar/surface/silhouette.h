@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "flame/model.h"
 #include "flame/topology.h"
 #include "splat/base/camera.h"
 
@@ -24,5 +25,10 @@ std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,
                             const Camera& camera);
+
+// The row below the chin, within the image: that of the lowest vertex that follows the jaw. Above
+// it images show the head alone, without shoulders and clothes. vertices: [V, 3] in the camera's
+// world, FLAME's first.
+int ChinRow(const std::vector<float>& vertices, const FlameModel& flame, const Camera& camera);
 
 }  // namespace cosplat

@@ -51,6 +51,16 @@ double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& 
 
 }  // namespace
 
+double MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
+  double sum = 0, weight = 0;
+  for (size_t i = 0; i < truth.pixels(); ++i) {
+    const double w = mask.data[i] / 255.0;
+    sum += w * SquaredDifference(rendered, truth, i);
+    weight += w;
+  }
+  return ToDecibel(sum, weight);
+}
+
 ImageMetrics CompareImages(const Image8& rendered,
                            const Image8& truth,
                            const Image8* mask,
@@ -69,13 +79,7 @@ ImageMetrics CompareImages(const Image8& rendered,
   m.psnr = Psnr(a, b);
   m.ssim = MeanSsim(a, truth, {0, 0, 0});
   if (mask) {
-    double sum = 0, weight = 0;
-    for (size_t i = 0; i < truth.pixels(); ++i) {
-      const double w = mask->data[i] / 255.0;
-      sum += w * SquaredDifference(rendered, truth, i);
-      weight += w;
-    }
-    m.psnr_mask = ToDecibel(sum, weight);
+    m.psnr_mask = MaskedPsnr(rendered, truth, *mask);
     m.psnr_highlight = HighlightPsnr(rendered, truth, *mask);
   }
   if (region) {

@@ -21,6 +21,9 @@ struct ImageMetrics {
   double psnr_highlight = 0;
 };
 
+// dB, squared differences weighted by the mask. All three of equal size; RGB, RGB, one channel.
+double MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask);
+
 // Both images must be RGB and of equal size. `mask`: one channel of that size, or null. Throws
 // Error if sizes differ.
 ImageMetrics CompareImages(const Image8& rendered,

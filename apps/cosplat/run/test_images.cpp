@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMouth = "mouth";
+constexpr const char* kHead = "head";
 constexpr const char* kLpips = "LPIPS";        // of the network measured last
 constexpr const char* kLpipsOfNet = "LPIPS_";  // followed by the network's name
 
@@ -48,6 +49,14 @@ std::vector<std::string> SortedFiles(const std::string& folder) {
 // Metrics of one test/ours_N folder, by metric and image name.
 using Figures = std::map<std::string, std::map<std::string, double>>;
 
+// The mask without what is outside of the rectangle.
+Image8 Inside(Image8 mask, const Rectangle& r) {
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (x < r.x || x >= r.x + r.width || y < r.y || y >= r.y + r.height) mask.at(x, y, 0) = 0;
+  return mask;
+}
+
 Figures EvaluateFolder(const std::string& folder,
                        Lpips* lpips,
                        const std::function<void()>& count_view) {
@@ -59,12 +68,13 @@ Figures EvaluateFolder(const std::string& folder,
     const Image8 truth = ReadImage(folder + "/gt/" + name);
     std::optional<Image8> mask;
     if (fs::exists(folder + "/masks/" + name)) mask = ReadImage(folder + "/masks/" + name);
-    std::optional<Rectangle> mouth;
-    if (regions.contains(kMouth) && regions[kMouth].contains(name)) {
+    const auto region = [&](const char* of) -> std::optional<Rectangle> {
+      if (!regions.contains(of) || !regions[of].contains(name)) return {};
       const std::vector<float> r =
-          JsonField(folder + "/regions.json", regions)[kMouth][name].Numbers(4);
-      mouth = Rectangle{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
-    }
+          JsonField(folder + "/regions.json", regions)[of][name].Numbers(4);
+      return Rectangle{int(r[0]), int(r[1]), int(r[2]), int(r[3])};
+    };
+    const std::optional<Rectangle> mouth = region(kMouth), head = region(kHead);
     const ImageMetrics m =
         CompareImages(rendered, truth, mask ? &*mask : nullptr, mouth ? &*mouth : nullptr);
     figures["PSNR"][name] = m.psnr;
@@ -72,6 +82,8 @@ Figures EvaluateFolder(const std::string& folder,
     if (mask) figures["PSNR_mask"][name] = m.psnr_mask;
     if (mask) figures["PSNR_highlight"][name] = m.psnr_highlight;
     if (mouth) figures["PSNR_mouth"][name] = m.psnr_region;
+    if (mask && head)
+      figures["PSNR_head"][name] = MaskedPsnr(rendered, truth, Inside(*mask, *head));
     if (lpips)
       figures[kLpips][name] = figures[kLpipsOfNet + lpips->net()][name] =
           lpips->Distance(rendered, truth);
@@ -124,9 +136,11 @@ void Summarize(const Figures& figures, TestSummary& summary) {
   summary.psnr = Mean(figures.at("PSNR"));
   summary.ssim = Mean(figures.at("SSIM"));
   summary.psnr_mask.reset();
+  summary.psnr_head.reset();
   summary.psnr_mouth.reset();
   summary.lpips.clear();
   if (figures.count("PSNR_mask")) summary.psnr_mask = Mean(figures.at("PSNR_mask"));
+  if (figures.count("PSNR_head")) summary.psnr_head = Mean(figures.at("PSNR_head"));
   if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
   const size_t prefix = std::string(kLpipsOfNet).size();
   for (const auto& [figure, values] : figures)
@@ -148,6 +162,16 @@ std::map<std::string, int> CountViews(const std::string& folder) {
 
 }  // namespace
 
+Regions RegionsOf(const std::vector<float>& vertices,
+                  const AvatarModel& avatar,
+                  const MeshTopology& topology,
+                  const FlameModel& flame,
+                  const Camera& camera) {
+  const auto box = MouthBox(vertices, avatar.mesh.vertices, topology, camera);
+  return {{kMouth, {box[0], box[1], box[2], box[3]}},
+          {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}};
+}
+
 TestImageWriter::TestImageWriter(const std::string& folder,
                                  const std::string& set,
                                  int iteration,
@@ -165,7 +189,7 @@ TestImageWriter::TestImageWriter(const std::string& folder,
 
 void TestImageWriter::Write(const RenderedImage& rendered,
                             const Image8& truth,
-                            const Rectangle* mouth) {
+                            const Regions& regions) {
   const std::string name = NumberedName(next_++);
   WriteImage(path_ + "/renders/" + name,
              PlanarToBytes(rendered.color, rendered.width, rendered.height));
@@ -178,16 +202,16 @@ void TestImageWriter::Write(const RenderedImage& rendered,
     for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = truth.data[4 * i + 3];
     WriteImage(path_ + "/masks/" + name, mask);
   }
-  if (mouth)
-    regions_ += (regions_.empty() ? "" : ",\n ") + ("\"" + name + "\": [") +
-                std::to_string(mouth->x) + ", " + std::to_string(mouth->y) + ", " +
-                std::to_string(mouth->width) + ", " + std::to_string(mouth->height) + "]";
+  for (const auto& [region, r] : regions)
+    if (r.width > 0 && r.height > 0) regions_[region][name] = r;
 }
 
 void TestImageWriter::Finish() {
-  if (!regions_.empty())
-    WriteFileAtomically(path_ + "/regions.json",
-                        std::string("{\"") + kMouth + "\": {\n " + regions_ + "}}\n");
+  if (regions_.empty()) return;
+  Json json;
+  for (const auto& [region, images] : regions_)
+    for (const auto& [name, r] : images) json[region][name] = {r.x, r.y, r.width, r.height};
+  WriteFileAtomically(path_ + "/regions.json", json.dump(1) + "\n");
 }
 
 TestSummary EvaluateTestImages(const std::string& folder,
@@ -216,7 +240,9 @@ TestSummary EvaluateTestImages(const std::string& folder,
     }
     const int number = std::atoi(name.c_str() + 5);
     if (name != "ours_" + std::to_string(number)) {
-      summary.other_psnr[name] = Mean(figures.at("PSNR"));
+      TestSummary other;
+      Summarize(figures, other);
+      summary.others[name] = ToString(other);
       continue;
     }
     if (iteration >= 0 ? number != iteration : number < latest) continue;
@@ -240,6 +266,10 @@ std::string ToString(const TestSummary& s) {
     std::snprintf(text, sizeof text, "  inside the mask %.2f dB", *s.psnr_mask);
     out += text;
   }
+  if (s.psnr_head) {
+    std::snprintf(text, sizeof text, "  head %.2f dB", *s.psnr_head);
+    out += text;
+  }
   if (s.psnr_mouth) {
     std::snprintf(text, sizeof text, "  mouth %.2f dB", *s.psnr_mouth);
     out += text;
@@ -254,7 +284,8 @@ std::string ToString(const TestSummary& s) {
 AvatarTestImages::AvatarTestImages(AvatarModel model,
                                    const FlameModel& flame,
                                    PlayerSettings settings)
-    : player_(std::move(model), flame, settings),
+    : flame_(flame),
+      player_(std::move(model), flame, settings),
       topology_(BuildTopology(
           "avatar", player_.avatar().mesh.faces, int(player_.avatar().mesh.vertices.size() / 3))) {}
 
@@ -262,10 +293,9 @@ void AvatarTestImages::WriteTestImage(const TrackedFrame& frame,
                                       const Image8& truth,
                                       TestImageWriter& writer) {
   player_.RenderOver(frame.params, frame.camera, writer.background(), image_);
-  const std::array<int, 4> box =
-      MouthBox(player_.vertices(), player_.avatar().mesh.vertices, topology_, frame.camera);
-  const Rectangle mouth{box[0], box[1], box[2], box[3]};
-  writer.Write(image_, truth, mouth.width > 0 ? &mouth : nullptr);
+  writer.Write(image_,
+               truth,
+               RegionsOf(player_.vertices(), player_.avatar(), topology_, flame_, frame.camera));
 }
 
 }  // namespace cosplat

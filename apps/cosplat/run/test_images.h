@@ -20,11 +20,22 @@ namespace cosplat {
 struct TestSummary {
   size_t views = 0;
   double psnr = 0, ssim = 0;
-  std::optional<double> psnr_mask, psnr_mouth;
-  std::map<std::string, double> other_psnr;  // of splats other than the run's own (ours_N_NAME)
-  std::map<std::string, double> lpips;       // by network
+  std::optional<double> psnr_mask, psnr_head, psnr_mouth;
+  std::map<std::string, double> lpips;  // by network
+  // Of images other than the run's own, ours_N_NAME: splats given to `render`, fitted frames. As
+  // text.
+  std::map<std::string, std::string> others;
   std::vector<std::string> dropped;  // earlier measurements that were discarded, one line each
 };
+
+using Regions = std::map<std::string, Rectangle>;
+
+// Of a posed avatar in an image: "mouth", a box around it, and "head", all that is above the chin.
+Regions RegionsOf(const std::vector<float>& vertices,
+                  const AvatarModel& avatar,
+                  const MeshTopology& topology,
+                  const FlameModel& flame,
+                  const Camera& camera);
 
 // Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png and, if `truth` has alpha, masks/000ii.png.
 // Both images are composited over the background. `set` is "test", or "train" for training views;
@@ -38,15 +49,16 @@ class TestImageWriter {
                   const std::string& suffix = "");
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
-  void Write(const RenderedImage& rendered, const Image8& truth, const Rectangle* mouth = nullptr);
-  // Writes regions.json if there were mouth rectangles.
+  // regions: by name, measured apart; empty rectangles are left out.
+  void Write(const RenderedImage& rendered, const Image8& truth, const Regions& regions = {});
+  // Writes regions.json if there were any.
   void Finish();
 
  private:
   std::string path_;
   std::array<float, 3> background_;
   int next_ = 0;
-  std::string regions_;
+  std::map<std::string, std::map<std::string, Rectangle>> regions_;  // by name and image
 };
 
 // Reads test/ours_*/ of a run, writes results.json and per_view.json for all of them, and returns
@@ -70,13 +82,13 @@ class AvatarTestImages {
   // Keeps a reference to `flame`, which must outlive it. The model must have its mesh.
   AvatarTestImages(AvatarModel model, const FlameModel& flame, PlayerSettings settings = {});
 
-  // Renders the frame over the writer's background and writes it with `truth` and the mouth's
-  // rectangle.
+  // Renders the frame over the writer's background and writes it with `truth` and its regions.
   void WriteTestImage(const TrackedFrame& frame, const Image8& truth, TestImageWriter& writer);
 
   Player& player() { return player_; }
 
  private:
+  const FlameModel& flame_;
   Player player_;
   MeshTopology topology_;
   RenderedImage image_;
