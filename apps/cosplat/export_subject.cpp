@@ -53,6 +53,10 @@ class AvatarSplats : public ExportSubject {
   }
   bool is_avatar() const override { return true; }
   QuantisedSplats Quantised(const VqSettings& settings) const override {
+    if (model_.gaussians.corrections > 0)
+      throw Error("--vq",
+                  "cannot hold the avatar's " + std::to_string(model_.gaussians.corrections) +
+                      " corrections: train it without --corrections");
     Gaussians g = model_.gaussians;
     ConvertBasis(g, Basis::kSh);
     QuantisedSplats splats = Quantise(g, SizeSignificance(g), settings);

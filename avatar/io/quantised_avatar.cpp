@@ -50,6 +50,7 @@ void ReadQuantisedAvatar(const std::string& path, AvatarModel& model) {
     model.embedding.barycentric.push_back(
         {float(barycentric.values[2 * i]), float(barycentric.values[2 * i + 1])});
   model.gaussians = Dequantise(splats);
+  model.correction_map = {};
 }
 
 }  // namespace cosplat

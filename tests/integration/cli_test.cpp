@@ -286,6 +286,26 @@ TEST(Cli, RendersTheTestViewsAgainAndMeasuresThem) {
   }
 }
 
+// Beside the figures on the tracks, which stay as they are.
+TEST(Cli, MeasuresFittedTestFrames) {
+  const TemporaryFolder copy;
+  const std::string run = copy / "run";
+  fs::copy(Made().avatar, run, fs::copy_options::recursive);
+  const CommandResult fitted = Cosplat({"metrics", "-m", run, "--fit-track"});
+  EXPECT_EQ(fitted.code, 0) << fitted.err;
+  EXPECT_TRUE(Contains(fitted.out, "ours_60_fitted: PSNR")) << fitted.out;
+  EXPECT_TRUE(Contains(fitted.out, "head")) << fitted.out;
+  const Json results = ReadJson(run + "/results.json"),
+             tracked = ReadJson(Made().avatar + "/results.json");
+  for (const auto& [figure, value] : tracked["ours_60"].items())
+    EXPECT_EQ(results["ours_60"][figure], value) << figure;
+  EXPECT_GT(results["ours_60_fitted"]["PSNR"].get<double>(),
+            tracked["ours_60"]["PSNR"].get<double>());
+  const CommandResult scene = Cosplat({"metrics", "-m", Made().scene, "--fit-track"});
+  EXPECT_EQ(scene.code, 2);
+  EXPECT_TRUE(Contains(scene.err, "is for avatars")) << scene.err;
+}
+
 TEST(Cli, ReportsOnOnePage) {
   for (const std::string& model : {Made().avatar, Made().scene}) {
     const TemporaryFolder copy;
