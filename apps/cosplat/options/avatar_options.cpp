@@ -51,8 +51,6 @@ AvatarOptions::AvatarOptions() {
   // SplattingAvatar's 1.6e-4 is for 30,000 steps; the distance that a Gaussian can move is the
   // learning rate times the number of steps.
   rates.position_lr_init = 6.4e-4f;
-  // More Gaussians than 3DGS's 2e-4 gives are better on held-out training frames (docs/results.md).
-  densify_grad_threshold = 1.5e-4f;
   preset = "cosplat";
 }
 

@@ -18,9 +18,6 @@ void ImproveOn3dgs(TrainSettings& s) {
   s.schedule.last_rate_share = 0.2f;
 }
 
-// Of avatars' own preset: better on held-out training frames, in less time (docs/results.md).
-constexpr int kAvatarDownscales = 2;
-
 }  // namespace
 
 TrainSettings TrainOptions::ToSettings(float extent) const {
@@ -36,7 +33,6 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   else if (preset != "3dgs")
     s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
   if (preset == "default") ImproveOn3dgs(s);
-  if (preset == "cosplat") s.schedule.num_downscales = kAvatarDownscales;
   if (scaling_lr > 0) s.rates.scale = scaling_lr;
   const auto override_with = [](int value, int& steps) {
     if (value >= 0) steps = value;
