@@ -25,13 +25,14 @@ struct MetricsOptions {
 void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
   FitSettings settings;
   settings.head = o.fit_track;
+  const std::string option = o.fit_track ? "--fit-track" : "--fit-bust";
   if (run["kind"].String() != "avatar")
-    throw Error(o.model, "--fit-track", "is for avatars; this is a scene");
+    throw Error(o.model, option, "is for avatars; this is a scene");
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel avatar = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(avatar, flame);
   const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
-  if (video.test.empty()) throw Error(o.model, "--fit-track", "no frames were held out");
+  if (video.test.empty()) throw Error(o.model, option, "no frames were held out");
   const MeshTopology topology =
       BuildTopology("avatar", avatar.mesh.faces, int(avatar.mesh.vertices.size() / 3));
   TrackFitter fitter(avatar, flame);

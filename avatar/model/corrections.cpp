@@ -18,15 +18,11 @@ constexpr double kLeastShare = 1e-6;
 // The most that a weight can exceed its range, as a fraction of the range's width.
 constexpr float kWeightMargin = 0.25f;
 
-// Expression, then axis-angles of neck, jaw and eyes.
-Eigen::VectorXd InputsOf(const Parameters& p, size_t count) {
-  Eigen::VectorXd inputs = Eigen::VectorXd::Zero(long(count));
+// Number i of `count` inputs: expression, then axis-angles of neck, jaw and eyes.
+float InputAt(const Parameters& p, size_t i, size_t count) {
   const size_t expressions = count - kMinCorrectionInputs;
-  for (size_t e = 0; e < std::min(expressions, p.expression.size()); ++e)
-    inputs[long(e)] = p.expression[e];
-  for (size_t j = 1; j < kFlameJoints; ++j)
-    for (size_t k = 0; k < 3; ++k) inputs[long(expressions + 3 * (j - 1) + k)] = p.pose[j][k];
-  return inputs;
+  if (i < expressions) return i < p.expression.size() ? p.expression[i] : 0;
+  return p.pose[1 + (i - expressions) / 3][(i - expressions) % 3];
 }
 
 double Rms(const std::vector<float>& a, const std::vector<float>& b) {
@@ -62,7 +58,7 @@ CorrectionMap FindCorrectionMap(const FlameModel& flame,
   const size_t inputs = size_t(flame.expression_count) + kMinCorrectionInputs;
   Eigen::MatrixXd z(frames.size(), inputs);
   for (size_t f = 0; f < frames.size(); ++f)
-    z.row(long(f)) = InputsOf(frames[f], inputs).transpose();
+    for (size_t i = 0; i < inputs; ++i) z(long(f), long(i)) = InputAt(frames[f], i, inputs);
   const Eigen::RowVectorXd mean = z.colwise().mean();
   z.rowwise() -= mean;
   const Eigen::RowVectorXd reach = ReachOf(flame, inputs).transpose();
@@ -88,19 +84,19 @@ CorrectionMap FindCorrectionMap(const FlameModel& flame,
   return map;
 }
 
-std::vector<float> CorrectionWeights(const CorrectionMap& map, const Parameters& parameters) {
+void CorrectionWeights(const CorrectionMap& map,
+                       const Parameters& parameters,
+                       std::vector<float>& weights) {
   const size_t inputs = map.mean.size();
-  std::vector<float> weights(map.count());
-  if (weights.empty()) return weights;
-  const Eigen::VectorXd z = InputsOf(parameters, inputs);
+  weights.resize(map.count());
   for (size_t k = 0; k < weights.size(); ++k) {
     double sum = 0;
     for (size_t i = 0; i < inputs; ++i)
-      sum += double(map.matrix[k * inputs + i]) * (z[long(i)] - map.mean[i]);
+      sum += double(map.matrix[k * inputs + i]) *
+             (double(InputAt(parameters, i, inputs)) - map.mean[i]);
     const float margin = kWeightMargin * (map.most[k] - map.least[k]);
     weights[k] = math::SoftClamp(float(sum), map.least[k], map.most[k], margin);
   }
-  return weights;
 }
 
 }  // namespace cosplat

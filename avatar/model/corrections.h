@@ -21,8 +21,15 @@ CorrectionMap FindCorrectionMap(const FlameModel& flame,
                                 const std::vector<FlamePoser<float>::Parameters>& frames,
                                 size_t count);
 
-// [map.count()] weights, softly limited to the range of the training frames.
-std::vector<float> CorrectionWeights(const CorrectionMap& map,
-                                     const FlamePoser<float>::Parameters& parameters);
+// weights: [map.count()], softly limited to the range of the training frames. Its memory is reused.
+void CorrectionWeights(const CorrectionMap& map,
+                       const FlamePoser<float>::Parameters& parameters,
+                       std::vector<float>& weights);
+inline std::vector<float> CorrectionWeights(const CorrectionMap& map,
+                                            const FlamePoser<float>::Parameters& parameters) {
+  std::vector<float> weights;
+  CorrectionWeights(map, parameters, weights);
+  return weights;
+}
 
 }  // namespace cosplat

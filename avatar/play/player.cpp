@@ -91,13 +91,14 @@ void Player::Prepare(PlacedAvatar& placed) {
   poser_.flame().Prepare(frame_, rig_.flame);
   reach_->Check(rig_.flame);
   rig_.bust = frame_.bust;
-  rig_.weights = CorrectionWeights(avatar_.correction_map, frame_);
+  CorrectionWeights(avatar_.correction_map, frame_, rig_.weights);
   std::swap(placed.rig_, rig_);
 }
 
 void Player::BindInto(PlacedAvatar& placed) {
   surface_.Pose(placed.vertices_);
-  Bind(avatar_, surface_, placed.gaussians_, CorrectionWeights(avatar_.correction_map, frame_));
+  CorrectionWeights(avatar_.correction_map, frame_, weights_);
+  Bind(avatar_, surface_, placed.gaussians_, weights_);
 }
 
 const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
@@ -112,6 +113,7 @@ const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
 const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
   if (placed.bound_id_ != placed.id_) {
     VerticesOf(placed);
+    poser_.ParametersFor(placed.params_, frame_);  // the last Place may have been of another
     BindInto(placed);
     placed.bound_id_ = placed.id_;
   }

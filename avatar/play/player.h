@@ -117,6 +117,7 @@ class Player {
   bool half_resolution_;
   AvatarPoser poser_;
   AvatarPoser::Parameters frame_;  // of the last Place; reused for its memory
+  std::vector<float> weights_;     // of corrections; reused for its memory
   Surface surface_;
   uint64_t last_id_ = 0;
   PlacedAvatar placed_;

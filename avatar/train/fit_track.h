@@ -27,7 +27,7 @@ struct FitSettings {
 
 class TrackFitter {
  public:
-  // The model must have its mesh. Keeps a reference to `flame`. Throws Error if the avatar follows
+  // The model must have its mesh. Keeps references to both. Throws Error if the avatar follows
   // the mesh by the released rule, which has no derivative for it.
   TrackFitter(const AvatarModel& model, const FlameModel& flame);
 

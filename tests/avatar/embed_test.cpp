@@ -315,6 +315,14 @@ struct EmbedFunction {
     return y;
   }
 };
+void PutVertices(std::vector<double>& y, const Three<math::SurfaceVertex<double>>& vertices) {
+  for (const auto& v : vertices.c) {
+    Put(y, v.position);
+    Put(y, v.normal);
+    Put(y, v.rotation);
+    y.push_back(v.area);
+  }
+}
 std::vector<double> EmbedVjpFunction(const std::vector<double>& x, const std::vector<double>& d) {
   math::EmbeddedGaussian<double> d_g;
   Three<math::SurfaceVertex<double>> d_v{};
@@ -325,12 +333,7 @@ std::vector<double> EmbedVjpFunction(const std::vector<double>& x, const std::ve
                  d_g,
                  &d_v);
   std::vector<double> d_x;
-  for (const auto& v : d_v.c) {
-    Put(d_x, v.position);
-    Put(d_x, v.normal);
-    Put(d_x, v.rotation);
-    d_x.push_back(v.area);
-  }
+  PutVertices(d_x, d_v);
   Put(d_x, d_g.offset);
   Put(d_x, d_g.rotation);
   Put(d_x, d_g.scale_log);
@@ -384,12 +387,7 @@ std::vector<double> CorrectedVjp(const std::vector<double>& x, const std::vector
   d_c.opacity_logit = d[14];
   d_c.color_dc = V(d, 15);
   std::vector<double> d_x;
-  for (const auto& v : d_v.c) {
-    Put(d_x, v.position);
-    Put(d_x, v.normal);
-    Put(d_x, v.rotation);
-    d_x.push_back(v.area);
-  }
+  PutVertices(d_x, d_v);
   Put(d_x, d_g.offset);
   Put(d_x, d_g.rotation);
   Put(d_x, d_g.scale_log);

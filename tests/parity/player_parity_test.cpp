@@ -127,7 +127,16 @@ TEST_F(PlayerParity, DrawsABust) {
 }
 
 TEST_F(PlayerParity, FollowsTheExpressionWithCorrections) {
-  ExpectSamePlayed(test::WithCorrections(PaintedAvatar(Head(), 300), Flame(), 3), 3);
+  const AvatarModel avatar = test::WithCorrections(PaintedAvatar(Head(), 300), Flame(), 3);
+  ExpectSamePlayed(avatar, 3);
+  // The Gaussians of a placed avatar, asked for once another was placed.
+  Player device(avatar, Flame(), OnDevice()), cpu(avatar, Flame());
+  PlacedAvatar first, second, alone;
+  device.Place(FrameAt(1).params, first);
+  device.VerticesOf(first);
+  device.Place(FrameAt(3).params, second);
+  cpu.Place(FrameAt(1).params, alone);
+  EXPECT_EQ(device.GaussiansOf(first).opacity_logit, cpu.GaussiansOf(alone).opacity_logit);
 }
 
 // A face that no tracker gives, then one at rest.
