@@ -8,46 +8,12 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/zip_reader.h"
 
 namespace cosplat {
 namespace {
 
-std::string Reason(int code) {
-  zip_error_t error;
-  zip_error_init_with_code(&error, code);
-  const std::string text = zip_error_strerror(&error);
-  zip_error_fini(&error);
-  return text;
-}
-
 using Archive = std::unique_ptr<zip_t, decltype(&zip_discard)>;
-using Member = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
-
-std::vector<char> ReadMember(zip_t* archive, const std::string& path, zip_uint64_t index) {
-  zip_stat_t stat;
-  zip_stat_init(&stat);
-  if (zip_stat_index(archive, index, 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE))
-    throw Error(path, "entry " + std::to_string(index), "cannot be read");
-  const Member file(zip_fopen_index(archive, index, 0), zip_fclose);
-  if (!file) throw Error(path, stat.name, std::string("cannot be read: ") + zip_strerror(archive));
-  // Grown while reading, since the size in a damaged directory cannot be trusted.
-  std::vector<char> bytes;
-  std::vector<char> block(1 << 20);
-  zip_int64_t count;
-  while ((count = zip_fread(file.get(), block.data(), block.size())) > 0)
-    bytes.insert(bytes.end(), block.data(), block.data() + count);
-  if (count < 0)
-    throw Error(path,
-                stat.name,
-                std::string("is damaged: ") + zip_error_strerror(zip_file_get_error(file.get())));
-  if (bytes.size() != stat.size)
-    throw Error(
-        path,
-        stat.name,
-        "holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(stat.size));
-  return bytes;
-}
-
 std::string ShapeText(const std::vector<size_t>& shape) {
   std::string text = "[";
   for (size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
@@ -94,17 +60,13 @@ void AddMember(zip_t* archive,
 }  // namespace
 
 Npz Npz::Read(const std::string& path) {
-  int code = 0;
-  const Archive archive(zip_open(path.c_str(), ZIP_RDONLY, &code), zip_discard);
-  if (!archive) throw Error(path, "cannot be read as .npz: " + Reason(code));
+  const ZipReader archive(path, ".npz");
   Npz npz;
   npz.path_ = path;
-  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
-  for (zip_int64_t i = 0; i < count; ++i) {
-    const char* raw_name = zip_get_name(archive.get(), i, 0);
-    const std::string name = raw_name != nullptr ? raw_name : "";
+  for (size_t i = 0; i < archive.size(); ++i) {
+    const std::string name = archive.Name(i);
     if (!name.ends_with(".npy") && !name.ends_with(".json")) continue;
-    const std::vector<char> bytes = ReadMember(archive.get(), path, i);
+    const std::vector<char> bytes = archive.Read(i);
     NpyArray array;
     if (name.ends_with(".json"))
       npz.texts_[name].assign(bytes.begin(), bytes.end());
@@ -120,7 +82,7 @@ void Npz::Write(const std::string& path) const {
   WriteViaTemporary(path, [&](const std::string& temporary) {
     int code = 0;
     Archive archive(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code), zip_discard);
-    if (!archive) throw Error(path, "cannot be written: " + Reason(code));
+    if (!archive) throw Error(path, "cannot be written: " + ReasonOfZipError(code));
     for (const auto& [name, bytes] : members) AddMember(archive.get(), path, name, bytes);
     if (zip_close(archive.get()) != 0)
       throw Error(path, std::string("write failed: ") + zip_strerror(archive.get()));

@@ -1,0 +1,75 @@
+#include "splat/base/zip_reader.h"
+
+#include <zip.h>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+using Member = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
+
+}  // namespace
+
+std::string ReasonOfZipError(int code) {
+  zip_error_t error;
+  zip_error_init_with_code(&error, code);
+  const std::string text = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  return text;
+}
+
+void ZipReader::Discard::operator()(zip* archive) const { zip_discard(archive); }
+
+ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(path) {
+  int code = 0;
+  archive_.reset(zip_open(path.c_str(), ZIP_RDONLY, &code));
+  if (!archive_) throw Error(path, "cannot be read as " + kind + ": " + ReasonOfZipError(code));
+}
+
+size_t ZipReader::size() const { return size_t(zip_get_num_entries(archive_.get(), 0)); }
+
+std::string ZipReader::Name(size_t index) const {
+  const char* name = zip_get_name(archive_.get(), index, 0);
+  return name != nullptr ? name : "";
+}
+
+size_t ZipReader::Find(const std::string& name) const {
+  size_t index = 0;
+  while (index < size() && Name(index) != name) ++index;
+  return index;
+}
+
+std::vector<char> ZipReader::Read(size_t index, uint64_t limit) const {
+  zip_stat_t stat;
+  zip_stat_init(&stat);
+  if (zip_stat_index(archive_.get(), index, 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE))
+    throw Error(path_, "entry " + std::to_string(index), "cannot be read");
+  if (stat.size > limit)
+    throw Error(path_,
+                stat.name,
+                "has " + std::to_string(stat.size) + " bytes, at most " + std::to_string(limit) +
+                    " are accepted");
+  const Member file(zip_fopen_index(archive_.get(), index, 0), zip_fclose);
+  if (!file)
+    throw Error(path_, stat.name, std::string("cannot be read: ") + zip_strerror(archive_.get()));
+  // Grown while reading, since the size in a damaged directory cannot be trusted.
+  std::vector<char> bytes;
+  std::vector<char> block(1 << 20);
+  zip_int64_t count = 0;
+  while (bytes.size() <= stat.size &&
+         (count = zip_fread(file.get(), block.data(), block.size())) > 0)
+    bytes.insert(bytes.end(), block.data(), block.data() + count);
+  if (count < 0)
+    throw Error(path_,
+                stat.name,
+                std::string("is damaged: ") + zip_error_strerror(zip_file_get_error(file.get())));
+  if (bytes.size() != stat.size)
+    throw Error(
+        path_,
+        stat.name,
+        "holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(stat.size));
+  return bytes;
+}
+
+}  // namespace cosplat
