@@ -40,7 +40,10 @@ struct FlameParams {
   // Axis-angle per joint, radians: root, neck, jaw, left eye, right eye.
   std::array<std::array<float, 3>, kFlameJoints> pose{};
   std::array<float, 3> translation{};  // metres, after skinning
-  std::vector<float> static_offset;    // [V, 3] metres, added to the template; or empty
+  // How far the left and the right eyelid are closed, in trackers' unit: 0 open, 1 closed; fitted
+  // values may exceed either. 0 from trackers that do not have it.
+  std::array<float, 2> eyelids{};
+  std::vector<float> static_offset;  // [V, 3] metres, added to the template; or empty
 };
 
 // Throws Error (naming model.name and the array) unless every array has its size, every index is in

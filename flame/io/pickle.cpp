@@ -9,13 +9,14 @@ namespace {
 
 using Kind = PickleValue::Kind;
 
-// numpy's, scipy's and chumpy's constructors take at most three arguments.
-constexpr size_t kMaxArguments = 4;
+// numpy's, scipy's and chumpy's constructors take at most three arguments, a tensor's seven.
+constexpr size_t kMaxArguments = 4, kMaxTensorArguments = 7;
 
 struct AcceptedClass {
   const char* module;
   const char* name;
   PickleClass type;
+  const char* dtype = "";  // kStorageType
 };
 
 // All names that a pickle may refer to. Module names changed over the years.
@@ -36,6 +37,13 @@ constexpr std::array kAcceptedClasses = {
     AcceptedClass{"__builtin__", "object", PickleClass::kObject},
     AcceptedClass{"builtins", "object", PickleClass::kObject},
     AcceptedClass{"collections", "OrderedDict", PickleClass::kOrderedDict},
+    AcceptedClass{"torch._utils", "_rebuild_tensor_v2", PickleClass::kTensor},
+    AcceptedClass{"torch._utils", "_rebuild_parameter", PickleClass::kTensorParameter},
+    AcceptedClass{"torch", "HalfStorage", PickleClass::kStorageType, "<f2"},
+    AcceptedClass{"torch", "FloatStorage", PickleClass::kStorageType, "<f4"},
+    AcceptedClass{"torch", "DoubleStorage", PickleClass::kStorageType, "<f8"},
+    AcceptedClass{"torch", "IntStorage", PickleClass::kStorageType, "<i4"},
+    AcceptedClass{"torch", "LongStorage", PickleClass::kStorageType, "<i8"},
 };
 
 // Names from a file, made fit for a one-line message.
@@ -53,8 +61,6 @@ std::string NameOfRefusedOpcode(uint8_t opcode) {
       return "OBJ";
     case 'P':
       return "PERSID";
-    case 'Q':
-      return "BINPERSID";
     case 0x82:
       return "EXT1";
     case 0x83:
@@ -101,6 +107,7 @@ void PickleMachine::PushClass(std::string_view module, std::string_view name) {
     if (module != c.module || name != c.name) continue;
     PickleValue* value = New(Kind::kClass);
     value->type = c.type;
+    value->text = c.dtype;
     Push(value);
     return;
   }
@@ -131,6 +138,9 @@ bool PickleMachine::Object(uint8_t opcode) {
       Construct(Pop(), arguments);
       return true;
     }
+    case 'Q':
+      PushStorage(Pop());
+      return true;
     case 'b': {
       const PickleValue* state = Pop();
       PickleValue* object = Top();
@@ -168,7 +178,8 @@ void PickleMachine::Call() {
 void PickleMachine::Construct(const PickleValue* type, const PickleValue* arguments) {
   if (type->kind != Kind::kClass || arguments->kind != Kind::kTuple)
     in_.Fail("an object without a class");
-  if (arguments->items.size() > kMaxArguments)
+  if (arguments->items.size() >
+      (type->type == PickleClass::kTensor ? kMaxTensorArguments : kMaxArguments))
     in_.Fail("a constructor with " + std::to_string(arguments->items.size()) + " arguments");
   switch (type->type) {
     case PickleClass::kArray:
@@ -176,7 +187,9 @@ void PickleMachine::Construct(const PickleValue* type, const PickleValue* argume
     case PickleClass::kScalar:
     case PickleClass::kCscMatrix:
     case PickleClass::kChumpy:
-    case PickleClass::kChumpySelect: {
+    case PickleClass::kChumpySelect:
+    case PickleClass::kTensor:
+    case PickleClass::kTensorParameter: {
       PickleValue* object = New(Kind::kObject);
       object->type = type->type;
       object->items = arguments->items;
@@ -190,6 +203,26 @@ void PickleMachine::Construct(const PickleValue* type, const PickleValue* argume
   }
 }
 
+// BINPERSID: ("storage", storage type, name, device, count). A storage that tensors share is kept
+// once.
+void PickleMachine::PushStorage(const PickleValue* identifier) {
+  const auto& items = identifier->items;
+  if (!read_storage_) in_.Fail("a persistent identifier, in a file that has no storages");
+  if (identifier->kind != Kind::kTuple || items.size() != 5 || items[0]->text != "storage" ||
+      items[1]->kind != Kind::kClass || items[1]->type != PickleClass::kStorageType ||
+      items[2]->kind != Kind::kText || items[4]->kind != Kind::kInteger)
+    in_.Fail("a persistent identifier that is no storage of torch's");
+  PickleValue*& storage = storages_[items[2]->text];
+  if (storage == nullptr) {
+    const std::vector<char> bytes = read_storage_(items[2]->text);
+    storage = New(Kind::kObject);
+    storage->type = PickleClass::kStorage;
+    storage->items = {items[1], items[4]};
+    storage->text.assign(bytes.begin(), bytes.end());
+  }
+  Push(storage);
+}
+
 const PickleValue* PickleValue::Find(const std::string& key) const {
   if (kind != Kind::kDict) return nullptr;
   for (size_t i = items.size(); i >= 2; i -= 2) {
@@ -199,8 +232,10 @@ const PickleValue* PickleValue::Find(const std::string& key) const {
   return nullptr;
 }
 
-Pickle::Pickle(const std::string& file, const std::vector<char>& bytes) {
-  root_ = PickleMachine(file, {bytes.data(), bytes.size()}, values_).Run();
+Pickle::Pickle(const std::string& file,
+               const std::vector<char>& bytes,
+               const ReadStorage& read_storage) {
+  root_ = PickleMachine(file, {bytes.data(), bytes.size()}, read_storage, values_).Run();
 }
 
 }  // namespace cosplat

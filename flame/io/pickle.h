@@ -1,14 +1,16 @@
 // Reads Python pickles as data, without executing anything in them.
 //
-// FLAME's own model files are pickles, which Python executes as programs when it loads them. This
-// reader interprets only the opcodes of protocols 0 to 4 that build plain data, and represents
-// objects of a fixed list of classes (numpy arrays, scipy's csc_matrix, chumpy's wrappers) by their
-// class and state. Any other class, and every opcode that could construct something else, is an
-// Error that names it. Opcodes: CPython's Lib/pickletools.py.
+// FLAME's own model files and trackers' checkpoints are pickles, which Python executes as programs
+// when it loads them. This reader interprets only the opcodes of protocols 0 to 4 that build plain
+// data, and represents objects of a fixed list of classes (numpy arrays, scipy's csc_matrix,
+// chumpy's wrappers, torch's tensors) by their class and state. Any other class, and every opcode
+// that could construct something else, is an Error that names it. Opcodes: CPython's
+// Lib/pickletools.py.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,12 @@ enum class PickleClass {
   kReconstructor,     // copy_reg._reconstructor: makes an object of its first argument
   kObject,            // __builtin__.object, the base class named there
   kOrderedDict,       // collections.OrderedDict, kept as a plain dictionary
+  kTensor,            // torch._utils._rebuild_tensor_v2; arguments (storage, offset, size, stride,
+                      // requires_grad, hooks), offset and strides in numbers
+  kTensorParameter,   // torch._utils._rebuild_parameter; arguments (tensor, requires_grad, hooks)
+  kStorageType,       // torch's FloatStorage and its like; `text`: numpy's name of the numbers
+  kStorage,           // what a persistent identifier refers to; arguments (storage type, number
+                      // of numbers), `text`: the bytes
 };
 
 struct PickleValue {
@@ -47,7 +55,7 @@ struct PickleValue {
   Kind kind = Kind::kNone;
   int64_t integer = 0;  // kBool, kInteger
   double real = 0;      // kFloat
-  std::string text;     // kText: UTF-8, or the bytes of a Python-2 string; kBytes
+  std::string text;     // kText: UTF-8, or the bytes of a Python-2 string; kBytes; of torch's types
   // kList, kTuple: the items; kDict: alternating keys and values; kObject: constructor arguments.
   std::vector<const PickleValue*> items;
   PickleClass type = PickleClass::kObject;  // kClass, kObject
@@ -60,9 +68,15 @@ struct PickleValue {
 // A parsed pickle, which owns its values. Values may contain reference cycles.
 class Pickle {
  public:
-  // Throws Error(file, "byte N", ...) unless the pickle is complete and acceptable. Memory use is
-  // bounded by the length of `bytes`.
-  Pickle(const std::string& file, const std::vector<char>& bytes);
+  // The bytes of the storage with this name; throws Error if there is none.
+  using ReadStorage = std::function<std::vector<char>(const std::string& name)>;
+
+  // `read_storage` is called once per storage that the pickle refers to; without it, a reference is
+  // an error. Throws Error(file, "byte N", ...) unless the pickle is complete and acceptable.
+  // Memory use is bounded by the length of `bytes` and of the storages.
+  Pickle(const std::string& file,
+         const std::vector<char>& bytes,
+         const ReadStorage& read_storage = nullptr);
   Pickle(const Pickle&) = delete;
   Pickle& operator=(const Pickle&) = delete;
   const PickleValue& root() const { return *root_; }
@@ -73,7 +87,7 @@ class Pickle {
 };
 
 // Conversion of a parsed pickle's values to numeric arrays: numpy arrays and scalars, numbers,
-// scipy's csc_matrix (made dense) and chumpy's wrappers around any of them.
+// torch's tensors, scipy's csc_matrix (made dense) and chumpy's wrappers around any of them.
 
 // `file` and `name` are for errors. Throws Error if `value` is not a numeric array, or if its
 // shape, type and data are inconsistent.

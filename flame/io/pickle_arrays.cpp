@@ -49,6 +49,11 @@ class Converter {
         return Convert(Field(State(value), "x"), depth + 1);
       case PickleClass::kChumpySelect:
         return ConvertSelect(State(value), depth);
+      case PickleClass::kTensor:
+        return ConvertTensor(value);
+      case PickleClass::kTensorParameter:
+        if (value.items.empty()) Fail("has a parameter of unknown form");
+        return Convert(*value.items[0], depth + 1);
       default:
         Fail("is no array of numbers");
     }
@@ -98,21 +103,28 @@ class Converter {
     return (big ? ">" : "<") + code;
   }
 
-  // Prepends a .npy header to the raw bytes, so that a single parser validates shapes and types.
   NpyArray Decode(const std::string& shape,
                   bool fortran,
                   const PickleValue& dtype,
                   const PickleValue& data) const {
     if (data.kind != Kind::kBytes && data.kind != Kind::kText)
       Fail("has its numbers in no block of bytes");
-    const std::string header = "{'descr': '" + DtypeText(dtype) +
+    return Decode(shape, fortran, DtypeText(dtype), data.text);
+  }
+
+  // Prepends a .npy header to the raw bytes, so that a single parser validates shapes and types.
+  NpyArray Decode(const std::string& shape,
+                  bool fortran,
+                  const std::string& dtype,
+                  const std::string& data) const {
+    const std::string header = "{'descr': '" + dtype +
                                "', 'fortran_order': " + (fortran ? "True" : "False") +
                                ", 'shape': " + shape + "}";
     std::vector<char> npy = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
     npy.push_back(char(header.size() & 255));
     npy.push_back(char(header.size() >> 8));
     npy.insert(npy.end(), header.begin(), header.end());
-    npy.insert(npy.end(), data.text.begin(), data.text.end());
+    npy.insert(npy.end(), data.begin(), data.end());
     NpyArray array;
     if (!ParseNpy(file_, name_, npy, array)) Fail("is text, expected numbers");
     return array;
@@ -185,6 +197,48 @@ class Converter {
       Fail("selects " + std::to_string(out.values.size()) + " numbers for a shape of " +
            std::to_string(count));
     return out;
+  }
+
+  // A view of a storage: number [i, j, ...] is at offset + i stride[0] + j stride[1] + ...
+  NpyArray ConvertTensor(const PickleValue& value) const {
+    const auto& arguments = value.items;
+    if (arguments.size() < 4 || arguments[0]->kind != Kind::kObject ||
+        arguments[0]->type != PickleClass::kStorage || arguments[1]->kind != Kind::kInteger)
+      Fail("has a tensor of unknown form");
+    const PickleValue& storage = *arguments[0];
+    const std::vector<size_t> shape = Shape(*arguments[2]);
+    const PickleValue& strides = *arguments[3];
+    if (strides.kind != Kind::kTuple || strides.items.size() != shape.size())
+      Fail("has a tensor with " + std::to_string(shape.size()) + " extents and other strides");
+    const std::string& dtype = storage.items[0]->text;
+    const std::string count = std::to_string(storage.items[1]->integer);
+    const NpyArray numbers = Decode("(" + count + ",)", false, dtype, storage.text);
+    NpyArray out{shape, {}, dtype};
+    std::vector<size_t> index(shape.size(), 0);
+    size_t total = 1;
+    for (size_t extent : shape) total *= extent;
+    while (out.values.size() < total) {
+      out.values.push_back(NumberAt(numbers, *arguments[1], strides, index));
+      for (size_t d = shape.size(); d-- > 0;) {  // the last index is the fastest
+        if (++index[d] < shape[d]) break;
+        index[d] = 0;
+      }
+    }
+    return out;
+  }
+
+  double NumberAt(const NpyArray& numbers,
+                  const PickleValue& offset,
+                  const PickleValue& strides,
+                  const std::vector<size_t>& index) const {
+    const double count = double(numbers.size());
+    double at = double(offset.integer);
+    for (size_t d = 0; d < index.size(); ++d)
+      at += double(index[d]) * double(strides.items[d]->integer);
+    if (!(at >= 0 && at < count))
+      Fail("has a tensor that reaches beyond its storage of " + std::to_string(numbers.size()) +
+           " numbers");
+    return numbers.values[size_t(at)];
   }
 
   std::string file_, name_;

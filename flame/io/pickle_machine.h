@@ -17,8 +17,14 @@ constexpr size_t kMaxPickleValues = 1'000'000;
 
 class PickleMachine {
  public:
-  PickleMachine(const std::string& file, std::string_view bytes, std::deque<PickleValue>& values)
-      : in_(file, bytes), values_(values), text_left_(4 * bytes.size() + 1024) {}
+  PickleMachine(const std::string& file,
+                std::string_view bytes,
+                const Pickle::ReadStorage& read_storage,
+                std::deque<PickleValue>& values)
+      : in_(file, bytes),
+        read_storage_(read_storage),
+        values_(values),
+        text_left_(4 * bytes.size() + 1024) {}
 
   // Runs to STOP and returns the value on top of the stack.
   const PickleValue* Run();
@@ -105,13 +111,16 @@ class PickleMachine {
   void PushClass(std::string_view module, std::string_view name);
   void Call();
   void Construct(const PickleValue* type, const PickleValue* arguments);
+  void PushStorage(const PickleValue* identifier);
 
   PickleInput in_;
+  const Pickle::ReadStorage& read_storage_;
   std::deque<PickleValue>& values_;
   size_t text_left_;
   std::vector<PickleValue*> stack_;
   std::vector<size_t> marks_;
   std::unordered_map<uint64_t, PickleValue*> memo_;
+  std::unordered_map<std::string, PickleValue*> storages_;
 };
 
 }  // namespace cosplat

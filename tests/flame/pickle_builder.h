@@ -83,6 +83,23 @@ inline std::string Ints(const std::vector<int>& shape, const std::vector<int32_t
   return Array(shape, Dtype("i4"), Bytes(Raw(values)));
 }
 
+// torch's: a storage by its name in the archive, and a tensor that is a view of it.
+inline std::string Storage(const std::string& type, const std::string& key, int count) {
+  return Tuple({Text("storage"), Class("torch", type), Text(key), Text("cpu"), Int(count)}) + "Q";
+}
+inline std::string Tensor(const std::string& storage,
+                          int offset,
+                          const std::vector<int>& shape,
+                          const std::vector<int>& strides) {
+  return Reduce(Class("torch._utils", "_rebuild_tensor_v2"),
+                Tuple({storage,
+                       Int(offset),
+                       Shape(shape),
+                       Shape(strides),
+                       "\x89",
+                       Reduce(Class("collections", "OrderedDict"), Tuple({}))}));
+}
+
 // [K, V, 3] (the model's order) -> [V, 3, K] (the file's), several groups one behind the other.
 inline std::vector<float> ToFileOrder(const std::vector<std::vector<float>>& groups, int vertices) {
   const size_t rows = 3 * size_t(vertices);
