@@ -8,9 +8,18 @@
 #include <set>
 
 #include "flame/io/track_layouts.h"
+#include "flame/math/rotation.h"
+#include "flame/pose.h"
 #include "splat/base/error.h"
+#include "splat/base/json.h"
+#include "splat/base/npz.h"
 
 namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
 
 bool ProportionsDiffer(int width, int height, int other_width, int other_height) {
   return std::abs(double(other_width) * height / other_height - width) > 1;
@@ -97,32 +106,129 @@ void HoldCameraStill(TrackedVideo& video) {
   }
 }
 
+// R_i x + t_i = C (R x' + t') + c, where x' is x about the root's joint J: with R = C^T R_i,
+// t' = C^T (t_i - c) - (J - R J). The last term is the root's transform, as the poser has it.
+void MoveHead(const FlameModel& flame, TrackedVideo& video) {
+  if (!video.head_is_fixed) return;
+  std::vector<TrackedFrame*> frames;
+  for (auto* list : {&video.train, &video.test})
+    for (TrackedFrame& frame : *list) frames.push_back(&frame);
+  if (frames.empty()) return;
+  // The subject of a driving sequence may have more coefficients than the avatar's model.
+  std::vector<float> shape = video.shape;
+  shape.resize(std::min(shape.size(), size_t(flame.shape_count)));
+  const FlamePoser<double> poser(flame, shape, video.static_offset);
+  const flame_math::Matrix3<float> front = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+  const flame_math::Vector3<float> place = frames[0]->camera.translation;
+  FlameRig<double> rig;
+  for (TrackedFrame* frame : frames) {
+    Camera& camera = frame->camera;
+    flame_math::Matrix3<double> rotation;  // C^T R_i
+    flame_math::Vector3<double> offset{};  // C^T (t_i - c)
+    for (int i = 0; i < 3; ++i) {
+      const double sign = front[4 * i];
+      offset[i] = sign * (double(camera.translation[i]) - place[i]);
+      for (int k = 0; k < 3; ++k) rotation[3 * i + k] = sign * camera.rotation[3 * i + k];
+    }
+    auto parameters = FlamePoser<double>::ParametersOf(frame->params);
+    parameters.expression.resize(
+        std::min(parameters.expression.size(), size_t(flame.expression_count)));
+    parameters.pose[0] = flame_math::AxisAngleOf(rotation);
+    poser.Prepare(parameters, rig);
+    for (int i = 0; i < 3; ++i) {
+      frame->params.pose[0][i] = float(parameters.pose[0][i]);
+      frame->params.translation[i] = float(offset[i] - rig.transforms.translation[0][i]);
+    }
+    camera.rotation = front;
+    camera.translation = place;
+  }
+  video.head_is_fixed = false;
+}
+
+namespace {
+
+// "vhap" or "insta" by the first frame of the first list that has one, or "".
+std::string LayoutOfTransforms(const std::string& path) {
+  if (fs::exists(path + "/canonical_flame_param.npz") &&
+      fs::exists(path + "/transforms_train.json"))
+    return "vhap";
+  for (const char* name : {"/transforms_train.json", "/transforms.json"}) {
+    if (!fs::is_regular_file(path + name)) continue;
+    const Json json = ReadJson(path + name);
+    const JsonField frames = JsonField(path + name, json)["frames"];
+    if (frames.size() == 0) continue;
+    if (frames[0].Has("flame_param_path")) return "vhap";
+    if (frames[0].Has("exp_path") || frames[0].Has("mesh_path")) return "insta";
+    return "";
+  }
+  return "";
+}
+
+bool HasCheckpoints(const std::string& path) {
+  if (!fs::is_directory(path + "/checkpoint")) return false;
+  for (const auto& entry : fs::directory_iterator(path + "/checkpoint"))
+    if (entry.path().extension() == ".frame") return true;
+  return false;
+}
+
+[[noreturn]] void ThrowNoTrack(const std::string& path) {
+  if (fs::exists(path + "/transforms_train.json"))
+    throw Error(path + "/transforms_train.json",
+                "frames",
+                "have neither flame_param_path (VHAP, GaussianAvatars) nor exp_path (INSTA)");
+  throw Error(path,
+              "contains no tracked video: expected flame_params.json (IMavatar), "
+              "transforms_train.json (VHAP, INSTA), checkpoint/*.frame (metrical-tracker) or "
+              "smirk.npz (SMIRK)");
+}
+
+}  // namespace
+
+std::string TrackLayoutOf(const std::string& path) {
+  if (path.ends_with(".npz")) return IsSmirkNpz(Npz::Read(path)) ? "smirk" : "npz";
+  if (fs::is_regular_file(path + "/flame_params.json")) return "imavatar";
+  const std::string layout = LayoutOfTransforms(path);
+  if (!layout.empty()) return layout;
+  if (HasCheckpoints(path)) return "metrical-tracker";
+  return fs::is_regular_file(path + "/smirk.npz") ? "smirk" : "";
+}
+
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   const int resolution = request.options.resolution;
   if (resolution < 1) throw Error("resolution", std::to_string(resolution) + " is not positive");
-  if (!std::filesystem::exists(path)) throw Error(path, "does not exist");
+  if (!fs::exists(path)) throw Error(path, "does not exist");
   TrackedVideo video;
   video.source = path;
-  if (IsDrivingNpz(path)) {
-    if (request.images) throw Error(path, "has parameters but no images to train on");
-    LoadDrivingNpz(path, video);
-  } else if (IsImavatarTrack(path)) {
+  const bool is_file = path.ends_with(".npz");
+  if (is_file && request.images) throw Error(path, "has parameters but no images to train on");
+  video.layout = TrackLayoutOf(path);
+  if (video.layout == "npz") {
+    LoadDrivingNpz(Npz::Read(path), video);
+  } else if (video.layout == "smirk") {
+    LoadSmirkTrack(path, Npz::Read(is_file ? path : path + "/smirk.npz"), request, video);
+  } else if (video.layout == "imavatar") {
     LoadImavatarTrack(path, request, video);
-  } else if (IsVhapTrack(path)) {
+  } else if (video.layout == "vhap") {
     LoadVhapTrack(path, request, video);
+  } else if (video.layout == "insta") {
+    LoadInstaTrack(path, request, video);
+  } else if (video.layout == "metrical-tracker") {
+    LoadMetricalTrack(path, request, video);
   } else {
-    throw Error(path,
-                "contains no tracked video: expected flame_params.json (IMavatar) or "
-                "transforms_train.json (VHAP)");
+    ThrowNoTrack(path);
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
-  if (video.train.empty() && video.layout != "npz")
-    throw Error(path, "contains no frames to train on");
+  if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
+  if (request.options.flame) MoveHead(*request.options.flame, video);
   HoldCameraStill(video);
   return video;
 }
 
-TrackedVideo LoadDrivingSequence(const std::string& path) { return LoadTrack(path, {}); }
+TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flame) {
+  TrackRequest request;
+  request.options.flame = flame;
+  return LoadTrack(path, request);
+}
 
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video) {
   std::map<int, const TrackedFrame*> instants;

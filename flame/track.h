@@ -1,8 +1,9 @@
 // A tracked head video: images, masks, cameras and FLAME parameters per frame.
 //
-// flame/io/{imavatar,vhap,driving_npz}.cpp read the layouts written by trackers into this common
-// structure; the avatar trainer and the player's driving mode use it. Lengths are in metres of the
-// FLAME model: if a layout enlarges the mesh (IMavatar x4), its camera translations are divided.
+// flame/io/{imavatar,vhap,insta,metrical,smirk,driving_npz}.cpp read the layouts written by
+// trackers into this common structure; the avatar trainer and the player's driving mode use it.
+// Lengths are in metres of the FLAME model: if a layout enlarges the mesh (IMavatar x4), its camera
+// translations are divided.
 #pragma once
 
 #include <memory>
@@ -32,7 +33,7 @@ struct TrackedFrame {
 
 struct TrackedVideo {
   std::string source;  // folder or file as given
-  std::string layout;  // "imavatar", "vhap", "npz"
+  std::string layout;  // "imavatar", "vhap", "insta", "metrical-tracker", "smirk", "npz"
   std::string video_path;
   std::shared_ptr<VideoReader> video;  // of video_path, if there is one
   double frames_per_second = 0;        // time steps per second; 0 if unknown
@@ -41,23 +42,41 @@ struct TrackedVideo {
   std::vector<TrackedFrame> train;
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
+  // Each frame has a camera of its own about a head whose root stays in FLAME's rest place, as the
+  // tracker wrote it: the head's motion is in the cameras. See MoveHead.
+  bool head_is_fixed = false;
 };
 
 struct TrackOptions {
   int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
   int resolution = 1;    // -r: cameras and images are divided by this
+  // The model that the video was tracked with. Layouts that move the camera about a fixed head need
+  // it to move the head instead; without it, their head_is_fixed remains.
+  const FlameModel* flame = nullptr;
 };
 
-// Detects the layout of `path`: a folder with flame_params.json (IMavatar) or transforms_train.json
-// (VHAP, GaussianAvatars). Throws Error if there is neither, if the set is empty or if more than a
-// third of the frames are unusable. If a single camera only translates, without rotating, the
-// camera is held still and the head is moved instead.
+// The layout of `path` as in TrackedVideo::layout, or "" if it is no tracked video: a folder with
+// flame_params.json (IMavatar), transforms_train.json (VHAP, GaussianAvatars; INSTA),
+// checkpoint/*.frame (metrical-tracker) or smirk.npz, or a driving sequence *.npz. Throws Error if
+// a file that decides it is damaged.
+std::string TrackLayoutOf(const std::string& path);
+
+// Throws Error if `path` is no such folder, if the set is empty or if more than a third of the
+// frames are unusable. If a single camera only translates, without rotating, the camera is held
+// still and the head is moved instead; MoveHead does the same for a rotating one.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
 
 // The same for parameters and cameras only, of such a folder or of a driving sequence *.npz, whose
 // frames are all in `test`. Ignores images, so that a program that calls only this function does
-// not link an image decoder.
-TrackedVideo LoadDrivingSequence(const std::string& path);
+// not link an image decoder. flame: as in TrackOptions.
+TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flame = nullptr);
+
+// If the head is fixed: replaces the moving camera by one that stands still in front of the head
+// (it looks along -z of FLAME's frame, y up), and moves the head's root so that every frame looks
+// the same. Vertices in the camera are unchanged, whatever shape and expression, since the root
+// rotates about its joint as `flame` poses it (coefficients beyond the model's are left out).
+// Throws Error as FlamePoser does.
+void MoveHead(const FlameModel& flame, TrackedVideo& video);
 
 // The frames of both sets in order of time, as pointers into `video`. If several cameras show a
 // moment, only the frame of the first camera is included.

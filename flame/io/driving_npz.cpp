@@ -1,6 +1,5 @@
 // Driving sequences as CAP4D (Taubner et al. 2025) publishes them: parameters and a camera only.
 #include <algorithm>
-#include <cmath>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/camera.h"
@@ -23,14 +22,6 @@ PoseProblem SetDrivingPose(const Npz& npz, Camera& camera) {
     translation[r] = sign * extr.values[4 * r + 3];
   }
   return SetPose(rotation, translation, camera);
-}
-
-// The array's first number, or `fallback` if there is no such array.
-double ScalarOr(const Npz& npz, const char* name, double fallback) {
-  if (!npz.Has(name)) return fallback;
-  const NpyArray& array = npz.Get(name);
-  if (array.size() == 0) throw Error(npz.path(), name, "is empty");
-  return array.values[0];
 }
 
 // The sequence's first camera. Without intrinsics: a long focal length, such that a head at a metre
@@ -56,18 +47,9 @@ Camera DrivingCamera(const Npz& npz) {
   return lens;
 }
 
-std::string RowProblem(const std::string& name,
-                       const NpyArray& array,
-                       size_t row,
-                       std::vector<float>& out) {
-  const size_t width = array.size() / array.shape[0];
-  const auto begin = array.values.begin() + long(row * width);
-  return CopyFinite(name, std::vector<double>(begin, begin + long(width)), out);
-}
-
 // Fills the parameters of frame `row`; returns why it is unusable, if it is.
 std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& params) {
-  std::string problem = RowProblem("expr", npz.Get("expr"), row, params.expression);
+  std::string problem = CopyRow("expr", npz.Get("expr"), row, params.expression);
   auto& pose = params.pose;
   struct {
     const char* name;
@@ -80,7 +62,7 @@ std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& param
   for (const auto& vector : vectors) {
     if (!problem.empty() || !npz.Has(vector.name)) continue;
     std::vector<float> numbers;
-    problem = RowProblem(vector.name, npz.Get(vector.name, {long(count), 3}), row, numbers);
+    problem = CopyRow(vector.name, npz.Get(vector.name, {long(count), 3}), row, numbers);
     if (!problem.empty()) continue;
     for (std::array<float, 3>* target : vector.targets)
       std::copy_n(numbers.begin(), 3, target->begin());
@@ -90,15 +72,9 @@ std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& param
 
 }  // namespace
 
-bool IsDrivingNpz(const std::string& path) { return path.ends_with(".npz"); }
-
-void LoadDrivingNpz(const std::string& path, TrackedVideo& video) {
-  video.layout = "npz";
-  const Npz npz = Npz::Read(path);
+void LoadDrivingNpz(const Npz& npz, TrackedVideo& video) {
   const Camera camera = DrivingCamera(npz);
-  video.frames_per_second = ScalarOr(npz, "fps", 0);
-  if (!std::isfinite(video.frames_per_second) || video.frames_per_second < 0)
-    throw Error(npz.path(), "fps", "is negative or not finite");
+  video.frames_per_second = FrameRateOf(npz);
   const size_t count = npz.Get("expr", {-1, -1}).shape[0];
   for (size_t i = 0; i < count; ++i) {
     TrackedFrame frame;

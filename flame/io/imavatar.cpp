@@ -1,5 +1,4 @@
 // IMavatar's layout (Zheng et al. 2022), also used by PointAvatar's and SplattingAvatar's data.
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -19,36 +18,6 @@ constexpr double kMeshScale = 4;
 constexpr double kOldFormSide = 512;
 // Image size assumed for a driving sequence without images.
 constexpr int kDefaultSide = 512;
-constexpr double kDefaultTestPart = 0.2;
-
-// The sources of the images.
-struct Sources {
-  const ImageFiles* images = nullptr;
-  std::string image_folder;  // or empty: a video, or nothing
-  std::string mask_folder;   // or empty
-  ImageFiles::Video video;   // or none
-};
-
-std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names) {
-  for (const std::string& name : names)
-    if (fs::exists(folder + "/" + name)) return folder + "/" + name;
-  return "";
-}
-
-Sources FindSources(const std::string& path, const ImageFiles* images, TrackedVideo& video) {
-  Sources sources;
-  sources.images = images;
-  if (!images) return sources;
-  sources.image_folder = FirstThatExists(path, {"images", "image"});
-  sources.mask_folder = FirstThatExists(path, {"mask", "masks"});
-  if (!sources.image_folder.empty()) return sources;
-  video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
-  if (video.video_path.empty())
-    throw Error(path, "has no folder image or images and no video.mp4, .avi or .mkv");
-  sources.video = images->OpenVideo(video.video_path);
-  video.video = sources.video.reader;
-  return sources;
-}
 
 // [-fx/W, fy/H, cx/W, cy/H] (signs vary), or the old form in pixels of a 512x512 image.
 Camera LensOf(const JsonField& field, int width, int height) {
@@ -100,70 +69,33 @@ std::string SetParams(const JsonField& frame, size_t expression_count, FlamePara
   return "";
 }
 
-// Video frames are counted from 0, the layout's names from 1.
-std::string FindVideoFrame(const Sources& sources, const TrackedVideo& video, TrackedFrame& frame) {
-  int number = 0;
-  const char* end = frame.name.data() + frame.name.size();
-  const auto [last, code] = std::from_chars(frame.name.data(), end, number);
-  if (code != std::errc() || last != end) return "its name is not the number of a video frame";
-  frame.video_frame = number - 1;
-  if (number >= 1 && number <= sources.video.frame_count) return "";
-  return video.video_path + " has " + std::to_string(sources.video.frame_count) + " frames";
-}
-
-// Sets the paths of image and mask; returns what is missing.
-std::string FindFiles(const Sources& sources, const TrackedVideo& video, TrackedFrame& frame) {
-  if (video.video) {
-    const std::string problem = FindVideoFrame(sources, video, frame);
-    if (!problem.empty()) return problem;
-  } else {
-    const std::vector<std::string> names{frame.name + ".png", frame.name + ".jpg"};
-    frame.image_path = FirstThatExists(sources.image_folder, names);
-    if (frame.image_path.empty())
-      return "image " + sources.image_folder + "/" + frame.name + ".png is missing";
-    if (sources.images->Info(frame.image_path).channels == 4) return "";
-  }
-  if (sources.mask_folder.empty()) return "";
-  frame.mask_path =
-      FirstThatExists(sources.mask_folder, {frame.name + ".png", frame.name + ".jpg"});
-  if (frame.mask_path.empty())
-    return "mask " + sources.mask_folder + "/" + frame.name + ".png is missing";
-  return "";
-}
-
 // Size of the first existing image: intrinsics are fractions of it.
-ImageInfo ImageSize(const Sources& sources, const JsonField& frames) {
-  if (sources.video.reader) return sources.video.size;
-  for (size_t i = 0; !sources.image_folder.empty() && i < frames.size(); ++i) {
+ImageInfo ImageSize(const TrackFiles& files, const JsonField& frames) {
+  if (files.video.reader) return files.video.size;
+  for (size_t i = 0; !files.image_folder.empty() && i < frames.size(); ++i) {
     const std::string name = fs::path(frames[i]["file_path"].String()).stem().string();
-    const std::string path = FirstThatExists(sources.image_folder, {name + ".png", name + ".jpg"});
+    const std::string path = FirstThatExists(files.image_folder, {name + ".png", name + ".jpg"});
     ImageInfo info;
-    if (!path.empty() && Problem([&] { info = sources.images->Info(path); }).empty()) return info;
+    if (!path.empty() && Problem([&] { info = files.images->Info(path); }).empty()) return info;
   }
   return {kDefaultSide, kDefaultSide, 0};
 }
 
-int TestFrameCount(const JsonField& file, const TrackOptions& options, size_t usable) {
-  if (options.test_frames >= 0) return options.test_frames;
-  if (file.Has("test_frames")) return file["test_frames"].Integer();
-  return int(std::lround(kDefaultTestPart * double(usable)));
+int ImavatarTestFrames(const JsonField& file, const TrackOptions& options, size_t usable) {
+  if (options.test_frames < 0 && file.Has("test_frames")) return file["test_frames"].Integer();
+  return TestFrameCount(options, usable);
 }
 
 }  // namespace
 
-bool IsImavatarTrack(const std::string& path) {
-  return fs::is_regular_file(path + "/flame_params.json");
-}
-
 void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
-  video.layout = "imavatar";
   const std::string json_path = path + "/flame_params.json";
   const Json json = ReadJson(json_path);
   const JsonField file(json_path, json);
   const JsonField frames = file["frames"];
   video.shape = file["shape_params"].Numbers();
-  const Sources sources = FindSources(path, request.images, video);
-  const ImageInfo size = ImageSize(sources, frames);
+  const TrackFiles files = FindTrackFiles(path, {"images", "image"}, true, request.images, video);
+  const ImageInfo size = ImageSize(files, frames);
   const Camera lens = LensOf(file["intrinsics"], size.width, size.height);
   const size_t expression_count = frames.size() > 0 ? frames[0]["expression"].size() : 0;
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -176,7 +108,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
     if (problem.empty()) {
       const std::string broken = Problem([&] {
-        if (request.images) problem = FindFiles(sources, video, frame);
+        if (request.images) problem = FindFrameFiles(files, video, frame);
         if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
       });
       if (problem.empty()) problem = broken;
@@ -188,7 +120,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
     }
   }
   CheckSkipped(path, video.train.size(), video.skipped);
-  SplitLastFrames(TestFrameCount(file, request.options, video.train.size()), video);
+  SplitLastFrames(ImavatarTestFrames(file, request.options, video.train.size()), video);
 }
 
 }  // namespace cosplat

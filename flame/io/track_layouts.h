@@ -2,13 +2,20 @@
 // for the final checks, which LoadTrack makes for all layouts.
 #pragma once
 
+#include <limits>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "flame/track.h"
 
 namespace cosplat {
+
+class JsonField;
+class Npz;
+struct NpyArray;
 
 // The queries about images that layouts make, so that the layouts do not depend on an image
 // decoder. Throws Error as ReadImageInfo and VideoReader do.
@@ -33,18 +40,41 @@ struct TrackRequest {
 // Implements LoadTrackedVideo and LoadDrivingSequence.
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request);
 
-// <path>/flame_params.json with image/ or images/ (or video.mp4, .avi, .mkv) and mask/.
-bool IsImavatarTrack(const std::string& path);
+// "imavatar": <path>/flame_params.json with image/ or images/ (or video.mp4, .avi, .mkv) and mask/.
 void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
 
-// <path>/transforms_train.json with transforms_test.json (or _val) and an .npz per time step.
-bool IsVhapTrack(const std::string& path);
+// "vhap": <path>/transforms_train.json with transforms_test.json (or _val) and an .npz per time
+// step.
 void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
 
-// A driving sequence *.npz: expr [T, E], and optionally rot, neck_rot, jaw_rot, eye_rot,
+// "insta": <path>/transforms_train.json with transforms_test.json (or _val), or transforms.json;
+// images; and the tracker's checkpoint/, for what INSTA's files lack.
+void LoadInstaTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
+
+// "metrical-tracker": <path>/checkpoint/NUMBER.frame with images/, image/ or input/ and mask/.
+void LoadMetricalTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
+
+// One of that tracker's checkpoints: parameters with the subject's shape, and the camera (size,
+// intrinsics, pose). The head is in FLAME's rest place. Throws Error if the file cannot be read;
+// returns what is wrong with its numbers, if anything.
+std::string ReadMetricalFrame(const std::string& path, FlameParams& params, Camera& camera);
+
+// Moves the shape that every frame of such checkpoints repeats to the video: its median, so that a
+// few other frames do not matter, which are skipped.
+void SettleShape(TrackedVideo& video);
+
+// "smirk": what SMIRK's encoder returns, in an .npz. `npz` is <path>/smirk.npz with images/ or
+// image/ (or a video) and mask/, or a driving sequence.
+void LoadSmirkTrack(const std::string& path,
+                    const Npz& npz,
+                    const TrackRequest& request,
+                    TrackedVideo& video);
+// Whether an .npz has SMIRK's arrays.
+bool IsSmirkNpz(const Npz& npz);
+
+// "npz": a driving sequence: expr [T, E], and optionally rot, neck_rot, jaw_rot, eye_rot,
 // tra [T, 3], fx, fy, cx, cy, resolutions (height, width), extr (cam_from_world, OpenGL axes), fps.
-bool IsDrivingNpz(const std::string& path);
-void LoadDrivingNpz(const std::string& path, TrackedVideo& video);
+void LoadDrivingNpz(const Npz& npz, TrackedVideo& video);
 
 // Checks the image of a frame by its header. Returns "" if `frame` (whose image_path and mask_path
 // are set) is usable, after scaling its camera from full size (`lens`) to the image's size divided
@@ -63,9 +93,65 @@ bool ProportionsDiffer(int width, int height, int other_width, int other_height)
 std::string CopyFinite(const std::string& name,
                        const std::vector<double>& values,
                        std::vector<float>& out);
+// The same for row `row` of an array [T, ...].
+std::string CopyRow(const std::string& name,
+                    const NpyArray& array,
+                    size_t row,
+                    std::vector<float>& out);
+
+// The median of each column of `rows`, which have one length; numbers that are not finite do not
+// count. Throws Error(file, name, ...) if a column has none.
+std::vector<float> MedianOf(const std::string& file,
+                            const std::string& name,
+                            const std::vector<std::vector<float>>& rows);
 
 // Moves the last `count` time steps of video.train, with all cameras' frames, to video.test. Throws
 // Error if none would remain.
 void SplitLastFrames(int count, TrackedVideo& video);
+
+// The number of test frames asked for, or a fifth of the usable ones and no more than `at_most`.
+int TestFrameCount(const TrackOptions& options,
+                   size_t usable,
+                   int at_most = std::numeric_limits<int>::max());
+
+// Images by frame name in a folder, or a video's frames; masks.
+struct TrackFiles {
+  const ImageFiles* images = nullptr;
+  std::string image_folder;  // or empty: a video, or nothing
+  std::string mask_folder;   // or empty
+  ImageFiles::Video video;   // or none
+};
+
+// The first of `image_folders` in folder `path`, or (or_video) video.mp4, .avi or .mkv, and mask/
+// or masks/. Throws Error if there is none of them. Empty if `images` is null.
+TrackFiles FindTrackFiles(const std::string& path,
+                          const std::vector<std::string>& image_folders,
+                          bool or_video,
+                          const ImageFiles* images,
+                          TrackedVideo& video);
+
+// Sets the paths of image and mask by the frame's name; returns what is missing.
+std::string FindFrameFiles(const TrackFiles& files, const TrackedVideo& video, TrackedFrame& frame);
+
+// <folder>/<name> of the first of `names` that exists, or empty.
+std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names);
+
+// The number that a name consists of ("00012" -> 12), if it is one.
+std::optional<int> NumberIn(const std::string& name);
+
+// The files of a folder with one of these endings, by the number that is their name. Returns the
+// first whose name is no number or that of another, or "".
+std::string NumberedFiles(const std::string& folder,
+                          const std::vector<std::string>& endings,
+                          std::map<int, std::string>& files);
+
+// w, h, fl_x, fl_y, cx, cy (px) of a frame in a transforms file, or else of the file.
+Camera LensOfTransforms(const JsonField& file, const JsonField& frame);
+
+// The array's first number, or `fallback` if there is no such array.
+double ScalarOr(const Npz& npz, const char* name, double fallback);
+
+// fps; 0 if there is none. Throws Error if it is negative or not finite.
+double FrameRateOf(const Npz& npz);
 
 }  // namespace cosplat

@@ -71,25 +71,6 @@ std::string ReadParams(const std::string& path, FlameParams& params) {
   return CopyFinite("expr", npz.Get("expr").values, params.expression);
 }
 
-double NumberOf(const JsonField& file, const JsonField& frame, const char* key) {
-  return frame.Has(key) ? frame[key].Number() : file[key].Number();
-}
-
-Camera LensOf(const JsonField& file, const JsonField& frame) {
-  const auto number = [&](const char* key) { return NumberOf(file, frame, key); };
-  Camera lens;
-  lens.width = int(number("w"));
-  lens.height = int(number("h"));
-  lens.fx = float(number("fl_x"));
-  lens.fy = float(number("fl_y"));
-  lens.cx = float(number("cx"));
-  lens.cy = float(number("cy"));
-  if (lens.width < 1 || lens.height < 1 || !(lens.fx > 0) || !(lens.fy > 0))
-    throw Error(
-        frame.file(), frame.path(), "has an image size or focal length that is not positive");
-  return lens;
-}
-
 std::string SetVhapPose(const JsonField& field, Camera& camera) {
   const std::vector<double> values = field.NumbersOrNan();
   if (values.size() != 16 && values.size() != 12)
@@ -119,7 +100,7 @@ std::string LoadFrame(const JsonField& file,
   const fs::path folder = fs::path(file.file()).parent_path();
   std::string problem = SetVhapPose(field["transform_matrix"], frame.camera);
   if (!problem.empty()) return problem;
-  const Camera lens = LensOf(file, field);
+  const Camera lens = LensOfTransforms(file, field);
   const std::string params = (folder / field["flame_param_path"].String()).string();
   try {
     problem = ReadParams(params, frame.params);
@@ -166,12 +147,7 @@ std::string SubjectFile(const std::string& path) {
 
 }  // namespace
 
-bool IsVhapTrack(const std::string& path) {
-  return fs::is_regular_file(path + "/transforms_train.json");
-}
-
 void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
-  video.layout = "vhap";
   LoadSplit(path + "/transforms_train.json", request, video.train, video);
   for (const char* name : {"/transforms_test.json", "/transforms_val.json"}) {
     if (!fs::exists(path + name)) continue;

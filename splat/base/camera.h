@@ -53,8 +53,11 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
                     const std::array<double, 3>& translation,
                     Camera& camera);
 
-// `matrix`: the upper 3x4 of world_from_cam, row-major, with OpenGL camera axes (x right, y up,
-// looking along -z) as in NeRF's files. The world frame is unchanged.
+// `matrix`: the upper 3x4 of world_from_cam, row-major, with OpenCV axes.
+PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
+
+// The same with OpenGL camera axes (x right, y up, looking along -z) as in NeRF's files. The world
+// frame is unchanged.
 PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
 
 }  // namespace cosplat

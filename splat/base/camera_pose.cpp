@@ -58,16 +58,23 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
   return "";
 }
 
-PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
-  // OpenCV's axes are OpenGL's rotated by 180 degrees about x: columns 1 and 2 change sign. The
-  // inverse of [R c] is [R^T, -R^T c].
+PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
+  // The inverse of [R c] is [R^T, -R^T c].
   std::array<double, 9> rotation;
   for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) rotation[3 * i + k] = (i == 0 ? 1 : -1) * matrix[4 * k + i];
+    for (int k = 0; k < 3; ++k) rotation[3 * i + k] = matrix[4 * k + i];
   std::array<double, 3> translation{};
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) translation[i] -= rotation[3 * i + k] * matrix[4 * k + 3];
   return SetPose(rotation, translation, camera);
+}
+
+PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
+  // OpenCV's axes are OpenGL's rotated by 180 degrees about x: columns 1 and 2 change sign.
+  std::array<double, 12> opencv = matrix;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 1; c < 3; ++c) opencv[4 * r + c] = -matrix[4 * r + c];
+  return SetPoseFromWorldFromCam(opencv, camera);
 }
 
 }  // namespace cosplat

@@ -1,0 +1,117 @@
+// INSTA's preprocessed data (Zielonka et al. 2023): cameras, images with alpha and a split. Its own
+// files hold each frame's expression and a mesh, but neither jaw, eyes nor shape: these come from
+// the tracker's checkpoints, which published copies of the data have beside it.
+#include <algorithm>
+#include <filesystem>
+
+#include "flame/io/track_layouts.h"
+#include "splat/base/camera.h"
+#include "splat/base/error.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// INSTA's own test set; its script leaves nothing to train on if there are no more frames.
+constexpr int kInstaTestFrames = 350;
+
+std::string SetInstaPose(const JsonField& field, Camera& camera) {
+  const std::vector<double> values = field.NumbersOrNan();
+  if (values.size() != 16 && values.size() != 12)
+    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
+  std::array<double, 12> matrix;
+  std::copy_n(values.begin(), 12, matrix.begin());
+  return SetPoseFromWorldFromCam(matrix, camera);
+}
+
+// Whether a path from a file stays in its folder.
+bool StaysInside(const fs::path& path) {
+  return path.is_relative() && std::find(path.begin(), path.end(), "..") == path.end();
+}
+
+// Fills `frame`; returns why it is unusable, if it is.
+std::string LoadInstaFrame(const std::string& path,
+                           const JsonField& file,
+                           const JsonField& field,
+                           const TrackRequest& request,
+                           TrackedFrame& frame) {
+  const std::string image = field["file_path"].String();
+  const Camera lens = LensOfTransforms(file, field);
+  std::string problem = SetInstaPose(field["transform_matrix"], frame.camera);
+  if (!problem.empty()) return problem;
+  if (!StaysInside(image)) return "file_path " + image + " leads out of the folder";
+  const std::string broken = Problem([&] {
+    Camera unused;  // the file's camera is the one that fits the images
+    problem =
+        ReadMetricalFrame(path + "/checkpoint/" + frame.name + ".frame", frame.params, unused);
+    if (request.images) frame.image_path = path + "/" + image;
+    if (problem.empty() && request.images && !fs::is_regular_file(frame.image_path))
+      problem = "image " + frame.image_path + " is missing";
+    if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
+  });
+  return problem.empty() ? broken : problem;
+}
+
+void LoadInstaFrames(const std::string& path,
+                     const std::string& name,
+                     const TrackRequest& request,
+                     std::vector<TrackedFrame>& frames,
+                     TrackedVideo& video) {
+  const Json json = ReadJson(path + name);
+  const JsonField file(path + name, json);
+  const JsonField list = file["frames"];
+  for (size_t i = 0; i < list.size(); ++i) {
+    TrackedFrame frame;
+    frame.name = fs::path(list[i]["file_path"].String()).stem().string();
+    frame.timestep = NumberIn(frame.name).value_or(int(i));
+    frame.has_image = request.images != nullptr;
+    const std::string problem = LoadInstaFrame(path, file, list[i], request, frame);
+    if (problem.empty()) {
+      frames.push_back(std::move(frame));
+    } else {
+      video.skipped.push_back({frame.name, problem});
+    }
+  }
+}
+
+// The files are written as their frames are done: not in order.
+void SortByTime(std::vector<TrackedFrame>& frames) {
+  std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
+    return a.timestep < b.timestep;
+  });
+}
+
+}  // namespace
+
+void LoadInstaTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
+  video.head_is_fixed = true;
+  if (!fs::is_directory(path + "/checkpoint"))
+    throw Error(path,
+                "checkpoint/",
+                "is missing: INSTA's files have no jaw, eyes and shape, which are in "
+                "metrical-tracker's folder checkpoint/ (copy it here)");
+  const std::string train = "/transforms_train.json";
+  const std::string test = FirstThatExists(path, {"transforms_test.json", "transforms_val.json"});
+  if (fs::exists(path + train)) {
+    LoadInstaFrames(path, train, request, video.train, video);
+    if (!test.empty()) LoadInstaFrames(path, test.substr(path.size()), request, video.test, video);
+  } else {
+    LoadInstaFrames(path, "/transforms.json", request, video.train, video);
+  }
+  SettleShape(video);
+  CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
+  const bool own_split =
+      request.options.test_frames < 0 && !video.train.empty() && !video.test.empty();
+  if (!own_split) {
+    std::move(video.test.begin(), video.test.end(), std::back_inserter(video.train));
+    video.test.clear();
+  }
+  SortByTime(video.train);
+  SortByTime(video.test);
+  if (!own_split)
+    SplitLastFrames(TestFrameCount(request.options, video.train.size(), kInstaTestFrames), video);
+}
+
+}  // namespace cosplat

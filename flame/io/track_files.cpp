@@ -1,0 +1,178 @@
+// What layouts share: where images and masks are, numbers from JSON and .npz, the default split.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "flame/io/track_layouts.h"
+#include "splat/base/error.h"
+#include "splat/base/json.h"
+#include "splat/base/npz.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDefaultTestPart = 0.2;
+
+const std::vector<std::string> kImageEndings = {".png", ".jpg"};
+
+// "images, image or input"
+std::string Listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return text;
+}
+
+// <folder>/<name>.png or .jpg, or empty.
+std::string ImageNamed(const std::string& folder, const std::string& name) {
+  std::vector<std::string> names;
+  for (const std::string& ending : kImageEndings) names.push_back(name + ending);
+  return FirstThatExists(folder, names);
+}
+
+// Video frames are counted from 0, their names from 1.
+std::string FindVideoFrame(const TrackFiles& files,
+                           const TrackedVideo& video,
+                           TrackedFrame& frame) {
+  const std::optional<int> number = NumberIn(frame.name);
+  if (!number) return "its name is not the number of a video frame";
+  frame.video_frame = *number - 1;
+  if (*number >= 1 && *number <= files.video.frame_count) return "";
+  return video.video_path + " has " + std::to_string(files.video.frame_count) + " frames";
+}
+
+}  // namespace
+
+std::optional<int> NumberIn(const std::string& name) {
+  int number = 0;
+  const char* end = name.data() + name.size();
+  const auto [last, code] = std::from_chars(name.data(), end, number);
+  if (code != std::errc() || last != end || number < 0) return std::nullopt;
+  return number;
+}
+
+std::string FirstThatExists(const std::string& folder, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (fs::exists(folder + "/" + name)) return folder + "/" + name;
+  return "";
+}
+
+std::string NumberedFiles(const std::string& folder,
+                          const std::vector<std::string>& endings,
+                          std::map<int, std::string>& files) {
+  std::string other;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    if (std::find(endings.begin(), endings.end(), file.extension().string()) == endings.end())
+      continue;
+    const std::optional<int> number = NumberIn(file.stem().string());
+    if (number && files.emplace(*number, file.string()).second) continue;
+    if (other.empty() || file.string() < other) other = file.string();
+  }
+  return other;
+}
+
+TrackFiles FindTrackFiles(const std::string& path,
+                          const std::vector<std::string>& image_folders,
+                          bool or_video,
+                          const ImageFiles* images,
+                          TrackedVideo& video) {
+  TrackFiles files;
+  files.images = images;
+  if (!images) return files;
+  files.image_folder = FirstThatExists(path, image_folders);
+  files.mask_folder = FirstThatExists(path, {"mask", "masks"});
+  if (!files.image_folder.empty()) return files;
+  if (or_video) video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
+  if (video.video_path.empty())
+    throw Error(path,
+                "has no folder " + Listed(image_folders) +
+                    (or_video ? " and no video.mp4, .avi or .mkv" : ""));
+  files.video = images->OpenVideo(video.video_path);
+  video.video = files.video.reader;
+  return files;
+}
+
+std::string FindFrameFiles(const TrackFiles& files,
+                           const TrackedVideo& video,
+                           TrackedFrame& frame) {
+  if (video.video) {
+    const std::string problem = FindVideoFrame(files, video, frame);
+    if (!problem.empty()) return problem;
+  } else {
+    frame.image_path = ImageNamed(files.image_folder, frame.name);
+    if (frame.image_path.empty())
+      return "image " + files.image_folder + "/" + frame.name + ".png is missing";
+    if (files.images->Info(frame.image_path).channels == 4) return "";
+  }
+  if (files.mask_folder.empty()) return "";
+  frame.mask_path = ImageNamed(files.mask_folder, frame.name);
+  if (frame.mask_path.empty())
+    return "mask " + files.mask_folder + "/" + frame.name + ".png is missing";
+  return "";
+}
+
+int TestFrameCount(const TrackOptions& options, size_t usable, int at_most) {
+  if (options.test_frames >= 0) return options.test_frames;
+  return std::min(int(std::lround(kDefaultTestPart * double(usable))), at_most);
+}
+
+Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
+  const auto number = [&](const char* key) {
+    return frame.Has(key) ? frame[key].Number() : file[key].Number();
+  };
+  Camera lens;
+  lens.width = int(number("w"));
+  lens.height = int(number("h"));
+  lens.fx = float(number("fl_x"));
+  lens.fy = float(number("fl_y"));
+  lens.cx = float(number("cx"));
+  lens.cy = float(number("cy"));
+  if (lens.width < 1 || lens.height < 1 || !(lens.fx > 0) || !(lens.fy > 0))
+    throw Error(
+        frame.file(), frame.path(), "has an image size or focal length that is not positive");
+  return lens;
+}
+
+std::string CopyRow(const std::string& name,
+                    const NpyArray& array,
+                    size_t row,
+                    std::vector<float>& out) {
+  const size_t width = array.size() / array.shape[0];
+  const auto begin = array.values.begin() + long(row * width);
+  return CopyFinite(name, std::vector<double>(begin, begin + long(width)), out);
+}
+
+std::vector<float> MedianOf(const std::string& file,
+                            const std::string& name,
+                            const std::vector<std::vector<float>>& rows) {
+  std::vector<float> medians;
+  for (size_t k = 0; !rows.empty() && k < rows[0].size(); ++k) {
+    std::vector<float> column;
+    for (const std::vector<float>& row : rows)
+      if (std::isfinite(row[k])) column.push_back(row[k]);
+    if (column.empty()) throw Error(file, name, "has no finite coefficient " + std::to_string(k));
+    const auto middle = column.begin() + long(column.size() / 2);
+    std::nth_element(column.begin(), middle, column.end());
+    medians.push_back(*middle);
+  }
+  return medians;
+}
+
+double ScalarOr(const Npz& npz, const char* name, double fallback) {
+  if (!npz.Has(name)) return fallback;
+  const NpyArray& array = npz.Get(name);
+  if (array.size() == 0) throw Error(npz.path(), name, "is empty");
+  return array.values[0];
+}
+
+double FrameRateOf(const Npz& npz) {
+  const double rate = ScalarOr(npz, "fps", 0);
+  if (!std::isfinite(rate) || rate < 0) throw Error(npz.path(), "fps", "is negative or not finite");
+  return rate;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,135 @@
+// A head that moves in front of a camera that stands still, with everything that trackers store of
+// it, computed in double precision from the definitions alone: no code of flame/ is used but
+// Rodrigues' formula and, for the head's own deformation, the poser.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "flame/math/rodrigues.h"
+#include "flame/pose.h"
+#include "tests/flame/random_model.h"
+
+namespace cosplat::test {
+
+using flame_math::Matrix3;
+using flame_math::Vector3;
+
+constexpr int kHeadFrames = 12;
+constexpr int kHeadSide = 512;  // px, of the image
+constexpr double kHeadFocal = 2400;
+constexpr std::array<double, 2> kHeadCenter = {260, 249};
+
+// A random model of a head's size. Shape directions are as many as FLAME's first ones.
+inline FlameModel HeadModel() {
+  FlameModel model = RandomModel(40, 5, 6, 3);
+  for (float& x : model.template_vertices) x *= 0.08f;
+  for (auto* directions :
+       {&model.shape_directions, &model.expression_directions, &model.pose_directions})
+    for (float& x : *directions) x *= 0.08f;
+  return model;
+}
+
+struct HeadFrame {
+  std::vector<float> expression;
+  Vector3<double> root, jaw, left_eye, right_eye;  // axis-angle
+  Vector3<double> translation;                     // metres, after the root's rotation
+  std::array<float, 2> eyelids;
+};
+
+inline std::vector<float> HeadShape() { return {0.7f, -0.4f, 0.2f, 0.1f, -0.3f}; }
+
+inline HeadFrame HeadAt(int i) {
+  const double a = 0.3 * i;
+  HeadFrame frame;
+  for (int k = 0; k < 6; ++k) frame.expression.push_back(float(0.6 * std::sin(a + k)));
+  frame.root = {0.3 * std::sin(a), 0.5 * std::cos(a), 0.15 * std::sin(2 * a)};
+  frame.jaw = {0.2 + 0.1 * std::sin(a), 0.02, -0.01};
+  frame.left_eye = {0.1 * std::cos(a), 0.2 * std::sin(a), 0};
+  frame.right_eye = {0.1 * std::cos(a), 0.25 * std::sin(a), 0.01};
+  frame.translation = {0.02 * std::sin(a), 0.01 * i / kHeadFrames, 0.03 * std::cos(a)};
+  frame.eyelids = {float(0.5 + 0.5 * std::sin(a)), float(0.5 + 0.4 * std::cos(a))};
+  return frame;
+}
+
+// OpenCV's camera in front of the head, at rest: cam_from_world.
+inline const Matrix3<double> kHeadCameraRotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+inline const Vector3<double> kHeadCameraTranslation = {0.01, -0.02, 1.1};
+
+// The root's joint: regressed after shape and expression.
+inline Vector3<double> RootJointOf(const FlameModel& model, const HeadFrame& frame) {
+  const size_t rows = 3 * size_t(model.vertex_count);
+  Vector3<double> joint{};
+  for (size_t v = 0; v < size_t(model.vertex_count); ++v)
+    for (size_t i = 0; i < 3; ++i) {
+      double x = model.template_vertices[3 * v + i];
+      for (size_t k = 0; k < HeadShape().size(); ++k)
+        x += double(HeadShape()[k]) * model.shape_directions[k * rows + 3 * v + i];
+      for (size_t k = 0; k < frame.expression.size(); ++k)
+        x += double(frame.expression[k]) * model.expression_directions[k * rows + 3 * v + i];
+      joint[i] += x * model.joint_regressor[v];
+    }
+  return joint;
+}
+
+// Vertices with the root at rest: what trackers that move the camera deform.
+inline std::vector<Vector3<double>> RestVertices(const FlameModel& model, const HeadFrame& frame) {
+  FlamePoser<double> poser(model, HeadShape());
+  FlamePoser<double>::Parameters parameters;
+  parameters.expression.assign(frame.expression.begin(), frame.expression.end());
+  parameters.pose[2] = frame.jaw;
+  parameters.pose[3] = frame.left_eye;
+  parameters.pose[4] = frame.right_eye;
+  std::vector<double> flat;
+  poser.Forward(parameters, flat);
+  std::vector<Vector3<double>> vertices;
+  for (size_t i = 0; i < flat.size(); i += 3)
+    vertices.push_back({flat[i], flat[i + 1], flat[i + 2]});
+  return vertices;
+}
+
+// The same vertices in the world: turned about the root's joint, then moved.
+inline std::vector<Vector3<double>> WorldVertices(const FlameModel& model, const HeadFrame& frame) {
+  const Matrix3<double> rotation = flame_math::Rodrigues(frame.root);
+  const Vector3<double> joint = RootJointOf(model, frame);
+  std::vector<Vector3<double>> vertices = RestVertices(model, frame);
+  for (Vector3<double>& v : vertices) {
+    v = flame_math::Times(rotation, flame_math::Minus(v, joint));
+    for (int i = 0; i < 3; ++i) v[i] += joint[i] + frame.translation[i];
+  }
+  return vertices;
+}
+
+// cam_from_head of a tracker that keeps the root at rest: R = C R_root, and
+// t = C (J - R_root J + translation) + c.
+struct HeadCamera {
+  Matrix3<double> rotation;
+  Vector3<double> translation;
+};
+inline HeadCamera CameraAboutHead(const FlameModel& model, const HeadFrame& frame) {
+  const Matrix3<double> rotation = flame_math::Rodrigues(frame.root);
+  const Vector3<double> joint = RootJointOf(model, frame);
+  Vector3<double> place = flame_math::Minus(joint, flame_math::Times(rotation, joint));
+  flame_math::AddTo(place, frame.translation);
+  HeadCamera camera{flame_math::Times(kHeadCameraRotation, rotation),
+                    flame_math::Times(kHeadCameraRotation, place)};
+  flame_math::AddTo(camera.translation, kHeadCameraTranslation);
+  return camera;
+}
+
+using Pixel = std::array<double, 2>;
+
+// Where the real camera sees the head: the truth that every layout must reproduce.
+inline std::vector<Pixel> HeadPixels(const FlameModel& model, int i) {
+  std::vector<Pixel> pixels;
+  for (const Vector3<double>& v : WorldVertices(model, HeadAt(i))) {
+    Vector3<double> p = flame_math::Times(kHeadCameraRotation, v);
+    flame_math::AddTo(p, kHeadCameraTranslation);
+    pixels.push_back(
+        {kHeadFocal * p[0] / p[2] + kHeadCenter[0], kHeadFocal * p[1] / p[2] + kHeadCenter[1]});
+  }
+  return pixels;
+}
+
+}  // namespace cosplat::test
