@@ -202,10 +202,7 @@ void SceneInfo(const std::string& path) {
 
 void FolderInfo(const std::string& path) {
   if (fs::exists(path + "/run.json")) return RunInfo(path);
-  const bool tracked = fs::exists(path + "/flame_params.json") ||
-                       fs::exists(path + "/flame_param") ||
-                       fs::exists(path + "/canonical_flame_param.npz");
-  if (tracked) return TrackInfo(path, true);
+  if (!TrackLayoutOf(path).empty()) return TrackInfo(path, true);
   SceneInfo(path);
 }
 

@@ -31,7 +31,7 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
   const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel avatar = ReadAvatarGlb(o.model + "/avatar.glb");
   AttachMesh(avatar, flame);
-  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
+  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run), flame);
   if (video.test.empty()) throw Error(o.model, option, "no frames were held out");
   const MeshTopology topology =
       BuildTopology("avatar", avatar.mesh.faces, int(avatar.mesh.vertices.size() / 3));

@@ -162,8 +162,11 @@ void RenderAvatarOrbit(const RenderOptions& o,
   PlayInto(frames, player, o);
 }
 
-void RenderDriven(const RenderOptions& o, const JsonField& run, Player& player) {
-  const TrackedVideo sequence = LoadDrivingSequence(o.drive);
+void RenderDriven(const RenderOptions& o,
+                  const JsonField& run,
+                  const FlameModel& flame,
+                  Player& player) {
+  const TrackedVideo sequence = LoadDrivingSequence(o.drive, &flame);
   std::vector<FlameParams> params;
   for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
   params = Retarget(std::move(params), ReferenceRoot(run));
@@ -173,8 +176,11 @@ void RenderDriven(const RenderOptions& o, const JsonField& run, Player& player) 
   PlayInto(frames, player, o);
 }
 
-void RenderFrames(const RenderOptions& o, const JsonField& run, AvatarTestImages& renderer) {
-  const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run));
+void RenderFrames(const RenderOptions& o,
+                  const JsonField& run,
+                  const FlameModel& flame,
+                  AvatarTestImages& renderer) {
+  const TrackedVideo video = LoadSplitVideo(SourceOf(o, run), SplitOf(o, run), flame);
   const bool held_out = !video.test.empty();
   const std::vector<TrackedFrame>& frames = held_out ? video.test : video.train;
   if (!o.out.empty()) {
@@ -205,9 +211,9 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
   } else if (!o.drive.empty()) {
-    RenderDriven(o, run, renderer.player());
+    RenderDriven(o, run, flame, renderer.player());
   } else {
-    RenderFrames(o, run, renderer);
+    RenderFrames(o, run, flame, renderer);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "avatar/live/json_frame.h"
 #include "avatar/live/recording.h"
 #include "avatar/live/udp_socket.h"
+#include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/base/rng.h"
 
@@ -19,7 +20,7 @@ namespace cosplat {
 namespace {
 
 struct SendOptions {
-  std::string sequence, to;
+  std::string sequence, to, flame;
   double frames_per_second = 0, drop_percent = 0, bad_percent = 0;
   bool loop = false;
   unsigned seed = 0;
@@ -103,6 +104,11 @@ void Run(const SendOptions& o) {
     throw Error("--drop and --bad", "add up to more than 100 percent");
   LiveSourceOptions options;
   options.frames_per_second = o.frames_per_second;
+  FlameModel flame;
+  if (!o.flame.empty()) {
+    flame = LoadFlameModel(o.flame);
+    options.flame = &flame;
+  }
   const Recording recording = LoadRecording(o.sequence, options);
   PacketOutput output(o.to);
   Counts counts;
@@ -125,6 +131,8 @@ void AddSend(CLI::App& app) {
   const auto o = std::make_shared<SendOptions>();
   command->add_option("sequence", o->sequence, "tracked video or .npz")->required();
   command->add_option("--to", o->to, "udp://HOST:PORT; lines on standard output if not given");
+  command->add_option(
+      "--flame", o->flame, "FLAME model; needed for metrical-tracker's and INSTA's tracks only");
   command->add_option("--fps", o->frames_per_second, "frames per second; 0: its own, or 25")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--loop", o->loop, "again and again, until it is interrupted");

@@ -126,7 +126,7 @@ void Train(AvatarOptions o, const std::string& config) {
                 "other programs read");
   o.ResolveBackground("random");
   const FlameModel flame = LoadFlameModel(o.flame);
-  TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o));
+  TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
   const std::vector<Image8> truth = LoadTestImages(loaded);
   o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
   AvatarSubject subject(flame, std::move(loaded), o.avatar);

@@ -49,7 +49,7 @@ class AvatarSplats : public ExportSubject {
     if (!source.measure) return;
     flame_ = LoadFlameModel(Or(source.flame, run["flame"].String()));
     AttachMesh(model_, flame_);
-    video_ = LoadSplitVideo(Or(source.data, run["source"].String()), SplitFromJson(run));
+    video_ = LoadSplitVideo(Or(source.data, run["source"].String()), SplitFromJson(run), flame_);
   }
   bool is_avatar() const override { return true; }
   QuantisedSplats Quantised(const VqSettings& settings) const override {

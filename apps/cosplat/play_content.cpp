@@ -124,6 +124,7 @@ void DriveSession(Session& session, const Content& content, const std::string& d
   const Content::Avatar& avatar = *content.avatar;
   LiveSourceOptions options;
   options.rest = avatar.rest;
+  options.flame = &avatar.flame;
   options.frames_per_second = fps;
   if (IsLiveDrive(drive)) {
     FlameParams rest = avatar.rest;

@@ -12,7 +12,7 @@
 namespace cosplat {
 namespace {
 
-// For IMavatar's and VHAP's tracks, which do not store it: the frame rate of most published ones.
+// For tracks that do not store it: the frame rate of most published ones.
 constexpr double kDefaultFramesPerSecond = 25;
 
 std::string NumberText(double number) {
@@ -92,7 +92,9 @@ class RecordedSource : public LiveSource {
 }  // namespace
 
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options) {
-  const TrackedVideo video = LoadDrivingSequence(path);
+  const TrackedVideo video = LoadDrivingSequence(path, options.flame);
+  if (video.head_is_fixed)
+    throw Error(path, "the FLAME model is needed: in this track the camera moves, not the head");
   const std::vector<const TrackedFrame*> instants = InstantsOf(video);
   Recording recording;
   recording.path = path;

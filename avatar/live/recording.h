@@ -23,8 +23,8 @@ struct Recording {
   std::vector<RecordedFrame> frames;  // at least one
 };
 
-// Uses the first camera if there are several. Throws Error as LoadDrivingSequence does, and when
-// the frame rate is not 0.001 to 10000.
+// Uses the first camera if there are several. Throws Error as LoadDrivingSequence does, when the
+// frame rate is not 0.001 to 10000, and when the track needs options.flame and there is none.
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options);
 
 std::unique_ptr<LiveSource> OpenRecording(const std::string& path,

@@ -52,6 +52,9 @@ struct LiveSourceOptions {
   // avatar/model/avatar_mesh.h). A recording moves about it as it did about its own mean; a
   // tracker's root is relative to it.
   FlameParams rest;
+  // The avatar's; needed for recordings whose tracker moved the camera about a fixed head
+  // (TrackedVideo::head_is_fixed). Used only while a source is opened.
+  const FlameModel* flame = nullptr;
   bool loop = false;             // repeat recordings
   double frames_per_second = 0;  // of a recording; 0: its own rate, or 25 if unknown
 };

@@ -51,9 +51,12 @@ GuardPolicy PolicyOf(const cosplat_policy& given) {
 
 }  // namespace
 
-LiveFace::LiveFace(const FlameParams& rest, const std::optional<TrainedRange>& trained)
+LiveFace::LiveFace(const FlameParams& rest,
+                   const FlameModel& flame,
+                   const std::optional<TrainedRange>& trained)
     : guard_(rest, trained) {
   source_options_.rest = rest;
+  source_options_.flame = &flame;
 }
 
 void LiveFace::SetPolicy(const cosplat_policy& given) {

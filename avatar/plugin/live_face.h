@@ -17,8 +17,10 @@ namespace cosplat::plugin {
 
 class LiveFace {
  public:
-  // rest: must have as many coefficients as the model.
-  LiveFace(const FlameParams& rest, const std::optional<TrainedRange>& trained);
+  // rest: must have as many coefficients as the model, which must outlive this.
+  LiveFace(const FlameParams& rest,
+           const FlameModel& flame,
+           const std::optional<TrainedRange>& trained);
 
   // Throws CodedError on a number out of range.
   void SetPolicy(const cosplat_policy& policy);

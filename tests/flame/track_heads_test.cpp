@@ -107,6 +107,26 @@ void ExpectSkipped(const TrackedVideo& video,
         << "'" << video.skipped[i].reason << "' lacks '" << word << "'";
 }
 
+TEST(TrackLayout, IsKnownByItsFiles) {
+  const TemporaryFolder empty;
+  EXPECT_EQ(TrackLayoutOf(empty.path()), "");
+  EXPECT_EQ(TrackLayoutOf(ImavatarHead().Write()), "imavatar");
+  EXPECT_EQ(TrackLayoutOf(Metrical(1).Write()), "metrical-tracker");
+  MakeDirectories(empty / "checkpoint");  // without a .frame it is something else's
+  EXPECT_EQ(TrackLayoutOf(empty.path()), "");
+  const std::string frames = empty / "transforms_train.json";
+  WriteFileAtomically(frames, R"({"frames": [{"file_path": "a", "flame_param_path": "b"}]})");
+  EXPECT_EQ(TrackLayoutOf(empty.path()), "vhap");
+  WriteFileAtomically(frames, R"({"frames": [{"file_path": "a", "exp_path": "b"}]})");
+  EXPECT_EQ(TrackLayoutOf(empty.path()), "insta");
+  WriteFileAtomically(frames, R"({"frames": [{"file_path": "a"}]})");  // a scene
+  EXPECT_EQ(TrackLayoutOf(empty.path()), "");
+  Npz npz;
+  npz.Add("expr", {1, 1}, std::vector<float>{0});
+  npz.Write(empty / "drive.npz");
+  EXPECT_EQ(TrackLayoutOf(empty / "drive.npz"), "npz");
+}
+
 TEST(MetricalTrack, ReprojectsEveryVertex) {
   const Metrical set;
   const TrackedVideo moved = LoadDrivingSequence(set.Write(), &set.model);

@@ -56,6 +56,10 @@ AvatarOptions::AvatarOptions() {
 
 void AvatarOptions::Declare(CLI::App& command) {
   TrainOptions::Declare(command);
+  command.get_option("--source_path")
+      ->description(
+          "tracked video: a folder of IMavatar's, VHAP's (GaussianAvatars'), INSTA's, "
+          "metrical-tracker's or SMIRK's layout");
   command.add_option("--flame", flame, "FLAME model file (.pkl or .npz)")->required();
   command
       .add_option(

@@ -28,8 +28,10 @@ SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
   return LoadScene(source, {split.resolution, split.eval, split.fold});
 }
 
-TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split) {
-  TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution});
+TrackedVideo LoadSplitVideo(const std::string& source,
+                            const DataSplit& split,
+                            const FlameModel& flame) {
+  TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
   if (split.fold) {
     const size_t held = video.train.size() / 5;
     const auto first = video.train.end() - std::ptrdiff_t(held);

@@ -25,8 +25,10 @@ DataSplit SplitFromJson(const JsonField& run);
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 
 // Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
-// frames is held out in place of the test frames.
-TrackedVideo LoadSplitVideo(const std::string& source, const DataSplit& split);
+// frames is held out in place of the test frames. flame: the avatar's.
+TrackedVideo LoadSplitVideo(const std::string& source,
+                            const DataSplit& split,
+                            const FlameModel& flame);
 
 // Background colour of held-out images, from run.json.
 std::array<float, 3> BackgroundOf(const JsonField& run);

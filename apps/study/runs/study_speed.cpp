@@ -60,7 +60,7 @@ double AvatarRate(const std::string& folder, const JsonField& run) {
   AvatarModel model = ReadAvatarGlb(folder + "/avatar.glb");
   AttachMesh(model, flame);
   Player player(std::move(model), flame);
-  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run));
+  const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run), flame);
   // A player does not render the same frame twice.
   if (video.test.size() < 2)
     throw Error(run["source"].String(), "test frames", "one is too few to measure the speed of");

@@ -7,6 +7,7 @@
 
 #include "avatar/model/avatar_mesh.h"
 #include "splat/base/npz.h"
+#include "tests/flame/metrical_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -130,6 +131,28 @@ TEST(Recording, ClocksAtTheirLimits) {
   EXPECT_TRUE(source->Poll(std::numeric_limits<int64_t>::min(), frame));
   EXPECT_TRUE(source->Poll(std::numeric_limits<int64_t>::max(), frame));
   EXPECT_FALSE(source->Poll(0, frame));
+}
+
+// A tracker that moves the camera: without the model the head would seem to stand still.
+TEST(Recording, AFixedHeadIsMovedByTheAvatarsModel) {
+  const test::Metrical track;
+  const std::string path = track.Write();
+  ExpectError([&] { OpenLiveSource(path); }, {path, "the FLAME model is needed"});
+  LiveSourceOptions options;
+  options.flame = &track.model;
+  const Recording recording = LoadRecording(path, options);
+  ASSERT_EQ(recording.frames.size(), size_t(test::kHeadFrames));
+  std::vector<FlameParams> expected;
+  for (int i = 0; i < test::kHeadFrames; ++i) {
+    expected.emplace_back();
+    for (size_t k = 0; k < 3; ++k) expected.back().pose[0][k] = float(test::HeadAt(i).root[k]);
+  }
+  expected = Retarget(expected, {});
+  for (size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(recording.frames[i].params.eyelids, test::HeadAt(int(i)).eyelids);
+    for (size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(recording.frames[i].params.pose[0][k], expected[i].pose[0][k], 1e-5);
+  }
 }
 
 TEST(Recording, BadDrivesAreNamed) {
