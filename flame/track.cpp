@@ -89,6 +89,7 @@ void SplitLastFrames(int count, TrackedVideo& video) {
 // The images are unchanged, and whatever does not move with the head (a bust, the light) keeps its
 // place in the world.
 void HoldCameraStill(TrackedVideo& video) {
+  if (video.head_is_fixed) return;  // until MoveHead
   std::vector<TrackedFrame*> frames;
   for (auto* list : {&video.train, &video.test})
     for (TrackedFrame& frame : *list) frames.push_back(&frame);

@@ -2,6 +2,7 @@
 // files hold each frame's expression and a mesh, but neither jaw, eyes nor shape: these come from
 // the tracker's checkpoints, which published copies of the data have beside it.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "flame/io/track_layouts.h"
@@ -31,6 +32,15 @@ bool StaysInside(const fs::path& path) {
   return path.is_relative() && std::find(path.begin(), path.end(), "..") == path.end();
 }
 
+// INSTA copies the checkpoint's pose: another one shows that the two are of different frames.
+bool SamePose(const Camera& a, const Camera& b) {
+  constexpr float kRounding = 1e-3f;
+  bool same = true;
+  for (size_t i = 0; i < 9; ++i) same &= std::abs(a.rotation[i] - b.rotation[i]) < kRounding;
+  for (size_t i = 0; i < 3; ++i) same &= std::abs(a.translation[i] - b.translation[i]) < kRounding;
+  return same;
+}
+
 // Fills `frame`; returns why it is unusable, if it is.
 std::string LoadInstaFrame(const std::string& path,
                            const JsonField& file,
@@ -43,9 +53,11 @@ std::string LoadInstaFrame(const std::string& path,
   if (!problem.empty()) return problem;
   if (!StaysInside(image)) return "file_path " + image + " leads out of the folder";
   const std::string broken = Problem([&] {
-    Camera unused;  // the file's camera is the one that fits the images
-    problem =
-        ReadMetricalFrame(path + "/checkpoint/" + frame.name + ".frame", frame.params, unused);
+    Camera tracked;  // its intrinsics are those of the tracker's images
+    const std::string checkpoint = path + "/checkpoint/" + frame.name + ".frame";
+    problem = ReadMetricalFrame(checkpoint, frame.params, tracked);
+    if (problem.empty() && !SamePose(frame.camera, tracked))
+      problem = "transform_matrix is not the camera of " + checkpoint;
     if (request.images) frame.image_path = path + "/" + image;
     if (problem.empty() && request.images && !fs::is_regular_file(frame.image_path))
       problem = "image " + frame.image_path + " is missing";

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Metres. A point 0.1 m before or behind the head's middle is 0.1 % larger or smaller: 0.2 px at
-// the edge of a head of 400 px.
+// Metres. A point 0.1 m before or behind the origin is seen 0.1 % further from the image's middle,
+// or nearer: 0.2 px at 200 px.
 constexpr double kDistance = 100;
 constexpr double kDefaultCropSide = 224;
 // Of a crop's rotation or shear, relative to its scale: rounding.
@@ -117,8 +117,8 @@ std::string SetSmirkCamera(const SmirkRows& rows, size_t row, FlameParams& param
   params.translation = {float(cam[1] + (x.scale * half + x.offset - lens.width / 2.0) / kx),
                         float(cam[2] - (y.scale * half + y.offset - lens.height / 2.0) / ky),
                         0};
-  for (const float x : params.translation)
-    if (!(std::abs(x) < kMaxTranslation) || !std::isfinite(lens.fx) || !std::isfinite(lens.fy))
+  for (const float shift : params.translation)
+    if (!(std::abs(shift) < kMaxTranslation) || !std::isfinite(lens.fx) || !std::isfinite(lens.fy))
       return "cam and tform of row " + std::to_string(row) + " are too large or too small";
   return SetPose({1, 0, 0, 0, -1, 0, 0, 0, -1}, {0, 0, kDistance}, lens);
 }
@@ -208,7 +208,7 @@ void CheckRows(const SmirkRows& rows) {
 
 }  // namespace
 
-bool IsSmirkNpz(const Npz& npz) { return npz.Has("expression_params") && npz.Has("cam"); }
+bool IsSmirkNpz(const Npz& npz) { return npz.Has("expression_params"); }
 
 void LoadSmirkTrack(const std::string& path,
                     const Npz& npz,

@@ -404,7 +404,7 @@ TEST(InstaTrack, BadFramesAreSkippedAndListed) {
   frames[1]["transform_matrix"][0][0] = 3;
   std::filesystem::remove(set.tracker.folder / "images/00001.png");
   std::filesystem::remove(set.tracker.folder / "checkpoint/00003.frame");
-  const TrackedVideo video = set.Load();
+  TrackedVideo video = set.Load();
   EXPECT_EQ(AllFrames(video).size(), 8u);
   ASSERT_EQ(video.skipped.size(), 4u);
   ExpectSkipped(video, 0, "00002", {"file_path ../../secret/00002.png leads out of the folder"});
@@ -413,6 +413,13 @@ TEST(InstaTrack, BadFramesAreSkippedAndListed) {
   ExpectSkipped(video, 3, "00003", {"checkpoint/00003.frame is missing"});
   frames[4]["file_path"] = "/etc/passwd";
   ExpectError([&] { set.Load(); }, {"5 of 12", "leads out of the folder"});
+  // A checkpoint of another frame, as when images and checkpoints are counted from 0 and 1.
+  Insta shifted;
+  shifted.tracker.WriteCheckpoint(6, TorchArchive(MetricalPickle(shifted.tracker.frames[7])));
+  video = shifted.Load();
+  ASSERT_EQ(video.skipped.size(), 1u);
+  ExpectSkipped(
+      video, 0, "00006", {"transform_matrix is not the camera of", "checkpoint/00006.frame"});
 }
 
 TEST(InstaTrack, JsonErrorsNameTheField) {
@@ -629,6 +636,7 @@ TEST(SmirkTrack, ArraysThatDisagree) {
   // Without a required array it is either no such file or an error.
   Smirk set;
   set.arrays.erase("jaw_params");
+  set.arrays.erase("eyelid_params");  // optional
   ExpectError([&] { LoadDrivingSequence(set.Write()); }, {"smirk.npz", "jaw_params", "missing"});
 }
 
