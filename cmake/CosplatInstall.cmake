@@ -26,7 +26,6 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/check_parameters.h
   flame/directions.h
   flame/io/pickle
-  flame/io/torch_file.h
   flame/io/track_layouts.h
   flame/kernels/
   splat/device/cuda/

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "flame/io/torch_file.h"
+#include "flame/io/pickle.h"
 #include "flame/io/track_layouts.h"
 #include "flame/math/rotation.h"
 #include "splat/base/camera.h"

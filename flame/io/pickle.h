@@ -86,6 +86,12 @@ class Pickle {
   const PickleValue* root_ = nullptr;
 };
 
+// The pickle in a checkpoint of PyTorch's (torch.save since 1.6): a ZIP archive that holds it as
+// NAME/data.pkl, and the bytes of each tensor's storage as NAME/data/KEY. Throws Error naming the
+// file and the member if it is no such archive, if its numbers are stored big-endian, or if the
+// pickle is refused.
+Pickle ReadTorchFile(const std::string& path);
+
 // Conversion of a parsed pickle's values to numeric arrays: numpy arrays and scalars, numbers,
 // torch's tensors, scipy's csc_matrix (made dense) and chumpy's wrappers around any of them.
 

@@ -1,7 +1,6 @@
-#include "flame/io/torch_file.h"
-
 #include <filesystem>
 
+#include "flame/io/pickle.h"
 #include "splat/base/error.h"
 #include "splat/base/zip_reader.h"
 

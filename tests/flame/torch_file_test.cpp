@@ -1,11 +1,10 @@
-// flame/io/torch_file.h: what torch.save writes is read as data; damage and hostile content give
+// ReadTorchFile: what torch.save writes is read as data; damage and hostile content give
 // one line.
-#include "flame/io/torch_file.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "flame/io/pickle.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/rng.h"

@@ -3,12 +3,16 @@
 // Rodrigues' formula and, for the head's own deformation, the poser.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "flame/math/rodrigues.h"
 #include "flame/pose.h"
+#include "flame/track.h"
 #include "tests/flame/random_model.h"
 
 namespace cosplat::test {
@@ -130,6 +134,55 @@ inline std::vector<Pixel> HeadPixels(const FlameModel& model, int i) {
         {kHeadFocal * p[0] / p[2] + kHeadCenter[0], kHeadFocal * p[1] / p[2] + kHeadCenter[1]});
   }
   return pixels;
+}
+
+inline std::vector<TrackedFrame> AllFrames(const TrackedVideo& video) {
+  std::vector<TrackedFrame> all = video.train;
+  all.insert(all.end(), video.test.begin(), video.test.end());
+  return all;
+}
+
+// Where a track's camera sees the mesh of its parameters.
+inline std::vector<Pixel> TrackPixels(const FlameModel& model,
+                                      const std::vector<float>& shape,
+                                      const TrackedFrame& frame,
+                                      std::vector<Vector3<double>>* in_camera = nullptr) {
+  const FlamePoser<double> poser(model, shape);
+  std::vector<double> v;
+  poser.Forward(FlamePoser<double>::ParametersOf(frame.params), v);
+  const Camera& c = frame.camera;
+  std::vector<Pixel> pixels;
+  for (size_t i = 0; i < v.size(); i += 3) {
+    Vector3<double> q;
+    for (int r = 0; r < 3; ++r) {
+      q[r] = c.translation[r];
+      for (int k = 0; k < 3; ++k) q[r] += double(c.rotation[3 * r + k]) * v[i + k];
+    }
+    EXPECT_GT(q[2], 0);
+    if (in_camera) in_camera->push_back(q);
+    pixels.push_back({c.fx * q[0] / q[2] + c.cx, c.fy * q[1] / q[2] + c.cy});
+  }
+  return pixels;
+}
+
+inline double LargestDifference(const std::vector<Pixel>& a, const std::vector<Pixel>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    for (int k = 0; k < 2; ++k) largest = std::max(largest, std::abs(a[i][k] - b[i][k]));
+  return largest;
+}
+
+inline void ExpectSkipped(const TrackedVideo& video,
+                          size_t i,
+                          const std::string& name,
+                          const std::vector<std::string>& words) {
+  ASSERT_LT(i, video.skipped.size());
+  EXPECT_EQ(video.skipped[i].name, name);
+  EXPECT_EQ(video.skipped[i].reason.find('\n'), std::string::npos);
+  for (const std::string& word : words)
+    EXPECT_NE(video.skipped[i].reason.find(word), std::string::npos)
+        << "'" << video.skipped[i].reason << "' lacks '" << word << "'";
 }
 
 }  // namespace cosplat::test
