@@ -14,6 +14,13 @@ namespace cosplat {
 constexpr int kFlameJoints = 5;  // root, neck, jaw, left eye, right eye
 constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
 
+// How many vertices each part of a mouth has that was added to FLAME's mesh (flame/mouth.h); they
+// come last, in this order.
+struct MouthParts {
+  int upper_teeth = 0, lower_teeth = 0, bowl = 0;
+  int count() const { return upper_teeth + lower_teeth + bowl; }
+};
+
 struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
   std::string sha256;            // of the file's bytes; empty for the procedural head
@@ -31,6 +38,12 @@ struct FlameModel {
   std::vector<float> joint_regressor;         // [5, V], rows sum to 1
   std::vector<float> skinning_weights;        // [V, 5], rows sum to 1
   std::array<int, kFlameJoints> parents{-1, 0, 1, 1, 1};
+  MouthParts mouth;  // all zero: the model as its file has it
+  // The last two expression coefficients close the left and the right eyelid (flame/eyelids.h).
+  bool has_eyelids = false;
+
+  // Of the file, without an added mouth.
+  int own_vertex_count() const { return vertex_count - mouth.count(); }
 };
 
 // Parameters of one frame (or of a subject: shape). Missing trailing coefficients count as zero.
@@ -41,7 +54,8 @@ struct FlameParams {
   std::array<std::array<float, 3>, kFlameJoints> pose{};
   std::array<float, 3> translation{};  // metres, after skinning
   // How far the left and the right eyelid are closed, in trackers' unit: 0 open, 1 closed; fitted
-  // values may exceed either. 0 from trackers that do not have it.
+  // values may exceed either. 0 from trackers that do not have it. Not posed: becomes a part of
+  // the expression by EyelidsToExpression (flame/track.h).
   std::array<float, 2> eyelids{};
   std::vector<float> static_offset;  // [V, 3] metres, added to the template; or empty
 };

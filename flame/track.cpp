@@ -146,6 +146,26 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video) {
   video.head_is_fixed = false;
 }
 
+bool TracksEyelids(const TrackedVideo& video) {
+  const auto moved = [](const TrackedFrame& frame) {
+    return frame.params.eyelids != std::array<float, 2>{};
+  };
+  return std::any_of(video.train.begin(), video.train.end(), moved) ||
+         std::any_of(video.test.begin(), video.test.end(), moved);
+}
+
+void EyelidsToExpression(const FlameModel& model, TrackedVideo& video) {
+  if (!model.has_eyelids) return;
+  for (auto* list : {&video.train, &video.test})
+    for (TrackedFrame& frame : *list) {
+      FlameParams& params = frame.params;
+      params.expression.resize(size_t(model.expression_count) - 2);
+      params.expression.insert(
+          params.expression.end(), params.eyelids.begin(), params.eyelids.end());
+      params.eyelids = {};
+    }
+}
+
 namespace {
 
 // "vhap" or "insta" by the first frame of the first list that has one, or "".
@@ -220,7 +240,10 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
-  if (request.options.flame) MoveHead(*request.options.flame, video);
+  if (request.options.flame) {
+    EyelidsToExpression(*request.options.flame, video);
+    MoveHead(*request.options.flame, video);
+  }
   HoldCameraStill(video);
   return video;
 }

@@ -38,7 +38,8 @@ struct TrackedVideo {
   std::shared_ptr<VideoReader> video;  // of video_path, if there is one
   double frames_per_second = 0;        // time steps per second; 0 if unknown
   std::vector<float> shape;            // the subject's
-  std::vector<float> static_offset;    // [V, 3] metres, or empty
+  // [V, 3] metres, or empty; VHAP's export may have 120 rows more, for teeth (flame/mouth.h)
+  std::vector<float> static_offset;
   std::vector<TrackedFrame> train;
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
@@ -77,6 +78,14 @@ TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flam
 // rotates about its joint as `flame` poses it (coefficients beyond the model's are left out).
 // Throws Error as FlamePoser does.
 void MoveHead(const FlameModel& flame, TrackedVideo& video);
+
+// Whether any frame's eyelids are moved.
+bool TracksEyelids(const TrackedVideo& video);
+
+// If `model` has eyelids (flame/eyelids.h): appends each frame's to its expression, after the
+// model's other coefficients (missing ones become zero, further ones are dropped), and zeroes
+// FlameParams::eyelids. Tracks loaded with such a model have it done.
+void EyelidsToExpression(const FlameModel& model, TrackedVideo& video);
 
 // The frames of both sets in order of time, as pointers into `video`. If several cameras show a
 // moment, only the frame of the first camera is included.

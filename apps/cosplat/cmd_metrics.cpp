@@ -8,6 +8,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/avatar_mesh.h"
 #include "avatar/train/fit_track.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
@@ -28,8 +29,9 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
   const std::string option = o.fit_track ? "--fit-track" : "--fit-bust";
   if (run["kind"].String() != "avatar")
     throw Error(o.model, option, "is for avatars; this is a scene");
-  const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel avatar = ReadAvatarGlb(o.model + "/avatar.glb");
+  const FlameModel flame =
+      FlameOf(avatar, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
   AttachMesh(avatar, flame);
   const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run), flame);
   if (video.test.empty()) throw Error(o.model, option, "no frames were held out");

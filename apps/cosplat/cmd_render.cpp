@@ -15,6 +15,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/avatar_mesh.h"
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
@@ -202,8 +203,9 @@ void RenderFrames(const RenderOptions& o,
 
 void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   const Device device = DeviceFromString(o.device);
-  const FlameModel flame = LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
+  const FlameModel flame =
+      FlameOf(model, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
   AttachMesh(model, flame);
   if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
   if (o.still_bust) HoldBustStill(model);

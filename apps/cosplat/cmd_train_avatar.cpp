@@ -12,7 +12,9 @@
 #include "apps/cosplat/run/train_run.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/train/trainer.h"
+#include "flame/eyelids.h"
 #include "flame/io/model_file.h"
+#include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/cameras_json.h"
@@ -125,8 +127,13 @@ void Train(AvatarOptions o, const std::string& config) {
                 "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
                 "other programs read");
   o.ResolveBackground("random");
-  const FlameModel flame = LoadFlameModel(o.flame);
+  FlameModel flame = LoadFlameModel(o.flame);
+  if (o.mouth == "yes") flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
+  if (TracksEyelids(loaded)) {
+    flame = WithEyelids(std::move(flame));
+    EyelidsToExpression(flame, loaded);
+  }
   const std::vector<Image8> truth = LoadTestImages(loaded);
   o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
   AvatarSubject subject(flame, std::move(loaded), o.avatar);
@@ -139,12 +146,14 @@ void Train(AvatarOptions o, const std::string& config) {
   if (!o.quiet) PrintSkipped(video.skipped);
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
-    std::printf("%s: %zu training and %zu test frames of %dx%d%s, on %s\n",
+    std::printf("%s: %zu training and %zu test frames of %dx%d%s%s%s, on %s\n",
                 video.layout.c_str(),
                 video.train.size(),
                 video.test.size(),
                 video.train[0].camera.width,
                 video.train[0].camera.height,
+                flame.mouth.count() > 0 ? ", with a mouth" : "",
+                flame.has_eyelids ? ", with eyelids" : "",
                 subject.has_bust() ? ", with a bust" : "",
                 NameOf(device).c_str());
   RunHooks hooks;

@@ -3,6 +3,7 @@
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/avatar_mesh.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/io/splat_file.h"
@@ -47,7 +48,7 @@ class AvatarSplats : public ExportSubject {
         model_(ReadAvatarGlb(source.model + "/avatar.glb")),
         background_(BackgroundOf(run)) {
     if (!source.measure) return;
-    flame_ = LoadFlameModel(Or(source.flame, run["flame"].String()));
+    flame_ = FlameOf(model_, LoadFlameModel(Or(source.flame, run["flame"].String())));
     AttachMesh(model_, flame_);
     video_ = LoadSplitVideo(Or(source.data, run["source"].String()), SplitFromJson(run), flame_);
   }

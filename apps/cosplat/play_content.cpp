@@ -7,6 +7,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/live/recording.h"
+#include "avatar/model/avatar_mesh.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
@@ -49,7 +50,8 @@ Content LoadAvatar(const std::string& glb, const JsonField* run, const std::stri
                 "--flame",
                 "is needed: the FLAME model '" + avatar.model.flame_name + "', sha256 " +
                     avatar.model.flame_sha256);
-  avatar.flame = LoadFlameModel(flame.empty() ? (*run)["flame"].String() : flame);
+  avatar.flame =
+      FlameOf(avatar.model, LoadFlameModel(flame.empty() ? (*run)["flame"].String() : flame));
   AttachMesh(avatar.model, avatar.flame);
   content.background = avatar.model.background;
   avatar.rest = run ? ReferenceRoot(*run) : RestRoot(avatar.model, avatar.flame);

@@ -109,6 +109,16 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
 
 // FLAME's vertices and faces must come first; those of a bust may follow.
 void CheckTopology(const std::string& where, const AvatarModel& model, const FlameModel& flame) {
+  const auto check = [&](const char* what, bool of_avatar, bool of_model) {
+    if (of_avatar != of_model)
+      throw Error(where,
+                  "flame",
+                  std::string(of_avatar ? "the avatar, but not the model, has "
+                                        : "the model, but not the avatar, has ") +
+                      what + " added");
+  };
+  check("a mouth", model.has_mouth, flame.mouth.count() > 0);
+  check("eyelids", model.has_eyelids, flame.has_eyelids);
   const size_t vertices = model.mesh.vertices.size() / 3, faces = model.mesh.faces.size();
   const bool same_size = vertices == size_t(flame.vertex_count) && faces == flame.faces.size();
   const bool larger = vertices > size_t(flame.vertex_count) && faces > flame.faces.size();
@@ -243,7 +253,9 @@ std::string ToString(const GlbSummary& summary) {
       text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
             std::to_string(a.shape_count) + " shape coefficients, " +
-            (a.has_static_offset ? "a" : "no") + " static offset\n";
+            (a.has_static_offset ? "a" : "no") + " static offset" +
+            (a.has_mouth ? ", teeth and a mouth added" : "") +
+            (a.has_eyelids ? ", eyelids added\n" : "\n");
     text +=
         "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
         std::to_string(a.face_count) + " faces" +

@@ -67,6 +67,7 @@ struct GlbSummary {
     Basis basis = Basis::kDcsh;
     ColorFrame color_frame = ColorFrame::kSurface;
     std::string flame_name, flame_sha256;
+    bool has_mouth = false, has_eyelids = false;  // added to it
     size_t shape_count = 0;
     bool has_static_offset = false;
     bool has_bust = false;

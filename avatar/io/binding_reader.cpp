@@ -3,6 +3,8 @@
 
 #include "avatar/io/binding_extension.h"
 #include "avatar/model/corrections.h"
+#include "flame/eyelids.h"
+#include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/io/splat_primitive.h"
 
@@ -138,6 +140,15 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
       frame == ToString(ColorFrame::kWorld) ? ColorFrame::kWorld : ColorFrame::kSurface;
   model.flame_name = binding["flame"]["name"].String();
   model.flame_sha256 = binding["flame"]["sha256"].String();
+  // A geometry that is not known here cannot be played.
+  const auto has = [&](const char* addition, int geometry) {
+    const JsonField flame = binding["flame"];
+    if (version < 3 || !flame.Has(addition)) return false;
+    IntegerWithin(flame[addition], geometry, geometry);
+    return true;
+  };
+  model.has_mouth = has("mouth", kMouthGeometry);
+  model.has_eyelids = has("eyelids", kEyelidGeometry);
   FillNumbers(binding["background"], model.background);
   if (binding.Has("trainedRange")) ReadTrainedRange(binding["trainedRange"], model);
   if (!binding.Has("bust")) return;
@@ -287,6 +298,8 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.color_frame = model.color_frame;
   summary.flame_name = model.flame_name;
   summary.flame_sha256 = model.flame_sha256;
+  summary.has_mouth = model.has_mouth;
+  summary.has_eyelids = model.has_eyelids;
   summary.shape_count = model.shape.size();
   summary.has_static_offset = !model.static_offset.empty();
   summary.has_bust = model.bust.has_value();

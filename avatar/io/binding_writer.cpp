@@ -1,6 +1,8 @@
 #include <algorithm>
 
 #include "avatar/io/binding_extension.h"
+#include "flame/eyelids.h"
+#include "flame/mouth.h"
 #include "splat/io/splat_primitive.h"
 
 namespace cosplat {
@@ -88,7 +90,9 @@ void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding)
 }
 
 int VersionOf(const AvatarModel& model) {
-  if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow)) return 3;
+  if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow) || model.has_mouth ||
+      model.has_eyelids)
+    return 3;
   return model.embedding.released || model.canonical_frame ? 2 : 1;
 }
 
@@ -121,6 +125,8 @@ Json AddBinding(GlbDocument& document,
                            : splats.attributes.at(SplatCoefficientName(0));
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
   binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
+  if (model.has_mouth) binding["flame"]["mouth"] = kMouthGeometry;
+  if (model.has_eyelids) binding["flame"]["eyelids"] = kEyelidGeometry;
   if (!model.shape.empty()) binding["shape"] = AddArray(document, model.shape, 1);
   if (!model.static_offset.empty())
     binding["staticOffset"] = AddArray(document, model.static_offset, 3);

@@ -7,6 +7,8 @@
 #include "avatar/math/turn.h"
 #include "avatar/model/bust.h"
 #include "avatar/model/place_bust.h"
+#include "flame/eyelids.h"
+#include "flame/mouth.h"
 #include "flame/topology.h"
 #include "splat/device/for_each.h"
 #include "splat/math/quat.h"
@@ -94,6 +96,11 @@ Vec3<float> RootJoint(const FlameModel& flame,
 }
 
 }  // namespace
+
+FlameModel FlameOf(const AvatarModel& avatar, FlameModel flame) {
+  if (avatar.has_mouth) flame = WithMouth(std::move(flame));
+  return avatar.has_eyelids ? WithEyelids(std::move(flame)) : flame;
+}
 
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,
                                 const std::vector<float>& shape,

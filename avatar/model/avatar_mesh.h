@@ -16,6 +16,9 @@
 
 namespace cosplat {
 
+// `flame`, as its file has it, as the avatar was trained on it: with what was added to it.
+FlameModel FlameOf(const AvatarModel& avatar, FlameModel flame);
+
 // The subject's shape at zero expression and pose or, if given, as `frame` poses it. The bust's
 // vertices and faces come last.
 CanonicalMesh MakeCanonicalMesh(const FlameModel& flame,

@@ -106,8 +106,10 @@ struct AvatarModel {
   // The FLAME model it was trained with. Its data is not embedded unless the licence allows it.
   std::string flame_name;
   std::string flame_sha256;
+  // What was added to that model for the training (flame/mouth.h, flame/eyelids.h).
+  bool has_mouth = false, has_eyelids = false;
   std::vector<float> shape;                  // the subject's coefficients
-  std::vector<float> static_offset;          // [V, 3] metres, or empty
+  std::vector<float> static_offset;          // [V, 3] metres, of all of FLAME's vertices, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation
   std::optional<TrainedRange> trained_range;
   CorrectionMap correction_map;  // for gaussians.corrections bases

@@ -32,7 +32,7 @@ FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
                      "is needed: the model '" + avatar.flame_name + "'" +
                          (avatar.flame_sha256.empty() ? "" : ", sha256 " + avatar.flame_sha256));
   try {
-    return LoadFlameModel(path);
+    return FlameOf(avatar, LoadFlameModel(path));
   } catch (const Error& error) {
     throw CodedError(COSPLAT_ERROR_FLAME, error.what());
   }

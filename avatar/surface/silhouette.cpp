@@ -72,13 +72,15 @@ int ChinRow(const std::vector<float>& vertices, const FlameModel& flame, const C
 std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,
+                            int head_vertices,
                             const Camera& camera) {
   const auto mean_height = [&](const std::vector<int32_t>& loop) {
     double sum = 0;
     for (const int32_t v : loop) sum += canonical_vertices[3 * size_t(v) + 1];
     return sum / double(loop.size());
   };
-  const auto& loops = topology.boundary_loops;
+  std::vector<std::vector<int32_t>> loops = topology.boundary_loops;
+  std::erase_if(loops, [&](const auto& loop) { return loop[0] >= head_vertices; });
   if (loops.size() < 2) return {0, 0, 0, 0};
   const std::vector<int32_t>& mouth =
       *std::max_element(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {

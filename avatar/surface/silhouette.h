@@ -18,12 +18,14 @@ std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
                                     const std::vector<std::array<int32_t, 3>>& faces,
                                     const Camera& camera);
 
-// x, y, width, height in px, within the image: the box of the mesh's uppermost boundary loop (in
-// FLAME the lips; the loops of the neck and of a bust lie below), enlarged by half of its size on
-// each side. All zero if there are fewer than two loops or the box is outside the image.
+// x, y, width, height in px, within the image: the box of the uppermost boundary loop of the first
+// `head_vertices` vertices (in FLAME the lips; the loops of the neck and of a bust lie below, an
+// added mouth's vertices come later), enlarged by half of its size on each side. All zero if there
+// are fewer than two loops or the box is outside the image.
 std::array<int, 4> MouthBox(const std::vector<float>& vertices,
                             const std::vector<float>& canonical_vertices,
                             const MeshTopology& topology,
+                            int head_vertices,
                             const Camera& camera);
 
 // The row below the chin, within the image: that of the lowest vertex that follows the jaw. Above

@@ -9,6 +9,7 @@
 #include "avatar/surface/sample.h"
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/trainer.h"
+#include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/math/scalar.h"
 #include "splat/train/initialize.h"
@@ -22,13 +23,18 @@ constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 constexpr double kBustShare = 0.1;
 constexpr size_t kBustFrames = 5;
 
+TrackedVideo WithOffsetFor(const FlameModel& flame, TrackedVideo video) {
+  video.static_offset = StaticOffsetFor(flame, std::move(video.static_offset));
+  return video;
+}
+
 }  // namespace
 
 AvatarSubject::AvatarSubject(const FlameModel& flame,
                              TrackedVideo video,
                              const AvatarSettings& settings)
     : flame_(flame),
-      video_(std::move(video)),
+      video_(WithOffsetFor(flame, std::move(video))),
       settings_(settings),
       mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
       unit_(MeshUnit(mesh_)),

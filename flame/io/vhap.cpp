@@ -13,9 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The export may have 120 vertices of teeth after FLAME's own: their offsets are dropped.
-constexpr size_t kFlameVertices = 5023, kVerticesWithTeeth = 5143;
-
 bool AllZero(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return x == 0; });
 }
@@ -25,8 +22,7 @@ void ReadSubject(const std::string& path, TrackedVideo& video) {
   const Npz npz = Npz::Read(path);
   std::string problem = CopyFinite("shape", npz.Get("shape").values, video.shape);
   if (problem.empty() && npz.Has("static_offset")) {
-    std::vector<double> offsets = npz.Get("static_offset").values;
-    if (offsets.size() == 3 * kVerticesWithTeeth) offsets.resize(3 * kFlameVertices);
+    const std::vector<double>& offsets = npz.Get("static_offset").values;
     if (!AllZero(offsets)) problem = CopyFinite("static_offset", offsets, video.static_offset);
   }
   if (!problem.empty()) throw Error(path, problem);

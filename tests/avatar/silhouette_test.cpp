@@ -64,12 +64,14 @@ TEST(Silhouette, IsTheRenderersMaskOfTheHead) {
   EXPECT_LE(differ, 2u);
 }
 
+constexpr int kAll = 1 << 30;  // all vertices are the head's
+
 TEST(MouthBox, SurroundsTheLips) {
   const FlameModel head = MakeProceduralHead();
   const MeshTopology topology = BuildTopology(head.name, head.faces, head.vertex_count);
   const Camera camera = procedural::OrbitCamera(0, 0, 0.9f, 96);
   const std::vector<float>& v = head.template_vertices;
-  const std::array<int, 4> box = MouthBox(v, v, topology, camera);
+  const std::array<int, 4> box = MouthBox(v, v, topology, kAll, camera);
   EXPECT_GT(box[2], 5);
   EXPECT_LT(box[2], 60);
   EXPECT_GT(box[3], 5);
@@ -82,21 +84,21 @@ TEST(MouthBox, SurroundsTheLips) {
   // It moves with the head, and is nothing once that is out of sight or behind.
   std::vector<float> moved = v;
   for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 0.03f;
-  EXPECT_GT(MouthBox(moved, v, topology, camera)[0], box[0]);
+  EXPECT_GT(MouthBox(moved, v, topology, kAll, camera)[0], box[0]);
   for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 10;
-  EXPECT_EQ(MouthBox(moved, v, topology, camera), (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_EQ(MouthBox(moved, v, topology, kAll, camera), (std::array<int, 4>{0, 0, 0, 0}));
   for (size_t i = 0; i < moved.size(); i += 3) moved[i + 2] += 10;
-  EXPECT_EQ(MouthBox(moved, v, topology, camera), (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_EQ(MouthBox(moved, v, topology, kAll, camera), (std::array<int, 4>{0, 0, 0, 0}));
 }
 
 TEST(MouthBox, IsNothingWithoutAMouth) {
   const CanonicalMesh ball = SphereMesh(2);
   const MeshTopology topology = BuildTopology("ball", ball.faces, int(ball.vertices.size() / 3));
-  EXPECT_EQ(MouthBox(ball.vertices, ball.vertices, topology, Plain(8, 6)),
+  EXPECT_EQ(MouthBox(ball.vertices, ball.vertices, topology, kAll, Plain(8, 6)),
             (std::array<int, 4>{0, 0, 0, 0}));
   const CanonicalMesh sheet = SheetMesh(3);  // one boundary: a neck's
   const MeshTopology one = BuildTopology("sheet", sheet.faces, int(sheet.vertices.size() / 3));
-  EXPECT_EQ(MouthBox(sheet.vertices, sheet.vertices, one, Plain(8, 6)),
+  EXPECT_EQ(MouthBox(sheet.vertices, sheet.vertices, one, kAll, Plain(8, 6)),
             (std::array<int, 4>{0, 0, 0, 0}));
 }
 

@@ -419,13 +419,13 @@ TEST(TrackedVideo, VhapSubject) {
   Npz canonical;
   std::vector<float> offsets(5143 * 3, 0.f);
   offsets[3] = 0.01f;
-  offsets[5142 * 3] = 7;  // of the teeth, which are not FLAME's
+  offsets[5142 * 3] = 7;  // of its own teeth
   canonical.Add("shape", {3}, std::vector<float>{1, 2, 3});
   canonical.Add("static_offset", {1, 5143, 3}, offsets);
   canonical.Write(set.folder / "canonical_flame_param.npz");
   const TrackedVideo video = set.Load();
   EXPECT_EQ(video.shape, (std::vector<float>{1, 2, 3}));
-  ASSERT_EQ(video.static_offset.size(), 5023u * 3);
+  ASSERT_EQ(video.static_offset.size(), 5143u * 3);  // as it is: see StaticOffsetFor
   EXPECT_FLOAT_EQ(video.static_offset[3], 0.01f);
   canonical.Add("shape", {1}, std::vector<float>{std::numeric_limits<float>::infinity()});
   canonical.Write(set.folder / "canonical_flame_param.npz");

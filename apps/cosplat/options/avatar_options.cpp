@@ -18,6 +18,7 @@ const std::vector<std::pair<std::string, std::string>>& SplattingAvatarValues() 
       {"--basis", "sh"},
       {"--color-frame", "world"},
       {"--bust", "no"},
+      {"--mouth", "no"},
       {"--triangle-cap", "0"},
       {"--prune", "none"},
       {"--lambda_dssim", "0"},
@@ -81,6 +82,10 @@ void AvatarOptions::Declare(CLI::App& command) {
       .add_option(
           "--bust", bust, "a sheet for shoulders, which FLAME lacks: yes, no, or auto by the masks")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
+  command
+      .add_option(
+          "--mouth", mouth, "teeth and the inside of the mouth, which FLAME lacks: yes or no")
+      ->check(CLI::IsMember({"yes", "no"}));
   command
       .add_option("--corrections",
                   avatar.corrections,

@@ -21,7 +21,7 @@ struct AvatarOptions : TrainOptions {
   std::string flame;
   int test_frames = -1;
   std::string color_frame = "surface";
-  std::string bust = "auto";
+  std::string bust = "auto", mouth = "yes";
   bool embed_flame = false;
   bool truncate_degree = false;
   int triangle_cap = 64;  // GaussianAvatars users report 8,000 on one face

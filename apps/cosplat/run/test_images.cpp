@@ -167,7 +167,8 @@ Regions RegionsOf(const std::vector<float>& vertices,
                   const MeshTopology& topology,
                   const FlameModel& flame,
                   const Camera& camera) {
-  const auto box = MouthBox(vertices, avatar.mesh.vertices, topology, camera);
+  const auto box =
+      MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera);
   return {{kMouth, {box[0], box[1], box[2], box[3]}},
           {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}};
 }

@@ -9,6 +9,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/study/runs/study_runner.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/avatar_mesh.h"
 #include "avatar/play/player.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
@@ -56,8 +57,8 @@ double SceneRate(const std::string& folder, const JsonField& run) {
 }
 
 double AvatarRate(const std::string& folder, const JsonField& run) {
-  const FlameModel flame = LoadFlameModel(run["flame"].String());
   AvatarModel model = ReadAvatarGlb(folder + "/avatar.glb");
+  const FlameModel flame = FlameOf(model, LoadFlameModel(run["flame"].String()));
   AttachMesh(model, flame);
   Player player(std::move(model), flame);
   const TrackedVideo video = LoadSplitVideo(run["source"].String(), SplitFromJson(run), flame);
