@@ -3,6 +3,7 @@
 #include <onnx/onnx_pb.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "splat/base/error.h"
@@ -11,12 +12,25 @@
 namespace cosplat {
 namespace {
 
-constexpr int kMaxExtent = 1 << 15;  // of a layer's numbers; larger ones are errors in the file
+// What is larger is an error in the file: LPIPS's networks have up to 512 channels, and kernels of
+// up to 11x11.
+constexpr int kMaxExtent = 1 << 15;  // of arrays of weights, and of channels
+constexpr int kMaxWindow = 64;       // of kernels, strides, dilations and paddings
 
 struct Constant {
   std::vector<int64_t> shape;
   std::vector<float> values;
 };
+
+// How many numbers a kernel spans.
+int ReachOf(const OnnxLayer& layer, int k) { return (layer.kernel[k] - 1) * layer.dilation[k] + 1; }
+
+// A name from the file, for messages of one line.
+std::string Printable(std::string name) {
+  for (char& c : name)
+    if (std::iscntrl(static_cast<unsigned char>(c))) c = '?';
+  return name;
+}
 
 class Reader {
  public:
@@ -33,12 +47,14 @@ class Reader {
     AddImage(graph);
     for (const onnx::NodeProto& node : graph.node()) AddNode(node);
     for (const onnx::ValueInfoProto& output : graph.output())
-      if (values_.count(output.name())) graph_.outputs[output.name()] = values_[output.name()];
+      if (values_.count(output.name()))
+        graph_.outputs[Printable(output.name())] = values_[output.name()];
     return std::move(graph_);
   }
 
  private:
-  Constant Values(const onnx::TensorProto& tensor, const std::string& name) const {
+  Constant Values(const onnx::TensorProto& tensor, const std::string& of) const {
+    const std::string name = Printable(of);
     if (tensor.data_type() != onnx::TensorProto::FLOAT)
       throw Error(path_, name, "is not of type float");
     if (tensor.data_location() == onnx::TensorProto::EXTERNAL)
@@ -74,7 +90,8 @@ class Reader {
     const onnx::TensorShapeProto& shape = inputs[0]->type().tensor_type().shape();
     if (shape.dim_size() != 4 ||
         (shape.dim(1).has_dim_value() && shape.dim(1).dim_value() != graph_.ChannelsOf(0)))
-      throw Error(path_, "input " + inputs[0]->name(), "is not an RGB image [1, 3, H, W]");
+      throw Error(
+          path_, "input " + Printable(inputs[0]->name()), "is not an RGB image [1, 3, H, W]");
     values_[inputs[0]->name()] = 0;
   }
 
@@ -164,9 +181,6 @@ class Reader {
     ReadWindow(node, layer);
     layer.ceil = Number(node, "ceil_mode", 0) != 0;
     if (layer.dilation != OnnxPair{1, 1}) throw Error(path_, NameOf(node), "is dilated");
-    for (int k = 0; k < 2; ++k)  // or some windows would be empty
-      if (std::max(layer.pad_begin[k], layer.pad_end[k]) >= layer.kernel[k])
-        throw Error(path_, NameOf(node), "has more padding than its kernel");
     Add(node, std::move(layer));
   }
 
@@ -186,9 +200,13 @@ class Reader {
     layer.dilation = Pair(node, "dilations", 0, 1);
     layer.pad_begin = Pair(node, "pads", 0, 0);
     layer.pad_end = Pair(node, "pads", 2, 0);
-    for (int k = 0; k < 2; ++k)
-      if (layer.kernel[k] < 1 || layer.stride[k] < 1 || layer.dilation[k] < 1)
+    for (int k = 0; k < 2; ++k) {
+      if (layer.kernel[k] < 1 || layer.kernel[k] > kMaxWindow || layer.stride[k] < 1 ||
+          layer.dilation[k] < 1)
         throw Error(path_, NameOf(node), "has an impossible kernel, stride or dilation");
+      if (std::max(layer.pad_begin[k], layer.pad_end[k]) >= ReachOf(layer, k))
+        throw Error(path_, NameOf(node), "has padding as wide as its kernel");
+    }
   }
 
   static const onnx::AttributeProto& AttributeOf(const onnx::NodeProto& node, const char* name) {
@@ -196,14 +214,14 @@ class Reader {
       if (attribute.name() == name) return attribute;
     return onnx::AttributeProto::default_instance();
   }
-  int Checked(const onnx::NodeProto& node, int64_t value) const {
-    if (value < 0 || value > kMaxExtent)
+  int Checked(const onnx::NodeProto& node, int64_t value, int most) const {
+    if (value < 0 || value > most)
       throw Error(path_, NameOf(node), "contains the number " + std::to_string(value));
     return int(value);
   }
   int Number(const onnx::NodeProto& node, const char* name, int otherwise) const {
     const onnx::AttributeProto& attribute = AttributeOf(node, name);
-    return attribute.has_i() ? Checked(node, attribute.i()) : otherwise;
+    return attribute.has_i() ? Checked(node, attribute.i(), kMaxExtent) : otherwise;
   }
   // Two numbers of an attribute, from `first` on.
   OnnxPair Pair(const onnx::NodeProto& node, const char* name, int first, int otherwise) const {
@@ -211,19 +229,21 @@ class Reader {
     if (attribute.ints_size() == 0) return {otherwise, otherwise};
     if (attribute.ints_size() < first + 2)
       throw Error(path_, NameOf(node), std::string(name) + " is not of two dimensions");
-    return {Checked(node, attribute.ints(first)), Checked(node, attribute.ints(first + 1))};
+    return {Checked(node, attribute.ints(first), kMaxWindow),
+            Checked(node, attribute.ints(first + 1), kMaxWindow)};
   }
 
   static std::string NameOf(const onnx::NodeProto& node) {
     std::string name = node.name();
     if (name.empty() && node.output_size() > 0) name = node.output(0);
-    return "layer " + name + " (" + node.op_type() + ")";
+    return Printable("layer " + name + " (" + node.op_type() + ")");
   }
   int ValueOf(const onnx::NodeProto& node, int input) const {
     const auto value = values_.find(node.input(input));
     if (value == values_.end())
-      throw Error(
-          path_, NameOf(node), "reads " + node.input(input) + ", which no layer before it writes");
+      throw Error(path_,
+                  NameOf(node),
+                  "reads " + Printable(node.input(input)) + ", which no layer before it writes");
     return value->second;
   }
   Constant ConstantOf(const onnx::NodeProto& node, int input) const {
@@ -256,8 +276,7 @@ class Reader {
 
 // Of one axis; 0 or less: nothing is left.
 int SizeAfter(const OnnxLayer& layer, int k, int size) {
-  const int reach = (layer.kernel[k] - 1) * layer.dilation[k] + 1;
-  const int room = size + layer.pad_begin[k] + layer.pad_end[k] - reach;
+  const int room = size + layer.pad_begin[k] + layer.pad_end[k] - ReachOf(layer, k);
   if (room < 0) return 0;
   if (!layer.ceil) return room / layer.stride[k] + 1;
   const int steps = (room + layer.stride[k] - 1) / layer.stride[k];

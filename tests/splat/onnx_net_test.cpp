@@ -9,7 +9,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "splat/base/error.h"
 #include "splat/base/rng.h"
+#include "tests/fuzz/mutate.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_onnx.h"
@@ -104,7 +106,7 @@ OnnxParts ConvolutionNet() {
   parts.nodes = {OnnxNode("Conv",
                           {"image", "w", "b"},
                           "out",
-                          {{"pads", {1, 0, 2, 1}},
+                          {{"pads", {1, 0, 0, 3}},
                            {"strides", {2, 1}},
                            {"dilations", {1, 2}},
                            {"kernel_shape", {2, 3}},
@@ -120,8 +122,8 @@ TEST_F(OnnxNetTest, AConvolutionIsTheSum) {
   const std::vector<float> image = Random(3 * kWidth * kHeight, 1), weights = Random(72, 3),
                            bias = Random(4, 4);
   const Result result = RunOn(net, image);
-  ASSERT_EQ(result.shapes[0].height, (kHeight + 3 - 2) / 2 + 1);
-  ASSERT_EQ(result.shapes[0].width, kWidth + 1 - 5 + 1);
+  ASSERT_EQ(result.shapes[0].height, (kHeight + 1 - 2) / 2 + 1);
+  ASSERT_EQ(result.shapes[0].width, kWidth + 3 - 5 + 1);
   size_t at = 0;
   for (int o = 0; o < 4; ++o)
     for (int y = 0; y < result.shapes[0].height; ++y)
@@ -306,6 +308,29 @@ TEST_F(OnnxNetTest, NumbersThatDoNotFit) {
   parts.nodes.insert(parts.nodes.begin() + 1, OnnxNode("Identity", {"first"}, "again"));
   parts.nodes.push_back(OnnxNode("Relu", {}, "x"));
   ExpectRefused(parts, {"node_x (Relu)", "no inputs"});
+}
+
+// Whatever is wrong is found when the file is read, or stays within this exception.
+TEST_F(OnnxNetTest, BytesThatAreNearlyANetwork) {
+  const std::vector<std::string> seeds{test::OnnxBytes(BranchingNet()),
+                                       test::OnnxBytes(ConvolutionNet())};
+  const std::string path = folder_ / "net.onnx";
+  const std::vector<float> image = Random(3 * kWidth * kHeight, 1);
+  Rng rng{5};
+  int run = 0, refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::ofstream(path, std::ios::binary) << test::Mutated(seeds[rng.Below(2)], seeds, rng);
+    try {
+      OnnxNet net(path, {"out"});
+      net.Backward(RunOn(net, image, true).maps);
+      ++run;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(run, 100);
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace
