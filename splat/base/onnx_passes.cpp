@@ -1,5 +1,6 @@
 #include "splat/base/onnx_passes.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -41,7 +42,10 @@ OnnxPasses::OnnxPasses(const dnnl::engine& engine,
   values_.push_back(image_);
   gradients_.resize(sizes_.size());
   layers_.resize(graph.layers.size());
-  for (size_t i = 0; i < layers_.size(); ++i) AddForward(i);
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    AddForward(i);
+    ReleaseWhatIsRead(i);
+  }
   for (const int value : outputs_)
     maps_.push_back(forward_.Converted(values_[size_t(value)], PlainOf(value)));
   forward_.Finish();
@@ -100,6 +104,25 @@ void OnnxPasses::AddForward(size_t i) {
   }
 }
 
+memory OnnxPasses::ValueMemory(const memory::desc& desc) {
+  const auto spare = std::find_if(spare_.begin(), spare_.end(), [&](const memory& one) {
+    return one.get_desc().get_size() >= desc.get_size();
+  });
+  if (spare == spare_.end()) return memory(desc, engine_);
+  const memory value(desc, engine_, spare->get_data_handle());
+  lent_.push_back(*spare);
+  spare_.erase(spare);
+  return value;
+}
+
+void OnnxPasses::ReleaseWhatIsRead(size_t i) {
+  for (const int input : graph_.layers[i].inputs) {
+    const memory& value = values_[size_t(input)];
+    const bool in_place = value.get_data_handle() == values_[i + 1].get_data_handle();
+    if (--readers_[size_t(input)] == 0 && !in_place && !keeps_) spare_.push_back(value);
+  }
+}
+
 memory::dims OnnxPasses::WeightDims(const OnnxLayer& layer) const {
   const memory::dim read = graph_.ChannelsOf(layer.inputs[0]) / layer.groups;
   if (layer.groups == 1) return {layer.channels, read, layer.kernel[0], layer.kernel[1]};
@@ -132,7 +155,7 @@ void OnnxPasses::AddConvolution(size_t i) {
                                                         Dims(layer.pad_end)},
                                                        forward_.attributes(),
                                                        engine_);
-  const memory to(desc.dst_desc(), engine_);
+  const memory to = ValueMemory(desc.dst_desc());
   forward_.Add<dnnl::convolution_forward>(
       desc,
       {{DNNL_ARG_SRC, forward_.Converted(values_[size_t(layer.inputs[0])], desc.src_desc())},
@@ -143,11 +166,11 @@ void OnnxPasses::AddConvolution(size_t i) {
   layers_[i].convolution = desc;
 }
 
-// In place where nothing else reads the value.
+// In place where nothing reads the value after this.
 void OnnxPasses::AddRelu(size_t i) {
   const size_t read = size_t(graph_.layers[i].inputs[0]);
   const memory from = values_[read];
-  const memory to = readers_[read] == 1 ? from : memory(from.get_desc(), engine_);
+  const memory to = readers_[read] == 1 ? from : ValueMemory(from.get_desc());
   const dnnl::eltwise_forward::primitive_desc desc(
       {Kind(), dnnl::algorithm::eltwise_relu_use_dst_for_bwd, from.get_desc(), 0, 0},
       forward_.attributes(),
@@ -180,7 +203,7 @@ void OnnxPasses::AddPooling(size_t i) {
                                                     PadEnd(layer, result)},
                                                    forward_.attributes(),
                                                    engine_);
-  const memory to(desc.dst_desc(), engine_);
+  const memory to = ValueMemory(desc.dst_desc());
   OnnxArguments arguments{{DNNL_ARG_SRC, from}, {DNNL_ARG_DST, to}};
   if (keeps_)
     arguments[DNNL_ARG_WORKSPACE] = layers_[i].workspace = memory(desc.workspace_desc(), engine_);
@@ -197,7 +220,7 @@ void OnnxPasses::AddConcat(size_t i) {
     parts.push_back(values_[size_t(value)].get_desc());
   }
   const dnnl::concat::primitive_desc desc(1, parts, engine_, forward_.attributes());
-  const memory to(desc.dst_desc(), engine_);
+  const memory to = ValueMemory(desc.dst_desc());
   arguments[DNNL_ARG_DST] = to;
   forward_.Add<dnnl::concat>(desc, std::move(arguments));
   values_.push_back(to);

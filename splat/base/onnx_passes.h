@@ -46,6 +46,9 @@ class OnnxPasses {
   dnnl::memory WeightsAs(OnnxLayer& layer, const dnnl::memory::desc& wanted);
   dnnl::memory::dims PadEnd(const OnnxLayer& layer, int result) const;
   dnnl::memory& GradientOfInput(size_t i) { return gradients_[size_t(graph_.layers[i].inputs[0])]; }
+  // Memory for a value; where nothing is kept, that of one that no layer reads any more.
+  dnnl::memory ValueMemory(const dnnl::memory::desc& desc);
+  void ReleaseWhatIsRead(size_t i);
   // Layer i's part of the forward pass, then those of the backward pass.
   void CountReaders();
   void AddForward(size_t i);
@@ -66,7 +69,8 @@ class OnnxPasses {
   const OnnxPair size_;
   const bool keeps_;
   std::vector<OnnxPair> sizes_;  // of each value
-  std::vector<int> readers_;     // likewise: how many
+  std::vector<int> readers_;     // likewise: how many there still are
+  std::vector<dnnl::memory> spare_, lent_;
   std::vector<dnnl::memory> values_, gradients_;
   std::vector<Kept> layers_;
   dnnl::memory image_, d_image_;
