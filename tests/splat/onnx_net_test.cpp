@@ -151,7 +151,12 @@ TEST_F(OnnxNetTest, AGroupedConvolutionsGradient) {
 // (2 - (image - c) / d) * 3 + e, with constants per channel and single ones.
 TEST_F(OnnxNetTest, ScalingIsTheFormulaWithItsGradient) {
   OnnxParts parts;
-  parts.nodes = {OnnxNode("Sub", {"image", "c"}, "v0"),
+  const auto two = OnnxTensor("", {}, {2});  // 5: a tensor, 4: that it is one
+  parts.nodes = {test::ProtoBytes()
+                     .Add(2, "two")
+                     .Add(4, "Constant")
+                     .Add(5, test::ProtoBytes().Add(1, "value").Add(5, two).Add(20, 4)),
+                 OnnxNode("Sub", {"image", "c"}, "v0"),
                  OnnxNode("Div", {"v0", "d"}, "v1"),
                  OnnxNode("Sub", {"two", "v1"}, "v2"),
                  OnnxNode("Mul", {"v2", "three"}, "v3"),
@@ -159,7 +164,6 @@ TEST_F(OnnxNetTest, ScalingIsTheFormulaWithItsGradient) {
   const std::vector<float> c{0.1f, 0.2f, -0.3f}, d{0.5f, 2, -1}, e{1, -1, 0};
   parts.tensors = {OnnxTensor("c", {1, 3, 1, 1}, c),
                    OnnxTensor("d", {3, 1, 1}, d),
-                   OnnxTensor("two", {}, {2}),
                    OnnxTensor("three", {1}, {3}),
                    OnnxTensor("e", {1, 3, 1, 1}, e)};
   parts.outputs = {{"out", 3}};
