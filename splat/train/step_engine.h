@@ -2,9 +2,8 @@
 //
 // Trainer decides what happens when and with which parameters: frames, learning rates, degrees,
 // rounds. The engine executes it:
-//   Subject::Place -> Rasterizer -> StepLoss, crop loss -> Rasterizer::Backward ->
-//   Subject::PlaceBackward
-//   -> Adam
+//   Subject::Place -> Rasterizer -> StepLoss, crop loss -> Rasterizer::Backward
+//   -> Subject::PlaceBackward -> Adam
 #pragma once
 
 #include <cstdint>
