@@ -1,6 +1,7 @@
 # Every package comes from the distribution; `./run` installs what is missing.
 find_package(PkgConfig REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d dnn)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d)
+find_package(Networks REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(OpenMesh REQUIRED)
 find_package(TinyGLTF REQUIRED)

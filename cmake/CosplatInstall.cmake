@@ -28,6 +28,8 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/
+  splat/base/onnx_file.h
+  splat/base/onnx_p
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
@@ -81,6 +83,7 @@ function(cosplat_install)
   install(FILES
     ${PROJECT_BINARY_DIR}/cosplatConfig.cmake
     ${PROJECT_BINARY_DIR}/cosplatConfigVersion.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindNetworks.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindOpenCV.cmake
     DESTINATION ${config_folder})
 endfunction()

@@ -117,9 +117,11 @@ const std::vector<LibraryRule>& LibraryRules() {
   static const std::vector<LibraryRule> rules = {
       {"Eigen", std::regex("(unsupported/)?Eigen/.*"), "flame/", true, true, false},
       {"OpenCV", std::regex("opencv2/.*"), "splat/base/", false, false, false},
+      {"oneDNN", std::regex("dnnl.*|oneapi/dnnl/.*"), "splat/base/", false, false, false},
+      {"ONNX", std::regex("onnx/.*|google/protobuf/.*"), "splat/base/", false, false, true},
       {"OpenMesh", std::regex("OpenMesh/.*"), "", false, false, true},
       {"tinygltf", std::regex("(.*/)?tiny_gltf\\.h"), "", false, false, true},
-      {"oneTBB", std::regex("(tbb|oneapi)/.*"), "", false, true, false},
+      {"oneTBB", std::regex("(tbb|oneapi/tbb)/.*"), "", false, true, false},
       {"Highway", std::regex("hwy/.*"), "", false, true, false},
       {"CUDA", std::regex("cuda_.*|cub/.*|thrust/.*"), "splat/*/cuda/", false, false, false},
       {"GLFW", std::regex("GLFW/.*"), "apps/viewer/", false, false, false},
@@ -315,6 +317,9 @@ TEST(Layering, CheckSeesWhatIsForbidden) {
   EXPECT_TRUE(breaks("splat/train/loss.h", "<Eigen/Core>"));
   EXPECT_TRUE(breaks("splat/train/loss.cpp", "<opencv2/core.hpp>"));
   EXPECT_TRUE(breaks("splat/base/image_io.h", "<opencv2/core.hpp>"));
+  EXPECT_TRUE(breaks("splat/eval/lpips.cpp", "<dnnl.hpp>"));
+  EXPECT_TRUE(breaks("splat/base/onnx_net.h", "<dnnl.hpp>"));
+  EXPECT_TRUE(breaks("splat/eval/lpips.cpp", "<onnx/onnx_pb.h>"));
   EXPECT_TRUE(breaks("avatar/surface/surface.h", "<OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>"));
   EXPECT_TRUE(breaks("avatar/io/avatar_file.h", "<tiny_gltf.h>"));
   EXPECT_TRUE(breaks("splat/render/rasterizer.h", "<tbb/parallel_for.h>"));

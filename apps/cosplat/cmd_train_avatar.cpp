@@ -122,6 +122,7 @@ void Save(const AvatarOptions& o,
 
 void Train(AvatarOptions o, const std::string& config) {
   const Device device = o.ResolveDevice();
+  const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error("--sh_degree " + std::to_string(o.sh_degree),
                 "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
@@ -138,12 +139,17 @@ void Train(AvatarOptions o, const std::string& config) {
   o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
   AvatarSubject subject(flame, std::move(loaded), o.avatar);
   const TrackedVideo& video = subject.video();
-  Trainer trainer(o.ToSettings(subject.extent()),
+  TrainSettings settings = o.ToSettings(subject.extent());
+  settings.crop_loss.distance = lpips;
+  Trainer trainer(settings,
                   subject,
                   subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
                   AvatarEngineOn(device, o.deterministic));
   SaveInputs(o, video, config);
   if (!o.quiet) PrintSkipped(video.skipped);
+  if (!o.quiet && o.OmitsLpips())
+    std::printf("--preset %s: without its LPIPS loss, for which there is no network (--lpips)\n",
+                o.preset.c_str());
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test frames of %dx%d%s%s%s, on %s\n",
@@ -158,6 +164,7 @@ void Train(AvatarOptions o, const std::string& config) {
                 NameOf(device).c_str());
   RunHooks hooks;
   hooks.video = true;
+  hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) Save(o, flame, subject, trainer);
     if (o.avatar.refine_track) SaveRefinedTrack(o, subject);

@@ -66,10 +66,12 @@ void Train(SceneCommand o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
   const Device device = o.ResolveDevice();
+  const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
   TrainingScene loaded = LoadTrainingScene(scene);
   SceneStart start = StartScene(o.random_points, o, loaded);
+  start.settings.crop_loss.distance = lpips;
   const std::vector<TrainFrame> test = std::move(loaded.test);
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   Trainer trainer(
@@ -88,6 +90,7 @@ void Train(SceneCommand o, const std::string& config) {
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
   RunHooks hooks;
+  hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
   };

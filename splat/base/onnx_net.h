@@ -1,12 +1,10 @@
-// An ONNX network run on the CPU by OpenCV's dnn module: image -> OnnxNet -> feature maps. Within
-// the libraries, only onnx_net.cpp includes OpenCV for networks.
+// A convolutional ONNX network on the CPU, by oneDNN: image -> OnnxNet -> feature maps, and back
+// from their gradients to the image's. Within the libraries, only onnx_net.cpp includes oneDNN.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -21,10 +19,8 @@ struct FeatureMap {
 class OnnxNet {
  public:
   // The file's only input must be [1, 3, H, W] for any H and W; `outputs` name maps [1, C, h, w].
-  // Throws Error if the file cannot be read, lacks an output or does not accept such images.
-  //
-  // Disables OpenCV's threads for the whole process, since its convolutions round differently for
-  // different numbers of threads. To use several cores, run one net per thread.
+  // Throws Error if the file cannot be read, lacks an output, has layers that are not supported
+  // (splat/base/onnx_file.h) or does not accept such images.
   OnnxNet(const std::string& path, const std::vector<std::string>& outputs);
   ~OnnxNet();
   OnnxNet(OnnxNet&&) noexcept;
@@ -33,13 +29,17 @@ class OnnxNet {
   // Minimum width and height, px, below which the output of some layer would be empty.
   int least_side() const { return least_side_; }
 
-  // The outputs for an image (RGB, scaled from [0, 255] to [-1, 1]). Memory is reused between
-  // images of the same size. Throws Error if the image is not RGB or too small.
-  std::vector<FeatureMap> Run(const Image8& image);
+  // The outputs for planes [3, height, width]. Memory is reused between images of the same size.
+  // keeps: what Backward needs. Each net works on the calling thread alone, so that its results are
+  // bit-identical for any number of threads; to use several cores, run one net per thread. Throws
+  // Error if the image is too small.
+  std::vector<FeatureMap> Run(const std::vector<float>& planes, int width, int height, bool keeps);
+  // Gradient with respect to the planes of the last Run, which must have kept what this needs, from
+  // that with respect to each of its outputs, of their shapes.
+  std::vector<float> Backward(const std::vector<std::vector<float>>& d_maps);
 
  private:
   struct Impl;
-  std::string path_;
   std::vector<int> channels_;
   int least_side_ = 0;
   std::unique_ptr<Impl> impl_;

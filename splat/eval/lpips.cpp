@@ -71,8 +71,9 @@ std::vector<std::vector<float>> ReadWeights(const std::string& path,
   return weights;
 }
 
-// Factors that normalise the channels of each pixel of a row of `map` to length 1.
-std::vector<float> RowNorms(const FeatureMap& map, const float* row) {
+// Factors that normalise the channels of each pixel of row `y` to length 1.
+std::vector<float> RowNorms(const FeatureMap& map, int y) {
+  const float* row = map.data + size_t(y) * map.width;
   std::vector<float> norms(size_t(map.width), kTinySquare);
   const size_t plane = size_t(map.height) * map.width;
   for (int c = 0; c < map.channels; ++c)
@@ -81,14 +82,15 @@ std::vector<float> RowNorms(const FeatureMap& map, const float* row) {
   return norms;
 }
 
-// Sum over the pixels of row `y`.
+// Sum over the pixels of row `y` of w (u - v)^2, u = a / sqrt(|a|^2 + tiny), v likewise of b; over
+// the channels.
 double RowDistance(const FeatureMap& a,
                    const FeatureMap& b,
                    const std::vector<float>& weights,
                    int y) {
   const float* row_a = a.data + size_t(y) * a.width;
   const float* row_b = b.data + size_t(y) * b.width;
-  const std::vector<float> norms_a = RowNorms(a, row_a), norms_b = RowNorms(b, row_b);
+  const std::vector<float> norms_a = RowNorms(a, y), norms_b = RowNorms(b, y);
   std::vector<float> sums(size_t(a.width), 0.f);
   const size_t plane = size_t(a.height) * a.width;
   for (int c = 0; c < a.channels; ++c)
@@ -100,14 +102,59 @@ double RowDistance(const FeatureMap& a,
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+// d_a = (d_u - u (u . d_u)) / sqrt(|a|^2 + tiny), d_u = 2 w (u - v) times d_sum.
+void RowDistanceVjp(const FeatureMap& a,
+                    const FeatureMap& b,
+                    const std::vector<float>& weights,
+                    int y,
+                    float d_sum,
+                    std::vector<float>& d_a) {
+  const size_t plane = size_t(a.height) * a.width, begin = size_t(y) * a.width;
+  const std::vector<float> norms_a = RowNorms(a, y), norms_b = RowNorms(b, y);
+  std::vector<float> along(size_t(a.width), 0.f);  // u . d_u
+  for (int c = 0; c < a.channels; ++c)
+    for (int x = 0; x < a.width; ++x) {
+      const size_t i = c * plane + begin + x;
+      const float u = a.data[i] * norms_a[x];
+      d_a[i] = 2 * weights[c] * d_sum * (u - b.data[i] * norms_b[x]);
+      along[x] += u * d_a[i];
+    }
+  for (int c = 0; c < a.channels; ++c)
+    for (int x = 0; x < a.width; ++x) {
+      const size_t i = c * plane + begin + x;
+      d_a[i] = norms_a[x] * (d_a[i] - a.data[i] * norms_a[x] * along[x]);
+    }
+}
+
 double MapDistance(const FeatureMap& a, const FeatureMap& b, const std::vector<float>& weights) {
   std::vector<double> rows(size_t(a.height));
   tbb::parallel_for(0, a.height, [&](int y) { rows[y] = RowDistance(a, b, weights, y); });
   return std::accumulate(rows.begin(), rows.end(), 0.0) / (double(a.height) * a.width);
 }
 
+std::vector<float> MapDistanceVjp(const FeatureMap& a,
+                                  const FeatureMap& b,
+                                  const std::vector<float>& weights) {
+  const size_t pixels = size_t(a.height) * a.width;
+  std::vector<float> d_a(pixels * size_t(a.channels));
+  tbb::parallel_for(
+      0, a.height, [&](int y) { RowDistanceVjp(a, b, weights, y, 1 / float(pixels), d_a); });
+  return d_a;
+}
+
 OnnxNet ReadBackbone(const std::string& stem) {
   return OnnxNet(stem + kBackbone, ReadTaps(stem + "_taps.txt"));
+}
+
+// The networks take values in [-1, 1].
+std::vector<float> FromUnit(View<const float> planes) {
+  std::vector<float> out(planes.size());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = 2 * planes[i] - 1;
+  return out;
+}
+
+bool IsFinite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
 }  // namespace
@@ -122,17 +169,49 @@ Lpips::Lpips(const std::string& folder, const std::string& net)
   weights_ = ReadWeights(stem + "_lin.npz", ReadTaps(stem + "_taps.txt"), nets_[0].channels());
 }
 
+std::vector<float> Lpips::ToPlanes(const Image8& image) const {
+  if (image.channels != 3)
+    throw Error(backbone_,
+                "takes RGB images, not " + SizeText(image.width, image.height) + "x" +
+                    std::to_string(image.channels));
+  std::vector<float> planes(3 * image.pixels());
+  for (size_t i = 0; i < image.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c)
+      planes[c * image.pixels() + i] = float(image.data[3 * i + c]) / 127.5f - 1;
+  return planes;
+}
+
+double Lpips::Run(
+    const std::vector<float>& a, const std::vector<float>& b, int width, int height, bool keeps) {
+  tbb::parallel_invoke([&] { maps_a_ = nets_[0].Run(a, width, height, keeps); },
+                       [&] { maps_b_ = nets_[1].Run(b, width, height, false); });
+  double sum = 0;
+  for (size_t i = 0; i < weights_.size(); ++i)
+    sum += MapDistance(maps_a_[i], maps_b_[i], weights_[i]);
+  if (!std::isfinite(sum)) throw Error(backbone_, "produces non-finite feature maps");
+  return sum;
+}
+
 double Lpips::Distance(const Image8& a, const Image8& b) {
   if (a.width != b.width || a.height != b.height)
     throw Error("images differ in size",
                 SizeText(a.width, a.height) + " and " + SizeText(b.width, b.height));
-  std::vector<FeatureMap> maps_a, maps_b;
-  tbb::parallel_invoke([&] { maps_a = nets_[0].Run(a); }, [&] { maps_b = nets_[1].Run(b); });
-  double sum = 0;
+  return Run(ToPlanes(a), ToPlanes(b), a.width, a.height, false);
+}
+
+double Lpips::Evaluate(View<const float> rendered,
+                       View<const float> target,
+                       int width,
+                       int height,
+                       std::vector<float>& d_rendered) {
+  const double distance = Run(FromUnit(rendered), FromUnit(target), width, height, true);
+  std::vector<std::vector<float>> d_maps;
   for (size_t i = 0; i < weights_.size(); ++i)
-    sum += MapDistance(maps_a[i], maps_b[i], weights_[i]);
-  if (!std::isfinite(sum)) throw Error(backbone_, "produces non-finite feature maps");
-  return sum;
+    d_maps.push_back(MapDistanceVjp(maps_a_[i], maps_b_[i], weights_[i]));
+  d_rendered = nets_[0].Backward(d_maps);
+  for (float& d : d_rendered) d *= 2;  // of FromUnit
+  if (!IsFinite(d_rendered)) throw Error(backbone_, "has a gradient that is not finite");
+  return distance;
 }
 
 }  // namespace cosplat

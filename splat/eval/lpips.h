@@ -14,27 +14,39 @@
 
 #include "splat/base/image.h"
 #include "splat/base/onnx_net.h"
+#include "splat/train/crop_loss.h"
 
 namespace cosplat {
 
-class Lpips {
+class Lpips : public ImageDistance {
  public:
   // `folder` must contain one net. Throws Error if a file is missing or does not match the others.
   explicit Lpips(const std::string& folder);
 
   // NET. Distances of different nets are not comparable, so this is part of the result.
   const std::string& net() const { return net_; }
-  int least_side() const { return nets_[0].least_side(); }
+  int least_side() const override { return nets_[0].least_side(); }
 
   // Both images must be RGB, of equal size and at least least_side() wide and high; throws Error
   // otherwise. Not thread-safe. Bit-identical for any number of threads.
   double Distance(const Image8& a, const Image8& b);
+  // The same of images in training, with the gradient.
+  double Evaluate(View<const float> rendered,
+                  View<const float> target,
+                  int width,
+                  int height,
+                  std::vector<float>& d_rendered) override;
 
  private:
   Lpips(const std::string& folder, const std::string& net);
+  std::vector<float> ToPlanes(const Image8& image) const;
+  // Of planes in [-1, 1]; keeps: what the gradient with respect to `a` needs.
+  double Run(
+      const std::vector<float>& a, const std::vector<float>& b, int width, int height, bool keeps);
 
   std::string net_, backbone_;
   std::array<OnnxNet, 2> nets_;  // one per image: they run in parallel
+  std::vector<FeatureMap> maps_a_, maps_b_;
   std::vector<std::vector<float>> weights_;
 };
 

@@ -10,13 +10,13 @@
 namespace cosplat {
 namespace {
 
-constexpr float kFirst = 1, kRate = 0.05f;
-constexpr float kMaskWeight = 5e-4f;
+constexpr float kLpFirst = 1, kLpRate = 0.05f;
+constexpr float kLpMaskWeight = 5e-4f;
 
 class LpPruner : public Pruner {
  public:
   LpPruner(const PruneSettings& settings, int iterations)
-      : weight_(settings.mask_weight > 0 ? settings.mask_weight : kMaskWeight),
+      : weight_(settings.mask_weight > 0 ? settings.mask_weight : kLpMaskWeight),
         begin_(std::max(1, int(int64_t(iterations) * 19500 / 30000))),
         end_(std::max(begin_ + 1, int(int64_t(iterations) * 20000 / 30000))) {}
 
@@ -30,7 +30,7 @@ class LpPruner : public Pruner {
       importance_ = Significance(context.gaussians, ContributionsIn(context));
       const float most = *std::max_element(importance_.begin(), importance_.end());
       for (float& s : importance_) s /= std::max(most, 1e-30f);
-      mu_ = LearnedMask(n, kFirst, kRate);
+      mu_ = LearnedMask(n, kLpFirst, kLpRate);
       learning_ = true;
       return round;
     }
@@ -54,7 +54,7 @@ class LpPruner : public Pruner {
   int begin_, end_;  // steps between which the mask is learned
   bool learning_ = false;
   std::vector<float> importance_;  // [N]
-  LearnedMask mu_{0, kFirst, kRate};
+  LearnedMask mu_{0, kLpFirst, kLpRate};
 };
 
 }  // namespace

@@ -236,10 +236,15 @@ void StepEngine::ResetOpacity() {
   fetched_ = false;
 }
 
-double StepEngine::Step(const StepPlan& plan) {
+double StepEngine::Step(const StepPlan& given) {
+  StepPlan plan = given;
+  const bool has_crop = settings_.crop_loss.weight != 0;
+  if (has_crop)
+    plan.crop = DrawCrop(
+        targets_.ImageOf(plan.frame, plan.downscale), settings_.crop_loss.side, state_.rng);
   const Rng rng = state_.rng;
   state_.rng = rng.After(mask_.DrawsOf(count()));
-  Submit(plan, rng, on_host() || subject_.WaitsInSteps() || !forecast_.Knows());
+  Submit(plan, rng, on_host() || subject_.WaitsInSteps() || has_crop || !forecast_.Knows());
   Settle(!on_host() && last_loss_ ? 1 : 0);
   return *last_loss_;
 }
@@ -282,7 +287,7 @@ void StepEngine::Repeat() {
 }
 
 double StepEngine::LossOf(const Submitted& step) const {
-  double loss = step.photometric.Last();
+  double loss = step.photometric.Last() + step.of_crop;
   CheckLoss(loss, step.plan.iteration);
   if (step.masked) loss += step.of_mask.Last();
   if (settings_.scale_regularizer.weight != 0) loss += step.of_needles.Last();
@@ -325,8 +330,9 @@ void StepEngine::Backward(Submitted& step) {
                            stream_);
     step.photometric.Ask(device_.loss->value(), stream_);
   }
+  if (settings_.crop_loss.weight != 0) AddCropLoss(step);
   // On the host nothing has changed yet.
-  if (on_host()) CheckLoss(step.photometric.Last(), plan.iteration);
+  if (on_host()) CheckLoss(step.photometric.Last() + step.of_crop, plan.iteration);
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_, stream_);
   // Adam then also reads the gradients of other groups.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
@@ -349,6 +355,33 @@ void StepEngine::Backward(Submitted& step) {
                                 stream_);
   if (step.masked) LearnMask(step);
   if (pruner_ && on_host()) pruner_->AfterBackward(state_.gaussians, gradients_, tape_->radii());
+}
+
+void StepEngine::AddCropLoss(Submitted& step) {
+  const ScopedPhase phase(times_, Phase::kLoss);
+  const CropLossSettings& settings = settings_.crop_loss;
+  const StepPlan& plan = step.plan;
+  const CropPlaces places{plan.crop, image_.width, image_.height};
+  const size_t numbers = 3 * size_t(plan.crop.width) * size_t(plan.crop.height);
+  crop_.Refill(numbers, stream_);
+  ForEach(numbers, stream_, CopyCrop{places, std::as_const(image_.color).view(), crop_.view()});
+  rendered_crop_.resize(numbers);
+  crop_.Download(rendered_crop_.data(), stream_);
+  stream_.Wait();
+  // On a device this shows before its loss does.
+  const bool finite = std::all_of(
+      rendered_crop_.begin(), rendered_crop_.end(), [](float v) { return std::isfinite(v); });
+  CheckLoss(finite ? 0 : NAN, plan.iteration);
+  CompositeTarget(Cropped(targets_.ImageOf(plan.frame, plan.downscale), plan.crop),
+                  plan.render.background,
+                  target_crop_);
+  step.of_crop = settings.weight *
+                 settings.distance->Evaluate(
+                     rendered_crop_, target_crop_, plan.crop.width, plan.crop.height, d_crop_);
+  stream_.Send(crop_.data(), d_crop_.data(), numbers * sizeof(float));
+  ForEach(numbers,
+          stream_,
+          AddCrop{places, settings.weight, std::as_const(crop_).view(), d_color_.view()});
 }
 
 void StepEngine::LearnMask(Submitted& step) {
@@ -449,7 +482,7 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"screen gradients", HeldBy(screen_)},
       {"reduction and sort scratch", stream_.held() + HeldBy(contributions_, of_image_)},
       {"image and its gradient",
-       HeldBy(image_.color, image_.transmittance, d_color_),
+       HeldBy(image_.color, image_.transmittance, d_color_, crop_),
        MemoryOf::kPixels},
       {"target images", targets_.held(), MemoryOf::kPixels},
       {"downscaled target images", targets_.HeldForReduced(), MemoryOf::kPixels}};

@@ -2,8 +2,8 @@
 //
 // Trainer decides what happens when and with which parameters: frames, learning rates, degrees,
 // rounds. The engine executes it:
-//   Subject::Place -> Rasterizer -> StepLoss -> Rasterizer::Backward -> Subject::PlaceBackward
-//   -> Adam
+//   Subject::Place -> Rasterizer -> StepLoss, crop loss -> Rasterizer::Backward
+//   -> Subject::PlaceBackward -> Adam
 #pragma once
 
 #include <cstdint>
@@ -48,6 +48,7 @@ struct StepPlan {
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
   int downscale = 1;                // factor that the sides of its image are divided by
+  Crop crop;                        // for the crop loss; the engine draws it
 };
 
 // Where steps run: the components of a back end.
@@ -126,6 +127,7 @@ class StepEngine : public FrameImages {
     StepPlan plan;
     Rng rng;              // before the step's draws
     size_t capacity = 0;  // for instances
+    double of_crop = 0;   // the crop loss
     bool masked = false;
     Readback<InstanceCounts> counts;
     Readback<double> photometric, of_mask, of_needles;
@@ -142,6 +144,8 @@ class StepEngine : public FrameImages {
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
   void Backward(Submitted& step);
+  // Adds the crop loss and its gradient to those of the photometric loss. Waits for a device.
+  void AddCropLoss(Submitted& step);
   void LearnMask(Submitted& step);
   // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates.
   View<const float> RegularizeScale(Submitted& step);
@@ -174,6 +178,8 @@ class StepEngine : public FrameImages {
   RenderedImage image_;
   WorldGaussians world_;  // this step's
   Buffer<float> d_color_, screen_;
+  Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
+  std::vector<float> d_crop_;
   Buffer<double> needle_sums_, needle_counts_;  // [blocks]
   Buffer<NeedleTotal> needles_;                 // [1]
   Buffer<float> moves_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "splat/prune/settings.h"
+#include "splat/train/crop_loss.h"
 #include "splat/train/density.h"
 #include "splat/train/loss.h"
 #include "splat/train/optimizer.h"
@@ -49,6 +50,7 @@ struct TrainSettings {
   uint64_t seed = 0;
   Background background = Background::kBlack;
   LossWeights loss;
+  CropLossSettings crop_loss;
   ScaleRegularizer scale_regularizer;
   LearningRates rates;
   std::array<float, kAttributeCount> eps = kAdamEps;

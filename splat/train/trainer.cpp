@@ -40,6 +40,7 @@ Trainer::Trainer(const TrainSettings& settings,
     : settings_(settings), subject_(subject) {
   if (subject.frame_count() == 0) throw Error("training frames", "there are no training frames");
   least_side_ = LeastSide(subject);
+  CheckCropLoss();
   state_.gaussians = std::move(first);
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
@@ -47,6 +48,16 @@ Trainer::Trainer(const TrainSettings& settings,
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
   MakePrunerFor(settings.prune);
+}
+
+void Trainer::CheckCropLoss() const {
+  if (settings_.crop_loss.weight == 0) return;
+  const int least = settings_.crop_loss.distance->least_side();
+  if (std::min(least_side_, settings_.crop_loss.side) < least)
+    throw Error("training frames",
+                "the perceptual loss needs crops of at least " + SizeText(least, least) +
+                    " pixels; the smallest side is " + std::to_string(least_side_) +
+                    ", that of the crops " + std::to_string(settings_.crop_loss.side));
 }
 
 void Trainer::MakePrunerFor(const PruneSettings& prune) {
@@ -214,10 +225,13 @@ void Trainer::ControlDensityAt(int iteration) {
 }
 
 // The same for all frames, since an engine keeps the images of a single downscale. No image becomes
-// too small for a windowed loss.
+// too small for a windowed loss or a network.
 int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);
-  while (downscale > 1 && least_side_ < kMinReducedSide * downscale) downscale /= 2;
+  int least = kMinReducedSide;
+  if (settings_.crop_loss.weight != 0)
+    least = std::max(least, settings_.crop_loss.distance->least_side());
+  while (downscale > 1 && least_side_ < least * downscale) downscale /= 2;
   return downscale;
 }
 

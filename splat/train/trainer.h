@@ -97,6 +97,7 @@ class Trainer {
   PruneRound Rank(int iteration);
   void DropBands();
   bool DropsBandsAt(int iteration) const;
+  void CheckCropLoss() const;
   void CheckSomeAreLeft(int iteration) const;
   std::array<float, 3> MeanBackground() const;
   bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }

@@ -101,6 +101,24 @@ TEST(AvatarPreset, SplattingAvatarsTableIsSettledInBoth) {
   ExpectSplattingAvatar(released.options);
 }
 
+TEST(AvatarPreset, SplattingAvatarsLpipsNeedsANetwork) {
+  for (const char* preset : {"splatting-avatar", "splatting-avatar-released"}) {
+    const Parsed without({"--preset", preset}), with({"--lpips", "nets", "--preset", preset}),
+        given({"--preset", preset, "--lpips", "nets", "--lambda_lpips", "0"});
+    EXPECT_TRUE(without.options.OmitsLpips());
+    EXPECT_EQ(without.options.ToSettings(1).crop_loss.weight, 0);
+    EXPECT_FALSE(with.options.OmitsLpips());
+    EXPECT_FLOAT_EQ(with.options.ToSettings(1).crop_loss.weight, 0.01f);
+    EXPECT_TRUE(with.ConfigHas("train-avatar.lambda_lpips=0.01")) << with.config;
+    EXPECT_TRUE(with.ConfigHas("train-avatar.lpips=\"nets\"")) << with.config;
+    EXPECT_EQ(given.options.ToSettings(1).crop_loss.weight, 0);
+  }
+  const Parsed ours({"--lpips", "nets"});
+  EXPECT_FALSE(ours.options.OmitsLpips());
+  EXPECT_EQ(ours.options.ToSettings(1).crop_loss.weight, 0);
+  EXPECT_FALSE(Parsed({}).options.OmitsLpips());
+}
+
 TEST(AvatarPreset, TheScheduleIsInProportionToTheRunAndTheRatesAreNot) {
   const TrainSettings s = Parsed({"--preset", "splatting-avatar"}).options.ToSettings(0.25f);
   EXPECT_EQ(s.iterations, 6000);

@@ -9,6 +9,7 @@
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/squared_distance.h"
 
 namespace cosplat {
 namespace {
@@ -80,6 +81,21 @@ TEST_F(TrainingParity, TheRegulariserOfScales) {
   const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 8);
   for (int i = 1; i < 8; ++i)
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-4 * cpu.losses[i - 1]) << i;
+}
+
+// A step then waits for its crop, and therefore for its own number of instances.
+TEST_F(TrainingParity, TheCropLoss) {
+  TrainingRun run;
+  run.settings.schedule.densify_until = 0;
+  const std::vector<double> without = RunOn(run, MakeHostStepEngine, 2).losses;
+  run.settings.crop_loss = {2, 10, std::make_shared<test::SquaredDistance>()};
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 20);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 20);
+  EXPECT_GT(std::abs(cpu.losses[0] - without[0]), 1e-2);
+  EXPECT_EQ(device.state.rng.state, cpu.state.rng.state);
+  for (int i = 1; i < 20; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
+  EXPECT_TRUE(SameBits(device.state, RunOn(run, OnDevice(SumOrder::kFixed), 20).state));
 }
 
 // Images that grow, and copies that share their opacity, with steps done again on the way.

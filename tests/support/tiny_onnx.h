@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "splat/base/npz.h"
@@ -38,6 +39,62 @@ class ProtoBytes {
   std::string bytes_;
 };
 
+struct OnnxAttribute {
+  std::string name;
+  std::vector<int64_t> numbers;
+  bool is_list = true;
+};
+
+inline ProtoBytes OnnxNode(const std::string& op,
+                           const std::vector<std::string>& inputs,
+                           const std::string& output,
+                           const std::vector<OnnxAttribute>& attributes = {}) {
+  ProtoBytes node;
+  for (const std::string& input : inputs) node.Add(1, input);
+  node.Add(2, output).Add(3, "node_" + output).Add(4, op);
+  for (const OnnxAttribute& a : attributes) {
+    ProtoBytes attribute = ProtoBytes().Add(1, a.name);
+    for (const int64_t number : a.numbers) attribute.Add(a.is_list ? 8 : 3, number);
+    node.Add(5, attribute.Add(20, a.is_list ? 7 : 2));
+  }
+  return node;
+}
+
+inline ProtoBytes OnnxTensor(const std::string& name,
+                             const std::vector<int>& shape,
+                             const std::vector<float>& values) {
+  std::string raw(values.size() * sizeof(float), '\0');
+  std::memcpy(raw.data(), values.data(), raw.size());
+  ProtoBytes tensor;
+  for (const int extent : shape) tensor.Add(1, extent);
+  return tensor.Add(2, 1).Add(8, name).Add(9, raw);  // 1: float
+}
+
+inline ProtoBytes OnnxValue(const std::string& name, int channels) {
+  ProtoBytes shape;
+  shape.Add(1, ProtoBytes().Add(1, 1)).Add(1, ProtoBytes().Add(1, channels));
+  for (const char* free : {"height", "width"}) shape.Add(1, ProtoBytes().Add(2, free));
+  const ProtoBytes tensor = ProtoBytes().Add(1, 1).Add(2, shape);
+  return ProtoBytes().Add(1, name).Add(2, ProtoBytes().Add(1, tensor));
+}
+
+// What the file of a network is made of; its input is "image".
+struct OnnxParts {
+  std::vector<ProtoBytes> nodes, tensors;
+  std::vector<std::pair<std::string, int>> outputs;  // names and channels
+  int image_channels = 3;
+};
+
+inline std::string OnnxBytes(const OnnxParts& parts) {
+  ProtoBytes graph;
+  for (const ProtoBytes& node : parts.nodes) graph.Add(1, node);
+  graph.Add(2, "tiny");
+  for (const ProtoBytes& tensor : parts.tensors) graph.Add(5, tensor);
+  graph.Add(11, OnnxValue("image", parts.image_channels));
+  for (const auto& [name, channels] : parts.outputs) graph.Add(12, OnnxValue(name, channels));
+  return ProtoBytes().Add(1, 6).Add(7, graph).Add(8, ProtoBytes().Add(1, "").Add(2, 11)).bytes();
+}
+
 // A convolution without bias whose stride is its kernel's size; the first one reads "image".
 struct TinyConv {
   std::string input, output;
@@ -45,41 +102,23 @@ struct TinyConv {
   std::vector<float> weights;  // [out, in, kernel, kernel]
 };
 
-inline ProtoBytes OnnxValue(const std::string& name, int channels) {
-  ProtoBytes shape;
-  shape.Add(1, ProtoBytes().Add(1, 1)).Add(1, ProtoBytes().Add(1, channels));
-  for (const char* free : {"height", "width"}) shape.Add(1, ProtoBytes().Add(2, free));
-  const ProtoBytes tensor = ProtoBytes().Add(1, 1).Add(2, shape);  // 1: float
-  return ProtoBytes().Add(1, name).Add(2, ProtoBytes().Add(1, tensor));
-}
-
-inline ProtoBytes OnnxConv(const TinyConv& conv) {
-  ProtoBytes node;
-  node.Add(1, conv.input).Add(1, conv.output + ".weight").Add(2, conv.output);
-  node.Add(3, "node_" + conv.output).Add(4, "Conv");
-  for (const char* name : {"kernel_shape", "strides"})
-    node.Add(5, ProtoBytes().Add(1, name).Add(8, conv.kernel).Add(8, conv.kernel).Add(20, 7));
-  return node;
-}
-
-inline ProtoBytes OnnxWeights(const TinyConv& conv) {
-  std::string raw(conv.weights.size() * sizeof(float), '\0');
-  std::memcpy(raw.data(), conv.weights.data(), raw.size());
-  ProtoBytes tensor;
-  for (const int extent : {conv.out_channels, conv.in_channels, conv.kernel, conv.kernel})
-    tensor.Add(1, extent);
-  return tensor.Add(2, 1).Add(8, conv.output + ".weight").Add(9, raw);
-}
-
 // Every convolution's output is one of the net's.
 inline std::string TinyOnnx(const std::vector<TinyConv>& convs) {
-  ProtoBytes graph;
-  for (const TinyConv& conv : convs) graph.Add(1, OnnxConv(conv));
-  graph.Add(2, "tiny");
-  for (const TinyConv& conv : convs) graph.Add(5, OnnxWeights(conv));
-  graph.Add(11, OnnxValue("image", convs[0].in_channels));
-  for (const TinyConv& conv : convs) graph.Add(12, OnnxValue(conv.output, conv.out_channels));
-  return ProtoBytes().Add(1, 6).Add(7, graph).Add(8, ProtoBytes().Add(1, "").Add(2, 11)).bytes();
+  OnnxParts parts;
+  parts.image_channels = convs[0].in_channels;
+  for (const TinyConv& conv : convs) {
+    const std::vector<int64_t> kernel{conv.kernel, conv.kernel};
+    parts.nodes.push_back(OnnxNode("Conv",
+                                   {conv.input, conv.output + ".weight"},
+                                   conv.output,
+                                   {{"kernel_shape", kernel}, {"strides", kernel}}));
+    parts.tensors.push_back(
+        OnnxTensor(conv.output + ".weight",
+                   {conv.out_channels, conv.in_channels, conv.kernel, conv.kernel},
+                   conv.weights));
+    parts.outputs.push_back({conv.output, conv.out_channels});
+  }
+  return OnnxBytes(parts);
 }
 
 // Two taps: "near" has 2 channels at full size, "far" 3 at a quarter of the width and height.
@@ -101,6 +140,42 @@ inline void WriteTinyLpips(const std::string& folder, const std::string& net) {
   Npz npz;
   for (size_t i = 0; i < 2; ++i)
     npz.Add("lin" + std::to_string(i), {TinyLins()[i].size()}, TinyLins()[i]);
+  npz.Write(stem + "_lin.npz");
+}
+
+// A small network of the kinds of layers that LPIPS's networks have, whose maps are never all zero:
+// scaling, two convolutions with ReLU, pooling between them; "near" and "far" have 8 and 6
+// channels.
+inline void WriteReluLpips(const std::string& folder, const std::string& net) {
+  const auto numbers = [](int n, int seed, float scale, float shift) {
+    std::vector<float> values;
+    for (int i = 0; i < n; ++i)
+      values.push_back(shift + scale * float((7 * i + 3 * i * i + seed) % 23 - 11) / 11);
+    return values;
+  };
+  OnnxParts parts;
+  parts.nodes = {
+      OnnxNode("Sub", {"image", "shift"}, "moved"),
+      OnnxNode("Div", {"moved", "scale"}, "scaled"),
+      OnnxNode("Conv", {"scaled", "w0", "b0"}, "first", {{"pads", {1, 1, 1, 1}}}),
+      OnnxNode("Relu", {"first"}, "near"),
+      OnnxNode("MaxPool", {"near"}, "small", {{"kernel_shape", {2, 2}}, {"strides", {2, 2}}}),
+      OnnxNode("Conv", {"small", "w1", "b1"}, "second"),
+      OnnxNode("Relu", {"second"}, "far")};
+  parts.tensors = {OnnxTensor("shift", {1, 3, 1, 1}, {-0.03f, -0.088f, -0.188f}),
+                   OnnxTensor("scale", {1, 3, 1, 1}, {0.458f, 0.448f, 0.45f}),
+                   OnnxTensor("w0", {8, 3, 3, 3}, numbers(216, 1, 0.4f, 0)),
+                   OnnxTensor("b0", {8}, numbers(8, 2, 0.2f, 1)),
+                   OnnxTensor("w1", {6, 8, 3, 3}, numbers(432, 5, 0.2f, 0)),
+                   OnnxTensor("b1", {6}, numbers(6, 4, 0.2f, 1))};
+  parts.outputs = {{"near", 8}, {"far", 6}};
+  std::filesystem::create_directories(folder);
+  const std::string stem = folder + "/" + net;
+  std::ofstream(stem + "_backbone.onnx", std::ios::binary) << OnnxBytes(parts);
+  std::ofstream(stem + "_taps.txt") << "near\nfar\n";
+  Npz npz;
+  npz.Add("lin0", {8}, std::vector<float>(8, 0.5f));
+  npz.Add("lin1", {6}, std::vector<float>(6, 1));
   npz.Write(stem + "_lin.npz");
 }
 

@@ -33,6 +33,9 @@ const std::vector<std::pair<std::string, std::string>>& SplattingAvatarValues() 
   return values;
 }
 
+// Where there is a network; SplattingAvatar's is AlexNet.
+constexpr const char* kSplattingAvatarLpips = "0.01";
+
 // For 30,000 steps.
 constexpr int kSplattingAvatarSteps = 30000;
 constexpr int kSplattingAvatarDensifyFrom = 600;
@@ -106,7 +109,7 @@ void AvatarOptions::Declare(CLI::App& command) {
   command
       .add_option("--preset",
                   preset,
-                  "splatting-avatar: as published, but without its LPIPS loss; "
+                  "splatting-avatar: as published, with its LPIPS loss if --lpips has a network; "
                   "splatting-avatar-released: as its code was released, faults included; 3dgs: "
                   "absolute schedule steps; explicitly given options take precedence")
       ->check(CLI::IsMember({"cosplat", "splatting-avatar", "splatting-avatar-released", "3dgs"}));
@@ -114,11 +117,13 @@ void AvatarOptions::Declare(CLI::App& command) {
 
 void AvatarOptions::ApplyPreset(CLI::App& command) {
   avatar.system = SystemOf(preset);
+  const auto set = [&](const std::string& name, const std::string& value) {
+    CLI::Option* option = command.get_option(name);
+    if (option->count() == 0) option->default_val(value);  // also sets the variable
+  };
   if (IsSplattingAvatar())
-    for (const auto& [name, value] : SplattingAvatarValues()) {
-      CLI::Option* option = command.get_option(name);
-      if (option->count() == 0) option->default_val(value);  // also sets the variable
-    }
+    for (const auto& [name, value] : SplattingAvatarValues()) set(name, value);
+  if (IsSplattingAvatar() && !lpips.empty()) set("--lambda_lpips", kSplattingAvatarLpips);
   avatar.iterations = iterations;
   avatar.color_frame = color_frame == "world" ? ColorFrame::kWorld : ColorFrame::kSurface;
   using BustChoice = AvatarSettings::BustChoice;

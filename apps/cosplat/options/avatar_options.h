@@ -32,6 +32,8 @@ struct AvatarOptions : TrainOptions {
   // given on the command line, wherever --preset stands, also in what ConfigOf reads; then fills in
   // `avatar`.
   void ApplyPreset(CLI::App& command);
+  // Whether the preset has an LPIPS loss that is left out, as there is no network.
+  bool OmitsLpips() const { return IsSplattingAvatar() && lpips.empty(); }
   // `unit`: AvatarSubject::extent.
   TrainSettings ToSettings(float unit) const;
 

@@ -26,6 +26,10 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.degree = sh_degree;
   s.seed = seed;
   s.loss = {1 - lambda_dssim, lambda_dssim, 0};
+  if (lambda_lpips > 0 && lpips.empty())
+    throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");
+  s.crop_loss.weight = lambda_lpips;
+  s.crop_loss.side = lpips_crop;
   s.rates = rates;
   s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
   if (position_lr_final > 0)

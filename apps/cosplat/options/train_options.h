@@ -44,6 +44,9 @@ struct TrainOptions {
   std::string budget = "none";
   float tolerance = 0.2f;  // dB
   float lambda_dssim = 0.2f;
+  float lambda_lpips = 0;
+  int lpips_crop = 128;  // px
+  std::string lpips;     // a network's folder; empty: none
   float densify_grad_threshold = 2e-4f;
   // In steps; -1: as in the schedule.
   int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
@@ -55,7 +58,8 @@ struct TrainOptions {
 
   // Declares the options on a sub-command; the current values become the defaults.
   void Declare(CLI::App& command);
-  // `extent`: scene size in world units; size limits are proportional to it.
+  // `extent`: scene size in world units; size limits are proportional to it. Leaves the network of
+  // the crop loss to the caller. Throws Error if options contradict each other.
   TrainSettings ToSettings(float extent) const;
   // Resolves --device. "auto" is the CPU if the pruning rule is only implemented there.
   Device ResolveDevice() const;

@@ -106,6 +106,22 @@ void TrainOptions::Declare(CLI::App& command) {
       ->check(kRate)
       ->check(CLI::Range(0.0, 1.0));
   command
+      .add_option("--lambda_lpips",
+                  lambda_lpips,
+                  "weight of LPIPS in the loss, by the net of --lpips; 0: off")
+      ->check(kRate);
+  command
+      .add_option("--lpips-crop",
+                  lpips_crop,
+                  "side of the random part of the image that it is computed on, in pixels")
+      ->check(CLI::Range(1, 100000));
+  command
+      .add_option("--lpips",
+                  lpips,
+                  "LPIPS by the net in this folder: NET_backbone.onnx, NET_lin.npz and "
+                  "NET_taps.txt (docs/lpips.md); also of the held-out images")
+      ->default_str("");
+  command
       .add_option("--densify_grad_threshold",
                   densify_grad_threshold,
                   "mean screen gradient from which Gaussians are added")

@@ -23,6 +23,10 @@ void PrintSkipped(const std::vector<SkippedFrame>& skipped) {
   if (skipped.size() > kListed) std::printf("  ... (all are in skipped_frames.json)\n");
 }
 
+std::shared_ptr<Lpips> LoadLpips(const TrainOptions& o) {
+  return o.lpips.empty() ? nullptr : std::make_shared<Lpips>(o.lpips);
+}
+
 namespace {
 
 class LossLine {
@@ -120,7 +124,7 @@ void RunTraining(const TrainOptions& o,
         100 * statistics.bands.rest_saved,
         statistics.drop_psnr);
   if (!hooks.evaluate) return;
-  const TestSummary summary = EvaluateTestImages(o.model, o.iterations);
+  const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
   if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
 }
 

@@ -2,17 +2,23 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/cosplat/options/train_options.h"
 #include "splat/base/skipped.h"
+#include "splat/eval/lpips.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {
 
+// The network of --lpips; null if there is none. Throws Error as Lpips does.
+std::shared_ptr<Lpips> LoadLpips(const TrainOptions& options);
+
 struct RunHooks {
   bool video = false;              // frames are consecutive in time
+  Lpips* lpips = nullptr;          // measures the held-out images; null: none
   std::function<void()> save;      // at --save_iterations and at the end
   std::function<void()> evaluate;  // at --test_iterations and the end; empty: nothing held out
 };

@@ -47,6 +47,7 @@ void ProvideTrainKernels() {
   Provide<MarkUnwanted, FlagKept, PlaceKept, LowerTo, AddOffsets, FillNumbers>();
   Provide<FindBoxes, JoinBoxes, LowKeys, HighKeys>();
   Provide<GatherRow<float>, GatherRow<uint8_t>, GatherRow<int32_t>>();
+  Provide<CopyCrop, AddCrop>();
   Provide<HideMasked, DimMasked, LearnMask, SumShown, AddUpShown>();
 }
 

@@ -1,9 +1,10 @@
 // Smaller kernels of a training step: statistics for density control, the scale regulariser, sums
-// of contributions.
+// of contributions, parts of images.
 #pragma once
 
 #include "splat/device/buffer.h"
 #include "splat/render/contribution.h"
+#include "splat/train/crop_loss.h"
 #include "splat/train/kernels/density.h"
 
 namespace cosplat {
@@ -23,6 +24,32 @@ struct AccumulateStep {
     plasticity[i] += step.plasticity;
     visible[i] += 1;
   }
+};
+
+// Where number i of a crop's planes [3, crop height, crop width] is in an image's.
+struct CropPlaces {
+  Crop crop;
+  int width, height;  // px, of the image
+  COSPLAT_HD size_t At(size_t i) const {
+    const size_t x = i % size_t(crop.width), row = i / size_t(crop.width);
+    const size_t y = row % size_t(crop.height), channel = row / size_t(crop.height);
+    return (channel * size_t(height) + y + size_t(crop.y)) * size_t(width) + x + size_t(crop.x);
+  }
+};
+
+struct CopyCrop {
+  CropPlaces places;
+  View<const float> image;
+  View<float> crop;
+  COSPLAT_HD void operator()(size_t i) const { crop[i] = image[places.At(i)]; }
+};
+
+struct AddCrop {
+  CropPlaces places;
+  float weight;
+  View<const float> crop;
+  View<float> image;
+  COSPLAT_HD void operator()(size_t i) const { image[places.At(i)] += weight * crop[i]; }
 };
 
 struct AddContributions {
