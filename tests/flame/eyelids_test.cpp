@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "assets/head/procedural_head.h"
 #include "assets/head/raster.h"
 #include "assets/head/video.h"
+#include "flame/io/model_file.h"
 #include "flame/pose.h"
 #include "flame/track.h"
 #include "tests/support/expect_error.h"
@@ -21,21 +24,25 @@ const FlameModel& Lidded() {
 // Red: eyeballs.
 class Eyes : public procedural::Shader {
  public:
+  explicit Eyes(const FlameModel& model) : model_(model) {}
   std::array<float, 3> Shade(const procedural::SurfacePoint& p) const override {
-    const size_t v = size_t(Lidded().faces[size_t(p.face)][0]);
-    const float* weights = &Lidded().skinning_weights[kFlameJoints * v];
+    const size_t v = size_t(model_.faces[size_t(p.face)][0]);
+    const float* weights = &model_.skinning_weights[kFlameJoints * v];
     return {weights[3] + weights[4] > 0.5f ? 1.0f : 0.0f, 0, 0};
   }
+
+ private:
+  const FlameModel& model_;
 };
-double PixelsOfEyes(float left, float right, float azimuth = 0) {
+double PixelsOfEyes(const FlameModel& model, float left, float right, float azimuth = 0) {
   FlamePoser<float>::Parameters frame;
-  frame.expression.assign(size_t(Lidded().expression_count), 0.0f);
+  frame.expression.assign(size_t(model.expression_count), 0.0f);
   frame.expression[frame.expression.size() - 2] = left;
   frame.expression.back() = right;
   std::vector<float> vertices;
-  FlamePoser<float>(Lidded(), {}).Forward(frame, vertices);
+  FlamePoser<float>(model, {}).Forward(frame, vertices);
   const Camera camera = procedural::OrbitCamera(azimuth, 0, 0.9f, 256);
-  const Image8 image = procedural::Rasterize(vertices, Lidded().faces, camera, Eyes());
+  const Image8 image = procedural::Rasterize(vertices, model.faces, camera, Eyes(model));
   double seen = 0;
   for (size_t i = 0; i < image.data.size(); i += 4)
     if (image.data[i + 3] > 0) seen += image.data[i] / 255.0;
@@ -43,13 +50,24 @@ double PixelsOfEyes(float left, float right, float azimuth = 0) {
 }
 
 TEST(Eyelids, CoverTheEye) {
-  const double open = PixelsOfEyes(0, 0), half = PixelsOfEyes(0.5f, 0.5f);
+  const double open = PixelsOfEyes(Lidded(), 0, 0), half = PixelsOfEyes(Lidded(), 0.5f, 0.5f);
   EXPECT_GT(open, 150);
   EXPECT_LT(half, 0.75 * open);
   EXPECT_GT(half, 0.25 * open);
-  EXPECT_NEAR(PixelsOfEyes(1, 0), open / 2, 0.1 * open);
+  EXPECT_NEAR(PixelsOfEyes(Lidded(), 1, 0), open / 2, 0.1 * open);
   for (const float azimuth : {-0.5f, 0.0f, 0.5f})
-    EXPECT_LT(PixelsOfEyes(1, 1, azimuth), 0.03 * open) << azimuth;
+    EXPECT_LT(PixelsOfEyes(Lidded(), 1, 1, azimuth), 0.03 * open) << azimuth;
+}
+
+TEST(Eyelids, OfFlameCoverItsEyes) {
+  const std::string path = COSPLAT_SOURCE_DIR "/../shared/data/tracked/flame_for_tracks.npz";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << ": licensed data";
+  const FlameModel flame = WithEyelids(LoadFlameModel(path));
+  const double open = PixelsOfEyes(flame, 0, 0);
+  EXPECT_GT(open, 100);
+  EXPECT_NEAR(PixelsOfEyes(flame, 1, 0), open / 2, 0.1 * open);
+  for (const float azimuth : {-0.5f, 0.0f, 0.5f})
+    EXPECT_LT(PixelsOfEyes(flame, 1, 1, azimuth), 0.05 * open) << azimuth;
 }
 
 TEST(Eyelids, MoveTheirOwnSideOnly) {

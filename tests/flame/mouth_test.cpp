@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "assets/head/motion.h"
 #include "assets/head/procedural_head.h"
 #include "assets/head/raster.h"
+#include "flame/io/model_file.h"
 #include "flame/pose.h"
 #include "flame/topology.h"
 #include "tests/flame/hollow_head.h"
@@ -44,14 +46,18 @@ std::vector<float> Posed(const FlameModel& model, const Frame& frame) {
 // Green: faces that were added.
 class Added : public procedural::Shader {
  public:
+  explicit Added(const FlameModel& model) : model_(model) {}
   std::array<float, 3> Shade(const procedural::SurfacePoint& p) const override {
-    return {0, p.face >= int(Hollow().faces.size()) ? 1.0f : 0.0f, 0};
+    return {0, model_.faces[size_t(p.face)][0] >= model_.own_vertex_count() ? 1.0f : 0.0f, 0};
   }
+
+ private:
+  const FlameModel& model_;
 };
-double PixelsOfMouth(const Frame& frame, float azimuth = 0) {
+double PixelsOfMouth(const FlameModel& model, const Frame& frame, float azimuth = 0) {
   const Camera camera = procedural::OrbitCamera(azimuth, 0, 0.9f, 256);
   const Image8 image =
-      procedural::Rasterize(Posed(Filled(), frame), Filled().faces, camera, Added());
+      procedural::Rasterize(Posed(model, frame), model.faces, camera, Added(model));
   double seen = 0;
   for (size_t i = 0; i < image.data.size(); i += 4)
     if (image.data[i + 3] > 0) seen += image.data[i + 1] / 255.0;
@@ -114,7 +120,7 @@ TEST(Mouth, UpperTeethFollowTheHeadAndLowerTeethTheJaw) {
 TEST(Mouth, ShowsBetweenOpenLips) {
   Frame frame = RestFrame();
   frame.pose[kJaw][0] = 0.25f;
-  EXPECT_GT(PixelsOfMouth(frame), 200);
+  EXPECT_GT(PixelsOfMouth(Filled(), frame), 200);
 }
 
 TEST(Mouth, DoesNotShowThroughClosedLips) {
@@ -132,8 +138,21 @@ TEST(Mouth, DoesNotShowThroughClosedLips) {
                                  Expression::kBlinkRight})
         frame.expression[size_t(e)] = std::clamp(normal(random), -1.0f, 1.0f);
     frame.pose[1] = {0.1f * normal(random), 0.1f * normal(random), 0.1f * normal(random)};
-    for (const float azimuth : {-0.6f, 0.0f, 0.6f}) ASSERT_LT(PixelsOfMouth(frame, azimuth), 12);
+    for (const float azimuth : {-0.6f, 0.0f, 0.6f})
+      ASSERT_LT(PixelsOfMouth(Filled(), frame, azimuth), 12);
   }
+}
+
+TEST(Mouth, OfFlameShowsBetweenOpenLipsOnly) {
+  const std::string path = COSPLAT_SOURCE_DIR "/../shared/data/tracked/flame_for_tracks.npz";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << ": licensed data";
+  const FlameModel flame = WithMouth(LoadFlameModel(path));
+  ASSERT_GT(flame.mouth.count(), 0);
+  Frame frame;
+  for (const float azimuth : {-0.6f, 0.0f, 0.6f})
+    EXPECT_LT(PixelsOfMouth(flame, frame, azimuth), 12) << azimuth;
+  frame.pose[kJaw][0] = 0.25f;
+  EXPECT_GT(PixelsOfMouth(flame, frame), 100);
 }
 
 TEST(StaticOffset, KeepsWhatVhapHasForTeeth) {
