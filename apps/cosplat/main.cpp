@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/spelling.h"
 #include "splat/base/error.h"
 
 namespace {
@@ -40,7 +41,9 @@ int Run(int argc, char** argv) {
     std::string text = "cosplat: ";
     if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr)
       text += failed->get_config_ptr()->as<std::string>() + ": ";
-    return text + e.what() + " (--help lists the options)\n";
+    // A misspelled name leaves what it stands for missing, which says less.
+    const std::string unknown = cosplat::UnknownArgument(*failed);
+    return text + (unknown.empty() ? e.what() : unknown) + " (--help lists the options)\n";
   });
   app.fallthrough();
   app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");

@@ -292,7 +292,12 @@ TEST_F(BadInput, OptionsAreWrong) {
   Spill(folder_ / "bad.ini", "train-avatar.basis=\"fourier\"\n");
   ExpectTrainAvatar({"--basis", "fourier"}, {"--config", "$/bad.ini"});
   Expect({}, {"subcommand"});
-  Expect({"paint"}, {"subcommand"});
+  Expect({"paint"}, {"'paint' is no command (--help"});
+  Expect({"trian-scene", "-s", "x"}, {"'trian-scene' is no command: did you mean train-scene?"});
+  Expect({"train-scene", "-s", "x", "--iteratons=5"},
+         {"'--iteratons' is no option of train-scene: did you mean --iterations?"});
+  Expect({"train-scene", "-s", "x", "-m", "$/out", "y"},
+         {"'y' belongs to no option of train-scene"});
   Expect({"train-avatar", "-s", "$/head"}, {"required"});
   Expect({"make-head", "-o", "$/new", "--frames", "0"}, {"frames", "0"});
   Expect({"make-head", "-o", "$/new", "--frames", "3", "--test-frames", "3"}, {"3"});
