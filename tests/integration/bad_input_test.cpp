@@ -303,6 +303,7 @@ TEST_F(BadInput, OptionsAreWrong) {
   Expect({"make-head", "-o", "$/new", "--frames", "3", "--test-frames", "3"}, {"3"});
   Expect({"make-head", "-o", "$/new", "--size", "7"}, {"size", "7"});
   Expect({"render", "-m", Made().avatar, "--orbit"}, {"--out"});
+  Expect({"render", "-m", Made().avatar, "--orbit", "-o", "$/turn.gif"}, {"turn.gif", ".mp4"});
   Expect({"render", "-m", Made().avatar, "--preview"}, {"--preview", "--out"});
   Expect({"render", "-m", Made().avatar, "--orbit", "--drive", "$/head", "-o", "$/o"}, {"--orbit"});
   Expect({"render", "-m", Made().scene, "--drive", "$/head", "-o", "$/o"}, {"--drive"});

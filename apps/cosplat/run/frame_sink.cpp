@@ -10,15 +10,20 @@
 namespace cosplat {
 namespace {
 
-bool EndsInMp4(const std::string& path) {
+// Whether frames go into a video. Throws Error for a file of another kind, which would else become
+// a folder of that name.
+bool IsVideo(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = char(std::tolower(c));
+  for (const char* other : {".avi", ".gif", ".jpg", ".jpeg", ".mkv", ".mov", ".png", ".webm"})
+    if (extension == other && !std::filesystem::is_directory(path))
+      throw Error(path, "is neither a folder nor a file that ends in .mp4");
   return extension == ".mp4";
 }
 
 }  // namespace
 
-FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(EndsInMp4(path_)) {
+FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(IsVideo(path_)) {
   if (!is_video_) MakeDirectories(path_);
 }
 

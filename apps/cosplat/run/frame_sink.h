@@ -12,7 +12,8 @@ constexpr double kFramesPerSecond = 25;
 
 class FrameSink {
  public:
-  // A path that ends in .mp4 is a video file, any other path a folder.
+  // A path that ends in .mp4 is a video file, any other path a folder. Throws Error if it names an
+  // image or a video of another kind.
   explicit FrameSink(std::string path);
   bool is_video() const { return is_video_; }
   // `image` is RGB; RGBA is allowed for folders too. Video codecs require even dimensions, so a
