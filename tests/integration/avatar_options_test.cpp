@@ -216,6 +216,21 @@ TEST(AvatarOptions, EarlierSpellingsAreAccepted) {
     EXPECT_TRUE(p.ConfigHas(line)) << line << " is not in\n" << p.config;
 }
 
+TEST(AvatarPreset, QuickIsShorterAndYields) {
+  const Parsed quick({"--preset", "quick"});
+  const TrainSettings s = quick.options.ToSettings(1), usual = Parsed({}).options.ToSettings(1);
+  EXPECT_EQ(quick.options.iterations, 3000);
+  EXPECT_EQ(quick.options.avatar.iterations, 3000);
+  EXPECT_EQ(quick.options.avatar.system, AvatarSystem::kCosplat);
+  EXPECT_EQ(s.schedule.num_downscales, 2);
+  EXPECT_EQ(usual.schedule.num_downscales, 2);
+  for (const char* other : {"3dgs", "splatting-avatar", "splatting-avatar-released"})
+    EXPECT_EQ(Parsed({"--preset", other}).options.ToSettings(1).schedule.num_downscales, 0);
+  EXPECT_EQ(Parsed({"--num-downscales", "0"}).options.ToSettings(1).schedule.num_downscales, 0);
+  EXPECT_LT(s.density.gradient_threshold, usual.density.gradient_threshold);
+  EXPECT_EQ(Parsed({"--iterations", "70", "--preset", "quick"}).options.iterations, 70);
+}
+
 TEST(AvatarPreset, OthersAreRefused) {
   for (const char* name : {"default", "splattingavatar", "splatting-avatar-"})
     EXPECT_THROW(Parsed({"--preset", name}), CLI::ParseError) << name;

@@ -8,8 +8,8 @@ namespace cosplat {
 namespace {
 
 // Differences from 3DGS in the training of scenes, apart from steps proportional to the run's
-// length; docs/reference.md lists the gain of each. Not for avatars: shared opacity degrades their
-// mouths.
+// length; docs/reference.md lists the gain of each. Avatars have some of them (AvatarOptions):
+// shared opacity degrades their mouths.
 void ImproveOn3dgs(TrainSettings& s) {
   s.rates.scale = 1e-2f;
   s.density.shares_opacity = true;
