@@ -83,11 +83,7 @@ void LoadDrivingNpz(const Npz& npz, TrackedVideo& video) {
     frame.has_image = false;
     frame.camera = camera;
     const std::string problem = ReadRow(npz, i, count, frame.params);
-    if (problem.empty()) {
-      video.test.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, video.test, video);
   }
 }
 

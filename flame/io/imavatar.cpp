@@ -113,11 +113,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
       });
       if (problem.empty()) problem = broken;
     }
-    if (problem.empty()) {
-      video.train.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   CheckSkipped(path, video.train.size(), video.skipped);
   SplitLastFrames(ImavatarTestFrames(file, request.options, video.train.size()), video);

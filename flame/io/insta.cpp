@@ -19,12 +19,9 @@ namespace fs = std::filesystem;
 constexpr int kInstaTestFrames = 350;
 
 std::string SetInstaPose(const JsonField& field, Camera& camera) {
-  const std::vector<double> values = field.NumbersOrNan();
-  if (values.size() != 16 && values.size() != 12)
-    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
   std::array<double, 12> matrix;
-  std::copy_n(values.begin(), 12, matrix.begin());
-  return SetPoseFromWorldFromCam(matrix, camera);
+  const std::string problem = CopyTransform(field, matrix);
+  return problem.empty() ? SetPoseFromWorldFromCam(matrix, camera) : problem;
 }
 
 // Whether a path from a file stays in its folder.
@@ -80,11 +77,7 @@ void LoadInstaFrames(const std::string& path,
     frame.timestep = NumberIn(frame.name).value_or(int(i));
     frame.has_image = request.images != nullptr;
     const std::string problem = LoadInstaFrame(path, file, list[i], request, frame);
-    if (problem.empty()) {
-      frames.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, frames, video);
   }
 }
 

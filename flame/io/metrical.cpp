@@ -144,11 +144,7 @@ void SettleShape(TrackedVideo& video) {
     for (TrackedFrame& frame : *list) {
       const std::string problem = OtherShape(frame.params.shape, video.shape);
       frame.params.shape.clear();
-      if (problem.empty()) {
-        kept.push_back(std::move(frame));
-      } else {
-        video.skipped.push_back({frame.name, problem});
-      }
+      KeepOrSkip(std::move(frame), problem, kept, video);
     }
     list->swap(kept);
   }
@@ -177,11 +173,7 @@ void LoadMetricalTrack(const std::string& path, const TrackRequest& request, Tra
       if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
     });
     if (problem.empty()) problem = broken;  // a damaged file only costs its frame
-    if (problem.empty()) {
-      video.train.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   SettleShape(video);
   CheckSkipped(path, video.train.size(), video.skipped);

@@ -249,11 +249,7 @@ void LoadSmirkTrack(const std::string& path,
       });
       if (problem.empty()) problem = broken;
     }
-    if (problem.empty()) {
-      video.train.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, video.train, video);
   }
   CheckSkipped(path, video.train.size(), video.skipped);
   if (fs::is_directory(path)) {

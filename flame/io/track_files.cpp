@@ -175,4 +175,23 @@ double FrameRateOf(const Npz& npz) {
   return rate;
 }
 
+void KeepOrSkip(TrackedFrame frame,
+                const std::string& problem,
+                std::vector<TrackedFrame>& kept,
+                TrackedVideo& video) {
+  if (problem.empty()) {
+    kept.push_back(std::move(frame));
+  } else {
+    video.skipped.push_back({frame.name, problem});
+  }
+}
+
+std::string CopyTransform(const JsonField& field, std::array<double, 12>& matrix) {
+  const std::vector<double> values = field.NumbersOrNan();
+  if (values.size() != 16 && values.size() != 12)
+    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
+  std::copy_n(values.begin(), 12, matrix.begin());
+  return "";
+}
+
 }  // namespace cosplat

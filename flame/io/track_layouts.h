@@ -2,6 +2,7 @@
 // for the final checks, which LoadTrack makes for all layouts.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <map>
 #include <memory>
@@ -104,6 +105,16 @@ std::string CopyRow(const std::string& name,
 std::vector<float> MedianOf(const std::string& file,
                             const std::string& name,
                             const std::vector<std::vector<float>>& rows);
+
+// Appends the frame to `kept`, or to the skipped ones if there is a problem with it.
+void KeepOrSkip(TrackedFrame frame,
+                const std::string& problem,
+                std::vector<TrackedFrame>& kept,
+                TrackedVideo& video);
+
+// Reads the first three rows of transform_matrix, 3x4 or 4x4; returns what is wrong with it, if
+// anything.
+std::string CopyTransform(const JsonField& field, std::array<double, 12>& matrix);
 
 // Moves the last `count` time steps of video.train, with all cameras' frames, to video.test. Throws
 // Error if none would remain.

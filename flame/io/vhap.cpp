@@ -68,12 +68,9 @@ std::string ReadParams(const std::string& path, FlameParams& params) {
 }
 
 std::string SetVhapPose(const JsonField& field, Camera& camera) {
-  const std::vector<double> values = field.NumbersOrNan();
-  if (values.size() != 16 && values.size() != 12)
-    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
   std::array<double, 12> matrix;
-  std::copy_n(values.begin(), 12, matrix.begin());
-  return SetPoseFromOpenGlWorldFromCam(matrix, camera);
+  const std::string problem = CopyTransform(field, matrix);
+  return problem.empty() ? SetPoseFromOpenGlWorldFromCam(matrix, camera) : problem;
 }
 
 std::string FindFiles(const JsonField& field,
@@ -124,11 +121,7 @@ void LoadSplit(const std::string& json_path,
     frame.camera_index = int(field.NumberOr("camera_index", 0));
     frame.has_image = request.images != nullptr;
     const std::string problem = LoadFrame(file, field, request, frame);
-    if (problem.empty()) {
-      frames.push_back(std::move(frame));
-    } else {
-      video.skipped.push_back({frame.name, problem});
-    }
+    KeepOrSkip(std::move(frame), problem, frames, video);
   }
 }
 
