@@ -1,0 +1,176 @@
+#include "flame/io/landmarks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLandmarkFormat = "cosplat-landmarks";
+constexpr int kLandmarkVersion = 1;
+constexpr int kMaxImageSide = 65535;
+// A face may reach beyond the image, but points further out than this many times its size are not
+// pixels.
+constexpr double kMaxOutside = 4;
+
+struct NamedSet {
+  LandmarkSet set;
+  const char* name;
+  int count;
+};
+constexpr NamedSet kLandmarkSets[] = {{LandmarkSet::kMediapipe478, "mediapipe-478", 478},
+                                      {LandmarkSet::kMediapipe468, "mediapipe-468", 468},
+                                      {LandmarkSet::kIbug68, "ibug-68", 68}};
+
+const NamedSet& Named(LandmarkSet set) {
+  return *std::find_if(std::begin(kLandmarkSets), std::end(kLandmarkSets), [&](const NamedSet& s) {
+    return s.set == set;
+  });
+}
+
+LandmarkSet SetOf(const JsonField& field) {
+  const std::string name = field.String();
+  for (const NamedSet& known : kLandmarkSets)
+    if (name == known.name) return known.set;
+  throw Error(field.file(),
+              field.path(),
+              "is '" + name + "', expected mediapipe-478, mediapipe-468 or ibug-68");
+}
+
+int SideOf(const JsonField& field) {
+  const int side = field.Integer();
+  if (side < 1 || side > kMaxImageSide)
+    throw Error(field.file(),
+                field.path(),
+                "is " + std::to_string(side) + ", expected 1 to " + std::to_string(kMaxImageSide));
+  return side;
+}
+
+std::array<double, 2> PointOf(const JsonField& field, const LandmarkVideo& video) {
+  if (field.size() != 2 && field.size() != 3)
+    throw Error(field.file(),
+                field.path(),
+                "has " + std::to_string(field.size()) + " numbers, expected x and y");
+  const std::array<double, 2> point{field[0].Number(), field[1].Number()};
+  const int sides[] = {video.width, video.height};
+  for (int k = 0; k < 2; ++k)
+    if (std::abs(point[k]) > kMaxOutside * sides[k])
+      throw Error(field.file(),
+                  field.path(),
+                  "is at " + std::to_string(point[k]) + " px of an image of " +
+                      std::to_string(sides[k]) + " px");
+  return point;
+}
+
+float FractionOf(const JsonField& field) {
+  const double x = field.Number();
+  if (x < 0 || x > 1)
+    throw Error(field.file(), field.path(), "is " + std::to_string(x) + ", expected 0 to 1");
+  return float(x);
+}
+
+DetectedFace FaceOf(const JsonField& field, const LandmarkVideo& video) {
+  const JsonField points = field["points"];
+  const size_t expected = size_t(PointCountOf(video.set));
+  if (points.size() != expected)
+    throw Error(points.file(),
+                points.path(),
+                "has " + std::to_string(points.size()) + " points, expected " +
+                    std::to_string(expected) + " of " + NameOf(video.set));
+  DetectedFace face;
+  for (size_t i = 0; i < expected; ++i) face.points.push_back(PointOf(points[i], video));
+  if (field.Has("score")) face.score = FractionOf(field["score"]);
+  if (!field.Has("blendshapes")) return face;
+  const JsonField scores = field["blendshapes"];
+  if (!scores.raw().is_object())
+    throw Error(scores.file(), scores.path(), "is no object of names and scores");
+  for (const auto& [name, value] : scores.raw().items())
+    face.blendshapes[name] = FractionOf(scores[name]);
+  return face;
+}
+
+LandmarkFrame FrameOf(const JsonField& field, const LandmarkVideo& video) {
+  LandmarkFrame frame;
+  frame.name = field["name"].String();
+  frame.frame = field["frame"].Integer();
+  const int earliest = video.frames.empty() ? 0 : video.frames.back().frame + 1;
+  if (frame.frame < earliest)
+    throw Error(field.file(),
+                field["frame"].path(),
+                "is " + std::to_string(frame.frame) + ", expected at least " +
+                    std::to_string(earliest) + ": frames stand in order");
+  const JsonField faces = field["faces"];
+  for (size_t i = 0; i < faces.size(); ++i) frame.faces.push_back(FaceOf(faces[i], video));
+  if (field.Has("matte"))
+    frame.matte = (fs::path(field.file()).parent_path() / field["matte"].String()).string();
+  return frame;
+}
+
+double FrameRateIn(const JsonField& file) {
+  const double rate = file.NumberOr("frames_per_second", 0);
+  if (rate < 0)
+    throw Error(file.file(), "frames_per_second", "is " + std::to_string(rate) + ", below 0");
+  return rate;
+}
+
+Json FaceJson(const DetectedFace& face) {
+  Json json{{"points", face.points}, {"score", face.score}};
+  if (!face.blendshapes.empty()) json["blendshapes"] = face.blendshapes;
+  return json;
+}
+
+Json FrameJson(const LandmarkFrame& frame, const fs::path& folder) {
+  Json json{{"name", frame.name}, {"frame", frame.frame}, {"faces", Json::array()}};
+  for (const DetectedFace& face : frame.faces) json["faces"].push_back(FaceJson(face));
+  if (!frame.matte.empty()) json["matte"] = fs::proximate(frame.matte, folder).string();
+  return json;
+}
+
+}  // namespace
+
+const char* NameOf(LandmarkSet set) { return Named(set).name; }
+int PointCountOf(LandmarkSet set) { return Named(set).count; }
+
+LandmarkVideo ReadLandmarks(const std::string& path) {
+  const Json json = ReadJson(path);
+  const JsonField file(path, json);
+  const std::string format = file["format"].String();
+  if (format != kLandmarkFormat)
+    throw Error(path, "format", "is '" + format + "', expected '" + kLandmarkFormat + "'");
+  if (const int version = file["version"].Integer(); version != kLandmarkVersion)
+    throw Error(path, "version", "is " + std::to_string(version) + ", expected 1");
+  LandmarkVideo video;
+  video.file = path;
+  video.source = file["source"].String();
+  video.width = SideOf(file["width"]);
+  video.height = SideOf(file["height"]);
+  video.frames_per_second = FrameRateIn(file);
+  video.set = SetOf(file["landmarks"]);
+  const JsonField frames = file["frames"];
+  for (size_t i = 0; i < frames.size(); ++i) video.frames.push_back(FrameOf(frames[i], video));
+  return video;
+}
+
+void WriteLandmarks(const std::string& path, const LandmarkVideo& video) {
+  const fs::path folder = fs::absolute(path).parent_path();
+  Json json{{"format", kLandmarkFormat},
+            {"version", kLandmarkVersion},
+            {"source", video.source},
+            {"width", video.width},
+            {"height", video.height},
+            {"frames_per_second", video.frames_per_second},
+            {"landmarks", NameOf(video.set)},
+            {"frames", Json::array()}};
+  for (const LandmarkFrame& frame : video.frames)
+    json["frames"].push_back(FrameJson(frame, folder));
+  WriteFileAtomically(path, json.dump() + "\n");
+}
+
+}  // namespace cosplat

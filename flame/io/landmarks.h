@@ -1,0 +1,56 @@
+// Landmark files: where a detector saw the points of a face, frame by frame.
+//
+// `cosplat landmarks` writes them, `cosplat track` and `train-avatar --landmarks` read them;
+// docs/landmarks.md describes the format. Points are in pixels: x right, y down, (0, 0) is the
+// image's top left corner, the centre of its first pixel (0.5, 0.5).
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace cosplat {
+
+// Which points of the face a file has, and in which order.
+enum class LandmarkSet {
+  kMediapipe478,  // MediaPipe's face mesh with the ten points of the irises at its end
+  kMediapipe468,  // the same without irises
+  kIbug68,        // the 68 points of iBUG 300-W (Sagonas et al. 2013)
+};
+
+// "mediapipe-478", "mediapipe-468" or "ibug-68".
+const char* NameOf(LandmarkSet set);
+int PointCountOf(LandmarkSet set);
+
+struct DetectedFace {
+  std::vector<std::array<double, 2>> points;  // [PointCountOf(set)] px
+  double score = 1;                           // the detector's confidence, 0 to 1
+  std::map<std::string, float> blendshapes;   // by ARKit's names, 0 to 1; or empty
+};
+
+struct LandmarkFrame {
+  std::string name;                 // stem of the image file, or the frame's number in a video
+  int frame = 0;                    // its place in the video, from 0; increasing
+  std::vector<DetectedFace> faces;  // none, one or several, in any order
+  std::string matte;  // path of an 8-bit grey image, 255 where the person is; or empty
+};
+
+struct LandmarkVideo {
+  std::string file;              // that it was read from, for messages
+  std::string source;            // the video or folder that was looked at, as then given
+  int width = 0, height = 0;     // of the images, px
+  double frames_per_second = 0;  // 0 if unknown
+  LandmarkSet set = LandmarkSet::kMediapipe478;
+  std::vector<LandmarkFrame> frames;
+};
+
+// A matte's path in the file is relative to the file's folder, and absolute or relative to the
+// working directory in the struct. Throws Error naming file, field and value if the file is
+// damaged.
+LandmarkVideo ReadLandmarks(const std::string& path);
+
+// Writes the file atomically, as its reader reads it. Throws Error if it cannot be written.
+void WriteLandmarks(const std::string& path, const LandmarkVideo& video);
+
+}  // namespace cosplat
