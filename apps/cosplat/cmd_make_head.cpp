@@ -40,6 +40,10 @@ void AddMakeHead(CLI::App& app) {
   command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");
   command->add_option("--size", o->size, "width and height in pixels");
   command->add_option("--seed", o->seed, "of the motion");
+  command
+      ->add_option(
+          "--landmark-noise", o->landmark_noise, "px, added to the points in landmarks.json")
+      ->check(CLI::Range(0.0, 100.0));
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { MakeHead(*o); });
 }

@@ -52,6 +52,17 @@ PoseProblem SetImavatarPose(const JsonField& field, Camera& camera) {
   return SetPose(rotation, translation, camera);
 }
 
+// An addition to the layout: our own tracker's (flame/io/imavatar_writer.h).
+std::string SetEyelids(const JsonField& field, FlameParams& params) {
+  const std::vector<double> lids = field.NumbersOrNan();
+  if (lids.size() != params.eyelids.size())
+    return "eyelids has " + std::to_string(lids.size()) + " numbers, expected 2";
+  std::vector<float> finite;
+  const std::string problem = CopyFinite("eyelids", lids, finite);
+  if (problem.empty()) params.eyelids = {finite[0], finite[1]};
+  return problem;
+}
+
 std::string SetParams(const JsonField& frame, size_t expression_count, FlameParams& params) {
   const std::vector<double> expression = frame["expression"].NumbersOrNan();
   if (expression.size() != expression_count)
@@ -66,7 +77,7 @@ std::string SetParams(const JsonField& frame, size_t expression_count, FlamePara
   if (!problem.empty()) return problem;
   for (int j = 0; j < kFlameJoints; ++j)
     for (int k = 0; k < 3; ++k) params.pose[j][k] = joints[3 * j + k];
-  return "";
+  return frame.Has("eyelids") ? SetEyelids(frame["eyelids"], params) : "";
 }
 
 // Size of the first existing image: intrinsics are fractions of it.

@@ -27,7 +27,8 @@ struct NamedSet {
 };
 constexpr NamedSet kLandmarkSets[] = {{LandmarkSet::kMediapipe478, "mediapipe-478", 478},
                                       {LandmarkSet::kMediapipe468, "mediapipe-468", 468},
-                                      {LandmarkSet::kIbug68, "ibug-68", 68}};
+                                      {LandmarkSet::kIbug68, "ibug-68", 68},
+                                      {LandmarkSet::kOther, "other", 0}};
 
 const NamedSet& Named(LandmarkSet set) {
   return *std::find_if(std::begin(kLandmarkSets), std::end(kLandmarkSets), [&](const NamedSet& s) {
@@ -41,7 +42,7 @@ LandmarkSet SetOf(const JsonField& field) {
     if (name == known.name) return known.set;
   throw Error(field.file(),
               field.path(),
-              "is '" + name + "', expected mediapipe-478, mediapipe-468 or ibug-68");
+              "is '" + name + "', expected mediapipe-478, mediapipe-468, ibug-68 or other");
 }
 
 int SideOf(const JsonField& field) {
@@ -78,8 +79,8 @@ float FractionOf(const JsonField& field) {
 
 DetectedFace FaceOf(const JsonField& field, const LandmarkVideo& video) {
   const JsonField points = field["points"];
-  const size_t expected = size_t(PointCountOf(video.set));
-  if (points.size() != expected)
+  const size_t expected = size_t(video.point_count() > 0 ? video.point_count() : points.size());
+  if (points.size() != expected || expected == 0)
     throw Error(points.file(),
                 points.path(),
                 "has " + std::to_string(points.size()) + " points, expected " +
@@ -136,7 +137,13 @@ Json FrameJson(const LandmarkFrame& frame, const fs::path& folder) {
 }  // namespace
 
 const char* NameOf(LandmarkSet set) { return Named(set).name; }
-int PointCountOf(LandmarkSet set) { return Named(set).count; }
+
+int LandmarkVideo::point_count() const {
+  if (const int count = Named(set).count; count > 0) return count;
+  for (const LandmarkFrame& frame : frames)
+    if (!frame.faces.empty()) return int(frame.faces[0].points.size());
+  return 0;
+}
 
 LandmarkVideo ReadLandmarks(const std::string& path) {
   const Json json = ReadJson(path);

@@ -17,14 +17,14 @@ enum class LandmarkSet {
   kMediapipe478,  // MediaPipe's face mesh with the ten points of the irises at its end
   kMediapipe468,  // the same without irises
   kIbug68,        // the 68 points of iBUG 300-W (Sagonas et al. 2013)
+  kOther,         // any number, for a model with its own embedding (flame/fit/landmark_embedding.h)
 };
 
-// "mediapipe-478", "mediapipe-468" or "ibug-68".
+// "mediapipe-478", "mediapipe-468", "ibug-68" or "other".
 const char* NameOf(LandmarkSet set);
-int PointCountOf(LandmarkSet set);
 
 struct DetectedFace {
-  std::vector<std::array<double, 2>> points;  // [PointCountOf(set)] px
+  std::vector<std::array<double, 2>> points;  // [LandmarkVideo::point_count()] px
   double score = 1;                           // the detector's confidence, 0 to 1
   std::map<std::string, float> blendshapes;   // by ARKit's names, 0 to 1; or empty
 };
@@ -43,6 +43,8 @@ struct LandmarkVideo {
   double frames_per_second = 0;  // 0 if unknown
   LandmarkSet set = LandmarkSet::kMediapipe478;
   std::vector<LandmarkFrame> frames;
+  // Points of every face; 0 if there is none in a set of any number.
+  int point_count() const;
 };
 
 // A matte's path in the file is relative to the file's folder, and absolute or relative to the

@@ -1,0 +1,101 @@
+#include "flame/fit/choose_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosplat {
+namespace {
+
+// Of one face in neighbouring frames, in units of its size: the furthest that it moves, and the
+// largest ratio of its sizes. What exceeds them is a cut, or another face.
+constexpr double kMaxStep = 0.5, kMaxGrowth = 1.5;
+// Frames without a face after which the same face need not be found again.
+constexpr int kMaxGap = 12;
+
+struct Box {
+  double left, top, right, bottom;
+  double size() const { return std::sqrt((right - left) * (bottom - top)); }
+};
+
+Box BoxOf(const DetectedFace& face) {
+  Box box{1e30, 1e30, -1e30, -1e30};
+  for (const auto& [x, y] : face.points) {
+    box.left = std::min(box.left, x), box.right = std::max(box.right, x);
+    box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
+  }
+  return box;
+}
+
+bool SameFace(const Box& a, const Box& b) {
+  const double dx = (a.left + a.right - b.left - b.right) / 2;
+  const double dy = (a.top + a.bottom - b.top - b.bottom) / 2;
+  const double larger = std::max(a.size(), b.size()), smaller = std::min(a.size(), b.size());
+  return std::hypot(dx, dy) <= kMaxStep * larger && larger <= kMaxGrowth * smaller;
+}
+
+double Distance(const DetectedFace& face, int i, int k) {
+  return std::hypot(face.points[i][0] - face.points[k][0], face.points[i][1] - face.points[k][1]);
+}
+
+// How far an eye is open, from its lids' distance relative to its width: the iris is seen from 1
+// on, and guessed at 0.
+double Openness(const DetectedFace& face, int upper, int lower, int inner, int outer) {
+  constexpr double kClosed = 0.12, kOpen = 0.2;
+  const double width = Distance(face, inner, outer);
+  const double ratio = width > 0 ? Distance(face, upper, lower) / width : 0;
+  return std::clamp((ratio - kClosed) / (kOpen - kClosed), 0.0, 1.0);
+}
+
+// MediaPipe numbers the points of both eyes, then of the irises: five of each from these on.
+constexpr int kRightIris = 468, kLeftIris = 473, kIrisPoints = 5;
+
+std::vector<double> WeightsOf(const DetectedFace& face, LandmarkSet set) {
+  std::vector<double> weights(face.points.size(), 1);
+  if (set != LandmarkSet::kMediapipe478) return weights;
+  std::fill_n(&weights[kRightIris], kIrisPoints, Openness(face, 159, 145, 133, 33));
+  std::fill_n(&weights[kLeftIris], kIrisPoints, Openness(face, 386, 374, 362, 263));
+  return weights;
+}
+
+// The face of `frame` that is `last`, else the largest; null if there is none.
+const DetectedFace* Choose(const LandmarkFrame& frame, const Box* last, bool& follows) {
+  const DetectedFace* chosen = nullptr;
+  follows = false;
+  for (const DetectedFace& face : frame.faces) {
+    const bool same = last && SameFace(*last, BoxOf(face));
+    const bool larger = !chosen || BoxOf(face).size() > BoxOf(*chosen).size();
+    if ((same && !follows) || (same == follows && larger)) chosen = &face;
+    follows = follows || same;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+ChosenFaces ChooseFaces(const LandmarkVideo& video) {
+  ChosenFaces chosen;
+  std::optional<Box> last;
+  int gap = 0;
+  size_t found = 0;
+  for (const LandmarkFrame& frame : video.frames) {
+    bool follows;
+    const DetectedFace* face = Choose(frame, last ? &*last : nullptr, follows);
+    if (!face) {
+      chosen.faces.push_back(std::nullopt);
+      chosen.skipped.push_back({frame.name, "has no face"});
+      if (++gap > kMaxGap) last.reset();
+      continue;
+    }
+    chosen.cuts += last && !follows;
+    const Box box = BoxOf(*face);
+    chosen.faces.push_back(
+        ObservedFace{face->points, WeightsOf(*face, video.set), box.size(), follows && gap == 0});
+    last = box;
+    gap = 0;
+    ++found;
+  }
+  CheckSkipped(video.file, found, chosen.skipped);
+  return chosen;
+}
+
+}  // namespace cosplat

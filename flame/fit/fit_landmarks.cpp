@@ -1,0 +1,370 @@
+#include "flame/fit/fit_landmarks.h"
+
+#include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "flame/fit/landmark_cost.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+using internal::FitLens;
+using internal::LandmarkCost;
+using internal::PriorCost;
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+// A landmark's error, as a fraction of the face's size: about a pixel for a face of 250.
+constexpr double kLandmarkSigma = 0.004;
+// A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
+// standard deviation as a factor of e^0.5.
+constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.5;
+// Frames that find shape and focal length, spread evenly over the video.
+constexpr size_t kSubjectFrames = 80;
+// Errors of neighbouring frames are alike, so that so many of them count as one observation of the
+// subject.
+constexpr double kAlikeFrames = 10;
+// How often frames are fitted again, each drawn to the mean of its neighbours.
+constexpr int kSmoothingSweeps = 3;
+
+// Standard deviations of a frame's numbers about their rest.
+std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
+  std::vector<double> sigma(size_t(points.frame_size()), 1);
+  const double joints[3 * kFlameJoints] = {kFree,
+                                           kFree,
+                                           kFree,  // root
+                                           0.2,
+                                           0.3,
+                                           0.1,  // neck
+                                           0.2,
+                                           0.03,
+                                           0.03,  // jaw
+                                           0.3,
+                                           0.4,
+                                           0.01,  // left eye
+                                           0.3,
+                                           0.4,
+                                           0.01};  // right eye
+  std::fill_n(sigma.begin() + kFitTranslation, 3, kFree);
+  std::copy(std::begin(joints), std::end(joints), sigma.begin() + kFitPose);
+  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
+  return sigma;
+}
+
+// Standard deviations of a frame's numbers about the mean of the neighbouring frames', at video
+// rates. Eyes and lids jump.
+std::vector<double> StepSigma(const PointsOnFlame& points, bool eyelids) {
+  std::vector<double> sigma(size_t(points.frame_size()), 0.4);
+  std::fill_n(sigma.begin() + kFitTranslation, 3, 0.002);
+  std::fill_n(sigma.begin() + kFitPose, 6, 0.02);
+  std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.04);
+  std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.2);
+  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
+  return sigma;
+}
+
+int ExpressionCount(const FlameModel& model, int at_most) {
+  const int lids = model.has_eyelids ? 2 : 0;
+  return lids + std::min(model.expression_count - lids, at_most);
+}
+
+class LandmarkFitter {
+ public:
+  LandmarkFitter(const FlameModel& model,
+                 const LandmarkEmbedding& embedding,
+                 const std::vector<std::optional<ObservedFace>>& faces,
+                 int width,
+                 int height,
+                 const LandmarkFitOptions& options);
+
+  // Rigid motion of a mean face: no iteration, so that it needs no start.
+  void Place();
+  // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
+  void FitFrames(bool near);
+  void FitSubject();
+  LandmarkFit Result() const;
+
+  std::function<void()> tick;  // after each frame
+
+ private:
+  void PlaceFrame(size_t f, const PointsOnFlame::Tape& rest);
+  void FitFrame(size_t f, const std::vector<double>* near);
+  // The mean of both neighbours that show the same face; nothing if one is missing.
+  std::optional<std::vector<double>> BetweenNeighbours(size_t f) const;
+  void AddFrame(ceres::Problem& problem, size_t f, double* frame) const;
+  std::vector<size_t> SubjectFrames() const;
+  double Sigma(size_t f) const { return kLandmarkSigma * faces_[f]->size; }
+  void MeasureFrame(size_t f, const PointsOnFlame::Tape& tape, FittedFrame& out) const;
+  FittedFrame FrameResult(size_t f) const;
+
+  const FlameModel& model_;
+  const LandmarkEmbedding& embedding_;
+  const std::vector<std::optional<ObservedFace>>& faces_;
+  const int width_, height_;
+  const FitLens lens_;
+  const PointsOnFlame points_;
+  const std::vector<double> rest_sigma_, step_sigma_;
+  const bool focal_given_;
+  std::vector<double> shape_;
+  double log_focal_;
+  std::vector<std::vector<double>> frames_;  // empty where there is no face
+};
+
+LandmarkFitter::LandmarkFitter(const FlameModel& model,
+                               const LandmarkEmbedding& embedding,
+                               const std::vector<std::optional<ObservedFace>>& faces,
+                               int width,
+                               int height,
+                               const LandmarkFitOptions& options)
+    : model_(model),
+      embedding_(embedding),
+      faces_(faces),
+      width_(width),
+      height_(height),
+      lens_{width / 2.0, height / 2.0},
+      points_(model,
+              embedding,
+              std::min(model.shape_count, options.shape_count),
+              ExpressionCount(model, options.expression_count)),
+      rest_sigma_(RestSigma(points_, model.has_eyelids)),
+      step_sigma_(StepSigma(points_, model.has_eyelids)),
+      focal_given_(options.focal > 0),
+      shape_(size_t(points_.shape_count())),
+      log_focal_(std::log(focal_given_ ? options.focal : kFocalPerSide * std::max(width, height))),
+      frames_(faces.size()) {
+  for (size_t f = 0; f < faces.size(); ++f)
+    if (faces[f]) frames_[f].assign(size_t(points_.frame_size()), 0);
+}
+
+// Scaled orthography (Tomasi and Kanade 1992, for a known shape): the nearest rotation to the
+// linear map from the mean face to the landmarks.
+void LandmarkFitter::PlaceFrame(size_t f, const PointsOnFlame::Tape& rest) {
+  const Eigen::Index count = Eigen::Index(embedding_.size());
+  Eigen::MatrixXd from(3, count), to(2, count);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const auto& seen = faces_[f]->points[size_t(embedding_[size_t(p)].landmark)];
+    from.col(p) = Eigen::Map<const Eigen::Vector3d>(rest.points[size_t(p)].data());
+    to.col(p) = Eigen::Vector2d(seen[0] - lens_.cx, lens_.cy - seen[1]);
+  }
+  const Eigen::Vector3d from_mean = from.rowwise().mean();
+  const Eigen::Vector2d to_mean = to.rowwise().mean();
+  from.colwise() -= from_mean;
+  to.colwise() -= to_mean;
+  const Eigen::Matrix<double, 2, 3> linear =
+      from.transpose().colPivHouseholderQr().solve(to.transpose()).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix<double, 2, 3>, Eigen::FullPivHouseholderQRPreconditioner>
+      svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix<double, 2, 3> rows = svd.matrixU() * svd.matrixV().leftCols<2>().transpose();
+  Eigen::Matrix3d rotation;
+  rotation << rows, rows.row(0).cross(rows.row(1));
+  const double scale = std::max(svd.singularValues().mean(), 1e-6);  // px per metre
+  const Eigen::AngleAxisd turn(rotation);
+  const Eigen::Vector3d axis = turn.angle() * turn.axis();
+  const Eigen::Vector3d root = Eigen::Map<const Eigen::Vector3d>(rest.joints[0].data());
+  const Eigen::Vector3d turned = rotation * (from_mean - root) + root;
+  double* const frame = frames_[f].data();
+  std::copy_n(axis.data(), 3, frame + kFitPose);
+  frame[kFitTranslation] = to_mean[0] / scale - turned[0];
+  frame[kFitTranslation + 1] = to_mean[1] / scale - turned[1];
+  frame[kFitTranslation + 2] = -std::exp(log_focal_) / scale - turned[2];
+}
+
+void LandmarkFitter::Place() {
+  PointsOnFlame::Tape rest;
+  const std::vector<double> zero(size_t(points_.frame_size()));
+  points_.Pose(shape_.data(), zero.data(), rest);
+  for (size_t f = 0; f < faces_.size(); ++f)
+    if (faces_[f]) PlaceFrame(f, rest);
+}
+
+void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, double* frame) const {
+  // Ceres takes pointers to what it may change; blocks set constant are not changed.
+  double* const shape = const_cast<double*>(shape_.data());
+  double* const focal = const_cast<double*>(&log_focal_);
+  problem.AddResidualBlock(new LandmarkCost(points_, embedding_, *faces_[f], lens_, Sigma(f)),
+                           nullptr,
+                           shape,
+                           focal,
+                           frame);
+  problem.AddResidualBlock(
+      new PriorCost(std::vector<double>(rest_sigma_.size()), rest_sigma_), nullptr, frame);
+}
+
+std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) const {
+  const bool inside = f > 0 && f + 1 < faces_.size() && faces_[f - 1] && faces_[f + 1];
+  if (!inside || !faces_[f]->follows || !faces_[f + 1]->follows) return std::nullopt;
+  std::vector<double> mean(frames_[f].size());
+  for (size_t k = 0; k < mean.size(); ++k) mean[k] = (frames_[f - 1][k] + frames_[f + 1][k]) / 2;
+  return mean;
+}
+
+void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
+  ceres::Problem problem;
+  double* const frame = frames_[f].data();
+  AddFrame(problem, f, frame);
+  if (near) problem.AddResidualBlock(new PriorCost(*near, step_sigma_), nullptr, frame);
+  problem.SetParameterBlockConstant(shape_.data());
+  problem.SetParameterBlockConstant(&log_focal_);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = near ? 10 : 50;
+  options.function_tolerance = 1e-5;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (tick) tick();
+}
+
+void LandmarkFitter::FitFrames(bool near) {
+  // All means are taken before any frame changes, so that the order does not matter.
+  std::vector<std::optional<std::vector<double>>> means(faces_.size());
+  for (size_t f = 0; near && f < faces_.size(); ++f)
+    if (faces_[f]) means[f] = BetweenNeighbours(f);
+  tbb::parallel_for(size_t(0), faces_.size(), [&](size_t f) {
+    if (faces_[f]) FitFrame(f, means[f] ? &*means[f] : nullptr);
+  });
+}
+
+std::vector<size_t> LandmarkFitter::SubjectFrames() const {
+  std::vector<size_t> seen, picked;
+  for (size_t f = 0; f < faces_.size(); ++f)
+    if (faces_[f]) seen.push_back(f);
+  const size_t count = std::min(kSubjectFrames, seen.size());
+  for (size_t i = 0; i < count; ++i)
+    picked.push_back(seen[count == 1 ? 0 : i * (seen.size() - 1) / (count - 1)]);
+  return picked;
+}
+
+void LandmarkFitter::FitSubject() {
+  const std::vector<size_t> picked = SubjectFrames();
+  const double count = std::max(1.0, double(picked.size()) / kAlikeFrames);
+  ceres::Problem problem;
+  auto* order = new ceres::ParameterBlockOrdering;
+  for (size_t f : picked) {
+    AddFrame(problem, f, frames_[f].data());
+    order->AddElementToGroup(frames_[f].data(), 0);
+  }
+  if (points_.shape_count() > 0) {
+    const std::vector<double> sigma(shape_.size(), 1 / std::sqrt(count));
+    problem.AddResidualBlock(
+        new PriorCost(std::vector<double>(shape_.size()), sigma), nullptr, shape_.data());
+    order->AddElementToGroup(shape_.data(), 1);
+  }
+  problem.AddResidualBlock(
+      new PriorCost({log_focal_}, {kFocalSigma / std::sqrt(count)}), nullptr, &log_focal_);
+  order->AddElementToGroup(&log_focal_, 1);
+  if (focal_given_) problem.SetParameterBlockConstant(&log_focal_);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_ordering.reset(order);
+  options.num_threads = 1;  // sums would depend on the number of threads
+  options.max_num_iterations = 60;
+  options.function_tolerance = 1e-5;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+}
+
+void LandmarkFitter::MeasureFrame(size_t f,
+                                  const PointsOnFlame::Tape& tape,
+                                  FittedFrame& out) const {
+  const double focal = std::exp(log_focal_);
+  double sum = 0, weights = 0;
+  for (size_t p = 0; p < embedding_.size(); ++p) {
+    const auto& [x, y, z] = tape.points[p];
+    const size_t landmark = size_t(embedding_[p].landmark);
+    const auto& seen = faces_[f]->points[landmark];
+    out.points.push_back({lens_.cx + focal * x / -z, lens_.cy - focal * y / -z});
+    const double weight = faces_[f]->weights[landmark];
+    sum += weight * std::hypot(out.points[p][0] - seen[0], out.points[p][1] - seen[1]);
+    weights += weight;
+  }
+  out.error = sum / weights;
+}
+
+FittedFrame LandmarkFitter::FrameResult(size_t f) const {
+  const std::vector<double>& frame = frames_[f];
+  PointsOnFlame::Tape tape;
+  points_.Pose(shape_.data(), frame.data(), tape);
+  FittedFrame out;
+  MeasureFrame(f, tape, out);
+  // The head's own forward direction is FLAME's z, turned by root and neck.
+  const double forward = tape.transforms.rotation[1][8];
+  out.turned = std::acos(std::clamp(forward, -1.0, 1.0)) * 180 / M_PI;
+  for (size_t i = 0; i < 3; ++i) out.params.translation[i] = float(frame[kFitTranslation + i]);
+  for (size_t j = 0; j < kFlameJoints; ++j)
+    for (size_t i = 0; i < 3; ++i) out.params.pose[j][i] = float(frame[kFitPose + 3 * j + i]);
+  out.params.expression.assign(frame.begin() + kFitExpression, frame.end());
+  if (model_.has_eyelids) {
+    std::copy_n(out.params.expression.end() - 2, 2, out.params.eyelids.begin());
+    out.params.expression.resize(out.params.expression.size() - 2);
+  }
+  return out;
+}
+
+LandmarkFit LandmarkFitter::Result() const {
+  LandmarkFit fit;
+  const float focal = float(std::exp(log_focal_));
+  fit.camera.width = width_;
+  fit.camera.height = height_;
+  fit.camera.fx = fit.camera.fy = focal;
+  fit.camera.cx = float(lens_.cx);
+  fit.camera.cy = float(lens_.cy);
+  fit.camera.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+  fit.shape.assign(shape_.begin(), shape_.end());
+  double sum = 0;
+  int count = 0;
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    fit.frames.emplace_back();
+    if (!faces_[f]) continue;
+    fit.frames[f] = FrameResult(f);
+    sum += fit.frames[f]->error;
+    ++count;
+  }
+  fit.error = sum / count;
+  if (!std::isfinite(fit.error) || !std::isfinite(focal))
+    throw Error("landmarks", "no face of this model fits them");
+  return fit;
+}
+
+}  // namespace
+
+LandmarkFit FitLandmarks(const FlameModel& model,
+                         const LandmarkEmbedding& embedding,
+                         const std::vector<std::optional<ObservedFace>>& faces,
+                         int width,
+                         int height,
+                         const LandmarkFitOptions& options,
+                         const std::function<void(int done, int total)>& progress) {
+  constexpr int kMinFaces = 3;
+  const int seen =
+      int(std::count_if(faces.begin(), faces.end(), [](const auto& f) { return bool(f); }));
+  if (seen < kMinFaces)
+    throw Error("landmarks",
+                "a face is in " + std::to_string(seen) + " frames, expected at least " +
+                    std::to_string(kMinFaces));
+  LandmarkFitter fitter(model, embedding, faces, width, height, options);
+  const int total = (2 + kSmoothingSweeps) * seen;
+  std::mutex mutex;
+  int done = 0;
+  fitter.tick = [&] {
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (progress) progress(done, total);
+  };
+  fitter.Place();
+  fitter.FitFrames(false);
+  fitter.FitSubject();
+  fitter.FitFrames(false);
+  for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) fitter.FitFrames(true);
+  return fitter.Result();
+}
+
+}  // namespace cosplat

@@ -1,0 +1,52 @@
+// FLAME's parameters of a video from the landmarks of its frames.
+//
+// ChooseFaces -> FitLandmarks -> a track in the form that every layout's reader gives
+// (flame/track.h). A maximum-a-posteriori estimate: landmarks reprojected through one pinhole
+// camera, robustly, against Gaussian priors of shape and expression (FLAME's coefficients have unit
+// variance) and of the joints, and against the neighbouring frames. The minimiser is Ceres
+// Solver's. Uses no earlier track and no guess by the user. Bit-identical for any number of
+// threads.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "flame/fit/choose_faces.h"
+#include "flame/fit/landmark_embedding.h"
+#include "splat/base/camera.h"
+
+namespace cosplat {
+
+struct LandmarkFitOptions {
+  double focal = 0;  // px; 0: found, which needs a head that turns
+  // At most as many coefficients, and no more than the model has; eyelids come on top.
+  int shape_count = 100, expression_count = 100;
+};
+
+struct FittedFrame {
+  FlameParams params;                         // without shape; eyelids are in FlameParams::eyelids
+  std::vector<std::array<double, 2>> points;  // [L] px, where the fitted mesh has the landmarks
+  double error = 0;                           // px, mean distance from the landmarks
+  double turned = 0;                          // degrees between the face and the camera
+};
+
+struct LandmarkFit {
+  Camera camera;                                   // stands still in front of the head, which moves
+  std::vector<float> shape;                        // the subject's
+  std::vector<std::optional<FittedFrame>> frames;  // none where there was no face
+  double error = 0;                                // px, mean over the fitted frames
+};
+
+// faces: one per frame of a video of width x height pixels. `progress`, if given, is called with
+// increasing `done`. Throws Error if fewer than three frames have a face or the fit does not
+// converge to finite numbers.
+LandmarkFit FitLandmarks(const FlameModel& model,
+                         const LandmarkEmbedding& embedding,
+                         const std::vector<std::optional<ObservedFace>>& faces,
+                         int width,
+                         int height,
+                         const LandmarkFitOptions& options,
+                         const std::function<void(int done, int total)>& progress = {});
+
+}  // namespace cosplat

@@ -1,0 +1,105 @@
+#include "flame/fit/landmark_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cosplat::internal {
+namespace {
+
+// In units of a landmark's sigma: errors beyond it count linearly.
+constexpr double kRobustFrom = 2;
+constexpr double kMinDistance = 0.02;  // metres, of a point from the camera
+
+// The robust factor g(s) and its derivative.
+double RobustFactor(double s, double& d_factor) {
+  constexpr double c2 = kRobustFrom * kRobustFrom;
+  const double q = std::sqrt(1 + s / c2);
+  const double factor = std::sqrt(2 / (1 + q));
+  d_factor = -factor / (4 * c2 * q * (1 + q));
+  return factor;
+}
+
+}  // namespace
+
+LandmarkCost::LandmarkCost(const PointsOnFlame& points,
+                           const LandmarkEmbedding& embedding,
+                           const ObservedFace& face,
+                           const FitLens& lens,
+                           double sigma)
+    : points_(points), embedding_(embedding), face_(face), lens_(lens), sigma_(sigma) {
+  *mutable_parameter_block_sizes() = {points.shape_count(), 1, points.frame_size()};
+  set_num_residuals(2 * points.point_count());
+}
+
+bool LandmarkCost::Evaluate(const double* const* parameters,
+                            double* residuals,
+                            double** jacobians) const {
+  PointsOnFlame::Tape tape;
+  points_.Pose(parameters[0], parameters[2], tape);
+  const double focal = std::exp(parameters[1][0]);
+  const size_t shape = size_t(points_.shape_count()), frame = size_t(points_.frame_size());
+  // Rows of the Jacobian are summed here even for blocks that are held fixed.
+  std::vector<double> d_shape(2 * shape), d_frame(2 * frame);
+  for (size_t p = 0; p < embedding_.size(); ++p) {
+    const auto& [x, y, z] = tape.points[p];
+    if (-z < kMinDistance) return false;
+    const size_t landmark = size_t(embedding_[p].landmark);
+    const double k = face_.weights[landmark] / sigma_, scale = focal / -z;
+    const auto& seen = face_.points[landmark];
+    const double r[2] = {k * (lens_.cx + scale * x - seen[0]),
+                         k * (lens_.cy - scale * y - seen[1])};
+    double d_factor;
+    const double factor = RobustFactor(r[0] * r[0] + r[1] * r[1], d_factor);
+    for (size_t i = 0; i < 2; ++i) residuals[2 * p + i] = factor * r[i];
+    if (!jacobians) continue;
+    // Of r with respect to the point and the focal length.
+    const std::array<double, 3> d_point[2] = {{k * scale, 0, k * scale * x / -z},
+                                              {0, -k * scale, -k * scale * y / -z}};
+    const double d_focal[2] = {k * scale * x, -k * scale * y};
+    // Of the residuals with respect to r.
+    double d_robust[2][2];
+    for (size_t i = 0; i < 2; ++i)
+      for (size_t j = 0; j < 2; ++j)
+        d_robust[i][j] = (i == j ? factor : 0) + 2 * d_factor * r[i] * r[j];
+    for (size_t i = 0; i < 2; ++i) {
+      std::array<double, 3> d{};
+      for (size_t j = 0; j < 2; ++j)
+        for (size_t a = 0; a < 3; ++a) d[a] += d_robust[i][j] * d_point[j][a];
+      std::fill_n(d_shape.begin(), shape, 0.0);
+      std::fill_n(d_frame.begin(), frame, 0.0);
+      points_.Backward(tape, int(p), d, d_shape.data(), d_frame.data());
+      const size_t row = 2 * p + i;
+      if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
+      if (jacobians[1])
+        jacobians[1][row] = d_robust[i][0] * d_focal[0] + d_robust[i][1] * d_focal[1];
+      if (jacobians[2]) std::copy_n(d_frame.begin(), frame, jacobians[2] + row * frame);
+    }
+  }
+  return true;
+}
+
+PriorCost::PriorCost(std::vector<double> mean, const std::vector<double>& sigma)
+    : mean_(std::move(mean)) {
+  for (size_t k = 0; k < sigma.size(); ++k)
+    if (std::isfinite(sigma[k])) {
+      entries_.push_back(int(k));
+      inverse_.push_back(1 / sigma[k]);
+    }
+  *mutable_parameter_block_sizes() = {int(mean_.size())};
+  set_num_residuals(int(entries_.size()));
+}
+
+bool PriorCost::Evaluate(const double* const* parameters,
+                         double* residuals,
+                         double** jacobians) const {
+  const size_t size = mean_.size();
+  if (jacobians && jacobians[0]) std::fill_n(jacobians[0], entries_.size() * size, 0.0);
+  for (size_t e = 0; e < entries_.size(); ++e) {
+    const size_t k = size_t(entries_[e]);
+    residuals[e] = (parameters[0][k] - mean_[k]) * inverse_[e];
+    if (jacobians && jacobians[0]) jacobians[0][e * size + k] = inverse_[e];
+  }
+  return true;
+}
+
+}  // namespace cosplat::internal

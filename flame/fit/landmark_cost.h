@@ -1,0 +1,57 @@
+// Residuals of the fit to landmarks, for Ceres. Private to flame/fit/.
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <vector>
+
+#include "flame/fit/choose_faces.h"
+#include "flame/fit/points_on_flame.h"
+
+namespace cosplat::internal {
+
+// The camera stands still at the origin with OpenGL's axes: x right, y up, looking along -z.
+struct FitLens {
+  double cx, cy;  // px
+};
+
+// Parameters: shape [S], logarithm of the focal length in px [1], frame [frame_size].
+// Residuals: two per landmark, px over `sigma`, made robust: with r the pair and s = |r|^2, they
+// are g r, where g^2 s = 2 c^2 (sqrt(1 + s / c^2) - 1), which grows as |r| far away (Charbonnier et
+// al. 1997).
+class LandmarkCost : public ceres::CostFunction {
+ public:
+  // Keeps references to all but the numbers.
+  LandmarkCost(const PointsOnFlame& points,
+               const LandmarkEmbedding& embedding,
+               const ObservedFace& face,
+               const FitLens& lens,
+               double sigma);
+  // Fails if a point is not in front of the camera.
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  const PointsOnFlame& points_;
+  const LandmarkEmbedding& embedding_;
+  const ObservedFace& face_;
+  const FitLens lens_;
+  const double sigma_;
+};
+
+// (x_k - mean_k) / sigma_k for every k whose sigma is finite.
+class PriorCost : public ceres::CostFunction {
+ public:
+  PriorCost(std::vector<double> mean, const std::vector<double>& sigma);
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  std::vector<double> mean_;
+  std::vector<int> entries_;
+  std::vector<double> inverse_;  // of sigma, per entry
+};
+
+}  // namespace cosplat::internal

@@ -1,0 +1,164 @@
+#include "flame/fit/points_on_flame.h"
+
+#include <algorithm>
+#include <map>
+
+#include "flame/math/rodrigues.h"
+#include "flame/math/skinning.h"
+
+namespace cosplat {
+namespace {
+
+using flame_math::Matrix3;
+using flame_math::Vector3;
+
+void AddScaled(double a, const double* x, size_t count, double* sum) {
+  for (size_t i = 0; i < count; ++i) sum[i] += a * x[i];
+}
+
+double DotOf(const double* a, const double* b, size_t count) {
+  double sum = 0;
+  for (size_t i = 0; i < count; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+// The expression directions that the fit's coefficients stand for.
+std::vector<int> ExpressionOrder(const FlameModel& model, int count) {
+  std::vector<int> order;
+  const int lids = model.has_eyelids ? 2 : 0;
+  for (int k = 0; k < count - lids; ++k) order.push_back(k);
+  for (int k = 0; k < lids; ++k) order.push_back(model.expression_count - lids + k);
+  return order;
+}
+
+}  // namespace
+
+PointsOnFlame::PointsOnFlame(const FlameModel& model,
+                             const LandmarkEmbedding& embedding,
+                             int shape_count,
+                             int expression_count)
+    : shape_count_(shape_count), expression_count_(expression_count), parents_(model.parents) {
+  std::map<int, int> kept;
+  for (const EmbeddedLandmark& point : embedding) {
+    std::array<Corner, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      const int next = int(kept.size());
+      corners[k] = {kept.emplace(point.vertices[k], next).first->second, point.barycentric[k]};
+    }
+    corners_.push_back(corners);
+  }
+  const std::vector<int> expression = ExpressionOrder(model, expression_count);
+  const size_t rows = 3 * size_t(model.vertex_count);
+  // The directions' values at one coordinate, in the order of columns().
+  const auto shape_and_expression = [&](size_t row, double* out) {
+    for (int k = 0; k < shape_count; ++k) *out++ = model.shape_directions[k * rows + row];
+    for (int k : expression) *out++ = model.expression_directions[k * rows + row];
+  };
+  template_.resize(3 * kept.size());
+  directions_.resize(template_.size() * columns());
+  weights_.resize(kFlameJoints * kept.size());
+  for (const auto& [vertex, place] : kept) {
+    std::copy_n(&model.skinning_weights[kFlameJoints * size_t(vertex)],
+                kFlameJoints,
+                &weights_[kFlameJoints * size_t(place)]);
+    for (size_t i = 0; i < 3; ++i) {
+      const size_t row = 3 * size_t(vertex) + i, to = 3 * size_t(place) + i;
+      template_[to] = model.template_vertices[row];
+      double* const out = &directions_[to * columns()];
+      shape_and_expression(row, out);
+      for (size_t k = 0; k < kFlamePoseFeatures; ++k)
+        out[columns() - kFlamePoseFeatures + k] = model.pose_directions[k * rows + row];
+    }
+  }
+  const size_t blends = size_t(shape_count + expression_count);
+  joint_directions_.resize(3 * kFlameJoints * blends);
+  std::vector<double> at(blends);
+  for (size_t v = 0; v < size_t(model.vertex_count); ++v)
+    for (size_t j = 0; j < kFlameJoints; ++j) {
+      const double w = model.joint_regressor[j * size_t(model.vertex_count) + v];
+      if (w == 0) continue;
+      for (size_t i = 0; i < 3; ++i) {
+        rest_joints_[3 * j + i] += w * model.template_vertices[3 * v + i];
+        shape_and_expression(3 * v + i, at.data());
+        AddScaled(w, at.data(), blends, &joint_directions_[(3 * j + i) * blends]);
+      }
+    }
+}
+
+void PointsOnFlame::Pose(const double* shape, const double* frame, Tape& tape) const {
+  std::vector<double> coefficients(columns());
+  const size_t blends = columns() - kFlamePoseFeatures;
+  std::copy_n(shape, shape_count_, coefficients.begin());
+  std::copy_n(frame + kFitExpression, expression_count_, coefficients.begin() + shape_count_);
+  for (size_t j = 0; j < kFlameJoints; ++j) {
+    std::copy_n(frame + kFitPose + 3 * j, 3, tape.pose[j].begin());
+    tape.local[j] = flame_math::Rodrigues(tape.pose[j]);
+    for (size_t i = 0; i < 3; ++i)
+      tape.joints[j][i] =
+          rest_joints_[3 * j + i] +
+          DotOf(&joint_directions_[(3 * j + i) * blends], coefficients.data(), blends);
+    for (size_t i = 0; j > 0 && i < 9; ++i)
+      coefficients[blends + 9 * (j - 1) + i] = tape.local[j][i] - (i % 4 == 0 ? 1 : 0);
+  }
+  tape.transforms = flame_math::PoseJoints(tape.local, tape.joints, parents_);
+  tape.unskinned.resize(template_.size());
+  for (size_t row = 0; row < template_.size(); ++row)
+    tape.unskinned[row] =
+        template_[row] + DotOf(&directions_[row * columns()], coefficients.data(), columns());
+  tape.points.assign(corners_.size(), {});
+  for (size_t p = 0; p < corners_.size(); ++p) {
+    for (const auto& [v, weight] : corners_[p]) {
+      const double* u = &tape.unskinned[3 * size_t(v)];
+      const Vector3<double> posed = flame_math::SkinPoint(
+          tape.transforms, &weights_[kFlameJoints * size_t(v)], Vector3<double>{u[0], u[1], u[2]});
+      AddScaled(weight, posed.data(), 3, tape.points[p].data());
+    }
+    AddScaled(1, frame + kFitTranslation, 3, tape.points[p].data());
+  }
+}
+
+void PointsOnFlame::Backward(const Tape& tape,
+                             int point,
+                             const std::array<double, 3>& d_point,
+                             double* d_shape,
+                             double* d_frame) const {
+  const size_t blends = columns() - kFlamePoseFeatures;
+  std::vector<double> d_coefficients(columns());
+  flame_math::JointTransforms<double, kFlameJoints> d_transforms{};
+  for (const auto& [v, weight] : corners_[size_t(point)]) {
+    if (weight == 0) continue;
+    const double* u = &tape.unskinned[3 * size_t(v)];
+    const Vector3<double> d_unskinned = flame_math::SkinPointVjp(
+        tape.transforms,
+        &weights_[kFlameJoints * size_t(v)],
+        Vector3<double>{u[0], u[1], u[2]},
+        Vector3<double>{weight * d_point[0], weight * d_point[1], weight * d_point[2]},
+        d_transforms);
+    for (size_t i = 0; i < 3; ++i)
+      AddScaled(d_unskinned[i],
+                &directions_[(3 * size_t(v) + i) * columns()],
+                columns(),
+                d_coefficients.data());
+  }
+  std::array<Matrix3<double>, kFlameJoints> d_local{};
+  std::array<Vector3<double>, kFlameJoints> d_joints{};
+  flame_math::PoseJointsVjp(
+      tape.local, tape.joints, parents_, tape.transforms, d_transforms, d_local, d_joints);
+  for (size_t j = 0; j < kFlameJoints; ++j) {
+    for (size_t i = 0; j > 0 && i < 9; ++i)
+      d_local[j][i] += d_coefficients[blends + 9 * (j - 1) + i];
+    const Vector3<double> d_pose = flame_math::RodriguesVjp(tape.pose[j], d_local[j]);
+    AddScaled(1, d_pose.data(), 3, d_frame + kFitPose + 3 * j);
+    for (size_t i = 0; i < 3; ++i)
+      AddScaled(
+          d_joints[j][i], &joint_directions_[(3 * j + i) * blends], blends, d_coefficients.data());
+  }
+  AddScaled(1, d_point.data(), 3, d_frame + kFitTranslation);
+  AddScaled(1, d_coefficients.data(), size_t(shape_count_), d_shape);
+  AddScaled(1,
+            &d_coefficients[size_t(shape_count_)],
+            size_t(expression_count_),
+            d_frame + kFitExpression);
+}
+
+}  // namespace cosplat

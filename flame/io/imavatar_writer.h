@@ -1,0 +1,28 @@
+// Writes a track in IMavatar's layout, which flame/io/imavatar.cpp reads: flame_params.json beside
+// image/NAME.png and mask/NAME.png, which the caller writes.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "flame/track.h"
+
+namespace cosplat {
+
+// Extent of a mask's non-zero pixels in the layout's form: left, top, right, bottom in [-1, 1].
+std::array<float, 4> ImavatarBox(const Image8& mask);
+
+struct ImavatarTrack {
+  std::vector<float> shape;
+  int test_frames = 0;                      // the last ones are held out
+  std::vector<TrackedFrame> frames;         // name, camera and params; all cameras have one lens
+  std::vector<std::array<float, 4>> boxes;  // [frames] ImavatarBox
+};
+
+// Writes <folder>/flame_params.json atomically. A frame's eyelids, if any frame has some, are
+// written as "eyelids", which the layout's other readers ignore. Frames' expressions must have one
+// length. Throws Error if the file cannot be written.
+void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track);
+
+}  // namespace cosplat
