@@ -6,6 +6,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/data_uri.h"
+#include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/study/charts/svg_chart.h"
@@ -38,12 +39,6 @@ std::vector<std::string> Spread(const std::vector<std::string>& all, size_t coun
   return picked;
 }
 
-std::string Number(double value, const char* format) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
 // Reads an object of finite numbers.
@@ -55,9 +50,9 @@ NamedNumbers NumbersIn(const JsonField& object) {
 }
 
 std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
-  std::string html = "<table>";
+  std::vector<std::pair<std::string, std::string>> rows;
   const auto row = [&](const std::string& name, const std::string& value) {
-    html += "<tr><th>" + name + "</th><td>" + value + "</td></tr>";
+    rows.push_back({name, value});
   };
   const std::vector<std::array<const char*, 3>> figures{
       {"PSNR", "PSNR, whole image", "%.2f dB"},
@@ -68,21 +63,22 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
       {"SSIM", "SSIM", "%.4f"}};
   for (const auto& [key, name, format] : figures)
     for (const auto& [result, value] : results)
-      if (result == key) row(name, Number(value, format));
+      if (result == key) row(name, FormatNumber(value, format));
   for (const auto& [result, value] : results)
     if (result.rfind("LPIPS_", 0) == 0)
-      row("LPIPS (" + EscapeXml(result.substr(6)) + ")", Number(value, "%.4f"));
+      row("LPIPS (" + result.substr(6) + ")", FormatNumber(value, "%.4f"));
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
   if (stats.NumberOr("rest_saved", 0) > 0) {
-    row("Mean degree of the colours", Number(stats["mean_degree"].Number(), "%.2f"));
-    row("Coefficients dropped", Number(100 * stats["rest_saved"].Number(), "%.0f %%"));
-    row("PSNR in training as they were dropped", Number(stats["drop_psnr"].Number(), "%+.2f dB"));
+    row("Mean degree of the colours", FormatNumber(stats["mean_degree"].Number(), "%.2f"));
+    row("Coefficients dropped", FormatNumber(100 * stats["rest_saved"].Number(), "%.0f %%"));
+    row("PSNR in training as they were dropped",
+        FormatNumber(stats["drop_psnr"].Number(), "%+.2f dB"));
   }
   row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
-  row("Training", Number(stats["seconds"].Number(), "%.0f s"));
-  row("One step", Number(stats["ms_per_step"].Number(), "%.1f ms"));
-  row("Memory at most", Number(stats["peak_mb"].Number(), "%.0f MB"));
-  return html + "</table>";
+  row("Training", FormatNumber(stats["seconds"].Number(), "%.0f s"));
+  row("One step", FormatNumber(stats["ms_per_step"].Number(), "%.1f ms"));
+  row("Memory at most", FormatNumber(stats["peak_mb"].Number(), "%.0f MB"));
+  return HtmlTable(rows);
 }
 
 // Time per phase of a training step.
@@ -146,14 +142,6 @@ std::string PreviewHtml(const std::string& test, const std::vector<std::string>&
          "setInterval(()=>{img.src=frames[i++%frames.length]},80);img.src=frames[0];</script>";
 }
 
-constexpr const char* kStyle =
-    "<style>body{font:16px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;"
-    "color:#222}h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em}th{text-align:left;"
-    "font-weight:normal;padding-right:2em;color:#555}td{font-variant-numeric:tabular-nums}"
-    ".pairs{display:grid;grid-template-columns:1fr 1fr;gap:12px}figure{margin:0}img{max-width:100%}"
-    "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
-    ".row svg{max-width:520px;height:auto;margin-top:2em}</style>";
-
 void Report(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
              per_view_json = ReadJson(model + "/per_view.json"),
@@ -173,16 +161,15 @@ void Report(const std::string& model, bool quiet) {
   for (const auto& [name, value] : psnr) names.push_back(name);
   const bool avatar = run["kind"].String() == "avatar";
   const std::string title = avatar ? "Head avatar" : "Scene";
-  const std::string html =
-      "<!doctype html><html lang='en'><meta charset='utf-8'><title>" + title + "</title>" + kStyle +
-      "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
-      "</h1><div class='row'><div>" + PreviewHtml(test, names) +
-      "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
-      "</div></div><h2>Rendered beside what was held out</h2>" + PairsHtml(test, names) +
-      "<div class='row'>" + ViewChart(psnr) + PhaseChart(NumbersIn(stats["phases_ms"])) +
-      BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
-      EscapeXml(run_json.dump(2)) + "</pre></html>\n";
-  WriteFileAtomically(model + "/report.html", html);
+  const std::string body = "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
+                           "</h1><div class='row'><div>" + PreviewHtml(test, names) +
+                           "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
+                           "</div></div><h2>Rendered beside what was held out</h2>" +
+                           PairsHtml(test, names) + "<div class='row'>" + ViewChart(psnr) +
+                           PhaseChart(NumbersIn(stats["phases_ms"])) +
+                           BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
+                           EscapeXml(run_json.dump(2)) + "</pre>";
+  WriteFileAtomically(model + "/report.html", HtmlPage(title, body));
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }
 

@@ -16,6 +16,7 @@ void AddRender(CLI::App& app);
 void AddReport(CLI::App& app);
 void AddSend(CLI::App& app);
 void AddStudy(CLI::App& app);
+void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
 

@@ -68,6 +68,7 @@ class VideoReader {
   explicit VideoReader(const std::string& path);  // throws Error
   ~VideoReader();
   int frame_count() const;
+  double frames_per_second() const;  // as the container states it; 0 if it does not
   // RGB; cheap for index = last + 1, whereas an earlier index decodes from the start. Throws Error.
   Image8 ReadFrame(int index);
 

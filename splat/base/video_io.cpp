@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
@@ -24,6 +25,7 @@ struct VideoReader::Impl {
   std::string path;
   cv::VideoCapture capture;
   int count = 0;
+  double frames_per_second = 0;
   int next = 0;  // index of the frame that read() returns
   std::mutex mutex;
 
@@ -38,6 +40,8 @@ VideoReader::VideoReader(const std::string& path) : impl_(std::make_unique<Impl>
   if (!std::filesystem::is_regular_file(path)) throw Error(path, "is not a file");
   impl_->path = path;
   impl_->Open();
+  const double rate = impl_->capture.get(cv::CAP_PROP_FPS);
+  impl_->frames_per_second = std::isfinite(rate) && rate > 0 ? rate : 0;
   impl_->count = CountFrames(path);
   if (impl_->count == 0) throw Error(path, "has no frame that can be decoded");
 }
@@ -45,6 +49,7 @@ VideoReader::VideoReader(const std::string& path) : impl_(std::make_unique<Impl>
 VideoReader::~VideoReader() = default;
 
 int VideoReader::frame_count() const { return impl_->count; }
+double VideoReader::frames_per_second() const { return impl_->frames_per_second; }
 
 Image8 VideoReader::ReadFrame(int index) {
   const std::lock_guard<std::mutex> lock(impl_->mutex);

@@ -1,0 +1,90 @@
+#include "apps/cosplat/run/frame_source.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Compares runs of digits by their values.
+bool CountedBefore(const std::string& a, const std::string& b) {
+  size_t i = 0, k = 0;
+  const auto digit = [](const std::string& s, size_t at) {
+    return at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])) != 0;
+  };
+  const auto number = [&](const std::string& s, size_t& at) {
+    while (at < s.size() && s[at] == '0') ++at;
+    const size_t begin = at;
+    while (digit(s, at)) ++at;
+    return s.substr(begin, at - begin);
+  };
+  while (i < a.size() && k < b.size()) {
+    if (digit(a, i) && digit(b, k)) {
+      const std::string x = number(a, i), y = number(b, k);
+      if (x != y) return x.size() != y.size() ? x.size() < y.size() : x < y;
+    } else if (a[i] != b[k]) {
+      return a[i] < b[k];
+    } else {
+      ++i, ++k;
+    }
+  }
+  return a.size() - i < b.size() - k;
+}
+
+std::vector<std::string> ImagesIn(const std::string& folder) {
+  std::vector<std::string> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
+      images.push_back(entry.path().string());
+  }
+  std::sort(images.begin(), images.end(), CountedBefore);
+  return images;
+}
+
+}  // namespace
+
+FrameSource::FrameSource(const std::string& path) {
+  if (!fs::is_directory(path)) {
+    video_ = std::make_unique<VideoReader>(path);
+    const Image8 first = video_->ReadFrame(0);
+    width_ = first.width, height_ = first.height;
+    frames_per_second_ = video_->frames_per_second();
+    return;
+  }
+  images_ = ImagesIn(path);
+  if (images_.empty()) throw Error(path, "holds no PNG or JPEG files");
+  for (const std::string& image : images_) {
+    const ImageInfo info = ReadImageInfo(image);
+    if (width_ == 0) width_ = info.width, height_ = info.height;
+    if (info.width != width_ || info.height != height_)
+      throw Error(image,
+                  "is " + std::to_string(info.width) + "x" + std::to_string(info.height) +
+                      ", the images before it are " + std::to_string(width_) + "x" +
+                      std::to_string(height_));
+  }
+}
+
+int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }
+
+std::string FrameSource::Name(int frame) const {
+  return video_ ? std::to_string(frame) : fs::path(images_.at(size_t(frame))).stem().string();
+}
+
+Image8 FrameSource::Read(int frame) const {
+  if (video_) return video_->ReadFrame(frame);
+  Image8 image = ReadImage(images_.at(size_t(frame)));
+  Image8 rgb(image.width, image.height, 3);
+  for (size_t i = 0; i < rgb.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c)
+      rgb.data[3 * i + c] = image.data[size_t(image.channels) * i + (image.channels < 3 ? 0 : c)];
+  return rgb;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,33 @@
+// The frames of a video file, or the images of a folder in the order of their names.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+
+class FrameSource {
+ public:
+  // A folder's PNG and JPEG files are ordered as people count: 2.png before 10.png. Throws Error if
+  // the path is neither a video nor a folder with images, or if their sizes differ.
+  explicit FrameSource(const std::string& path);
+  int count() const;
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double frames_per_second() const { return frames_per_second_; }  // 0: unknown
+  // The stem of the image's file, or the frame's number in the video.
+  std::string Name(int frame) const;
+  // RGB. Cheapest in order. Throws Error as the readers do.
+  Image8 Read(int frame) const;
+
+ private:
+  std::unique_ptr<VideoReader> video_;
+  std::vector<std::string> images_;  // paths, without a video
+  int width_ = 0, height_ = 0;
+  double frames_per_second_ = 0;
+};
+
+}  // namespace cosplat

@@ -1,0 +1,177 @@
+#include "apps/cosplat/run/track_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cosplat/run/data_uri.h"
+#include "apps/cosplat/run/frame_sink.h"
+#include "apps/cosplat/run/html_page.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/study/charts/svg_chart.h"
+#include "apps/study/charts/svg_drawing.h"
+#include "apps/viewer/mesh_view.h"
+#include "flame/pose.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kOverlays = 12;
+constexpr int kOverlayWidth = 480;  // px, in the page
+constexpr viewer::Rgb kMeshColor{150, 170, 210};
+constexpr viewer::Rgb kSeenColor{60, 230, 90}, kFittedColor{240, 60, 50};
+
+void Dot(double x, double y, const viewer::Rgb& color, Image8& image) {
+  const int radius = std::max(1, image.width / 400);
+  for (int dy = -radius; dy <= radius; ++dy)
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const int px = int(std::floor(x)) + dx, py = int(std::floor(y)) + dy;
+      if (dx * dx + dy * dy > radius * radius) continue;
+      if (px < 0 || py < 0 || px >= image.width || py >= image.height) continue;
+      for (int c = 0; c < 3; ++c) image.at(px, py, c) = color[size_t(c)];
+    }
+}
+
+std::vector<float> VerticesOf(const TrackRun& run, size_t f) {
+  FlameParams params = run.fit.frames[f]->params;
+  if (run.model.has_eyelids) {
+    params.expression.resize(size_t(run.model.expression_count) - 2, 0);
+    params.expression.insert(params.expression.end(), params.eyelids.begin(), params.eyelids.end());
+  }
+  std::vector<float> vertices;
+  FlamePoser<float>(run.model, run.fit.shape)
+      .Forward(FlamePoser<float>::ParametersOf(params), vertices);
+  return vertices;
+}
+
+// The share of a frame's numbers, sorted.
+double Percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[size_t(share * double(values.size() - 1))];
+}
+
+std::vector<double> ErrorsOf(const TrackRun& run) {
+  std::vector<double> errors;
+  for (size_t f : run.kept) errors.push_back(run.fit.frames[f]->error);
+  return errors;
+}
+
+Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
+  Json frames = Json::array(), skipped = Json::array();
+  for (size_t f : run.kept)
+    frames.push_back({{"name", run.marks.frames[f].name},
+                      {"error_px", run.fit.frames[f]->error},
+                      {"turned_degrees", run.fit.frames[f]->turned}});
+  for (const auto& [name, reason] : run.skipped)
+    skipped.push_back({{"name", name}, {"reason", reason}});
+  return {{"source", o.source},
+          {"landmarks", o.landmarks},
+          {"flame", o.flame},
+          {"focal_px", run.fit.camera.fx},
+          {"focal_given", o.focal > 0},
+          {"error_px", run.fit.error},
+          {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
+          {"cuts", run.chosen.cuts},
+          {"frames", frames},
+          {"skipped", skipped}};
+}
+
+std::string ErrorChart(const TrackRun& run) {
+  Chart chart{Chart::Kind::kLines,
+              "Distance from the landmarks",
+              {"frame", ""},
+              {"mean distance", "px"},
+              {},
+              {}};
+  ChartSeries errors{"frames", {}};
+  for (size_t f : run.kept)
+    errors.marks.push_back({double(run.marks.frames[f].frame), run.fit.frames[f]->error, ""});
+  chart.series = {errors};
+  return ToSvg(chart);
+}
+
+std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
+  const auto px = [](double value) { return FormatNumber(value, "%.2f px"); };
+  return HtmlTable(
+      {{"Frames tracked",
+        std::to_string(run.kept.size()) + " of " + std::to_string(run.fit.frames.size())},
+       {"Distance from the landmarks, mean", px(run.fit.error)},
+       {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
+       {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
+       {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
+        FormatNumber(run.fit.camera.fx, "%.0f px")},
+       {"Cuts, or changes to another face", std::to_string(run.chosen.cuts)}});
+}
+
+std::string OverlaysHtml(const TrackRun& run, const FrameSource& frames) {
+  std::string html;
+  const size_t count = std::min(kOverlays, run.kept.size());
+  for (size_t i = 0; i < count; ++i) {
+    const size_t f = run.kept[count == 1 ? 0 : i * (run.kept.size() - 1) / (count - 1)];
+    Image8 overlay = DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame));
+    if (overlay.width > kOverlayWidth)
+      overlay = ResizeByArea(
+          overlay, kOverlayWidth, std::max(1, overlay.height * kOverlayWidth / overlay.width));
+    html += "<figure><img src='" + ImageUri(overlay, ".jpg") + "'><figcaption>" +
+            EscapeXml(run.marks.frames[f].name) +
+            FormatNumber(run.fit.frames[f]->error, ": %.2f px") + "</figcaption></figure>";
+  }
+  return html;
+}
+
+std::string SkippedHtml(const TrackRun& run) {
+  if (run.skipped.empty()) return "";
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const auto& [name, reason] : run.skipped) rows.push_back({name, reason});
+  return "<h2>Frames that are left out</h2>" + HtmlTable(rows);
+}
+
+void WriteOverlays(const TrackRunOptions& o, const TrackRun& run, const FrameSource& frames) {
+  FrameSink sink(o.overlay);
+  ProgressBar bar("overlay", int(run.kept.size()), o.quiet);
+  for (size_t f : run.kept) {
+    sink.Write(DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame)));
+    bar.Update(sink.count(), "frames");
+  }
+  sink.Finish();
+}
+
+}  // namespace
+
+Image8 DrawOverlay(const TrackRun& run, size_t f, const Image8& image) {
+  viewer::SurfaceBuffer buffer;
+  buffer.Clear(image.width, image.height);
+  viewer::MeshPaint paint;
+  paint.faces.assign(run.model.faces.size(), kMeshColor);
+  viewer::DrawMesh(VerticesOf(run, f), run.model.faces, paint, run.fit.camera, buffer);
+  Image8 mesh;
+  viewer::Resolve(buffer, nullptr, mesh);
+  Image8 overlay = image;
+  for (size_t i = 0; i < image.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      const int alpha = mesh.data[4 * i + 3] / 2;
+      uint8_t& value = overlay.data[3 * i + c];
+      value = uint8_t((value * (255 - alpha) + mesh.data[4 * i + c] * alpha) / 255);
+    }
+  const FittedFrame& frame = *run.fit.frames[f];
+  for (size_t p = 0; p < run.embedding.size(); ++p) {
+    const auto& seen = run.chosen.faces[f]->points[size_t(run.embedding[p].landmark)];
+    Dot(seen[0], seen[1], kSeenColor, overlay);
+    Dot(frame.points[p][0], frame.points[p][1], kFittedColor, overlay);
+  }
+  return overlay;
+}
+
+void WriteTrackReport(const TrackRunOptions& o, const TrackRun& run, const FrameSource& frames) {
+  WriteFileAtomically(o.out + "/track.json", FiguresOf(o, run).dump(1) + "\n");
+  const std::string body = "<h1>Track of " + EscapeXml(o.source) + "</h1><div class='row'><div>" +
+                           FiguresHtml(o, run) + "</div>" + ErrorChart(run) +
+                           "</div><h2>The mesh over the video</h2><p>Landmarks as seen are green, "
+                           "as the mesh has them red.</p><div class='many'>" +
+                           OverlaysHtml(run, frames) + "</div>" + SkippedHtml(run);
+  WriteFileAtomically(o.out + "/track.html", HtmlPage("Track", body));
+  if (!o.overlay.empty()) WriteOverlays(o, run, frames);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,198 @@
+#include "apps/cosplat/run/track_run.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/track_report.h"
+#include "apps/cosplat/run/train_run.h"
+#include "flame/eyelids.h"
+#include "flame/io/imavatar_writer.h"
+#include "flame/io/model_file.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A face seen more from the side has half its landmarks guessed.
+constexpr double kMaxTurned = 75;  // degrees
+// A frame is unusable beyond so many times the median error, if that is visible at all.
+constexpr double kMaxErrorRatio = 4, kMinError = 0.02;  // the latter in units of the face's size
+
+void CheckOfVideo(const LandmarkVideo& marks,
+                  const std::string& source,
+                  const FrameSource& frames) {
+  if (marks.width != frames.width() || marks.height != frames.height())
+    throw Error(marks.file,
+                "width, height",
+                "are " + std::to_string(marks.width) + "x" + std::to_string(marks.height) + ", " +
+                    source + " is " + std::to_string(frames.width()) + "x" +
+                    std::to_string(frames.height()));
+  for (size_t i = 0; i < marks.frames.size(); ++i) {
+    const LandmarkFrame& frame = marks.frames[i];
+    const std::string field = "frames[" + std::to_string(i) + "]";
+    if (frame.frame >= frames.count())
+      throw Error(marks.file,
+                  field + ".frame",
+                  "is " + std::to_string(frame.frame) + ", " + source + " has " +
+                      std::to_string(frames.count()) + " frames");
+    if (frame.name != frames.Name(frame.frame))
+      throw Error(marks.file,
+                  field + ".name",
+                  "is '" + frame.name + "', frame " + std::to_string(frame.frame) + " of " +
+                      source + " is '" + frames.Name(frame.frame) + "'");
+  }
+}
+
+FlameModel TrackingModel(const TrackRunOptions& o) {
+  FlameModel model = LoadFlameModel(o.flame);
+  return o.embedding.empty() ? WithEyelids(std::move(model)) : model;
+}
+
+double MedianError(const LandmarkFit& fit) {
+  std::vector<double> errors;
+  for (const auto& frame : fit.frames)
+    if (frame) errors.push_back(frame->error);
+  std::nth_element(errors.begin(), errors.begin() + long(errors.size() / 2), errors.end());
+  return errors[errors.size() / 2];
+}
+
+// What is wrong with a fitted frame, if anything.
+std::string ProblemOf(const FittedFrame& frame, double size, double median) {
+  char text[128] = "";
+  if (frame.error > std::max(kMaxErrorRatio * median, kMinError * size))
+    std::snprintf(text,
+                  sizeof text,
+                  "landmarks are %.1f px from the face, %.1f px in other frames",
+                  frame.error,
+                  median);
+  else if (frame.turned > kMaxTurned)
+    std::snprintf(text, sizeof text, "the face is turned away by %.0f degrees", frame.turned);
+  return text;
+}
+
+void Keep(TrackRun& run) {
+  run.skipped = run.chosen.skipped;
+  const double median = MedianError(run.fit);
+  for (size_t f = 0; f < run.fit.frames.size(); ++f) {
+    if (!run.fit.frames[f]) continue;
+    const std::string problem = ProblemOf(*run.fit.frames[f], run.chosen.faces[f]->size, median);
+    if (problem.empty()) {
+      run.kept.push_back(f);
+    } else {
+      run.skipped.push_back({run.marks.frames[f].name, problem});
+    }
+  }
+  CheckSkipped(run.marks.file, run.kept.size(), run.skipped);
+}
+
+// The mask of a frame: its matte, or empty.
+Image8 MatteOf(const LandmarkFrame& frame, const LandmarkVideo& marks) {
+  if (frame.matte.empty()) return {};
+  Image8 matte = ReadImage(frame.matte);
+  if (matte.channels != 1 || matte.width != marks.width || matte.height != marks.height)
+    throw Error(frame.matte,
+                "is " + std::to_string(matte.width) + "x" + std::to_string(matte.height) +
+                    " with " + std::to_string(matte.channels) + " channels, expected " +
+                    std::to_string(marks.width) + "x" + std::to_string(marks.height) + " with 1");
+  return matte;
+}
+
+TrackedFrame TrackedFrameOf(const TrackRun& run, size_t f) {
+  TrackedFrame frame;
+  frame.name = run.marks.frames[f].name;
+  frame.camera = run.fit.camera;
+  frame.params = run.fit.frames[f]->params;
+  return frame;
+}
+
+// Copies images and masks; returns each mask's extent.
+std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
+                                              const TrackRun& run,
+                                              const FrameSource& frames) {
+  std::vector<std::array<float, 4>> boxes(run.kept.size(), {-1, -1, 1, 1});
+  ProgressBar bar("write", int(run.kept.size()), o.quiet);
+  // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
+  constexpr size_t kAhead = 16;
+  for (size_t begin = 0; begin < run.kept.size(); begin += kAhead) {
+    std::vector<Image8> images;
+    const size_t end = std::min(begin + kAhead, run.kept.size());
+    for (size_t i = begin; i < end; ++i)
+      images.push_back(frames.Read(run.marks.frames[run.kept[i]].frame));
+    tbb::parallel_for(begin, end, [&](size_t i) {
+      const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
+      WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
+      const Image8 matte = MatteOf(frame, run.marks);
+      if (matte.pixels() == 0) return;
+      WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
+      boxes[i] = ImavatarBox(matte);
+    });
+    bar.Update(int(end), "frames");
+  }
+  return boxes;
+}
+
+void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
+  std::printf(
+      "%zu of %zu frames tracked, %.2f px from the landmarks on average; focal length "
+      "%.0f px: %s\n",
+      run.kept.size(),
+      run.fit.frames.size(),
+      run.fit.error,
+      run.fit.camera.fx,
+      o.out.c_str());
+  if (run.chosen.cuts > 0) std::printf("%d cuts, or changes to another face\n", run.chosen.cuts);
+  PrintSkipped(run.skipped);
+}
+
+}  // namespace
+
+TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
+  TrackRun run;
+  run.marks = ReadLandmarks(o.landmarks);
+  CheckOfVideo(run.marks, o.source, frames);
+  run.model = TrackingModel(o);
+  run.embedding = o.embedding.empty()
+                      ? FlameLandmarks(run.model, run.marks.set)
+                      : ReadLandmarkEmbedding(o.embedding, run.model, run.marks.point_count());
+  run.chosen = ChooseFaces(run.marks);
+  LandmarkFitOptions options;
+  options.focal = o.focal;
+  std::unique_ptr<ProgressBar> bar;
+  run.fit = FitLandmarks(run.model,
+                         run.embedding,
+                         run.chosen.faces,
+                         run.marks.width,
+                         run.marks.height,
+                         options,
+                         [&](int done, int total) {
+                           if (!bar) bar = std::make_unique<ProgressBar>("track", total, o.quiet);
+                           bar->Update(done, "fits");
+                         });
+  Keep(run);
+  return run;
+}
+
+void RunTracking(const TrackRunOptions& o) {
+  const FrameSource frames(o.source);
+  const TrackRun run = FitTrack(o, frames);
+  for (size_t f : run.kept) MatteOf(run.marks.frames[f], run.marks);
+  MakeDirectories(o.out + "/image");
+  if (!run.marks.frames[run.kept[0]].matte.empty()) MakeDirectories(o.out + "/mask");
+  fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
+  ImavatarTrack track;
+  track.shape = run.fit.shape;
+  track.boxes = WriteImages(o, run, frames);
+  for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
+  WriteTrackReport(o, run, frames);
+  WriteImavatarTrack(o.out, track);
+  if (!o.quiet) PrintSummary(o, run);
+}
+
+}  // namespace cosplat
