@@ -25,6 +25,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/surface/gather_rows.h
   flame/check_parameters.h
   flame/directions.h
+  flame/fit/landmark_cost.h
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/

@@ -119,6 +119,7 @@ const std::vector<LibraryRule>& LibraryRules() {
       {"OpenCV", std::regex("opencv2/.*"), "splat/base/", false, false, false},
       {"oneDNN", std::regex("dnnl.*|oneapi/dnnl/.*"), "splat/base/", false, false, false},
       {"ONNX", std::regex("onnx/.*|google/protobuf/.*"), "splat/base/", false, false, true},
+      {"Ceres", std::regex("ceres/.*"), "flame/fit/", true, false, false},
       {"OpenMesh", std::regex("OpenMesh/.*"), "", false, false, true},
       {"tinygltf", std::regex("(.*/)?tiny_gltf\\.h"), "", false, false, true},
       {"oneTBB", std::regex("(tbb|oneapi/tbb)/.*"), "", false, true, false},

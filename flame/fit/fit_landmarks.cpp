@@ -25,35 +25,31 @@ constexpr double kFree = std::numeric_limits<double>::infinity();
 constexpr double kLandmarkSigma = 0.004;
 // A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
 // standard deviation as a factor of e^0.5.
-constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.5;
+double Env(const char* name, double x) { return getenv(name) ? atof(getenv(name)) : x; }
+const double kFocalPerSide = Env("FIT_FOCAL", 1.8), kFocalSigma = Env("FIT_FOCALS", 0.5);
 // Frames that find shape and focal length, spread evenly over the video.
 constexpr size_t kSubjectFrames = 80;
 // Errors of neighbouring frames are alike, so that so many of them count as one observation of the
 // subject.
-constexpr double kAlikeFrames = 10;
+const double kAlikeFrames = Env("FIT_ALIKE", 10);
 // How often frames are fitted again, each drawn to the mean of its neighbours.
 constexpr int kSmoothingSweeps = 3;
+
+// Standard deviations of the joints' rotations about their rest, radians.
+constexpr std::array<std::array<double, 3>, kFlameJoints> kJointSigma{{
+    {kFree, kFree, kFree},  // root
+    {0.3, 0.3, 0.3},        // neck
+    {0.2, 0.03, 0.03},      // jaw
+    {0.3, 0.4, 0.01},       // left eye
+    {0.3, 0.4, 0.01},       // right eye
+}};
 
 // Standard deviations of a frame's numbers about their rest.
 std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
   std::vector<double> sigma(size_t(points.frame_size()), 1);
-  const double joints[3 * kFlameJoints] = {kFree,
-                                           kFree,
-                                           kFree,  // root
-                                           0.2,
-                                           0.3,
-                                           0.1,  // neck
-                                           0.2,
-                                           0.03,
-                                           0.03,  // jaw
-                                           0.3,
-                                           0.4,
-                                           0.01,  // left eye
-                                           0.3,
-                                           0.4,
-                                           0.01};  // right eye
   std::fill_n(sigma.begin() + kFitTranslation, 3, kFree);
-  std::copy(std::begin(joints), std::end(joints), sigma.begin() + kFitPose);
+  for (size_t j = 0; j < kFlameJoints; ++j)
+    std::copy_n(kJointSigma[j].begin(), 3, sigma.begin() + kFitPose + 3 * long(j));
   for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
   return sigma;
 }
@@ -86,6 +82,7 @@ class LandmarkFitter {
 
   // Rigid motion of a mean face: no iteration, so that it needs no start.
   void Place();
+  void SettleBody();
   // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
   void FitFrames(bool near);
   void FitSubject();
@@ -110,7 +107,7 @@ class LandmarkFitter {
   const int width_, height_;
   const FitLens lens_;
   const PointsOnFlame points_;
-  const std::vector<double> rest_sigma_, step_sigma_;
+  std::vector<double> rest_, rest_sigma_, step_sigma_;
   const bool focal_given_;
   std::vector<double> shape_;
   double log_focal_;
@@ -133,6 +130,7 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
               embedding,
               std::min(model.shape_count, options.shape_count),
               ExpressionCount(model, options.expression_count)),
+      rest_(size_t(points_.frame_size())),
       rest_sigma_(RestSigma(points_, model.has_eyelids)),
       step_sigma_(StepSigma(points_, model.has_eyelids)),
       focal_given_(options.focal > 0),
@@ -193,8 +191,7 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, double* frame) 
                            shape,
                            focal,
                            frame);
-  problem.AddResidualBlock(
-      new PriorCost(std::vector<double>(rest_sigma_.size()), rest_sigma_), nullptr, frame);
+  problem.AddResidualBlock(new PriorCost(rest_, rest_sigma_), nullptr, frame);
 }
 
 std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) const {
@@ -230,6 +227,23 @@ void LandmarkFitter::FitFrames(bool near) {
   tbb::parallel_for(size_t(0), faces_.size(), [&](size_t f) {
     if (faces_[f]) FitFrame(f, means[f] ? &*means[f] : nullptr);
   });
+}
+
+// The body below the neck mostly stands still: from here on, the root stays near its mean, and what
+// the head turns beyond it is the neck's.
+void LandmarkFitter::SettleBody() {
+  const double sigma = Env("FIT_ROOT", 0);
+  if (sigma <= 0) return;
+  int count = 0;
+  for (const std::vector<double>& frame : frames_) {
+    if (frame.empty()) continue;
+    for (size_t i = 0; i < 3; ++i) rest_[kFitPose + i] += frame[kFitPose + i];
+    ++count;
+  }
+  for (size_t i = 0; i < 3; ++i) {
+    rest_[kFitPose + i] /= count;
+    rest_sigma_[kFitPose + i] = sigma;
+  }
 }
 
 std::vector<size_t> LandmarkFitter::SubjectFrames() const {
@@ -361,6 +375,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   };
   fitter.Place();
   fitter.FitFrames(false);
+  fitter.SettleBody();
   fitter.FitSubject();
   fitter.FitFrames(false);
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) fitter.FitFrames(true);

@@ -44,7 +44,8 @@ bool LandmarkCost::Evaluate(const double* const* parameters,
     const auto& [x, y, z] = tape.points[p];
     if (-z < kMinDistance) return false;
     const size_t landmark = size_t(embedding_[p].landmark);
-    const double k = face_.weights[landmark] / sigma_, scale = focal / -z;
+    const double k = face_.weights[landmark] / (sigma_ * embedding_[p].looseness),
+                 scale = focal / -z;
     const auto& seen = face_.points[landmark];
     const double r[2] = {k * (lens_.cx + scale * x - seen[0]),
                          k * (lens_.cy - scale * y - seen[1])};

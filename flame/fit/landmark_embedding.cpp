@@ -126,6 +126,34 @@ constexpr struct {
     {415, {1738, 1720, 1733}, {0.2162, 0.3537, 0.4301}},
     {466, {1201, 1200, 1183}, {0.8826, 0.1174, -0.0000}},
 };
+
+// Landmarks of the forehead and the chin, where they lie on average over two tracked heads. They
+// slide, but they are far out, and say how large the head is.
+constexpr double kOutlineLooseness = 3;
+constexpr struct {
+  int landmark;
+  int vertices[3];
+  double barycentric[3];
+} kOutlinePoints[] = {
+    {10, {3520, 2187, 3505}, {0.3, 0.0, 0.7}},
+    {67, {3172, 2608, 3173}, {0.3, 0.0, 0.7}},
+    {103, {2953, 3155, 2609}, {0.3, 0.1, 0.6}},
+    {109, {2000, 3782, 2186}, {0.3, 0.1, 0.6}},
+    {136, {3389, 3479, 3390}, {0.9, 0.1, 0.0}},
+    {148, {3397, 3398, 3396}, {0.7, 0.1, 0.2}},
+    {149, {3391, 3393, 3394}, {0.5, 0.5, 0.0}},
+    {150, {3418, 3392, 3391}, {0.6, 0.2, 0.2}},
+    {152, {3399, 3601, 3400}, {0.9, 0.0, 0.1}},
+    {176, {3394, 3395, 3396}, {0.4, 0.5, 0.1}},
+    {297, {2161, 2160, 3885}, {0.7, 0.2, 0.1}},
+    {332, {1871, 1472, 2136}, {0.3, 0.6, 0.1}},
+    {338, {3908, 573, 691}, {0.1, 0.3, 0.6}},
+    {365, {3740, 3587, 3588}, {0.1, 0.8, 0.1}},
+    {377, {3600, 3599, 3601}, {0.7, 0.3, 0.0}},
+    {378, {3593, 3595, 3594}, {0.6, 0.4, 0.0}},
+    {379, {3637, 3593, 3594}, {0.6, 0.3, 0.1}},
+    {400, {3596, 3599, 3598}, {0.5, 0.1, 0.4}},
+};
 // clang-format on
 
 // The frontmost vertices of the eyeballs, where the irises' centres are seen.
@@ -164,6 +192,9 @@ LandmarkEmbedding MediapipeLandmarks(bool with_irises) {
   LandmarkEmbedding embedding;
   for (const auto& [landmark, v, b] : kMediapipePoints)
     embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}});
+  const double loose = getenv("FIT_OUT") ? atof(getenv("FIT_OUT")) : kOutlineLooseness;
+  for (const auto& [landmark, v, b] : kOutlinePoints)
+    if (loose > 0) embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}, loose});
   for (const auto& [landmark, v] : kPupils)
     if (with_irises) embedding.push_back({landmark, {v, v, v}, {1, 0, 0}});
   return embedding;

@@ -17,6 +17,7 @@ struct EmbeddedLandmark {
   int landmark = 0;                   // index into DetectedFace::points
   std::array<int, 3> vertices;        // of a triangle
   std::array<double, 3> barycentric;  // sum to 1
+  double looseness = 1;               // factor of the standard deviation of its error
 };
 
 using LandmarkEmbedding = std::vector<EmbeddedLandmark>;

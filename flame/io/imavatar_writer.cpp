@@ -71,8 +71,8 @@ void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track) {
   const bool eyelids = HasEyelids(track);
   Json json{{"intrinsics", {-lens.fx / width, lens.fy / height, lens.cx / width, lens.cy / height}},
             {"shape_params", track.shape},
-            {"test_frames", track.test_frames},
             {"frames", Json::array()}};
+  if (track.test_frames >= 0) json["test_frames"] = track.test_frames;
   for (size_t f = 0; f < track.frames.size(); ++f) {
     json["frames"].push_back(FrameOfTrack(track.frames[f], track.boxes.at(f)));
     if (eyelids) json["frames"].back()["eyelids"] = track.frames[f].params.eyelids;

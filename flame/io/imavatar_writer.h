@@ -15,7 +15,7 @@ std::array<float, 4> ImavatarBox(const Image8& mask);
 
 struct ImavatarTrack {
   std::vector<float> shape;
-  int test_frames = 0;                      // the last ones are held out
+  int test_frames = -1;                     // the last ones are held out; -1: the reader decides
   std::vector<TrackedFrame> frames;         // name, camera and params; all cameras have one lens
   std::vector<std::array<float, 4>> boxes;  // [frames] ImavatarBox
 };

@@ -7,6 +7,7 @@
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "apps/study/charts/svg_chart.h"
 #include "apps/study/charts/svg_drawing.h"
 #include "apps/viewer/mesh_view.h"
@@ -58,13 +59,11 @@ std::vector<double> ErrorsOf(const TrackRun& run) {
 }
 
 Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
-  Json frames = Json::array(), skipped = Json::array();
+  Json frames = Json::array();
   for (size_t f : run.kept)
     frames.push_back({{"name", run.marks.frames[f].name},
                       {"error_px", run.fit.frames[f]->error},
                       {"turned_degrees", run.fit.frames[f]->turned}});
-  for (const auto& [name, reason] : run.skipped)
-    skipped.push_back({{"name", name}, {"reason", reason}});
   return {{"source", o.source},
           {"landmarks", o.landmarks},
           {"flame", o.flame},
@@ -73,8 +72,7 @@ Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
           {"error_px", run.fit.error},
           {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
           {"cuts", run.chosen.cuts},
-          {"frames", frames},
-          {"skipped", skipped}};
+          {"frames", frames}};
 }
 
 std::string ErrorChart(const TrackRun& run) {
@@ -170,6 +168,7 @@ void WriteTrackReport(const TrackRunOptions& o, const TrackRun& run, const Frame
                            "</div><h2>The mesh over the video</h2><p>Landmarks as seen are green, "
                            "as the mesh has them red.</p><div class='many'>" +
                            OverlaysHtml(run, frames) + "</div>" + SkippedHtml(run);
+  WriteSkipped(o.out, run.skipped);
   WriteFileAtomically(o.out + "/track.html", HtmlPage("Track", body));
   if (!o.overlay.empty()) WriteOverlays(o, run, frames);
 }

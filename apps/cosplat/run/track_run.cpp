@@ -92,9 +92,7 @@ void Keep(TrackRun& run) {
   CheckSkipped(run.marks.file, run.kept.size(), run.skipped);
 }
 
-// The mask of a frame: its matte, or empty.
 Image8 MatteOf(const LandmarkFrame& frame, const LandmarkVideo& marks) {
-  if (frame.matte.empty()) return {};
   Image8 matte = ReadImage(frame.matte);
   if (matte.channels != 1 || matte.width != marks.width || matte.height != marks.height)
     throw Error(frame.matte,
@@ -102,6 +100,20 @@ Image8 MatteOf(const LandmarkFrame& frame, const LandmarkVideo& marks) {
                     " with " + std::to_string(matte.channels) + " channels, expected " +
                     std::to_string(marks.width) + "x" + std::to_string(marks.height) + " with 1");
   return matte;
+}
+
+// Whether the frames have mattes. Reads all of them, so that a broken one is found early.
+bool HasMattes(const TrackRun& run) {
+  const bool first = !run.marks.frames[run.kept[0]].matte.empty();
+  for (size_t f : run.kept) {
+    if (run.marks.frames[f].matte.empty() == first)
+      throw Error(
+          run.marks.file,
+          "frames[" + std::to_string(f) + "].matte",
+          first ? "is missing, earlier frames have one" : "is there, earlier frames have none");
+    if (first) MatteOf(run.marks.frames[f], run.marks);
+  }
+  return first;
 }
 
 TrackedFrame TrackedFrameOf(const TrackRun& run, size_t f) {
@@ -115,7 +127,8 @@ TrackedFrame TrackedFrameOf(const TrackRun& run, size_t f) {
 // Copies images and masks; returns each mask's extent.
 std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
                                               const TrackRun& run,
-                                              const FrameSource& frames) {
+                                              const FrameSource& frames,
+                                              bool mattes) {
   std::vector<std::array<float, 4>> boxes(run.kept.size(), {-1, -1, 1, 1});
   ProgressBar bar("write", int(run.kept.size()), o.quiet);
   // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
@@ -128,8 +141,8 @@ std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
     tbb::parallel_for(begin, end, [&](size_t i) {
       const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
       WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
+      if (!mattes) return;
       const Image8 matte = MatteOf(frame, run.marks);
-      if (matte.pixels() == 0) return;
       WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
       boxes[i] = ImavatarBox(matte);
     });
@@ -182,13 +195,13 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
 void RunTracking(const TrackRunOptions& o) {
   const FrameSource frames(o.source);
   const TrackRun run = FitTrack(o, frames);
-  for (size_t f : run.kept) MatteOf(run.marks.frames[f], run.marks);
+  const bool mattes = HasMattes(run);
   MakeDirectories(o.out + "/image");
-  if (!run.marks.frames[run.kept[0]].matte.empty()) MakeDirectories(o.out + "/mask");
+  if (mattes) MakeDirectories(o.out + "/mask");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = run.fit.shape;
-  track.boxes = WriteImages(o, run, frames);
+  track.boxes = WriteImages(o, run, frames, mattes);
   for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
   WriteImavatarTrack(o.out, track);

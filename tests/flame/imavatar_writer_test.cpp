@@ -1,0 +1,80 @@
+// What WriteImavatarTrack writes is read back as the same head in the same camera.
+#include "flame/io/imavatar_writer.h"
+
+#include <gtest/gtest.h>
+
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+#include "tests/flame/tracked_head.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat {
+namespace {
+
+ImavatarTrack TrackOfHead() {
+  ImavatarTrack track;
+  track.shape = test::HeadShape();
+  for (int i = 0; i < test::kHeadFrames; ++i) {
+    const test::HeadFrame head = test::HeadAt(i);
+    TrackedFrame frame;
+    frame.name = std::to_string(i + 1);
+    frame.camera.width = frame.camera.height = test::kHeadSide;
+    frame.camera.fx = frame.camera.fy = float(test::kHeadFocal);
+    frame.camera.cx = float(test::kHeadCenter[0]);
+    frame.camera.cy = float(test::kHeadCenter[1]);
+    for (size_t k = 0; k < 9; ++k) frame.camera.rotation[k] = float(test::kHeadCameraRotation[k]);
+    for (size_t k = 0; k < 3; ++k) {
+      frame.camera.translation[k] = float(test::kHeadCameraTranslation[k]);
+      frame.params.translation[k] = float(head.translation[k]);
+      frame.params.pose[0][k] = float(head.root[k]);
+      frame.params.pose[2][k] = float(head.jaw[k]);
+      frame.params.pose[3][k] = float(head.left_eye[k]);
+      frame.params.pose[4][k] = float(head.right_eye[k]);
+    }
+    frame.params.expression = head.expression;
+    frame.params.eyelids = head.eyelids;
+    track.frames.push_back(frame);
+  }
+  track.boxes.resize(track.frames.size());
+  return track;
+}
+
+TEST(ImavatarWriter, IsReadAsTheSameHead) {
+  const test::TemporaryFolder folder;
+  ImavatarTrack track = TrackOfHead();
+  WriteImavatarTrack(folder.path(), track);
+  MakeDirectories(folder / "image");
+  for (const TrackedFrame& frame : track.frames)
+    WriteImage(folder / ("image/" + frame.name + ".png"),
+               Image8(test::kHeadSide, test::kHeadSide, 4, 255));
+  const TrackedVideo read = LoadTrackedVideo(folder.path(), {});
+  EXPECT_EQ(read.test.size(), 2u);  // a fifth, since the file names no number
+  const FlameModel model = test::HeadModel();
+  const std::vector<TrackedFrame> frames = test::AllFrames(read);
+  ASSERT_EQ(frames.size(), track.frames.size());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].params.eyelids, track.frames[i].params.eyelids);
+    EXPECT_LT(test::LargestDifference(test::TrackPixels(model, read.shape, frames[i]),
+                                      test::HeadPixels(model, int(i))),
+              0.01);
+  }
+}
+
+TEST(ImavatarWriter, HoldsOutAsManyFramesAsAsked) {
+  const test::TemporaryFolder folder;
+  ImavatarTrack track = TrackOfHead();
+  track.test_frames = 5;
+  WriteImavatarTrack(folder.path(), track);
+  const Json json = ReadJson(folder / "flame_params.json");
+  EXPECT_EQ(json["test_frames"], 5);
+}
+
+TEST(ImavatarWriter, FramesTheMask) {
+  Image8 mask(8, 4, 1);
+  mask.at(2, 1, 0) = 255;
+  mask.at(3, 2, 0) = 255;
+  EXPECT_EQ(ImavatarBox(mask), (std::array<float, 4>{-0.5f, -0.5f, 0, 0.5f}));
+}
+
+}  // namespace
+}  // namespace cosplat

@@ -1,0 +1,148 @@
+// `cosplat track`, from a video and its landmarks to an avatar that trains on the result.
+#include "flame/track.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "flame/io/landmarks.h"
+#include "tests/integration/command.h"
+
+namespace cosplat {
+namespace {
+
+using test::CommandResult;
+using test::Cosplat;
+using test::TemporaryFolder;
+
+// The made head's video, its landmarks with a pixel of noise.
+struct Filmed {
+  TemporaryFolder folder;
+  std::string head = folder / "head", images = head + "/image", marks = head + "/landmarks.json";
+  std::string track = folder / "track";
+  LandmarkVideo video;
+
+  Filmed() {
+    const CommandResult made = Cosplat({"make-head",
+                                        "-o",
+                                        head,
+                                        "--frames",
+                                        "24",
+                                        "--size",
+                                        "128",
+                                        "--test-frames",
+                                        "4",
+                                        "--landmark-noise",
+                                        "0.3",
+                                        "--quiet"});
+    EXPECT_EQ(made.code, 0) << made.err;
+    video = ReadLandmarks(marks);
+  }
+
+  CommandResult Track(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"track", images, "--landmarks", marks, "-o", track};
+    arguments.insert(arguments.end(), {"--flame", head + "/model.npz"});
+    arguments.insert(arguments.end(), {"--landmark-embedding", head + "/landmark_embedding.npz"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments);
+  }
+
+  void ExpectRefused(const std::vector<std::string>& words,
+                     const std::vector<std::string>& more = {}) const {
+    const CommandResult result = Track(more);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << result.err << " lacks " << word;
+    EXPECT_FALSE(std::filesystem::exists(track)) << "something was written";
+  }
+
+  // The landmarks with something changed, as a file of their own.
+  void Change(const std::function<void(LandmarkVideo&)>& change) {
+    LandmarkVideo changed = video;
+    change(changed);
+    WriteLandmarks(marks, changed);
+  }
+};
+
+TEST(Track, MakesAVideoThatAvatarsTrainOn) {
+  Filmed filmed;
+  for (LandmarkFrame& frame : filmed.video.frames)
+    frame.matte = filmed.head + "/mask/" + frame.name + ".png";
+  filmed.Change([](LandmarkVideo& video) { video.frames[5].faces.clear(); });
+  const std::string overlay = filmed.folder / "overlay.mp4";
+  const CommandResult result = filmed.Track({"--overlay", overlay});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("23 of 24 frames"), std::string::npos) << result.out;
+  EXPECT_NE((result.out + result.err).find("6: has no face"), std::string::npos)
+      << result.out << result.err;
+  EXPECT_EQ(VideoReader(overlay).frame_count(), 23);
+
+  TrackOptions options;
+  options.test_frames = 4;
+  const TrackedVideo track = LoadTrackedVideo(filmed.track, options);
+  const TrackedVideo truth = LoadTrackedVideo(filmed.head, options);
+  EXPECT_EQ(track.train.size() + track.test.size(), 23u);
+  EXPECT_NEAR(track.train[0].camera.fx / truth.train[0].camera.fx, 1, 0.1);
+  const Image8 image = LoadTrackedImage(track, track.train[0]);
+  EXPECT_EQ(image.data, LoadTrackedImage(truth, truth.train[0]).data);
+
+  const Json figures = ReadJson(filmed.track + "/track.json");
+  EXPECT_LT(figures["error_px"].get<double>(), 0.6);
+  EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
+  EXPECT_NE(test::Slurp(filmed.track + "/track.html").find("data:image/jpeg"), std::string::npos);
+
+  const CommandResult trained = Cosplat({"train-avatar",
+                                         "-s",
+                                         filmed.track,
+                                         "--flame",
+                                         filmed.head + "/model.npz",
+                                         "-m",
+                                         filmed.folder / "avatar",
+                                         "--iterations",
+                                         "60",
+                                         "--gaussians",
+                                         "1500",
+                                         "--eval",
+                                         "--quiet"});
+  EXPECT_EQ(trained.code, 0) << trained.err;
+}
+
+TEST(Track, NamesWhatIsWrongAndWritesNothing) {
+  Filmed filmed;
+  filmed.Change([](LandmarkVideo& video) { video.width = 64; });
+  filmed.ExpectRefused({filmed.marks, "64x128", "128x128"});
+  filmed.Change([](LandmarkVideo& video) { video.frames[7].name = "elsewhere"; });
+  filmed.ExpectRefused({filmed.marks, "frames[7].name", "'elsewhere'", "'8'"});
+  filmed.Change([](LandmarkVideo& video) { video.frames.back().frame = 24; });
+  filmed.ExpectRefused({filmed.marks, "frames[23].frame", "24 frames"});
+  filmed.Change([](LandmarkVideo& video) {
+    for (LandmarkFrame& frame : video.frames) frame.faces.clear();
+  });
+  filmed.ExpectRefused({filmed.marks, "has no face"});
+  // A third may be missing, no more.
+  filmed.Change([](LandmarkVideo& video) {
+    for (size_t f = 0; f < video.frames.size(); f += 2) video.frames[f].faces.clear();
+  });
+  filmed.ExpectRefused({filmed.marks, "12"});
+  filmed.Change([](LandmarkVideo& video) { video.frames[3].matte = "nowhere.png"; });
+  filmed.ExpectRefused({"nowhere.png"});
+  filmed.Change([](LandmarkVideo&) {});
+  filmed.ExpectRefused({"expected", "--focal"}, {"--focal", "-3"});
+}
+
+// Frames whose landmarks are no face, or one from the side, are left out and named.
+TEST(Track, LeavesOutWhatDoesNotFit) {
+  Filmed filmed;
+  filmed.Change([](LandmarkVideo& video) {
+    for (size_t p = 0; p < video.frames[9].faces[0].points.size(); ++p)
+      video.frames[9].faces[0].points[p] = {30.0 + 7 * (p % 9), 40.0 + 11 * (p % 5)};
+  });
+  const CommandResult result = filmed.Track();
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE((result.out + result.err).find("10: landmarks are"), std::string::npos)
+      << result.out << result.err;
+}
+
+}  // namespace
+}  // namespace cosplat
