@@ -154,7 +154,9 @@ constexpr const char* kStyle =
     "figcaption{color:#777;font-size:.85em}.row{display:flex;gap:3em;flex-wrap:wrap}"
     ".row svg{max-width:520px;height:auto;margin-top:2em}</style>";
 
-void Report(const std::string& model, bool quiet) {
+}  // namespace
+
+void WriteReport(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
              per_view_json = ReadJson(model + "/per_view.json"),
              stats_json = ReadJson(model + "/stats.json");
@@ -186,8 +188,6 @@ void Report(const std::string& model, bool quiet) {
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }
 
-}  // namespace
-
 void AddReport(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("report", "one HTML page about a trained model: images and figures");
@@ -195,7 +195,7 @@ void AddReport(CLI::App& app) {
   const auto quiet = std::make_shared<bool>(false);
   command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
   command->add_flag("--quiet", *quiet, "print nothing but errors");
-  command->callback([=] { Report(*model, *quiet); });
+  command->callback([=] { WriteReport(*model, *quiet); });
 }
 
 }  // namespace cosplat

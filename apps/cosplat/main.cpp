@@ -60,6 +60,7 @@ int Run(int argc, char** argv) {
   cosplat::AddMakeHead(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
+  cosplat::AddScene(app);
   cosplat::AddRender(app);
   cosplat::AddPlay(app);
   cosplat::AddMetrics(app);
