@@ -236,6 +236,19 @@ void Render(const RenderOptions& o) {
 
 }  // namespace
 
+void RenderOrbit(const std::string& model,
+                 const std::string& out,
+                 const std::string& device,
+                 bool quiet) {
+  RenderOptions o;
+  o.model = model;
+  o.out = out;
+  o.device = device;
+  o.quiet = quiet;
+  o.orbit = true;
+  Render(o);
+}
+
 void AddRender(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("render", "render test views, an orbit, or a driving sequence");

@@ -142,7 +142,9 @@ std::string PreviewHtml(const std::string& test, const std::vector<std::string>&
          "setInterval(()=>{img.src=frames[i++%frames.length]},80);img.src=frames[0];</script>";
 }
 
-void Report(const std::string& model, bool quiet) {
+}  // namespace
+
+void WriteReport(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
              per_view_json = ReadJson(model + "/per_view.json"),
              stats_json = ReadJson(model + "/stats.json");
@@ -173,8 +175,6 @@ void Report(const std::string& model, bool quiet) {
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }
 
-}  // namespace
-
 void AddReport(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("report", "one HTML page about a trained model: images and figures");
@@ -182,7 +182,7 @@ void AddReport(CLI::App& app) {
   const auto quiet = std::make_shared<bool>(false);
   command->add_option("-m,--model_path", *model, "a trained model's folder")->required();
   command->add_flag("--quiet", *quiet, "print nothing but errors");
-  command->callback([=] { Report(*model, *quiet); });
+  command->callback([=] { WriteReport(*model, *quiet); });
 }
 
 }  // namespace cosplat

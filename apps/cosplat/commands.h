@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 namespace cosplat {
 
@@ -14,10 +15,21 @@ void AddMetrics(CLI::App& app);
 void AddPlay(CLI::App& app);
 void AddRender(CLI::App& app);
 void AddReport(CLI::App& app);
+void AddScene(CLI::App& app);
 void AddSend(CLI::App& app);
 void AddStudy(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
+
+// What the commands report and render do, for commands that include them.
+
+// Writes report.html of the run in `model`. Throws Error if it has no test images.
+void WriteReport(const std::string& model, bool quiet);
+// As `render --orbit`: `out` is a folder or ends in .mp4. Throws Error if the run saved no splats.
+void RenderOrbit(const std::string& model,
+                 const std::string& out,
+                 const std::string& device,
+                 bool quiet);
 
 }  // namespace cosplat

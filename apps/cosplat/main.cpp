@@ -61,6 +61,7 @@ int Run(int argc, char** argv) {
   cosplat::AddTrack(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
+  cosplat::AddScene(app);
   cosplat::AddRender(app);
   cosplat::AddPlay(app);
   cosplat::AddMetrics(app);

@@ -71,7 +71,8 @@ AvatarOptions::AvatarOptions() {
 }
 
 void AvatarOptions::Declare(CLI::App& command) {
-  TrainOptions::Declare(command);
+  DeclareFolders(command);
+  DeclareTraining(command);
   command.get_option("--source_path")
       ->description(
           "tracked video: a folder of IMavatar's, VHAP's (GaussianAvatars'), INSTA's, "

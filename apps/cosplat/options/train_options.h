@@ -56,8 +56,10 @@ struct TrainOptions {
   float scaling_lr = 0;         // 0: the preset's
   bool quiet = false;
 
-  // Declares the options on a sub-command; the current values become the defaults.
-  void Declare(CLI::App& command);
+  // Declare the options on a sub-command; the current values become the defaults. First where the
+  // data is and where results go, which not all commands are told in this way, then the others.
+  void DeclareFolders(CLI::App& command);
+  void DeclareTraining(CLI::App& command);
   // `extent`: scene size in world units; size limits are proportional to it. Leaves the network of
   // the crop loss to the caller. Throws Error if options contradict each other.
   TrainSettings ToSettings(float extent) const;

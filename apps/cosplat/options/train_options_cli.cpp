@@ -28,9 +28,12 @@ const CLI::Validator kInterval(
 
 }  // namespace
 
-void TrainOptions::Declare(CLI::App& command) {
+void TrainOptions::DeclareFolders(CLI::App& command) {
   command.add_option("-s,--source_path", source, "the data set's folder")->required();
   command.add_option("-m,--model_path", model, "where results go")->required();
+}
+
+void TrainOptions::DeclareTraining(CLI::App& command) {
   command.add_option("-r,--resolution", resolution, "divide the images' size by this")
       ->check(CLI::Range(1, 64));
   command.add_flag("--eval", eval, "hold test views out and evaluate on them at the end");

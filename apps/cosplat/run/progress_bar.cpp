@@ -64,7 +64,7 @@ void ProgressBar::Tell(const std::string& line) {
 
 std::string WithThousands(size_t n) {
   std::string s = std::to_string(n);
-  for (int i = int(s.size()) - 3; i > 0; i -= 3) s.insert(size_t(i), ",");
+  for (int i = int(s.size()) - 3; i > 0; i -= 3) s.insert(size_t(i), 1, ',');
   return s;
 }
 

@@ -1,0 +1,182 @@
+#include "apps/cosplat/capture/photographs.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <tuple>
+
+#include "apps/cosplat/capture/sharp_frames.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "splat/base/error.h"
+#include "splat/base/exif.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+bool IsPhotograph(const fs::path& path) {
+  const std::string extension = LowerExtension(path);
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
+[[noreturn]] void ThrowNoPhotographs(const std::string& folder) {
+  std::string problem = "contains no photographs (.jpg, .jpeg, .png)";
+  size_t heic = 0;
+  for (const auto& entry : fs::directory_iterator(folder))
+    heic += LowerExtension(entry.path()) == ".heic";
+  if (heic > 0)
+    problem += "; it has " + std::to_string(heic) + " .heic files: convert them to .jpg first";
+  throw Error(folder, problem);
+}
+
+std::vector<std::string> PhotographsIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && IsPhotograph(entry.path()))
+      names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  if (names.empty()) ThrowNoPhotographs(folder);
+  return names;
+}
+
+Json FileIdentity(const std::string& path) {
+  const auto changed = fs::last_write_time(path).time_since_epoch().count();
+  return {{"path", fs::absolute(path).lexically_normal().string()},
+          {"bytes", fs::file_size(path)},
+          {"changed", int64_t(changed)}};
+}
+
+struct Photograph {
+  std::string name;
+  int width, height;  // px, upright
+  ExifInfo exif;
+};
+
+Photograph Inspect(const std::string& folder, const std::string& name) {
+  const std::string path = folder + "/" + name;
+  const std::vector<char> bytes = ReadFile(path);
+  CheckImageIsComplete(path, bytes);
+  ImageInfo info;
+  if (!ParseImageHeader(bytes, info)) throw Error(path, "is neither a JPEG nor a PNG file");
+  const ExifInfo exif = ParseExif(bytes);
+  if (exif.orientation >= 5) std::swap(info.width, info.height);
+  return {name, info.width, info.height, exif};
+}
+
+void Place(const std::string& path, const Photograph& photograph, const std::string& target) {
+  if (photograph.exif.orientation != 1)
+    return WriteImage(target, Upright(ReadImage(path), photograph.exif.orientation));
+  std::error_code code;
+  fs::create_symlink(fs::absolute(path), target, code);
+  if (code) throw Error(target, "cannot be linked: " + code.message());
+}
+
+void GatherFolder(const std::string& source, const std::string& folder, Photographs& result) {
+  std::vector<Photograph> usable;
+  std::map<std::tuple<int, int, double>, int> lenses;  // numbered in order of appearance
+  for (const std::string& name : PhotographsIn(source)) {
+    const std::string problem = Problem([&] { usable.push_back(Inspect(source, name)); });
+    if (!problem.empty()) {
+      result.skipped.push_back({name, problem});
+      continue;
+    }
+    const Photograph& p = usable.back();
+    lenses.try_emplace({p.width, p.height, p.exif.focal_length}, int(lenses.size()) + 1);
+    result.width = std::max(result.width, p.width);
+    result.height = std::max(result.height, p.height);
+  }
+  CheckSkipped(source, usable.size(), result.skipped);
+  result.lenses = int(lenses.size());
+  for (const Photograph& p : usable) {
+    const int lens = lenses.at({p.width, p.height, p.exif.focal_length});
+    const std::string below = result.lenses == 1 ? "" : std::to_string(lens) + "/";
+    MakeDirectories(folder + "/" + below);
+    Place(source + "/" + p.name, p, folder + "/" + below + p.name);
+    result.names.push_back(below + p.name);
+  }
+  std::sort(result.names.begin(), result.names.end());
+}
+
+void GatherFrames(const std::string& video,
+                  int frames,
+                  const std::string& folder,
+                  bool quiet,
+                  Photographs& result) {
+  std::unique_ptr<ProgressBar> bar;
+  result.is_video = true;
+  result.names = WriteSharpFrames(video, frames, folder, [&](int done, int total) {
+    if (!bar) bar = std::make_unique<ProgressBar>("frames", total, quiet, OffTerminal::kLines);
+    bar->Update(done, "read");
+  });
+  const ImageInfo info = ReadImageInfo(folder + "/" + result.names[0]);
+  result.width = info.width;
+  result.height = info.height;
+}
+
+}  // namespace
+
+Json IdentityOf(const std::string& source) {
+  Json files = Json::array();
+  if (fs::is_directory(source)) {
+    for (const std::string& name : PhotographsIn(source))
+      files.push_back(FileIdentity(source + "/" + name));
+  } else if (fs::is_regular_file(source)) {
+    files.push_back(FileIdentity(source));
+  } else {
+    throw Error(source, "is neither a folder of photographs nor a video file");
+  }
+  return files;
+}
+
+Photographs GatherPhotographs(const std::string& source,
+                              int frames,
+                              const std::string& folder,
+                              bool quiet) {
+  Photographs result;
+  MakeDirectories(folder);
+  if (fs::is_directory(source)) {
+    GatherFolder(source, folder, result);
+  } else {
+    GatherFrames(source, frames, folder, quiet, result);
+  }
+  if (result.names.size() < kMinPhotographs)
+    throw Error(source,
+                "has " + std::to_string(result.names.size()) +
+                    (result.is_video ? " frames" : " photographs") + ", expected at least " +
+                    std::to_string(kMinPhotographs) + ", of the same scene from different places");
+  return result;
+}
+
+Json ToJson(const Photographs& p) {
+  Json skipped = Json::array();
+  for (const SkippedFrame& frame : p.skipped) skipped.push_back({frame.name, frame.reason});
+  return {{"names", p.names},
+          {"lenses", p.lenses},
+          {"is_video", p.is_video},
+          {"size", {p.width, p.height}},
+          {"skipped", skipped}};
+}
+
+Photographs PhotographsFromJson(const JsonField& json) {
+  Photographs p;
+  for (size_t i = 0; i < json["names"].size(); ++i) p.names.push_back(json["names"][i].String());
+  p.lenses = json["lenses"].Integer();
+  p.is_video = json.raw().value("is_video", false);
+  p.width = json["size"][0].Integer();
+  p.height = json["size"][1].Integer();
+  for (size_t i = 0; i < json["skipped"].size(); ++i)
+    p.skipped.push_back({json["skipped"][i][0].String(), json["skipped"][i][1].String()});
+  return p;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,243 @@
+// cosplat scene: from photographs or a video to a trained scene, with its report and an orbit.
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+
+#include "apps/cosplat/capture/colmap.h"
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/scene_options.h"
+#include "apps/cosplat/run/process.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/scene_training.h"
+#include "apps/cosplat/run/train_run.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Steps of 3DGS's shorter evaluation: hours less than its 30,000 on a CPU.
+constexpr int kIterations = 7000;
+// Below this share the scene has holes that nobody expects.
+constexpr double kFewRegistered = 0.6;
+
+struct SceneCommand : SceneTrainOptions {
+  std::string photographs, colmap = "colmap", matching = "auto";
+  int frames = 100, max_size = 1600;
+  bool cameras_only = false;
+
+  // Of the folder of results, which TrainOptions calls `model`.
+  std::string Workspace() const { return model + "/colmap"; }
+  std::string Data() const { return model + "/data"; }
+};
+
+// What the photographs were gathered from, and what the data set was made from.
+Json InputOf(const SceneCommand& o) {
+  Json input{{"files", IdentityOf(o.photographs)}};
+  if (!fs::is_directory(o.photographs)) input["frames"] = o.frames;
+  return input;
+}
+Json DataInputOf(const SceneCommand& o, Json input) {
+  input["max_size"] = o.max_size;
+  input["matching"] = o.matching;
+  return input;
+}
+
+// Whether the file is there and its "input" is this one.
+bool IsOf(const std::string& file, const Json& input) {
+  if (!fs::exists(file)) return false;
+  const Json json = ReadJson(file);
+  return json.value("input", Json()) == input;
+}
+
+// Gathers the photographs, unless they are there from an interrupted run on the same ones. Any
+// other run's workspace is removed.
+Photographs Gather(const SceneCommand& o, const Json& input) {
+  const std::string file = o.Workspace() + "/photographs.json";
+  if (!IsOf(file, input)) {
+    fs::remove_all(o.Workspace());
+    Json json =
+        ToJson(GatherPhotographs(o.photographs, o.frames, o.Workspace() + "/photographs", o.quiet));
+    json["input"] = input;
+    WriteFileAtomically(file, json.dump(2) + "\n");
+  }
+  const Json json = ReadJson(file);
+  return PhotographsFromJson(JsonField(file, json));
+}
+
+std::string ProgramOf(const SceneCommand& o) {
+  const std::string program = FindProgram(o.colmap);
+  if (program.empty())
+    throw Error("--colmap " + o.colmap,
+                "is not installed: on Debian and Ubuntu `apt-get install colmap` does so, or give "
+                "its path");
+  return program;
+}
+
+void Announce(const SceneCommand& o, const Photographs& photographs) {
+  if (o.quiet) return;
+  std::printf("%zu %s of %dx%d, %s; %s\n",
+              photographs.names.size(),
+              photographs.is_video ? "frames" : "photographs",
+              photographs.width,
+              photographs.height,
+              photographs.lenses == 1 ? "taken with one lens"
+                                      : (std::to_string(photographs.lenses) + " lenses").c_str(),
+              ResolveMatching(o.matching, photographs) == "exhaustive"
+                  ? "every pair is matched"
+                  : "each is matched with those that follow it by name");
+  PrintSkipped(photographs.skipped);
+  if (std::max(photographs.width, photographs.height) > o.max_size)
+    std::printf("images for training have at most %d px (--max-size)\n", o.max_size);
+  std::fflush(stdout);
+}
+
+void PrintRegistration(const JsonField& json, const std::string& note) {
+  const size_t registered = json["registered"].size(), missing = json["not_registered"].size();
+  const size_t total = registered + missing;
+  std::printf("cameras of %zu of %zu photographs, %s points%s\n",
+              registered,
+              total,
+              WithThousands(size_t(json["points"].Number())).c_str(),
+              note.c_str());
+  std::string names;
+  for (size_t i = 0; i < missing; ++i) names += " " + json["not_registered"][i].String();
+  if (missing > 0) std::printf("not registered:%s\n", names.c_str());
+  if (double(registered) < kFewRegistered * double(total))
+    std::fprintf(stderr,
+                 "cosplat: warning: %zu of %zu photographs have no camera, so parts of the scene "
+                 "are missing (docs/scenes.md)\n",
+                 missing,
+                 total);
+  std::fflush(stdout);
+}
+
+void WriteRegistration(const std::string& file,
+                       const Json& input,
+                       const Photographs& photographs,
+                       const Registration& found) {
+  Json skipped = Json::array();
+  for (const SkippedFrame& frame : photographs.skipped)
+    skipped.push_back({{"name", frame.name}, {"reason", frame.reason}});
+  const Json json{{"input", input},
+                  {"registered", found.registered},
+                  {"not_registered", found.not_registered},
+                  {"skipped", skipped},
+                  {"points", found.points}};
+  WriteFileAtomically(file, json.dump(2) + "\n");
+}
+
+// Before the data or the options change that they are of.
+void RemoveResults(const SceneCommand& o) {
+  for (const char* name : {"stats.json", "results.json", "report.html", "orbit.mp4"})
+    fs::remove(o.model + "/" + name);
+}
+
+// The data set with its cameras: that of an earlier run on the same photographs, or made now.
+// Returns whether it was kept.
+bool MakeDataset(const SceneCommand& o) {
+  const std::string file = o.model + "/registration.json";
+  const Json input = InputOf(o), data_input = DataInputOf(o, input);
+  const bool kept = fs::is_directory(o.Data()) && IsOf(file, data_input);
+  std::string note = " (kept from an earlier run)";
+  if (!kept) {
+    const std::string program = ProgramOf(o);
+    const auto start = std::chrono::steady_clock::now();
+    const Photographs photographs = Gather(o, input);
+    Announce(o, photographs);
+    const int threads =
+        int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    fs::remove(file);
+    const Registration found = FindCameras(
+        photographs, {program, o.matching, o.max_size, threads, o.quiet}, o.Workspace(), o.Data());
+    RemoveResults(o);
+    WriteRegistration(file, data_input, photographs, found);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    note = " in " + std::to_string(int(taken.count())) + " s";
+  }
+  const Json json = ReadJson(file);
+  if (!o.quiet) PrintRegistration(JsonField(file, json), note);
+  return kept;
+}
+
+// What of the configuration decides the result.
+std::string WithoutQuiet(const std::string& config) {
+  std::istringstream lines(config);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(".quiet=") == std::string::npos) kept += line + "\n";
+  return kept;
+}
+
+bool IsTrained(const SceneCommand& o, const std::string& config) {
+  const std::string file = o.model + "/config.ini";
+  if (!fs::exists(file) || !fs::exists(o.model + "/stats.json")) return false;
+  if (o.eval && !fs::exists(o.model + "/results.json")) return false;
+  const std::vector<char> earlier = ReadFile(file);
+  return WithoutQuiet({earlier.begin(), earlier.end()}) == WithoutQuiet(config);
+}
+
+// Trains, and writes the report and the orbit.
+void Train(SceneCommand o, bool same_data, const std::string& config) {
+  const std::string orbit = o.model + "/orbit.mp4";
+  o.source = o.Data();
+  if (same_data && IsTrained(o, config)) {
+    if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
+  } else {
+    RemoveResults(o);
+    TrainScene(o, config);
+  }
+  if (o.eval) WriteReport(o.model, o.quiet);
+  if (!fs::exists(orbit)) RenderOrbit(o.model, orbit, o.device, o.quiet);
+}
+
+void Scene(const SceneCommand& o, const std::string& config) {
+  std::error_code ignored;
+  if (fs::equivalent(o.photographs, o.model, ignored))
+    throw Error(o.model, "is the folder of the photographs: results need one of their own");
+  const bool kept = MakeDataset(o);
+  if (!o.cameras_only) return Train(o, kept, config);
+  if (!o.quiet) std::printf("data set: %s\n", o.Data().c_str());
+}
+
+}  // namespace
+
+void AddScene(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("scene", "from photographs or a video to a scene; needs COLMAP");
+  const auto o = std::make_shared<SceneCommand>();
+  o->iterations = kIterations;
+  o->eval = true;
+  command->add_option("photographs", o->photographs, "a folder of photographs, or a video")
+      ->required();
+  command->add_option("-o,--out", o->model, "where results go")->required();
+  command
+      ->add_option("--frames", o->frames, "of a video: how many frames to use, the sharpest ones")
+      ->check(CLI::Range(int(kMinPhotographs), 10000));
+  command->add_option("--max-size", o->max_size, "longer side of the images to train on, in pixels")
+      ->check(CLI::Range(64, 16384));
+  command
+      ->add_option(
+          "--matching",
+          o->matching,
+          "which photographs are compared: exhaustive, all with all; sequential, each with "
+          "those that follow it by name; auto: sequential for videos and from 151 on")
+      ->check(CLI::IsMember({"auto", "exhaustive", "sequential"}));
+  command->add_option("--colmap", o->colmap, "COLMAP's program, a name or a path")
+      ->configurable(false);
+  command
+      ->add_flag("--cameras-only", o->cameras_only, "stop at the data set that train-scene reads")
+      ->configurable(false);
+  o->DeclareTraining(*command);
+  command->callback([=, &app] { Scene(*o, ConfigOf(app, *command)); });
+}
+
+}  // namespace cosplat

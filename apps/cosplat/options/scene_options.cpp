@@ -1,0 +1,21 @@
+#include "apps/cosplat/options/scene_options.h"
+
+namespace cosplat {
+
+void SceneTrainOptions::DeclareTraining(CLI::App& command) {
+  TrainOptions::DeclareTraining(command);
+  command
+      .add_option(
+          "--preset",
+          preset,
+          "default: in proportion to --iterations, better and faster; 3dgs: as its code does")
+      ->check(CLI::IsMember({"default", "3dgs"}));
+  command
+      .add_option("--random-points,--random_points",
+                  random_points,
+                  "number of random initial points for data without points; 0: the preset's choice "
+                  "(default: points found in the images; 3dgs: 100,000)")
+      ->check(CLI::Range(size_t(0), kMaxGaussians));
+}
+
+}  // namespace cosplat

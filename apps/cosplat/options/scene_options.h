@@ -1,0 +1,17 @@
+// Options of training a scene, shared by `train-scene` and `scene`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "apps/cosplat/options/train_options.h"
+
+namespace cosplat {
+
+struct SceneTrainOptions : TrainOptions {
+  size_t random_points = 0;  // 0: the preset's choice
+
+  // As TrainOptions::DeclareTraining, with those that only scenes have.
+  void DeclareTraining(CLI::App& command);
+};
+
+}  // namespace cosplat

@@ -1,0 +1,98 @@
+#include "apps/cosplat/run/scene_training.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/scene_start.h"
+#include "apps/cosplat/run/test_images.h"
+#include "apps/cosplat/run/train_run.h"
+#include "splat/base/error.h"
+#include "splat/io/cameras_json.h"
+#include "splat/io/ply.h"
+#include "splat/train/scene_subject.h"
+#include "splat/train/trainer.h"
+
+namespace cosplat {
+namespace {
+
+void Evaluate(const SceneTrainOptions& o,
+              Device device,
+              const std::vector<TrainFrame>& test,
+              const Trainer& trainer) {
+  const auto rasterizer = MakeRasterizer(device);
+  const auto tape = rasterizer->MakeTape();
+  const Gaussians g = trainer.CaughtUp();
+  const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
+  TestImageWriter writer(o.model, "test", trainer.iteration(), render.background);
+  RenderedImage image;
+  for (const TrainFrame& frame : test) {
+    rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
+    writer.Write(image, frame.target);
+  }
+  writer.Finish();
+}
+
+void SaveInputs(const SceneTrainOptions& o,
+                const DataSplit& split,
+                const SceneData& scene,
+                const std::string& config) {
+  const Json run{{"kind", "scene"},
+                 {"source", o.source},
+                 {"split", ToJson(split)},
+                 {"iterations", o.iterations},
+                 {"degree", o.sh_degree},
+                 {"basis", o.basis},
+                 {"seed", o.seed},
+                 {"device", NameOf(o.ResolveDevice())},
+                 {"background", o.EvaluationBackground()},
+                 {"version", COSPLAT_VERSION}};
+  WriteRunConfiguration(o.model, o, config, run);
+  std::vector<NamedCamera> cameras;
+  for (const auto* views : {&scene.test, &scene.train})
+    for (const SceneView& view : *views) cameras.push_back({view.name, view.camera});
+  WriteCamerasJson(o.model + "/cameras.json", cameras);
+  WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors);
+}
+
+}  // namespace
+
+void TrainScene(SceneTrainOptions o, const std::string& config) {
+  if (o.prune == "dcsharp-triangle")
+    throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
+  const Device device = o.ResolveDevice();
+  const std::shared_ptr<Lpips> lpips = LoadLpips(o);
+  const DataSplit split{o.resolution, o.eval, o.fold, -1};
+  SceneData scene = LoadSplitScene(o.source, split);
+  TrainingScene loaded = LoadTrainingScene(scene);
+  SceneStart start = StartScene(o.random_points, o, loaded);
+  start.settings.crop_loss.distance = lpips;
+  const std::vector<TrainFrame> test = std::move(loaded.test);
+  SceneSubject subject(std::move(loaded.train), loaded.extent);
+  Trainer trainer(
+      start.settings, subject, std::move(start.first), StepEngineOn(device, o.deterministic));
+  scene.points = std::move(loaded.points);  // the initial points of the run
+  scene.point_colors = std::move(loaded.point_colors);
+  SaveInputs(o, split, scene, config);
+  if (!o.quiet) PrintSkipped(scene.skipped);
+  if (!o.quiet)
+    std::printf("%s: %zu training and %zu test views of %dx%d, %s points, on %s\n",
+                scene.layout.c_str(),
+                scene.train.size(),
+                scene.test.size(),
+                subject.frame(0).camera.width,
+                subject.frame(0).camera.height,
+                WithThousands(scene.points.size() / 3).c_str(),
+                NameOf(device).c_str());
+  RunHooks hooks;
+  hooks.lpips = lpips.get();
+  hooks.save = [&, saves = CanSaveSplats(o)] {
+    if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
+  };
+  if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, device, test, trainer); };
+  RunTraining(o, trainer, scene.skipped, hooks);
+}
+
+}  // namespace cosplat

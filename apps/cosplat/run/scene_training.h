@@ -1,0 +1,16 @@
+// Trains a static scene into a run folder: what `train-scene` does, and `scene` once there are
+// cameras.
+#pragma once
+
+#include <string>
+
+#include "apps/cosplat/options/scene_options.h"
+
+namespace cosplat {
+
+// Reads o.source, trains, and writes the run folder o.model (run_folder.h). `config`: of ConfigOf.
+// Prints what it reads and reaches, unless quiet. Throws Error before anything is written if the
+// data or the options cannot be used.
+void TrainScene(SceneTrainOptions o, const std::string& config);
+
+}  // namespace cosplat

@@ -1,0 +1,91 @@
+#include "splat/base/exif.h"
+
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+namespace cosplat {
+namespace {
+
+constexpr uint32_t kOrientation = 0x0112, kExifFolder = 0x8769, kFocalLength = 0x920a;
+
+// The TIFF structure that EXIF consists of: folders of 12-byte entries, in either byte order. What
+// lies outside reads as zero.
+class Tiff {
+ public:
+  Tiff(const char* data, size_t size)
+      : data_(data), size_(size), little_(size > 0 && data[0] == 'I') {}
+
+  uint32_t Read(size_t at, size_t count) const {
+    if (at > size_ || count > size_ - at) return 0;
+    uint32_t value = 0;
+    for (size_t i = 0; i < count; ++i)
+      value = value << 8 | uint8_t(data_[little_ ? at + count - 1 - i : at + i]);
+    return value;
+  }
+
+  // Where the value of an entry is stored; 0 if the folder does not have it.
+  size_t Find(size_t folder, uint32_t tag) const {
+    const uint32_t entries = folder == 0 ? 0 : Read(folder, 2);
+    for (size_t i = 0; i < entries && folder + 2 + 12 * i < size_; ++i)
+      if (Read(folder + 2 + 12 * i, 2) == tag) return folder + 2 + 12 * i + 8;
+    return 0;
+  }
+
+ private:
+  const char* data_;
+  size_t size_;
+  bool little_;
+};
+
+ExifInfo ParseTiff(const Tiff& tiff) {
+  ExifInfo info;
+  const size_t first = tiff.Read(4, 4);
+  if (const size_t at = tiff.Find(first, kOrientation)) {
+    const int orientation = int(tiff.Read(at, 2));
+    if (orientation >= 1 && orientation <= 8) info.orientation = orientation;
+  }
+  if (const size_t at = tiff.Find(first, kExifFolder))
+    if (const size_t focal = tiff.Find(tiff.Read(at, 4), kFocalLength)) {
+      const size_t ratio = tiff.Read(focal, 4);
+      const double divisor = tiff.Read(ratio + 4, 4);
+      if (ratio > 0 && divisor > 0) info.focal_length = tiff.Read(ratio, 4) / divisor;
+    }
+  return info;
+}
+
+}  // namespace
+
+ExifInfo ParseExif(const std::vector<char>& bytes) {
+  if (bytes.size() < 4 || std::memcmp(bytes.data(), "\xff\xd8", 2) != 0) return {};
+  constexpr char kName[] = "Exif\0";  // and another zero
+  // Segments before the pixels: a marker of two bytes, then the size that counts itself.
+  for (size_t at = 2; at + 4 <= bytes.size() && uint8_t(bytes[at]) == 0xff;) {
+    const uint8_t marker = uint8_t(bytes[at + 1]);
+    const size_t size = size_t(uint8_t(bytes[at + 2])) << 8 | uint8_t(bytes[at + 3]);
+    if (marker == 0xda || size < 2 || size > bytes.size() - at - 2) break;
+    const char* content = bytes.data() + at + 4;
+    if (marker == 0xe1 && size >= 8 + 8 && std::memcmp(content, kName, sizeof kName) == 0)
+      return ParseTiff(Tiff(content + 6, size - 8));
+    at += 2 + size;
+  }
+  return {};
+}
+
+Image8 Upright(const Image8& image, int orientation) {
+  const bool swaps = orientation >= 5;
+  const bool flips_x = orientation == 2 || orientation == 3 || orientation >= 7;
+  const bool flips_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  Image8 result(
+      swaps ? image.height : image.width, swaps ? image.width : image.height, image.channels);
+  for (int y = 0; y < result.height; ++y)
+    for (int x = 0; x < result.width; ++x) {
+      int from_x = swaps ? y : x, from_y = swaps ? x : y;
+      if (flips_x) from_x = image.width - 1 - from_x;
+      if (flips_y) from_y = image.height - 1 - from_y;
+      for (int c = 0; c < image.channels; ++c) result.at(x, y, c) = image.at(from_x, from_y, c);
+    }
+  return result;
+}
+
+}  // namespace cosplat

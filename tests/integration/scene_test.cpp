@@ -1,0 +1,424 @@
+// `cosplat scene`: with a program in COLMAP's place that does as it is told, and with COLMAP itself
+// where it is installed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "splat/io/dataset.h"
+#include "tests/integration/command.h"
+
+namespace cosplat::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A room of textured walls, [-2, 2]^3, photographed along a curve before its far wall.
+constexpr int kViews = 10;
+
+struct MadePose {
+  double center[3], angle;  // the camera looks along (sin angle, 0, cos angle); y is down
+};
+MadePose PoseOf(int i) {
+  const double x = -1.2 + 2.4 * i / (kViews - 1), z = -1.3 + 0.1 * (i % 3);
+  return {{x, 0.2 * std::sin(2.0 * i), z}, std::atan2(-x, 1.5 - z)};
+}
+
+Camera CameraOf(int i, int width) {
+  const MadePose p = PoseOf(i);
+  const double s = std::sin(p.angle), c = std::cos(p.angle);
+  Camera camera;
+  camera.width = width;
+  camera.height = width * 3 / 4;
+  camera.fx = camera.fy = 0.9f * float(width);
+  camera.cx = 0.5f * float(width);
+  camera.cy = 0.375f * float(width);
+  camera.rotation = {float(c), 0, float(-s), 0, 1, 0, float(s), 0, float(c)};
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      camera.translation[k] -= camera.rotation[3 * k + j] * float(p.center[j]);
+  return camera;
+}
+
+double Hash(int a, int b, int c) {
+  uint32_t h = uint32_t(a) * 0x9e3779b1u ^ uint32_t(b) * 0x85ebca6bu ^ uint32_t(c) * 0xc2b2ae35u;
+  h = (h ^ h >> 15) * 0x2c1b3c6du;
+  h = (h ^ h >> 12) * 0x297a2d39u;
+  return (h ^ h >> 15) / 4294967296.0;
+}
+
+// Patches of two sizes, different on every wall and in every channel.
+double Texture(int wall, double u, double v, int channel) {
+  const auto patch = [&](double size, int salt) {
+    return Hash(int(std::floor(u / size)), int(std::floor(v / size)), wall * 8 + channel + salt);
+  };
+  return 255 * (0.5 * patch(0.31, 0) + 0.5 * patch(0.09, 64));
+}
+
+Image8 Photograph(int i, int width) {
+  const Camera camera = CameraOf(i, width);
+  const MadePose pose = PoseOf(i);
+  constexpr int kSamples = 3;  // per pixel and axis
+  Image8 image(camera.width, camera.height, 3);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      double sum[3] = {};
+      for (int s = 0; s < kSamples * kSamples; ++s) {
+        const double dx = (x + (s % kSamples + 0.5) / kSamples - camera.cx) / camera.fx;
+        const double dy = (y + (s / kSamples + 0.5) / kSamples - camera.cy) / camera.fy;
+        double d[3], nearest = 1e9, at[3];
+        for (int k = 0; k < 3; ++k)
+          d[k] = camera.rotation[k] * dx + camera.rotation[3 + k] * dy + camera.rotation[6 + k];
+        int wall = 0;
+        for (int k = 0; k < 3; ++k) {
+          const double t = ((d[k] > 0 ? 2 : -2) - pose.center[k]) / d[k];
+          if (t < nearest) nearest = t, wall = 2 * k + (d[k] > 0);
+        }
+        for (int k = 0; k < 3; ++k) at[k] = pose.center[k] + nearest * d[k];
+        for (int c = 0; c < 3; ++c)
+          sum[c] += Texture(wall, at[(wall / 2 + 1) % 3], at[(wall / 2 + 2) % 3], c);
+      }
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = uint8_t(sum[c] / (kSamples * kSamples));
+    }
+  return image;
+}
+
+std::string NameOf(int i) { return "p" + std::to_string(i) + ".png"; }
+
+void WritePhotographs(const std::string& folder, int width, int count = kViews) {
+  fs::create_directories(folder);
+  for (int i = 0; i < count; ++i) WriteImage(folder + "/" + NameOf(i), Photograph(i, width));
+}
+
+// A model in COLMAP's text format of the first `count` photographs.
+void WriteModel(const std::string& folder, int width, int count) {
+  fs::create_directories(folder);
+  const Camera c = CameraOf(0, width);
+  std::ofstream(folder + "/cameras.txt")
+      << "1 PINHOLE " << c.width << " " << c.height << " " << c.fx << " " << c.fy << " " << c.cx
+      << " " << c.cy << "\n";
+  std::ofstream images(folder + "/images.txt"), points(folder + "/points3D.txt");
+  for (int i = 0; i < count; ++i) {
+    const Camera camera = CameraOf(i, width);
+    const double half = PoseOf(i).angle / 2;
+    images << i + 1 << " " << std::cos(half) << " 0 " << -std::sin(half) << " 0";
+    for (const float t : camera.translation) images << " " << t;
+    images << " 1 " << NameOf(i) << "\n\n";
+  }
+  for (int i = 0; i < 200; ++i)
+    points << i + 1 << " " << 4 * Hash(i, 1, 0) - 2 << " " << 4 * Hash(i, 2, 0) - 2
+           << " 2 128 128 128 0.5\n";
+}
+
+// Photographs, and a program that takes COLMAP's arguments, writes them to `calls` and the model to
+// where COLMAP would.
+struct FakeColmap {
+  static constexpr int kWidth = 48;
+  TemporaryFolder folder;
+  std::string photographs = folder / "photographs", out = folder / "out", calls = folder / "calls",
+              program = folder / "bin/colmap";
+
+  explicit FakeColmap(int registered = kViews) {
+    WritePhotographs(photographs, kWidth);
+    WriteModel(folder / "model", kWidth, registered);
+    fs::create_directories(folder / "bin");
+    WriteProgram("");
+  }
+
+  // `misbehave`: run first, with $command and the arguments.
+  void WriteProgram(const std::string& misbehave) const {
+    std::ofstream script(program);
+    script << "#!/bin/sh\necho \"$@\" >> '" << calls << "'\ncommand=$1; shift\n"
+           << "while [ $# -gt 1 ]; do case $1 in --image_path) images=$2;; --output_path) "
+              "output=$2;; --database_path) database=$2;; esac; shift 2; done\n"
+           << misbehave << "\ncase $command in\n"
+           << "feature_extractor) echo 'Processed file [3/10]'; echo made >> \"$database\";;\n"
+           << "*_matcher) echo 'Matching block [1/1, 1/1] in 0.1s';;\n"
+           << "mapper) echo 'Registering image #2 (3)'; mkdir \"$output/0\"; cp '"
+           << folder / "model"
+           << "'/* \"$output/0\";;\n"
+           << "image_undistorter) mkdir \"$output/images\" \"$output/sparse\" \"$output/stereo\"\n"
+           << "cp -rL \"$images/.\" \"$output/images\"; cp '" << folder / "model"
+           << "'/* \"$output/sparse\";;\nesac\n";
+    script.close();
+    fs::permissions(program, fs::perms::owner_all);
+  }
+
+  CommandResult Run(std::vector<std::string> more = {}, const std::string& source = "") const {
+    std::vector<std::string> arguments{"scene",
+                                       source.empty() ? photographs : source,
+                                       "-o",
+                                       out,
+                                       "--colmap",
+                                       program,
+                                       "--iterations",
+                                       "30",
+                                       "--sh_degree",
+                                       "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments);
+  }
+
+  // The commands so far, and then none.
+  std::vector<std::string> TakeCalls() const {
+    std::vector<std::string> lines;
+    std::ifstream stream(calls);
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    fs::remove(calls);
+    return lines;
+  }
+  bool Has(const std::string& name) const { return fs::exists(out + "/" + name); }
+};
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Ends in one line with each of the parts, after at most the last lines of COLMAP, and leaves no
+// result.
+void ExpectError(const FakeColmap& fake,
+                 const CommandResult& result,
+                 const std::vector<std::string>& parts) {
+  EXPECT_EQ(result.code, 2) << result.out;
+  std::istringstream lines(result.err);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) last = line;
+  EXPECT_TRUE(last.starts_with("cosplat: ")) << result.err;
+  for (const std::string& part : parts) EXPECT_TRUE(Contains(last, part)) << part << ": " << last;
+  for (const char* name : {"data", "registration.json", "run.json", "report.html"})
+    EXPECT_FALSE(fake.Has(name)) << name;
+}
+
+TEST(Scene, FromPhotographsToReportAndOrbit) {
+  const FakeColmap fake;
+  const CommandResult result = fake.Run();
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "cameras of 10 of 10 photographs, 200 points")) << result.out;
+  for (const char* name : {"data/images/p0.png",
+                           "data/sparse/0/cameras.txt",
+                           "results.json",
+                           "report.html",
+                           "orbit.mp4",
+                           "test/ours_30/renders/00001.png"})
+    EXPECT_TRUE(fake.Has(name)) << name;
+  EXPECT_FALSE(fake.Has("data/stereo"));
+  EXPECT_FALSE(fake.Has("colmap/undistorted"));
+  const std::vector<std::string> calls = fake.TakeCalls();
+  ASSERT_EQ(calls.size(), 4u);
+  EXPECT_TRUE(Contains(calls[0], "feature_extractor "));
+  EXPECT_TRUE(Contains(calls[0], "--ImageReader.single_camera 1 --SiftExtraction.use_gpu 0"));
+  EXPECT_TRUE(Contains(calls[0], "OPENCV"));
+  EXPECT_TRUE(Contains(calls[1], "exhaustive_matcher "));
+  EXPECT_TRUE(Contains(calls[2], "mapper "));
+  EXPECT_TRUE(Contains(calls[3], "--max_image_size 1600"));
+  EXPECT_TRUE(Contains(Slurp(fake.out + "/colmap/log.txt"), "Registering image #2 (3)"));
+}
+
+TEST(Scene, KeepsWhatIsFinished) {
+  const FakeColmap fake;
+  ASSERT_EQ(fake.Run().code, 0);
+  fake.TakeCalls();
+  const CommandResult again = fake.Run();
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_TRUE(Contains(again.out, "kept from an earlier run")) << again.out;
+  EXPECT_TRUE(Contains(again.out, "trained by an earlier run")) << again.out;
+  const CommandResult longer = fake.Run({"--seed", "1"});
+  EXPECT_TRUE(Contains(longer.out, "kept from an earlier run")) << longer.out;
+  EXPECT_TRUE(Contains(longer.out, "30 iterations in")) << longer.out;
+  EXPECT_TRUE(fake.TakeCalls().empty());
+  WriteImage(fake.photographs + "/" + NameOf(0), Photograph(1, FakeColmap::kWidth));
+  const CommandResult changed = fake.Run({"--seed", "1"});
+  EXPECT_EQ(changed.code, 0) << changed.err;
+  EXPECT_FALSE(Contains(changed.out, "earlier run")) << changed.out;
+  EXPECT_EQ(fake.TakeCalls().size(), 4u);
+}
+
+TEST(Scene, ContinuesWhereItWasInterrupted) {
+  const FakeColmap fake;
+  fake.WriteProgram("[ $command = mapper ] && kill -9 $$");
+  ExpectError(fake, fake.Run(), {"colmap mapper", "killed by signal 9", "colmap/log.txt"});
+  fake.WriteProgram("");
+  ASSERT_EQ(fake.Run({"--cameras-only"}).code, 0);
+  EXPECT_EQ(Slurp(fake.out + "/colmap/database.db"), "made\nmade\n");  // the same file
+  EXPECT_FALSE(fake.Has("run.json"));
+}
+
+TEST(Scene, NamesWhatIsNotRegistered) {
+  const FakeColmap fake(5);
+  const CommandResult result = fake.Run({"--cameras-only"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "cameras of 5 of 10 photographs")) << result.out;
+  EXPECT_TRUE(Contains(result.out, "not registered: p5.png p6.png p7.png")) << result.out;
+  EXPECT_TRUE(Contains(result.err, "warning: 5 of 10 photographs have no camera")) << result.err;
+  const Json json = Json::parse(Slurp(fake.out + "/registration.json"));
+  EXPECT_EQ(json["not_registered"].size(), 5u);
+}
+
+TEST(Scene, TrainsOnAllWithoutEval) {
+  const FakeColmap fake;
+  const CommandResult result = fake.Run({"--eval=false", "--quiet"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out + result.err, "");
+  EXPECT_TRUE(fake.Has("orbit.mp4"));
+  EXPECT_FALSE(fake.Has("report.html"));
+}
+
+TEST(Scene, TakesTheSharpestFramesOfAVideo) {
+  const FakeColmap fake;
+  const std::string video = fake.folder / "video.mp4";
+  VideoWriter writer(video, 96, 72, 25);
+  for (int i = 0; i < 3 * kViews; ++i) {
+    const Image8 sharp = Photograph(i / 3, 96);
+    writer.Write(i % 3 == 1 ? sharp : ResizeByArea(ResizeByArea(sharp, 12, 9), 96, 72));
+  }
+  writer.Finish();
+  ExpectError(fake,
+              fake.Run({"--frames", "10", "--cameras-only"}, video),
+              {"frames cannot be used"});  // the model is of photographs
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(fake.out + "/colmap/photographs"))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  ASSERT_EQ(names.size(), 10u);
+  for (int i = 0; i < 10; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%06d.jpg", 3 * i + 1);
+    EXPECT_EQ(names[i], name);
+  }
+  EXPECT_TRUE(Contains(fake.TakeCalls()[1], "sequential_matcher "));
+}
+
+// The JPEG with an EXIF segment that has nothing but an orientation.
+void WriteTurned(const std::string& path, const Image8& image, char orientation) {
+  const std::vector<uint8_t> jpeg = EncodeImage(path, image);
+  std::string exif(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0"
+      "II*\0\x08\0\0\0"
+      "\x01\0"
+      "\x12\x01\x03\0",
+      24);
+  exif += std::string("\x01\0\0\0", 4) + orientation + std::string(7, '\0');
+  exif[3] = char(exif.size() - 2);
+  std::ofstream stream(path, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(jpeg.data()), 2);
+  stream << exif;
+  stream.write(reinterpret_cast<const char*>(jpeg.data()) + 2, std::streamsize(jpeg.size()) - 2);
+}
+
+TEST(Scene, TurnsPhotographsUprightAndSeparatesLenses) {
+  const FakeColmap fake;
+  fs::remove(fake.photographs + "/p9.png");
+  const Image8 image = Photograph(9, FakeColmap::kWidth);
+  WriteTurned(fake.photographs + "/p9.jpg", image, 6);
+  fake.Run({"--matching", "sequential"});
+  const Image8 turned = ReadImage(fake.out + "/colmap/photographs/2/p9.jpg");
+  EXPECT_EQ(turned.width, image.height);
+  EXPECT_EQ(turned.height, image.width);
+  EXPECT_TRUE(fs::is_symlink(fake.out + "/colmap/photographs/1/p0.png"));
+  const std::vector<std::string> calls = fake.TakeCalls();
+  EXPECT_TRUE(Contains(calls[0], "SIMPLE_RADIAL --ImageReader.single_camera_per_folder 1"));
+  EXPECT_TRUE(Contains(calls[1], "sequential_matcher "));
+}
+
+TEST(Scene, SkipsDamagedPhotographs) {
+  const FakeColmap fake(8);
+  const std::string bytes = Slurp(fake.photographs + "/p9.png");
+  std::ofstream(fake.photographs + "/p9.png", std::ios::binary) << bytes.substr(0, 500);
+  const CommandResult result = fake.Run({"--cameras-only"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "p9.png: " + fake.photographs + "/p9.png: is truncated after"))
+      << result.out;
+  EXPECT_TRUE(Contains(result.out, "cameras of 8 of 9 photographs")) << result.out;
+}
+
+TEST(Scene, SaysWhatIsWrongWithThePhotographs) {
+  const FakeColmap fake;
+  const std::string empty = fake.folder / "empty", few = fake.folder / "few";
+  fs::create_directories(empty);
+  ExpectError(fake, fake.Run({}, empty), {empty, "contains no photographs"});
+  std::ofstream(empty + "/IMG_1.HEIC") << "heic";
+  ExpectError(fake, fake.Run({}, empty), {"1 .heic files", ".jpg"});
+  WritePhotographs(few, FakeColmap::kWidth, 1);
+  ExpectError(fake, fake.Run({}, few), {few, "has 1 photographs, expected at least 3"});
+  for (int i = 1; i < 4; ++i) std::ofstream(few + "/" + NameOf(i)) << "no image";
+  ExpectError(fake, fake.Run({}, few), {few, "3 of 4 frames cannot be used", "p1.png"});
+  ExpectError(fake, fake.Run({}, fake.folder / "absent"), {"absent", "is neither a folder"});
+  ExpectError(fake, fake.Run({}, fake.program), {fake.program, "video"});
+  ExpectError(fake, Cosplat({"scene", few, "-o", few}), {few, "of the photographs"});
+  EXPECT_TRUE(fake.TakeCalls().empty());
+}
+
+TEST(Scene, SaysHowToInstallColmap) {
+  const FakeColmap fake;
+  ExpectError(fake,
+              Cosplat({"scene", fake.photographs, "-o", fake.out, "--colmap", "no-colmap"}),
+              {"no-colmap", "apt-get install colmap"});
+  EXPECT_FALSE(fs::exists(fake.out));
+  fs::rename(fake.program, fake.folder / "bin/other");
+  const CommandResult found =
+      Cosplat({"scene", fake.photographs, "-o", fake.out, "--colmap", "other", "--cameras-only"},
+              "PATH='" + fake.folder.path() + "/bin':\"$PATH\"");
+  EXPECT_EQ(found.code, 0) << found.err;
+}
+
+TEST(Scene, SaysWhatColmapDied) {
+  const FakeColmap fake;
+  fake.WriteProgram("[ $command = feature_extractor ] && { echo 'ERROR: disk' >&2; exit 1; }");
+  const CommandResult exits = fake.Run();
+  ExpectError(fake, exits, {"colmap feature_extractor: exited with status 1; its log is"});
+  EXPECT_TRUE(Contains(exits.err, "  ERROR: disk\n")) << exits.err;
+  fake.WriteProgram("[ $command = mapper ] && { echo 'ERROR: failed to create'; exit 1; }");
+  ExpectError(fake, fake.Run(), {"cameras of 0 of 10 photographs", "overlap too little"});
+  fake.WriteProgram(
+      "[ $command = mapper ] && { mkdir $output/0; echo x > $output/0/cameras.bin; }");
+  ExpectError(fake, fake.Run(), {"cameras.bin"});
+  fake.WriteProgram("[ $command = image_undistorter ] && exit 0");
+  EXPECT_EQ(fake.Run().code, 2);
+  EXPECT_FALSE(fake.Has("data"));
+}
+
+TEST(Scene, TwoCamerasAreTooFew) {
+  const FakeColmap fake(2);
+  ExpectError(fake, fake.Run(), {"cameras of 2 of 10 photographs"});
+}
+
+// COLMAP's world is ours up to a similarity: rotations between cameras agree, and distances between
+// them up to one factor.
+TEST(Scene, ColmapFindsTheMadeCameras) {
+  if (std::system("command -v colmap >/dev/null") != 0) GTEST_SKIP() << "COLMAP is not installed";
+  const TemporaryFolder folder;
+  constexpr int kWidth = 400;
+  WritePhotographs(folder / "photographs", kWidth);
+  const CommandResult result =
+      Cosplat({"scene", folder / "photographs", "-o", folder / "out", "--cameras-only"});
+  ASSERT_EQ(result.code, 0) << result.err << Slurp(folder / "out/colmap/log.txt");
+  const SceneData scene = LoadScene(folder / "out/data", {});
+  ASSERT_EQ(scene.train.size(), size_t(kViews)) << result.out;
+  const auto relative = [](const Camera& a, const Camera& b, int row, int column) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += a.rotation[3 * row + k] * b.rotation[3 * column + k];
+    return sum;
+  };
+  const auto distance = [](const Camera& a, const Camera& b) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::pow(a.Center()[k] - b.Center()[k], 2);
+    return std::sqrt(sum);
+  };
+  const auto found = [&](int i) { return scene.train[i].camera; };
+  const double scale =
+      distance(found(0), found(kViews - 1)) / distance(CameraOf(0, kWidth), CameraOf(9, kWidth));
+  for (int i = 0; i < kViews; ++i) {
+    EXPECT_NEAR(found(i).fx / found(i).width, 0.9, 0.02);
+    for (int j = 0; j < i; ++j) {
+      const Camera a = CameraOf(i, kWidth), b = CameraOf(j, kWidth);
+      for (int k = 0; k < 9; ++k)  // 0.01: half a degree
+        EXPECT_NEAR(relative(found(i), found(j), k / 3, k % 3), relative(a, b, k / 3, k % 3), 0.01);
+      EXPECT_NEAR(distance(found(i), found(j)) / scale, distance(a, b), 0.03);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cosplat::test
