@@ -236,7 +236,8 @@ void Render(const RenderOptions& o) {
 
 }  // namespace
 
-void RenderOrbit(const std::string& model,
+void RenderVideo(const std::string& model,
+                 const std::string& drive,
                  const std::string& out,
                  const std::string& device,
                  bool quiet) {
@@ -245,7 +246,8 @@ void RenderOrbit(const std::string& model,
   o.out = out;
   o.device = device;
   o.quiet = quiet;
-  o.orbit = true;
+  o.drive = drive;
+  o.orbit = drive.empty();
   Render(o);
 }
 

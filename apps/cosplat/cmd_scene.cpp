@@ -196,7 +196,7 @@ void Train(SceneCommand o, bool same_data, const std::string& config) {
     TrainScene(o, config);
   }
   if (o.eval) WriteReport(o.model, o.quiet);
-  if (!fs::exists(orbit)) RenderOrbit(o.model, orbit, o.device, o.quiet);
+  if (!fs::exists(orbit)) RenderVideo(o.model, "", orbit, o.device, o.quiet);
 }
 
 void Scene(const SceneCommand& o, const std::string& config) {

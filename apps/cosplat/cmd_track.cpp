@@ -6,6 +6,15 @@
 
 namespace cosplat {
 
+void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
+  command.add_option("--landmarks", o.landmarks, "the video's landmarks, see `cosplat landmarks`");
+  command.add_option("--landmark-embedding",
+                     o.embedding,
+                     ".npz that says where the landmarks are on the model, if it is not FLAME");
+  command.add_option("--focal", o.focal, "focal length in pixels, if it is known; 0: found")
+      ->check(CLI::Range(0.0, 1e6));
+}
+
 void AddTrack(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "track", "fit FLAME to the landmarks of a video: a folder for train-avatar, and a report");
@@ -13,13 +22,8 @@ void AddTrack(CLI::App& app) {
   command->add_option("video", o->source, "a video file, or a folder of images")->required();
   command->add_option("--flame", o->flame, "FLAME model, .pkl or .npz")->required();
   command->add_option("-o,--out", o->out, "folder to write, in IMavatar's layout")->required();
-  command->add_option("--landmarks", o->landmarks, "the video's landmarks, see `cosplat landmarks`")
-      ->required();
-  command->add_option("--landmark-embedding",
-                      o->embedding,
-                      ".npz that says where the landmarks are on the model, if it is not FLAME");
-  command->add_option("--focal", o->focal, "focal length in pixels, if it is known; 0: found")
-      ->check(CLI::Range(0.0, 1e6));
+  DeclareTracking(*o, *command);
+  command->get_option("--landmarks")->required();
   command->add_option(
       "--overlay", o->overlay, "also write the mesh over every frame: .mp4 or folder");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");

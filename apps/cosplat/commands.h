@@ -7,6 +7,10 @@
 
 namespace cosplat {
 
+struct AvatarOptions;
+struct TrackRunOptions;
+
+void AddAvatar(CLI::App& app);
 void AddBench(CLI::App& app);
 void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
@@ -26,10 +30,17 @@ void AddTrainScene(CLI::App& app);
 
 // Writes report.html of the run in `model`. Throws Error if it has no test images.
 void WriteReport(const std::string& model, bool quiet);
-// As `render --orbit`: `out` is a folder or ends in .mp4. Throws Error if the run saved no splats.
-void RenderOrbit(const std::string& model,
+// As `render --drive SEQUENCE`, or --orbit if `drive` is empty: `out` is a folder or ends in .mp4.
+// Throws Error if the run saved no splats.
+void RenderVideo(const std::string& model,
+                 const std::string& drive,
                  const std::string& out,
                  const std::string& device,
                  bool quiet);
+// As `train-avatar`. `config`: of ConfigOf. Throws Error before anything is written if the data or
+// the options cannot be used.
+void TrainAvatar(AvatarOptions options, const std::string& config);
+// The options of `track` that `avatar` has, too.
+void DeclareTracking(TrackRunOptions& options, CLI::App& command);
 
 }  // namespace cosplat

@@ -58,6 +58,7 @@ int Run(int argc, char** argv) {
                                                     threads);
   });
   cosplat::AddMakeHead(app);
+  cosplat::AddAvatar(app);
   cosplat::AddTrack(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
