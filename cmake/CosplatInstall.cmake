@@ -23,6 +23,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/struct_size.h
   avatar/surface/cuda/
   avatar/surface/gather_rows.h
+  flame/added_mesh.h
   flame/check_parameters.h
   flame/directions.h
   flame/fit/landmark_cost.h

@@ -18,7 +18,8 @@ constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
 // come last, in this order.
 struct MouthParts {
   int upper_teeth = 0, lower_teeth = 0, bowl = 0;
-  int count() const { return upper_teeth + lower_teeth + bowl; }
+  int vhap_teeth = 0;  // instead of these (flame/vhap_teeth.h)
+  int count() const { return upper_teeth + lower_teeth + bowl + vhap_teeth; }
 };
 
 struct FlameModel {

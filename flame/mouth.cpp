@@ -4,18 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "flame/added_mesh.h"
 #include "flame/topology.h"
+#include "flame/vhap_teeth.h"
 
 namespace cosplat {
 namespace {
 
-constexpr int kNeckJoint = 1, kJawJoint = 2;
-
-// Rows of 15 vertices that VHAP (Qian 2024) appends to FLAME's: the roots of the upper and of the
-// lower teeth, their edges, the backs of both of the upper and of both of the lower teeth.
-constexpr int kVhapRow = 15;
-constexpr std::array kVhapRowIsUpper = {true, false, true, false, true, true, false, false};
-constexpr int kVhapTeeth = kVhapRow * int(kVhapRowIsUpper.size());
+constexpr int kJawJoint = 2;
 
 using Point = std::array<float, 3>;
 
@@ -80,16 +76,6 @@ std::vector<int32_t> MouthRim(const FlameModel& model) {
   return rim;
 }
 
-// A new vertex: a place on the template, the rim's vertices whose directions it takes, and how far
-// it follows the jaw.
-struct NewVertex {
-  Point place;
-  std::vector<std::pair<int32_t, float>> shape_of;  // weights of their shape directions
-  int32_t rim = 0;
-  float motion = 0;  // factor on that vertex's expression and pose directions
-  float jaw = 0;
-};
-
 class MouthBuilder {
  public:
   MouthBuilder(const FlameModel& model, std::vector<int32_t> rim)
@@ -112,7 +98,7 @@ class MouthBuilder {
   }
 
   const MouthParts& parts() const { return parts_; }
-  const std::vector<NewVertex>& vertices() const { return vertices_; }
+  const std::vector<AddedVertex>& vertices() const { return vertices_; }
   const std::vector<std::array<int32_t, 3>>& faces() const { return faces_; }
 
  private:
@@ -125,8 +111,8 @@ class MouthBuilder {
     const int first = int(vertices_.size());
     for (int r = 0; r <= kRows; ++r)
       for (int c = 0; c < columns; ++c) {
-        NewVertex v;
-        v.rim = arc[size_t(c)];
+        AddedVertex v;
+        v.moves_with = arc[size_t(c)];
         v.jaw = jaw;
         // The average of the rim's shape directions about this column: the arch of the teeth does
         // not have the lips' detail.
@@ -134,7 +120,7 @@ class MouthBuilder {
         for (int k = std::max(0, c - kReach); k <= std::min(columns - 1, c + kReach); ++k)
           v.shape_of.push_back({arc[size_t(k)], 1.0f});
         for (auto& [of, weight] : v.shape_of) weight /= float(v.shape_of.size());
-        const Point root = PointOf(model_, v.rim);
+        const Point root = PointOf(model_, v.moves_with);
         const float t = float(r) / kRows;
         v.place = {root[0] * (1 - 0.06f * t),
                    root[1] + t * (edge - root[1]),
@@ -153,8 +139,8 @@ class MouthBuilder {
       for (const int32_t of : rim_) {
         const Point p = PointOf(model_, of);
         const float t = float(r) / kRings, narrow = 1 - 0.8f * t * t;
-        NewVertex v;
-        v.rim = of;
+        AddedVertex v;
+        v.moves_with = of;
         v.shape_of = {{of, 1.0f}};
         v.motion = 1 - t;
         v.jaw = JawWeight(model_, of);
@@ -189,28 +175,9 @@ class MouthBuilder {
   std::vector<int32_t> rim_;
   Extent extent_;
   MouthParts parts_;
-  std::vector<NewVertex> vertices_;
+  std::vector<AddedVertex> vertices_;
   std::vector<std::array<int32_t, 3>> faces_;
 };
-
-// [count, V, 3] -> [count, V + new, 3]; f(direction of one vertex, new vertex) gives the new ones.
-template <class F>
-std::vector<float> Extended(const std::vector<float>& directions,
-                            int count,
-                            const FlameModel& model,
-                            const std::vector<NewVertex>& added,
-                            const F& f) {
-  const size_t row = 3 * size_t(model.vertex_count);
-  std::vector<float> out;
-  out.reserve(size_t(count) * (row + 3 * added.size()));
-  for (int k = 0; k < count; ++k) {
-    const float* from = &directions[size_t(k) * row];
-    out.insert(out.end(), from, from + row);
-    for (const NewVertex& v : added)
-      for (int axis = 0; axis < 3; ++axis) out.push_back(f(from + axis, v));
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -220,38 +187,7 @@ FlameModel WithMouth(FlameModel model) {
   if (rim.empty()) return model;
   MouthBuilder mouth(model, rim);
   mouth.Build();
-  const std::vector<NewVertex>& added = mouth.vertices();
-  const auto shape = [](const float* direction, const NewVertex& v) {
-    float sum = 0;
-    for (const auto& [of, weight] : v.shape_of) sum += weight * direction[3 * size_t(of)];
-    return sum;
-  };
-  const auto motion = [](const float* direction, const NewVertex& v) {
-    return v.motion * direction[3 * size_t(v.rim)];
-  };
-  model.shape_directions = Extended(model.shape_directions, model.shape_count, model, added, shape);
-  model.expression_directions =
-      Extended(model.expression_directions, model.expression_count, model, added, motion);
-  model.pose_directions = Extended(model.pose_directions, kFlamePoseFeatures, model, added, motion);
-  std::vector<float> regressor;
-  for (int j = 0; j < kFlameJoints; ++j) {
-    const auto row = model.joint_regressor.begin() + long(j) * model.vertex_count;
-    regressor.insert(regressor.end(), row, row + model.vertex_count);
-    regressor.insert(regressor.end(), added.size(), 0.0f);
-  }
-  model.joint_regressor = std::move(regressor);
-  for (std::array<int32_t, 3> face : mouth.faces()) {
-    for (int32_t& v : face) v += model.vertex_count;
-    model.faces.push_back(face);
-  }
-  for (const NewVertex& v : added) {
-    model.template_vertices.insert(model.template_vertices.end(), v.place.begin(), v.place.end());
-    std::array<float, kFlameJoints> weights{};
-    weights[kNeckJoint] = 1 - v.jaw;
-    weights[kJawJoint] = v.jaw;
-    model.skinning_weights.insert(model.skinning_weights.end(), weights.begin(), weights.end());
-  }
-  model.vertex_count += int(added.size());
+  AddToMesh(mouth.vertices(), mouth.faces(), model);
   model.mouth = mouth.parts();
   return model;
 }

@@ -17,15 +17,15 @@ namespace {
 
 struct ExportOptions {
   ExportSource source;
-  std::string vq, ply, glb;
+  std::string vq, ply, glb, run;
   VqSettings settings;
   bool truncate_degree = false;
   bool quiet = false;
 };
 
 void Check(const ExportOptions& o) {
-  if (o.vq.empty() && o.ply.empty() && o.glb.empty())
-    throw Error("--vq, --ply, --glb", "give at least one of them");
+  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty())
+    throw Error("--vq, --ply, --glb, --run", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
     throw Error("-m, --splats", "give at least one of them: the model to export");
   if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
@@ -33,13 +33,10 @@ void Check(const ExportOptions& o) {
 }
 
 void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {
-  if (o.glb.empty()) return;
-  if (subject.is_avatar())
+  const std::string& path = o.glb.empty() ? o.run : o.glb;
+  if (!path.empty() && subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
     throw Error(
-        o.source.model, "--glb", "is only for scenes; an avatar's run already has avatar.glb");
-  if (subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
-    throw Error(
-        o.glb,
+        path,
         "degree",
         "is 4, but standard glTF supports at most 3: pass --truncate-degree to omit band 4");
 }
@@ -104,13 +101,18 @@ void Export(ExportOptions& o) {
   o.source.quantise = !o.vq.empty();
   const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
   CheckGlb(o, *subject);
+  // First what may be refused.
+  if (!o.run.empty()) {
+    subject->WriteRun(o.run, o.truncate_degree);
+    Say(o, o.run + "/avatar.glb", *subject, ", with the data set's held-out frames");
+  }
+  if (!o.glb.empty()) {
+    subject->WriteGlb(o.glb, o.truncate_degree);
+    Say(o, o.glb, *subject, ", the avatar");
+  }
   if (!o.ply.empty()) {
     WritePly(o.ply, subject->gaussians());
     Say(o, o.ply, *subject, ", the avatar at rest");
-  }
-  if (!o.glb.empty()) {
-    WriteSceneGlb(o.glb, subject->gaussians(), o.truncate_degree);
-    Say(o, o.glb, *subject, "");
   }
   if (!o.vq.empty()) {
     WriteQuantised(o, *subject);
@@ -126,16 +128,31 @@ void AddExport(CLI::App& app) {
       app.add_subcommand("export", "write a model's splats as .ply, .glb or quantised");
   const auto o = std::make_shared<ExportOptions>();
   command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
+  command->add_option("--splats",
+                      o->source.splats,
+                      "a PLY or quantised file, or GaussianAvatars' point cloud; in place of the "
+                      "model's own with -m");
   command->add_option(
-      "--splats", o->source.splats, "a PLY or quantised file; in place of the model's own with -m");
-  command->add_option(
-      "-s,--source_path", o->source.data, "data set; the one trained on if not given");
+      "-s,--source_path",
+      o->source.data,
+      "data set; the one trained on if not given. Of GaussianAvatars' point clouds, the "
+      "subject, if flame_param.npz is not beside them");
   command->add_option(
       "--flame",
       o->source.flame,
-      "FLAME model file to measure an avatar with; the one trained with if not given");
+      "FLAME model file, for GaussianAvatars' point clouds and to measure an avatar with; the one "
+      "trained with if not given");
   command->add_option("--ply", o->ply, "write 3DGS's PLY; of an avatar, at rest");
-  command->add_option("--glb", o->glb, "write a scene as glTF with KHR_gaussian_splatting");
+  command->add_option(
+      "--glb",
+      o->glb,
+      "write glTF with KHR_gaussian_splatting: a scene, or GaussianAvatars' point cloud "
+      "as an avatar");
+  command->add_option(
+      "--run",
+      o->run,
+      "write GaussianAvatars' point cloud as a run's folder, for render, metrics and "
+      "play; needs -s");
   command->add_flag("--truncate-degree",
                     o->truncate_degree,
                     "leave band 4 out of the .glb, whose format ends at degree 3");

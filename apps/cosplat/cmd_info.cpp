@@ -9,6 +9,7 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/io/gaussian_avatars.h"
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -64,6 +65,9 @@ void SplatInfo(const std::string& path) {
     CodebookInfo(splats);
     if (splats.kind != "scene") return;
     g = Dequantise(splats);
+  } else if (IsGaussianAvatarPly(path)) {
+    std::printf("%s", SummarizeGaussianAvatar(path).c_str());
+    return;
   } else {
     g = ReadPly(path);
     std::printf("%s splats: %s Gaussians, SH degree %d\n",

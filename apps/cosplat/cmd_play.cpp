@@ -116,7 +116,11 @@ void AddPlay(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("play", "show an avatar or a scene in a window, or render it to files");
   const auto o = std::make_shared<PlayOptions>();
-  command->add_option("model", o->model, "a run's folder, an avatar's .glb, or a scene's splats")
+  command
+      ->add_option(
+          "model",
+          o->model,
+          "a run's folder, an avatar's .glb, GaussianAvatars' point cloud, or a scene's splats")
       ->required();
   auto* drive =
       command->add_option("--drive",

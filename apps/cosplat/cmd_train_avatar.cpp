@@ -17,7 +17,6 @@
 #include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
 
@@ -39,16 +38,6 @@ void Evaluate(const AvatarOptions& o,
 
 DataSplit SplitOf(const AvatarOptions& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
 
-// The head's mean root pose and the camera; orbits and driven playback start from it.
-Json ReferenceView(const TrackedVideo& video) {
-  std::vector<FlameParams> frames;
-  for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
-  const FlameParams mean = MeanRoot(frames);
-  return {{"rotation", mean.pose[0]},
-          {"translation", mean.translation},
-          {"camera", CameraToJson(video.train[0].camera)}};
-}
-
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
   const Json run{{"kind", "avatar"},
                  {"source", o.source},
@@ -64,10 +53,7 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
                  {"reference", ReferenceView(video)},
                  {"version", COSPLAT_VERSION}};
   WriteRunConfiguration(o.model, o, config, run);
-  std::vector<NamedCamera> cameras;
-  for (const auto* frames : {&video.test, &video.train})
-    for (const TrackedFrame& frame : *frames) cameras.push_back({frame.name, frame.camera});
-  WriteCamerasJson(o.model + "/cameras.json", cameras);
+  WriteTrackCameras(o.model, video);
 }
 
 // Writes the initial Gaussians at rest.

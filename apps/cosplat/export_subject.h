@@ -1,4 +1,5 @@
-// What `cosplat export` writes: a scene, an avatar or a stand-alone splat file.
+// What `cosplat export` writes: a scene, an avatar, a stand-alone splat file, or an avatar trained
+// with GaussianAvatars.
 #pragma once
 
 #include <memory>
@@ -23,13 +24,18 @@ class ExportSubject {
   const Gaussians& gaussians() const { return gaussians_; }  // in world space, as 3DGS's SH
   const std::string& path() const { return path_; }          // of the splat file
   virtual bool is_avatar() const { return false; }  // if true, gaussians() is the avatar at rest
+  // A scene, or an avatar that has no .glb yet. Throws Error for one that has.
+  virtual void WriteGlb(const std::string& path, bool truncate_degree) const = 0;
+  // A run's folder for `render`, `metrics` and `play`. Throws Error if it has one.
+  virtual void WriteRun(const std::string& folder, bool truncate_degree) const;
   virtual QuantisedSplats Quantised(const VqSettings& settings) const = 0;
   // The run's test views: of the trained model, and of a file written from Quantised's result.
   virtual TestViews AsTrained() = 0;
   virtual TestViews FromFile(const std::string& path) = 0;
 
  protected:
-  explicit ExportSubject(const std::string& path);
+  ExportSubject(const std::string& path, Gaussians gaussians)
+      : path_(path), gaussians_(std::move(gaussians)) {}
 
  private:
   std::string path_;

@@ -6,12 +6,14 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/io/gaussian_avatars.h"
 #include "avatar/live/recording.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/splat_file.h"
+#include "splat/io/vq_file.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -39,11 +41,20 @@ StartView AsFilmed(const Content::Avatar& avatar, const JsonField& run) {
   return {camera, front.center, {-r[3], -r[4], -r[5]}};
 }
 
+// At rest before the camera. `avatar` has all but its rest.
+Content ContentOf(Content::Avatar loaded, const JsonField* run) {
+  Content content;
+  Content::Avatar& avatar = content.avatar.emplace(std::move(loaded));
+  content.background = avatar.model.background;
+  avatar.rest = run ? ReferenceRoot(*run) : RestRoot(avatar.model, avatar.flame);
+  content.start =
+      run ? AsFilmed(avatar, *run) : viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
+  return content;
+}
+
 // run: the run whose folder contains the avatar, or null.
 Content LoadAvatar(const std::string& glb, const JsonField* run, const std::string& flame) {
-  Content content;
-  content.avatar.emplace();
-  Content::Avatar& avatar = *content.avatar;
+  Content::Avatar avatar;
   avatar.model = ReadAvatarGlb(glb);
   if (flame.empty() && !run)
     throw Error(glb,
@@ -53,11 +64,17 @@ Content LoadAvatar(const std::string& glb, const JsonField* run, const std::stri
   avatar.flame =
       FlameOf(avatar.model, LoadFlameModel(flame.empty() ? (*run)["flame"].String() : flame));
   AttachMesh(avatar.model, avatar.flame);
-  content.background = avatar.model.background;
-  avatar.rest = run ? ReferenceRoot(*run) : RestRoot(avatar.model, avatar.flame);
-  content.start =
-      run ? AsFilmed(avatar, *run) : viewer::BeforeHead(HeadVertices(avatar), avatar.rest.pose[0]);
-  return content;
+  return ContentOf(std::move(avatar), run);
+}
+
+Content LoadGaussianAvatar(const std::string& path, const std::string& flame) {
+  if (flame.empty())
+    throw Error(path, "--flame", "is needed: the FLAME model that it was trained with");
+  Content::Avatar avatar;
+  avatar.flame = LoadFlameModel(flame);
+  avatar.model = ReadGaussianAvatar(path, avatar.flame);
+  avatar.flame = FlameOf(avatar.model, std::move(avatar.flame));
+  return ContentOf(std::move(avatar), nullptr);
 }
 
 Content LoadSplatsOf(const std::string& path) {
@@ -88,7 +105,10 @@ Content LoadRunContent(const std::string& folder, const std::string& flame) {
 }
 
 Content LoadFile(const std::string& path, const std::string& flame) {
-  if (fs::path(path).extension() != ".glb") return LoadSplatsOf(path);
+  if (fs::path(path).extension() != ".glb") {
+    const bool avatar = !IsVqFile(path) && IsGaussianAvatarPly(path);
+    return avatar ? LoadGaussianAvatar(path, flame) : LoadSplatsOf(path);
+  }
   const std::string folder = fs::absolute(path).parent_path().string();
   if (!fs::exists(folder + "/run.json")) return LoadAvatar(path, nullptr, flame);
   const Json json = ReadRun(folder);

@@ -8,8 +8,9 @@
 
 namespace cosplat {
 
-// model: a run folder, an avatar's .glb or a scene's splat file. flame: an avatar's FLAME model
-// file; if empty, the one named by the run that contains the avatar. Throws Error.
+// model: a run folder, an avatar's .glb, GaussianAvatars' point cloud or a scene's splat file.
+// flame: an avatar's FLAME model file; if empty, the one named by the run that contains the avatar.
+// Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
 // True for live sources: "udp://...", "vmc://..." and "stdin:".

@@ -117,7 +117,8 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
                                         : "the model, but not the avatar, has ") +
                       what + " added");
   };
-  check("a mouth", model.has_mouth, flame.mouth.count() > 0);
+  check("a mouth", model.has_mouth, flame.mouth.count() > flame.mouth.vhap_teeth);
+  check("VHAP's teeth", model.has_vhap_teeth, flame.mouth.vhap_teeth > 0);
   check("eyelids", model.has_eyelids, flame.has_eyelids);
   const size_t vertices = model.mesh.vertices.size() / 3, faces = model.mesh.faces.size();
   const bool same_size = vertices == size_t(flame.vertex_count) && faces == flame.faces.size();
@@ -249,12 +250,14 @@ std::string ToString(const GlbSummary& summary) {
             " of degree " + std::to_string(a.degree) + ", colours in the " +
             ToString(a.color_frame) + " frame\n";
     if (a.released) text += "follows the mesh by the rule of SplattingAvatar's released code\n";
+    if (a.rigid) text += "follows the mesh by GaussianAvatars' rule\n";
     if (a.corrections > 0)
       text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
             std::to_string(a.shape_count) + " shape coefficients, " +
             (a.has_static_offset ? "a" : "no") + " static offset" +
             (a.has_mouth ? ", teeth and a mouth added" : "") +
+            (a.has_vhap_teeth ? ", VHAP's teeth added" : "") +
             (a.has_eyelids ? ", eyelids added\n" : "\n");
     text +=
         "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +

@@ -67,13 +67,14 @@ struct GlbSummary {
     Basis basis = Basis::kDcsh;
     ColorFrame color_frame = ColorFrame::kSurface;
     std::string flame_name, flame_sha256;
-    bool has_mouth = false, has_eyelids = false;  // added to it
+    bool has_mouth = false, has_eyelids = false, has_vhap_teeth = false;  // added to it
     size_t shape_count = 0;
     bool has_static_offset = false;
     bool has_bust = false;
     bool bust_follows = false;
     int corrections = 0;                      // bases per Gaussian
     bool released = false;                    // follows the mesh by ReleasedRule
+    bool rigid = false;                       // by GaussianAvatars' rule
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh
     bool has_mesh = false;                    // whether the file contains the mesh
     size_t expression_count = 0;              // morph targets in the file

@@ -16,6 +16,7 @@ inline constexpr const char* kBindingExtension = "COSPLAT_mesh_binding";
 // corrections or a bust that follows the head, 2 with a rule or a canonical frame, else 1.
 constexpr int kBindingVersion = 3;
 inline constexpr const char* kReleasedRule = "splatting-avatar-released";
+inline constexpr const char* kRigidRule = "gaussian-avatars";
 
 std::string ToString(ColorFrame frame);  // "surface" or "world"
 

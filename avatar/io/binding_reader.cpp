@@ -5,6 +5,7 @@
 #include "avatar/model/corrections.h"
 #include "flame/eyelids.h"
 #include "flame/mouth.h"
+#include "flame/vhap_teeth.h"
 #include "splat/base/error.h"
 #include "splat/io/splat_primitive.h"
 
@@ -59,17 +60,21 @@ void FillNumbers(const JsonField& field, std::array<float, kCount>& out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
+void ReadRule(const JsonField& rule, Embedding& embedding) {
+  const std::string name = rule["name"].String();
+  embedding.rigid = name == kRigidRule;
+  if (embedding.rigid) return;
+  if (name != kReleasedRule)
+    Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule + " or " + kRigidRule);
+  const double unit = rule["unit"].Number();
+  if (!(unit >= kMinUnit && unit <= kMaxUnit))
+    Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
+  embedding.released = ReleasedRule{float(unit)};
+}
+
 // Fields added in version 2. A file of version 1 may use these names for anything.
 void ReadVersion2(const JsonField& binding, AvatarModel& model) {
-  if (binding.Has("rule")) {
-    const JsonField rule = binding["rule"];
-    const std::string name = rule["name"].String();
-    if (name != kReleasedRule) Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule);
-    const double unit = rule["unit"].Number();
-    if (!(unit >= kMinUnit && unit <= kMaxUnit))
-      Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
-    model.embedding.released = ReleasedRule{float(unit)};
-  }
+  if (binding.Has("rule")) ReadRule(binding["rule"], model.embedding);
   if (!binding.Has("canonicalFrame")) return;
   const JsonField field = binding["canonicalFrame"];
   FlameParams& frame = model.canonical_frame.emplace();
@@ -140,15 +145,16 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
       frame == ToString(ColorFrame::kWorld) ? ColorFrame::kWorld : ColorFrame::kSurface;
   model.flame_name = binding["flame"]["name"].String();
   model.flame_sha256 = binding["flame"]["sha256"].String();
-  // A geometry that is not known here cannot be played.
-  const auto has = [&](const char* addition, int geometry) {
+  // A geometry that is not known here cannot be played. 0: none.
+  const auto geometry = [&](const char* addition, int least, int most) {
     const JsonField flame = binding["flame"];
-    if (version < 3 || !flame.Has(addition)) return false;
-    IntegerWithin(flame[addition], geometry, geometry);
-    return true;
+    return version < 3 || !flame.Has(addition) ? 0 : IntegerWithin(flame[addition], least, most);
   };
-  model.has_mouth = has("mouth", kMouthGeometry);
-  model.has_eyelids = has("eyelids", kEyelidGeometry);
+  static_assert(kVhapTeethGeometry == kMouthGeometry + 1);
+  const int mouth = geometry("mouth", kMouthGeometry, kVhapTeethGeometry);
+  model.has_mouth = mouth == kMouthGeometry;
+  model.has_vhap_teeth = mouth == kVhapTeethGeometry;
+  model.has_eyelids = geometry("eyelids", kEyelidGeometry, kEyelidGeometry) != 0;
   FillNumbers(binding["background"], model.background);
   if (binding.Has("trainedRange")) ReadTrainedRange(binding["trainedRange"], model);
   if (!binding.Has("bust")) return;
@@ -293,6 +299,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   GlbSummary::Avatar summary;
   summary.version = json["version"].get<int>();  // checked by ReadBinding
   summary.released = model.embedding.released.has_value();
+  summary.rigid = model.embedding.rigid;
   summary.degree = model.gaussians.degree;
   summary.basis = model.gaussians.basis;
   summary.color_frame = model.color_frame;
@@ -300,6 +307,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.flame_sha256 = model.flame_sha256;
   summary.has_mouth = model.has_mouth;
   summary.has_eyelids = model.has_eyelids;
+  summary.has_vhap_teeth = model.has_vhap_teeth;
   summary.shape_count = model.shape.size();
   summary.has_static_offset = !model.static_offset.empty();
   summary.has_bust = model.bust.has_value();

@@ -3,6 +3,7 @@
 #include "avatar/io/binding_extension.h"
 #include "flame/eyelids.h"
 #include "flame/mouth.h"
+#include "flame/vhap_teeth.h"
 #include "splat/io/splat_primitive.h"
 
 namespace cosplat {
@@ -59,13 +60,17 @@ std::string Utf8(const std::string& text) {
 void AddVersion2(const AvatarModel& model, Json& binding) {
   if (model.embedding.released)
     binding["rule"] = {{"name", kReleasedRule}, {"unit", double(model.embedding.released->unit)}};
+  if (model.embedding.rigid) binding["rule"] = {{"name", kRigidRule}};
   if (model.canonical_frame) {
     const FlameParams& frame = *model.canonical_frame;
+    // tinygltf writes an empty array as null; missing coefficients are zero.
+    const std::vector<float> none{0.0f};
     Json pose = Json::array();
     for (const auto& joint : frame.pose) pose.push_back(Numbers(joint));
-    binding["canonicalFrame"] = {{"expression", Numbers(frame.expression)},
-                                 {"pose", pose},
-                                 {"translation", Numbers(frame.translation)}};
+    binding["canonicalFrame"] = {
+        {"expression", Numbers(frame.expression.empty() ? none : frame.expression)},
+        {"pose", pose},
+        {"translation", Numbers(frame.translation)}};
   }
 }
 
@@ -91,9 +96,10 @@ void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding)
 
 int VersionOf(const AvatarModel& model) {
   if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow) || model.has_mouth ||
-      model.has_eyelids)
+      model.has_vhap_teeth || model.has_eyelids)
     return 3;
-  return model.embedding.released || model.canonical_frame ? 2 : 1;
+  const Embedding& embedding = model.embedding;
+  return embedding.released || embedding.rigid || model.canonical_frame ? 2 : 1;
 }
 
 }  // namespace
@@ -126,6 +132,7 @@ Json AddBinding(GlbDocument& document,
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
   binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
   if (model.has_mouth) binding["flame"]["mouth"] = kMouthGeometry;
+  if (model.has_vhap_teeth) binding["flame"]["mouth"] = kVhapTeethGeometry;
   if (model.has_eyelids) binding["flame"]["eyelids"] = kEyelidGeometry;
   if (!model.shape.empty()) binding["shape"] = AddArray(document, model.shape, 1);
   if (!model.static_offset.empty())

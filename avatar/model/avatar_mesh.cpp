@@ -10,6 +10,7 @@
 #include "flame/eyelids.h"
 #include "flame/mouth.h"
 #include "flame/topology.h"
+#include "flame/vhap_teeth.h"
 #include "splat/device/for_each.h"
 #include "splat/math/quat.h"
 
@@ -99,6 +100,7 @@ Vec3<float> RootJoint(const FlameModel& flame,
 
 FlameModel FlameOf(const AvatarModel& avatar, FlameModel flame) {
   if (avatar.has_mouth) flame = WithMouth(std::move(flame));
+  if (avatar.has_vhap_teeth) flame = WithVhapTeeth(std::move(flame));
   return avatar.has_eyelids ? WithEyelids(std::move(flame)) : flame;
 }
 

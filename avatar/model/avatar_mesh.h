@@ -16,7 +16,8 @@
 
 namespace cosplat {
 
-// `flame`, as its file has it, as the avatar was trained on it: with what was added to it.
+// `flame`, as its file has it, as the avatar was trained on it: with what was added to it. Throws
+// Error if that cannot be added to this model.
 FlameModel FlameOf(const AvatarModel& avatar, FlameModel flame);
 
 // The subject's shape at zero expression and pose or, if given, as `frame` poses it. The bust's

@@ -63,7 +63,10 @@ struct Embedding {
   Buffer<int32_t> triangle;  // [N] face index
   // [N] (u, v): weights of vertices 0 and 1; that of vertex 2 is 1 - u - v
   Buffer<std::array<float, 2>> barycentric;
-  std::optional<ReleasedRule> released{};  // if not set: avatar/math/embed.h
+  std::optional<ReleasedRule> released{};  // if neither is set: avatar/math/embed.h
+  // Gaussians turn and grow with their face, wherever beside it they are, as GaussianAvatars' do
+  // (avatar/math/rigid_embed.h). `barycentric` is not used.
+  bool rigid = false;
 
   // `barycentric` as an array [N, 2].
   float* barycentric_data() { return reinterpret_cast<float*>(barycentric.data()); }
@@ -98,7 +101,8 @@ struct AvatarModel {
   Embedding embedding;
   // kPosition: [N, 3] (delta_u, delta_v, d): offsets from `embedding.barycentric`, d along the
   // normal in metres. kRotation and kScaleLog: in the canonical (rest) frame, before the posed
-  // rotation q and the area ratio are applied.
+  // rotation q and the area ratio are applied. With Embedding::rigid all three are in the face's
+  // frame and unit.
   Gaussians gaussians;
   ColorFrame color_frame = ColorFrame::kSurface;
   std::optional<Bust> bust;  // if set, `mesh` ends with its sheet
@@ -106,8 +110,9 @@ struct AvatarModel {
   // The FLAME model it was trained with. Its data is not embedded unless the licence allows it.
   std::string flame_name;
   std::string flame_sha256;
-  // What was added to that model for the training (flame/mouth.h, flame/eyelids.h).
-  bool has_mouth = false, has_eyelids = false;
+  // What was added to that model for the training (flame/mouth.h, flame/eyelids.h,
+  // flame/vhap_teeth.h).
+  bool has_mouth = false, has_eyelids = false, has_vhap_teeth = false;
   std::vector<float> shape;                  // the subject's coefficients
   std::vector<float> static_offset;          // [V, 3] metres, of all of FLAME's vertices, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation

@@ -57,6 +57,8 @@ void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size
   CheckSize("corrections", values[kCorrection].size(), n * gaussians.width(kCorrection));
   CheckSize("triangle", embedding.triangle.size(), n);
   CheckSize("barycentric", embedding.barycentric.size(), n);
+  if (embedding.rigid && gaussians.corrections > 0)
+    throw Error("avatar", "corrections", "are not supported with GaussianAvatars' rule");
   // One maximum instead of a branch per triangle; negative numbers become large unsigned ones.
   uint32_t largest = 0;
   for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
@@ -97,6 +99,7 @@ void UploadEmbedding(const Embedding& from, Embedding& to, Stream& stream) {
                 "uses the rule of SplattingAvatar's released code, which only the CPU supports");
   to.triangle.Upload(from.triangle.data(), from.triangle.size(), stream);
   to.barycentric.Upload(from.barycentric.data(), from.barycentric.size(), stream);
+  to.rigid = from.rigid;
 }
 
 FaceListArrays FaceLists::Of(const Embedding& embedding, size_t face_count, Stream& stream) {
@@ -126,15 +129,17 @@ void Bind(const Gaussians& gaussians,
   out.opacity_logit.Refill(gaussians.corrections > 0 ? gaussians.size() : 0, stream);
   out.color_dc.Refill(3 * out.opacity_logit.size(), stream);
   if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
-  ForEachRow(gaussians.size(),
-             stream,
-             EmbedKernel{ArraysOf(gaussians, embedding, surface, weights),
-                         {out.position.data(),
-                          out.rotation.data(),
-                          out.scale_log.data(),
-                          out.frame.data(),
-                          out.opacity_logit.data(),
-                          out.color_dc.data()}});
+  const EmbeddedArrays arrays = ArraysOf(gaussians, embedding, surface, weights);
+  const PosedArrays<float> posed{out.position.data(),
+                                 out.rotation.data(),
+                                 out.scale_log.data(),
+                                 out.frame.data(),
+                                 out.opacity_logit.data(),
+                                 out.color_dc.data()};
+  if (embedding.rigid)
+    return ForEachRow(
+        arrays.count, stream, RigidEmbedKernel{arrays, surface.Arrays().posed_faces, posed});
+  ForEachRow(arrays.count, stream, EmbedKernel{arrays, posed});
 }
 
 void BindBackward(const Gaussians& gaussians,
@@ -147,6 +152,7 @@ void BindBackward(const Gaussians& gaussians,
                   View<const float> weights) {
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
+  if (embedding.rigid) throw Error("avatar", "mesh", "has no gradient under GaussianAvatars' rule");
   const size_t n = gaussians.size();
   CheckSize("d_position", d_posed.position.size(), 3 * n);
   CheckSize("d_rotation", d_posed.rotation.size(), 4 * n);

@@ -2,8 +2,9 @@
 //
 // AvatarModel + Surface (posed) -> Bind -> PosedGaussians -> rasteriser; backward: d_position, ...
 // -> BindBackward -> gradients of the embedded parameters and, if requested, of the posed vertices.
-// Formula: avatar/math/embed.h, or avatar/math/released_embed.h if Embedding::released is set. On
-// the host or on a device; bit-identical for any number of threads.
+// Formula: avatar/math/embed.h, or avatar/math/released_embed.h if Embedding::released is set, or
+// avatar/math/rigid_embed.h if Embedding::rigid is. On the host or on a device; bit-identical for
+// any number of threads.
 #pragma once
 
 #include "avatar/model/avatar_model.h"
@@ -38,8 +39,8 @@ WorldGaussians PosedView(const Gaussians& gaussians,
                          const PosedGaussians& posed,
                          ColorFrame color_frame);
 
-// Throws Error when an array has a wrong size or a triangle does not exist. For arrays in the
-// host's memory.
+// Throws Error when an array has a wrong size, a triangle does not exist, or a rigid embedding has
+// corrections. For arrays in the host's memory.
 void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size_t face_count);
 
 // Copies an embedding to a device; `from` must stay unchanged until the stream has been waited for.
@@ -92,7 +93,7 @@ struct BindScratch {
 // kPosition = d(du, dv, d), kRotation, kScaleLog and kCorrection of d_gaussians; its other
 // attributes are left unchanged. d_vertices: [V, 3], overwritten; null to
 // skip its computation. Throws Error if it is requested for an embedding with the released rule,
-// which has no derivative for it.
+// which has no derivative for it, and for a rigid one, which has none.
 void BindBackward(const Gaussians& gaussians,
                   const Embedding& embedding,
                   Surface& surface,

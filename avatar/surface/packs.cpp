@@ -34,6 +34,9 @@ void EmbedRange(const EmbedKernel& kernel, size_t begin, size_t end) {
 void EmbedVjpRange(const EmbedVjpKernel& kernel, size_t begin, size_t end) {
   RunRange(kernel, begin, end);
 }
+void RigidEmbedRange(const RigidEmbedKernel& kernel, size_t begin, size_t end) {
+  RunRange(kernel, begin, end);
+}
 
 COSPLAT_MATH_END
 
@@ -46,6 +49,7 @@ HWY_EXPORT(VerticesVjp);
 HWY_EXPORT(FacesVjp);
 HWY_EXPORT(EmbedRange);
 HWY_EXPORT(EmbedVjpRange);
+HWY_EXPORT(RigidEmbedRange);
 }  // namespace math
 
 namespace {
@@ -79,6 +83,9 @@ void RunOnHost(size_t n, const EmbedKernel& kernel) {
 }
 void RunOnHost(size_t n, const EmbedVjpKernel& kernel) {
   RunRanges(n, kernel, HWY_DYNAMIC_DISPATCH(EmbedVjpRange));
+}
+void RunOnHost(size_t n, const RigidEmbedKernel& kernel) {
+  RunRanges(n, kernel, HWY_DYNAMIC_DISPATCH(RigidEmbedRange));
 }
 
 }  // namespace cosplat

@@ -23,6 +23,8 @@ TrackFitter::TrackFitter(const AvatarModel& model, const FlameModel& flame)
       tape_(rasterizer_->MakeTape()) {
   if (model.embedding.released)
     throw Error("--fit-track", "is not supported with the rule of SplattingAvatar's released code");
+  if (model.embedding.rigid)
+    throw Error("--fit-track", "is not supported with GaussianAvatars' rule");
 }
 
 void TrackFitter::Draw(const Camera& camera, const std::array<float, 3>& background) {

@@ -1,4 +1,5 @@
-// Driving sequences as CAP4D (Taubner et al. 2025) publishes them: parameters and a camera only.
+// Driving sequences as CAP4D (Taubner et al. 2025) publishes them: parameters and a camera only;
+// and those that GaussianAvatars (Qian et al. 2024) keeps beside its point clouds.
 #include <algorithm>
 
 #include "flame/io/track_layouts.h"
@@ -47,27 +48,57 @@ Camera DrivingCamera(const Npz& npz) {
   return lens;
 }
 
+// Of CAP4D, then of GaussianAvatars. CAP4D's eyes rotate alike.
+struct DrivingVectors {
+  const char* name;
+  size_t width;  // 3 per target, or 3 for all of them
+  std::vector<std::array<float, 3>*> targets;
+};
+std::vector<DrivingVectors> DrivingVectorsOf(FlameParams& params) {
+  auto& pose = params.pose;
+  return {{"tra", 3, {&params.translation}},
+          {"rot", 3, {&pose[0]}},
+          {"neck_rot", 3, {&pose[1]}},
+          {"jaw_rot", 3, {&pose[2]}},
+          {"eye_rot", 3, {&pose[3], &pose[4]}},
+          {"translation", 3, {&params.translation}},
+          {"rotation", 3, {&pose[0]}},
+          {"neck_pose", 3, {&pose[1]}},
+          {"jaw_pose", 3, {&pose[2]}},
+          {"eyes_pose", 6, {&pose[3], &pose[4]}}};
+}
+
+// What makes a frame of GaussianAvatars unusable, if anything does.
+std::string OffsetProblem(const Npz& npz, size_t row, size_t count) {
+  if (!npz.Has("dynamic_offset")) return "";
+  const NpyArray& offset = npz.Get("dynamic_offset", {long(count), -1, 3});
+  const size_t width = offset.size() / count;
+  const auto begin = offset.values.begin() + long(row * width);
+  const bool zero = std::all_of(begin, begin + long(width), [](double x) { return x == 0; });
+  return zero ? "" : "dynamic_offset is not zero: offsets per frame are not supported";
+}
+
+bool IsAtRest(const FlameParams& params) {
+  const auto zero = [](const auto& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](float x) { return x == 0; });
+  };
+  return zero(params.expression) && zero(params.translation) &&
+         std::all_of(params.pose.begin(), params.pose.end(), zero);
+}
+
 // Fills the parameters of frame `row`; returns why it is unusable, if it is.
 std::string ReadRow(const Npz& npz, size_t row, size_t count, FlameParams& params) {
   std::string problem = CopyRow("expr", npz.Get("expr"), row, params.expression);
-  auto& pose = params.pose;
-  struct {
-    const char* name;
-    std::vector<std::array<float, 3>*> targets;
-  } const vectors[] = {{"tra", {&params.translation}},
-                       {"rot", {&pose[0]}},
-                       {"neck_rot", {&pose[1]}},
-                       {"jaw_rot", {&pose[2]}},
-                       {"eye_rot", {&pose[3], &pose[4]}}};  // both eyes rotate alike
-  for (const auto& vector : vectors) {
+  for (const DrivingVectors& vector : DrivingVectorsOf(params)) {
     if (!problem.empty() || !npz.Has(vector.name)) continue;
     std::vector<float> numbers;
-    problem = CopyRow(vector.name, npz.Get(vector.name, {long(count), 3}), row, numbers);
+    const NpyArray& array = npz.Get(vector.name, {long(count), long(vector.width)});
+    problem = CopyRow(vector.name, array, row, numbers);
     if (!problem.empty()) continue;
-    for (std::array<float, 3>* target : vector.targets)
-      std::copy_n(numbers.begin(), 3, target->begin());
+    for (size_t i = 0; i < vector.targets.size(); ++i)
+      std::copy_n(numbers.begin() + long(3 * i % vector.width), 3, vector.targets[i]->begin());
   }
-  return problem;
+  return problem.empty() ? OffsetProblem(npz, row, count) : problem;
 }
 
 }  // namespace
@@ -76,13 +107,16 @@ void LoadDrivingNpz(const Npz& npz, TrackedVideo& video) {
   const Camera camera = DrivingCamera(npz);
   video.frames_per_second = FrameRateOf(npz);
   const size_t count = npz.Get("expr", {-1, -1}).shape[0];
+  const bool has_subject = npz.Has("static_offset");  // GaussianAvatars'
+  if (has_subject) ReadVhapSubject(npz, video);
   for (size_t i = 0; i < count; ++i) {
     TrackedFrame frame;
     frame.name = std::to_string(i);
     frame.timestep = int(i);
     frame.has_image = false;
     frame.camera = camera;
-    const std::string problem = ReadRow(npz, i, count, frame.params);
+    std::string problem = ReadRow(npz, i, count, frame.params);
+    if (problem.empty() && has_subject && IsAtRest(frame.params)) problem = "has no parameters";
     KeepOrSkip(std::move(frame), problem, video.test, video);
   }
 }

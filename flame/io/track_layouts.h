@@ -48,6 +48,9 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
 // step.
 void LoadVhapTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
 
+// The subject's shape and offsets from an .npz of VHAP or GaussianAvatars.
+void ReadVhapSubject(const Npz& npz, TrackedVideo& video);
+
 // "insta": <path>/transforms_train.json with transforms_test.json (or _val), or transforms.json;
 // images; and the tracker's checkpoint/, for what INSTA's files lack.
 void LoadInstaTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
@@ -75,6 +78,9 @@ bool IsSmirkNpz(const Npz& npz);
 
 // "npz": a driving sequence: expr [T, E], and optionally rot, neck_rot, jaw_rot, eye_rot,
 // tra [T, 3], fx, fy, cx, cy, resolutions (height, width), extr (cam_from_world, OpenGL axes), fps.
+// Or GaussianAvatars' flame_param.npz: expr, and optionally rotation, neck_pose, jaw_pose,
+// translation [T, 3], eyes_pose [T, 6] (left, right), dynamic_offset (which must be zero); with
+// static_offset it is also the subject's: shape. Rows of zeros are moments without a frame.
 void LoadDrivingNpz(const Npz& npz, TrackedVideo& video);
 
 // Checks the image of a frame by its header. Returns "" if `frame` (whose image_path and mask_path

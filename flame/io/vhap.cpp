@@ -17,16 +17,18 @@ bool AllZero(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return x == 0; });
 }
 
-// The subject's shape and offsets, from the canonical file or otherwise the first frame's.
-void ReadSubject(const std::string& path, TrackedVideo& video) {
-  const Npz npz = Npz::Read(path);
+}  // namespace
+
+void ReadVhapSubject(const Npz& npz, TrackedVideo& video) {
   std::string problem = CopyFinite("shape", npz.Get("shape").values, video.shape);
   if (problem.empty() && npz.Has("static_offset")) {
     const std::vector<double>& offsets = npz.Get("static_offset").values;
     if (!AllZero(offsets)) problem = CopyFinite("static_offset", offsets, video.static_offset);
   }
-  if (!problem.empty()) throw Error(path, problem);
+  if (!problem.empty()) throw Error(npz.path(), problem);
 }
+
+namespace {
 
 // Copies an axis-angle vector; returns what is wrong with it, if anything.
 std::string CopyVector(const Npz& npz,
@@ -144,7 +146,8 @@ void LoadVhapTrack(const std::string& path, const TrackRequest& request, Tracked
     break;
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
-  ReadSubject(SubjectFile(path), video);
+  // From the canonical file or otherwise the first frame's.
+  ReadVhapSubject(Npz::Read(SubjectFile(path)), video);
   if (request.options.test_frames < 0) return;
   video.train.insert(video.train.end(), video.test.begin(), video.test.end());
   video.test.clear();

@@ -8,6 +8,7 @@
 
 #include "splat/base/error.h"
 #include "tests/avatar/meshes.h"
+#include "tests/support/expect_error.h"
 
 namespace cosplat {
 namespace {
@@ -302,6 +303,35 @@ TEST(Bind, CollapsedMeshIsFinite) {
   BindBackward(model, surface, RandomAdjoint(model.size()), d_gaussians, &d_vertices);
   EXPECT_TRUE(AllFinite(d_gaussians.values[kPosition]));
   for (float x : d_vertices) EXPECT_TRUE(std::isfinite(x));
+}
+
+// GaussianAvatars' rule: a face of one point has no size, and so has its Gaussian.
+TEST(Bind, RigidOnACollapsedMeshIsFinite) {
+  const CanonicalMesh mesh = test::SphereMesh(1, 0.1f);
+  AvatarModel model = RandomAvatar(mesh, 100, 9);
+  model.embedding.rigid = true;
+  Surface surface(mesh);
+  surface.Pose(std::vector<float>(mesh.vertices.size(), 0.25f));
+  PosedGaussians out;
+  Bind(model, surface, out);
+  EXPECT_TRUE(AllFinite(out));
+  for (const float x : out.position) EXPECT_NEAR(x, 0.25f, 1e-6f);
+  for (const float s : out.scale_log) EXPECT_LT(s, -20);
+}
+
+TEST(Bind, RigidIsForPlaying) {
+  const CanonicalMesh mesh = test::SphereMesh(1, 0.1f);
+  AvatarModel model = RandomAvatar(mesh, 5, 9);
+  model.embedding.rigid = true;
+  Surface surface(mesh);
+  Gaussians d_gaussians;
+  test::ExpectError([&] { BindBackward(model, surface, RandomAdjoint(5), d_gaussians); },
+                    {"no gradient", "GaussianAvatars"});
+  model.gaussians.corrections = 1;
+  model.gaussians.values[kCorrection].resize(5 * model.gaussians.width(kCorrection));
+  PosedGaussians out;
+  test::ExpectError([&] { Bind(model, surface, out, std::vector<float>{1}); },
+                    {"corrections", "GaussianAvatars"});
 }
 
 TEST(Bind, BadModelIsNamed) {

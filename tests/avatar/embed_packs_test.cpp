@@ -7,6 +7,7 @@
 #include <random>
 
 #include "avatar/math/embed.h"
+#include "avatar/math/rigid_embed.h"
 #include "avatar/surface/binding.h"
 #include "tests/avatar/meshes.h"
 
@@ -84,6 +85,37 @@ TEST_P(EmbedPacks, BindIsTheFormula) {
       ExpectNear(Q(out.rotation, i), expected.rotation);
       ExpectNear(V(out.scale_log, i), expected.scale_log);
       ExpectNear(Q(out.frame, i), expected.frame);
+    }
+  }
+}
+
+TEST_P(EmbedPacks, RigidBindIsItsFormula) {
+  const CanonicalMesh mesh = SphereMesh(2);
+  Surface surface(mesh);
+  const std::vector<float> posed = Wavy(mesh);
+  surface.Pose(posed);
+  for (const size_t n : {1, 3, 16, 37}) {
+    AvatarModel model = RandomAvatar(mesh, n, unsigned(n));
+    model.embedding.rigid = true;
+    PosedGaussians out;
+    Bind(model, surface, out);
+    for (size_t i = 0; i < n; ++i) {
+      const auto& f = mesh.faces[size_t(model.embedding.triangle[i])];
+      Vec3<float> p[3], rest[3];
+      for (size_t c = 0; c < 3; ++c) {
+        p[c] = surface.vertices()[size_t(f[c])].position;
+        rest[c] = surface.canonical()[size_t(f[c])].position;
+      }
+      const auto local = LocalOf(model, i);
+      const auto expected = math::RigidEmbed(
+          math::RigidFaceOf(p[0], p[1], p[2]),
+          math::RigidGaussian<float>{local.offset, local.rotation, local.scale_log});
+      ExpectNear(V(out.position, i), expected.position);
+      ExpectNear(Q(out.rotation, i), expected.rotation);
+      ExpectNear(V(out.scale_log, i), expected.scale_log);
+      // From the canonical face to the posed one, as with colours in the surface's frame.
+      ExpectNear(Q(out.frame, i),
+                 math::FaceRotation(p[0], p[1], p[2], math::FaceFrame(rest[0], rest[1], rest[2])));
     }
   }
 }

@@ -76,9 +76,9 @@ TEST(AvatarWithAMouth, OfAnotherGeometryIsRefused) {
   GlbBytes glb = SplitGlb({bytes.begin(), bytes.end()});
   auto& flame = glb.json["meshes"][0]["primitives"][0]["extensions"]["KHR_gaussian_splatting"]
                         ["extensions"]["COSPLAT_mesh_binding"]["flame"];
-  flame["mouth"] = 2;
+  flame["mouth"] = 3;
   WriteFileAtomically(path, JoinGlb(glb));
-  ExpectError([&] { ReadAvatarGlb(path); }, {path, "flame.mouth", "2"});
+  ExpectError([&] { ReadAvatarGlb(path); }, {path, "flame.mouth", "3"});
   flame["mouth"] = 1;
   flame["eyelids"] = 0;
   WriteFileAtomically(path, JoinGlb(glb));

@@ -496,6 +496,38 @@ TEST(TrackedVideo, DrivingSequences) {
   ExpectError([&] { LoadDrivingSequence(folder / "o.npz"); }, {"o.npz", "expr", "missing"});
 }
 
+// flame_param.npz, which GaussianAvatars keeps beside a point cloud.
+TEST(TrackedVideo, GaussianAvatarsMotionIsADrivingSequence) {
+  const TemporaryFolder folder;
+  Npz npz;
+  npz.Add("shape", {2}, std::vector<float>{0.5f, -0.25f});
+  npz.Add("expr", {3, 2}, std::vector<float>{1, 2, 0, 0, 3, 4});
+  npz.Add("rotation", {3, 3}, std::vector<float>{.1f, .2f, .3f, 0, 0, 0, .4f, 0, 0});
+  npz.Add("jaw_pose", {3, 3}, std::vector<float>{.7f, 0, 0, 0, 0, 0, 0, 0, 0});
+  npz.Add("eyes_pose",
+          {3, 6},
+          std::vector<float>{1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  npz.Add("translation", {3, 3}, std::vector<float>{0, 0, -1, 0, 0, 0, 0, 0, -2});
+  npz.Add("static_offset", {1, 2, 3}, std::vector<float>{0, 0, 0, 0, 0, .5f});
+  npz.Add("dynamic_offset", {3, 2, 3}, std::vector<float>(18, 0.f));
+  npz.Write(folder / "flame_param.npz");
+  const TrackedVideo video = LoadDrivingSequence(folder / "flame_param.npz");
+  EXPECT_EQ(video.shape, (std::vector<float>{0.5f, -0.25f}));
+  EXPECT_EQ(video.static_offset.size(), 6u);
+  ASSERT_EQ(video.test.size(), 2u);  // the second row is no frame
+  EXPECT_EQ(video.skipped.at(0).name, "1");
+  const FlameParams& params = video.test[0].params;
+  EXPECT_EQ(params.expression, (std::vector<float>{1, 2}));
+  EXPECT_FLOAT_EQ(params.pose[0][2], .3f);
+  EXPECT_FLOAT_EQ(params.pose[2][0], .7f);
+  EXPECT_FLOAT_EQ(params.pose[3][0], 1);  // left, then right
+  EXPECT_FLOAT_EQ(params.pose[4][0], 4);
+  EXPECT_FLOAT_EQ(params.translation[2], -1);
+  npz.Add("dynamic_offset", {3, 2, 3}, std::vector<float>(18, .1f));
+  npz.Write(folder / "flame_param.npz");
+  ExpectError([&] { LoadDrivingSequence(folder / "flame_param.npz"); }, {"dynamic_offset"});
+}
+
 TEST(TrackedVideo, NothingThereIsAnError) {
   const TemporaryFolder folder;
   ExpectError([&] { LoadTrackedVideo(folder / "none", {}); }, {"none", "does not exist"});

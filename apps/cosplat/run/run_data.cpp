@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include "apps/cosplat/run/run_folder.h"
+#include "avatar/model/avatar_mesh.h"
 #include "splat/base/error.h"
+#include "splat/io/cameras_json.h"
 
 namespace cosplat {
 
@@ -49,6 +52,22 @@ TrackedVideo LoadSplitVideo(const std::string& source,
 std::array<float, 3> BackgroundOf(const JsonField& run) {
   const std::vector<float> c = run["background"].Numbers(3);
   return {c[0], c[1], c[2]};
+}
+
+Json ReferenceView(const TrackedVideo& video) {
+  std::vector<FlameParams> frames;
+  for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
+  const FlameParams mean = MeanRoot(frames);
+  return {{"rotation", mean.pose[0]},
+          {"translation", mean.translation},
+          {"camera", CameraToJson(video.train[0].camera)}};
+}
+
+void WriteTrackCameras(const std::string& folder, const TrackedVideo& video) {
+  std::vector<NamedCamera> cameras;
+  for (const auto* frames : {&video.test, &video.train})
+    for (const TrackedFrame& frame : *frames) cameras.push_back({frame.name, frame.camera});
+  WriteCamerasJson(folder + "/cameras.json", cameras);
 }
 
 FlameParams ReferenceRoot(const JsonField& run) {

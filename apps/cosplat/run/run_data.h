@@ -33,6 +33,10 @@ TrackedVideo LoadSplitVideo(const std::string& source,
 // Background colour of held-out images, from run.json.
 std::array<float, 3> BackgroundOf(const JsonField& run);
 
+// The head's mean root pose and the camera, for run.json; orbits and driven playback start from it.
+Json ReferenceView(const TrackedVideo& video);
+// cameras.json: the test frames', then the training frames'.
+void WriteTrackCameras(const std::string& folder, const TrackedVideo& video);
 // Mean root pose and translation of an avatar's head; all other parameters are zero.
 FlameParams ReferenceRoot(const JsonField& run);
 

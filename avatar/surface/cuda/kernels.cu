@@ -19,7 +19,8 @@ void ProvideAvatarKernels() {
               VerticesVjpKernel,
               FacesVjpKernel,
               EmbedKernel,
-              EmbedVjpKernel>();
+              EmbedVjpKernel,
+              RigidEmbedKernel>();
   Provide<math::PutPositionsKernel, math::SumCornersKernel, math::SumAtVertexKernel>();
   Provide<FaceKeys, FindBegin>();
   Provide<WalkOne, ListTouching, CountOnFace, TakeEach, SettleWalk, ForgetMoment>();

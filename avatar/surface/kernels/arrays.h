@@ -125,6 +125,12 @@ struct EmbedVjpKernel {
   PosedArrays<const float> d_posed;  // a null `frame` counts as zero
   EmbeddedGradients out;
 };
+// By avatar/math/rigid_embed.h; corrections are not used.
+struct RigidEmbedKernel {
+  EmbeddedArrays gaussians;
+  const float* posed_faces;  // [F, kPosedFaceFloats]
+  PosedArrays<float> out;
+};
 // Run on SIMD packs, compiled per instruction set.
 void RunOnHost(size_t n, const PoseFacesKernel& kernel);
 void RunOnHost(size_t n, const PoseVerticesKernel& kernel);
@@ -132,6 +138,7 @@ void RunOnHost(size_t n, const VerticesVjpKernel& kernel);
 void RunOnHost(size_t n, const FacesVjpKernel& kernel);
 void RunOnHost(size_t n, const EmbedKernel& kernel);
 void RunOnHost(size_t n, const EmbedVjpKernel& kernel);
+void RunOnHost(size_t n, const RigidEmbedKernel& kernel);
 
 // The Gaussians of each face in ascending order: index[begin[f] .. begin[f + 1]).
 struct FaceListArrays {

@@ -1,6 +1,6 @@
 // Embedding of Gaussians on the posed surface and its derivative, one Gaussian per row. The CPU
 // runs these kernels on SIMD packs (avatar/surface/packs.cpp), a device with one thread per row
-// (avatar/surface/cuda/kernels.cu). Formulas: avatar/math/embed.h.
+// (avatar/surface/cuda/kernels.cu). Formulas: avatar/math/embed.h and rigid_embed.h.
 #if defined(COSPLAT_AVATAR_KERNELS_EMBED_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_AVATAR_KERNELS_EMBED_H_
 #undef COSPLAT_AVATAR_KERNELS_EMBED_H_
@@ -10,6 +10,7 @@
 
 #include "avatar/math/correct.h"
 #include "avatar/math/embed.h"
+#include "avatar/math/rigid_embed.h"
 #include "avatar/surface/kernels/arrays.h"
 #include "avatar/surface/kernels/gather.h"
 
@@ -152,6 +153,37 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   StoreQuat(d_local.rotation, out.rotation, rows);
   StoreVec3(d_local.scale_log, out.scale_log, rows);
   if (out.corners) StoreCorners(d_corners, out.corners, rows);
+}
+
+template <class T>
+COSPLAT_HD_FORCED RigidFace<T> LoadRigidFace(const EmbeddedArrays& gaussians,
+                                             const LaneRows<T>& faces) {
+  Vec3<T> p[3];
+  for (int c = 0; c < 3; ++c) {
+    LaneRows<T> corner;
+    for (size_t l = 0; l < kLaneCount<T>; ++l)
+      corner[l] = gaussians.faces[3 * size_t(faces[l]) + c];
+    T v[4];  // the position and an unused number
+    GatherRows<4>(gaussians.vertices, kSurfaceVertexFloats, corner, v);
+    p[c] = {v[0], v[1], v[2]};
+  }
+  return RigidFaceOf(p[0], p[1], p[2]);
+}
+
+template <class T>
+COSPLAT_HD_FORCED void Run(const RigidEmbedKernel& kernel, const Rows& rows) {
+  const EmbeddedArrays& in = kernel.gaussians;
+  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return in.triangle[i]; });
+  const RigidGaussian<T> local{LoadVec3<T>(in.offset, rows),
+                               LoadQuat<T>(in.rotation, rows),
+                               LoadVec3<T>(in.scale_log, rows)};
+  const RigidGaussian<T> posed = RigidEmbed(LoadRigidFace<T>(in, faces), local);
+  T face[kPosedFaceFloats];
+  GatherRows<kPosedFaceFloats>(kernel.posed_faces, kPosedFaceFloats, faces, face);
+  StoreVec3(posed.position, kernel.out.position, rows);
+  StoreQuat(posed.rotation, kernel.out.rotation, rows);
+  StoreVec3(posed.scale_log, kernel.out.scale_log, rows);
+  StoreQuat(Quat<T>{face[4], face[5], face[6], face[7]}, kernel.out.frame, rows);
 }
 
 // One vertex per index: sums the contributions of the Gaussians around it in a fixed order, by face
