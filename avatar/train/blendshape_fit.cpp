@@ -165,8 +165,8 @@ FlameParams Predicted(const BlendshapeMap& map, const Eigen::RowVectorXd& scores
   return face;
 }
 
-// Square roots of the mean squared motion of the vertices, as a quadratic form of outputs: the
-// mesh is nearly linear in them about the mean face.
+// The vertices' mean squared distance as a quadratic form of a difference of outputs: the mesh is
+// nearly linear in them about the mean face.
 class VertexMetric {
  public:
   VertexMetric(const FlamePoser<float>& poser, const RowVectorXd& mean_face) {
