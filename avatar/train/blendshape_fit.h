@@ -19,10 +19,9 @@ struct BlendshapeFit {
   // Has the scores that vary in the samples and, as in GeneralBlendshapeMap, those that do not.
   // Its figures are of frames held out in turn, a block at a time.
   BlendshapeMap map;
-  size_t varying = 0;            // scores that the samples determine
-  double strength = 0;           // of the ridge, relative to a score's variance
-  bool towards_general = false;  // shrinks towards GeneralBlendshapeMap instead of zero
-  FlameParams mean;              // the samples' mean face
+  size_t varying = 0;   // scores that the samples determine
+  double strength = 0;  // of the ridge, relative to a score's variance
+  FlameParams mean;     // the samples' mean face
 };
 
 // poser: of the subject. Deterministic. Throws Error if there are fewer than kMinScoredFrames

@@ -52,6 +52,12 @@ void AvatarBlendshapes::Fit(AvatarModel& avatar) {
     problem_ = error.what();
     return;
   }
+  if (fit_->map.fit.r2 <= 0) {
+    problem_ = "held out in turn, frames are predicted no better than by the mean face (" +
+               ToString(fit_->map.fit) + ")";
+    fit_.reset();
+    return;
+  }
   on_test_ = MeasureBlendshapes(poser_, *fit_, test_);
   avatar.blendshapes = fit_->map;
 }
@@ -75,7 +81,6 @@ void AvatarBlendshapes::Write(const std::string& folder) const {
             {"scores", fit_->map.names},
             {"varying", fit_->varying},
             {"ridge", fit_->strength},
-            {"towards", fit_->towards_general ? "general map" : "zero"},
             {"held_out", ToJson(fit_->map.fit)}};
   if (on_test_.frames > 0) json["test"] = ToJson(on_test_);
   WriteFileAtomically(path, json.dump(2) + "\n");
