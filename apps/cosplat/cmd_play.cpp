@@ -122,11 +122,11 @@ void AddPlay(CLI::App& app) {
           o->model,
           "a run's folder, an avatar's .glb, GaussianAvatars' point cloud, or a scene's splats")
       ->required();
-  auto* drive =
-      command->add_option("--drive",
-                          o->drive,
-                          "what moves an avatar: a tracked video or .npz, udp://HOST:PORT, "
-                          "vmc://HOST:PORT?matrix=FILE or stdin:");
+  auto* drive = command->add_option(
+      "--drive",
+      o->drive,
+      "what moves an avatar: a tracked video, .npz or landmarks file, udp://HOST:PORT, "
+      "vmc://HOST:PORT or stdin:");
   command->add_option("--fps", o->fps, "frame rate of a recorded drive (default: its own)")
       ->needs(drive)
       ->check(CLI::Range(0.001, 10000.0));

@@ -15,6 +15,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/live/recording.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
@@ -167,13 +168,15 @@ void RenderDriven(const RenderOptions& o,
                   const JsonField& run,
                   const FlameModel& flame,
                   Player& player) {
-  const TrackedVideo sequence = LoadDrivingSequence(o.drive, &flame);
-  std::vector<FlameParams> params;
-  for (const TrackedFrame* frame : InstantsOf(sequence)) params.push_back(frame->params);
-  params = Retarget(std::move(params), ReferenceRoot(run));
+  LiveSourceOptions options;
+  options.rest = ReferenceRoot(run);
+  options.flame = &flame;
+  if (player.avatar().blendshapes) options.blendshapes = &*player.avatar().blendshapes;
+  const Recording sequence = LoadRecording(o.drive, options);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   std::vector<PlaybackFrame> frames;
-  for (FlameParams& p : params) frames.push_back({std::move(p), camera, BackgroundOf(run)});
+  for (const RecordedFrame& frame : sequence.frames)
+    frames.push_back({frame.params, camera, BackgroundOf(run)});
   PlayInto(frames, player, o);
 }
 
@@ -265,7 +268,10 @@ void AddRender(CLI::App& app) {
       "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
   auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");
   command
-      ->add_option("--drive", o->drive, "play an avatar with this tracked video's or .npz's motion")
+      ->add_option("--drive",
+                   o->drive,
+                   "play an avatar with the motion of this tracked video, .npz or landmarks "
+                   "file with blendshape scores")
       ->excludes(orbit);
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("-r,--resolution", o->resolution, "divide the images' size by this")

@@ -11,7 +11,9 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/live/recording.h"
+#include "avatar/live/score_recording.h"
 #include "avatar/live/udp_socket.h"
+#include "avatar/live/vmc_frame.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
 #include "splat/base/rng.h"
@@ -27,15 +29,33 @@ struct SendOptions {
   bool quiet = false;
 };
 
+// The frames of a sequence, as they are sent.
+struct Sequence {
+  struct Frame {
+    int64_t timestep = 0;
+    JsonFrame packet;  // without number and time
+  };
+  double frames_per_second = 0;
+  std::vector<Frame> frames;
+  bool has_scores = false;  // blendshape scores instead of FLAME parameters
+};
+
 // Writes lines to standard output or datagrams to an address.
 class PacketOutput {
  public:
-  explicit PacketOutput(const std::string& to) {
+  // has_scores: the only frames that VMC can carry.
+  PacketOutput(const std::string& to, bool has_scores) {
     if (to.empty()) return;
     const DriveAddress address = ParseDriveAddress(to);
-    if (address.scheme != "udp" || address.port == 0)
-      throw Error("--to", "found '" + to + "', expected udp://HOST:PORT");
+    is_vmc_ = address.scheme == "vmc";
+    if ((address.scheme != "udp" && !is_vmc_) || address.port == 0)
+      throw Error("--to", "found '" + to + "', expected udp://HOST:PORT or vmc://HOST:PORT");
+    if (is_vmc_ && !has_scores)
+      throw Error("--to", "vmc:// carries blendshape scores: send a landmarks file that has them");
     socket_.emplace(UdpSocket::ConnectTo(address));
+  }
+  std::string PacketOf(const JsonFrame& frame) const {
+    return is_vmc_ ? WriteVmcFrame(*frame.blendshapes) : WriteJsonFrame(frame);
   }
   // Returns false if the packet was lost before it was sent.
   bool Write(const std::string& packet) {
@@ -47,6 +67,7 @@ class PacketOutput {
 
  private:
   std::optional<UdpSocket> socket_;
+  bool is_vmc_ = false;
 };
 
 // A packet that receivers must reject, for one of several reasons.
@@ -72,21 +93,20 @@ struct Counts {
   long sent = 0, dropped = 0, bad = 0, lost = 0;
 };
 
-void Send(const SendOptions& o, const Recording& recording, PacketOutput& output, Counts& counts) {
+void Send(const SendOptions& o, Sequence& sequence, PacketOutput& output, Counts& counts) {
   using Seconds = std::chrono::duration<double>;
-  const double length = double(recording.frames.back().timestep + 1) / recording.frames_per_second;
+  const double length = double(sequence.frames.back().timestep + 1) / sequence.frames_per_second;
   const auto start = std::chrono::steady_clock::now();
   Rng rng{o.seed};
-  JsonFrame packet;
-  ProgressBar bar("send", int(recording.frames.size()), o.quiet || o.to.empty() || o.loop);
+  uint64_t number = 0;
+  ProgressBar bar("send", int(sequence.frames.size()), o.quiet || o.to.empty() || o.loop);
   for (uint64_t round = 0; round == 0 || o.loop; ++round)
-    for (const RecordedFrame& frame : recording.frames) {
-      packet.time = double(round) * length + double(frame.timestep) / recording.frames_per_second;
-      packet.params = frame.params;
+    for (auto& [timestep, packet] : sequence.frames) {
+      packet.time = double(round) * length + double(timestep) / sequence.frames_per_second;
+      packet.sequence = number++;
       std::this_thread::sleep_until(start + Seconds(*packet.time));
-      const std::string line = WriteJsonFrame(packet);
-      ++packet.sequence;
-      bar.Update(int(packet.sequence), "frames");
+      const std::string line = output.PacketOf(packet);
+      bar.Update(int(number), "frames");
       const float chance = 100 * rng.Uniform();
       if (chance < o.drop_percent) {
         ++counts.dropped;
@@ -99,9 +119,7 @@ void Send(const SendOptions& o, const Recording& recording, PacketOutput& output
     }
 }
 
-void Run(const SendOptions& o) {
-  if (o.drop_percent + o.bad_percent > 100)
-    throw Error("--drop and --bad", "add up to more than 100 percent");
+Sequence LoadSequence(const SendOptions& o) {
   LiveSourceOptions options;
   options.frames_per_second = o.frames_per_second;
   FlameModel flame;
@@ -110,9 +128,27 @@ void Run(const SendOptions& o) {
     options.flame = &flame;
   }
   const Recording recording = LoadRecording(o.sequence, options);
-  PacketOutput output(o.to);
+  Sequence sequence;
+  sequence.frames_per_second = recording.frames_per_second;
+  for (const RecordedFrame& frame : recording.frames) {
+    sequence.frames.push_back({frame.timestep, {}});
+    sequence.frames.back().packet.params = frame.params;
+  }
+  if (!IsScoreRecording(o.sequence)) return sequence;
+  sequence.has_scores = true;
+  const ScoreRecording scores = LoadScores(o.sequence);
+  for (size_t i = 0; i < scores.frames.size(); ++i)
+    sequence.frames[i].packet.blendshapes = scores.frames[i].scores;
+  return sequence;
+}
+
+void Run(const SendOptions& o) {
+  if (o.drop_percent + o.bad_percent > 100)
+    throw Error("--drop and --bad", "add up to more than 100 percent");
+  Sequence sequence = LoadSequence(o);
+  PacketOutput output(o.to, sequence.has_scores);
   Counts counts;
-  Send(o, recording, output, counts);
+  Send(o, sequence, output, counts);
   if (o.quiet || o.to.empty()) return;
   std::printf("%ld packets sent to %s, %ld of them corrupted; %ld dropped\n",
               counts.sent,
@@ -129,8 +165,13 @@ void AddSend(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("send", "play a recorded sequence to a live avatar, as a tracker does");
   const auto o = std::make_shared<SendOptions>();
-  command->add_option("sequence", o->sequence, "tracked video or .npz")->required();
-  command->add_option("--to", o->to, "udp://HOST:PORT; lines on standard output if not given");
+  command->add_option("sequence", o->sequence, "tracked video, .npz or landmarks file with scores")
+      ->required();
+  command->add_option(
+      "--to",
+      o->to,
+      "udp://HOST:PORT or, for blendshape scores, vmc://HOST:PORT; lines on standard output if not "
+      "given");
   command->add_option(
       "--flame", o->flame, "FLAME model; needed for metrical-tracker's and INSTA's tracks only");
   command->add_option("--fps", o->frames_per_second, "frames per second; 0: its own, or 25")

@@ -5,6 +5,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/run/avatar_blendshapes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -95,9 +96,11 @@ void SaveRefinedTrack(const AvatarOptions& o, const AvatarSubject& subject) {
 void Save(const AvatarOptions& o,
           const FlameModel& flame,
           const AvatarSubject& subject,
-          const Trainer& trainer) {
+          const Trainer& trainer,
+          AvatarBlendshapes& blendshapes) {
   AvatarModel model = subject.Model(trainer.CaughtUp());
   model.background = o.EvaluationBackground();
+  blendshapes.Fit(model);
   // The rest pose, for tools that know only 3DGS's layout.
   SaveSplats(o.model, trainer.iteration(), RestPose(model));
   AvatarFileOptions file;
@@ -125,6 +128,7 @@ void Train(AvatarOptions o, const std::string& config) {
   o.avatar.initial_gaussians = std::min(o.avatar.initial_gaussians, o.max_gaussians);
   AvatarSubject subject(flame, std::move(loaded), o.avatar);
   const TrackedVideo& video = subject.video();
+  AvatarBlendshapes blendshapes(o.landmarks, flame, subject);
   TrainSettings settings = o.ToSettings(subject.extent());
   settings.crop_loss.distance = lpips;
   Trainer trainer(settings,
@@ -152,11 +156,13 @@ void Train(AvatarOptions o, const std::string& config) {
   hooks.video = true;
   hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
-    if (saves) Save(o, flame, subject, trainer);
+    if (saves) Save(o, flame, subject, trainer, blendshapes);
     if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
   };
   if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
   RunTraining(o, trainer, video.skipped, hooks);
+  blendshapes.Write(o.model);
+  if (!o.quiet) std::printf("%s", blendshapes.Summary().c_str());
   if (!o.quiet)
     std::printf("%.1f %% of the Gaussians moved to another triangle\n",
                 100 * subject.WalkedShare());

@@ -147,6 +147,7 @@ void DriveSession(Session& session, const Content& content, const std::string& d
   LiveSourceOptions options;
   options.rest = avatar.rest;
   options.flame = &avatar.flame;
+  if (avatar.model.blendshapes) options.blendshapes = &*avatar.model.blendshapes;
   options.frames_per_second = fps;
   if (IsLiveDrive(drive)) {
     FlameParams rest = avatar.rest;

@@ -104,7 +104,7 @@ void InstallFps(GObjectClass* c, const Words& w, const Fraction& value) {
 
 constexpr const char* kDriveBlurb =
     "What moves the face: a recording (.npz or folder), stdin:, udp://HOST:PORT or "
-    "vmc://HOST:PORT?matrix=FILE; empty leaves it at rest";
+    "vmc://HOST:PORT; empty leaves it at rest";
 constexpr const char* kLoopBlurb =
     "Recordings begin again at their end; otherwise the stream ends there, unless it is live";
 constexpr const char* kBackgroundBlurb =

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "avatar/io/binding_extension.h"
 #include "avatar/model/avatar_mesh.h"
@@ -57,6 +58,9 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
     CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
     CheckArray(path, "trained angle", range->angle, kFlameJoints);
   }
+  if (model.blendshapes)
+    if (const std::string problem = ProblemOf(*model.blendshapes); !problem.empty())
+      throw Error(path, "blendshapes", problem);
   if (model.embedding.released &&
       !(model.embedding.released->unit > 0 && std::isfinite(model.embedding.released->unit)))
     throw Error(path, "rule unit", "is " + std::to_string(model.embedding.released->unit));
@@ -105,6 +109,20 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
                 "flame",
                 "the model is " + Shown(flame.name, flame.sha256) + ", the avatar was trained on " +
                     Shown(model.flame_name, model.flame_sha256));
+}
+
+std::string ToString(const BlendshapeFitFigures& fit, size_t scores) {
+  char text[160];
+  std::snprintf(text,
+                sizeof text,
+                "driven by %zu blendshape scores, fitted to %d frames; held out: R2 %.2f, %.2f mm "
+                "(%.2f mm without them)\n",
+                scores,
+                fit.frames,
+                fit.r2,
+                1e3 * fit.error,
+                1e3 * fit.mean_face_error);
+  return text;
 }
 
 // FLAME's vertices and faces must come first; those of a bust may follow.
@@ -267,6 +285,7 @@ std::string ToString(const GlbSummary& summary) {
                         : ", ") +
         (a.has_mesh ? "in the file with " + std::to_string(a.expression_count) + " morph targets\n"
                     : "not in the file: made from the FLAME model\n");
+    if (a.blendshapes > 0) text += ToString(a.blendshape_fit, a.blendshapes);
   }
   text += "extensions:";
   for (const std::string& name : summary.extensions_used) text += " " + name;

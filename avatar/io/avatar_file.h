@@ -78,6 +78,8 @@ struct GlbSummary {
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh
     bool has_mesh = false;                    // whether the file contains the mesh
     size_t expression_count = 0;              // morph targets in the file
+    size_t blendshapes = 0;                   // scores that drive it; 0: it has no map of its own
+    BlendshapeFitFigures blendshape_fit;
   };
   size_t gaussians = 0;
   int degree = 0;  // of the standard attributes, which every reader sees

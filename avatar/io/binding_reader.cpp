@@ -132,6 +132,25 @@ void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   FillNumbers(field["angle"], range.angle);
 }
 
+void ReadBlendshapes(const GlbDocument& document, const JsonField& field, AvatarModel& model) {
+  BlendshapeMap& map = model.blendshapes.emplace();
+  const JsonField names = field["names"], fit = field["fit"];
+  if (names.size() == 0 || names.size() > kMaxBlendshapes)
+    Fail(names,
+         "has " + std::to_string(names.size()) + " names, expected 1 to " +
+             std::to_string(kMaxBlendshapes));
+  for (size_t i = 0; i < names.size(); ++i) map.names.push_back(names[i].String());
+  map.least = field["least"].Numbers(names.size());
+  map.most = field["most"].Numbers(names.size());
+  map.offset = field["offset"].Numbers();
+  map.matrix = Floats(document, field["matrix"], 1, names.size() * map.offset.size());
+  map.fit.frames = IntegerWithin(fit["frames"], 0, kMaxCount);
+  map.fit.r2 = float(fit["r2"].Number());
+  map.fit.error = float(fit["error"].Number());
+  map.fit.mean_face_error = float(fit["meanFaceError"].Number());
+  if (const std::string problem = ProblemOf(map); !problem.empty()) Fail(field, problem);
+}
+
 // Reads all fields of the binding that are not accessors.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
   const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
@@ -282,6 +301,7 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   ReadColorRest(document, binding, model);
   if (binding["version"].Integer() >= 3 && binding.Has("corrections"))
     ReadCorrections(document, binding["corrections"], model);
+  if (binding.Has("blendshapes")) ReadBlendshapes(document, binding["blendshapes"], model);
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {
     const JsonField field = binding["staticOffset"];
@@ -313,6 +333,10 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.has_bust = model.bust.has_value();
   summary.bust_follows = model.bust && model.bust->follow;
   summary.corrections = model.gaussians.corrections;
+  if (model.blendshapes) {
+    summary.blendshapes = model.blendshapes->names.size();
+    summary.blendshape_fit = model.blendshapes->fit;
+  }
   const Json& mesh = json["canonicalMesh"];
   summary.vertex_count = mesh["vertexCount"].get<size_t>();
   summary.face_count = mesh["faceCount"].get<size_t>();

@@ -94,6 +94,21 @@ void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding)
                             {"bases", AddArray(document, model.gaussians.values[kCorrection], 1)}};
 }
 
+// Readers that do not know the field play the avatar as well, so that it needs no newer version.
+Json BlendshapesOf(GlbDocument& document, const BlendshapeMap& map) {
+  const BlendshapeFitFigures& fit = map.fit;
+  return {{"names", map.names},
+          {"least", Numbers(map.least)},
+          {"most", Numbers(map.most)},
+          {"offset", Numbers(map.offset)},
+          {"matrix", AddArray(document, map.matrix, 1)},
+          {"fit",
+           {{"frames", fit.frames},
+            {"r2", double(fit.r2)},
+            {"error", double(fit.error)},
+            {"meanFaceError", double(fit.mean_face_error)}}}};
+}
+
 int VersionOf(const AvatarModel& model) {
   if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow) || model.has_mouth ||
       model.has_vhap_teeth || model.has_eyelids)
@@ -146,6 +161,7 @@ Json AddBinding(GlbDocument& document,
     binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},
                                {"expressionMost", Numbers(model.trained_range->expression_most)},
                                {"angle", Numbers(model.trained_range->angle)}};
+  if (model.blendshapes) binding["blendshapes"] = BlendshapesOf(document, *model.blendshapes);
   binding["canonicalMesh"] = {{"vertexCount", model.mesh.vertices.size() / 3},
                               {"faceCount", model.mesh.faces.size()}};
   if (mesh >= 0) binding["canonicalMesh"]["mesh"] = mesh;

@@ -10,10 +10,10 @@
 namespace cosplat {
 namespace {
 
-constexpr size_t kFirstJoint = 2;  // the jaw in FlameParams::pose; the eyes follow
+static_assert(kMaxMapped == kMaxParameter);
 
 // columns: -1 for any.
-std::vector<float> ReadRows(const Npz& npz, const std::string& name, long columns) {
+const NpyArray& ReadRows(const Npz& npz, const std::string& name, long columns) {
   const NpyArray& array = npz.Get(name, {long(kArkitBlendshapes), columns});
   const size_t width = array.shape[1];
   if (width == 0 || width > kMaxExpressions)
@@ -22,44 +22,40 @@ std::vector<float> ReadRows(const Npz& npz, const std::string& name, long column
     double most = 0;
     for (size_t row = 0; row < kArkitBlendshapes; ++row)
       most += std::abs(array.values[row * width + column]);
-    if (!(most <= kMaxParameter))
+    if (!(most <= kMaxMapped))
       throw Error(npz.path(),
                   name,
                   "absolute values of column " + std::to_string(column) + " add up to " +
-                      std::to_string(most) + ", at most " + std::to_string(int(kMaxParameter)) +
+                      std::to_string(most) + ", at most " + std::to_string(int(kMaxMapped)) +
                       " is allowed");
   }
-  return {array.values.begin(), array.values.end()};
+  return array;
 }
 
-// out[c] = sum over r of weights[r] * rows[r, c].
-void Multiply(const BlendshapeWeights& weights,
-              const std::vector<float>& rows,
-              size_t width,
-              float* out) {
-  std::fill_n(out, width, 0.0f);
-  for (size_t row = 0; row < weights.size(); ++row)
-    for (size_t c = 0; c < width; ++c) out[c] += weights[row] * rows[row * width + c];
+// Copies rows to the columns of the map that begin at `first`.
+void Place(const NpyArray& rows, size_t first, BlendshapeMap& map) {
+  const size_t width = rows.shape[1];
+  for (size_t r = 0; r < kArkitBlendshapes; ++r)
+    std::copy_n(&rows.values[r * width], width, &map.matrix[r * map.offset.size() + first]);
 }
 
 }  // namespace
 
-BlendshapeMatrix BlendshapeMatrix::Read(const std::string& path) {
+BlendshapeMap ReadBlendshapeMatrix(const std::string& path) {
   const Npz npz = Npz::Read(path);
-  BlendshapeMatrix matrix;
-  matrix.expression_ = ReadRows(npz, "expression", -1);
-  matrix.expression_count_ = matrix.expression_.size() / kArkitBlendshapes;
-  const char* const names[] = {"jaw", "left_eye", "right_eye"};
-  for (size_t j = 0; j < matrix.joints_.size(); ++j)
-    if (npz.Has(names[j])) matrix.joints_[j] = ReadRows(npz, names[j], 3);
-  return matrix;
-}
-
-void BlendshapeMatrix::Apply(const BlendshapeWeights& weights, FlameParams& params) const {
-  params.expression.resize(expression_count_);
-  Multiply(weights, expression_, expression_count_, params.expression.data());
-  for (size_t j = 0; j < joints_.size(); ++j)
-    if (!joints_[j].empty()) Multiply(weights, joints_[j], 3, params.pose[kFirstJoint + j].data());
+  const NpyArray& expression = ReadRows(npz, "expression", -1);
+  const size_t expressions = expression.shape[1];
+  BlendshapeMap map;
+  map.names.assign(kArkitNames.begin(), kArkitNames.end());
+  map.least.assign(kArkitBlendshapes, 0.0f);
+  map.most.assign(kArkitBlendshapes, 1.0f);
+  map.offset.assign(expressions + kMappedTurns, 0.0f);
+  map.matrix.assign(kArkitBlendshapes * map.offset.size(), 0.0f);
+  Place(expression, 0, map);
+  const char* const joints[] = {"jaw", "left_eye", "right_eye"};
+  for (size_t j = 0; j < 3; ++j)
+    if (npz.Has(joints[j])) Place(ReadRows(npz, joints[j], 3), expressions + 3 * j, map);
+  return map;
 }
 
 }  // namespace cosplat

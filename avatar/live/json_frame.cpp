@@ -56,6 +56,26 @@ std::string Quoted(const std::string& name) {
   return name.size() > 40 ? text + "..." : text;
 }
 
+void ReadScores(const JsonField& field, BlendshapeScores& scores) {
+  if (!field.raw().is_object())
+    throw Error(field.file(), field.path(), "is not an object of names and scores");
+  for (const auto& [name, value] : field.raw().items()) {
+    if (!value.is_number() || !(std::abs(value.get<double>()) <= kMaxParameter))
+      throw Error(
+          field.file(), field.path() + "." + Quoted(name), "is not a number from -100 to 100");
+    scores[name] = value.get<float>();
+  }
+}
+
+// Scores determine expression, jaw and eyes.
+void CheckScoresAlone(const JsonField& object) {
+  if (!object.Has("blendshapes")) return;
+  for (const char* field : {"expression", "jaw", "eyes"})
+    if (object.Has(field))
+      throw Error(
+          object.file(), field, "is given beside blendshapes, which determine it: give either");
+}
+
 void ReadMember(const JsonField& json, const std::string& name, JsonFrame& frame) {
   FlameParams& p = frame.params;
   if (name == "seq") return void(frame.sequence = SequenceOf(json[name]));
@@ -66,6 +86,7 @@ void ReadMember(const JsonField& json, const std::string& name, JsonFrame& frame
   if (name == "jaw") return ReadVector(json[name], p.pose[2]);
   if (name == "eyes") return ReadEyes(json[name], p);
   if (name == "translation") return ReadVector(json[name], p.translation);
+  if (name == "blendshapes") return ReadScores(json[name], frame.blendshapes.emplace());
   throw Error(json.file(), Quoted(name), "is not a field of a frame");
 }
 
@@ -77,6 +98,10 @@ void AppendNumbers(const char* name, const float* begin, size_t count, std::stri
     line.append(i ? ", " : "").append(text, end);
   }
   line += "]";
+}
+
+void AppendScores(const BlendshapeScores& scores, std::string& line) {
+  line += ", \"blendshapes\": " + Json(scores).dump();
 }
 
 }  // namespace
@@ -91,6 +116,7 @@ JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
   JsonFrame frame;
   frame.sequence = SequenceOf(object["seq"]);  // also throws if it is not an object
   for (const auto& [name, value] : json.items()) ReadMember(object, name, frame);
+  CheckScoresAlone(object);
   return frame;
 }
 
@@ -105,11 +131,15 @@ std::string WriteJsonFrame(const JsonFrame& frame) {
   std::array<float, 6> eyes;
   std::copy(p.pose[3].begin(), p.pose[3].end(), eyes.begin());
   std::copy(p.pose[4].begin(), p.pose[4].end(), eyes.begin() + 3);
-  AppendNumbers("expression", p.expression.data(), p.expression.size(), line);
   AppendNumbers("pose", p.pose[0].data(), 3, line);
   AppendNumbers("neck", p.pose[1].data(), 3, line);
-  AppendNumbers("jaw", p.pose[2].data(), 3, line);
-  AppendNumbers("eyes", eyes.data(), 6, line);
+  if (frame.blendshapes) {
+    AppendScores(*frame.blendshapes, line);
+  } else {
+    AppendNumbers("expression", p.expression.data(), p.expression.size(), line);
+    AppendNumbers("jaw", p.pose[2].data(), 3, line);
+    AppendNumbers("eyes", eyes.data(), 6, line);
+  }
   AppendNumbers("translation", p.translation.data(), 3, line);
   return line + "}";
 }

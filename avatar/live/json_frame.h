@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "avatar/model/blendshape_map.h"
 #include "flame/model.h"
 
 namespace cosplat {
@@ -15,10 +16,12 @@ struct JsonFrame {
   uint64_t sequence = 0;
   std::optional<double> time;  // seconds by the sender's clock
   FlameParams params;          // the root is relative to the avatar's rest; absent fields are zero
+  std::optional<BlendshapeScores> blendshapes;  // in place of expression, jaw and eyes
 };
 
 // Throws Error(source, field, ...) when the line is not one frame: a field is unknown or has a
-// wrong count of numbers, or a number is not finite or beyond 100.
+// wrong count of numbers, a number is not finite or beyond 100, or it has both blendshapes and what
+// they determine.
 JsonFrame ParseJsonFrame(const std::string& source, const std::string& line);
 
 // Returns one line without its newline.

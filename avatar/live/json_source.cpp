@@ -16,8 +16,8 @@ constexpr size_t kMaxPackets = 32;
 
 class JsonSource : public LiveSource {
  public:
-  JsonSource(std::unique_ptr<PacketInput> input, const FlameParams& rest)
-      : input_(std::move(input)), rest_(rest) {}
+  JsonSource(std::unique_ptr<PacketInput> input, BlendshapeMap map, const FlameParams& rest)
+      : input_(std::move(input)), map_(std::move(map)), rest_(rest) {}
 
   bool Poll(int64_t now_ns, LiveFrame& out) override {
     packets_.Clear();
@@ -36,6 +36,7 @@ class JsonSource : public LiveSource {
     }
     if (!newest) return false;
     ++counts_.frames;
+    if (newest->blendshapes) ApplyBlendshapes(map_, *newest->blendshapes, newest->params);
     out.params = std::move(newest->params);
     PutOnRest(rest_, out.params);
     out.sequence = newest->sequence;
@@ -61,6 +62,7 @@ class JsonSource : public LiveSource {
   }
 
   std::unique_ptr<PacketInput> input_;
+  BlendshapeMap map_;
   FlameParams rest_;
   NewestPackets packets_{kMaxPackets};
   SequenceFilter order_;
@@ -71,8 +73,9 @@ class JsonSource : public LiveSource {
 }  // namespace
 
 std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
+                                           ChosenMap map,
                                            const LiveSourceOptions& options) {
-  return std::make_unique<JsonSource>(std::move(input), options.rest);
+  return std::make_unique<JsonSource>(std::move(input), std::move(map.map), options.rest);
 }
 
 }  // namespace cosplat

@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "avatar/live/blendshape_matrix.h"
 #include "avatar/live/newest_packets.h"
 #include "avatar/live/source.h"
 #include "avatar/live/udp_socket.h"
+#include "avatar/model/blendshape_map.h"
 
 namespace cosplat {
 
@@ -40,15 +40,26 @@ std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address);
 // may be shared. Reads at most half a megabyte per call. Blank lines are skipped.
 std::unique_ptr<PacketInput> OpenLineInput(int descriptor, const std::string& description);
 
-// FLAME parameters as lines of JSON (docs/live-input.md):
+// The map from blendshape scores that a source uses.
+struct ChosenMap {
+  BlendshapeMap map;
+  std::string description;  // "the avatar's own blendshape map"
+};
+
+// matrix: a user's file, or "". Otherwise the avatar's map or, without one, the general one. Throws
+// Error as ReadBlendshapeMatrix does.
+ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions& options);
+
+// FLAME parameters or blendshape scores as lines of JSON (docs/live-input.md):
 // PacketInput -> ParseJsonFrame -> JsonSource -> LiveFrame.
 std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
+                                           ChosenMap map,
                                            const LiveSourceOptions& options);
 
 // Blendshapes of a face tracker in the Virtual Motion Capture protocol (docs/live-input.md):
-// PacketInput -> ParseOsc -> VmcSource, with a BlendshapeMatrix -> LiveFrame.
+// PacketInput -> ParseOsc -> VmcSource -> LiveFrame.
 std::unique_ptr<LiveSource> OpenVmcSource(std::unique_ptr<PacketInput> input,
-                                          BlendshapeMatrix matrix,
+                                          ChosenMap map,
                                           const LiveSourceOptions& options);
 
 }  // namespace cosplat

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "avatar/live/packet_input.h"
+#include "avatar/live/score_recording.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -21,12 +23,13 @@ std::string NumberText(double number) {
   return text.str();
 }
 
-double FrameRate(const TrackedVideo& video, const LiveSourceOptions& options) {
+// own: the recording's, 0 if unknown.
+double FrameRate(const std::string& path, double own, const LiveSourceOptions& options) {
   double rate = options.frames_per_second;
-  if (rate == 0) rate = video.frames_per_second;
+  if (rate == 0) rate = own;
   if (rate == 0) rate = kDefaultFramesPerSecond;
   if (!(rate >= 0.001 && rate <= 10'000))
-    throw Error(video.source, "frames per second", NumberText(rate) + ", expected 0.001 to 10000");
+    throw Error(path, "frames per second", NumberText(rate) + ", expected 0.001 to 10000");
   return rate;
 }
 
@@ -89,16 +92,31 @@ class RecordedSource : public LiveSource {
   LiveCounts counts_;
 };
 
+Recording RecordingOfScores(const std::string& path, const LiveSourceOptions& options) {
+  const ScoreRecording scores = LoadScores(path);
+  const BlendshapeMap map = ChooseBlendshapeMap("", options).map;
+  Recording recording;
+  recording.path = path;
+  recording.frames_per_second = FrameRate(path, scores.frames_per_second, options);
+  for (const ScoredFrame& frame : scores.frames) {
+    recording.frames.push_back({frame.timestep, {}});
+    ApplyBlendshapes(map, frame.scores, recording.frames.back().params);
+    PutOnRest(options.rest, recording.frames.back().params);
+  }
+  return recording;
+}
+
 }  // namespace
 
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options) {
+  if (IsScoreRecording(path)) return RecordingOfScores(path, options);
   const TrackedVideo video = LoadDrivingSequence(path, options.flame);
   if (video.head_is_fixed)
     throw Error(path, "the FLAME model is needed: in this track the camera moves, not the head");
   const std::vector<const TrackedFrame*> instants = InstantsOf(video);
   Recording recording;
   recording.path = path;
-  recording.frames_per_second = FrameRate(video, options);
+  recording.frames_per_second = FrameRate(video.source, video.frames_per_second, options);
   std::vector<FlameParams> params;
   for (const TrackedFrame* frame : instants) params.push_back(frame->params);
   params = Retarget(std::move(params), options.rest);

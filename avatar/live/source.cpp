@@ -2,6 +2,10 @@
 
 #include <unistd.h>
 
+#include <filesystem>
+#include <string_view>
+
+#include "avatar/live/blendshape_matrix.h"
 #include "avatar/live/packet_input.h"
 #include "avatar/live/recording.h"
 #include "splat/base/error.h"
@@ -9,27 +13,41 @@
 namespace cosplat {
 namespace {
 
-std::unique_ptr<LiveSource> OpenVmc(const DriveAddress& address, const LiveSourceOptions& options) {
+// FILE of the query "matrix=FILE"; "" if there is no query.
+std::string MatrixIn(const DriveAddress& address) {
   constexpr std::string_view kMatrix = "matrix=";
+  if (address.query.empty()) return "";
   if (!address.query.starts_with(kMatrix) || address.query.size() == kMatrix.size())
-    throw Error(address.drive, "matrix", "is missing: expected vmc://HOST:PORT?matrix=FILE");
-  BlendshapeMatrix matrix = BlendshapeMatrix::Read(address.query.substr(kMatrix.size()));
-  return OpenVmcSource(OpenUdpInput(address), std::move(matrix), options);
+    throw Error(address.drive,
+                "?" + address.query,
+                "expected " + address.scheme + "://HOST:PORT?matrix=FILE");
+  return address.query.substr(kMatrix.size());
 }
 
 }  // namespace
 
+ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions& options) {
+  if (!matrix.empty())
+    return {ReadBlendshapeMatrix(matrix), std::filesystem::path(matrix).filename().string()};
+  if (options.blendshapes) return {*options.blendshapes, "the avatar's own blendshape map"};
+  const bool lids = options.flame && options.flame->has_eyelids;
+  return {GeneralBlendshapeMap(options.flame),
+          std::string("the general blendshape map: jaw") + (lids ? ", eyelids" : "") +
+              " and gaze only"};
+}
+
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
   if (drive == "stdin:")
-    return OpenJsonSource(OpenLineInput(STDIN_FILENO, "standard input"), options);
+    return OpenJsonSource(
+        OpenLineInput(STDIN_FILENO, "standard input"), ChooseBlendshapeMap("", options), options);
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
-  if (address.scheme == "udp") return OpenJsonSource(OpenUdpInput(address), options);
-  if (address.scheme == "vmc") return OpenVmc(address, options);
-  throw Error(drive,
-              "expected a file, a folder, stdin:, udp://HOST:PORT or "
-              "vmc://HOST:PORT?matrix=FILE");
+  if (address.scheme != "udp" && address.scheme != "vmc")
+    throw Error(drive, "expected a file, a folder, stdin:, udp://HOST:PORT or vmc://HOST:PORT");
+  ChosenMap map = ChooseBlendshapeMap(MatrixIn(address), options);
+  const auto open = address.scheme == "udp" ? OpenJsonSource : OpenVmcSource;
+  return open(OpenUdpInput(address), std::move(map), options);
 }
 
 }  // namespace cosplat

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "avatar/model/blendshape_map.h"
 #include "flame/model.h"
 
 namespace cosplat {
@@ -53,15 +54,20 @@ struct LiveSourceOptions {
   // tracker's root is relative to it.
   FlameParams rest;
   // The avatar's; needed for recordings whose tracker moved the camera about a fixed head
-  // (TrackedVideo::head_is_fixed). Used only while a source is opened.
+  // (TrackedVideo::head_is_fixed), and for blendshapes to close eyelids without a map. Used only
+  // while a source is opened.
   const FlameModel* flame = nullptr;
+  // The avatar's map from blendshape scores, or null; used where the drive names no matrix. Copied
+  // when a source is opened.
+  const BlendshapeMap* blendshapes = nullptr;
   bool loop = false;             // repeat recordings
   double frames_per_second = 0;  // of a recording; 0: its own rate, or 25 if unknown
 };
 
-// drive: a file or folder that LoadDrivingSequence reads, or "stdin:", "udp://HOST:PORT" (FLAME
-// parameters as JSON lines), "vmc://HOST:PORT?matrix=FILE" (blendshapes over OSC). HOST may be
-// omitted and is then loopback. Throws Error naming the drive and what is wrong with it.
+// drive: a file or folder that LoadRecording reads, or "stdin:", "udp://HOST:PORT" (FLAME
+// parameters or blendshape scores as JSON lines), "vmc://HOST:PORT" (scores over OSC). The last two
+// may end in "?matrix=FILE", which is then used instead of the avatar's map. HOST may be omitted
+// and is then loopback. Throws Error naming the drive and what is wrong with it.
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options = {});
 

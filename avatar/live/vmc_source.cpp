@@ -20,7 +20,7 @@ constexpr std::string_view kBone = "/VMC/Ext/Bone/Pos";
 
 // The last values received; a frame is a copy of it.
 struct VmcState {
-  BlendshapeWeights weights{};
+  std::vector<float> scores;  // in the order of the map's names
   AxisAngle neck{}, head{};
 };
 
@@ -55,11 +55,11 @@ AxisAngle FlameTurn(const OscMessage& message) {
 }
 
 // Stores a message's value; returns true for the message that ends a frame.
-bool Take(const OscMessage& message, VmcState& state) {
+bool Take(const OscMessage& message, const BlendshapeMap& map, VmcState& state) {
   if (message.address == kValue) {
-    const int blendshape = FindArkitBlendshape(message.arguments[0].text);
+    const int blendshape = FindBlendshape(map, message.arguments[0].text);
     if (blendshape >= 0)
-      state.weights[blendshape] = float(std::clamp(message.arguments[1].number, 0.0, 1.0));
+      state.scores[blendshape] = float(std::clamp(message.arguments[1].number, 0.0, 1.0));
   } else if (message.address == kBone) {
     if (message.arguments[0].text == "Neck") state.neck = FlameTurn(message);
     if (message.arguments[0].text == "Head") state.head = FlameTurn(message);
@@ -69,8 +69,10 @@ bool Take(const OscMessage& message, VmcState& state) {
 
 class VmcSource : public LiveSource {
  public:
-  VmcSource(std::unique_ptr<PacketInput> input, BlendshapeMatrix matrix, const FlameParams& rest)
-      : input_(std::move(input)), matrix_(std::move(matrix)), rest_(rest) {}
+  VmcSource(std::unique_ptr<PacketInput> input, ChosenMap chosen, const FlameParams& rest)
+      : input_(std::move(input)), chosen_(std::move(chosen)), rest_(rest) {
+    state_.scores.resize(chosen_.map.names.size());
+  }
 
   bool Poll(int64_t now_ns, LiveFrame& out) override {
     packets_.Clear();
@@ -82,7 +84,7 @@ class VmcSource : public LiveSource {
     ++counts_.frames;
     out.params.translation = {};
     out.params.pose = {frame_.neck, frame_.head};
-    matrix_.Apply(frame_.weights, out.params);
+    ApplyBlendshapes(chosen_.map, frame_.scores, out.params);
     PutOnRest(rest_, out.params);
     out.sequence = applied_ - 1;
     out.time_ns = now_ns;
@@ -91,7 +93,9 @@ class VmcSource : public LiveSource {
 
   bool Ended() const override { return input_->Ended(); }
   LiveCounts Counts() const override { return counts_; }
-  std::string Description() const override { return input_->Description(); }
+  std::string Description() const override {
+    return input_->Description() + ", by " + chosen_.description;
+  }
 
  private:
   // Applies all messages of a packet or, if one is bad, none.
@@ -101,18 +105,18 @@ class VmcSource : public LiveSource {
       problem = ProblemOf(messages_[i]);
     if (!problem.empty()) {
       ++counts_.malformed;
-      counts_.last_problem = Description() + ": " + problem;
+      counts_.last_problem = input_->Description() + ": " + problem;
       return;
     }
     for (const OscMessage& message : messages_) {
-      if (!Take(message, state_)) continue;
+      if (!Take(message, chosen_.map, state_)) continue;
       frame_ = state_;
       ++applied_;
     }
   }
 
   std::unique_ptr<PacketInput> input_;
-  BlendshapeMatrix matrix_;
+  ChosenMap chosen_;
   FlameParams rest_;
   NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;
@@ -124,9 +128,9 @@ class VmcSource : public LiveSource {
 }  // namespace
 
 std::unique_ptr<LiveSource> OpenVmcSource(std::unique_ptr<PacketInput> input,
-                                          BlendshapeMatrix matrix,
+                                          ChosenMap map,
                                           const LiveSourceOptions& options) {
-  return std::make_unique<VmcSource>(std::move(input), std::move(matrix), options.rest);
+  return std::make_unique<VmcSource>(std::move(input), std::move(map), options.rest);
 }
 
 }  // namespace cosplat

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "avatar/math/bust.h"
+#include "avatar/model/blendshape_map.h"
 #include "flame/model.h"
 #include "splat/gaussians.h"
 
@@ -117,6 +118,8 @@ struct AvatarModel {
   std::vector<float> static_offset;          // [V, 3] metres, of all of FLAME's vertices, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation
   std::optional<TrainedRange> trained_range;
+  // From blendshape scores to this head's parameters, if its video had scores.
+  std::optional<BlendshapeMap> blendshapes;
   CorrectionMap correction_map;  // for gaussians.corrections bases
 
   size_t size() const { return gaussians.size(); }

@@ -163,7 +163,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),
       parameters_(size_t(flame_.expression_count), rest_),
-      face_(parameters_.rest(), flame_, player_.avatar().trained_range) {
+      face_(parameters_.rest(), flame_, player_.avatar()) {
   player_.Place(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
   orbit_target_ = TargetOf(player_.VerticesOf(placed_), flame_, rest_.pose[0]);

@@ -51,12 +51,11 @@ GuardPolicy PolicyOf(const cosplat_policy& given) {
 
 }  // namespace
 
-LiveFace::LiveFace(const FlameParams& rest,
-                   const FlameModel& flame,
-                   const std::optional<TrainedRange>& trained)
-    : guard_(rest, trained) {
+LiveFace::LiveFace(const FlameParams& rest, const FlameModel& flame, const AvatarModel& avatar)
+    : guard_(rest, avatar.trained_range) {
   source_options_.rest = rest;
   source_options_.flame = &flame;
+  if (avatar.blendshapes) source_options_.blendshapes = &*avatar.blendshapes;
 }
 
 void LiveFace::SetPolicy(const cosplat_policy& given) {

@@ -17,10 +17,8 @@ namespace cosplat::plugin {
 
 class LiveFace {
  public:
-  // rest: must have as many coefficients as the model, which must outlive this.
-  LiveFace(const FlameParams& rest,
-           const FlameModel& flame,
-           const std::optional<TrainedRange>& trained);
+  // rest: must have as many coefficients as the model. Model and avatar must outlive this.
+  LiveFace(const FlameParams& rest, const FlameModel& flame, const AvatarModel& avatar);
 
   // Throws CodedError on a number out of range.
   void SetPolicy(const cosplat_policy& policy);

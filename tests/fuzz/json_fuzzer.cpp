@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cosplat;
   static std::string packet;
   static const std::unique_ptr<LiveSource> source =
-      OpenJsonSource(std::make_unique<test::MemoryInput>(&packet), {});
+      OpenJsonSource(std::make_unique<test::MemoryInput>(&packet), ChooseBlendshapeMap("", {}), {});
   static int64_t now_ns = 0;
   packet.assign(reinterpret_cast<const char*>(data), size);
   bool good = false;

@@ -13,7 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   int ends[2];
   if (pipe(ends) != 0) std::abort();
   {
-    const auto source = OpenJsonSource(OpenLineInput(ends[0], "pipe"), {});
+    const auto source =
+        OpenJsonSource(OpenLineInput(ends[0], "pipe"), ChooseBlendshapeMap("", {}), {});
     bool good = false;
     for (size_t at = 0; at < size;) {
       const size_t part = std::min<size_t>(size - at, 1 + data[at] * size_t(7));

@@ -51,9 +51,11 @@ TEST(LiveMutations, OfJson) {
   const std::vector<std::string> seeds = {
       WriteJsonFrame(frame),
       R"({"seq": 7})",
+      R"({"seq": 8, "blendshapes": {"jawOpen": 0.5, "eyeBlinkLeft": 1, "other": -3}})",
       R"({"seq": 9, "time": 1e3, "eyes": [0.1, 0.2, 0.3], "jaw": [0, 0, 0]})"};
   std::string packet;
-  const auto source = OpenJsonSource(std::make_unique<MemoryInput>(&packet), {});
+  const auto source =
+      OpenJsonSource(std::make_unique<MemoryInput>(&packet), ChooseBlendshapeMap("", {}), {});
   const Outcome outcome = SendMutations(*source, packet, seeds, 1);
   EXPECT_EQ(outcome.silent, 0);  // a packet either is a frame or is counted
   EXPECT_GT(outcome.good, kPackets / 50);
@@ -75,8 +77,8 @@ TEST(LiveMutations, OfVmc) {
       test::OscBundle({value, bone, test::VmcApply()}),
       test::OscBundle({test::OscBundle({value}), test::OscText("/VMC/Ext/OK"), test::VmcApply()})};
   std::string packet;
-  const auto source =
-      OpenVmcSource(std::make_unique<MemoryInput>(&packet), BlendshapeMatrix::Read(npz.path()), {});
+  const auto source = OpenVmcSource(
+      std::make_unique<MemoryInput>(&packet), ChooseBlendshapeMap(npz.path(), {}), {});
   const Outcome outcome = SendMutations(*source, packet, seeds, 2);
   EXPECT_GT(outcome.good, kPackets / 50);
   EXPECT_GT(outcome.malformed, uint64_t(kPackets / 2));

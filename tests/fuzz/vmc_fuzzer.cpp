@@ -9,13 +9,13 @@
 
 namespace {
 
-cosplat::BlendshapeMatrix MakeMatrix() {
+cosplat::ChosenMap MakeMatrix() {
   const cosplat::test::TemporaryFolder folder;
   cosplat::Npz npz(folder / "matrix.npz");
   npz.Add("expression", {52, 3}, std::vector<float>(52 * 3, 1.5f));
   npz.Add("jaw", {52, 3}, std::vector<float>(52 * 3, 0.01f));
   npz.Write(npz.path());
-  return cosplat::BlendshapeMatrix::Read(npz.path());
+  return cosplat::ChooseBlendshapeMap(npz.path(), {});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "avatar/live/json_frame.h"
 #include "avatar/live/source.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/npz.h"
 #include "tests/integration/command.h"
 
@@ -96,6 +97,34 @@ TEST(Send, ReachesALiveSourceOverLoopback) {
   EXPECT_EQ(counts.frames + counts.replaced + counts.flooded, uint64_t(sent - corrupted));
 }
 
+TEST(Send, BlendshapeScoresGoByVmc) {
+  const TemporaryFolder folder;
+  LandmarkVideo video;
+  video.width = video.height = 100;
+  video.set = LandmarkSet::kIbug68;
+  for (int i = 0; i < 10; ++i) {
+    DetectedFace face;
+    face.points.assign(68, {50, 50});
+    face.blendshapes["jawOpen"] = 0.1f * float(i);
+    video.frames.push_back({std::to_string(i), i, {face}, ""});
+  }
+  const std::string marks = folder / "marks.json";
+  WriteLandmarks(marks, video);
+  const auto source = OpenLiveSource("vmc://:0");
+  const std::string description = source->Description(),
+                    to = description.substr(0, description.find(','));
+  const CommandResult result = Cosplat({"send", marks, "--to", to, "--fps", "200"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  LiveFrame frame;
+  ASSERT_TRUE(source->Poll(0, frame)) << source->Counts().last_problem;
+  EXPECT_EQ(frame.sequence, 9u);
+  EXPECT_FLOAT_EQ(frame.params.pose[2][0], 0.45f);  // the general map's jaw
+  // As lines, for udp:// and stdin:.
+  const CommandResult lines = Cosplat({"send", marks, "--fps", "200"});
+  const JsonFrame first = ParseJsonFrame("line", lines.out.substr(0, lines.out.find('\n')));
+  EXPECT_EQ(first.blendshapes, video.frames[0].faces[0].blendshapes);
+}
+
 TEST(Send, PipesIntoStandardInput) {
   const TemporaryFolder folder;
   const std::string sequence = WriteSequence(folder, 5), pipe = folder / "pipe";
@@ -129,7 +158,8 @@ TEST(Send, BadInputIsNamed) {
     EXPECT_EQ(result.out, "");
   };
   expect({"send", folder / "none.npz"}, "none.npz: does not exist");
-  expect({"send", sequence, "--to", "vmc://:39539"}, "expected udp://HOST:PORT");
+  expect({"send", sequence, "--to", "vmc://:39539"}, "vmc:// carries blendshape scores");
+  expect({"send", sequence, "--to", "tcp://:39539"}, "expected udp://HOST:PORT");
   expect({"send", sequence, "--to", "udp://:0"}, "expected udp://HOST:PORT");
   expect({"send", sequence, "--fps", "20000"}, "frames per second");
   expect({"send", sequence, "--drop", "60", "--bad", "60"}, "--drop and --bad");

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "avatar/live/udp_socket.h"
+#include "avatar/live/vmc_frame.h"
 #include "tests/plugin/plugin_fixture.h"
 #include "tests/plugin/restless_sequence.h"
 #include "tests/support/restless_params.h"
@@ -152,6 +154,32 @@ TEST(PluginLive, ARecordingDrives) {
   health = HealthOf(avatar);
   EXPECT_EQ(health.drive_frames, 0u);
   EXPECT_STREQ(health.drive, "");
+}
+
+// What a VMC drive makes of jawOpen at 0.5: the jaw's turn about x, and which map it says it used.
+float JawByVmc(const std::string& avatar_path, std::string& map) {
+  const OpenAvatar avatar(avatar_path);
+  EXPECT_EQ(cosplat_set_drive(avatar, "vmc://:0"), COSPLAT_OK) << cosplat_last_error(avatar);
+  const std::string drive = HealthOf(avatar).drive;
+  map = drive.substr(drive.find(", by ") + 5);
+  UdpSocket sender = UdpSocket::ConnectTo(ParseDriveAddress(drive.substr(0, drive.find(','))));
+  EXPECT_TRUE(sender.Send(WriteVmcFrame({{"jawOpen", 0.5f}})));
+  EXPECT_EQ(cosplat_advance(avatar, 0), COSPLAT_OK);
+  cosplat_parameters parameters = Zeroed<cosplat_parameters>();
+  EXPECT_EQ(cosplat_get_parameters(avatar, &parameters), COSPLAT_OK);
+  return parameters.joints[2][0];
+}
+
+TEST(PluginLive, BlendshapesMoveAnAvatarByItsOwnMapOrTheGeneralOne) {
+  const PluginFiles& files = PluginFiles::Get();
+  std::string map;
+  EXPECT_FLOAT_EQ(JawByVmc(files.avatar_path, map), 0.25f);
+  EXPECT_EQ(map, "the general blendshape map: jaw and gaze only");
+  AvatarModel avatar = files.avatar;
+  BlendshapeMap& own = avatar.blendshapes.emplace(GeneralBlendshapeMap(&files.flame));
+  for (float& x : own.matrix) x *= 0.5f;
+  EXPECT_FLOAT_EQ(JawByVmc(files.Write("with_map.glb", avatar), map), 0.125f);
+  EXPECT_EQ(map, "the avatar's own blendshape map");
 }
 
 TEST(PluginLive, ADriveThatCannotBeOpenedIsNamed) {

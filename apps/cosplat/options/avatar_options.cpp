@@ -78,6 +78,10 @@ void AvatarOptions::Declare(CLI::App& command) {
           "tracked video: a folder of IMavatar's, VHAP's (GaussianAvatars'), INSTA's, "
           "metrical-tracker's or SMIRK's layout");
   command.add_option("--flame", flame, "FLAME model file (.pkl or .npz)")->required();
+  command.add_option("--landmarks",
+                     landmarks,
+                     "landmarks file of the video with blendshape scores: fits the map by which "
+                     "face trackers drive the avatar");
   command
       .add_option(
           "--test-frames", test_frames, "hold the last N frames out; -1: the video's own split")

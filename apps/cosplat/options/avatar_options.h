@@ -18,7 +18,7 @@ namespace cosplat {
 struct AvatarOptions : TrainOptions {
   AvatarOptions();
 
-  std::string flame;
+  std::string flame, landmarks;
   int test_frames = -1;
   std::string color_frame = "surface";
   std::string bust = "auto", mouth = "yes";

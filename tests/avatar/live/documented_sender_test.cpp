@@ -12,6 +12,7 @@
 #include "avatar/live/source.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
+#include "tests/avatar/live/osc_builder.h"
 #include "tests/support/temporary_folder.h"
 
 extern char** environ;
@@ -69,8 +70,8 @@ class DocumentedSender : public testing::Test {
     const std::string text = DocumentedPython(word);
     ASSERT_FALSE(text.empty());
     WriteFileAtomically(folder_ / "sender.py", text);
-    const std::string description = source.Description();
-    const std::string port = description.substr(description.rfind(':') + 1);
+    const std::string address = test::AddressOf(source);
+    const std::string port = address.substr(address.rfind(':') + 1);
     sender_ =
         std::make_unique<Child>(std::vector<std::string>{"python3", folder_ / "sender.py", port});
     if (!sender_->started()) GTEST_SKIP() << "no python3";

@@ -55,6 +55,19 @@ TEST(JsonFrame, WhatIsWrittenIsReadToTheBit) {
   EXPECT_EQ(read.params.translation, frame.params.translation);
 }
 
+TEST(JsonFrame, BlendshapesStandForExpressionJawAndEyes) {
+  JsonFrame frame;
+  frame.params.pose[1] = {0, 0.1f, 0};
+  frame.blendshapes = {{"jawOpen", 1.0f / 3}, {"eyeBlinkLeft", 0.0f}};
+  const std::string line = WriteJsonFrame(frame);
+  EXPECT_EQ(line.find("expression"), std::string::npos);
+  const JsonFrame read = Parse(line);
+  EXPECT_EQ(read.blendshapes, frame.blendshapes);
+  EXPECT_EQ(read.params.pose, frame.params.pose);
+  EXPECT_FALSE(Parse(R"({"seq": 1})").blendshapes);
+  EXPECT_TRUE(Parse(R"({"seq": 1, "blendshapes": {}})").blendshapes);
+}
+
 TEST(JsonFrame, ErrorsNameTheField) {
   const struct {
     std::string line;
@@ -77,6 +90,11 @@ TEST(JsonFrame, ErrorsNameTheField) {
       {R"({"seq": 1, "expression": [0, 1e999]})", {"not valid JSON", "1e999"}},
       {R"({"seq": 1, "expression": [0, -101]})", {"expression[1]", "-101"}},
       {R"({"seq": 1, "expresion": [0]})", {"expresion", "not a field"}},
+      {R"({"seq": 1, "blendshapes": [0.5]})", {"blendshapes", "not an object"}},
+      {R"({"seq": 1, "blendshapes": {"jawOpen": NaN}})", {"blendshapes.\"jawOpen\"", "number"}},
+      {R"({"seq": 1, "blendshapes": {"jawOpen": "x"}})", {"blendshapes.\"jawOpen\"", "number"}},
+      {R"({"seq": 1, "blendshapes": {"jawOpen": 101}})", {"blendshapes.\"jawOpen\"", "-100 to"}},
+      {R"({"seq": 1, "blendshapes": {}, "jaw": [0, 0, 0]})", {"jaw", "beside blendshapes"}},
       {"{\"seq\": 1, \"a\\nb\": 0}", {"a\\nb", "not a field"}},
       {"{\"seq\": 1, \"" + std::string(5000, 'x') + "\": 0}", {"xxx", "..."}},
       {std::string(15000, '['), {"more than 64 arrays"}},

@@ -48,6 +48,18 @@ TEST(JsonSource, TheNewestFrameOfADatagramEach) {
   EXPECT_FALSE(connection.source->Ended());
 }
 
+TEST(JsonSource, BlendshapesMoveTheFaceByTheMap) {
+  Connection connection;
+  connection.Send(R"({"seq": 1, "blendshapes": {"jawOpen": 0.5, "Joy": 1}, "neck": [0, 0.1, 0]})");
+  LiveFrame frame;
+  ASSERT_TRUE(connection.source->Poll(0, frame)) << connection.source->Counts().last_problem;
+  EXPECT_FLOAT_EQ(frame.params.pose[2][0], 0.25f);  // of the general map, half open
+  EXPECT_FLOAT_EQ(frame.params.pose[1][1], 0.1f);
+  connection.Send(R"({"seq": 2, "blendshapes": {}})");
+  ASSERT_TRUE(connection.source->Poll(1, frame));
+  EXPECT_EQ(frame.params.pose[2][0], 0);
+}
+
 TEST(JsonSource, WhatIsBadIsCountedAndTheRestIsTaken) {
   Connection connection;
   const std::string packets[] = {
@@ -168,7 +180,8 @@ struct Pipe {
 
 TEST(JsonSource, LinesOfAPipe) {
   Pipe pipe;
-  const auto source = OpenJsonSource(OpenLineInput(pipe.read_end, "standard input"), {});
+  const auto source = OpenJsonSource(
+      OpenLineInput(pipe.read_end, "standard input"), ChooseBlendshapeMap("", {}), {});
   LiveFrame frame;
   EXPECT_FALSE(source->Poll(0, frame));
   const std::string line = Line(2);
@@ -187,7 +200,8 @@ TEST(JsonSource, LinesOfAPipe) {
 
 TEST(JsonSource, ALineThatIsTooLongCostsOnlyItself) {
   Pipe pipe;
-  const auto source = OpenJsonSource(OpenLineInput(pipe.read_end, "standard input"), {});
+  const auto source = OpenJsonSource(
+      OpenLineInput(pipe.read_end, "standard input"), ChooseBlendshapeMap("", {}), {});
   LiveFrame frame;
   for (int i = 0; i < 3; ++i) {
     pipe.Write(std::string(kMaxPacketBytes / 2, ' '));
@@ -204,7 +218,8 @@ TEST(JsonSource, ALineThatIsTooLongCostsOnlyItself) {
 TEST(JsonSource, AClosedInputHasEnded) {
   Pipe pipe;
   const int closed = dup(pipe.read_end);
-  const auto source = OpenJsonSource(OpenLineInput(closed, "standard input"), {});
+  const auto source =
+      OpenJsonSource(OpenLineInput(closed, "standard input"), ChooseBlendshapeMap("", {}), {});
   close(closed);
   LiveFrame frame;
   EXPECT_FALSE(source->Poll(0, frame));

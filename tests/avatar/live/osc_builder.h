@@ -6,7 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "avatar/live/source.h"
+
 namespace cosplat::test {
+
+// Of a VMC source, whose description also names its map.
+inline std::string AddressOf(const LiveSource& source) {
+  const std::string description = source.Description();
+  return description.substr(0, description.find(','));
+}
 
 inline std::string OscWord(uint32_t word) {
   return {char(word >> 24), char(word >> 16), char(word >> 8), char(word)};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "avatar/model/avatar_mesh.h"
+#include "flame/io/landmarks.h"
 #include "splat/base/npz.h"
 #include "tests/flame/metrical_fixture.h"
 #include "tests/support/expect_error.h"
@@ -51,6 +52,54 @@ std::vector<int> FramesAt(LiveSource& source, const std::vector<int64_t>& times)
   for (const int64_t time : times)
     numbers.push_back(source.Poll(time, frame) ? int(frame.params.expression[0]) : -1);
   return numbers;
+}
+
+// Frame i's jawOpen is i / 10; frame 2 has no face.
+std::string WriteScores(const TemporaryFolder& folder) {
+  LandmarkVideo video;
+  video.width = video.height = 100;
+  video.frames_per_second = 20;
+  video.set = LandmarkSet::kIbug68;
+  for (int i = 0; i < 5; ++i) {
+    LandmarkFrame& frame = video.frames.emplace_back();
+    frame.name = std::to_string(i);
+    frame.frame = i;
+    if (i == 2) continue;
+    DetectedFace& small = frame.faces.emplace_back();
+    small.points.assign(68, {50, 50});
+    small.blendshapes["jawOpen"] = 1;
+    frame.faces.push_back(small);
+    frame.faces[1].points[0] = {50, 80};
+    frame.faces[1].blendshapes["jawOpen"] = 0.1f * float(i);
+  }
+  WriteLandmarks(folder / "marks.json", video);
+  return folder / "marks.json";
+}
+
+TEST(Recording, OfBlendshapeScoresMovesTheFaceByTheMap) {
+  const TemporaryFolder folder;
+  LiveSourceOptions options;
+  options.rest.translation = {0, 0, 3};
+  const Recording general = LoadRecording(WriteScores(folder), options);
+  EXPECT_EQ(general.frames_per_second, 20);
+  ASSERT_EQ(general.frames.size(), 4u);
+  EXPECT_EQ(general.frames[2].timestep, 3);
+  EXPECT_FLOAT_EQ(general.frames[2].params.pose[2][0], 0.15f);  // of the larger face
+  EXPECT_EQ(general.frames[2].params.translation[2], 3);
+  BlendshapeMap map = GeneralBlendshapeMap(nullptr);
+  for (float& x : map.matrix) x *= 2;
+  options.blendshapes = &map;
+  EXPECT_FLOAT_EQ(LoadRecording(folder / "marks.json", options).frames[2].params.pose[2][0], 0.3f);
+}
+
+TEST(Recording, LandmarksWithoutScoresDriveNothing) {
+  const TemporaryFolder folder;
+  LandmarkVideo video = ReadLandmarks(WriteScores(folder));
+  for (LandmarkFrame& frame : video.frames)
+    for (DetectedFace& face : frame.faces) face.blendshapes.clear();
+  WriteLandmarks(folder / "marks.json", video);
+  ExpectError([&] { OpenLiveSource(folder / "marks.json"); },
+              {"marks.json", "blendshapes", "no face has any"});
 }
 
 TEST(Recording, PlaysAtItsOwnRate) {

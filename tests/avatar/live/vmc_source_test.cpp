@@ -5,6 +5,7 @@
 
 #include "avatar/live/packet_input.h"
 #include "avatar/live/udp_socket.h"
+#include "avatar/live/vmc_frame.h"
 #include "splat/base/npz.h"
 #include "tests/avatar/live/osc_builder.h"
 #include "tests/support/expect_error.h"
@@ -45,7 +46,7 @@ struct Connection {
 
   explicit Connection(const LiveSourceOptions& options = {})
       : source(OpenLiveSource("vmc://:0?matrix=" + WriteMatrix(folder), options)),
-        sender(UdpSocket::ConnectTo(ParseDriveAddress(source->Description()))) {}
+        sender(UdpSocket::ConnectTo(ParseDriveAddress(test::AddressOf(*source)))) {}
   void Send(const std::string& packet) { ASSERT_TRUE(sender.Send(packet)); }
 };
 
@@ -125,7 +126,7 @@ TEST(VmcSource, ABadPacketIsDroppedAsAWhole) {
     EXPECT_EQ(connection.source->Counts().malformed, ++count);
   }
   EXPECT_EQ(connection.source->Counts().last_problem,
-            connection.source->Description() +
+            test::AddressOf(*connection.source) +
                 ": /VMC/Ext/Blend/Val: expected a name and 1 finite number");
   connection.Send(VmcApply());
   ASSERT_TRUE(connection.source->Poll(0, frame));
@@ -144,7 +145,9 @@ TEST(VmcSource, ErrorsOfTheMatrixNameFileAndArray) {
     npz.Add(name, shape, std::vector<float>(shape[0] * shape[1], value));
     npz.Write(path);
   };
-  ExpectError([] { OpenLiveSource("vmc://:39539"); }, {"vmc://:39539", "matrix", "is missing"});
+  for (const char* query : {"?matrix=", "?map=m.npz"})
+    ExpectError([&] { OpenLiveSource(std::string("vmc://:0") + query); },
+                {"vmc://:0", query, "expected vmc://HOST:PORT?matrix=FILE"});
   expect({"m.npz"});  // does not exist
   write("expression", {51, 50}, 0);
   expect({"m.npz", "expression", "51", "52"});
@@ -156,6 +159,87 @@ TEST(VmcSource, ErrorsOfTheMatrixNameFileAndArray) {
   expect({"m.npz", "jaw", "4"});
   write("jaw", {52, 3}, 0.1f);
   EXPECT_NO_THROW(OpenLiveSource(drive));
+}
+
+// A map with one score, which sets one coefficient, the jaw and an offset.
+BlendshapeMap OwnMap() {
+  BlendshapeMap map;
+  map.names = {"jawOpen"};
+  map.least = {0.2f};
+  map.most = {0.6f};
+  map.offset.assign(2 + kMappedTurns, 0.0f);
+  map.matrix.assign(2 + kMappedTurns, 0.0f);
+  map.offset[0] = 0.5f;
+  map.matrix[1] = 2;
+  map.matrix[2] = 0.4f;  // of the jaw, about x
+  return map;
+}
+
+LiveFrame FrameAfter(LiveSource& source, const BlendshapeScores& scores) {
+  UdpSocket sender = UdpSocket::ConnectTo(ParseDriveAddress(test::AddressOf(source)));
+  EXPECT_TRUE(sender.Send(WriteVmcFrame(scores)));
+  LiveFrame frame;
+  EXPECT_TRUE(source.Poll(0, frame)) << source.Counts().last_problem;
+  return frame;
+}
+
+TEST(VmcSource, WithoutAMatrixTheAvatarsOwnMapIsUsed) {
+  const BlendshapeMap map = OwnMap();
+  LiveSourceOptions options;
+  options.blendshapes = &map;
+  const auto source = OpenLiveSource("vmc://:0", options);
+  EXPECT_NE(source->Description().find("the avatar's own blendshape map"), std::string::npos);
+  const LiveFrame frame = FrameAfter(*source, {{"jawOpen", 0.5f}, {"tongueOut", 1}});
+  EXPECT_EQ(frame.params.expression, (std::vector<float>{0.5f, 1}));
+  EXPECT_FLOAT_EQ(frame.params.pose[2][0], 0.2f);
+  // Beyond what training showed, scores are limited softly.
+  const LiveFrame wide = FrameAfter(*source, {{"jawOpen", 1}});
+  EXPECT_GT(wide.params.expression[1], 2 * 0.6f);
+  EXPECT_LE(wide.params.expression[1], 2 * 0.7f);
+  const LiveFrame shut = FrameAfter(*source, {{"jawOpen", 0}});
+  EXPECT_GE(shut.params.expression[1], 2 * 0.1f);
+  EXPECT_LT(shut.params.expression[1], 2 * 0.2f);
+}
+
+TEST(VmcSource, AMatrixWinsOverTheAvatarsMap) {
+  const TemporaryFolder folder;
+  const BlendshapeMap map = OwnMap();
+  LiveSourceOptions options;
+  options.blendshapes = &map;
+  const auto source = OpenLiveSource("vmc://:0?matrix=" + WriteMatrix(folder), options);
+  EXPECT_NE(source->Description().find("by matrix.npz"), std::string::npos);
+  EXPECT_FLOAT_EQ(FrameAfter(*source, {{"jawOpen", 1}}).params.pose[2][0], 0.3f);
+}
+
+TEST(VmcSource, OnAnyAvatarJawLidsAndGazeMove) {
+  FlameModel flame;
+  flame.expression_count = 5;
+  LiveSourceOptions options;
+  options.flame = &flame;
+  const BlendshapeScores scores{{"jawOpen", 1},
+                                {"eyeBlinkLeft", 0.5f},
+                                {"eyeBlinkRight", 1},
+                                {"eyeLookInLeft", 1},
+                                {"eyeLookOutRight", 1},
+                                {"eyeLookUpLeft", 1},
+                                {"eyeLookDownRight", 1},
+                                {"mouthSmileLeft", 1}};
+  for (const bool lids : {false, true}) {
+    flame.has_eyelids = lids;
+    const auto source = OpenLiveSource("vmc://:0", options);
+    EXPECT_NE(source->Description().find(lids ? "jaw, eyelids and gaze only" : "jaw and gaze only"),
+              std::string::npos);
+    const FlameParams face = FrameAfter(*source, scores).params;
+    EXPECT_EQ(face.expression,
+              (lids ? std::vector<float>{0, 0, 0, 0.5f, 1} : std::vector<float>(5)));
+    EXPECT_FLOAT_EQ(face.pose[2][0], 0.5f);  // +x is down, +y towards the subject's left
+    EXPECT_LT(face.pose[3][1], -0.1f);       // both look to the right
+    EXPECT_LT(face.pose[4][1], -0.1f);
+    EXPECT_LT(face.pose[3][0], -0.1f);  // up
+    EXPECT_GT(face.pose[4][0], 0.1f);   // down
+  }
+  EXPECT_EQ(ProblemOf(GeneralBlendshapeMap(&flame)), "");
+  EXPECT_EQ(ProblemOf(GeneralBlendshapeMap(nullptr)), "");
 }
 
 TEST(Arkit, NamesAreFoundInEitherCase) {

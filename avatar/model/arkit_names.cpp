@@ -1,19 +1,6 @@
-#include <algorithm>
-
-#include "avatar/live/blendshape_matrix.h"
+#include "avatar/model/blendshape_map.h"
 
 namespace cosplat {
-namespace {
-
-// ASCII only, independent of the locale.
-char Lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
-
-bool SameName(std::string_view a, std::string_view b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return Lower(x) == Lower(y); });
-}
-
-}  // namespace
 
 const std::array<std::string_view, kArkitBlendshapes> kArkitNames = {"eyeBlinkLeft",
                                                                      "eyeLookDownLeft",
@@ -67,11 +54,5 @@ const std::array<std::string_view, kArkitBlendshapes> kArkitNames = {"eyeBlinkLe
                                                                      "noseSneerLeft",
                                                                      "noseSneerRight",
                                                                      "tongueOut"};
-
-int FindArkitBlendshape(std::string_view name) {
-  for (size_t i = 0; i < kArkitNames.size(); ++i)
-    if (SameName(name, kArkitNames[i])) return int(i);
-  return -1;
-}
 
 }  // namespace cosplat

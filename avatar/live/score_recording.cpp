@@ -1,0 +1,51 @@
+#include "avatar/live/score_recording.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "flame/io/landmarks.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+double HeightOf(const DetectedFace& face) {
+  const auto [least, most] =
+      std::minmax_element(face.points.begin(), face.points.end(), [](const auto& a, const auto& b) {
+        return a[1] < b[1];
+      });
+  return (*most)[1] - (*least)[1];
+}
+
+// Null if none has scores.
+const DetectedFace* LargestScored(const LandmarkFrame& frame) {
+  const DetectedFace* largest = nullptr;
+  for (const DetectedFace& face : frame.faces)
+    if (!face.blendshapes.empty() && (!largest || HeightOf(face) > HeightOf(*largest)))
+      largest = &face;
+  return largest;
+}
+
+}  // namespace
+
+bool IsScoreRecording(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".json";
+}
+
+ScoreRecording LoadScores(const std::string& path) {
+  const LandmarkVideo video = ReadLandmarks(path);
+  ScoreRecording recording;
+  recording.frames_per_second = video.frames_per_second;
+  int first = 0;
+  for (const LandmarkFrame& frame : video.frames) {
+    const DetectedFace* face = LargestScored(frame);
+    if (!face) continue;
+    if (recording.frames.empty()) first = frame.frame;
+    recording.frames.push_back({int64_t(frame.frame) - first, face->blendshapes});
+  }
+  if (recording.frames.empty())
+    throw Error(path, "blendshapes", "no face has any: these landmarks drive no avatar");
+  return recording;
+}
+
+}  // namespace cosplat
