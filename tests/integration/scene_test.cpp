@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "splat/io/dataset.h"
+#include "splat/math/quat.h"
 #include "tests/integration/command.h"
 
 namespace cosplat::test {
@@ -18,23 +19,29 @@ namespace fs = std::filesystem;
 constexpr int kViews = 10;
 
 struct MadePose {
-  double center[3], angle;  // the camera looks along (sin angle, 0, cos angle); y is down
+  double center[3];
+  math::Quat<double> rotation;  // cam_from_world; y is down
 };
+// Looks at (0, 0, 1.5). With turns about more than one axis: about a single one, focal lengths
+// could not be found.
 MadePose PoseOf(int i) {
-  const double x = -1.2 + 2.4 * i / (kViews - 1), z = -1.3 + 0.1 * (i % 3);
-  return {{x, 0.2 * std::sin(2.0 * i), z}, std::atan2(-x, 1.5 - z)};
+  const double x = -1.2 + 2.4 * i / (kViews - 1), y = std::sin(2.0 * i), z = -1.3 + 0.1 * (i % 3);
+  const double yaw = std::atan2(-x, 1.5 - z) / 2,
+               pitch = std::atan2(-y, std::hypot(x, 1.5 - z)) / 2;
+  const double cy = std::cos(yaw), sy = std::sin(yaw), cp = std::cos(pitch), sp = std::sin(pitch);
+  return {{x, y, z}, {cp * cy, sp * cy, -cp * sy, -sp * sy}};
 }
 
 Camera CameraOf(int i, int width) {
   const MadePose p = PoseOf(i);
-  const double s = std::sin(p.angle), c = std::cos(p.angle);
+  const math::Mat3<double> rotation = math::RotationOf(p.rotation);
   Camera camera;
   camera.width = width;
   camera.height = width * 3 / 4;
   camera.fx = camera.fy = 0.9f * float(width);
   camera.cx = 0.5f * float(width);
   camera.cy = 0.375f * float(width);
-  camera.rotation = {float(c), 0, float(-s), 0, 1, 0, float(s), 0, float(c)};
+  for (int k = 0; k < 9; ++k) camera.rotation[k] = float(rotation(k / 3, k % 3));
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 3; ++j)
       camera.translation[k] -= camera.rotation[3 * k + j] * float(p.center[j]);
@@ -101,8 +108,8 @@ void WriteModel(const std::string& folder, int width, int count) {
   std::ofstream images(folder + "/images.txt"), points(folder + "/points3D.txt");
   for (int i = 0; i < count; ++i) {
     const Camera camera = CameraOf(i, width);
-    const double half = PoseOf(i).angle / 2;
-    images << i + 1 << " " << std::cos(half) << " 0 " << -std::sin(half) << " 0";
+    const auto [w, x, y, z] = PoseOf(i).rotation;
+    images << i + 1 << " " << w << " " << x << " " << y << " " << z;
     for (const float t : camera.translation) images << " " << t;
     images << " 1 " << NameOf(i) << "\n\n";
   }
@@ -208,11 +215,19 @@ TEST(Scene, FromPhotographsToReportAndOrbit) {
   ASSERT_EQ(calls.size(), 4u);
   EXPECT_TRUE(Contains(calls[0], "feature_extractor "));
   EXPECT_TRUE(Contains(calls[0], "--ImageReader.single_camera 1 --SiftExtraction.use_gpu 0"));
-  EXPECT_TRUE(Contains(calls[0], "OPENCV"));
+  EXPECT_TRUE(Contains(calls[0], "SIMPLE_RADIAL"));
   EXPECT_TRUE(Contains(calls[1], "exhaustive_matcher "));
   EXPECT_TRUE(Contains(calls[2], "mapper "));
   EXPECT_TRUE(Contains(calls[3], "--max_image_size 1600"));
   EXPECT_TRUE(Contains(Slurp(fake.out + "/colmap/log.txt"), "Registering image #2 (3)"));
+}
+
+TEST(Scene, FindsAllOfTheDistortionFromManyPhotographs) {
+  const FakeColmap fake;
+  for (int i = kViews; i < 30; ++i)
+    fs::copy_file(fake.photographs + "/p0.png", fake.photographs + "/" + NameOf(i));
+  EXPECT_EQ(fake.Run({"--cameras-only"}).code, 0);
+  EXPECT_TRUE(Contains(fake.TakeCalls()[0], "OPENCV"));
 }
 
 TEST(Scene, KeepsWhatIsFinished) {

@@ -25,8 +25,9 @@ constexpr size_t kMaxExhaustive = 150;
 // images at the size of training.
 constexpr int kFeatureSize = 1600;  // px, longer side
 constexpr int kMaxFeatures = 4096;  // per photograph
-// Four distortion coefficients and two focal lengths are found from this many photographs on.
-constexpr size_t kMinForOpencvModel = 10;
+// From this many on, four distortion coefficients and two focal lengths are found, else one of
+// each: of fewer, taken at the same height with a level camera, COLMAP then registers only some.
+constexpr size_t kMinForOpencvModel = 30;
 constexpr int kMatchingBlock = 10;  // photographs; only how often progress is reported
 constexpr size_t kTail = 5;         // lines shown of a command that failed
 
