@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct AvatarCommand : AvatarOptions {
-  TrackRunOptions track;  // source, landmarks, embedding, focal
+  TrackRunOptions track;
   std::string out;
 };
 
@@ -35,7 +35,7 @@ bool HasLandmarks(const AvatarCommand& o, const std::string& file) {
 }
 
 std::string LandmarksOf(const AvatarCommand& o) {
-  if (!o.track.landmarks.empty()) return o.track.landmarks;
+  if (!o.landmarks.empty()) return o.landmarks;
   const std::string file = o.out + "/landmarks.json";
   if (HasLandmarks(o, file)) {
     Say(o, "1/4 Landmarks are there from an earlier run");
@@ -53,7 +53,7 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   o.track.out = o.source = o.out + "/track";
   o.track.quiet = o.quiet;
   o.model = o.out + "/avatar";
-  o.track.landmarks = LandmarksOf(o);
+  o.landmarks = o.track.landmarks = LandmarksOf(o);
   Say(o, "2/4 Fitting FLAME to them");
   RunTracking(o.track);
   Say(o, "3/4 Training an avatar, and evaluating it on frames that it has not seen");

@@ -7,7 +7,6 @@
 namespace cosplat {
 
 void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
-  command.add_option("--landmarks", o.landmarks, "the video's landmarks, see `cosplat landmarks`");
   command.add_option("--landmark-embedding",
                      o.embedding,
                      ".npz that says where the landmarks are on the model, if it is not FLAME");
@@ -23,7 +22,8 @@ void AddTrack(CLI::App& app) {
   command->add_option("--flame", o->flame, "FLAME model, .pkl or .npz")->required();
   command->add_option("-o,--out", o->out, "folder to write, in IMavatar's layout")->required();
   DeclareTracking(*o, *command);
-  command->get_option("--landmarks")->required();
+  command->add_option("--landmarks", o->landmarks, "the video's landmarks, see `cosplat landmarks`")
+      ->required();
   command->add_option(
       "--overlay", o->overlay, "also write the mesh over every frame: .mp4 or folder");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");

@@ -109,7 +109,9 @@ void Save(const AvatarOptions& o,
   WriteAvatarGlb(o.model + "/avatar.glb", model, &flame, file);
 }
 
-void Train(AvatarOptions o, const std::string& config) {
+}  // namespace
+
+void TrainAvatar(AvatarOptions o, const std::string& config) {
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
@@ -168,15 +170,13 @@ void Train(AvatarOptions o, const std::string& config) {
                 100 * subject.WalkedShare());
 }
 
-}  // namespace
-
 void AddTrainAvatar(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train-avatar", "train a head avatar from tracked video");
   const auto o = std::make_shared<AvatarOptions>();
   o->Declare(*command);
   command->callback([o, command, &app] {
     o->ApplyPreset(*command);
-    Train(*o, ConfigOf(app, *command));
+    TrainAvatar(*o, ConfigOf(app, *command));
   });
 }
 

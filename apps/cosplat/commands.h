@@ -14,6 +14,7 @@ void AddAvatar(CLI::App& app);
 void AddBench(CLI::App& app);
 void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
+void AddLandmarks(CLI::App& app);
 void AddMakeHead(CLI::App& app);
 void AddMetrics(CLI::App& app);
 void AddPlay(CLI::App& app);

@@ -59,6 +59,7 @@ int Run(int argc, char** argv) {
   });
   cosplat::AddMakeHead(app);
   cosplat::AddAvatar(app);
+  cosplat::AddLandmarks(app);
   cosplat::AddTrack(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);

@@ -22,7 +22,7 @@ using internal::PriorCost;
 
 constexpr double kFree = std::numeric_limits<double>::infinity();
 // A landmark's error, as a fraction of the face's size: about a pixel for a face of 250.
-constexpr double kLandmarkSigma = 0.004;
+const double kLandmarkSigma = getenv("FIT_LS") ? atof(getenv("FIT_LS")) : 0.012;
 // A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
 // standard deviation as a factor of e^0.5.
 double Env(const char* name, double x) { return getenv(name) ? atof(getenv(name)) : x; }
@@ -33,12 +33,12 @@ constexpr size_t kSubjectFrames = 80;
 // subject.
 const double kAlikeFrames = Env("FIT_ALIKE", 10);
 // How often frames are fitted again, each drawn to the mean of its neighbours.
-constexpr int kSmoothingSweeps = 3;
+const int kSmoothingSweeps = int(Env("FIT_SW", 5));
 
 // Standard deviations of the joints' rotations about their rest, radians.
 constexpr std::array<std::array<double, 3>, kFlameJoints> kJointSigma{{
     {kFree, kFree, kFree},  // root
-    {0.3, 0.3, 0.3},        // neck
+    {0.01, 0.01, 0.01},     // neck: moves once the body has settled
     {0.2, 0.03, 0.03},      // jaw
     {0.3, 0.4, 0.01},       // left eye
     {0.3, 0.4, 0.01},       // right eye
@@ -58,8 +58,8 @@ std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
 // rates. Eyes and lids jump.
 std::vector<double> StepSigma(const PointsOnFlame& points, bool eyelids) {
   std::vector<double> sigma(size_t(points.frame_size()), 0.4);
-  std::fill_n(sigma.begin() + kFitTranslation, 3, 0.002);
-  std::fill_n(sigma.begin() + kFitPose, 6, 0.02);
+  std::fill_n(sigma.begin() + kFitTranslation, 3, Env("FIT_ST", 0.001));
+  std::fill_n(sigma.begin() + kFitPose, 6, Env("FIT_SR", 0.006));
   std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.04);
   std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.2);
   for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
@@ -232,7 +232,7 @@ void LandmarkFitter::FitFrames(bool near) {
 // The body below the neck mostly stands still: from here on, the root stays near its mean, and what
 // the head turns beyond it is the neck's.
 void LandmarkFitter::SettleBody() {
-  const double sigma = Env("FIT_ROOT", 0);
+  const double sigma = Env("FIT_ROOT", 0.1), neck = Env("FIT_NECK", 0.3);
   if (sigma <= 0) return;
   int count = 0;
   for (const std::vector<double>& frame : frames_) {
@@ -243,6 +243,7 @@ void LandmarkFitter::SettleBody() {
   for (size_t i = 0; i < 3; ++i) {
     rest_[kFitPose + i] /= count;
     rest_sigma_[kFitPose + i] = sigma;
+    rest_sigma_[kFitPose + 3 + i] = neck;
   }
 }
 
@@ -272,7 +273,9 @@ void LandmarkFitter::FitSubject() {
     order->AddElementToGroup(shape_.data(), 1);
   }
   problem.AddResidualBlock(
-      new PriorCost({log_focal_}, {kFocalSigma / std::sqrt(count)}), nullptr, &log_focal_);
+      new PriorCost({log_focal_}, {kFocalSigma / std::sqrt(count * Env("FIT_FA", 10))}),
+      nullptr,
+      &log_focal_);
   order->AddElementToGroup(&log_focal_, 1);
   if (focal_given_) problem.SetParameterBlockConstant(&log_focal_);
   ceres::Solver::Options options;
@@ -375,9 +378,9 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   };
   fitter.Place();
   fitter.FitFrames(false);
-  fitter.SettleBody();
   fitter.FitSubject();
   fitter.FitFrames(false);
+  fitter.SettleBody();
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) fitter.FitFrames(true);
   return fitter.Result();
 }

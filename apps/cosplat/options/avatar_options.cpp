@@ -72,11 +72,15 @@ AvatarOptions::AvatarOptions() {
 
 void AvatarOptions::Declare(CLI::App& command) {
   DeclareFolders(command);
-  DeclareTraining(command);
   command.get_option("--source_path")
       ->description(
           "tracked video: a folder of IMavatar's, VHAP's (GaussianAvatars'), INSTA's, "
           "metrical-tracker's or SMIRK's layout");
+  DeclareTraining(command);
+}
+
+void AvatarOptions::DeclareTraining(CLI::App& command) {
+  TrainOptions::DeclareTraining(command);
   command.add_option("--flame", flame, "FLAME model file (.pkl or .npz)")->required();
   command.add_option("--landmarks",
                      landmarks,

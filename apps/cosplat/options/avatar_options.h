@@ -28,6 +28,8 @@ struct AvatarOptions : TrainOptions {
   AvatarSettings avatar;
 
   void Declare(CLI::App& command);
+  // Without the folders of data and results.
+  void DeclareTraining(CLI::App& command);
   // Call once `command` has been parsed. Assigns the preset's values to all options that were not
   // given on the command line, wherever --preset stands, also in what ConfigOf reads; then fills in
   // `avatar`.

@@ -9,8 +9,8 @@ namespace cosplat {
 Image8 DrawOverlay(const TrackRun& run, size_t frame, const Image8& image);
 
 // Writes <out>/track.json (figures per frame), <out>/track.html (the same to look at),
-// <out>/skipped_frames.json if there are some, and, if asked for, the overlay of every frame that is
-// kept.
+// <out>/skipped_frames.json if there are some, and, if asked for, the overlay of every frame that
+// is kept.
 void WriteTrackReport(const TrackRunOptions& options,
                       const TrackRun& run,
                       const FrameSource& frames);

@@ -1,0 +1,16 @@
+(async () => {
+  const mesh = new FaceMesh({
+    locateFile: (file) => new URL(`../packages/face_mesh/${file}`, location.href).href,
+  });
+  mesh.setOptions({
+    maxNumFaces: 2, refineLandmarks: true, useCpuInference: true, selfieMode: false,
+  });
+  let faces = [];
+  mesh.onResults((results) => { faces = results.multiFaceLandmarks ?? []; });
+  await mesh.initialize();
+  await answerFrames("face", async (image) => {
+    faces = [];
+    await mesh.send({ image });
+    return JSON.stringify(faces.map((face) => face.map((p) => [p.x * width, p.y * height])));
+  });
+})();
