@@ -12,6 +12,7 @@
 #include "apps/cosplat/run/test_images.h"
 #include "apps/cosplat/run/train_run.h"
 #include "avatar/io/avatar_file.h"
+#include "avatar/model/corrections.h"
 #include "avatar/train/trainer.h"
 #include "flame/eyelids.h"
 #include "flame/io/model_file.h"
@@ -24,13 +25,20 @@
 namespace cosplat {
 namespace {
 
+// The avatar as it is stored.
+AvatarModel ModelOf(const AvatarOptions& o, const AvatarSubject& subject, const Trainer& trainer) {
+  AvatarModel model = subject.Model(trainer.CaughtUp());
+  model.background = o.EvaluationBackground();
+  DropIdleCorrections(model);
+  return model;
+}
+
 void Evaluate(const AvatarOptions& o,
               const FlameModel& flame,
               const AvatarSubject& subject,
               const std::vector<Image8>& truth,
               const Trainer& trainer) {
-  AvatarModel model = subject.Model(trainer.CaughtUp());
-  AvatarTestImages renderer(std::move(model), flame);
+  AvatarTestImages renderer(ModelOf(o, subject, trainer), flame);
   TestImageWriter writer(o.model, "test", trainer.iteration(), o.EvaluationBackground());
   for (size_t i = 0; i < truth.size(); ++i)
     renderer.WriteTestImage(subject.video().test[i], truth[i], writer);
@@ -98,8 +106,7 @@ void Save(const AvatarOptions& o,
           const AvatarSubject& subject,
           const Trainer& trainer,
           AvatarBlendshapes& blendshapes) {
-  AvatarModel model = subject.Model(trainer.CaughtUp());
-  model.background = o.EvaluationBackground();
+  AvatarModel model = ModelOf(o, subject, trainer);
   blendshapes.Fit(model);
   // The rest pose, for tools that know only 3DGS's layout.
   SaveSplats(o.model, trainer.iteration(), RestPose(model));

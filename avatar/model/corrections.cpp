@@ -17,6 +17,8 @@ constexpr double kLeastVariance = 1e-14;
 constexpr double kLeastShare = 1e-6;
 // The most that a weight can exceed its range, as a fraction of the range's width.
 constexpr float kWeightMargin = 0.25f;
+// A basis that is weaker than this share of the strongest one is dropped after training.
+constexpr double kIdleShare = 0.01;
 
 // Number i of `count` inputs: expression, then axis-angles of neck, jaw and eyes.
 float InputAt(const Parameters& p, size_t i, size_t count) {
@@ -48,6 +50,19 @@ Eigen::VectorXd ReachOf(const FlameModel& flame, size_t count) {
     reach[long(i)] = Rms(rest, moved) / kStep;
   }
   return reach;
+}
+
+// How much each basis does: the sum of its squared numbers over the Gaussians, times the square of
+// its largest weight.
+std::vector<double> StrengthsOf(const AvatarModel& avatar) {
+  const Buffer<float>& bases = avatar.gaussians.values[kCorrection];
+  const CorrectionMap& map = avatar.correction_map;
+  std::vector<double> strengths(map.count());
+  for (size_t i = 0; i < bases.size(); ++i)
+    strengths[i / kCorrectionNumbers % map.count()] += double(bases[i]) * bases[i];
+  for (size_t k = 0; k < map.count(); ++k)
+    strengths[k] *= std::pow(std::max(std::abs(map.least[k]), std::abs(map.most[k])), 2);
+  return strengths;
 }
 
 }  // namespace
@@ -97,6 +112,34 @@ void CorrectionWeights(const CorrectionMap& map,
     const float margin = kWeightMargin * (map.most[k] - map.least[k]);
     weights[k] = math::SoftClamp(float(sum), map.least[k], map.most[k], margin);
   }
+}
+
+void DropIdleCorrections(AvatarModel& avatar) {
+  const std::vector<double> strengths = StrengthsOf(avatar);
+  if (strengths.empty()) return;
+  const double least =
+      kIdleShare * kIdleShare * *std::max_element(strengths.begin(), strengths.end());
+  const CorrectionMap& map = avatar.correction_map;
+  const size_t inputs = map.mean.size();
+  CorrectionMap kept{map.mean, {}, {}, {}};
+  std::vector<size_t> from;
+  for (size_t k = 0; k < strengths.size(); ++k) {
+    if (strengths[k] <= least) continue;
+    from.push_back(k);
+    const auto row = map.matrix.begin() + std::ptrdiff_t(k * inputs);
+    kept.matrix.insert(kept.matrix.end(), row, row + std::ptrdiff_t(inputs));
+    kept.least.push_back(map.least[k]);
+    kept.most.push_back(map.most[k]);
+  }
+  Buffer<float> bases;
+  for (size_t i = 0; i < avatar.size(); ++i)
+    for (const size_t k : from) {
+      const float* numbers = avatar.gaussians.at(kCorrection, i) + k * kCorrectionNumbers;
+      for (int j = 0; j < kCorrectionNumbers; ++j) bases.push_back(numbers[j]);
+    }
+  avatar.gaussians.values[kCorrection] = std::move(bases);
+  avatar.gaussians.corrections = int(from.size());
+  avatar.correction_map = from.empty() ? CorrectionMap{} : std::move(kept);
 }
 
 }  // namespace cosplat

@@ -1,6 +1,7 @@
 // From a frame's parameters to the weights of an avatar's corrections (avatar/math/correct.h).
 //
-// training frames' parameters -> FindCorrectionMap -> CorrectionMap -> CorrectionWeights -> Bind.
+// training frames' parameters -> FindCorrectionMap -> CorrectionMap -> CorrectionWeights -> Bind;
+// after training DropIdleCorrections.
 #pragma once
 
 #include <vector>
@@ -31,5 +32,10 @@ inline std::vector<float> CorrectionWeights(const CorrectionMap& map,
   CorrectionWeights(map, parameters, weights);
   return weights;
 }
+
+// Removes the bases that do nothing from the Gaussians and from the map: those whose numbers, times
+// the largest weight of a training frame, are less than a hundredth of the strongest basis's (root
+// mean squares over the Gaussians).
+void DropIdleCorrections(AvatarModel& avatar);
 
 }  // namespace cosplat

@@ -5,10 +5,14 @@
 
 #include <cmath>
 
+#include "avatar/play/player.h"
 #include "avatar/surface/binding.h"
+#include "flame/eyelids.h"
+#include "splat/train/loss.h"
 #include "tests/avatar/meshes.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/avatar/with_corrections.h"
+#include "tests/flame/hollow_head.h"
 
 namespace cosplat::test {
 namespace {
@@ -106,6 +110,53 @@ TEST(Corrections, BindBackwardIsTheDerivative) {
     bases[k] = before;
     EXPECT_NEAR(d_gaussians.values[kCorrection][k], (more - less) / (2 * step), 2e-3) << k;
   }
+}
+
+// Eyelids are coefficients of the expression, so that weights follow them, too.
+TEST(CorrectionMap, FollowsEyelids) {
+  const FlameModel flame = WithEyelids(HollowHead());
+  std::vector<Parameters> faces(8);
+  for (size_t f = 0; f < faces.size(); ++f) {
+    faces[f].expression.assign(size_t(flame.expression_count), 0.0f);
+    faces[f].expression.back() = f % 2 ? 1.0f : 0.0f;
+  }
+  const CorrectionMap map = FindCorrectionMap(flame, faces, 4);
+  ASSERT_EQ(map.count(), 1u);
+  EXPECT_NEAR(
+      std::abs(CorrectionWeights(map, faces[0])[0] - CorrectionWeights(map, faces[1])[0]), 2, 1e-4);
+}
+
+// Idle bases leave the file, and the image stays as it is.
+TEST(Corrections, IdleBasesAreDropped) {
+  const FlameModel& flame = SmallVideo::Get().flame;
+  Training<> run(LoadSmallVideo(4, 1), SmallAvatar(1500), ShortRun(40, 3000));
+  run.Run(40);
+  AvatarModel avatar = WithCorrections(run.Model(), flame, 5);
+  for (size_t i = 0; i < avatar.size(); ++i)
+    for (const int k : {1, 4})
+      for (int j = 0; j < kCorrectionNumbers; ++j)
+        avatar.gaussians.at(kCorrection, i)[k * kCorrectionNumbers + j] *= 1e-3f;
+  AvatarModel dropped = avatar;
+  DropIdleCorrections(dropped);
+  ASSERT_EQ(dropped.gaussians.corrections, 3);
+  ASSERT_EQ(dropped.correction_map.count(), 3u);
+  EXPECT_EQ(dropped.gaussians.at(kCorrection, 7)[2 * kCorrectionNumbers],
+            avatar.gaussians.at(kCorrection, 7)[3 * kCorrectionNumbers]);
+  const TrackedFrame& frame = run.subject.video().train[0];
+  FlameParams face = frame.params;
+  face.expression = {1.0f, -0.5f, 0.7f};
+  face.pose[2] = {0.2f, 0, 0};
+  Player all(avatar, flame), fewer(dropped, flame);
+  RenderedImage a, b;
+  all.RenderOver(face, frame.camera, {0, 0, 0}, a);
+  fewer.RenderOver(face, frame.camera, {0, 0, 0}, b);
+  EXPECT_GT(Psnr(a.color, b.color), 60);
+
+  for (float& number : avatar.gaussians.values[kCorrection]) number = 0;
+  DropIdleCorrections(avatar);
+  EXPECT_EQ(avatar.gaussians.corrections, 0);
+  EXPECT_EQ(avatar.correction_map.count(), 0u);
+  EXPECT_TRUE(avatar.gaussians.values[kCorrection].empty());
 }
 
 // The images' colours follow an expression that moves nothing the mesh could show.
