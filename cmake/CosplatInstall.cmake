@@ -35,7 +35,6 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
-  splat/io/colmap_model.h
   splat/io/glb
   splat/io/nearest_row.h
   splat/io/ply_

@@ -237,6 +237,7 @@ void AddScene(CLI::App& app) {
       ->add_flag("--cameras-only", o->cameras_only, "stop at the data set that train-scene reads")
       ->configurable(false);
   o->DeclareTraining(*command);
+  command->get_option("--eval")->default_str("true");  // config.ini has "false" for a flag else
   command->callback([=, &app] { Scene(*o, ConfigOf(app, *command)); });
 }
 

@@ -222,6 +222,16 @@ TEST(Scene, FromPhotographsToReportAndOrbit) {
   EXPECT_TRUE(Contains(Slurp(fake.out + "/colmap/log.txt"), "Registering image #2 (3)"));
 }
 
+TEST(Scene, ItsConfigurationRepeatsIt) {
+  const FakeColmap fake;
+  ASSERT_EQ(fake.Run().code, 0);
+  fs::remove(fake.out + "/report.html");
+  const CommandResult again = Cosplat({"scene", "--config", fake.out + "/config.ini"});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_TRUE(Contains(again.out, "trained by an earlier run")) << again.out;
+  EXPECT_TRUE(fake.Has("report.html"));
+}
+
 TEST(Scene, FindsAllOfTheDistortionFromManyPhotographs) {
   const FakeColmap fake;
   for (int i = kViews; i < 30; ++i)
