@@ -21,19 +21,24 @@ using internal::LandmarkCost;
 using internal::PriorCost;
 
 constexpr double kFree = std::numeric_limits<double>::infinity();
-// A landmark's error, as a fraction of the face's size: about a pixel for a face of 250.
-const double kLandmarkSigma = getenv("FIT_LS") ? atof(getenv("FIT_LS")) : 0.012;
+// The noise of a landmark, as a fraction of the face's size: about a pixel for a face of 250.
+constexpr double kLandmarkSigma = 0.004;
+// Of the shape's coefficients about the mean head. Far below FLAME's unit variance, since errors of
+// the landmarks that are alike in all frames would go into the shape.
+constexpr double kShapeSigma = 0.035;
 // A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
-// standard deviation as a factor of e^0.5.
-double Env(const char* name, double x) { return getenv(name) ? atof(getenv(name)) : x; }
-const double kFocalPerSide = Env("FIT_FOCAL", 1.8), kFocalSigma = Env("FIT_FOCALS", 0.5);
+// standard deviation as an exponent. Only a head that turns says more.
+constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
 // Frames that find shape and focal length, spread evenly over the video.
 constexpr size_t kSubjectFrames = 80;
-// Errors of neighbouring frames are alike, so that so many of them count as one observation of the
-// subject.
-const double kAlikeFrames = Env("FIT_ALIKE", 10);
 // How often frames are fitted again, each drawn to the mean of its neighbours.
-const int kSmoothingSweeps = int(Env("FIT_SW", 5));
+constexpr int kSmoothingSweeps = 5;
+
+// Translation and the root's rotation, which a frame's numbers begin with, are the body's. Their
+// means over this many frames to either side stand for where it is; it stays near them by these
+// standard deviations (radians, metres), and the neck takes the head's turns.
+constexpr size_t kBodyNumbers = 6, kBodyWindow = 25;
+constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
 
 // Standard deviations of the joints' rotations about their rest, radians.
 constexpr std::array<std::array<double, 3>, kFlameJoints> kJointSigma{{
@@ -57,12 +62,12 @@ std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
 // Standard deviations of a frame's numbers about the mean of the neighbouring frames', at video
 // rates. Eyes and lids jump.
 std::vector<double> StepSigma(const PointsOnFlame& points, bool eyelids) {
-  std::vector<double> sigma(size_t(points.frame_size()), 0.4);
-  std::fill_n(sigma.begin() + kFitTranslation, 3, Env("FIT_ST", 0.001));
-  std::fill_n(sigma.begin() + kFitPose, 6, Env("FIT_SR", 0.006));
-  std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.04);
-  std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.2);
-  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
+  std::vector<double> sigma(size_t(points.frame_size()), 1.2);
+  std::fill_n(sigma.begin() + kFitTranslation, 3, 0.003);
+  std::fill_n(sigma.begin() + kFitPose, 6, 0.02);
+  std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.12);
+  std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.6);
+  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 1.5;
   return sigma;
 }
 
@@ -107,7 +112,8 @@ class LandmarkFitter {
   const int width_, height_;
   const FitLens lens_;
   const PointsOnFlame points_;
-  std::vector<double> rest_, rest_sigma_, step_sigma_;
+  std::vector<std::vector<double>> rests_;  // per frame: what its numbers stay near
+  std::vector<double> rest_sigma_, step_sigma_;
   const bool focal_given_;
   std::vector<double> shape_;
   double log_focal_;
@@ -130,7 +136,7 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
               embedding,
               std::min(model.shape_count, options.shape_count),
               ExpressionCount(model, options.expression_count)),
-      rest_(size_t(points_.frame_size())),
+      rests_(faces.size(), std::vector<double>(size_t(points_.frame_size()))),
       rest_sigma_(RestSigma(points_, model.has_eyelids)),
       step_sigma_(StepSigma(points_, model.has_eyelids)),
       focal_given_(options.focal > 0),
@@ -191,7 +197,7 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, double* frame) 
                            shape,
                            focal,
                            frame);
-  problem.AddResidualBlock(new PriorCost(rest_, rest_sigma_), nullptr, frame);
+  problem.AddResidualBlock(new PriorCost(rests_[f], rest_sigma_), nullptr, frame);
 }
 
 std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) const {
@@ -229,21 +235,26 @@ void LandmarkFitter::FitFrames(bool near) {
   });
 }
 
-// The body below the neck mostly stands still: from here on, the root stays near its mean, and what
-// the head turns beyond it is the neck's.
+// The body below the neck moves slowly: from here on, the root stays near its mean over the
+// neighbouring second or two, and what the head turns beyond it is the neck's.
 void LandmarkFitter::SettleBody() {
-  const double sigma = Env("FIT_ROOT", 0.1), neck = Env("FIT_NECK", 0.3);
-  if (sigma <= 0) return;
-  int count = 0;
-  for (const std::vector<double>& frame : frames_) {
-    if (frame.empty()) continue;
-    for (size_t i = 0; i < 3; ++i) rest_[kFitPose + i] += frame[kFitPose + i];
-    ++count;
+  for (size_t f = 0; f < frames_.size(); ++f) {
+    if (frames_[f].empty()) continue;
+    const size_t begin = f - std::min(f, kBodyWindow);
+    const size_t end = std::min(f + kBodyWindow + 1, frames_.size());
+    double count = 0;
+    std::fill_n(rests_[f].begin(), kBodyNumbers, 0.0);
+    for (size_t g = begin; g < end; ++g) {
+      if (frames_[g].empty()) continue;
+      for (size_t k = 0; k < kBodyNumbers; ++k) rests_[f][k] += frames_[g][k];
+      ++count;
+    }
+    for (size_t k = 0; k < kBodyNumbers; ++k) rests_[f][k] /= count;
   }
   for (size_t i = 0; i < 3; ++i) {
-    rest_[kFitPose + i] /= count;
-    rest_sigma_[kFitPose + i] = sigma;
-    rest_sigma_[kFitPose + 3 + i] = neck;
+    rest_sigma_[kFitTranslation + i] = kBodySigma.translation;
+    rest_sigma_[kFitPose + i] = kBodySigma.root;
+    rest_sigma_[kFitPose + 3 + i] = kBodySigma.neck;
   }
 }
 
@@ -259,7 +270,6 @@ std::vector<size_t> LandmarkFitter::SubjectFrames() const {
 
 void LandmarkFitter::FitSubject() {
   const std::vector<size_t> picked = SubjectFrames();
-  const double count = std::max(1.0, double(picked.size()) / kAlikeFrames);
   ceres::Problem problem;
   auto* order = new ceres::ParameterBlockOrdering;
   for (size_t f : picked) {
@@ -267,15 +277,12 @@ void LandmarkFitter::FitSubject() {
     order->AddElementToGroup(frames_[f].data(), 0);
   }
   if (points_.shape_count() > 0) {
-    const std::vector<double> sigma(shape_.size(), 1 / std::sqrt(count));
+    const std::vector<double> sigma(shape_.size(), kShapeSigma);
     problem.AddResidualBlock(
         new PriorCost(std::vector<double>(shape_.size()), sigma), nullptr, shape_.data());
     order->AddElementToGroup(shape_.data(), 1);
   }
-  problem.AddResidualBlock(
-      new PriorCost({log_focal_}, {kFocalSigma / std::sqrt(count * Env("FIT_FA", 10))}),
-      nullptr,
-      &log_focal_);
+  problem.AddResidualBlock(new PriorCost({log_focal_}, {kFocalSigma}), nullptr, &log_focal_);
   order->AddElementToGroup(&log_focal_, 1);
   if (focal_given_) problem.SetParameterBlockConstant(&log_focal_);
   ceres::Solver::Options options;

@@ -12,6 +12,11 @@ namespace {
 
 constexpr int kFlameVertices = 5023;
 
+// Detectors have their own idea of where a point of the face is, which changes as the head turns.
+// That is several times their noise, and expression and shape must not take it up: chosen by the
+// avatars that train on the result (docs/results.md).
+constexpr double kDetectorLooseness = 7.5;
+
 // MediaPipe's landmarks on FLAME's mesh. From FLAME 2023 Open, (c) Max Planck Institute for
 // Intelligent Systems, CC-BY-4.0; faces are written as their vertices, coordinates rounded.
 // clang-format off
@@ -127,14 +132,15 @@ constexpr struct {
     {466, {1201, 1200, 1183}, {0.8826, 0.1174, -0.0000}},
 };
 
-// Landmarks of the forehead and the chin, where they lie on average over two tracked heads. They
-// slide, but they are far out, and say how large the head is.
-constexpr double kOutlineLooseness = 3;
+// Landmarks of forehead, chin, cheeks and around eyes and lips, where they lie on average over two
+// tracked heads. They slide a little on the skin, but reach further out than the others, and say
+// how the head is turned.
+constexpr double kSlidingLooseness = 1.5 * kDetectorLooseness;
 constexpr struct {
   int landmark;
   int vertices[3];
   double barycentric[3];
-} kOutlinePoints[] = {
+} kSlidingPoints[] = {
     {10, {3520, 2187, 3505}, {0.3, 0.0, 0.7}},
     {67, {3172, 2608, 3173}, {0.3, 0.0, 0.7}},
     {103, {2953, 3155, 2609}, {0.3, 0.1, 0.6}},
@@ -153,6 +159,77 @@ constexpr struct {
     {378, {3593, 3595, 3594}, {0.6, 0.4, 0.0}},
     {379, {3637, 3593, 3594}, {0.6, 0.3, 0.1}},
     {400, {3596, 3599, 3598}, {0.5, 0.1, 0.4}},
+    {11, {3546, 3543, 2774}, {0.4, 0.6, 0.0}},
+    {12, {3531, 1751, 3546}, {0.2, 0.0, 0.8}},
+    {22, {2521, 2302, 2309}, {1.0, 0.0, 0.0}},
+    {23, {2301, 2306, 2309}, {0.2, 0.2, 0.6}},
+    {24, {2311, 2310, 2353}, {0.2, 0.7, 0.1}},
+    {25, {2341, 2315, 2314}, {0.6, 0.1, 0.3}},
+    {26, {2518, 2523, 2524}, {0.3, 0.1, 0.6}},
+    {38, {2865, 2786, 2866}, {0.0, 0.5, 0.5}},
+    {41, {2778, 2784, 2779}, {0.2, 0.4, 0.4}},
+    {47, {3082, 3085, 3083}, {0.5, 0.2, 0.3}},
+    {72, {2811, 2866, 2774}, {0.1, 0.6, 0.3}},
+    {85, {2906, 2948, 2939}, {0.2, 0.6, 0.2}},
+    {86, {2939, 2938, 2907}, {0.5, 0.4, 0.1}},
+    {89, {2896, 2890, 2895}, {0.6, 0.0, 0.4}},
+    {90, {2898, 2897, 2882}, {0.1, 0.5, 0.4}},
+    {96, {2837, 2863, 2853}, {0.3, 0.4, 0.3}},
+    {100, {3098, 3104, 3105}, {0.6, 0.2, 0.2}},
+    {101, {3121, 3111, 3110}, {0.4, 0.6, 0.0}},
+    {110, {2338, 2349, 2352}, {0.1, 0.4, 0.5}},
+    {112, {2517, 2520, 2519}, {0.0, 0.5, 0.5}},
+    {114, {2760, 2759, 2761}, {0.1, 0.7, 0.2}},
+    {117, {2017, 3710, 3711}, {0.6, 0.0, 0.4}},
+    {118, {3129, 3123, 3133}, {0.6, 0.3, 0.1}},
+    {119, {1753, 1754, 1755}, {0.6, 0.1, 0.3}},
+    {120, {2206, 2123, 2207}, {0.4, 0.4, 0.2}},
+    {121, {2124, 2086, 2123}, {0.2, 0.8, 0.0}},
+    {164, {3515, 2805, 3538}, {0.5, 0.0, 0.5}},
+    {167, {3492, 2806, 2805}, {0.2, 0.6, 0.2}},
+    {179, {2906, 2907, 2896}, {0.3, 0.4, 0.3}},
+    {180, {2905, 2906, 2897}, {0.4, 0.3, 0.3}},
+    {207, {3436, 3438, 3435}, {0.1, 0.3, 0.6}},
+    {228, {2533, 3136, 2534}, {0.1, 0.5, 0.4}},
+    {229, {3744, 3138, 3137}, {0.0, 0.5, 0.5}},
+    {230, {3130, 2529, 2527}, {0.9, 0.0, 0.1}},
+    {231, {2557, 3131, 3140}, {0.3, 0.4, 0.3}},
+    {232, {2559, 3140, 3141}, {0.2, 0.1, 0.7}},
+    {233, {3776, 3777, 3149}, {0.1, 0.3, 0.6}},
+    {252, {1373, 909, 1372}, {0.2, 0.2, 0.6}},
+    {253, {899, 909, 906}, {0.2, 0.4, 0.4}},
+    {254, {961, 918, 985}, {0.1, 0.9, 0.0}},
+    {255, {922, 945, 949}, {0.1, 0.1, 0.8}},
+    {256, {1373, 1374, 1375}, {0.1, 0.0, 0.9}},
+    {261, {939, 2108, 943}, {0.8, 0.0, 0.2}},
+    {277, {2050, 2069, 2047}, {0.1, 0.6, 0.3}},
+    {302, {1694, 1657, 1751}, {0.2, 0.4, 0.4}},
+    {303, {1750, 1696, 1694}, {0.6, 0.3, 0.1}},
+    {315, {1803, 1850, 1865}, {0.1, 0.4, 0.5}},
+    {316, {1849, 3506, 1850}, {0.6, 0.0, 0.4}},
+    {329, {2069, 2063, 2070}, {0.0, 0.4, 0.6}},
+    {330, {2098, 2094, 2076}, {0.2, 0.2, 0.6}},
+    {335, {3928, 3919, 1797}, {0.6, 0.2, 0.2}},
+    {339, {962, 960, 980}, {0.2, 0.2, 0.6}},
+    {341, {1421, 1371, 1416}, {0.3, 0.5, 0.2}},
+    {342, {1439, 1435, 1436}, {0.3, 0.1, 0.6}},
+    {346, {3866, 589, 3867}, {0.3, 0.5, 0.2}},
+    {347, {2102, 2106, 2096}, {0.5, 0.2, 0.3}},
+    {348, {501, 500, 499}, {0.2, 0.2, 0.6}},
+    {355, {2051, 2054, 2062}, {0.6, 0.1, 0.3}},
+    {359, {1182, 1163, 1176}, {0.1, 0.2, 0.7}},
+    {371, {2061, 2073, 2060}, {0.5, 0.3, 0.2}},
+    {393, {1688, 1689, 3771}, {0.1, 0.7, 0.2}},
+    {403, {1793, 1804, 1803}, {0.2, 0.6, 0.2}},
+    {406, {1799, 3919, 3921}, {0.5, 0.5, 0.0}},
+    {418, {1800, 3656, 1798}, {0.3, 0.0, 0.7}},
+    {424, {1767, 1797, 1798}, {0.8, 0.2, 0.0}},
+    {446, {1403, 1404, 1402}, {0.3, 0.3, 0.4}},
+    {448, {1389, 2112, 2109}, {0.5, 0.2, 0.3}},
+    {449, {2111, 3882, 2110}, {0.5, 0.0, 0.5}},
+    {450, {1384, 2103, 1378}, {-0.0, 0.9, 0.1}},
+    {451, {2104, 1420, 2113}, {0.5, 0.2, 0.3}},
+    {452, {2113, 1422, 2114}, {0.4, 0.0, 0.6}},
 };
 // clang-format on
 
@@ -191,12 +268,11 @@ void CheckTopology(const FlameModel& model) {
 LandmarkEmbedding MediapipeLandmarks(bool with_irises) {
   LandmarkEmbedding embedding;
   for (const auto& [landmark, v, b] : kMediapipePoints)
-    embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}});
-  const double loose = getenv("FIT_OUT") ? atof(getenv("FIT_OUT")) : kOutlineLooseness;
-  for (const auto& [landmark, v, b] : kOutlinePoints)
-    if (loose > 0) embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}, loose});
+    embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}, kDetectorLooseness});
+  for (const auto& [landmark, v, b] : kSlidingPoints)
+    embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}, kSlidingLooseness});
   for (const auto& [landmark, v] : kPupils)
-    if (with_irises) embedding.push_back({landmark, {v, v, v}, {1, 0, 0}});
+    if (with_irises) embedding.push_back({landmark, {v, v, v}, {1, 0, 0}, kDetectorLooseness});
   return embedding;
 }
 

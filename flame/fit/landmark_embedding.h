@@ -17,7 +17,8 @@ struct EmbeddedLandmark {
   int landmark = 0;                   // index into DetectedFace::points
   std::array<int, 3> vertices;        // of a triangle
   std::array<double, 3> barycentric;  // sum to 1
-  double looseness = 1;               // factor of the standard deviation of its error
+  // Standard deviation of its error, in units of that of a point seen exactly where it is.
+  double looseness = 1;
 };
 
 using LandmarkEmbedding = std::vector<EmbeddedLandmark>;

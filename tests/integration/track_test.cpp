@@ -126,9 +126,13 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   });
   filmed.ExpectRefused({filmed.marks, "12"});
   filmed.Change([](LandmarkVideo& video) { video.frames[3].matte = "nowhere.png"; });
+  filmed.ExpectRefused({filmed.marks, "frames[3].matte", "earlier frames have none"});
+  filmed.Change([](LandmarkVideo& video) {
+    for (LandmarkFrame& frame : video.frames) frame.matte = "nowhere.png";
+  });
   filmed.ExpectRefused({"nowhere.png"});
   filmed.Change([](LandmarkVideo&) {});
-  filmed.ExpectRefused({"expected", "--focal"}, {"--focal", "-3"});
+  filmed.ExpectRefused({"-3", "--focal"}, {"--focal", "-3"});
 }
 
 // Frames whose landmarks are no face, or one from the side, are left out and named.

@@ -170,11 +170,11 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
   TrackRun run;
   run.marks = ReadLandmarks(o.landmarks);
   CheckOfVideo(run.marks, o.source, frames);
+  run.chosen = ChooseFaces(run.marks);
   run.model = TrackingModel(o);
   run.embedding = o.embedding.empty()
                       ? FlameLandmarks(run.model, run.marks.set)
                       : ReadLandmarkEmbedding(o.embedding, run.model, run.marks.point_count());
-  run.chosen = ChooseFaces(run.marks);
   LandmarkFitOptions options;
   options.focal = o.focal;
   std::unique_ptr<ProgressBar> bar;
