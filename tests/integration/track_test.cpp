@@ -135,6 +135,45 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   filmed.ExpectRefused({"-3", "--focal"}, {"--focal", "-3"});
 }
 
+// The whole way in one command, from landmarks that are there.
+TEST(Avatar, FromAVideoToReportAndPlayback) {
+  const Filmed filmed;
+  const std::string out = filmed.folder / "me";
+  const CommandResult result = Cosplat({"avatar",
+                                        filmed.images,
+                                        "-o",
+                                        out,
+                                        "--flame",
+                                        filmed.head + "/model.npz",
+                                        "--landmarks",
+                                        filmed.marks,
+                                        "--landmark-embedding",
+                                        filmed.head + "/landmark_embedding.npz",
+                                        "--iterations",
+                                        "60",
+                                        "--gaussians",
+                                        "1500"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* made : {"track/flame_params.json",
+                           "track/track.html",
+                           "avatar/avatar.glb",
+                           "avatar/results.json",
+                           "avatar/report.html"})
+    EXPECT_TRUE(std::filesystem::exists(out + "/" + made)) << made;
+  EXPECT_EQ(VideoReader(out + "/playback.mp4").frame_count(), 24);
+  EXPECT_NE(result.out.find("no blendshape map"), std::string::npos) << result.out;
+}
+
+TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "me.mp4") << "not a video";
+  const CommandResult result =
+      Cosplat({"avatar", folder / "me.mp4", "-o", folder / "me", "--flame", folder / "no.npz"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("me.mp4"), std::string::npos) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "me"));
+}
+
 // Frames whose landmarks are no face, or one from the side, are left out and named.
 TEST(Track, LeavesOutWhatDoesNotFit) {
   Filmed filmed;
