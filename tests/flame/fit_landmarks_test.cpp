@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 
 #include "assets/head/landmarks.h"
 #include "assets/head/video.h"
 #include "flame/fit/points_on_flame.h"
+#include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"
 #include "flame/pose.h"
 #include "splat/base/rng.h"
@@ -302,6 +305,31 @@ TEST(LandmarkEmbedding, NeedsFlamesTopology) {
   const FlameModel made = MakeProceduralHead();
   ExpectError([&] { FlameLandmarks(made, LandmarkSet::kMediapipe478); },
               {made.name, "faces", "--landmark-embedding"});
+}
+
+// On FLAME itself, where its file is: both sides of the face are where they should be.
+TEST(LandmarkEmbedding, LiesOnFlamesFace) {
+  const std::string path = COSPLAT_SOURCE_DIR "/../shared/data/tracked/flame_like.pkl";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  const FlameModel flame = LoadFlameModel(path);
+  const LandmarkEmbedding all = FlameLandmarks(flame, LandmarkSet::kMediapipe478);
+  EXPECT_EQ(all.size(), FlameLandmarks(flame, LandmarkSet::kMediapipe468).size() + 2);
+  EXPECT_EQ(FlameLandmarks(flame, LandmarkSet::kIbug68).size(), 49u);
+  std::map<int, std::array<double, 3>> places;
+  for (const EmbeddedLandmark& landmark : all)
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t i = 0; i < 3; ++i)
+        places[landmark.landmark][i] +=
+            landmark.barycentric[k] * flame.template_vertices[3 * size_t(landmark.vertices[k]) + i];
+  EXPECT_EQ(places.size(), all.size());  // none twice
+  // Outer corners of the eyes, corners of the mouth, pupils: right and left; nose in between.
+  for (const auto& [right, left] : {std::pair(33, 263), std::pair(61, 291), std::pair(468, 473)}) {
+    EXPECT_LT(places.at(right)[0], -0.01);
+    EXPECT_NEAR(places.at(right)[0], -places.at(left)[0], 0.003);
+    EXPECT_NEAR(places.at(right)[1], places.at(left)[1], 0.003);
+  }
+  EXPECT_NEAR(places.at(4)[0], 0, 0.002);
+  for (const auto& [landmark, place] : places) EXPECT_GT(place[2], 0) << landmark;
 }
 
 }  // namespace
