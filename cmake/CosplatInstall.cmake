@@ -26,7 +26,10 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/added_mesh.h
   flame/check_parameters.h
   flame/directions.h
+  flame/fit/band_pass.h
+  flame/fit/face_texture.h
   flame/fit/landmark_cost.h
+  flame/fit/robust.h
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/

@@ -135,6 +135,7 @@ void WriteMadeLandmarks(const std::string& folder,
     poser.Forward(FlamePoser<float>::ParametersOf(frames[f].params), vertices);
     video.frames.push_back(SeenBy(frames[f], vertices, embedding, options.landmark_noise, rng));
     video.frames.back().frame = int(f);
+    video.frames.back().matte = folder + "/mask/" + frames[f].name + ".png";
   }
   WriteLandmarks(folder + "/landmarks.json", video);
   WriteEmbedding(folder + "/landmark_embedding.npz", head.model, embedding);

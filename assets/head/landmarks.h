@@ -15,8 +15,8 @@ namespace cosplat {
 LandmarkEmbedding MadeHeadLandmarks(const ProceduralHead& head);
 
 // Writes <folder>/landmarks.json, with the points as each frame's camera sees them and
-// options.landmark_noise added, and <folder>/landmark_embedding.npz. Points on the far side are
-// written, too. Throws Error if a file cannot be written.
+// options.landmark_noise added and the masks as mattes, and <folder>/landmark_embedding.npz. Points
+// on the far side are written, too. Throws Error if a file cannot be written.
 void WriteMadeLandmarks(const std::string& folder,
                         const ProceduralHead& head,
                         const std::vector<TrackedFrame>& frames,

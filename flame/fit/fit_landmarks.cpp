@@ -10,14 +10,17 @@
 #include <limits>
 #include <mutex>
 
+#include "flame/fit/face_texture.h"
 #include "flame/fit/landmark_cost.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
+using internal::FaceTexture;
 using internal::FitLens;
 using internal::LandmarkCost;
+using internal::PhotometricCost;
 using internal::PriorCost;
 
 constexpr double kFree = std::numeric_limits<double>::infinity();
@@ -33,6 +36,9 @@ constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
 constexpr size_t kSubjectFrames = 80;
 // How often frames are fitted again, each drawn to the mean of its neighbours.
 constexpr int kSmoothingSweeps = 5;
+// Rounds of refinement by the images at most, and what one must gain for there to be another.
+constexpr int kMaxPhotometricRounds = 6;
+constexpr double kMinGain = 0.01;
 
 // Translation and the root's rotation, which a frame's numbers begin with, are the body's. Their
 // means over this many frames to either side stand for where it is; it stays near them by these
@@ -91,6 +97,8 @@ class LandmarkFitter {
   // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
   void FitFrames(bool near);
   void FitSubject();
+  // Refines the frames by what their images show, for as long as points gain that are held out.
+  void FitToImages(const std::function<Image8(size_t)>& image);
   LandmarkFit Result() const;
 
   std::function<void()> tick;  // after each frame
@@ -100,7 +108,10 @@ class LandmarkFitter {
   void FitFrame(size_t f, const std::vector<double>* near);
   // The mean of both neighbours that show the same face; nothing if one is missing.
   std::optional<std::vector<double>> BetweenNeighbours(size_t f) const;
-  void AddFrame(ceres::Problem& problem, size_t f, double* frame) const;
+  struct Blocks {
+    double *shape, *log_focal, *frame;
+  };
+  void AddFrame(ceres::Problem& problem, size_t f, const Blocks& blocks) const;
   std::vector<size_t> SubjectFrames() const;
   double Sigma(size_t f) const { return kLandmarkSigma * faces_[f]->size; }
   void MeasureFrame(size_t f, const PointsOnFlame::Tape& tape, FittedFrame& out) const;
@@ -118,6 +129,8 @@ class LandmarkFitter {
   std::vector<double> shape_;
   double log_focal_;
   std::vector<std::vector<double>> frames_;  // empty where there is no face
+  std::optional<FaceTexture> texture_;
+  std::vector<double> spread_;
 };
 
 LandmarkFitter::LandmarkFitter(const FlameModel& model,
@@ -188,16 +201,17 @@ void LandmarkFitter::Place() {
     if (faces_[f]) PlaceFrame(f, rest);
 }
 
-void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, double* frame) const {
-  // Ceres takes pointers to what it may change; blocks set constant are not changed.
-  double* const shape = const_cast<double*>(shape_.data());
-  double* const focal = const_cast<double*>(&log_focal_);
+void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, const Blocks& blocks) const {
+  const auto& [shape, log_focal, frame] = blocks;
   problem.AddResidualBlock(new LandmarkCost(points_, embedding_, *faces_[f], lens_, Sigma(f)),
                            nullptr,
                            shape,
-                           focal,
+                           log_focal,
                            frame);
   problem.AddResidualBlock(new PriorCost(rests_[f], rest_sigma_), nullptr, frame);
+  if (texture_ && texture_->measured() && !texture_->VisibleIn(f).empty())
+    problem.AddResidualBlock(
+        new PhotometricCost(*texture_, f, lens_), nullptr, shape, log_focal, frame);
 }
 
 std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) const {
@@ -211,7 +225,8 @@ std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) c
 void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
   ceres::Problem problem;
   double* const frame = frames_[f].data();
-  AddFrame(problem, f, frame);
+  // Ceres takes pointers to what it may change; blocks set constant are not changed.
+  AddFrame(problem, f, {shape_.data(), &log_focal_, frame});
   if (near) problem.AddResidualBlock(new PriorCost(*near, step_sigma_), nullptr, frame);
   problem.SetParameterBlockConstant(shape_.data());
   problem.SetParameterBlockConstant(&log_focal_);
@@ -270,21 +285,31 @@ std::vector<size_t> LandmarkFitter::SubjectFrames() const {
 
 void LandmarkFitter::FitSubject() {
   const std::vector<size_t> picked = SubjectFrames();
+  // Ceres eliminates blocks in the order of their addresses, on which the sums' last bits depend:
+  // so all of them are in one array.
+  const size_t size = size_t(points_.frame_size());
+  std::vector<double> numbers(picked.size() * size + 1 + shape_.size() + 1);
+  double* const log_focal = &numbers[picked.size() * size];
+  double* const shape = log_focal + 1;
+  *log_focal = log_focal_;
+  std::copy(shape_.begin(), shape_.end(), shape);
   ceres::Problem problem;
   auto* order = new ceres::ParameterBlockOrdering;
-  for (size_t f : picked) {
-    AddFrame(problem, f, frames_[f].data());
-    order->AddElementToGroup(frames_[f].data(), 0);
+  for (size_t i = 0; i < picked.size(); ++i) {
+    double* const frame = &numbers[i * size];
+    std::copy_n(frames_[picked[i]].begin(), size, frame);
+    AddFrame(problem, picked[i], {shape, log_focal, frame});
+    order->AddElementToGroup(frame, 0);
   }
-  if (points_.shape_count() > 0) {
+  if (!shape_.empty()) {
     const std::vector<double> sigma(shape_.size(), kShapeSigma);
     problem.AddResidualBlock(
-        new PriorCost(std::vector<double>(shape_.size()), sigma), nullptr, shape_.data());
-    order->AddElementToGroup(shape_.data(), 1);
+        new PriorCost(std::vector<double>(shape_.size()), sigma), nullptr, shape);
+    order->AddElementToGroup(shape, 1);
   }
-  problem.AddResidualBlock(new PriorCost({log_focal_}, {kFocalSigma}), nullptr, &log_focal_);
-  order->AddElementToGroup(&log_focal_, 1);
-  if (focal_given_) problem.SetParameterBlockConstant(&log_focal_);
+  problem.AddResidualBlock(new PriorCost({log_focal_}, {kFocalSigma}), nullptr, log_focal);
+  order->AddElementToGroup(log_focal, 1);
+  if (focal_given_) problem.SetParameterBlockConstant(log_focal);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.linear_solver_ordering.reset(order);
@@ -294,6 +319,30 @@ void LandmarkFitter::FitSubject() {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
+  for (size_t i = 0; i < picked.size(); ++i)
+    std::copy_n(&numbers[i * size], size, frames_[picked[i]].begin());
+  std::copy_n(shape, shape_.size(), shape_.begin());
+  log_focal_ = *log_focal;
+}
+
+void LandmarkFitter::FitToImages(const std::function<Image8(size_t)>& image) {
+  texture_.emplace(
+      model_, points_.shape_count(), points_.frame_size() - kFitExpression, faces_, lens_, image);
+  texture_->Measure(shape_, log_focal_, frames_);
+  spread_.push_back(texture_->held_out_spread());
+  for (int round = 0; round < kMaxPhotometricRounds; ++round) {
+    const std::vector<std::vector<double>> before = frames_;
+    FitFrames(true);
+    texture_->Measure(shape_, log_focal_, frames_);
+    const double spread = texture_->held_out_spread();
+    if (!(spread < spread_.back())) {
+      frames_ = before;
+      return;
+    }
+    const bool enough = spread > (1 - kMinGain) * spread_.back();
+    spread_.push_back(spread);
+    if (enough) return;
+  }
 }
 
 void LandmarkFitter::MeasureFrame(size_t f,
@@ -335,6 +384,7 @@ FittedFrame LandmarkFitter::FrameResult(size_t f) const {
 
 LandmarkFit LandmarkFitter::Result() const {
   LandmarkFit fit;
+  fit.brightness_spread = spread_;
   const float focal = float(std::exp(log_focal_));
   fit.camera.width = width_;
   fit.camera.height = height_;
@@ -375,7 +425,8 @@ LandmarkFit FitLandmarks(const FlameModel& model,
                 "a face is in " + std::to_string(seen) + " frames, expected at least " +
                     std::to_string(kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
-  const int total = (2 + kSmoothingSweeps) * seen;
+  const int sweeps = 2 + kSmoothingSweeps + (options.image ? kMaxPhotometricRounds : 0);
+  const int total = sweeps * seen;
   std::mutex mutex;
   int done = 0;
   fitter.tick = [&] {
@@ -389,6 +440,8 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   fitter.FitFrames(false);
   fitter.SettleBody();
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) fitter.FitFrames(true);
+  if (options.image) fitter.FitToImages(options.image);
+  if (progress && done < total) progress(total, total);
   return fitter.Result();
 }
 

@@ -15,6 +15,7 @@
 #include "flame/fit/choose_faces.h"
 #include "flame/fit/landmark_embedding.h"
 #include "splat/base/camera.h"
+#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -22,6 +23,9 @@ struct LandmarkFitOptions {
   double focal = 0;  // px; 0: found, which needs a head that turns
   // At most as many coefficients, and no more than the model has; eyelids come on top.
   int shape_count = 100, expression_count = 100;
+  // The image of a frame with a face: RGB, or RGBA with a matte; called in order. Empty: landmarks
+  // alone.
+  std::function<Image8(size_t frame)> image;
 };
 
 struct FittedFrame {
@@ -36,6 +40,9 @@ struct LandmarkFit {
   std::vector<float> shape;                        // the subject's
   std::vector<std::optional<FittedFrame>> frames;  // none where there was no face
   double error = 0;                                // px, mean over the fitted frames
+  // How far points' brightness is from their mean, 8-bit levels: by the landmarks alone, and after
+  // each round of refinement. Points that were not fitted to; empty without images.
+  std::vector<double> brightness_spread;
 };
 
 // faces: one per frame of a video of width x height pixels. `progress`, if given, is called with

@@ -3,24 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/fit/robust.h"
+
 namespace cosplat::internal {
-namespace {
-
-// In units of a landmark's sigma: errors beyond it count linearly.
-constexpr double kRobustFrom = 2;
-constexpr double kMinDistance = 0.02;  // metres, of a point from the camera
-
-// The robust factor g(s) and its derivative.
-double RobustFactor(double s, double& d_factor) {
-  constexpr double c2 = kRobustFrom * kRobustFrom;
-  const double q = std::sqrt(1 + s / c2);
-  const double factor = std::sqrt(2 / (1 + q));
-  d_factor = -factor / (4 * c2 * q * (1 + q));
-  return factor;
-}
-
-}  // namespace
-
 LandmarkCost::LandmarkCost(const PointsOnFlame& points,
                            const LandmarkEmbedding& embedding,
                            const ObservedFace& face,

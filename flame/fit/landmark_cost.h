@@ -14,11 +14,10 @@ namespace cosplat::internal {
 struct FitLens {
   double cx, cy;  // px
 };
+constexpr double kMinDistance = 0.02;  // metres, of a point from the camera
 
 // Parameters: shape [S], logarithm of the focal length in px [1], frame [frame_size].
-// Residuals: two per landmark, px over `sigma`, made robust: with r the pair and s = |r|^2, they
-// are g r, where g^2 s = 2 c^2 (sqrt(1 + s / c^2) - 1), which grows as |r| far away (Charbonnier et
-// al. 1997).
+// Residuals: two per landmark, px over `sigma`, robust as a pair (flame/fit/robust.h).
 class LandmarkCost : public ceres::CostFunction {
  public:
   // Keeps references to all but the numbers.

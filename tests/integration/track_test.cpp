@@ -67,8 +67,6 @@ struct Filmed {
 
 TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   Filmed filmed;
-  for (LandmarkFrame& frame : filmed.video.frames)
-    frame.matte = filmed.head + "/mask/" + frame.name + ".png";
   filmed.Change([](LandmarkVideo& video) { video.frames[5].faces.clear(); });
   const std::string overlay = filmed.folder / "overlay.mp4";
   const CommandResult result = filmed.Track({"--overlay", overlay});
@@ -89,6 +87,7 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
 
   const Json figures = ReadJson(filmed.track + "/track.json");
   EXPECT_LT(figures["error_px"].get<double>(), 0.6);
+  EXPECT_GE(figures["brightness_spread"].size(), 1u);
   EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
   EXPECT_NE(test::Slurp(filmed.track + "/track.html").find("data:image/jpeg"), std::string::npos);
 

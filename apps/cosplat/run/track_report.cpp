@@ -71,6 +71,7 @@ Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
           {"focal_given", o.focal > 0},
           {"error_px", run.fit.error},
           {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
+          {"brightness_spread", run.fit.brightness_spread},
           {"cuts", run.chosen.cuts},
           {"frames", frames}};
 }
@@ -89,6 +90,12 @@ std::string ErrorChart(const TrackRun& run) {
   return ToSvg(chart);
 }
 
+// By the landmarks alone, and after the last round of refinement.
+std::string SpreadText(const std::vector<double>& spread) {
+  return FormatNumber(spread.front(), "%.2f") + " before, " + FormatNumber(spread.back(), "%.2f") +
+         " after " + std::to_string(spread.size() - 1) + " rounds";
+}
+
 std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
   const auto px = [](double value) { return FormatNumber(value, "%.2f px"); };
   return HtmlTable(
@@ -96,6 +103,8 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
         std::to_string(run.kept.size()) + " of " + std::to_string(run.fit.frames.size())},
        {"Distance from the landmarks, mean", px(run.fit.error)},
        {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
+       {"Points differ in brightness from frame to frame by (of 255), refining by the images",
+        SpreadText(run.fit.brightness_spread)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
         FormatNumber(run.fit.camera.fx, "%.0f px")},

@@ -102,6 +102,19 @@ Image8 MatteOf(const LandmarkFrame& frame, const LandmarkVideo& marks) {
   return matte;
 }
 
+// The frame, with its matte as alpha if it has one.
+Image8 ImageOf(const FrameSource& frames, const LandmarkFrame& frame, const LandmarkVideo& marks) {
+  Image8 image = frames.Read(frame.frame);
+  if (frame.matte.empty()) return image;
+  const Image8 matte = MatteOf(frame, marks);
+  Image8 out(image.width, image.height, 4);
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    std::copy_n(&image.data[i * 3], 3, &out.data[i * 4]);
+    out.data[i * 4 + 3] = matte.data[i];
+  }
+  return out;
+}
+
 // Whether the frames have mattes. Reads all of them, so that a broken one is found early.
 bool HasMattes(const TrackRun& run) {
   const bool first = !run.marks.frames[run.kept[0]].matte.empty();
@@ -177,6 +190,7 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
                       : ReadLandmarkEmbedding(o.embedding, run.model, run.marks.point_count());
   LandmarkFitOptions options;
   options.focal = o.focal;
+  options.image = [&](size_t f) { return ImageOf(frames, run.marks.frames[f], run.marks); };
   std::unique_ptr<ProgressBar> bar;
   run.fit = FitLandmarks(run.model,
                          run.embedding,

@@ -1,0 +1,231 @@
+#include "flame/fit/face_texture.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "flame/fit/robust.h"
+
+namespace cosplat::internal {
+namespace {
+
+constexpr int kSamples = 2000;
+// Every so many samples, one is held out.
+constexpr int kHoldOutEvery = 4;
+// A point is visible where its normal is less than some 70 degrees from the viewer.
+constexpr double kMinFacing = 0.3;
+// Of brightness, besides how much a point's varies over the video: noise, and what interpolation
+// makes of fine detail. 8-bit levels.
+constexpr double kNoise = 4;
+// Neighbouring points' errors are alike, so that each counts less than one on its own.
+constexpr double kIndependence = 0.5;
+// Frames in which a point must be visible, counted by how well.
+constexpr double kMinFrames = 3;
+// Around the landmarks, in units of their extent: hair, neck and chest are in it.
+constexpr double kMargin = 0.75;
+constexpr size_t kFramesAtOnce = 16;
+
+bool IsSkin(const FlameModel& model, const std::array<int32_t, 3>& face) {
+  for (int32_t v : face) {
+    const float* const weight = &model.skinning_weights[kFlameJoints * size_t(v)];
+    if (v >= model.own_vertex_count() || weight[3] + weight[4] > 0.01f) return false;
+  }
+  return true;
+}
+
+double AreaOf(const FlameModel& model, const std::array<int32_t, 3>& face) {
+  using Point = Eigen::Map<const Eigen::Vector3f>;
+  const Point a(&model.template_vertices[3 * size_t(face[0])]),
+      b(&model.template_vertices[3 * size_t(face[1])]),
+      c(&model.template_vertices[3 * size_t(face[2])]);
+  return (b - a).cross(c - a).norm() / 2;
+}
+
+// Triangles' centres, evenly over the area of the skin, which eyes and an added mouth are not.
+LandmarkEmbedding SampleSkin(const FlameModel& model) {
+  std::vector<double> until;  // sums of the areas
+  double total = 0;
+  for (const auto& face : model.faces)
+    until.push_back(total += IsSkin(model, face) ? AreaOf(model, face) : 0);
+  LandmarkEmbedding out;
+  size_t t = 0;
+  for (int k = 0; k < kSamples && total > 0; ++k) {
+    while (t + 1 < until.size() && until[t] < (k + 0.5) / kSamples * total) ++t;
+    const auto& face = model.faces[t];
+    out.push_back({k, {face[0], face[1], face[2]}, {1.0 / 3, 1.0 / 3, 1.0 / 3}});
+  }
+  return out;
+}
+
+LandmarkEmbedding CornersOf(const LandmarkEmbedding& samples) {
+  LandmarkEmbedding out;
+  for (EmbeddedLandmark corner : samples)
+    for (size_t k = 0; k < 3; ++k) {
+      corner.barycentric = {};
+      corner.barycentric[k] = 1;
+      out.push_back(corner);
+    }
+  return out;
+}
+
+std::array<double, 4> BoxOf(const ObservedFace& face) {
+  std::array<double, 4> box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const auto& [x, y] : face.points)
+    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+  const double margin = kMargin * std::max(box[2] - box[0], box[3] - box[1]);
+  return {box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin};
+}
+
+struct MeanBrightness {
+  double mean = 0, spread = 0;
+  bool known = false;
+};
+
+// Mean and standard deviation with the weights of a Cauchy distribution, so that frames in which
+// something covers the point do not count. values: brightness and weight.
+MeanBrightness RobustMean(const std::vector<std::array<double, 2>>& values) {
+  constexpr int kPasses = 6;
+  MeanBrightness out;
+  double inverse = 0;  // of twice the spread; first, all count alike
+  for (int pass = 0; pass < kPasses; ++pass) {
+    double sum = 0, squares = 0, weights = 0;
+    for (const auto& [value, weight] : values) {
+      const double q = (value - out.mean) * inverse;
+      const double w = weight / (1 + q * q);
+      sum += w * value;
+      squares += w * value * value;
+      weights += w;
+    }
+    if (weights < kMinFrames) return out;
+    out.mean = sum / weights;
+    out.spread = std::sqrt(std::max(0.0, squares / weights - out.mean * out.mean));
+    inverse = 0.5 / std::max(out.spread, 1e-6);
+  }
+  out.known = true;
+  return out;
+}
+
+}  // namespace
+
+FaceTexture::FaceTexture(const FlameModel& model,
+                         int shape_count,
+                         int expression_count,
+                         const std::vector<std::optional<ObservedFace>>& faces,
+                         const FitLens& lens,
+                         const std::function<Image8(size_t)>& image)
+    : lens_(lens),
+      points_(model, SampleSkin(model), shape_count, expression_count),
+      corners_(model, CornersOf(SampleSkin(model)), shape_count, expression_count),
+      images_(faces.size()) {
+  double size = 0, count = 0;
+  for (const auto& face : faces)
+    if (face) size += face->size, ++count;
+  const double scale = std::min(1.0, kBandPassFace * count / size);
+  for (size_t begin = 0; begin < faces.size(); begin += kFramesAtOnce) {
+    const size_t end = std::min(begin + kFramesAtOnce, faces.size());
+    std::vector<Image8> read(kFramesAtOnce);  // videos are decoded in order
+    for (size_t f = begin; f < end; ++f)
+      if (faces[f]) read[f - begin] = image(f);
+    tbb::parallel_for(begin, end, [&](size_t f) {
+      if (faces[f]) images_[f] = BandPass(read[f - begin], BoxOf(*faces[f]), scale);
+    });
+  }
+}
+
+std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape,
+                                                double log_focal,
+                                                const std::vector<double>& frame,
+                                                size_t f) const {
+  PointsOnFlame::Tape points, corners;
+  points_.Pose(shape.data(), frame.data(), points);
+  corners_.Pose(shape.data(), frame.data(), corners);
+  std::vector<Seen> seen(points.points.size());
+  for (size_t p = 0; p < seen.size(); ++p) {
+    using Point = Eigen::Map<const Eigen::Vector3d>;
+    const Point at(points.points[p].data()), a(corners.points[3 * p].data()),
+        b(corners.points[3 * p + 1].data()), c(corners.points[3 * p + 2].data());
+    const double facing = -(b - a).cross(c - a).normalized().dot(at.normalized());
+    if (!(facing > kMinFacing) || !(at[2] < 0)) continue;
+    const double scale = std::exp(log_focal) / -at[2];
+    const BrightnessAt brightness =
+        SampleAt(images_[f], lens_.cx + scale * at[0], lens_.cy - scale * at[1]);
+    if (brightness.inside) seen[p] = {brightness.value, facing};
+  }
+  return seen;
+}
+
+void FaceTexture::Measure(const std::vector<double>& shape,
+                          double log_focal,
+                          const std::vector<std::vector<double>>& frames) {
+  std::vector<std::vector<Seen>> seen(frames.size());
+  tbb::parallel_for(size_t(0), frames.size(), [&](size_t f) {
+    if (!frames[f].empty()) seen[f] = See(shape, log_focal, frames[f], f);
+  });
+  visible_.assign(frames.size(), {});
+  double held_out = 0, held_out_points = 0;
+  for (int p = 0; p < points_.point_count(); ++p) {
+    std::vector<std::array<double, 2>> values;
+    for (const auto& frame : seen)
+      if (!frame.empty() && frame[size_t(p)].facing > 0)
+        values.push_back({frame[size_t(p)].value, std::pow(frame[size_t(p)].facing, 2)});
+    const MeanBrightness brightness = RobustMean(values);
+    if (!brightness.known) continue;
+    if (p % kHoldOutEvery == 0) {
+      held_out += brightness.spread;
+      ++held_out_points;
+      continue;
+    }
+    const double sigma = std::hypot(brightness.spread, kNoise) / kIndependence;
+    for (size_t f = 0; f < frames.size(); ++f)
+      if (!seen[f].empty() && seen[f][size_t(p)].facing > 0)
+        visible_[f].push_back({p, brightness.mean, sigma / seen[f][size_t(p)].facing});
+  }
+  held_out_spread_ = held_out / held_out_points;
+}
+
+PhotometricCost::PhotometricCost(const FaceTexture& texture, size_t f, const FitLens& lens)
+    : points_(texture.points()),
+      visible_(texture.VisibleIn(f)),
+      image_(texture.image(f)),
+      lens_(lens) {
+  *mutable_parameter_block_sizes() = {points_.shape_count(), 1, points_.frame_size()};
+  set_num_residuals(int(visible_.size()));
+}
+
+bool PhotometricCost::Evaluate(const double* const* parameters,
+                               double* residuals,
+                               double** jacobians) const {
+  PointsOnFlame::Tape tape;
+  points_.Pose(parameters[0], parameters[2], tape);
+  const double focal = std::exp(parameters[1][0]);
+  const size_t shape = size_t(points_.shape_count()), frame = size_t(points_.frame_size());
+  std::vector<double> d_shape(shape), d_frame(frame);
+  for (size_t row = 0; row < visible_.size(); ++row) {
+    const TexturePoint& point = visible_[row];
+    const auto& [x, y, z] = tape.points[size_t(point.point)];
+    if (-z < kMinDistance) return false;
+    const double scale = focal / -z;
+    const BrightnessAt at = SampleAt(image_, lens_.cx + scale * x, lens_.cy - scale * y);
+    const double r = at.inside ? (at.value - point.value) / point.sigma : 0;
+    double d_factor;
+    const double factor = RobustFactor(r * r, d_factor);
+    residuals[row] = factor * r;
+    if (!jacobians) continue;
+    const double d_value = (factor + 2 * d_factor * r * r) / point.sigma;
+    // By the place in the image, as it moves to the right and up.
+    const double d_right = d_value * at.d_x * scale, d_up = -d_value * at.d_y * scale;
+    const double d_nearer = d_right * x + d_up * y;
+    std::fill(d_shape.begin(), d_shape.end(), 0.0);
+    std::fill(d_frame.begin(), d_frame.end(), 0.0);
+    points_.Backward(
+        tape, point.point, {d_right, d_up, d_nearer / -z}, d_shape.data(), d_frame.data());
+    if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
+    if (jacobians[1]) jacobians[1][row] = d_nearer;
+    if (jacobians[2]) std::copy_n(d_frame.begin(), frame, jacobians[2] + row * frame);
+  }
+  return true;
+}
+
+}  // namespace cosplat::internal

@@ -1,0 +1,257 @@
+// flame/fit/: the part of the track's fit that compares images.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "assets/head/landmarks.h"
+#include "assets/head/motion.h"
+#include "assets/head/procedural_head.h"
+#include "flame/fit/band_pass.h"
+#include "flame/fit/face_texture.h"
+#include "flame/fit/fit_landmarks.h"
+#include "flame/pose.h"
+#include "splat/base/rng.h"
+
+namespace cosplat {
+namespace {
+
+using internal::BandPass;
+using internal::BandPassed;
+using internal::BrightnessAt;
+using internal::FaceTexture;
+using internal::FitLens;
+using internal::PhotometricCost;
+using internal::SampleAt;
+
+constexpr std::array<double, 4> kWhole{0, 0, 1e9, 1e9};
+
+// Waves some 15 pixels long on a slope.
+Image8 Waves(int width, int height, int channels) {
+  Image8 image(width, height, channels, 255);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = uint8_t(100 + x / 2 + 30 * std::sin(0.4 * x + 0.1 * y));
+  return image;
+}
+
+TEST(BandPass, LeavesTextureAndNoSlope) {
+  const BandPassed waves = BandPass(Waves(120, 90, 3), kWhole, 1);
+  const BandPassed flat = BandPass(Image8(120, 90, 3, 200), kWhole, 1);
+  double most = 0, sum = 0;
+  for (int x = 30; x < 90; ++x) {
+    most = std::max(most, SampleAt(waves, x, 45).value);
+    sum += SampleAt(waves, x, 45).value / 60;
+    EXPECT_NEAR(SampleAt(flat, x, 45).value, 0, 1e-3);
+  }
+  EXPECT_GT(most, 15);
+  EXPECT_NEAR(sum, 0, 2);
+}
+
+TEST(BandPass, PlacesAreThoseOfTheFrame) {
+  const Image8 frame = Waves(200, 160, 3);
+  const BandPassed whole = BandPass(frame, kWhole, 1);
+  const BandPassed part = BandPass(frame, {50, 40, 150, 120}, 1);
+  const BandPassed half = BandPass(frame, kWhole, 0.5);
+  EXPECT_EQ(part.image.width, 100);
+  EXPECT_EQ(half.image.height, 80);
+  EXPECT_NEAR(SampleAt(part, 100.3, 80.7).value, SampleAt(whole, 100.3, 80.7).value, 1e-3);
+  // Zero crossings are where they were.
+  for (double x = 70; x < 130; x += 0.5) {
+    const double full = SampleAt(whole, x, 80).value;
+    if (std::abs(full) > 12) {
+      EXPECT_GT(full * SampleAt(half, x, 80).value, 0) << x;
+    }
+  }
+  EXPECT_FALSE(SampleAt(part, 49, 80).inside);
+  EXPECT_FALSE(SampleAt(part, NAN, 80).inside);
+}
+
+TEST(BandPass, DerivativeIsThatOfDifferences) {
+  const BandPassed image = BandPass(Waves(120, 90, 3), kWhole, 0.7);
+  constexpr double kStep = 1e-4, x = 61.23, y = 40.31;
+  const BrightnessAt at = SampleAt(image, x, y);
+  ASSERT_TRUE(at.inside);
+  EXPECT_NEAR(
+      at.d_x,
+      (SampleAt(image, x + kStep, y).value - SampleAt(image, x - kStep, y).value) / (2 * kStep),
+      1e-6);
+  EXPECT_NEAR(
+      at.d_y,
+      (SampleAt(image, x, y + kStep).value - SampleAt(image, x, y - kStep).value) / (2 * kStep),
+      1e-6);
+}
+
+// What is behind a head does not change what its rim looks like.
+TEST(BandPass, NothingOutsideTheMatteCounts) {
+  Image8 white = Waves(120, 90, 4), black = white;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 60; x < 120; ++x)
+      for (int c = 0; c < 4; ++c) {
+        white.at(x, y, c) = c < 3 ? 255 : 0;
+        black.at(x, y, c) = 0;
+      }
+  const BandPassed before_white = BandPass(white, kWhole, 1);
+  const BandPassed before_black = BandPass(black, kWhole, 1);
+  for (int x = 20; x < 60; ++x)
+    EXPECT_EQ(SampleAt(before_white, x, 45).value, SampleAt(before_black, x, 45).value);
+}
+
+// The made head's frames as a camera and a detector see them. Each point has noise of its own, and
+// all of a frame have some in common, as a detector's have.
+struct FilmedHead {
+  static constexpr int kSize = 320;
+  ProceduralHead head = MakeProceduralHeadParts();
+  LandmarkEmbedding embedding = MadeHeadLandmarks(head);
+  FlamePoser<float> poser{head.model, {}};
+  std::vector<procedural::ScriptFrame> script;
+  std::vector<std::optional<ObservedFace>> faces;
+  std::vector<Image8> images;
+
+  FilmedHead(int frames, double noise, double shift) : script(MakeScript(frames)) {
+    for (EmbeddedLandmark& point : embedding) point.looseness = 7.5;  // a detector's
+    Rng rng{1};
+    for (const procedural::ScriptFrame& frame : script) {
+      std::vector<float> vertices;
+      poser.Forward(FlamePoser<float>::ParametersOf(frame.params), vertices);
+      images.push_back(RenderProceduralHead(head, vertices, frame.params, frame.camera));
+      ObservedFace face;
+      const double left = shift * rng.Normal(), down = shift * rng.Normal();
+      for (const EmbeddedLandmark& point : embedding) {
+        const auto [x, y] = Project(frame.camera, &vertices[3 * size_t(point.vertices[0])]);
+        const double dx = noise * rng.Normal(), dy = noise * rng.Normal();
+        face.points.push_back({x + left + dx, y + down + dy});
+      }
+      face.weights.assign(face.points.size(), 1);
+      face.size = 125;
+      face.follows = !faces.empty();
+      faces.push_back(face);
+    }
+  }
+  static std::vector<procedural::ScriptFrame> MakeScript(int frames) {
+    // The beginning of a longer one, at its speed.
+    auto script = procedural::MakeScript({120, 20, kSize, 0});
+    script.resize(size_t(frames));
+    return script;
+  }
+  static std::array<double, 2> Project(const Camera& c, const float* v) {
+    std::array<double, 3> p;
+    for (int r = 0; r < 3; ++r)
+      p[r] = c.rotation[3 * r] * v[0] + c.rotation[3 * r + 1] * v[1] +
+             c.rotation[3 * r + 2] * v[2] + c.translation[r];
+    return {c.fx * p[0] / p[2] + c.cx, c.fy * p[1] / p[2] + c.cy};
+  }
+  LandmarkFit Fit(bool with_images) const {
+    LandmarkFitOptions options;
+    options.focal = script[0].camera.fx;
+    if (with_images) options.image = [&](size_t f) { return images[f]; };
+    return FitLandmarks(head.model, embedding, faces, kSize, kSize, options);
+  }
+  // Mean distance of the embedded points from where they are, px.
+  double Error(const LandmarkFit& fit) const {
+    double sum = 0;
+    for (size_t f = 0; f < script.size(); ++f) {
+      std::vector<float> vertices;
+      poser.Forward(FlamePoser<float>::ParametersOf(script[f].params), vertices);
+      for (size_t p = 0; p < embedding.size(); ++p) {
+        const auto [x, y] =
+            Project(script[f].camera, &vertices[3 * size_t(embedding[p].vertices[0])]);
+        const auto& found = fit.frames[f]->points[p];
+        sum += std::hypot(found[0] - x, found[1] - y) / double(embedding.size());
+      }
+    }
+    return sum / double(script.size());
+  }
+};
+
+TEST(FitLandmarks, ImagesMakeItMoreExact) {
+  const FilmedHead filmed(24, 0.5, 1);
+  const LandmarkFit by_landmarks = filmed.Fit(false), by_images = filmed.Fit(true);
+  const double before = filmed.Error(by_landmarks), after = filmed.Error(by_images);
+  std::printf("%.3f px by landmarks, %.3f px by images\n", before, after);
+  EXPECT_LT(after, 0.8 * before);
+  EXPECT_TRUE(by_landmarks.brightness_spread.empty());
+  const std::vector<double>& spread = by_images.brightness_spread;
+  ASSERT_GE(spread.size(), 2u);
+  for (size_t round = 1; round < spread.size(); ++round)
+    EXPECT_LT(spread[round], spread[round - 1]);
+}
+
+TEST(FitLandmarks, SameBitsForAnyNumberOfThreadsWithImages) {
+  const FilmedHead filmed(12, 0.5, 0.5);
+  const auto fit = [&](size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return filmed.Fit(true);
+  };
+  const LandmarkFit one = fit(1), three = fit(3);
+  EXPECT_EQ(one.brightness_spread, three.brightness_spread);
+  for (size_t f = 0; f < one.frames.size(); ++f) {
+    EXPECT_EQ(one.frames[f]->params.expression, three.frames[f]->params.expression);
+    EXPECT_EQ(one.frames[f]->params.pose, three.frames[f]->params.pose);
+  }
+}
+
+// Images that say nothing leave the landmarks' fit.
+TEST(FitLandmarks, BlankImagesDoNotHarm) {
+  FilmedHead filmed(6, 0.5, 0.5);
+  for (Image8& image : filmed.images) image = Image8(FilmedHead::kSize, FilmedHead::kSize, 3, 128);
+  EXPECT_LT(filmed.Error(filmed.Fit(true)), 1.05 * filmed.Error(filmed.Fit(false)));
+}
+
+TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
+  const FilmedHead filmed(12, 0, 0);
+  const LandmarkFit fit = filmed.Fit(false);
+  const FitLens lens{FilmedHead::kSize / 2.0, FilmedHead::kSize / 2.0};
+  FaceTexture texture(
+      filmed.head.model, 0, filmed.head.model.expression_count, filmed.faces, lens, [&](size_t f) {
+        return filmed.images[f];
+      });
+  std::vector<std::vector<double>> frames;
+  for (const auto& frame : fit.frames) {
+    std::vector<double> numbers(frame->params.translation.begin(), frame->params.translation.end());
+    for (const auto& joint : frame->params.pose)
+      numbers.insert(numbers.end(), joint.begin(), joint.end());
+    numbers.insert(numbers.end(), frame->params.expression.begin(), frame->params.expression.end());
+    frames.push_back(numbers);
+  }
+  double log_focal = std::log(fit.camera.fx);
+  texture.Measure({}, log_focal, frames);
+  ASSERT_GT(texture.VisibleIn(1).size(), 300u);
+  const PhotometricCost cost(texture, 1, lens);
+  const size_t rows = size_t(cost.num_residuals()), size = frames[1].size();
+  std::vector<double>& frame = frames[1];
+  const auto residuals = [&] {
+    std::vector<double> out(rows);
+    const double* const parameters[] = {nullptr, &log_focal, frame.data()};
+    EXPECT_TRUE(cost.Evaluate(parameters, out.data(), nullptr));
+    return out;
+  };
+  std::vector<double> values(rows), by_focal(rows), by_frame(rows * size);
+  const double* const parameters[] = {nullptr, &log_focal, frame.data()};
+  double* jacobians[] = {nullptr, by_focal.data(), by_frame.data()};
+  ASSERT_TRUE(cost.Evaluate(parameters, values.data(), jacobians));
+  // Bilinear images have kinks; most rows stay within a pixel.
+  const auto expect_most_near = [&](double& number, const auto& derivative, double step) {
+    const double kept = number;
+    number = kept + step;
+    const std::vector<double> more = residuals();
+    number = kept - step;
+    const std::vector<double> less = residuals();
+    number = kept;
+    size_t near = 0;
+    for (size_t r = 0; r < rows; ++r) {
+      const double difference = (more[r] - less[r]) / (2 * step);
+      near += std::abs(derivative(r) - difference) < 1e-4 + 1e-3 * std::abs(difference);
+    }
+    EXPECT_GT(near, rows * 95 / 100);
+  };
+  expect_most_near(
+      log_focal, [&](size_t r) { return by_focal[r]; }, 1e-6);
+  for (size_t k : {size_t(0), size_t(2), size_t(kFitPose + 1), size_t(kFitPose + 6), size - 1})
+    expect_most_near(
+        frame[k], [&](size_t r) { return by_frame[r * size + k]; }, 1e-6);
+}
+
+}  // namespace
+}  // namespace cosplat
