@@ -28,6 +28,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/directions.h
   flame/fit/band_pass.h
   flame/fit/face_texture.h
+  flame/fit/frame_priors.h
   flame/fit/landmark_cost.h
   flame/fit/robust.h
   flame/io/pickle

@@ -23,8 +23,8 @@ constexpr double kNoise = 4;
 constexpr double kIndependence = 0.5;
 // Frames in which a point must be visible, counted by how well.
 constexpr double kMinFrames = 3;
-// Around the landmarks, in units of their extent: hair, neck and chest are in it.
-constexpr double kMargin = 0.75;
+// What a round must gain for there to be another.
+constexpr double kMinGain = 0.01;
 constexpr size_t kFramesAtOnce = 16;
 
 bool IsSkin(const FlameModel& model, const std::array<int32_t, 3>& face) {
@@ -70,12 +70,20 @@ LandmarkEmbedding CornersOf(const LandmarkEmbedding& samples) {
   return out;
 }
 
-std::array<double, 4> BoxOf(const ObservedFace& face) {
-  std::array<double, 4> box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (const auto& [x, y] : face.points)
-    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
-  const double margin = kMargin * std::max(box[2] - box[0], box[3] - box[1]);
-  return {box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin};
+// In the camera's axes.
+std::array<double, 3> InView(const FrameView& view, const std::array<double, 3>& point) {
+  std::array<double, 3> out = view.translation;
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t k = 0; k < 3; ++k) out[r] += view.rotation[3 * r + k] * point[k];
+  return out;
+}
+
+// From the derivative with respect to InView's result to that by the point.
+std::array<double, 3> InViewVjp(const FrameView& view, const std::array<double, 3>& d_out) {
+  std::array<double, 3> d_point{};
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t k = 0; k < 3; ++k) d_point[k] += view.rotation[3 * r + k] * d_out[r];
+  return d_point;
 }
 
 struct MeanBrightness {
@@ -112,24 +120,23 @@ MeanBrightness RobustMean(const std::vector<std::array<double, 2>>& values) {
 FaceTexture::FaceTexture(const FlameModel& model,
                          int shape_count,
                          int expression_count,
-                         const std::vector<std::optional<ObservedFace>>& faces,
-                         const FitLens& lens,
+                         std::vector<std::optional<FrameView>> views,
                          const std::function<Image8(size_t)>& image)
-    : lens_(lens),
+    : views_(std::move(views)),
       points_(model, SampleSkin(model), shape_count, expression_count),
       corners_(model, CornersOf(SampleSkin(model)), shape_count, expression_count),
-      images_(faces.size()) {
+      images_(views_.size()) {
   double size = 0, count = 0;
-  for (const auto& face : faces)
-    if (face) size += face->size, ++count;
+  for (const auto& view : views_)
+    if (view) size += view->face_size, ++count;
   const double scale = std::min(1.0, kBandPassFace * count / size);
-  for (size_t begin = 0; begin < faces.size(); begin += kFramesAtOnce) {
-    const size_t end = std::min(begin + kFramesAtOnce, faces.size());
+  for (size_t begin = 0; begin < views_.size(); begin += kFramesAtOnce) {
+    const size_t end = std::min(begin + kFramesAtOnce, views_.size());
     std::vector<Image8> read(kFramesAtOnce);  // videos are decoded in order
     for (size_t f = begin; f < end; ++f)
-      if (faces[f]) read[f - begin] = image(f);
+      if (views_[f]) read[f - begin] = image(f);
     tbb::parallel_for(begin, end, [&](size_t f) {
-      if (faces[f]) images_[f] = BandPass(read[f - begin], BoxOf(*faces[f]), scale);
+      if (views_[f]) images_[f] = BandPass(read[f - begin], views_[f]->box, scale);
     });
   }
 }
@@ -141,16 +148,21 @@ std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape
   PointsOnFlame::Tape points, corners;
   points_.Pose(shape.data(), frame.data(), points);
   corners_.Pose(shape.data(), frame.data(), corners);
+  const FrameView& view = *views_[f];
   std::vector<Seen> seen(points.points.size());
   for (size_t p = 0; p < seen.size(); ++p) {
-    using Point = Eigen::Map<const Eigen::Vector3d>;
-    const Point at(points.points[p].data()), a(corners.points[3 * p].data()),
-        b(corners.points[3 * p + 1].data()), c(corners.points[3 * p + 2].data());
+    const auto place = [&](const std::array<double, 3>& point) {
+      const auto [x, y, z] = InView(view, point);
+      return Eigen::Vector3d(x, y, z);
+    };
+    const Eigen::Vector3d at = place(points.points[p]), a = place(corners.points[3 * p]),
+                          b = place(corners.points[3 * p + 1]),
+                          c = place(corners.points[3 * p + 2]);
     const double facing = -(b - a).cross(c - a).normalized().dot(at.normalized());
     if (!(facing > kMinFacing) || !(at[2] < 0)) continue;
     const double scale = std::exp(log_focal) / -at[2];
     const BrightnessAt brightness =
-        SampleAt(images_[f], lens_.cx + scale * at[0], lens_.cy - scale * at[1]);
+        SampleAt(images_[f], view.lens.cx + scale * at[0], view.lens.cy - scale * at[1]);
     if (brightness.inside) seen[p] = {brightness.value, facing};
   }
   return seen;
@@ -185,11 +197,31 @@ void FaceTexture::Measure(const std::vector<double>& shape,
   held_out_spread_ = held_out / held_out_points;
 }
 
-PhotometricCost::PhotometricCost(const FaceTexture& texture, size_t f, const FitLens& lens)
+std::vector<double> FaceTexture::Refine(const std::vector<double>& shape,
+                                        double log_focal,
+                                        std::vector<std::vector<double>>& frames,
+                                        const std::function<void()>& fit_frames) {
+  Measure(shape, log_focal, frames);
+  std::vector<double> spread{held_out_spread_};
+  for (int round = 0; round < kMaxPhotometricRounds; ++round) {
+    const std::vector<std::vector<double>> before = frames;
+    fit_frames();
+    Measure(shape, log_focal, frames);
+    if (!(held_out_spread_ < spread.back())) {
+      frames = before;
+      break;
+    }
+    spread.push_back(held_out_spread_);
+    if (held_out_spread_ > (1 - kMinGain) * spread[spread.size() - 2]) break;
+  }
+  return spread;
+}
+
+PhotometricCost::PhotometricCost(const FaceTexture& texture, size_t f)
     : points_(texture.points()),
       visible_(texture.VisibleIn(f)),
       image_(texture.image(f)),
-      lens_(lens) {
+      view_(texture.view(f)) {
   *mutable_parameter_block_sizes() = {points_.shape_count(), 1, points_.frame_size()};
   set_num_residuals(int(visible_.size()));
 }
@@ -204,10 +236,10 @@ bool PhotometricCost::Evaluate(const double* const* parameters,
   std::vector<double> d_shape(shape), d_frame(frame);
   for (size_t row = 0; row < visible_.size(); ++row) {
     const TexturePoint& point = visible_[row];
-    const auto& [x, y, z] = tape.points[size_t(point.point)];
+    const auto [x, y, z] = InView(view_, tape.points[size_t(point.point)]);
     if (-z < kMinDistance) return false;
     const double scale = focal / -z;
-    const BrightnessAt at = SampleAt(image_, lens_.cx + scale * x, lens_.cy - scale * y);
+    const BrightnessAt at = SampleAt(image_, view_.lens.cx + scale * x, view_.lens.cy - scale * y);
     const double r = at.inside ? (at.value - point.value) / point.sigma : 0;
     double d_factor;
     const double factor = RobustFactor(r * r, d_factor);
@@ -219,8 +251,11 @@ bool PhotometricCost::Evaluate(const double* const* parameters,
     const double d_nearer = d_right * x + d_up * y;
     std::fill(d_shape.begin(), d_shape.end(), 0.0);
     std::fill(d_frame.begin(), d_frame.end(), 0.0);
-    points_.Backward(
-        tape, point.point, {d_right, d_up, d_nearer / -z}, d_shape.data(), d_frame.data());
+    points_.Backward(tape,
+                     point.point,
+                     InViewVjp(view_, {d_right, d_up, d_nearer / -z}),
+                     d_shape.data(),
+                     d_frame.data());
     if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
     if (jacobians[1]) jacobians[1][row] = d_nearer;
     if (jacobians[2]) std::copy_n(d_frame.begin(), frame, jacobians[2] + row * frame);

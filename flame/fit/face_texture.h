@@ -10,11 +10,21 @@
 #include <vector>
 
 #include "flame/fit/band_pass.h"
-#include "flame/fit/choose_faces.h"
 #include "flame/fit/landmark_cost.h"
 #include "flame/fit/points_on_flame.h"
 
 namespace cosplat::internal {
+
+// How a frame sees the head. Camera axes are OpenGL's: x right, y up, looking along -z.
+struct FrameView {
+  FitLens lens;
+  std::array<double, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // of the head's frame to the camera's
+  std::array<double, 3> translation{};                        // metres
+  std::array<double, 4> box{};  // left, top, right, bottom in px: where the head and chest are
+  double face_size = 0;         // px, side of a square of the face's area
+};
+
+constexpr int kMaxPhotometricRounds = 6;
 
 // A point that a frame shows, and the brightness that it should have there.
 struct TexturePoint {
@@ -24,13 +34,21 @@ struct TexturePoint {
 
 class FaceTexture {
  public:
-  // image(f): RGB or RGBA with a matte; asked for once, in order, for every frame with a face.
+  // views: none for frames to leave out. image(f): RGB or RGBA with a matte; asked for once, in
+  // order, for every frame with a view.
   FaceTexture(const FlameModel& model,
               int shape_count,
               int expression_count,
-              const std::vector<std::optional<ObservedFace>>& faces,
-              const FitLens& lens,
+              std::vector<std::optional<FrameView>> views,
               const std::function<Image8(size_t f)>& image);
+
+  // Measures, calls fit_frames, which changes `frames`, and so on until points that are held out
+  // do not gain, or for kMaxPhotometricRounds. Returns held_out_spread() before and after each
+  // round; a last round that made it worse is undone.
+  std::vector<double> Refine(const std::vector<double>& shape,
+                             double log_focal,
+                             std::vector<std::vector<double>>& frames,
+                             const std::function<void()>& fit_frames);
 
   // Measures it with the track as it is. frames: parameters as PointsOnFlame's, empty where there
   // is no face.
@@ -48,6 +66,7 @@ class FaceTexture {
 
   const PointsOnFlame& points() const { return points_; }
   const BandPassed& image(size_t f) const { return images_[f]; }
+  const FrameView& view(size_t f) const { return *views_[f]; }
 
  private:
   struct Seen {
@@ -58,7 +77,7 @@ class FaceTexture {
                         const std::vector<double>& frame,
                         size_t f) const;
 
-  const FitLens lens_;
+  const std::vector<std::optional<FrameView>> views_;
   const PointsOnFlame points_, corners_;  // corners: three per point, of its triangle
   std::vector<BandPassed> images_;
   std::vector<std::vector<TexturePoint>> visible_;
@@ -70,7 +89,7 @@ class FaceTexture {
 class PhotometricCost : public ceres::CostFunction {
  public:
   // Keeps references to what `texture` has of frame f.
-  PhotometricCost(const FaceTexture& texture, size_t f, const FitLens& lens);
+  PhotometricCost(const FaceTexture& texture, size_t f);
   // Fails if a point is not in front of the camera.
   bool Evaluate(const double* const* parameters,
                 double* residuals,
@@ -80,7 +99,7 @@ class PhotometricCost : public ceres::CostFunction {
   const PointsOnFlame& points_;
   const std::vector<TexturePoint>& visible_;
   const BandPassed& image_;
-  const FitLens lens_;
+  const FrameView& view_;
 };
 
 }  // namespace cosplat::internal

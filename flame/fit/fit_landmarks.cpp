@@ -11,14 +11,18 @@
 #include <mutex>
 
 #include "flame/fit/face_texture.h"
+#include "flame/fit/frame_priors.h"
 #include "flame/fit/landmark_cost.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
+using internal::BetweenNeighbours;
 using internal::FaceTexture;
 using internal::FitLens;
+using internal::FrameView;
+using internal::kMaxPhotometricRounds;
 using internal::LandmarkCost;
 using internal::PhotometricCost;
 using internal::PriorCost;
@@ -36,10 +40,6 @@ constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
 constexpr size_t kSubjectFrames = 80;
 // How often frames are fitted again, each drawn to the mean of its neighbours.
 constexpr int kSmoothingSweeps = 5;
-// Rounds of refinement by the images at most, and what one must gain for there to be another.
-constexpr int kMaxPhotometricRounds = 6;
-constexpr double kMinGain = 0.01;
-
 // Translation and the root's rotation, which a frame's numbers begin with, are the body's. Their
 // means over this many frames to either side stand for where it is; it stays near them by these
 // standard deviations (radians, metres), and the neck takes the head's turns.
@@ -65,21 +65,23 @@ std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
   return sigma;
 }
 
-// Standard deviations of a frame's numbers about the mean of the neighbouring frames', at video
-// rates. Eyes and lids jump.
-std::vector<double> StepSigma(const PointsOnFlame& points, bool eyelids) {
-  std::vector<double> sigma(size_t(points.frame_size()), 1.2);
-  std::fill_n(sigma.begin() + kFitTranslation, 3, 0.003);
-  std::fill_n(sigma.begin() + kFitPose, 6, 0.02);
-  std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.12);
-  std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.6);
-  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 1.5;
-  return sigma;
-}
-
 int ExpressionCount(const FlameModel& model, int at_most) {
   const int lids = model.has_eyelids ? 2 : 0;
   return lids + std::min(model.expression_count - lids, at_most);
+}
+
+// Around the landmarks there are hair, neck and chest.
+FrameView ViewOf(const ObservedFace& face, const FitLens& lens) {
+  constexpr double kMargin = 0.75;  // in units of the landmarks' extent
+  std::array<double, 4> box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const auto& [x, y] : face.points)
+    box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+  const double margin = kMargin * std::max(box[2] - box[0], box[3] - box[1]);
+  FrameView view;
+  view.lens = lens;
+  view.box = {box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin};
+  view.face_size = face.size;
+  return view;
 }
 
 class LandmarkFitter {
@@ -106,8 +108,6 @@ class LandmarkFitter {
  private:
   void PlaceFrame(size_t f, const PointsOnFlame::Tape& rest);
   void FitFrame(size_t f, const std::vector<double>* near);
-  // The mean of both neighbours that show the same face; nothing if one is missing.
-  std::optional<std::vector<double>> BetweenNeighbours(size_t f) const;
   struct Blocks {
     double *shape, *log_focal, *frame;
   };
@@ -151,11 +151,12 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
               ExpressionCount(model, options.expression_count)),
       rests_(faces.size(), std::vector<double>(size_t(points_.frame_size()))),
       rest_sigma_(RestSigma(points_, model.has_eyelids)),
-      step_sigma_(StepSigma(points_, model.has_eyelids)),
+      step_sigma_(internal::StepSigma(points_.frame_size(), model.has_eyelids)),
       focal_given_(options.focal > 0),
       shape_(size_t(points_.shape_count())),
       log_focal_(std::log(focal_given_ ? options.focal : kFocalPerSide * std::max(width, height))),
       frames_(faces.size()) {
+  shape_.reserve(shape_.size() + 1);  // Ceres takes no null pointer, not even for no numbers
   for (size_t f = 0; f < faces.size(); ++f)
     if (faces[f]) frames_[f].assign(size_t(points_.frame_size()), 0);
 }
@@ -210,16 +211,7 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, const Blocks& b
                            frame);
   problem.AddResidualBlock(new PriorCost(rests_[f], rest_sigma_), nullptr, frame);
   if (texture_ && texture_->measured() && !texture_->VisibleIn(f).empty())
-    problem.AddResidualBlock(
-        new PhotometricCost(*texture_, f, lens_), nullptr, shape, log_focal, frame);
-}
-
-std::optional<std::vector<double>> LandmarkFitter::BetweenNeighbours(size_t f) const {
-  const bool inside = f > 0 && f + 1 < faces_.size() && faces_[f - 1] && faces_[f + 1];
-  if (!inside || !faces_[f]->follows || !faces_[f + 1]->follows) return std::nullopt;
-  std::vector<double> mean(frames_[f].size());
-  for (size_t k = 0; k < mean.size(); ++k) mean[k] = (frames_[f - 1][k] + frames_[f + 1][k]) / 2;
-  return mean;
+    problem.AddResidualBlock(new PhotometricCost(*texture_, f), nullptr, shape, log_focal, frame);
 }
 
 void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
@@ -242,11 +234,13 @@ void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
 
 void LandmarkFitter::FitFrames(bool near) {
   // All means are taken before any frame changes, so that the order does not matter.
-  std::vector<std::optional<std::vector<double>>> means(faces_.size());
+  std::vector<std::vector<double>> means(faces_.size());
   for (size_t f = 0; near && f < faces_.size(); ++f)
-    if (faces_[f]) means[f] = BetweenNeighbours(f);
+    if (faces_[f])
+      means[f] =
+          BetweenNeighbours(frames_, f, [&](size_t g) { return faces_[g] && faces_[g]->follows; });
   tbb::parallel_for(size_t(0), faces_.size(), [&](size_t f) {
-    if (faces_[f]) FitFrame(f, means[f] ? &*means[f] : nullptr);
+    if (faces_[f]) FitFrame(f, means[f].empty() ? nullptr : &means[f]);
   });
 }
 
@@ -326,23 +320,12 @@ void LandmarkFitter::FitSubject() {
 }
 
 void LandmarkFitter::FitToImages(const std::function<Image8(size_t)>& image) {
+  std::vector<std::optional<FrameView>> views(faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f)
+    if (faces_[f]) views[f] = ViewOf(*faces_[f], lens_);
   texture_.emplace(
-      model_, points_.shape_count(), points_.frame_size() - kFitExpression, faces_, lens_, image);
-  texture_->Measure(shape_, log_focal_, frames_);
-  spread_.push_back(texture_->held_out_spread());
-  for (int round = 0; round < kMaxPhotometricRounds; ++round) {
-    const std::vector<std::vector<double>> before = frames_;
-    FitFrames(true);
-    texture_->Measure(shape_, log_focal_, frames_);
-    const double spread = texture_->held_out_spread();
-    if (!(spread < spread_.back())) {
-      frames_ = before;
-      return;
-    }
-    const bool enough = spread > (1 - kMinGain) * spread_.back();
-    spread_.push_back(spread);
-    if (enough) return;
-  }
+      model_, points_.shape_count(), points_.frame_size() - kFitExpression, views, image);
+  spread_ = texture_->Refine(shape_, log_focal_, frames_, [&] { FitFrames(true); });
 }
 
 void LandmarkFitter::MeasureFrame(size_t f,

@@ -39,18 +39,4 @@ class LandmarkCost : public ceres::CostFunction {
   const double sigma_;
 };
 
-// (x_k - mean_k) / sigma_k for every k whose sigma is finite.
-class PriorCost : public ceres::CostFunction {
- public:
-  PriorCost(std::vector<double> mean, const std::vector<double>& sigma);
-  bool Evaluate(const double* const* parameters,
-                double* residuals,
-                double** jacobians) const override;
-
- private:
-  std::vector<double> mean_;
-  std::vector<int> entries_;
-  std::vector<double> inverse_;  // of sigma, per entry
-};
-
 }  // namespace cosplat::internal

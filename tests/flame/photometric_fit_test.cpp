@@ -10,8 +10,10 @@
 #include "flame/fit/band_pass.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/fit_landmarks.h"
+#include "flame/fit/refine_track.h"
 #include "flame/pose.h"
 #include "splat/base/rng.h"
+#include "tests/support/expect_error.h"
 
 namespace cosplat {
 namespace {
@@ -20,9 +22,10 @@ using internal::BandPass;
 using internal::BandPassed;
 using internal::BrightnessAt;
 using internal::FaceTexture;
-using internal::FitLens;
+using internal::FrameView;
 using internal::PhotometricCost;
 using internal::SampleAt;
+using test::ExpectError;
 
 constexpr std::array<double, 4> kWhole{0, 0, 1e9, 1e9};
 
@@ -199,12 +202,71 @@ TEST(FitLandmarks, BlankImagesDoNotHarm) {
   EXPECT_LT(filmed.Error(filmed.Fit(true)), 1.05 * filmed.Error(filmed.Fit(false)));
 }
 
+// A track that somebody else made, with noise, from cameras that move.
+TEST(RefineTrack, ComesNearerToTheTruth) {
+  const FilmedHead filmed(24, 0, 0);
+  TrackedVideo video;
+  video.source = "noisy";
+  Rng rng{3};
+  for (size_t f = 0; f < filmed.script.size(); ++f) {
+    TrackedFrame frame;
+    frame.name = std::to_string(f);
+    frame.timestep = int(f);
+    frame.camera = filmed.script[f].camera;
+    frame.params = filmed.script[f].params;
+    for (size_t i = 0; i < 3; ++i) {
+      frame.params.translation[i] += float(1.5e-3 * rng.Normal());
+      frame.params.pose[1][i] += float(0.02 * rng.Normal());
+    }
+    (f % 6 == 5 ? video.test : video.train).push_back(frame);
+  }
+  // Mean distance of the head's vertices from where they are.
+  const auto error = [&] {
+    double sum = 0, count = 0;
+    std::vector<float> found, truth;
+    for (const auto* set : {&video.train, &video.test})
+      for (const TrackedFrame& frame : *set) {
+        filmed.poser.Forward(FlamePoser<float>::ParametersOf(frame.params), found);
+        filmed.poser.Forward(
+            FlamePoser<float>::ParametersOf(filmed.script[size_t(frame.timestep)].params), truth);
+        for (const EmbeddedLandmark& point : filmed.embedding) {
+          const size_t v = 3 * size_t(point.vertices[0]);
+          const auto a = FilmedHead::Project(frame.camera, &found[v]);
+          const auto b = FilmedHead::Project(frame.camera, &truth[v]);
+          sum += std::hypot(a[0] - b[0], a[1] - b[1]);
+          ++count;
+        }
+      }
+    return sum / count;
+  };
+  const double before = error();
+  const std::vector<double> spread =
+      RefineTrack(filmed.head.model, video, [&](const TrackedFrame& frame) {
+        return filmed.images[size_t(frame.timestep)];
+      });
+  const double after = error();
+  std::printf("%.3f px before, %.3f px after\n", before, after);
+  EXPECT_LT(after, 0.6 * before);
+  EXPECT_LT(spread.back(), spread.front());
+  video.test[0].camera.fx *= 2;
+  ExpectError([&] { RefineTrack(filmed.head.model, video, {}); }, {"noisy", "cameras", "'5'"});
+  video.test[0].timestep = 0;
+  ExpectError([&] { RefineTrack(filmed.head.model, video, {}); },
+              {"noisy", "frames", "'5'", "'0'"});
+}
+
 TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
   const FilmedHead filmed(12, 0, 0);
   const LandmarkFit fit = filmed.Fit(false);
-  const FitLens lens{FilmedHead::kSize / 2.0, FilmedHead::kSize / 2.0};
+  std::vector<std::optional<FrameView>> views(filmed.faces.size());
+  for (std::optional<FrameView>& view : views) {
+    view.emplace();
+    view->lens = {FilmedHead::kSize / 2.0, FilmedHead::kSize / 2.0};
+    view->box = kWhole;
+    view->face_size = 125;
+  }
   FaceTexture texture(
-      filmed.head.model, 0, filmed.head.model.expression_count, filmed.faces, lens, [&](size_t f) {
+      filmed.head.model, 0, filmed.head.model.expression_count, views, [&](size_t f) {
         return filmed.images[f];
       });
   std::vector<std::vector<double>> frames;
@@ -218,7 +280,7 @@ TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
   double log_focal = std::log(fit.camera.fx);
   texture.Measure({}, log_focal, frames);
   ASSERT_GT(texture.VisibleIn(1).size(), 300u);
-  const PhotometricCost cost(texture, 1, lens);
+  const PhotometricCost cost(texture, 1);
   const size_t rows = size_t(cost.num_residuals()), size = frames[1].size();
   std::vector<double>& frame = frames[1];
   const auto residuals = [&] {

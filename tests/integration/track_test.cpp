@@ -124,7 +124,10 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
     for (size_t f = 0; f < video.frames.size(); f += 2) video.frames[f].faces.clear();
   });
   filmed.ExpectRefused({filmed.marks, "12"});
-  filmed.Change([](LandmarkVideo& video) { video.frames[3].matte = "nowhere.png"; });
+  filmed.Change([](LandmarkVideo& video) {
+    for (size_t f = 0; f < video.frames.size(); ++f)
+      if (f != 3) video.frames[f].matte.clear();
+  });
   filmed.ExpectRefused({filmed.marks, "frames[3].matte", "earlier frames have none"});
   filmed.Change([](LandmarkVideo& video) {
     for (LandmarkFrame& frame : video.frames) frame.matte = "nowhere.png";
@@ -132,6 +135,47 @@ TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   filmed.ExpectRefused({"nowhere.png"});
   filmed.Change([](LandmarkVideo&) {});
   filmed.ExpectRefused({"-3", "--focal"}, {"--focal", "-3"});
+}
+
+// With exact parameters there is little to gain, and nothing is lost.
+TEST(Track, RefinesATrackThatThereIs) {
+  const Filmed filmed;
+  const std::string model = filmed.head + "/model.npz";
+  const CommandResult result =
+      Cosplat({"track", filmed.head, "--flame", model, "-o", filmed.track});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("24 frames refined"), std::string::npos) << result.out;
+  const TrackedVideo refined = LoadTrackedVideo(filmed.track, {});
+  const TrackedVideo given = LoadTrackedVideo(filmed.head, {});
+  ASSERT_EQ(refined.test.size(), 4u);
+  ASSERT_EQ(refined.train.size(), 20u);
+  EXPECT_EQ(refined.shape, given.shape);
+  EXPECT_EQ(refined.train[7].camera.fx, given.train[7].camera.fx);
+  EXPECT_EQ(LoadTrackedImage(refined, refined.train[7]).data,
+            LoadTrackedImage(given, given.train[7]).data);
+  for (size_t f = 0; f < 20; ++f)
+    for (size_t j = 0; j < 2; ++j)
+      for (size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR(refined.train[f].params.pose[j][i], given.train[f].params.pose[j][i], 0.05);
+  const Json figures = ReadJson(filmed.track + "/track.json");
+  EXPECT_EQ(figures["frames"], 24);
+  EXPECT_LE(figures["brightness_spread"].back().get<double>(),
+            figures["brightness_spread"].front().get<double>());
+
+  const auto expect_refused = [&](const std::vector<std::string>& arguments,
+                                  const std::vector<std::string>& words) {
+    const CommandResult refused = Cosplat(arguments);
+    EXPECT_EQ(refused.code, 2);
+    for (const std::string& word : words)
+      EXPECT_NE(refused.err.find(word), std::string::npos) << refused.err << " lacks " << word;
+  };
+  expect_refused({"track", filmed.images, "--flame", model, "-o", filmed.folder / "no"},
+                 {"--landmarks", filmed.images});
+  expect_refused({"track", filmed.head, "--flame", model, "-o", filmed.head}, {"-o", "own folder"});
+  expect_refused(
+      {"track", filmed.head, "--flame", model, "-o", filmed.folder / "no", "--focal", "700"},
+      {"--focal", "--landmarks"});
+  EXPECT_FALSE(std::filesystem::exists(filmed.folder / "no"));
 }
 
 // The whole way in one command, from landmarks that are there.

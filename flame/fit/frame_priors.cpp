@@ -1,0 +1,44 @@
+#include "flame/fit/frame_priors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "flame/fit/points_on_flame.h"
+
+namespace cosplat::internal {
+
+PriorCost::PriorCost(std::vector<double> mean, const std::vector<double>& sigma)
+    : mean_(std::move(mean)) {
+  for (size_t k = 0; k < sigma.size(); ++k)
+    if (std::isfinite(sigma[k])) {
+      entries_.push_back(int(k));
+      inverse_.push_back(1 / sigma[k]);
+    }
+  *mutable_parameter_block_sizes() = {int(mean_.size())};
+  set_num_residuals(int(entries_.size()));
+}
+
+bool PriorCost::Evaluate(const double* const* parameters,
+                         double* residuals,
+                         double** jacobians) const {
+  const size_t size = mean_.size();
+  if (jacobians && jacobians[0]) std::fill_n(jacobians[0], entries_.size() * size, 0.0);
+  for (size_t e = 0; e < entries_.size(); ++e) {
+    const size_t k = size_t(entries_[e]);
+    residuals[e] = (parameters[0][k] - mean_[k]) * inverse_[e];
+    if (jacobians && jacobians[0]) jacobians[0][e * size + k] = inverse_[e];
+  }
+  return true;
+}
+
+std::vector<double> StepSigma(int frame_size, bool eyelids) {
+  std::vector<double> sigma(size_t(frame_size), 1.2);
+  std::fill_n(sigma.begin() + kFitTranslation, 3, 0.003);
+  std::fill_n(sigma.begin() + kFitPose, 6, 0.02);
+  std::fill_n(sigma.begin() + kFitPose + 6, 3, 0.12);
+  std::fill_n(sigma.begin() + kFitPose + 9, 6, 0.6);
+  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 1.5;
+  return sigma;
+}
+
+}  // namespace cosplat::internal
