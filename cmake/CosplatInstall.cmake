@@ -31,6 +31,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/fit/frame_priors.h
   flame/fit/landmark_cost.h
   flame/fit/robust.h
+  flame/halfedges.h
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/

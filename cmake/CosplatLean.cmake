@@ -38,7 +38,7 @@ add_subdirectory(splat/render)
 add_subdirectory(splat/train)
 cosplat_library(eval splat/eval/metrics.cpp)
 target_link_libraries(cosplat_eval PUBLIC cosplat::train)
-cosplat_library(flame flame/model.cpp flame/pose.cpp flame/posing.cpp tests/gpu/lean_topology.cpp
+cosplat_library(flame flame/model.cpp flame/pose.cpp flame/posing.cpp flame/topology.cpp flame/halfedges_plain.cpp
   tests/gpu/lean_track.cpp)
 target_link_libraries(cosplat_flame PUBLIC cosplat::base PRIVATE Eigen3::Eigen TBB::tbb)
 add_library(cosplat::flame_track ALIAS cosplat_flame)

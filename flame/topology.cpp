@@ -1,20 +1,18 @@
 #include "flame/topology.h"
 
-#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
-#include <algorithm>
 #include <unordered_map>
 
+#include "flame/halfedges.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
-using Mesh = OpenMesh::TriConnectivity;  // connectivity only, without positions
 using Faces = std::vector<std::array<int32_t, 3>>;
 
 std::string FaceField(size_t f) { return "faces[" + std::to_string(f) + "]"; }
 
-// Throws Error, with names, for problems that OpenMesh would only report on stderr.
+// Before OpenMesh sees them, which would only report them on stderr.
 void CheckFaces(const std::string& name, const Faces& faces, int vertex_count) {
   std::unordered_map<uint64_t, size_t> face_of_edge;
   face_of_edge.reserve(3 * faces.size());
@@ -39,46 +37,6 @@ void CheckFaces(const std::string& name, const Faces& faces, int vertex_count) {
   }
 }
 
-Mesh BuildMesh(const std::string& name, const Faces& faces, int vertex_count) {
-  CheckFaces(name, faces, vertex_count);
-  Mesh mesh;
-  mesh.reserve(vertex_count, 3 * faces.size() / 2 + vertex_count, faces.size());
-  for (int v = 0; v < vertex_count; ++v) mesh.add_vertex();
-  for (size_t f = 0; f < faces.size(); ++f) {
-    const auto handle = mesh.add_face(Mesh::VertexHandle(faces[f][0]),
-                                      Mesh::VertexHandle(faces[f][1]),
-                                      Mesh::VertexHandle(faces[f][2]));
-    if (!handle.is_valid() || size_t(handle.idx()) != f)
-      throw Error(name, FaceField(f), "cannot be joined to its neighbours: not a manifold surface");
-  }
-  if (mesh.n_faces() != faces.size() || mesh.n_vertices() != size_t(vertex_count))
-    throw Error(name,
-                "faces",
-                "adjacency kept " + std::to_string(mesh.n_faces()) + " of " +
-                    std::to_string(faces.size()) + " faces and " +
-                    std::to_string(mesh.n_vertices()) + " of " + std::to_string(vertex_count) +
-                    " vertices");
-  return mesh;
-}
-
-// Which edge of `face` starts at vertex `from`.
-int EdgeFrom(const std::array<int32_t, 3>& face, int32_t from) {
-  return face[0] == from ? 0 : face[1] == from ? 1 : 2;
-}
-
-void FillNeighbors(const Mesh& mesh, const Faces& faces, MeshTopology& topology) {
-  topology.face_neighbors.assign(faces.size(), {-1, -1, -1});
-  topology.neighbor_edges.assign(faces.size(), {-1, -1, -1});
-  for (const auto h : mesh.halfedges()) {
-    if (h.is_boundary() || h.opp().is_boundary()) continue;
-    const int f = h.face().idx();
-    const int g = h.opp().face().idx();
-    const int edge = EdgeFrom(faces[f], h.from().idx());
-    topology.face_neighbors[f][edge] = g;
-    topology.neighbor_edges[f][edge] = int8_t(EdgeFrom(faces[g], h.to().idx()));
-  }
-}
-
 void FillVertexFaces(const Faces& faces, MeshTopology& topology) {
   auto& begin = topology.vertex_face_begin;
   begin.assign(topology.vertex_count + 1, 0);
@@ -89,20 +47,6 @@ void FillVertexFaces(const Faces& faces, MeshTopology& topology) {
   std::vector<int32_t> next(begin.begin(), begin.end() - 1);
   for (size_t f = 0; f < faces.size(); ++f)
     for (int32_t v : faces[f]) topology.vertex_faces[next[v]++] = int32_t(f);
-}
-
-void FillBoundaryLoops(const Mesh& mesh, MeshTopology& topology) {
-  std::vector<bool> seen(mesh.n_halfedges());
-  for (const auto start : mesh.halfedges()) {
-    if (!start.is_boundary() || seen[start.idx()]) continue;
-    std::vector<int32_t> loop;
-    for (auto h = start; !seen[h.idx()]; h = h.next()) {
-      seen[h.idx()] = true;
-      loop.push_back(h.from().idx());
-    }
-    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-    topology.boundary_loops.push_back(std::move(loop));
-  }
 }
 
 void FillComponents(MeshTopology& topology) {
@@ -129,12 +73,11 @@ void FillComponents(MeshTopology& topology) {
 }  // namespace
 
 MeshTopology BuildTopology(const std::string& name, const Faces& faces, int vertex_count) {
-  const Mesh mesh = BuildMesh(name, faces, vertex_count);
+  CheckFaces(name, faces, vertex_count);
   MeshTopology topology;
   topology.vertex_count = vertex_count;
-  FillNeighbors(mesh, faces, topology);
   FillVertexFaces(faces, topology);
-  FillBoundaryLoops(mesh, topology);
+  internal::FillFromHalfedges(name, faces, topology);
   FillComponents(topology);
   return topology;
 }

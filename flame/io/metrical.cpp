@@ -159,7 +159,8 @@ void LoadMetricalTrack(const std::string& path, const TrackRequest& request, Tra
   std::map<int, std::string> checkpoints;
   const std::string other = NumberedFiles(path + "/checkpoint", {".frame"}, checkpoints);
   if (!other.empty()) video.skipped.push_back({other, "its name is not the number of a frame"});
-  for (const auto& [number, checkpoint] : checkpoints) {
+  for (const auto& [number, file] : checkpoints) {
+    const std::string& checkpoint = file;  // clang 14's lambdas capture no structured bindings
     TrackedFrame frame;
     frame.name = fs::path(checkpoint).stem().string();
     frame.timestep = number;

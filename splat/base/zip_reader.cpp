@@ -11,14 +11,6 @@ using Member = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 
 }  // namespace
 
-std::string ReasonOfZipError(int code) {
-  zip_error_t error;
-  zip_error_init_with_code(&error, code);
-  const std::string text = zip_error_strerror(&error);
-  zip_error_fini(&error);
-  return text;
-}
-
 void ZipReader::Discard::operator()(zip* archive) const { zip_discard(archive); }
 
 ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(path) {

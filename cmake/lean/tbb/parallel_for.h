@@ -1,5 +1,6 @@
-// What the lean build (cmake/CosplatLean.cmake) uses of oneTBB, on plain threads: a pool that hands
-// out indices one by one. A loop within a loop runs in its own thread.
+// What the lean and the web build (cmake/CosplatLean.cmake, cmake/CosplatWeb.cmake) use of oneTBB,
+// on plain threads: a pool that hands out indices one by one. A loop within a loop runs in its own
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +21,10 @@ class Pool {
     static Pool pool;
     return pool;
   }
+
+  // Before the first loop: how many threads there will be, the caller's included; one per core
+  // otherwise.
+  static void UseThreads(unsigned threads) { threads_wanted_ = threads; }
 
   void Run(size_t count, const std::function<void(size_t)>& f) {
     if (within_ || count < 2 || threads_.empty()) {
@@ -42,8 +47,7 @@ class Pool {
 
  private:
   Pool() {
-    const unsigned n = std::max(1u, std::thread::hardware_concurrency());
-    for (unsigned t = 1; t < n; ++t) threads_.emplace_back([this] { Serve(); });
+    for (unsigned t = 1; t < threads_wanted_; ++t) threads_.emplace_back([this] { Serve(); });
   }
   ~Pool() {
     {
@@ -74,6 +78,7 @@ class Pool {
     }
   }
 
+  static inline unsigned threads_wanted_ = std::thread::hardware_concurrency();
   static inline thread_local bool within_ = false;
   std::vector<std::thread> threads_;
   std::mutex mutex_;

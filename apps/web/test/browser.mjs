@@ -1,0 +1,96 @@
+// Headless Chromium for tests and measurements: serves folders, opens a page and waits for what it
+// posts to /result.
+import { spawn } from "node:child_process";
+import fs from "node:fs";
+import http from "node:http";
+import os from "node:os";
+import path from "node:path";
+
+const types = {
+  ".css": "text/css",
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".mjs": "text/javascript",
+  ".wasm": "application/wasm",
+};
+
+// The path of the file of the first folder that has it, by the URL's prefix; null if none does.
+export function fileOf(folders, url) {
+  const name = decodeURIComponent(url);
+  for (const [prefix, folder] of Object.entries(folders)) {
+    if (!name.startsWith(prefix)) continue;
+    const file = path.join(folder, name.slice(prefix.length));
+    if (file.startsWith(folder) && fs.existsSync(file) && fs.statSync(file).isFile()) return file;
+  }
+  return null;
+}
+
+// folders: {"/prefix/": folder}. answer(url, body): for POST requests. isolated: with the headers
+// that allow threads.
+export function serve({ folders, isolated = true, answer = () => {} }) {
+  const server = http.createServer(async (request, response) => {
+    const url = new URL(request.url, "http://localhost").pathname;
+    if (isolated) {
+      response.setHeader("cross-origin-opener-policy", "same-origin");
+      response.setHeader("cross-origin-embedder-policy", "require-corp");
+    }
+    if (request.method === "POST") {
+      const body = [];
+      for await (const part of request) body.push(part);
+      response.end();
+      return answer(url, Buffer.concat(body));
+    }
+    const file = fileOf(folders, url);
+    if (!file) return response.writeHead(404).end();
+    response.setHeader("content-type", types[path.extname(file)] ?? "application/octet-stream");
+    fs.createReadStream(file).pipe(response);
+  });
+  return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve(server)));
+}
+
+// Opens `page` (an URL's path and query) and resolves to what it posts to /result; rejects with what
+// it posts to /failed, if the browser ends, or after `seconds`.
+export async function inBrowser({ chromium, page, folders, isolated, flags = [], seconds = 120 }) {
+  const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-chromium-"));
+  let browser = null;
+  let server = null;
+  try {
+    return await new Promise((resolve, reject) => {
+      const timer = setTimeout(() => reject(new Error(`${page}: no result in ${seconds} s`)), 1e3 * seconds);
+      timer.unref();
+      const answer = (url, body) => {
+        if (url === "/result") resolve(JSON.parse(body.toString()));
+        if (url === "/failed") reject(new Error(body.toString()));
+        if (url === "/log") console.error(body.toString());
+      };
+      serve({ folders, isolated, answer }).then((started) => {
+        server = started;
+        const log = fs.openSync(path.join(profile, "log"), "w");
+        const all = [
+          "--headless=new",
+          "--no-first-run",
+          `--user-data-dir=${profile}`,
+          "--disable-gpu",
+          "--disable-dev-shm-usage",
+          ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),  // it refuses root's
+          ...flags,
+          `http://127.0.0.1:${server.address().port}${page}`,
+        ];
+        browser = spawn(chromium, all, { stdio: ["ignore", log, log], detached: true });
+        browser.on("error", (error) => reject(new Error(`${chromium}: ${error.message}`)));
+        browser.on("exit", (code, signal) => reject(new Error(`${chromium} ended early (${signal ?? code})`)));
+      });
+    });
+  } finally {
+    if (browser) {
+      browser.removeAllListeners("exit");
+      browser.on("exit", () => {});
+      try {
+        process.kill(-browser.pid, "SIGKILL");
+      } catch {}  // it has ended by itself
+    }
+    server?.close();
+    server?.closeAllConnections();
+    fs.rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  }
+}
