@@ -1,0 +1,272 @@
+// <cosplat-avatar src flame camera drive background resolution> and
+// <cosplat-splats src background resolution>.
+//
+// Events: "load" (detail: what is open), "error" (message, in one line), "stats" (detail, once a second
+// while pictures change), "drive" (detail: "connected" or "lost").
+import { CosplatError } from "./module.js";
+import { RemoteAvatar, RemoteScene } from "./remote.js";
+
+const MAX_SIDE = 4096;  // px
+const MAX_ELEVATION = 1.5;  // radians; as cosplat_orbit_camera
+const RADIANS = Math.PI / 180;
+const TURN_PER_PX = 0.01;  // radians per pixel of a drag
+const RETRY_MS = [500, 1000, 2000, 5000];  // between attempts to reach a lost socket
+
+const style = `:host { display: block; aspect-ratio: 1; overflow: hidden; touch-action: none; }
+canvas { display: block; width: 100%; height: 100%; }`;
+
+// "#rrggbb" as [r, g, b] from 0 to 1; null for "" and "transparent".
+function colorOf(text) {
+  if (!text || text === "transparent") return null;
+  const digits = /^#([0-9a-f]{6})$/i.exec(text)?.[1];
+  if (!digits) throw new CosplatError(`background: '${text}' is neither #rrggbb nor transparent`);
+  return [0, 2, 4].map((at) => parseInt(digits.slice(at, at + 2), 16) / 255);
+}
+
+class SplatElement extends HTMLElement {
+  // Set by configure(): options for every player of the page, as of openAvatar.
+  static options = {};
+
+  constructor() {
+    super();
+    this.attachShadow({ mode: "open" });
+    this.generation = 0;  // of opening; what belongs to an earlier one is ignored
+    this.remote = null;
+    this.resizes = new ResizeObserver(() => this.resize());
+    let from = null;
+    this.addEventListener("pointerdown", (event) => {
+      from = { x: event.clientX, y: event.clientY };
+      this.setPointerCapture(event.pointerId);
+    });
+    this.addEventListener("pointermove", (event) => {
+      if (!from || !this.remote) return;
+      this.drag(event.clientX - from.x, event.clientY - from.y);
+      from = { x: event.clientX, y: event.clientY };
+    });
+    for (const end of ["pointerup", "pointercancel"]) this.addEventListener(end, () => (from = null));
+    this.addEventListener(
+      "wheel",
+      (event) => {
+        if (!this.remote) return;
+        event.preventDefault();
+        this.scroll(-Math.sign(event.deltaY));
+      },
+      { passive: false },
+    );
+  }
+
+  connectedCallback() {
+    this.resizes.observe(this);
+    this.reopen();
+  }
+  disconnectedCallback() {
+    this.resizes.disconnect();
+    this.shut();
+  }
+
+  // Attributes of one change open it once.
+  reopen() {
+    const generation = ++this.generation;
+    queueMicrotask(async () => {
+      if (generation !== this.generation || !this.isConnected) return;
+      this.shut();
+      ++this.generation;
+      const mine = this.generation;
+      const canvas = document.createElement("canvas");
+      this.shadowRoot.innerHTML = `<style>${style}</style>`;
+      this.shadowRoot.append(canvas);
+      try {
+        const opened = await this.open(canvas.transferControlToOffscreen());
+        if (mine !== this.generation) return opened.close();
+        this.remote = opened;
+        opened.addEventListener("error", ({ detail }) => this.report(detail));
+        opened.addEventListener("stats", ({ detail }) =>
+          this.dispatchEvent(new CustomEvent("stats", { detail })),
+        );
+        this.resize();
+        this.showBackground();
+        await this.opened();
+        if (mine !== this.generation) return;
+        this.dispatchEvent(new CustomEvent("load", { detail: opened.properties }));
+      } catch (error) {
+        if (mine === this.generation) this.report(error);
+      }
+    });
+  }
+  shut() {
+    ++this.generation;
+    this.remote?.close();
+    this.remote = null;
+  }
+  async opened() {}
+
+  report({ message }) {
+    this.dispatchEvent(new ErrorEvent("error", { message }));
+  }
+
+  resize() {
+    const scale = Number(this.getAttribute("resolution") ?? 1) || 1;
+    const side = (length) => Math.min(MAX_SIDE, Math.max(1, Math.round(length * scale)));
+    this.remote?.setView({ width: side(this.clientWidth), height: side(this.clientHeight) });
+  }
+  showBackground() {
+    try {
+      this.remote?.setView({ background: colorOf(this.getAttribute("background")) });
+    } catch (error) {
+      this.report(error);
+    }
+  }
+
+  attributeChangedCallback(name, before, after) {
+    if (before === after || !this.isConnected) return;
+    if (name === "resolution") this.resize();
+    else if (name === "background") this.showBackground();
+    else if (!this.remote || ["src", "flame", "bust", "threads"].includes(name)) this.reopen();
+    else this.changed(name);
+  }
+  options() {
+    const threads = this.getAttribute("threads");
+    return { ...SplatElement.options, ...(threads ? { threads: Number(threads) } : {}) };
+  }
+}
+
+export class AvatarElement extends SplatElement {
+  static observedAttributes = ["src", "flame", "bust", "threads", "camera", "drive", "background", "resolution"];
+
+  constructor() {
+    super();
+    this.socket = null;
+    this.onMessage = ({ data }) => {
+      if (data?.cosplat) this.send(data.cosplat);
+    };
+  }
+
+  open(canvas) {
+    const options = { ...this.options(), canvas, bust: this.getAttribute("bust") ?? "follows" };
+    return RemoteAvatar.open(this.sources?.src ?? this.getAttribute("src"), this.sources?.flame ?? this.getAttribute("flame"), options);
+  }
+  // Bytes or Blobs in place of the attributes src and flame.
+  load(src, flame) {
+    this.sources = { src, flame };
+    this.reopen();
+  }
+  opened() {
+    this.readCamera();
+    return this.openDrive(this.getAttribute("drive"));
+  }
+  changed(name) {
+    if (name === "camera") this.readCamera();
+    if (name === "drive") this.openDrive(this.getAttribute("drive"));
+  }
+
+  // "azimuth elevation zoom", angles in degrees.
+  readCamera() {
+    const [azimuth = 0, elevation = 0, zoom = 1] = (this.getAttribute("camera") ?? "")
+      .split(/[\s,]+/)
+      .filter(Boolean)
+      .map(Number);
+    if (![azimuth, elevation, zoom].every(Number.isFinite))
+      return this.report({ message: `camera: '${this.getAttribute("camera")}' is not AZIMUTH ELEVATION ZOOM` });
+    this.look({ azimuth: azimuth * RADIANS, elevation: elevation * RADIANS, zoom });
+  }
+  // Radians.
+  look(orbit) {
+    this.orbit = orbit;
+    this.remote?.setView({ orbit });
+  }
+  drag(right, down) {
+    const elevation = this.orbit.elevation + TURN_PER_PX * down;
+    this.look({
+      ...this.orbit,
+      azimuth: this.orbit.azimuth - TURN_PER_PX * right,
+      elevation: Math.max(-MAX_ELEVATION, Math.min(MAX_ELEVATION, elevation)),
+    });
+  }
+  scroll(steps) {
+    this.look({ ...this.orbit, zoom: Math.max(0.1, Math.min(20, this.orbit.zoom * 1.1 ** steps)) });
+  }
+
+  // "ws://..." or "wss://...": frames as its messages; "message": as {cosplat: FRAME} posted to the
+  // window; "frames": by send(); else the address of a recording. What a frame is: docs/live-input.md.
+  async openDrive(drive) {
+    this.closeDrive();
+    try {
+      const kind = drive === "message" || drive === "frames" || /^wss?:/.test(drive ?? "") ? "frames" : drive;
+      if (kind || this.driven) await this.remote.setDrive(kind || null);
+      this.driven = Boolean(kind);
+      if (drive === "message") window.addEventListener("message", this.onMessage);
+      if (/^wss?:/.test(drive ?? "")) this.connect(drive, 0);
+    } catch (error) {
+      this.report(error);
+    }
+  }
+  connect(address, attempt) {
+    const socket = new WebSocket(address);
+    this.socket = socket;
+    socket.onopen = () => {
+      attempt = 0;
+      this.dispatchEvent(new CustomEvent("drive", { detail: "connected" }));
+    };
+    socket.onmessage = ({ data }) => this.send(data);
+    socket.onclose = ({ code }) => {
+      if (socket !== this.socket) return;
+      this.report({ message: `${address}: the connection was lost (code ${code}), trying again` });
+      this.dispatchEvent(new CustomEvent("drive", { detail: "lost" }));
+      const wait = RETRY_MS[Math.min(attempt, RETRY_MS.length - 1)];
+      setTimeout(() => socket === this.socket && this.connect(address, attempt + 1), wait);
+    };
+  }
+  closeDrive() {
+    const socket = this.socket;
+    this.socket = null;
+    socket?.close();
+    window.removeEventListener("message", this.onMessage);
+  }
+  shut() {
+    this.closeDrive();
+    super.shut();
+    this.driven = false;
+  }
+
+  setParameters(parameters) {
+    this.remote?.setParameters(parameters);
+  }
+  resetParameters() {
+    this.remote?.resetParameters();
+  }
+  send(frame) {
+    this.remote?.send(frame);
+  }
+  setPolicy(policy) {
+    return this.remote?.setPolicy(policy);
+  }
+  health() {
+    return this.remote?.health();
+  }
+}
+
+export class SplatsElement extends SplatElement {
+  static observedAttributes = ["src", "threads", "background", "resolution"];
+
+  open(canvas) {
+    return RemoteScene.open(this.sources?.src ?? this.getAttribute("src"), { ...this.options(), canvas });
+  }
+  load(src) {
+    this.sources = { src };
+    this.reopen();
+  }
+  drag(right, down) {
+    this.remote.orbit(-TURN_PER_PX * right, TURN_PER_PX * down);
+  }
+  scroll(steps) {
+    this.remote.zoom(steps);
+  }
+}
+
+// Options for every element of the page, as of openAvatar; before the first is shown.
+export function configure(options) {
+  SplatElement.options = options;
+}
+
+customElements.define("cosplat-avatar", AvatarElement);
+customElements.define("cosplat-splats", SplatsElement);

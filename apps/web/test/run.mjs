@@ -1,0 +1,146 @@
+// The package in headless Chromium, against libcosplat.so:
+//
+//   node run.mjs test  --cosplat PROGRAM --python PROGRAM --library FILE --chromium PROGRAM
+//   node run.mjs speed ...   prints what docs/web.md has
+//
+// Makes a head, trains a small avatar on it, and lets test/page.js draw it. Exit code 1: a check failed.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { parseArgs } from "node:util";
+
+import { inBrowser } from "./browser.mjs";
+
+const { values, positionals } = parseArgs({
+  allowPositionals: true,
+  options: Object.fromEntries(
+    ["cosplat", "python", "library", "chromium"].map((name) => [name, { type: "string" }]),
+  ),
+});
+const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const web = path.dirname(here);
+const work = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-web-"));
+process.on("exit", () => fs.rmSync(work, { recursive: true, force: true }));
+
+const cosplat = (...args) => execFileSync(values.cosplat, [...args, "--quiet"], { stdio: "inherit" });
+const inWork = (name) => path.join(work, name);
+
+function makeAvatar(gaussians, iterations) {
+  cosplat("make-head", "-o", inWork("head"), "--frames", "60", "--test-frames", "10", "--size", "256");
+  cosplat(
+    "train-avatar", "-s", inWork("head"), "--flame", inWork("head/model.npz"), "-m", inWork("avatar"),
+    "--preset", "quick", "--gaussians", String(gaussians), "--iterations", String(iterations),
+  );
+  fs.copyFileSync(inWork("avatar/avatar.glb"), inWork("avatar.glb"));
+  fs.copyFileSync(inWork("head/model.npz"), inWork("flame.npz"));
+}
+
+// Draws with libcosplat.so; milliseconds per picture.
+function makeReference(size, frames) {
+  const args = [path.join(here, "reference.py"), path.join(web, "../python"), inWork("avatar.glb"),
+                inWork("flame.npz"), work, String(size), String(frames)];
+  const env = { ...process.env, COSPLAT_LIBRARY: values.library };
+  return Number(execFileSync(values.python, args, { env }).toString());
+}
+
+function ask(job, { query = {}, ...others } = {}) {
+  const page = `/web/test/page.html?${new URLSearchParams({ job, ...query })}`;
+  const flags = ["--js-flags=--expose-gc", "--enable-precise-memory-info"];
+  const folders = { "/web/": web, "/data/": work };
+  return inBrowser({ chromium: values.chromium, page, folders, flags, ...others });
+}
+
+async function testPictures() {
+  makeReference(512, 20);
+  for (const isolated of [true, false]) {
+    const result = await ask("pictures", { isolated, query: { size: 512 } });
+    const share = ((100 * result.different) / result.bytes).toFixed(4);
+    console.log(
+      `pictures, ${result.threads} threads: at least ${result.psnr.toFixed(1)} dB over 20 frames, ` +
+        `${share} % of the bytes differ, by at most ${result.largest}`,
+    );
+    assert.ok(result.psnr >= 50, "50 dB");
+    assert.equal(result.threads > 1, isolated && os.availableParallelism() > 1);
+  }
+}
+
+async function testErrors() {
+  const cut = (from, to) => fs.writeFileSync(inWork(to), fs.readFileSync(inWork(from)).subarray(0, 5000));
+  cut("avatar.glb", "cut.glb");
+  cut("flame.npz", "cut.npz");
+  for (const isolated of [true, false]) {
+    const result = await ask("errors", { isolated });
+    console.log(result);
+    const expected = {
+      missing_avatar: /none\.glb: cannot be loaded: HTTP 404/,
+      missing_flame: /none\.npz: cannot be loaded: HTTP 404/,
+      no_flame: /^flame_path: is needed: the model/,
+      wrong_flame: /frames\.json/,
+      cut_avatar: /cut\.glb/,
+      cut_flame: /cut\.npz/,
+      wrong_splats: /frames\.json/,
+      missing_splats: /none\.ply: cannot be loaded: HTTP 404/,
+      loads_before: /^load$/,
+      lost_socket: /^ws:\/\/127\.0\.0\.1:9\/face: the connection was lost/,
+      missing_drive: /none\.npz: cannot be loaded: HTTP 404/,
+      background: /^background: 'pink'/,
+      not_finite: /joints\[6\]: nan is not finite/,
+    };
+    for (const [name, pattern] of Object.entries(expected)) {
+      assert.match(result[name], pattern, name);
+      assert.ok(!result[name].includes("\n"), `${name} is one line`);
+    }
+  }
+}
+
+async function testElements() {
+  cosplat("export", "-m", inWork("avatar"), "--ply", inWork("scene.ply"));
+  const result = await ask("elements");
+  console.log(result);
+  assert.equal(result.accepted, 1);
+  assert.ok(result.gaussians > 1000 && result.visible > 0.05, "the splats are seen");
+  assert.ok(result.avatarOnCanvas > 0.05 && result.splatsOnCanvas > 0.05, "canvases are drawn");
+}
+
+async function testGrowth() {
+  for (const isolated of [true, false]) {
+    const { early, late, health } = await ask("growth", { isolated, query: { frames: 5000 }, seconds: 300 });
+    console.log(
+      `5000 frames: the module holds ${early.module / 1e6} MB after 500 and ${late.module / 1e6} at the end, ` +
+        `the page ${(early.page / 1e6).toFixed(2)} and ${(late.page / 1e6).toFixed(2)}`,
+    );
+    assert.equal(late.module, early.module);
+    assert.ok(late.page - early.page < 2e5, "less than 0.2 MB");
+    assert.equal(health.driveMalformed, 100);
+    assert.equal(health.accepted, 4900);
+  }
+}
+
+// First a figure of the library, then of the page, on the same cores within the same minute.
+async function speed() {
+  makeAvatar(20000, 100);
+  const native = makeReference(512, 100);
+  const threads = await ask("speed");
+  const alone = await ask("speed", { isolated: false });
+  const row = (name, ...cells) => console.log(`| ${[name, ...cells].join(" | ")} |`);
+  const figure = (milliseconds) => `${milliseconds.toFixed(1)} ms, ${(1e3 / milliseconds).toFixed(0)}/s`;
+  console.log(`${threads.info.gaussianCount} Gaussians, ${os.availableParallelism()} cores (${os.cpus()[0].model})`);
+  row("", "libcosplat.so", `Chromium, ${threads.threads} threads`, "Chromium, 1 thread");
+  row("---", "---", "---", "---");
+  row("512 x 512", figure(native), figure(threads.at512), figure(alone.at512));
+  row("256 x 256, shown at 512 x 512", "", figure(threads.at256), figure(alone.at256));
+  row("bytes to first picture, in a worker", "", `${threads.first.toFixed(0)} ms`, `${alone.first.toFixed(0)} ms`);
+}
+
+async function test() {
+  makeAvatar(4000, 300);
+  await testPictures();
+  await testErrors();
+  await testElements();
+  await testGrowth();
+}
+
+await { test, speed }[positionals[0]]();
+process.exit(0);

@@ -1,0 +1,19 @@
+// The declarations, used as a program would use them.
+import { type Health, openAvatar, openScene, RemoteAvatar } from "../src/index.js";
+
+const avatar = await openAvatar("avatar.glb", "flame.npz", { threads: 2 });
+avatar.setParameters({ expression: [1, 2], jaw: new Float32Array([0.1, 0, 0]), time: 0 });
+avatar.setCamera(avatar.orbitCamera(512, 512, { azimuth: 0.5 }));
+const pixels: Uint8ClampedArray = avatar.render(512, 512, { alpha: "opaque", background: [1, 1, 1] });
+avatar.send({ seq: 0, blendshapes: { jawOpen: pixels.length } });
+
+const remote = await RemoteAvatar.open(new Blob([]), null);
+const health: Health = await remote.health();
+remote.setView({ width: health.accepted, background: null });
+(await openScene("scene.ply")).orbit(0.1, 0);
+
+const element = document.createElement("cosplat-avatar");
+element.addEventListener("error", (event) => console.log(event.message));
+element.send("{}");
+// @ts-expect-error: there is no such joint
+element.setParameters({ chin: [0, 0, 0] });
