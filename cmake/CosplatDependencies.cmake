@@ -12,6 +12,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(nanoflann REQUIRED)
 find_package(CLI11 REQUIRED)
 pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 # The viewer's window.
 pkg_check_modules(glfw3 REQUIRED IMPORTED_TARGET glfw3)
 pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)

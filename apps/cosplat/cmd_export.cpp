@@ -6,6 +6,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/export_subject.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/web_page.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
@@ -17,15 +18,15 @@ namespace {
 
 struct ExportOptions {
   ExportSource source;
-  std::string vq, ply, glb, run;
+  std::string vq, ply, glb, run, html;
   VqSettings settings;
   bool truncate_degree = false;
   bool quiet = false;
 };
 
 void Check(const ExportOptions& o) {
-  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty())
-    throw Error("--vq, --ply, --glb, --run", "give at least one of them");
+  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() && o.html.empty())
+    throw Error("--vq, --ply, --glb, --run, --html", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
     throw Error("-m, --splats", "give at least one of them: the model to export");
   if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
@@ -96,8 +97,23 @@ void MeasureBoth(const ExportOptions& o, ExportSubject& subject) {
   std::printf("quantised  %s\n", ToString(vq).c_str());
 }
 
+void WriteHtml(const ExportOptions& o) {
+  const WebModel model =
+      FindWebModel(o.source.splats.empty() ? o.source.model : o.source.splats, o.source.flame);
+  WriteWebPage(o.html, model);
+  if (o.quiet) return;
+  std::printf("%s: a page with its player, %.2f MB%s\n",
+              o.html.c_str(),
+              double(std::filesystem::file_size(o.html)) / 1e6,
+              model.avatar.empty() || model.flame_redistributable
+                  ? ""
+                  : "; it asks for the FLAME model, which may not be passed on");
+}
+
 void Export(ExportOptions& o) {
   Check(o);
+  if (!o.html.empty()) WriteHtml(o);
+  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty()) return;
   o.source.quantise = !o.vq.empty();
   const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
   CheckGlb(o, *subject);
@@ -153,6 +169,8 @@ void AddExport(CLI::App& app) {
       o->run,
       "write GaussianAvatars' point cloud as a run's folder, for render, metrics and "
       "play; needs -s");
+  command->add_option(
+      "--html", o->html, "write one page that shows the model offline, in any browser");
   command->add_flag("--truncate-degree",
                     o->truncate_degree,
                     "leave band 4 out of the .glb, whose format ends at degree 3");

@@ -22,6 +22,7 @@ void AddRender(CLI::App& app);
 void AddReport(CLI::App& app);
 void AddScene(CLI::App& app);
 void AddSend(CLI::App& app);
+void AddServe(CLI::App& app);
 void AddStudy(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);

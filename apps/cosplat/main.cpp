@@ -71,6 +71,7 @@ int Run(int argc, char** argv) {
   cosplat::AddReport(app);
   cosplat::AddInfo(app);
   cosplat::AddSend(app);
+  cosplat::AddServe(app);
   cosplat::AddBench(app);
   cosplat::AddStudy(app);
   try {

@@ -1,14 +1,9 @@
 #include "apps/cosplat/run/data_uri.h"
 
-#include <cstdint>
-#include <vector>
-
 #include "splat/base/image_io.h"
 
 namespace cosplat {
-namespace {
 
-// Source: RFC 4648.
 std::string Base64(const std::vector<uint8_t>& bytes) {
   constexpr const char* kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -21,8 +16,6 @@ std::string Base64(const std::vector<uint8_t>& bytes) {
   }
   return out;
 }
-
-}  // namespace
 
 std::string ImageUri(const Image8& image, const std::string& extension) {
   const std::string type = extension == ".png" ? "image/png" : "image/jpeg";

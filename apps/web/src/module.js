@@ -50,12 +50,12 @@ export async function loadModule({ threads, modules, load } = {}) {
   const most = !load && threadsAvailable() ? navigator.hardwareConcurrency : 1;
   const count = Math.max(1, Math.min(threads ?? most, most, MAX_THREADS));
   const name = count > 1 ? "player-threads" : "player";
-  const base = new URL(modules ?? "../dist/", import.meta.url);
+  const base = load ? null : new URL(modules ?? "../dist/", import.meta.url);
   const lines = [];  // bytes that the drive "stdin:" has not read yet
   let at = 0;
   const module = {
     threads: count - 1,
-    locateFile: (file) => new URL(file, base).href,
+    locateFile: (file) => (load ? file : new URL(file, base).href),
     stdin: () => {
       if (lines.length === 0) return undefined;  // nothing yet
       const byte = lines[0][at++];

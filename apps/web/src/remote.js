@@ -4,9 +4,9 @@ import { CosplatError } from "./module.js";
 
 // A worker of another origin cannot be started, but one of the page's can import it.
 function startWorker(options) {
-  const url = options.offline?.worker ?? new URL("./worker.js", import.meta.url);
-  const own = new URL(url).origin === globalThis.location.origin || new URL(url).protocol === "blob:";
-  if (own) return new Worker(url, { type: "module" });
+  if (options.offline) return new Worker(options.offline.worker);
+  const url = new URL("./worker.js", import.meta.url);
+  if (url.origin === globalThis.location.origin) return new Worker(url, { type: "module" });
   const source = new Blob([`import ${JSON.stringify(String(url))};`], { type: "text/javascript" });
   return new Worker(URL.createObjectURL(source), { type: "module" });
 }

@@ -68,8 +68,11 @@ function frame() {
 const own = {
   async open({ kind, source, flame, options, canvas }) {
     const { offline, ...others } = options;
-    const load = offline && (async () => ({ glue: await import(offline.glue), wasm: offline.wasm }));
-    subject = kind === "avatar" ? await openAvatar(source, flame, { ...others, load }) : await openScene(source, { ...others, load });
+    // The offline page's worker brings the module's glue (pages/offline-worker.js).
+    const load = offline && (async () => ({ glue: globalThis.cosplatGlue, wasm: offline.wasm }));
+    subject = await (kind === "avatar"
+      ? openAvatar(source, flame, { ...others, load })
+      : openScene(source, { ...others, load }));
     context = canvas?.getContext("2d") ?? null;
     stats.since = performance.now();
     changed = true;

@@ -33,6 +33,8 @@ export function serve({ folders, isolated = true, answer = () => {} }) {
     if (isolated) {
       response.setHeader("cross-origin-opener-policy", "same-origin");
       response.setHeader("cross-origin-embedder-policy", "require-corp");
+      response.setHeader("cross-origin-resource-policy", "cross-origin");
+      response.setHeader("access-control-allow-origin", "*");
     }
     if (request.method === "POST") {
       const body = [];

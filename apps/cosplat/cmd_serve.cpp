@@ -1,0 +1,109 @@
+// cosplat serve: a model's page, on this machine only.
+#include <httplib.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/process.h"
+#include "apps/cosplat/run/web_model.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ServeOptions {
+  std::string model, flame, page = "gallery";
+  int port = 8080;
+  bool stay = false;
+};
+
+// What the page asks for first. The files have fixed names, but their own extensions.
+Json Description(const WebModel& model) {
+  const auto url = [](const char* name, const std::string& path) {
+    return std::string("/model/") + name + fs::path(path).extension().string();
+  };
+  Json json{{"title", model.title}};
+  if (model.avatar.empty()) {
+    json["splats"] = url("splats", model.splats);
+  } else {
+    json["avatar"] = url("avatar", model.avatar);
+    json["flame"] = url("flame", model.flame);
+  }
+  return json;
+}
+
+// Answers GETs of `url` with the file as it is at that time.
+void ServeFile(httplib::Server& server, const std::string& url, const std::string& path) {
+  server.Get(url, [path](const httplib::Request&, httplib::Response& out) {
+    try {
+      const std::vector<char> bytes = ReadFile(path);
+      out.set_content(bytes.data(), bytes.size(), "application/octet-stream");
+    } catch (const Error&) {
+      out.status = 404;
+    }
+  });
+}
+
+void OpenInBrowser(const std::string& url) {
+  const std::string program = FindProgram("xdg-open");
+  if (!program.empty()) RunProcess({program, url}, {}, [](const std::string&) {});
+}
+
+void Serve(const ServeOptions& o) {
+  const std::string folder = WebFolder("dist/player.wasm");
+  const WebModel model = FindWebModel(o.model, o.flame);
+  httplib::Server server;
+  // What allows a page to share memory between threads.
+  server.set_default_headers({{"Cross-Origin-Opener-Policy", "same-origin"},
+                              {"Cross-Origin-Embedder-Policy", "require-corp"},
+                              {"Cache-Control", "no-cache"}});
+  for (const char* part : {"dist", "pages", "src"})
+    if (!server.set_mount_point(std::string("/") + part, folder + "/" + part))
+      throw Error(folder + "/" + part, "is missing");
+  for (const auto& [extension, type] : {std::pair("mjs", "text/javascript"),
+                                        std::pair("js", "text/javascript"),
+                                        std::pair("wasm", "application/wasm")})
+    server.set_file_extension_and_mimetype_mapping(extension, type);
+  const Json description = Description(model);
+  server.Get("/model.json", [&](const httplib::Request&, httplib::Response& out) {
+    out.set_content(description.dump(), "application/json");
+  });
+  for (const auto& [field, path] : {std::pair("avatar", model.avatar),
+                                    std::pair("flame", model.flame),
+                                    std::pair("splats", model.splats)})
+    if (!path.empty()) ServeFile(server, description[field], path);
+  const int port = o.port == 0 ? server.bind_to_any_port("127.0.0.1")
+                               : (server.bind_to_port("127.0.0.1", o.port) ? o.port : -1);
+  if (port < 0)
+    throw Error("--port", std::to_string(o.port) + " is in use; --port 0 takes a free one");
+  const std::string name = o.page == "gallery" ? "index" : o.page;
+  const std::string url = "http://127.0.0.1:" + std::to_string(port) + "/pages/" + name + ".html";
+  std::printf("%s\nCtrl-C ends it.\n", url.c_str());
+  std::fflush(stdout);
+  if (!o.stay) OpenInBrowser(url);
+  server.listen_after_bind();
+}
+
+}  // namespace
+
+void AddServe(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("serve", "show a model in the browser, from a server on this machine");
+  const auto o = std::make_shared<ServeOptions>();
+  command->add_option("model", o->model, "a run's folder, an avatar (.glb) or splats (.ply, .zip)")
+      ->required();
+  command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
+  command->add_option("--page", o->page, "the page to open")
+      ->check(CLI::IsMember({"gallery", "obs", "webcam"}));
+  command->add_option("--port", o->port, "0: a free one")->check(CLI::Range(0, 65535));
+  command->add_flag("--no-open", o->stay, "only print the address");
+  command->callback([o] { Serve(*o); });
+}
+
+}  // namespace cosplat

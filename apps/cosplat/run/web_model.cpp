@@ -1,0 +1,56 @@
+#include "apps/cosplat/run/web_model.h"
+
+#include <filesystem>
+
+#include "apps/cosplat/play_content.h"
+#include "apps/cosplat/run/run_folder.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The FLAME model that the run beside an avatar names.
+std::string FlameOfRun(const std::string& folder) {
+  const Json json = ReadRun(folder);
+  return JsonField(folder + "/run.json", json)["flame"].String();
+}
+
+std::string SplatsOfRun(const std::string& folder) {
+  const Json json = ReadRun(folder);
+  return SplatPath(folder, SavedIteration(folder, JsonField(folder + "/run.json", json)));
+}
+
+}  // namespace
+
+WebModel FindWebModel(const std::string& model, const std::string& flame) {
+  const viewer::Content content = LoadContent(model, flame);
+  WebModel found;
+  found.title = content.title;
+  const bool folder = fs::is_directory(model);
+  if (!content.avatar) {
+    found.splats = folder ? SplatsOfRun(model) : model;
+    return found;
+  }
+  found.avatar = folder ? model + "/avatar.glb" : model;
+  if (fs::path(found.avatar).extension() != ".glb")
+    throw Error(model, "is GaussianAvatars' point cloud: `cosplat export --run` makes a run of it");
+  found.flame =
+      flame.empty() ? FlameOfRun(fs::absolute(found.avatar).parent_path().string()) : flame;
+  found.flame_name = content.avatar->flame.name;
+  found.flame_redistributable = content.avatar->flame.redistributable;
+  return found;
+}
+
+std::string WebFolder(const std::string& file) {
+  std::error_code ignored;
+  const fs::path self = fs::read_symlink("/proc/self/exe", ignored);
+  const fs::path installed = self.parent_path().parent_path() / "share/cosplat/web";
+  const fs::path folder = fs::exists(installed / "package.json") ? installed : COSPLAT_WEB_FOLDER;
+  if (!fs::exists(folder / file))
+    throw Error((folder / file).string(), "is missing: `./run web` builds the browser's player");
+  return folder.string();
+}
+
+}  // namespace cosplat

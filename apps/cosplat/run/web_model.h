@@ -1,0 +1,27 @@
+// A model as a browser shows it: the files that apps/web's player opens.
+//
+// MODEL of a command -> FindWebModel -> `cosplat serve`, `cosplat export --html`.
+#pragma once
+
+#include <string>
+
+namespace cosplat {
+
+struct WebModel {
+  std::string title;
+  std::string avatar, flame;           // paths of an avatar's .glb and of its FLAME model, or
+  std::string splats;                  // of a scene's .ply or .zip
+  std::string flame_name;              // the avatar's name of its FLAME model
+  bool flame_redistributable = false;  // whether it may be passed on with the page
+};
+
+// model: a run's folder, a .glb, a .ply or a quantised .zip; flame: the FLAME model, or empty for
+// the one trained with. Reads everything once, so that what the page cannot open is refused here:
+// throws Error as LoadContent, and for GaussianAvatars' point clouds.
+WebModel FindWebModel(const std::string& model, const std::string& flame);
+
+// The folder of the player's npm package: installed beside this program, or of the source tree.
+// Throws Error if `file` (such as "dist/player.wasm") was not built.
+std::string WebFolder(const std::string& file);
+
+}  // namespace cosplat

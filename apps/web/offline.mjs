@@ -1,0 +1,40 @@
+// Makes dist/offline.html, into which `cosplat export --html` puts a model: the gallery with the
+// player of one thread in one file.
+import fs from "node:fs";
+import path from "node:path";
+
+import { build } from "esbuild";
+
+const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const read = (file) => fs.readFileSync(path.join(here, file), "utf8");
+
+async function bundle(file, format) {
+  const options = { bundle: true, format, minify: true, write: false, logLevel: "error", target: "es2022", logOverride: { "empty-import-meta": "silent" } };
+  const { outputFiles } = await build({ ...options, entryPoints: [path.join(here, file)] });
+  return outputFiles[0].text;
+}
+// A script's text must not end the script.
+const inScript = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+const held = (id, text) => `<script type="text/plain" id="${id}">${inScript(text)}</script>`;
+
+const body = read("pages/index.html");
+const main = body.slice(body.indexOf("<main>"), body.indexOf("</main>") + "</main>".length);
+const page = `<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8" />
+<meta name="viewport" content="width=device-width, initial-scale=1" />
+<title>CoSplat</title>
+<style>
+${read("pages/style.css")}</style>
+</head>
+<body>
+${main}
+${held("worker", await bundle("pages/offline-worker.js", "iife"))}
+${held("wasm", fs.readFileSync(path.join(here, "dist/player.wasm")).toString("base64"))}
+<script type="text/plain" id="model">@MODEL@</script>
+<script type="module">${inScript(await bundle("pages/offline.js", "esm"))}</script>
+</body>
+</html>
+`;
+fs.writeFileSync(path.join(here, "dist/offline.html"), page);

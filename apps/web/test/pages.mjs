@@ -1,0 +1,158 @@
+// The pages in headless Chromium at a desktop's and a phone's width, from `cosplat serve` and from a
+// file of `cosplat export --html`:
+//
+//   node pages.mjs --cosplat PROGRAM --chromium PROGRAM [--pictures FOLDER]
+//
+// Makes a head and a small avatar; checks that each page draws, is no wider than the window and tells
+// nothing wrong; --pictures keeps screenshots.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { parseArgs } from "node:util";
+
+import { serve } from "./browser.mjs";
+
+const { values } = parseArgs({
+  options: Object.fromEntries(["cosplat", "chromium", "pictures"].map((name) => [name, { type: "string" }])),
+});
+const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
+const work = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-pages-"));
+const children = [];
+process.on("exit", () => {
+  for (const child of children) child.kill("SIGKILL");
+  fs.rmSync(work, { recursive: true, force: true });
+});
+
+// Chromium's DevTools protocol over a pipe: messages that end in a zero byte.
+class DevTools {
+  constructor() {
+    this.count = 0;
+    this.answers = new Map();
+    const flags = [
+      "--headless=new", "--no-first-run", `--user-data-dir=${path.join(work, "profile")}`, "--disable-gpu",
+      "--disable-dev-shm-usage", "--remote-debugging-pipe", "--use-fake-device-for-media-stream",
+      "--use-fake-ui-for-media-stream", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),
+    ];
+    const stdio = ["ignore", "ignore", "ignore", "pipe", "pipe"];
+    const child = spawn(values.chromium, flags, { stdio });
+    children.push(child);
+    this.to = child.stdio[3];
+    let rest = "";
+    child.stdio[4].setEncoding("utf8").on("data", (text) => {
+      const parts = (rest + text).split("\0");
+      rest = parts.pop();
+      for (const part of parts) this.receive(JSON.parse(part));
+    });
+  }
+  receive({ id, result, error }) {
+    const answer = this.answers.get(id);
+    this.answers.delete(id);
+    if (error) answer?.reject(new Error(error.message));
+    else answer?.resolve(result);
+  }
+  ask(method, params = {}, sessionId = undefined) {
+    const id = ++this.count;
+    this.to.write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
+    return new Promise((resolve, reject) => this.answers.set(id, { resolve, reject }));
+  }
+  async page(url, width, height) {
+    const { targetId } = await this.ask("Target.createTarget", { url: "about:blank" });
+    const { sessionId } = await this.ask("Target.attachToTarget", { targetId, flatten: true });
+    const ask = (method, params) => this.ask(method, params, sessionId);
+    await ask("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
+    await ask("Page.enable");
+    await ask("Page.navigate", { url });
+    return {
+      ask,
+      async value(expression) {
+        const { result, exceptionDetails } = await ask("Runtime.evaluate", {
+          expression, awaitPromise: true, returnByValue: true, userGesture: true,
+        });
+        if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+        return result.value;
+      },
+      close: () => devTools.ask("Target.closeTarget", { targetId }),
+    };
+  }
+}
+
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+async function until(what, test) {
+  for (let i = 0; i < 200; ++i) {
+    if (await test()) return;
+    await sleep(100);
+  }
+  throw new Error(`not within 20 s: ${what}`);
+}
+
+function run(...args) {
+  execFileSync(values.cosplat, [...args, "--quiet"], { stdio: "inherit" });
+}
+const inWork = (name) => path.join(work, name);
+run("make-head", "-o", inWork("head"), "--frames", "60", "--test-frames", "10", "--size", "256");
+run("train-avatar", "-s", inWork("head"), "--flame", inWork("head/model.npz"), "-m", inWork("avatar"),
+    "--preset", "quick", "--gaussians", "6000", "--iterations", "500");
+run("export", "-m", inWork("avatar"), "--ply", inWork("scene.ply"), "--html", inWork("avatar.html"));
+run("export", "--splats", inWork("scene.ply"), "--html", inWork("scene.html"));
+
+// Of `cosplat serve`.
+function served(model) {
+  const child = spawn(values.cosplat, ["serve", model, "--no-open", "--port", "0"]);
+  children.push(child);
+  return new Promise((resolve, reject) => {
+    child.stdout.once("data", (text) => resolve(new URL(String(text).split("\n")[0]).origin));
+    child.once("exit", () => reject(new Error("cosplat serve ended")));
+  });
+}
+const avatars = await served(inWork("avatar"));
+const scenes = await served(inWork("scene.ply"));
+// In place of MediaPipe, whose model is not in a package: a jaw that opens and a head that turns.
+const stub = await serve({ folders: { "/": here } });
+const mediapipe = `http://127.0.0.1:${stub.address().port}/mediapipe-stub`;
+
+// Isolated: whether the page may use threads.
+const pages = [
+  { name: "gallery", url: `${avatars}/pages/index.html`, isolated: true },
+  { name: "gallery-splats", url: `${scenes}/pages/index.html`, isolated: true },
+  { name: "obs", url: `${avatars}/pages/obs.html?camera=20+5+0.9`, isolated: true },
+  { name: "webcam", url: `${avatars}/pages/webcam.html?package=${mediapipe}`, isolated: true, webcam: true },
+  { name: "offline", url: pathToFileURL(inWork("avatar.html")).href, isolated: false },
+  { name: "offline-splats", url: pathToFileURL(inWork("scene.html")).href, isolated: false },
+];
+
+const devTools = new DevTools();
+const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
+for (const { name, url, isolated, webcam } of pages)
+  for (const [width, height] of [[1280, 800], [390, 844]]) {
+    const page = await devTools.page(url, width, height);
+    const text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
+    await until(`${name} draws`, async () => {
+      const problem = await page.value("document.querySelector('.problem')?.textContent ?? ''");
+      assert.equal(problem, "", name);
+      return page.value(`Boolean(${shown}?.remote)`);
+    });
+    if (webcam) {
+      await page.value("document.getElementById('start').click()");
+      await until("faces are seen", async () => /^[1-9]\d* faces/.test(await text("tracking")));
+      const health = await page.value(`${shown}.health()`);
+      assert.ok(health.accepted > 0 && health.driveMalformed === 0, JSON.stringify(health));
+    }
+    await sleep(1500);
+    assert.equal(await page.value("crossOriginIsolated"), isolated, name);
+    const overflow = await page.value("document.documentElement.scrollWidth - innerWidth");
+    assert.ok(overflow <= 0, `${name} is ${overflow} px wider than ${width}`);
+    const threads = await page.value(`${shown}.remote.properties.threads`);
+    assert.equal(threads > 1, isolated && os.availableParallelism() > 1, name);
+    if (name === "obs") await page.ask("Emulation.setDefaultBackgroundColorOverride", { color: { r: 0, g: 0, b: 0, a: 0 } });
+    const { data } = await page.ask("Page.captureScreenshot", { format: "png" });
+    if (values.pictures) {
+      fs.mkdirSync(values.pictures, { recursive: true });
+      fs.writeFileSync(path.join(values.pictures, `${name}-${width}.png`), Buffer.from(data, "base64"));
+    }
+    console.log(`${name} at ${width} px: ${threads} threads, ${(await page.value("document.querySelector('.speed')?.textContent")) || "at rest"}`);
+    await page.close();
+  }
+process.exit(0);
