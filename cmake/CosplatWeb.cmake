@@ -63,6 +63,9 @@ cosplat_library(io
   splat/io/vq_file.cpp)
 target_link_libraries(cosplat_io PUBLIC cosplat::base cosplat::render
                       PRIVATE TinyGLTF::TinyGLTF hwy::hwy TBB::tbb)
+# Its functions are in a library of the machine; here they are compiled from its header.
+set_source_files_properties(splat/io/glb_tinygltf.cpp PROPERTIES
+  COMPILE_DEFINITIONS TINYGLTF_IMPLEMENTATION)
 cosplat_library(flame
   flame/added_mesh.cpp
   flame/eyelids.cpp

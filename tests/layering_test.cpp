@@ -90,6 +90,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"apps/gstreamer/", {"apps/gstreamer/", "apps/hosts/"}},
       {"apps/obs/", {"apps/obs/", "apps/hosts/"}},
       {"apps/viewer/", {"apps/viewer/", "avatar/", "flame/", "splat/"}},
+      {"apps/web/", {"apps/viewer/", "avatar/plugin/", "avatar/play/", "splat/"}},
       {"apps/cosplat/",
        {"apps/cosplat/",
         "apps/viewer/",

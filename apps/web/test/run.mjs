@@ -118,6 +118,31 @@ async function testGrowth() {
   }
 }
 
+// What `npm pack` makes, from an empty folder with the page of README.md.
+async function testPackage() {
+  const npm = (...args) => execFileSync("npm", args, { cwd: work, encoding: "utf8" });
+  const [packed] = JSON.parse(npm("pack", web, "--ignore-scripts", "--json"));
+  console.log(`the package: ${(packed.size / 1e6).toFixed(2)} MB, ${packed.entryCount} files`);
+  assert.ok(packed.size <= 1.5e6, "at most 1.5 MB");
+  const modules = inWork("site/node_modules/cosplat-player");
+  fs.mkdirSync(modules, { recursive: true });
+  execFileSync("tar", ["-xzf", inWork(packed.filename), "-C", modules, "--strip-components=1"]);
+  const readme = fs.readFileSync(path.join(modules, "README.md"), "utf8");
+  const page = /```html\n([^`]*)```/.exec(readme)[1];
+  assert.ok(page.trim().split("\n").length <= 10, "ten lines");
+  const report = `<script type="module">
+    const shown = document.querySelector("cosplat-avatar");
+    const tell = (url, value) => fetch(url, { method: "POST", body: JSON.stringify(value) });
+    shown.addEventListener("load", ({ detail }) => tell("/result", detail));
+    shown.addEventListener("error", ({ message }) => tell("/failed", message));
+  </script>`;
+  fs.writeFileSync(inWork("site/index.html"), page + report);
+  for (const name of ["avatar.glb", "flame.npz"]) fs.copyFileSync(inWork(name), inWork(`site/${name}`));
+  const folders = { "/": inWork("site") };
+  const info = await inBrowser({ chromium: values.chromium, page: "/index.html", folders, isolated: false });
+  assert.ok(info.gaussianCount > 1000);
+}
+
 // First a figure of the library, then of the page, on the same cores within the same minute.
 async function speed() {
   makeAvatar(20000, 100);
@@ -139,6 +164,7 @@ async function test() {
   await testPictures();
   await testErrors();
   await testElements();
+  await testPackage();
   await testGrowth();
 }
 
