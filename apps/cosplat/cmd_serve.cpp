@@ -56,8 +56,8 @@ void OpenInBrowser(const std::string& url) {
 }
 
 void Serve(const ServeOptions& o) {
-  const std::string folder = WebFolder("dist/player.wasm");
   const WebModel model = FindWebModel(o.model, o.flame);
+  const std::string folder = WebFolder("dist/player.wasm");
   httplib::Server server;
   // What allows a page to share memory between threads.
   server.set_default_headers({{"Cross-Origin-Opener-Policy", "same-origin"},
