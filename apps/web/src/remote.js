@@ -50,7 +50,9 @@ class Remote extends EventTarget {
     // A worker has a place of its own, from which relative addresses would be taken.
     const absolute = (from) => (typeof from === "string" ? new URL(from, document.baseURI).href : from);
     const args = { kind, source: absolute(source), flame: absolute(flame), options, canvas };
-    return this.call("open", [args], canvas ? [canvas] : []);
+    const opened = this.call("open", [args], canvas ? [canvas] : []);
+    opened.catch(() => this.close());
+    return opened;
   }
   // {width, height: px of the pictures; orbit: {azimuth, elevation, zoom}; background: [r, g, b] or
   // null for a transparent one}. What is not given stays.
@@ -63,8 +65,9 @@ class Remote extends EventTarget {
   render(width, height, options) {
     return this.call("render", [width, height, options]);
   }
+  // With its threads and its memory, whatever it is doing.
   close() {
-    this.post("close");
+    this.worker.terminate();
   }
 }
 

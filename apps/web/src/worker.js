@@ -87,11 +87,6 @@ const own = {
     live = drive !== null;
     if (!live) subject.resetParameters();
   },
-  close() {
-    subject.close();
-    subject = null;
-    globalThis.close();
-  },
 };
 
 onmessage = async ({ data: { id, verb, args } }) => {

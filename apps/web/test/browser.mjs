@@ -1,6 +1,7 @@
 // Headless Chromium for tests and measurements: serves folders, opens a page and waits for what it
 // posts to /result.
 import { spawn } from "node:child_process";
+import { createHash } from "node:crypto";
 import fs from "node:fs";
 import http from "node:http";
 import os from "node:os";
@@ -25,6 +26,25 @@ export function fileOf(folders, url) {
   return null;
 }
 
+// A WebSocket (RFC 6455) that sends 20 frames of a face, one each 20 ms, and is then lost.
+function sendFace(request, socket) {
+  const key = `${request.headers["sec-websocket-key"]}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`;
+  const accept = createHash("sha1").update(key).digest("base64");
+  socket.write(
+    `HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`,
+  );
+  socket.on("error", () => {});
+  let seq = 0;
+  const timer = setInterval(() => {
+    const text = Buffer.from(JSON.stringify({ seq: ++seq, jaw: [0.01 * seq, 0, 0] }));
+    socket.write(Buffer.concat([Buffer.from([0x81, text.length]), text]));
+    if (seq < 20) return;
+    clearInterval(timer);
+    socket.destroy();
+  }, 20);
+  socket.on("close", () => clearInterval(timer));
+}
+
 // folders: {"/prefix/": folder}. answer(url, body): for POST requests. isolated: with the headers
 // that allow threads.
 export function serve({ folders, isolated = true, answer = () => {} }) {
@@ -47,6 +67,7 @@ export function serve({ folders, isolated = true, answer = () => {} }) {
     response.setHeader("content-type", types[path.extname(file)] ?? "application/octet-stream");
     fs.createReadStream(file).pipe(response);
   });
+  server.on("upgrade", sendFace);
   return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve(server)));
 }
 

@@ -118,6 +118,13 @@ async function elements() {
     await new Promise((resolve) => setTimeout(resolve, 25));
     health = await shown.health();
   }
+  const socket = element("cosplat-avatar", { src: avatar, flame, drive: `ws://${location.host}/face` });
+  const heard = [];
+  socket.addEventListener("drive", ({ detail }) => heard.push(detail));
+  socket.addEventListener("error", ({ message }) => heard.push(message.replace(/.*face: /, "")));
+  for (let i = 0; i < 400 && heard.length < 4; ++i) await new Promise((resolve) => setTimeout(resolve, 25));
+  const driven = await socket.health();
+  socket.remove();
   const splats = element("cosplat-splats", { src: "/data/scene.ply" });
   const scene = await event(splats, "load");
   const opened = await openScene("/data/scene.ply");
@@ -136,6 +143,8 @@ async function elements() {
   };
   await new Promise((resolve) => setTimeout(resolve, 300));
   return {
+    heard,
+    driven: driven.driveFrames + driven.driveReplaced,
     accepted: health.accepted,
     face: health.face,
     gaussians: scene.detail.gaussianCount,

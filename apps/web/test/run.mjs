@@ -100,6 +100,9 @@ async function testElements() {
   const result = await ask("elements");
   console.log(result);
   assert.equal(result.accepted, 1);
+  const lost = "the connection was lost (code 1006), trying again";
+  assert.deepEqual(result.heard.slice(0, 4), ["connected", lost, "lost", "connected"]);
+  assert.ok(result.driven >= 20, "the socket's frames arrived");
   assert.ok(result.gaussians > 1000 && result.visible > 0.05, "the splats are seen");
   assert.ok(result.avatarOnCanvas > 0.05 && result.splatsOnCanvas > 0.05, "canvases are drawn");
 }
@@ -159,6 +162,7 @@ async function speed() {
   row("bytes to first picture, in a worker", "", `${threads.first.toFixed(0)} ms`, `${alone.first.toFixed(0)} ms`);
 }
 
+// In the order in which a failure says most.
 async function test() {
   makeAvatar(4000, 300);
   await testPictures();
