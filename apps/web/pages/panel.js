@@ -68,8 +68,8 @@ const SHOWN_EXPRESSIONS = 8;
 // Sliders that set the face while no drive does; and a motion, so that something happens.
 export function faceControls(element) {
   const sliders = {};
-  const slider = (name, most) => {
-    const input = make("input", { type: "range", min: -most, max: most, step: most / 100, value: 0 });
+  const slider = (name, most, least = -most) => {
+    const input = make("input", { type: "range", min: least, max: most, step: most / 100, value: 0 });
     input.oninput = () => apply();
     sliders[name] = input;
     return labelled(name, input);
@@ -83,7 +83,7 @@ export function faceControls(element) {
     element.setParameters({
       expression,
       neck: [value("nod") + wave(0.9, 0.06), value("turn") + wave(0.6, 0.25), 0],
-      jaw: [Math.max(0, value("jaw") + (t === null ? 0 : 0.1 - 0.1 * Math.cos(2.5 * t))), 0, 0],
+      jaw: [value("jaw") + (t === null ? 0 : 0.1 - 0.1 * Math.cos(2.5 * t)), 0, 0],
       leftEye: eye,
       rightEye: eye,
     });
@@ -106,7 +106,7 @@ export function faceControls(element) {
     {},
     make("legend", { textContent: "Face" }),
     labelled("motion", moves),
-    slider("jaw", 0.4),
+    slider("jaw", 0.4, 0),
     slider("turn", 0.8),
     slider("nod", 0.4),
     slider("look left", 0.4),
