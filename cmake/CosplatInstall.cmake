@@ -35,14 +35,18 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/io/pickle
   flame/io/track_layouts.h
   flame/kernels/
+  splat/base/compression.h
   splat/base/onnx_file.h
   splat/base/onnx_p
+  splat/base/webp.h
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
   splat/io/glb
   splat/io/nearest_row.h
+  splat/io/packed_values.h
   splat/io/ply_
+  splat/io/sog_format.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
   splat/prune/rounds.h

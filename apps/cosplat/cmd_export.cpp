@@ -1,7 +1,9 @@
 // cosplat export: writes a model's splats as files for other programs and for storage.
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/export_subject.h"
@@ -11,35 +13,48 @@
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/io/ply.h"
+#include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
+#include "splat/io/spz.h"
 
 namespace cosplat {
 namespace {
 
 struct ExportOptions {
   ExportSource source;
-  std::string vq, ply, glb, run, html;
+  std::string vq, ply, glb, run, spz, sog, html;
+  int spz_version = 3;
   VqSettings settings;
+  SogSettings sog_settings;
   bool truncate_degree = false;
   bool quiet = false;
 };
 
 void Check(const ExportOptions& o) {
-  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() && o.html.empty())
-    throw Error("--vq, --ply, --glb, --run, --html", "give at least one of them");
+  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() && o.spz.empty() &&
+      o.sog.empty() && o.html.empty())
+    throw Error("--ply, --glb, --spz, --sog, --vq, --run, --html", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
     throw Error("-m, --splats", "give at least one of them: the model to export");
-  if (o.source.measure && (o.vq.empty() || o.source.model.empty() || !o.source.splats.empty()))
-    throw Error("--measure", "compares a model's PLY with its --vq: give -m and --vq only");
+  if (o.source.measure && (o.source.model.empty() || !o.source.splats.empty()))
+    throw Error("--measure", "compares a model's PLY with the other files: give -m only");
+  if (o.source.measure && o.vq.empty() && o.glb.empty() && o.spz.empty() && o.sog.empty())
+    throw Error("--measure", "give --glb, --spz, --sog or --vq: the files to compare with the PLY");
 }
 
-void CheckGlb(const ExportOptions& o, const ExportSubject& subject) {
-  const std::string& path = o.glb.empty() ? o.run : o.glb;
-  if (!path.empty() && subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
-    throw Error(
-        path,
-        "degree",
-        "is 4, but standard glTF supports at most 3: pass --truncate-degree to omit band 4");
+// What files with at most three bands can hold of the subject.
+void CheckDegree(const ExportOptions& o, const ExportSubject& subject) {
+  for (const std::string& path : {o.glb, o.run, o.spz, o.sog})
+    if (!path.empty() && subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
+      throw Error(
+          path,
+          "degree",
+          "is 4, but other programs support at most 3: pass --truncate-degree to omit band 4");
+}
+
+void CheckMeasured(const ExportOptions& o, const ExportSubject& subject) {
+  if (o.source.measure && subject.is_avatar() && o.vq.empty())
+    throw Error("--measure", "needs --vq: the other files hold the avatar at rest only");
 }
 
 // `what`: appended for avatars only.
@@ -69,32 +84,62 @@ double MeanDegree(const QuantisedSplats& splats) {
   return splats.size() == 0 ? 0 : sum / double(splats.size());
 }
 
-// Measures the trained model and the quantised file, both read back; also writes export.json.
-void MeasureBoth(const ExportOptions& o, ExportSubject& subject) {
-  FileFigures ply, vq;
-  {
-    const TestViews trained = subject.AsTrained(), quantised = subject.FromFile(o.vq);
-    int done = 0;
-    ProgressBar bar("measure", int(trained.count + quantised.count), o.quiet);
-    const auto count_view = [&] { bar.Update(++done, "views"); };
-    ply = Measure(subject.path(), trained, count_view);
-    vq = Measure(o.vq, quantised, count_view);
+// Measures the trained model and the files written from it, all read back; also writes export.json.
+void MeasureFiles(const ExportOptions& o, ExportSubject& subject) {
+  struct File {
+    std::string name, path;
+  };
+  std::vector<File> files{{"ply", ""}};
+  const std::array<File, 4> exported{
+      File{"glb", o.glb}, File{"spz", o.spz}, File{"sog", o.sog}, File{"vq", o.vq}};
+  for (const File& file : exported)
+    if (!file.path.empty() && (!subject.is_avatar() || file.name == "vq")) files.push_back(file);
+  Json json{{"gaussians", subject.gaussians().size()}, {"seed", o.settings.seed}};
+  if (!o.vq.empty()) {
+    json["mean_degree"] = MeanDegree(ReadVqFile(o.vq));
+    json["codebook"] = o.settings.codebook;
+    json["keep"] = o.settings.keep;
   }
-  const Json json{{"gaussians", subject.gaussians().size()},
-                  {"mean_degree", MeanDegree(ReadVqFile(o.vq))},
-                  {"codebook", o.settings.codebook},
-                  {"keep", o.settings.keep},
-                  {"seed", o.settings.seed},
-                  {"ply_mb", ply.mb},
-                  {"ply_psnr", ply.psnr},
-                  {"ply_ssim", ply.ssim},
-                  {"vq_mb", vq.mb},
-                  {"vq_psnr", vq.psnr},
-                  {"vq_ssim", vq.ssim}};
+  std::string lines;
+  {
+    ProgressBar bar("measure", int(files.size() * subject.AsTrained().count), o.quiet);
+    int done = 0;
+    for (const File& file : files) {
+      const bool trained = file.path.empty();
+      const TestViews views = trained ? subject.AsTrained() : subject.FromFile(file.path);
+      const FileFigures figures = Measure(
+          trained ? subject.path() : file.path, views, [&] { bar.Update(++done, "views"); });
+      json[file.name + "_mb"] = figures.mb;
+      json[file.name + "_psnr"] = figures.psnr;
+      json[file.name + "_ssim"] = figures.ssim;
+      lines += file.name + "  " + ToString(figures) + "\n";
+    }
+  }
   WriteFileAtomically(o.source.model + "/export.json", json.dump(2) + "\n");
-  if (o.quiet) return;
-  std::printf("PLY        %s\n", ToString(ply).c_str());
-  std::printf("quantised  %s\n", ToString(vq).c_str());
+  if (!o.quiet) std::printf("%s", lines.c_str());
+}
+
+// The files that store colours coarsely.
+void WritePacked(const ExportOptions& o, const ExportSubject& subject) {
+  if (o.spz.empty() && o.sog.empty()) return;
+  Gaussians g = subject.gaussians();
+  TruncateDegree(kMaxSplatFileDegree, g);
+  SogSettings settings = o.sog_settings;
+  settings.seen_bands = subject.Seen();
+  if (!o.spz.empty()) {
+    WriteSpz(o.spz, g, settings.seen_bands, o.spz_version);
+    Say(o, o.spz, subject, ", the avatar at rest");
+  }
+  if (!o.sog.empty()) {
+    {
+      ProgressBar bar("export", 2, o.quiet);
+      bar.Update(0, "significance");
+      const std::vector<float> significance = subject.Significance();
+      bar.Update(1, "SOG");
+      WriteSog(o.sog, g, significance, settings);
+    }
+    Say(o, o.sog, subject, ", the avatar at rest");
+  }
 }
 
 void WriteHtml(const ExportOptions& o) {
@@ -113,10 +158,14 @@ void WriteHtml(const ExportOptions& o) {
 void Export(ExportOptions& o) {
   Check(o);
   if (!o.html.empty()) WriteHtml(o);
-  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty()) return;
-  o.source.quantise = !o.vq.empty();
+  const bool only_html = o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() &&
+                         o.spz.empty() && o.sog.empty();
+  if (only_html) return;
+  o.source.views = !o.vq.empty() || !o.sog.empty() || !o.spz.empty();
+  o.sog_settings.seed = o.settings.seed;
   const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
-  CheckGlb(o, *subject);
+  CheckDegree(o, *subject);
+  CheckMeasured(o, *subject);
   // First what may be refused.
   if (!o.run.empty()) {
     subject->WriteRun(o.run, o.truncate_degree);
@@ -130,24 +179,26 @@ void Export(ExportOptions& o) {
     WritePly(o.ply, subject->gaussians());
     Say(o, o.ply, *subject, ", the avatar at rest");
   }
+  WritePacked(o, *subject);
   if (!o.vq.empty()) {
     WriteQuantised(o, *subject);
     Say(o, o.vq, *subject, ", on the avatar's triangles");
   }
-  if (o.source.measure) MeasureBoth(o, *subject);
+  if (o.source.measure) MeasureFiles(o, *subject);
 }
 
 }  // namespace
 
 void AddExport(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("export", "write a model's splats as .ply, .glb or quantised");
+      app.add_subcommand("export", "write a model's splats as .ply, .glb, .spz, .sog or quantised");
   const auto o = std::make_shared<ExportOptions>();
   command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
-  command->add_option("--splats",
-                      o->source.splats,
-                      "a PLY or quantised file, or GaussianAvatars' point cloud; in place of the "
-                      "model's own with -m");
+  command->add_option(
+      "--splats",
+      o->source.splats,
+      "a splat file of any layout that is read (docs/files.md), or GaussianAvatars' "
+      "point cloud; in place of the model's own with -m");
   command->add_option(
       "-s,--source_path",
       o->source.data,
@@ -164,6 +215,21 @@ void AddExport(CLI::App& app) {
       o->glb,
       "write glTF with KHR_gaussian_splatting: a scene, or GaussianAvatars' point cloud "
       "as an avatar");
+  command->add_option("--spz", o->spz, "write Niantic's SPZ; of an avatar, at rest");
+  command
+      ->add_option("--spz-version",
+                   o->spz_version,
+                   "of the .spz: 2, 3 or 4; which programs read which is in docs/files.md")
+      ->check(CLI::Range(2, 4));
+  command->add_option("--sog",
+                      o->sog,
+                      "write PlayCanvas' SOG: a bundle, or into a folder if the name ends in "
+                      "meta.json; of an avatar, at rest");
+  command
+      ->add_option("--sog-palette",
+                   o->sog_settings.palette,
+                   "colours of bands 1 and up in the .sog, at most")
+      ->check(CLI::Range(1, 65536));
   command->add_option(
       "--run",
       o->run,
@@ -173,7 +239,7 @@ void AddExport(CLI::App& app) {
       "--html", o->html, "write one page that shows the model offline, in any browser");
   command->add_flag("--truncate-degree",
                     o->truncate_degree,
-                    "leave band 4 out of the .glb, whose format ends at degree 3");
+                    "leave band 4 out of the .glb, .spz and .sog, which end at degree 3");
   command->add_option(
       "--vq",
       o->vq,
@@ -185,10 +251,11 @@ void AddExport(CLI::App& app) {
                    o->settings.keep,
                    "fraction of the most significant splats that keep their own colour")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--seed", o->settings.seed, "of the codebook");
-  command->add_flag("--measure",
-                    o->source.measure,
-                    "render the test views as trained and from --vq as read back: export.json");
+  command->add_option("--seed", o->settings.seed, "of the codebooks");
+  command->add_flag(
+      "--measure",
+      o->source.measure,
+      "render the test views as trained and from the files as read back: export.json");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Export(*o); });
 }

@@ -16,6 +16,7 @@
 #include "splat/base/npz.h"
 #include "splat/io/dataset.h"
 #include "splat/io/ply.h"
+#include "splat/io/splat_file.h"
 #include "splat/io/vq_file.h"
 #include "splat/train/bands.h"
 
@@ -58,20 +59,40 @@ void DegreeInfo(Gaussians g) {
               100 * figures.rest_saved);
 }
 
-void SplatInfo(const std::string& path) {
+// "3DGS", "SPZ" and so on.
+std::string LayoutName(const std::string& path, SplatLayout layout) {
+  switch (layout) {
+    case SplatLayout::kPly:
+      return IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS";
+    case SplatLayout::kSpz:
+      return "SPZ";
+    case SplatLayout::kSog:
+      return "SOG";
+    case SplatLayout::kRecords:
+      return ".splat";
+    case SplatLayout::kGlb:
+      return "glTF";
+    case SplatLayout::kQuantised:
+    case SplatLayout::kNone:
+      break;
+  }
+  return "";
+}
+
+void SplatInfo(const std::string& path, SplatLayout layout) {
   Gaussians g;
-  if (IsVqFile(path)) {
+  if (layout == SplatLayout::kQuantised) {
     const QuantisedSplats splats = ReadVqFile(path);
     CodebookInfo(splats);
     if (splats.kind != "scene") return;
     g = Dequantise(splats);
-  } else if (IsGaussianAvatarPly(path)) {
+  } else if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path)) {
     std::printf("%s", SummarizeGaussianAvatar(path).c_str());
     return;
   } else {
-    g = ReadPly(path);
+    g = ReadSplats(path);
     std::printf("%s splats: %s Gaussians, SH degree %d\n",
-                IsCompressedPly(path) ? "PlayCanvas compressed" : "3DGS",
+                LayoutName(path, layout).c_str(),
                 WithThousands(g.size()).c_str(),
                 g.degree);
     if (g.degree > 0) DegreeInfo(g);
@@ -213,12 +234,13 @@ void FolderInfo(const std::string& path) {
 void Info(const std::string& path) {
   if (!fs::exists(path)) throw Error(path, "does not exist");
   const std::string extension = fs::path(path).extension().string();
-  if (fs::is_directory(path)) {
-    FolderInfo(path);
-  } else if (IsVqFile(path) || extension == ".ply") {
-    SplatInfo(path);
-  } else if (extension == ".glb") {
+  const SplatLayout layout = SplatLayoutOf(path);
+  if (layout == SplatLayout::kGlb) {
     std::printf("%s", ToString(SummarizeGlb(path)).c_str());
+  } else if (layout != SplatLayout::kNone) {
+    SplatInfo(path, layout);
+  } else if (fs::is_directory(path)) {
+    FolderInfo(path);
   } else if (extension == ".pkl") {
     FlameInfo(path);
   } else if (extension == ".npz") {
@@ -228,7 +250,7 @@ void Info(const std::string& path) {
       TrackInfo(path, false);
     }
   } else {
-    throw Error(path, "is not a .ply, .glb, .pkl or .npz file, quantised splats or a folder");
+    throw Error(path, "is not a splat file, a .glb, .pkl or .npz file or a folder");
   }
 }
 

@@ -8,8 +8,8 @@
 #include "avatar/model/avatar_mesh.h"
 #include "flame/io/model_file.h"
 #include "splat/base/error.h"
+#include "splat/io/seen_bands.h"
 #include "splat/io/splat_file.h"
-#include "splat/io/vq_file.h"
 #include "splat/train/importance.h"
 
 namespace cosplat {
@@ -24,13 +24,18 @@ class SceneSplats : public ExportSubject {
  public:
   SceneSplats(const std::string& path, SceneData data, const std::array<float, 3>& background)
       : ExportSubject(path, ReadSplats(path)), data_(std::move(data)), background_(background) {}
+  std::vector<float> Significance() const override {
+    return data_.train.empty() ? ExportSubject::Significance()
+                               : GlobalSignificance(gaussians(), Cameras());
+  }
+  std::vector<float> Seen() const override {
+    if (data_.train.empty()) return {};
+    Gaussians g = gaussians();
+    TruncateDegree(kMaxSplatFileDegree, g);
+    return SeenBands(g, Cameras());
+  }
   QuantisedSplats Quantised(const VqSettings& settings) const override {
-    std::vector<Camera> cameras;
-    for (const SceneView& view : data_.train) cameras.push_back(view.camera);
-    return Quantise(
-        gaussians(),
-        cameras.empty() ? SizeSignificance(gaussians()) : GlobalSignificance(gaussians(), cameras),
-        settings);
+    return Quantise(gaussians(), Significance(), settings);
   }
   void WriteGlb(const std::string& path, bool truncate_degree) const override {
     WriteSceneGlb(path, gaussians(), truncate_degree);
@@ -42,6 +47,12 @@ class SceneSplats : public ExportSubject {
   }
 
  private:
+  std::vector<Camera> Cameras() const {
+    std::vector<Camera> cameras;
+    for (const SceneView& view : data_.train) cameras.push_back(view.camera);
+    return cameras;
+  }
+
   SceneData data_;
   std::array<float, 3> background_;
   Gaussians from_file_;
@@ -144,7 +155,7 @@ std::unique_ptr<ExportSubject> LoadRun(const ExportSource& source) {
   if (path.empty()) path = SplatPath(source.model, SavedIteration(source.model, run));
   if (avatar) return std::make_unique<AvatarSplats>(path, run, source);
   SceneData data;
-  if (source.quantise || source.measure)
+  if (source.views || source.measure)
     data = LoadSplitScene(Or(source.data, run["source"].String()), SplitFromJson(run));
   return std::make_unique<SceneSplats>(path, std::move(data), BackgroundOf(run));
 }
@@ -156,7 +167,8 @@ void ExportSubject::WriteRun(const std::string&, bool) const {
 }
 
 std::unique_ptr<ExportSubject> LoadExportSubject(const ExportSource& source) {
-  if (source.model.empty() && !IsVqFile(source.splats) && IsGaussianAvatarPly(source.splats))
+  if (source.model.empty() && SplatLayoutOf(source.splats) == SplatLayout::kPly &&
+      IsGaussianAvatarPly(source.splats))
     return LoadBound(source);
   if (source.model.empty())
     return std::make_unique<SceneSplats>(source.splats, SceneData(), std::array<float, 3>());

@@ -14,7 +14,7 @@ struct ExportSource {
   std::string model;        // run folder, or empty
   std::string splats;       // splat file that replaces the run's own, or empty
   std::string data, flame;  // override the paths in run.json unless empty
-  bool quantise = false;    // Quantised will be called
+  bool views = false;       // Significance, Seen or Quantised will be called
   bool measure = false;     // AsTrained and FromFile will be called
 };
 
@@ -28,8 +28,15 @@ class ExportSubject {
   virtual void WriteGlb(const std::string& path, bool truncate_degree) const = 0;
   // A run's folder for `render`, `metrics` and `play`. Throws Error if it has one.
   virtual void WriteRun(const std::string& folder, bool truncate_degree) const;
+  // [N] what an error in the colour of each of gaussians() weighs, for codebooks: by the training
+  // views, or by size if there are none.
+  virtual std::vector<float> Significance() const { return SizeSignificance(gaussians_); }
+  // SeenBands of gaussians(), truncated to kMaxSplatFileDegree, from the training views; empty if
+  // there are none.
+  virtual std::vector<float> Seen() const { return {}; }
   virtual QuantisedSplats Quantised(const VqSettings& settings) const = 0;
-  // The run's test views: of the trained model, and of a file written from Quantised's result.
+  // The run's test views: of the trained model, and of a file that was exported. A file of an
+  // avatar must have been written from Quantised's result.
   virtual TestViews AsTrained() = 0;
   virtual TestViews FromFile(const std::string& path) = 0;
 

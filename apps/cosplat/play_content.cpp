@@ -13,7 +13,6 @@
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/splat_file.h"
-#include "splat/io/vq_file.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -105,10 +104,10 @@ Content LoadRunContent(const std::string& folder, const std::string& flame) {
 }
 
 Content LoadFile(const std::string& path, const std::string& flame) {
-  if (fs::path(path).extension() != ".glb") {
-    const bool avatar = !IsVqFile(path) && IsGaussianAvatarPly(path);
-    return avatar ? LoadGaussianAvatar(path, flame) : LoadSplatsOf(path);
-  }
+  const SplatLayout layout = SplatLayoutOf(path);
+  if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path))
+    return LoadGaussianAvatar(path, flame);
+  if (layout != SplatLayout::kGlb || !SummarizeGlb(path).avatar) return LoadSplatsOf(path);
   const std::string folder = fs::absolute(path).parent_path().string();
   if (!fs::exists(folder + "/run.json")) return LoadAvatar(path, nullptr, flame);
   const Json json = ReadRun(folder);
@@ -129,7 +128,8 @@ std::vector<FlameParams> FacesOf(const Recording& recording) {
 }  // namespace
 
 Content LoadContent(const std::string& model, const std::string& flame) {
-  Content content = fs::is_directory(model) ? LoadRunContent(model, flame) : LoadFile(model, flame);
+  const bool run = fs::is_directory(model) && SplatLayoutOf(model) != SplatLayout::kSog;
+  Content content = run ? LoadRunContent(model, flame) : LoadFile(model, flame);
   if (!content.avatar && !flame.empty())
     throw Error(model, "--flame", "is for avatars; this is a scene");
   const fs::path path = fs::absolute(model).lexically_normal();

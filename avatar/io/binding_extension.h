@@ -28,11 +28,7 @@ Json AddBinding(GlbDocument& document,
                 const GlbPrimitive& splats,
                 int mesh);
 
-// The document's only KHR_gaussian_splatting primitive. Throws Error when there is none or more
-// than one.
-const GlbPrimitive& FindSplats(const GlbDocument& document);
-
-// The extension's object on that primitive; null (Json) when it has none.
+// The extension's object on a primitive with KHR_gaussian_splatting; null (Json) when it has none.
 Json FindBinding(const GlbPrimitive& splats);
 
 // Read the avatar, or its summary, from a document that has a binding.

@@ -251,26 +251,7 @@ void ReadMesh(const GlbDocument& document,
 // Wraps the binding, so that errors show the full path of its fields.
 Json Named(const Json& binding) { return Json{{kBindingExtension, binding}}; }
 
-bool HasSplats(const GlbPrimitive& primitive) {
-  return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
-}
-
 }  // namespace
-
-const GlbPrimitive& FindSplats(const GlbDocument& document) {
-  const GlbPrimitive* found = nullptr;
-  for (const GlbMesh& mesh : document.meshes)
-    for (const GlbPrimitive& primitive : mesh.primitives) {
-      if (!HasSplats(primitive)) continue;
-      if (found) throw Error(document.path, kSplatExtension, "is on more than one primitive");
-      found = &primitive;
-    }
-  if (!found)
-    throw Error(document.path,
-                kSplatExtension,
-                "is not used by any primitive: the file contains no splats");
-  return *found;
-}
 
 Json FindBinding(const GlbPrimitive& splats) {
   const Json& extension = splats.extensions[kSplatExtension];

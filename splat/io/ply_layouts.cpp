@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "splat/basis_constants.h"
+#include "splat/io/packed_values.h"
 
 namespace cosplat {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 constexpr size_t kChunkSize = 256;
 constexpr std::array<const char*, 4> kPacked{
     "packed_position", "packed_rotation", "packed_scale", "packed_color"};
-constexpr double kSqrt2 = 1.41421356237309505;
 
 // Bounds along three axes.
 struct Bounds {
@@ -90,23 +89,15 @@ uint32_t Whole(const PlyReader& reader,
 // The largest component follows from the others, since the norm is 1.
 void UnpackRotation(uint32_t packed, float* wxyz) {
   const int largest = int(packed >> 30);
-  double rest = 1;
+  double squares = 0;
   for (int k = 0, bit = 20; k < 4; ++k) {
     if (k == largest) continue;
-    const double component = (Share(packed, bit, 10) - 0.5) * kSqrt2;
+    const double component = (2 * Share(packed, bit, 10) - 1) * kSqrtHalf;
     wxyz[k] = float(component);
-    rest -= component * component;
+    squares += component * component;
     bit -= 10;
   }
-  wxyz[largest] = float(std::sqrt(std::max(0.0, rest)));
-}
-
-// Opacity 0 and 1 have no finite logit. They are moved by a quarter of 1/255, to the middle of the
-// values that round to them, so that 0 stays below the smallest alpha rendered.
-float LogitOf(double share) {
-  constexpr double kQuarter = 0.25 / 255;
-  const double opacity = std::clamp(share, kQuarter, 1 - kQuarter);
-  return float(std::log(opacity / (1 - opacity)));
+  wxyz[largest] = float(LargestOf(squares));
 }
 
 void UnpackVertex(const std::array<uint32_t, 4>& packed,
@@ -120,11 +111,10 @@ void UnpackVertex(const std::array<uint32_t, 4>& packed,
     gaussians.at(kPosition, i)[k] = float(chunk.position.At(k, share));
     gaussians.at(kScaleLog, i)[k] =
         float(chunk.scale_log.At(k, Share(scale, kFirst[k], kCount[k])));
-    gaussians.at(kColorDc, i)[k] = float((chunk.color.At(k, Share(color, 24 - 8 * k, 8)) - 0.5) /
-                                         BasisConstants(Basis::kSh)[0]);
+    gaussians.at(kColorDc, i)[k] = DcOfColor(chunk.color.At(k, Share(color, 24 - 8 * k, 8)));
   }
   UnpackRotation(rotation, gaussians.at(kRotation, i));
-  *gaussians.at(kOpacityLogit, i) = LogitOf(Share(color, 0, 8));
+  *gaussians.at(kOpacityLogit, i) = LogitOfByteShare(Share(color, 0, 8));
 }
 
 std::vector<std::array<uint32_t, 4>> ReadVertices(PlyReader& reader) {

@@ -7,13 +7,28 @@
 
 namespace cosplat {
 
-// PLY (splat/io/ply.h) or quantised (splat/io/vq_file.h); in 3DGS's SH. Throws Error as their
-// readers do, and for quantised splats whose positions are not points in the world.
+enum class SplatLayout {
+  kNone,      // not a splat file
+  kPly,       // 3DGS's or PlayCanvas' compressed (splat/io/ply.h)
+  kSpz,       // splat/io/spz.h
+  kSog,       // a bundle, meta.json or a folder with one (splat/io/sog.h)
+  kRecords,   // .splat (splat/io/splat_records.h)
+  kGlb,       // glTF, with KHR_gaussian_splatting or not (splat/io/splat_primitive.h)
+  kQuantised  // splat/io/vq_file.h
+};
+
+// By the first bytes; .splat has none to tell it by and goes by its name. kNone if there is nothing
+// at `path`.
+SplatLayout SplatLayoutOf(const std::string& path);
+
+// In 3DGS's SH, with OpenCV's axes if those are what the file was made of. Throws Error as the
+// layout's reader does, for quantised splats whose positions are not points in the world, and for a
+// file of none of these layouts.
 Gaussians ReadSplats(const std::string& path);
 
 // A static scene as a .glb file for other programs.
 
-constexpr int kMaxSplatFileDegree = 3;  // highest that KHR_gaussian_splatting names
+constexpr int kMaxSplatFileDegree = 3;  // highest that KHR_gaussian_splatting and SOG name
 
 // gaussians: in a world with OpenCV's axes (splat/io/splat_primitive.h), any basis; the file holds
 // them rotated to glTF's axes, in 3DGS's SH. Atomic. Throws Error as AddSplats
@@ -21,5 +36,8 @@ constexpr int kMaxSplatFileDegree = 3;  // highest that KHR_gaussian_splatting n
 void WriteSceneGlb(const std::string& path,
                    const Gaussians& gaussians,
                    bool truncate_degree = false);
+
+// Drops the bands above `degree`.
+void TruncateDegree(int degree, Gaussians& gaussians);
 
 }  // namespace cosplat

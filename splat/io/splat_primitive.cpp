@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "splat/base/error.h"
+#include "splat/io/packed_values.h"
 #include "splat/math/quat.h"
 #include "splat/math/scalar.h"
 
@@ -43,6 +44,41 @@ void FillGeometry(const Gaussians& g, size_t i, Column& rotation, Column& scale,
   for (int k = 0; k < 3; ++k)
     scale.values[3 * i + k] = float(std::exp(double(g.at(kScaleLog, i)[k])));
   opacity.values[i] = float(math::Sigmoid(double(*g.at(kOpacityLogit, i))));
+}
+
+bool HasSplats(const GlbPrimitive& primitive) {
+  return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
+}
+
+// An attribute's floats, [count, width]; any count if `count` is 0.
+std::vector<float> ReadAttribute(const GlbDocument& document,
+                                 const GlbPrimitive& primitive,
+                                 const std::string& name,
+                                 int width,
+                                 size_t count) {
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end())
+    throw Error(document.path, name, "is missing from the splats");
+  std::vector<float> values = ReadFloats(document, found->second, width, name);
+  if (count != 0 && values.size() != size_t(width) * count)
+    throw Error(document.path,
+                name,
+                "has " + std::to_string(values.size() / size_t(width)) +
+                    " elements, POSITION has " + std::to_string(count));
+  return values;
+}
+
+// Values must be above zero, or else lie in 0..1.
+void CheckWithin(const GlbDocument& document,
+                 const std::string& name,
+                 const std::vector<float>& values,
+                 bool above_zero) {
+  for (size_t i = 0; i < values.size(); ++i)
+    if (above_zero ? !(values[i] > 0) : !(values[i] >= 0 && values[i] <= 1))
+      throw Error(document.path,
+                  name,
+                  "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
+                      (above_zero ? ", expected more than 0" : ", expected 0 to 1"));
 }
 
 }  // namespace
@@ -94,6 +130,51 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
                                            {"projection", "perspective"},
                                            {"sortingMethod", "cameraDistance"}};
   return primitive;
+}
+
+const GlbPrimitive& FindSplats(const GlbDocument& document) {
+  const GlbPrimitive* found = nullptr;
+  for (const GlbMesh& mesh : document.meshes)
+    for (const GlbPrimitive& primitive : mesh.primitives) {
+      if (!HasSplats(primitive)) continue;
+      if (found) throw Error(document.path, kSplatExtension, "is on more than one primitive");
+      found = &primitive;
+    }
+  if (!found)
+    throw Error(document.path,
+                kSplatExtension,
+                "is not used by any primitive: the file contains no splats");
+  return *found;
+}
+
+Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& primitive) {
+  const std::vector<float> position = ReadAttribute(document, primitive, "POSITION", 3, 0);
+  const size_t n = position.size() / 3;
+  const std::vector<float> rotation =
+      ReadAttribute(document, primitive, kPrefix + "ROTATION", 4, n);
+  const std::vector<float> scale = ReadAttribute(document, primitive, kPrefix + "SCALE", 3, n);
+  const std::vector<float> opacity = ReadAttribute(document, primitive, kPrefix + "OPACITY", 1, n);
+  CheckWithin(document, kPrefix + "SCALE", scale, true);
+  CheckWithin(document, kPrefix + "OPACITY", opacity, false);
+  Gaussians g;
+  g.basis = Basis::kSh;
+  while (g.degree < kMaxSplatFileDegree &&
+         primitive.attributes.contains(SplatCoefficientName(CoefficientCount(g.degree))))
+    ++g.degree;
+  g.Resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    std::copy_n(&position[3 * i], 3, g.at(kPosition, i));
+    for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = rotation[4 * i + size_t(k + 3) % 4];
+    for (int k = 0; k < 3; ++k) g.at(kScaleLog, i)[k] = std::log(scale[3 * i + k]);
+    *g.at(kOpacityLogit, i) = LogitOfByteShare(opacity[i]);
+  }
+  for (int c = 0; c < CoefficientCount(g.degree); ++c) {
+    const std::vector<float> color =
+        ReadAttribute(document, primitive, SplatCoefficientName(c), 3, n);
+    for (size_t i = 0; i < n; ++i)
+      std::copy_n(&color[3 * i], 3, c == 0 ? g.at(kColorDc, i) : g.at(kColorRest, i) + 3 * (c - 1));
+  }
+  return g;
 }
 
 }  // namespace cosplat

@@ -1,10 +1,11 @@
 // Gaussians as attributes of a glTF points primitive with KHR_gaussian_splatting.
 //
 // Gaussians in the world (glTF's axes) -> AddSplats -> GlbPrimitive -> avatar/io/avatar_file.h,
-// splat_file.h. Attributes, all float: POSITION; KHR_gaussian_splatting:ROTATION (xyzw, unit),
-// :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (VEC3, the signs and constants of 3DGS).
-// Kernel ellipse, colour space srgb_rec709_display, projection perspective, sorted by
-// cameraDistance. Source: Khronos, KHR_gaussian_splatting.
+// splat_file.h -> FindSplats, ReadSplatPrimitive -> Gaussians. Attributes, all float: POSITION;
+// KHR_gaussian_splatting:ROTATION (xyzw, unit), :SCALE (linear), :OPACITY (0 to 1),
+// :SH_DEGREE_l_COEF_n (VEC3, the signs and constants of 3DGS). Kernel ellipse, colour space
+// srgb_rec709_display, projection perspective, sorted by cameraDistance. Source: Khronos,
+// KHR_gaussian_splatting.
 #pragma once
 
 #include <string>
@@ -25,6 +26,15 @@ std::string SplatCoefficientName(int coefficient);
 // Gaussians, for a number that is not finite after conversion, and for a degree above 3 unless
 // `truncate_degree`, which drops the bands above 3.
 GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool truncate_degree);
+
+// The document's only KHR_gaussian_splatting primitive. Throws Error when there is none or more
+// than one.
+const GlbPrimitive& FindSplats(const GlbDocument& document);
+
+// The Gaussians of that primitive, in 3DGS's SH and its own axes. Opacities 0 and 1 become finite
+// logits. Throws Error naming the attribute if one is missing, is not of floats or has another
+// length, and for an opacity outside 0..1 or a scale that is not above zero.
+Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& primitive);
 
 // Conversion from OpenCV's axes to glTF's: a rotation by 180 degrees about x.
 //

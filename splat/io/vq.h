@@ -8,6 +8,7 @@
 #pragma once
 
 #include "splat/gaussians.h"
+#include "splat/io/significance.h"
 #include "splat/io/vq_file.h"
 
 namespace cosplat {
@@ -23,9 +24,5 @@ struct VqSettings {
 QuantisedSplats Quantise(const Gaussians& gaussians,
                          View<const float> significance,
                          const VqSettings& settings);
-
-// Opacity times the geometric mean of the standard deviations: a substitute for significance if no
-// views are known.
-std::vector<float> SizeSignificance(const Gaussians& gaussians);
 
 }  // namespace cosplat

@@ -5,6 +5,7 @@
 #include <cfloat>
 
 #include "splat/device/sort.h"
+#include "splat/math/morton.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/kernels/density.h"
 

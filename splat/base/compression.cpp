@@ -1,0 +1,106 @@
+#include "splat/base/compression.h"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+constexpr int kGzipHeader = 16 + MAX_WBITS;  // zlib: gzip's header and checksum around the stream
+constexpr int kZstdLevel = 19;               // the highest that needs no more memory to inflate
+
+// zlib counts in 32 bits.
+uInt Chunk(size_t left) { return uInt(std::min<size_t>(left, 1u << 30)); }
+
+}  // namespace
+
+struct GunzipReader::Stream {
+  z_stream z{};
+  const unsigned char* next = nullptr;  // not given to zlib yet
+  size_t left = 0;
+};
+
+GunzipReader::GunzipReader(const std::string& path, const std::vector<char>& bytes)
+    : path_(path), stream_(std::make_unique<Stream>()) {
+  stream_->next = reinterpret_cast<const unsigned char*>(bytes.data());
+  stream_->left = bytes.size();
+  if (inflateInit2(&stream_->z, kGzipHeader) != Z_OK) throw Error(path, "zlib cannot be started");
+}
+
+GunzipReader::~GunzipReader() { inflateEnd(&stream_->z); }
+
+std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t size) {
+  std::vector<unsigned char> out(size);
+  z_stream& z = stream_->z;
+  for (size_t done = 0; done < size;) {
+    if (z.avail_in == 0) {
+      z.next_in = const_cast<unsigned char*>(stream_->next);
+      z.avail_in = Chunk(stream_->left);
+      stream_->next += z.avail_in;
+      stream_->left -= z.avail_in;
+    }
+    z.next_out = out.data() + done;
+    const uInt room = Chunk(size - done);
+    z.avail_out = room;
+    const int status = inflate(&z, Z_NO_FLUSH);
+    done += room - z.avail_out;
+    if (done == size) break;
+    const bool ended = status == Z_STREAM_END || (status == Z_BUF_ERROR && stream_->left == 0);
+    if (ended || (status != Z_OK && status != Z_BUF_ERROR))
+      throw Error(path_,
+                  field,
+                  ended ? "the file ends after " + std::to_string(done) + " of " +
+                              std::to_string(size) + " bytes"
+                        : std::string("is damaged: ") + (z.msg ? z.msg : "not gzip"));
+  }
+  return out;
+}
+
+std::string Gzip(const std::string& bytes) {
+  if (bytes.size() > std::numeric_limits<uInt>::max())
+    throw Error("gzip", std::to_string(bytes.size()) + " bytes are more than zlib takes at once");
+  z_stream z{};
+  if (deflateInit2(&z, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipHeader, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw Error("gzip", "zlib cannot be started");
+  std::string out(deflateBound(&z, uLong(bytes.size())), '\0');
+  z.next_in = reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data()));
+  z.avail_in = uInt(bytes.size());
+  z.next_out = reinterpret_cast<unsigned char*>(out.data());
+  z.avail_out = uInt(out.size());
+  const int status = deflate(&z, Z_FINISH);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  if (status != Z_STREAM_END) throw Error("gzip", "failed with code " + std::to_string(status));
+  return out;
+}
+
+std::vector<unsigned char> Unzstd(const std::string& path,
+                                  const std::string& field,
+                                  const char* bytes,
+                                  size_t count,
+                                  size_t size) {
+  std::vector<unsigned char> out(size);
+  const size_t written = ZSTD_decompress(out.data(), out.size(), bytes, count);
+  if (ZSTD_isError(written))
+    throw Error(path, field, std::string("is damaged: ") + ZSTD_getErrorName(written));
+  if (written != size)
+    throw Error(
+        path, field, "has " + std::to_string(written) + " bytes, expected " + std::to_string(size));
+  return out;
+}
+
+std::string Zstd(const std::string& bytes) {
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  const size_t written =
+      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
+  if (ZSTD_isError(written)) throw Error("zstd", ZSTD_getErrorName(written));
+  out.resize(written);
+  return out;
+}
+
+}  // namespace cosplat
