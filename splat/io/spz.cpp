@@ -203,7 +203,8 @@ SpzArrays Pack(const Gaussians& g, View<const float> seen_bands, const SpzHeader
       at(kColors, i)[k] = RoundToByte((kColorScale * dc[k] + 0.5) * 255);
       at(kScales, i)[k] = RoundToByte((g.at(kScaleLog, i)[k] - kLowestScaleLog) * kScaleSteps);
     }
-    *at(kAlphas, i) = ByteOfLogit(*g.at(kOpacityLogit, i));
+    // Niantic's reader makes infinite logits of 0 and 255.
+    *at(kAlphas, i) = std::clamp<uint8_t>(ByteOfLogit(*g.at(kOpacityLogit, i)), 1, 254);
     const float* r = g.at(kRotation, i);
     (header.version >= 3 ? PackSmallestThree : PackFirstThree)({r[0], r[1], r[2], r[3]},
                                                                at(kRotations, i));
