@@ -91,6 +91,35 @@ TEST_F(Export, MeasuresWhatMetricsMeasures) {
       after["ours_120_small"]["SSIM"].get<double>(), figures["vq_ssim"].get<double>(), 1e-9);
 }
 
+TEST_F(Export, WritesFilesOfOthersAndMeasuresThem) {
+  const std::string spz = folder_ / "a.spz", sog = folder_ / "a.sog", glb = folder_ / "a.glb";
+  const std::string said =
+      Run({"export", "-m", scene_, "--spz", spz, "--sog", sog, "--glb", glb, "--measure"});
+  const Json figures = ReadJson(scene_ + "/export.json");
+  for (const auto& [name, path] : {std::pair{"spz", spz}, {"sog", sog}, {"glb", glb}}) {
+    EXPECT_TRUE(Contains(said, path)) << said;
+    EXPECT_EQ(figures[std::string(name) + "_mb"].get<double>(), double(fs::file_size(path)) / 1e6);
+    EXPECT_NEAR(
+        figures[std::string(name) + "_psnr"].get<double>(), figures["ply_psnr"].get<double>(), 0.5);
+    // Whatever the name.
+    fs::copy(path, folder_ / "named");
+    EXPECT_TRUE(Contains(Run({"info", folder_ / "named"}),
+                         name == std::string("glb") ? "Gaussians" : "splats:"));
+    Run({"render", "-m", scene_, "--splats", folder_ / "named", "--quiet"});
+    Run({"export", "--splats", folder_ / "named", "--ply", folder_ / "back.ply"});
+    EXPECT_EQ(ReadPly(folder_ / "back.ply").size(), ReadPly(ply_).size());
+    fs::remove(folder_ / "named");
+  }
+  for (const std::string version : {"2", "4"}) {
+    Run({"export", "-m", scene_, "--spz", spz, "--spz-version", version});
+    EXPECT_EQ(ReadSplats(spz).size(), ReadPly(ply_).size());
+  }
+  Run({"export", "-m", scene_, "--sog", folder_ / "meta.json"});
+  EXPECT_TRUE(Contains(Run({"info", folder_ / "meta.json"}), "SOG splats"));
+  Refuse({"export", "-m", scene_, "--spz", spz, "--spz-version", "1"}, {"--spz-version"});
+  Refuse({"export", "-m", Made().avatar, "--spz", spz, "--measure"}, {"--measure", "--vq"});
+}
+
 TEST_F(Export, TurnsFilesIntoEachOther) {
   const std::string vq = folder_ / "a.zip", ply = folder_ / "a.ply", again = folder_ / "b.zip";
   Run({"export", "--splats", ply_, "--vq", vq});
