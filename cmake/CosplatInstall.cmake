@@ -61,7 +61,7 @@ set(COSPLAT_PRIVATE_HEADERS
 function(cosplat_install)
   get_property(libraries GLOBAL PROPERTY COSPLAT_LIBRARIES)
   install(TARGETS ${libraries} EXPORT cosplatTargets
-          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   # By itself, since a host in C has none of the packages that the libraries need.
   install(TARGETS cosplat_plugin EXPORT cosplatPluginTargets
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -78,13 +78,13 @@ function(cosplat_install)
   string(REPLACE "." "\\." private "${private}")
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame
                     ${PROJECT_SOURCE_DIR}/avatar ${PROJECT_SOURCE_DIR}/assets
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cosplat
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cosplat COMPONENT development
           FILES_MATCHING PATTERN "*.h" REGEX "/(${private})" EXCLUDE)
 
   set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cosplat)
-  foreach(targets cosplatTargets cosplatPluginTargets)
-    install(EXPORT ${targets} NAMESPACE cosplat:: DESTINATION ${config_folder})
-  endforeach()
+  install(EXPORT cosplatTargets NAMESPACE cosplat:: DESTINATION ${config_folder}
+          COMPONENT development)
+  install(EXPORT cosplatPluginTargets NAMESPACE cosplat:: DESTINATION ${config_folder})
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/cmake/cosplatConfig.cmake.in ${PROJECT_BINARY_DIR}/cosplatConfig.cmake
     INSTALL_DESTINATION ${config_folder})
