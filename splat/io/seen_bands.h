@@ -2,7 +2,7 @@
 // file that stores bands 1 and up coarsely put the mean of their error into the constant colour.
 //
 // Gaussians, cameras -> SeenBands -> WriteSog, WriteSpz -> MoveErrorToDc. On garden (249,515
-// Gaussians, docs/files.md) this regains half of what coarse bands lose, at no cost in bytes.
+// Gaussians, docs/files.md) this regains two fifths of what coarse bands lose, at no cost in bytes.
 #pragma once
 
 #include <vector>

@@ -165,8 +165,8 @@ TEST(Spz, TruncatedFilesNameTheArray) {
   for (int version = 2; version <= 4; ++version) {
     WriteSpz(folder / "a.spz", test::RandomGaussians(20, 1, Basis::kSh, 5), {}, version);
     const std::string whole = Text(folder / "a.spz");
-    // gzip's last 8 bytes are a checksum that is not needed to know all values, nor is what ends the
-    // last block.
+    // gzip's last 8 bytes are a checksum that is not needed to know all values, nor is what ends
+    // the last block.
     const size_t end = whole.size() - (version == 4 ? 0 : 12);
     for (size_t cut = 0; cut < end; cut += 3) {
       WriteFileAtomically(folder / "cut.spz", whole.substr(0, cut));
