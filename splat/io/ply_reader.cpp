@@ -21,6 +21,12 @@ double Load(const char* p) {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
+// Of a name in the header, and of what a message quotes: a line may have thousands of characters.
+constexpr size_t kLongestName = 80;
+std::string PlyQuote(const std::string& text) {
+  return "'" + (text.size() > kLongestName ? text.substr(0, kLongestName) + "..." : text) + "'";
+}
+
 }  // namespace
 
 PlyReader::PlyReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
@@ -92,14 +98,15 @@ void PlyReader::HeaderLine(const std::string& line) {
     if (name != "ascii" && name != "binary_little_endian")
       throw Error(path_,
                   "format",
-                  "'" + name + "' is not supported, expected ascii or binary_little_endian");
+                  PlyQuote(name) + " is not supported, expected ascii or binary_little_endian");
     ascii_ = name == "ascii";
     format_seen_ = true;
   } else if (word == "element") {
     Element element;
     long long count = -1;
     words >> element.name >> count;
-    if (words.fail() || count < 0) throw Error(path_, "header", "cannot read '" + line + "'");
+    if (words.fail() || count < 0 || element.name.size() > kLongestName)
+      throw Error(path_, "header", "cannot read " + PlyQuote(line));
     element.count = size_t(count);
     elements_.push_back(element);
   } else if (word == "property") {
@@ -113,11 +120,11 @@ void PlyReader::HeaderLine(const std::string& line) {
     }
     property.type = TypeOf(line, type);
     words >> property.name;
-    if (words.fail() || elements_.empty())
-      throw Error(path_, "header", "cannot read '" + line + "'");
+    if (words.fail() || elements_.empty() || property.name.size() > kLongestName)
+      throw Error(path_, "header", "cannot read " + PlyQuote(line));
     elements_.back().properties.push_back(property);
   } else if (word != "comment" && word != "obj_info" && !word.empty()) {
-    throw Error(path_, "header", "cannot read '" + line + "'");
+    throw Error(path_, "header", "cannot read " + PlyQuote(line));
   }
 }
 
@@ -140,7 +147,7 @@ PlyReader::Type PlyReader::TypeOf(const std::string& line, const std::string& na
                                                   {"float64", Type::kDouble}};
   const auto found = kTypes.find(name);
   if (found == kTypes.end())
-    throw Error(path_, "header", "unknown type '" + name + "' in '" + line + "'");
+    throw Error(path_, "header", "unknown type " + PlyQuote(name) + " in " + PlyQuote(line));
   return found->second;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/sha256.h"
 #include "splat/io/ply.h"
@@ -207,6 +208,14 @@ TEST(Ply, BadHeadersSayWhatIsWrong) {
     changed.replace(changed.find(c.from), std::string(c.from).size(), c.to);
     WriteFileAtomically(folder / "bad.ply", changed);
     ExpectError([&] { ReadPly(folder / "bad.ply"); }, c.parts);
+  }
+  // A message quotes the beginning of a long line.
+  WriteFileAtomically(folder / "long.ply", "ply\n" + std::string(4000, 'x') + "\nend_header\n");
+  try {
+    ReadPly(folder / "long.ply");
+    ADD_FAILURE() << "long.ply was read";
+  } catch (const Error& error) {
+    EXPECT_LT(std::string(error.what()).size(), 300u);
   }
   ExpectError([&] { ReadPly(folder / "none.ply"); }, {"none.ply", "No such file"});
   WriteFileAtomically(folder / "word.ply",
