@@ -7,6 +7,7 @@
 #include "avatar/model/corrections.h"
 #include "avatar/play/player.h"
 #include "avatar/surface/kernels/place.h"
+#include "splat/base/error.h"
 #include "splat/device/for_each.h"
 #include "splat/math/adam.h"
 
@@ -58,19 +59,45 @@ AvatarTrainingState AvatarSubject::State() const {
   embedding_.barycentric.Download(state.embedding.barycentric.data(), *stream_);
   first_triangle_.Download(state.first_triangle.data(), *stream_);
   stream_->Wait();
-  state.track = track_;
+  if (settings_.refine_track) state.track = track_;
   state.busts = bust_track_.States();
   return state;
 }
 
-std::shared_ptr<const SubjectState> AvatarSubject::SaveState() const {
+std::shared_ptr<SubjectState> AvatarSubject::SaveState() const {
   return std::make_shared<AvatarTrainingState>(State());
+}
+
+// The track, whose frames and coefficients are there, and the busts keep their numbers.
+void AvatarTrainingState::Describe(StateArchive& a, size_t count) {
+  a.Array("embedding.triangle", embedding.triangle, count);
+  a.Array("embedding.barycentric", embedding.barycentric, count);
+  a.Array("first_triangle", first_triangle, count);
+  for (size_t f = 0; f < track.size(); ++f) {
+    const std::string name = "track." + std::to_string(f);
+    a.Value(name + ".step", track[f].step);
+    for (AvatarPoser::Parameters* p : {&track[f].params, &track[f].m, &track[f].v}) {
+      a.Array(name + ".expression", p->expression, p->expression.size());
+      a.Value(name + ".pose", p->pose);
+      a.Value(name + ".translation", p->translation);
+      a.Value(name + ".bust", p->bust);
+    }
+  }
+  a.Array("busts", busts, busts.size());
 }
 
 void AvatarSubject::RestoreState(const SubjectState& saved) {
   const auto& state = dynamic_cast<const AvatarTrainingState&>(saved);
+  const int32_t faces = int32_t(mesh_.faces.size());
+  for (const Buffer<int32_t>* triangles : {&state.embedding.triangle, &state.first_triangle})
+    for (const int32_t triangle : *triangles)
+      if (triangle < 0 || triangle >= faces)
+        throw Error(
+            "checkpoint",
+            "embedding.triangle",
+            std::to_string(triangle) + " is not one of the mesh's " + std::to_string(faces));
   Take(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
-  track_ = state.track;
+  if (settings_.refine_track) track_ = state.track;
   bust_track_.SetStates(state.busts);
 }
 

@@ -89,8 +89,10 @@ struct RefinedFrame {
 struct AvatarTrainingState : SubjectState {
   Embedding embedding;
   Buffer<int32_t> first_triangle;   // [N] on which it, or its first ancestor, began
-  std::vector<RefinedFrame> track;  // [training frames]
+  std::vector<RefinedFrame> track;  // [training frames] with --refine-track, or empty
   std::vector<BustState> busts;     // [training frames], or empty
+
+  void Describe(StateArchive& archive, size_t count) override;
 };
 
 // Concurrent searches over the mesh on the host, each with 12 kB.
@@ -139,7 +141,7 @@ class AvatarSubject : public Subject {
   View<const float> PositionRateScale() override;
   bool ActsAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
   void Act(int iteration, Gaussians& gaussians, AdamState& adam) override;
-  std::shared_ptr<const SubjectState> SaveState() const override;
+  std::shared_ptr<SubjectState> SaveState() const override;
   void RestoreState(const SubjectState& state) override;
 
   void Gather(View<const uint32_t> source, Stream& stream) override;

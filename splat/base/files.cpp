@@ -1,5 +1,6 @@
 #include "splat/base/files.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -63,6 +64,17 @@ void WriteStream(const std::string& file,
   if (!stream) throw Error(name_in_errors, "write failed: " + SystemReason("stream error"));
 }
 
+// Waits until a file's content, or a folder's list of files, is on the disk.
+void Sync(const std::string& path, const std::string& name_in_errors) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = file >= 0 && fsync(file) == 0;
+  const int problem = errno;
+  if (file >= 0) close(file);
+  // EINVAL: a file system without it.
+  if (!synced && problem != EINVAL)
+    throw Error(name_in_errors, std::string("write failed: ") + std::strerror(problem));
+}
+
 std::string TemporarySuffix() { return ".tmp." + std::to_string(getpid()); }
 
 }  // namespace
@@ -92,6 +104,16 @@ void WriteFileAtomically(const std::string& path, const std::function<void(std::
 
 void WriteFileAtomically(const std::string& path, const std::string& content) {
   WriteFileAtomically(path, [&](std::ostream& out) { out.write(content.data(), content.size()); });
+}
+
+void WriteFileDurably(const std::string& path, const std::function<void(std::ostream&)>& write) {
+  if (IsSpecialFile(path)) return WriteStream(path, path, write);
+  TemporaryFile temporary(path + TemporarySuffix());
+  WriteStream(temporary.path(), path, write);
+  Sync(temporary.path(), path);
+  temporary.RenameTo(path);
+  const std::string folder = fs::path(path).parent_path().string();
+  Sync(folder.empty() ? "." : folder, path);
 }
 
 std::string TemporaryPath(const std::string& path) {

@@ -16,6 +16,9 @@ std::vector<char> ReadFile(const std::string& path);
 // Error is thrown.
 void WriteFileAtomically(const std::string& path, const std::function<void(std::ostream&)>& write);
 void WriteFileAtomically(const std::string& path, const std::string& content);
+// The same, on the disk when it returns (fsync), so that a power failure leaves the earlier file or
+// this one.
+void WriteFileDurably(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 // For writers that open their own file (OpenCV, tinygltf): passes `write` the temporary path (same
 // extension as `path`), then renames the file.

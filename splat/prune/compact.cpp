@@ -3,6 +3,7 @@
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rounds.h"
 #include "splat/prune/rules.h"
+#include "splat/train/describe_state.h"
 #include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
@@ -29,6 +30,9 @@ class CompactPruner : public Pruner {
 
   MaskInSteps Mask() override { return {MaskKind::kHard, weight_, &mask_, nullptr}; }
   size_t Held() const override { return mask_.Held(); }
+  void Describe(StateArchive& archive, size_t count) override {
+    cosplat::Describe(archive, "compact", count, mask_);
+  }
 
   PruneRound Rank(const PruneContext&) override {
     PruneRound round;

@@ -71,6 +71,11 @@ class DcsharpReleasedPruner : public Pruner {
   }
 
   size_t Held() const override { return HeldBy(sum_, seen_, marked_); }
+  // Between steps no marks are pending: densification and the round after it are one step.
+  void Describe(StateArchive& archive, size_t count) override {
+    archive.Array("dcsharp_released.sum", sum_, count);
+    archive.Array("dcsharp_released.seen", seen_, count);
+  }
 
  private:
   Schedule schedule_;

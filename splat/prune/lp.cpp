@@ -5,6 +5,7 @@
 
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/rules.h"
+#include "splat/train/describe_state.h"
 #include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
@@ -48,6 +49,14 @@ class LpPruner : public Pruner {
   }
 
   size_t Held() const override { return mu_.Held() + HeldBy(importance_); }
+  void Describe(StateArchive& archive, size_t count) override {
+    uint8_t learning = learning_;
+    archive.Value("lp.learning", learning);
+    learning_ = learning != 0;
+    if (!learning_) return;
+    archive.Array("lp.importance", importance_, count);
+    cosplat::Describe(archive, "lp.mu", count, mu_);
+  }
 
  private:
   float weight_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "splat/base/rng.h"
+#include "splat/base/state_file.h"
 #include "splat/gaussians.h"
 #include "splat/prune/learned_mask.h"
 #include "splat/prune/settings.h"
@@ -63,6 +64,11 @@ class Pruner {
   virtual void BeforeDensification() {}
   // Bytes allocated by the rule.
   virtual size_t Held() const { return 0; }
+  // Writes what the rule keeps between steps to a checkpoint, or reads it, for `count` Gaussians.
+  virtual void Describe(StateArchive& archive, size_t count) {
+    (void)archive;
+    (void)count;
+  }
   // Reorders the rule's per-Gaussian data, on the host.
   virtual void Gather(const Reordering& order) { (void)order; }
 };

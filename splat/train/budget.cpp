@@ -10,72 +10,76 @@ namespace {
 constexpr double kFirstShare = 0.25;  // of the Gaussians, tried first
 constexpr double kMinShare = 0.02;
 constexpr double kFineEnough = 1.2;  // ratio of the smallest passing to the largest failing count
-constexpr int kMaxTrials = 5;        // besides the unpruned one
-
-// Trial runs, each trained to the end from a checkpoint.
-class Trials {
- public:
-  Trials(const BudgetSettings& settings,
-         Trainer& trainer,
-         const std::function<void(size_t, const StepReport&)>& progress)
-      : settings_(settings), trainer_(trainer), progress_(progress) {}
-
-  void TrainUntil(int iteration) {
-    while (trainer_.iteration() < iteration) progress_(trials_.size(), trainer_.Step());
-  }
-  void Run(const Trainer::Checkpoint& from, const PruneSettings& prune) {
-    trainer_.Restore(from, prune);
-    TrainUntil(trainer_.settings().iterations);
-    trials_.push_back({trainer_.count(), trainer_.PsnrOf(settings_.held_out)});
-  }
-  bool LastHeld() const {
-    return trials_.back().psnr >= trials_.front().psnr - settings_.tolerance_db;
-  }
-  const std::vector<BudgetTrial>& trials() const { return trials_; }
-
- private:
-  const BudgetSettings& settings_;
-  Trainer& trainer_;
-  const std::function<void(size_t, const StepReport&)>& progress_;
-  std::vector<BudgetTrial> trials_;
-};
+constexpr size_t kMaxTrials = 5;     // besides the unpruned one
 
 }  // namespace
 
-BudgetReport FindBudget(const BudgetSettings& settings,
-                        Trainer& trainer,
-                        const std::function<void(size_t, const StepReport&)>& progress) {
-  const int first = trainer.FirstPruneStep();
-  if (first == 0) throw Error("--budget auto", "the pruning rule has no round in this run");
+BudgetSearch::BudgetSearch(const BudgetSettings& settings, Trainer& trainer)
+    : settings_(settings),
+      trainer_(trainer),
+      prune_(trainer.settings().prune),
+      unpruned_(prune_),
+      first_round_(trainer.FirstPruneStep()),
+      share_(kFirstShare) {
+  if (first_round_ == 0) throw Error("--budget auto", "the pruning rule has no round in this run");
   if (settings.held_out.empty())
     throw Error("--budget auto", "there are too few training frames to hold any out");
-  PruneSettings prune = trainer.settings().prune, none = prune;
-  none.rule = PruneRule::kNone;
-  none.target = 0;
-  const Trainer::Checkpoint start = trainer.Save();
+  unpruned_.rule = PruneRule::kNone;
+  unpruned_.target = 0;
+  start_ = trainer.Save();
   trainer.HoldOut(settings.held_out);
-  Trials trials(settings, trainer, progress);
-  trials.TrainUntil(first - 1);
-  const Trainer::Checkpoint before = trainer.Save();
-  trials.Run(before, none);
+  if (first_round_ == 1) BeginTrial();
+}
 
-  // Search over the logarithm of the count: from a quarter, halve while trials pass; once one has
-  // failed, bisect.
-  const double all = double(trials.trials()[0].gaussians);
-  double held = 1, failed = 0;
-  double share = kFirstShare;
-  for (int k = 0; k < kMaxTrials && share >= kMinShare; ++k) {
-    prune.target = size_t(std::max(1.0, std::round(share * all)));
-    trials.Run(before, prune);
-    (trials.LastHeld() ? held : failed) = share;
-    if (failed > 0 && held / failed < kFineEnough) break;
-    share = failed == 0 ? share / 2 : std::sqrt(held * failed);
+StepReport BudgetSearch::Step() {
+  const StepReport step = trainer_.Step();
+  if (!HasBefore()) {
+    if (step.iteration == first_round_ - 1) BeginTrial();
+  } else if (step.iteration == trainer_.settings().iterations) {
+    EndTrial();
   }
-  BudgetReport report{trials.trials(), size_t(std::round(held * all))};
-  prune.target = held < 1 ? report.chosen : 0;
-  trainer.HoldOut({});
-  trainer.Restore(start, held < 1 ? prune : none);
-  return report;
+  return step;
+}
+
+void BudgetSearch::BeginTrial() {
+  if (!HasBefore()) before_ = trainer_.Save();
+  if (trials() == 0) return trainer_.Restore(before_, unpruned_);
+  prune_.target = size_t(std::max(1.0, std::round(share_ * UnprunedCount())));
+  trainer_.Restore(before_, prune_);
+}
+
+bool BudgetSearch::LastHeld() const {
+  return report_.trials.back().psnr >= report_.trials.front().psnr - settings_.tolerance_db;
+}
+
+// Searches over the logarithm of the count: from a quarter, halves while trials pass; once one has
+// failed, bisects.
+void BudgetSearch::EndTrial() {
+  report_.trials.push_back({trainer_.count(), trainer_.PsnrOf(settings_.held_out)});
+  bool fine = false;
+  if (trials() > 1) {
+    (LastHeld() ? held_ : failed_) = share_;
+    fine = failed_ > 0 && held_ / failed_ < kFineEnough;
+    if (!fine) share_ = failed_ == 0 ? share_ / 2 : std::sqrt(held_ * failed_);
+  }
+  if (!fine && trials() <= kMaxTrials && share_ >= kMinShare) return BeginTrial();
+  done_ = true;
+  report_.chosen = size_t(std::round(held_ * UnprunedCount()));
+  prune_.target = held_ < 1 ? report_.chosen : 0;
+  trainer_.HoldOut({});
+  trainer_.Restore(start_, held_ < 1 ? prune_ : unpruned_);
+}
+
+void BudgetSearch::Describe(StateArchive& a) {
+  trainer_.Describe(a);
+  a.Value("budget.held", held_);
+  a.Value("budget.failed", failed_);
+  a.Value("budget.share", share_);
+  a.ArrayUpTo("budget.trials", report_.trials, kMaxTrials);
+  uint8_t has_before = HasBefore();
+  a.Value("budget.has_before", has_before);
+  a.Require(has_before || trials() == 0, "budget.trials", "are there before the first");
+  if (has_before) trainer_.Describe(a, before_);
 }
 
 std::vector<uint32_t> FramesForBudget(size_t count, bool video) {

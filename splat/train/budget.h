@@ -8,7 +8,6 @@
 // was given the number.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "splat/train/trainer.h"
@@ -31,13 +30,44 @@ struct BudgetReport {
   size_t chosen = 0;                // Gaussians; the unpruned count if no smaller one passed
 };
 
-// `progress` is called after every step with the number of completed trials. The trainer must not
-// have started; it is left in that state, with its target set. Its settings must name a rule that
-// ranks and keeps no state between rounds. Throws Error if there is no round to prune in or no
-// frame to evaluate.
-BudgetReport FindBudget(const BudgetSettings& settings,
-                        Trainer& trainer,
-                        const std::function<void(size_t trial, const StepReport&)>& progress);
+// The trial runs, step by step, so that a search can be interrupted and go on from a checkpoint.
+class BudgetSearch {
+ public:
+  // The trainer, which must outlive this, must not have started. Its settings must name a rule that
+  // ranks and keeps no state between rounds. Throws Error if there is no round to prune in or no
+  // frame to evaluate.
+  BudgetSearch(const BudgetSettings& settings, Trainer& trainer);
+
+  // One step of a trial. With the last one the search is done: the trainer is then at its start
+  // again, with its target set.
+  StepReport Step();
+  bool done() const { return done_; }
+  size_t trials() const { return report_.trials.size(); }  // completed
+  const BudgetReport& report() const { return report_; }   // once done
+
+  // Writes the search, with its trainer, to a checkpoint, or reads it into a search that was just
+  // constructed. Not once it is done. Throws Error as Trainer::Describe does.
+  void Describe(StateArchive& archive);
+
+ private:
+  bool HasBefore() const { return !before_.state.gaussians.values[kOpacityLogit].empty(); }
+  void BeginTrial();
+  void EndTrial();
+  double UnprunedCount() const { return double(report_.trials[0].gaussians); }
+  bool LastHeld() const;
+
+  BudgetSettings settings_;
+  Trainer& trainer_;
+  PruneSettings prune_, unpruned_;
+  int first_round_;             // step
+  Trainer::Checkpoint start_;   // of the run
+  Trainer::Checkpoint before_;  // before the first round of pruning; empty until it is reached
+  // Shares of the unpruned count: the fewest that passed, the most that failed (0: none), and that
+  // of the current trial.
+  double held_ = 1, failed_ = 0, share_;
+  BudgetReport report_;
+  bool done_ = false;
+};
 
 // Frames to hold out of `count`: every eighth of a set of images, the last fifth of a video.
 std::vector<uint32_t> FramesForBudget(size_t count, bool video);

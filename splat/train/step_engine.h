@@ -30,8 +30,9 @@
 namespace cosplat {
 
 // The complete state of a run, except its subject's own state (AvatarTrainingState) and what a
-// pruning rule learns: writing and reading it makes an exact checkpoint. Until the last iteration,
-// updates that `adam` has deferred may be pending for Gaussians that were not visible lately.
+// pruning rule learns: with them it is an exact checkpoint (Trainer::Describe). Until the last
+// iteration, updates that `adam` has deferred may be pending for Gaussians that were not visible
+// lately.
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;

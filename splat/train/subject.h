@@ -7,6 +7,7 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/base/state_file.h"
 #include "splat/gaussians.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/density.h"
@@ -23,6 +24,9 @@ struct TrainFrame {
 // A subject's state besides the Gaussians; each subject defines its own (AvatarTrainingState).
 struct SubjectState {
   virtual ~SubjectState() = default;
+  // Writes it to a checkpoint or reads it. count: number of Gaussians. Throws Error when what is
+  // read does not fit together; what it refers to (frames, triangles) RestoreState checks.
+  virtual void Describe(StateArchive& archive, size_t count) = 0;
 };
 
 // Gaussians, gradients and all borrowed arrays are in the memory of the stream that it works in.
@@ -69,8 +73,9 @@ class Subject : public Placement {
     (void)adam;
   }
 
-  // Saves and restores the subject's own state (splat/train/budget.h); null if it has none.
-  virtual std::shared_ptr<const SubjectState> SaveState() const { return nullptr; }
+  // Saves and restores the subject's own state; null if it has none. RestoreState throws Error if
+  // the state is not of this subject.
+  virtual std::shared_ptr<SubjectState> SaveState() const { return nullptr; }
   virtual void RestoreState(const SubjectState& state) { (void)state; }
 
   // What it holds in a device's memory, and bytes of that per Gaussian.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "splat/base/error.h"
+#include "splat/train/describe_state.h"
 
 namespace cosplat {
 namespace {
@@ -164,6 +165,52 @@ void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) 
   drop_psnr_ = checkpoint.drop_psnr;
   MakePrunerFor(prune);
   engine_->Store();
+}
+
+void Trainer::CheckIsOfRun(const StateArchive& archive, const TrainingState& state) const {
+  archive.Require(state.iteration <= settings_.iterations, "iteration", "is beyond the run's end");
+}
+
+void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
+  if (a.reads()) {
+    // The layout; and the subject's state, whose arrays are then replaced.
+    checkpoint.state.gaussians.degree = state_.gaussians.degree;
+    checkpoint.state.gaussians.basis = state_.gaussians.basis;
+    checkpoint.state.gaussians.corrections = state_.gaussians.corrections;
+    checkpoint.subject = subject_.SaveState();
+  }
+  cosplat::Describe(a, subject_.frame_count(), checkpoint.state);
+  CheckIsOfRun(a, checkpoint.state);
+  if (checkpoint.subject) checkpoint.subject->Describe(a, checkpoint.state.gaussians.size());
+  a.Value("drop_psnr", checkpoint.drop_psnr);
+}
+
+void Trainer::Describe(StateArchive& a) {
+  if (!a.reads()) engine_->Fetch();
+  cosplat::Describe(a, subject_.frame_count(), state_);
+  CheckIsOfRun(a, state_);
+  const std::shared_ptr<SubjectState> subject = subject_.SaveState();
+  if (subject) subject->Describe(a, state_.gaussians.size());
+  int32_t rule = int32_t(settings_.prune.rule);
+  a.Value("prune.rule", rule);
+  a.Require(rule >= 0 && rule <= int32_t(PruneRule::kRandom), "prune.rule", "is not a rule");
+  settings_.prune.rule = PruneRule(rule);
+  a.Value("prune.target", settings_.prune.target);
+  a.Value("drop_psnr", drop_psnr_);
+  PhaseTimes times = times_;
+  times += engine_->Times();
+  a.Value("times", times);
+  a.Value("seconds", seconds_);
+  a.Value("cpu_seconds", cpu_seconds_);
+  a.Value("steps", steps_);
+  a.Value("last_seconds", last_seconds_);
+  if (a.reads()) {
+    if (subject) subject_.RestoreState(*subject);
+    times_ = times;
+    MakePrunerFor(settings_.prune);
+  }
+  if (pruner_) pruner_->Describe(a, state_.gaussians.size());
+  if (a.reads()) engine_->Store();
 }
 
 // The ranking for this step: the pruning rule's in its rounds, otherwise by plasticity for the cap

@@ -72,11 +72,18 @@ class Trainer {
   // rule must keep no state between rounds. Timings are not restored: trials count as time spent.
   struct Checkpoint {
     TrainingState state;
-    std::shared_ptr<const SubjectState> subject;
-    double drop_psnr;
+    std::shared_ptr<SubjectState> subject;
+    double drop_psnr = 0;
   };
   Checkpoint Save() const;
   void Restore(const Checkpoint& checkpoint, const PruneSettings& prune);
+  // Writes all that this run is to a checkpoint, or reads it: the same steps follow, bit for bit,
+  // with any number of threads. Settings and data must be those that it was written with, and are
+  // not in it, except for the rule and the target of pruning, which Restore changes. Throws Error
+  // if what is read does not fit them; the trainer is then not to be used.
+  void Describe(StateArchive& archive);
+  // The same for a state to return to.
+  void Describe(StateArchive& archive, Checkpoint& checkpoint) const;
   // The Gaussians with Adam's deferred updates applied, to save or evaluate in the middle of a run.
   // A copy, since catching up in place would change the results of the run.
   Gaussians CaughtUp() const;
@@ -102,6 +109,7 @@ class Trainer {
   std::array<float, 3> MeanBackground() const;
   bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }
   void MakePrunerFor(const PruneSettings& prune);
+  void CheckIsOfRun(const StateArchive& archive, const TrainingState& state) const;
 
   TrainSettings settings_;
   Subject& subject_;

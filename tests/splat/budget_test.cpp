@@ -25,7 +25,11 @@ TrainSettings Settings() {
 
 std::vector<TrainFrame> Frames() { return TargetImages(TrueScene(1), Ring(10, 2.2f)); }
 
-const auto kSilent = [](size_t, const StepReport&) {};
+BudgetReport FindBudget(const BudgetSettings& settings, Trainer& trainer) {
+  BudgetSearch search(settings, trainer);
+  while (!search.done()) search.Step();
+  return search.report();
+}
 
 TEST(Budget, FramesAreHeldOut) {
   EXPECT_EQ(FramesForBudget(21, false), (std::vector<uint32_t>{4, 12, 20}));
@@ -39,8 +43,12 @@ TEST(Budget, TheFewestThatHoldAreChosen) {
   Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
   const BudgetSettings settings{1.0, FramesForBudget(subject.frame_count(), true)};
   std::vector<size_t> shown;
-  const BudgetReport report = FindBudget(
-      settings, trainer, [&](size_t trial, const StepReport&) { shown.push_back(trial); });
+  BudgetSearch search(settings, trainer);
+  while (!search.done()) {
+    shown.push_back(search.trials());
+    search.Step();
+  }
+  const BudgetReport& report = search.report();
   ASSERT_GE(report.trials.size(), 3u);
   const BudgetTrial& all = report.trials.front();
   EXPECT_LT(report.chosen, all.gaussians / 2);
@@ -68,7 +76,7 @@ TEST(Budget, ATighterToleranceNeedsMore) {
   for (const double tolerance : {0.05, 3.0}) {
     SceneSubject subject(Frames(), 1);
     Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
-    chosen.push_back(FindBudget({tolerance, {8, 9}}, trainer, kSilent).chosen);
+    chosen.push_back(FindBudget({tolerance, {8, 9}}, trainer).chosen);
   }
   EXPECT_GT(chosen[0], chosen[1]);
 }
@@ -76,7 +84,7 @@ TEST(Budget, ATighterToleranceNeedsMore) {
 TEST(Budget, NoLossAllowedKeepsAllWhereAllAreNeeded) {
   SceneSubject subject(Frames(), 1);
   Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
-  const BudgetReport report = FindBudget({-100, {8, 9}}, trainer, kSilent);
+  const BudgetReport report = FindBudget({-100, {8, 9}}, trainer);
   EXPECT_EQ(report.chosen, report.trials.front().gaussians);
   while (trainer.state().iteration < kSteps) trainer.Step();
   EXPECT_EQ(trainer.state().gaussians.size(), report.chosen);
@@ -85,11 +93,11 @@ TEST(Budget, NoLossAllowedKeepsAllWhereAllAreNeeded) {
 TEST(Budget, WhatCannotBeJudgedIsAnError) {
   SceneSubject subject(Frames(), 1);
   Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
-  ExpectError([&] { FindBudget({0.2, {}}, trainer, kSilent); }, {"--budget auto", "frames"});
+  ExpectError([&] { FindBudget({0.2, {}}, trainer); }, {"--budget auto", "frames"});
   TrainSettings none = Settings();
   none.prune.rule = PruneRule::kNone;
   Trainer unpruned(none, subject, FirstGaussians(300, 1));
-  ExpectError([&] { FindBudget({0.2, {1}}, unpruned, kSilent); }, {"--budget auto", "no round"});
+  ExpectError([&] { FindBudget({0.2, {1}}, unpruned); }, {"--budget auto", "no round"});
 }
 
 TEST(Trainer, GoingBackRepeatsTheRunBitForBit) {

@@ -68,18 +68,18 @@ void ChooseBudget(const TrainOptions& o, Trainer& trainer, bool video) {
   std::unique_ptr<ProgressBar> bar;
   size_t shown = size_t(-1);
   LossLine line;
-  const BudgetReport report =
-      FindBudget(settings, trainer, [&](size_t trial, const StepReport& step) {
-        if (trial != shown) {
-          bar.reset();  // terminates its line
-          bar = std::make_unique<ProgressBar>("budget, trial " + std::to_string(trial + 1),
-                                              o.iterations,
-                                              o.quiet,
-                                              OffTerminal::kLines);
-          shown = trial;
-        }
-        bar->Update(step.iteration, line(step));
-      });
+  BudgetSearch search(settings, trainer);
+  while (!search.done()) {
+    if (search.trials() != shown) {
+      shown = search.trials();
+      bar.reset();  // terminates its line
+      bar = std::make_unique<ProgressBar>(
+          "budget, trial " + std::to_string(shown + 1), o.iterations, o.quiet, OffTerminal::kLines);
+    }
+    const StepReport step = search.Step();
+    bar->Update(step.iteration, line(step));
+  }
+  const BudgetReport& report = search.report();
   bar.reset();
   WriteBudget(o, report);
   if (!o.quiet) PrintBudget(report);

@@ -1,0 +1,68 @@
+#include "splat/train/describe_state.h"
+
+#include <algorithm>
+
+namespace cosplat {
+namespace {
+
+constexpr std::array<const char*, kAttributeCount> kNames{
+    "position", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest", "correction"};
+
+// Gaussians at most: what indices of 32 bits can count.
+constexpr uint64_t kMaxCount = 0x7fffffff;
+
+void DescribeMoments(StateArchive& a, const std::string& name, const Gaussians& of, Gaussians& m) {
+  if (a.reads()) {
+    m.degree = of.degree;
+    m.basis = of.basis;
+    m.corrections = of.corrections;
+  }
+  Describe(a, name, of.size(), m);
+}
+
+void Describe(StateArchive& a, const Gaussians& of, AdamState& adam) {
+  DescribeMoments(a, "adam.m", of, adam.m);
+  DescribeMoments(a, "adam.v", of, adam.v);
+  a.Value("adam.step", adam.step);
+  a.Array("adam.updated", adam.updated, AdamGroupCount(of.size()));
+  a.Array("adam.ignored", adam.ignored, 1);
+  for (const uint32_t step : adam.updated)
+    a.Require(step <= adam.step, "adam.updated", "is ahead of the run");
+}
+
+}  // namespace
+
+void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians& g) {
+  for (int k = 0; k < kAttributeCount; ++k)
+    a.Array(name + "." + kNames[k], g.values[k], count * size_t(g.width(k)));
+  a.ArrayUpTo(name + ".degrees", g.degrees, count);
+  a.Require(g.degrees.empty() || g.degrees.size() == count, name + ".degrees", "are not all there");
+  for (const uint8_t degree : g.degrees)
+    a.Require(degree <= g.degree, name + ".degrees", "exceed the run's degree");
+}
+
+void Describe(StateArchive& a, size_t frames, TrainingState& s) {
+  a.Value("iteration", s.iteration);
+  a.Require(s.iteration >= 0, "iteration", "is negative");
+  a.Value("rng", s.rng.state);
+  a.ArrayUpTo("frames_left", s.frames_left, frames);
+  for (const uint32_t frame : s.frames_left)
+    a.Require(frame < frames, "frames_left", "names a frame that is not there");
+  uint64_t count = s.gaussians.size();
+  a.Value("count", count);
+  a.Require(count > 0 && count <= kMaxCount, "count", "is " + std::to_string(count));
+  Describe(a, "gaussians", count, s.gaussians);
+  Describe(a, s.gaussians, s.adam);
+  a.Array("statistics.screen_gradient", s.statistics.screen_gradient, count);
+  a.Array("statistics.plasticity", s.statistics.plasticity, count);
+  a.Array("statistics.visible", s.statistics.visible, count);
+}
+
+void Describe(StateArchive& a, const std::string& name, size_t count, LearnedMask& mask) {
+  a.Array(name + ".value", mask.value, count);
+  a.Array(name + ".m", mask.m, count);
+  a.Array(name + ".v", mask.v, count);
+  a.Value(name + ".step", mask.step);
+}
+
+}  // namespace cosplat

@@ -1,0 +1,24 @@
+// What a checkpoint holds of a training run, field by field (splat/base/state_file.h): Trainer's
+// own part (Trainer::Describe), the Subject's (SubjectState::Describe) and the pruning rule's
+// (Pruner::Describe).
+//
+// All functions write the state or read it, as the archive does. Reading checks what the fields are
+// to fit together, and throws Error that names the first that does not.
+#pragma once
+
+#include <string>
+
+#include "splat/base/state_file.h"
+#include "splat/prune/learned_mask.h"
+#include "splat/train/step_engine.h"
+
+namespace cosplat {
+
+// Arrays of `count` Gaussians with this layout: degree, basis and number of corrections are a run's
+// settings, not its state.
+void Describe(StateArchive& archive, const std::string& name, size_t count, Gaussians& gaussians);
+// In host memory. frames: of the subject.
+void Describe(StateArchive& archive, size_t frames, TrainingState& state);
+void Describe(StateArchive& archive, const std::string& name, size_t count, LearnedMask& mask);
+
+}  // namespace cosplat

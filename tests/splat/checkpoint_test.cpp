@@ -1,0 +1,205 @@
+// Checkpoints: a run that goes on from one has the bits of the run that was never interrupted,
+// whatever it keeps between steps; and a damaged one is found.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <fstream>
+
+#include "splat/base/files.h"
+#include "splat/base/state_file.h"
+#include "splat/train/budget.h"
+#include "splat/train/scene_subject.h"
+#include "tests/splat/training_fixture.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat {
+namespace {
+
+using namespace test;  // NOLINT: small scenes
+
+constexpr int kSteps = 150;
+
+std::vector<TrainFrame> Frames() { return TargetImages(TrueScene(2), Ring(6, 2.2f), true); }
+
+// A run with densification, resets of opacity, degrees that rise, and random backgrounds.
+TrainSettings Busy(PruneRule rule = PruneRule::kNone) {
+  TrainSettings settings = ShortRun(kSteps, 2);
+  settings.schedule.densify_from = 10;
+  settings.schedule.densify_until = 100;
+  settings.schedule.opacity_reset_every = 60;
+  settings.schedule.degree_every = 40;
+  settings.background = Background::kRandom;
+  settings.prune.rule = rule;
+  return settings;
+}
+
+struct SceneRun {
+  SceneSubject subject{Frames(), 1};
+  Trainer trainer;
+
+  explicit SceneRun(const TrainSettings& settings)
+      : trainer(settings, subject, FirstGaussians(300, 2)) {}
+  void Until(int step) {
+    while (trainer.iteration() < step) trainer.Step();
+  }
+  void Write(const std::string& path) {
+    WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Describe(a); });
+  }
+  void Read(const std::string& path) {
+    StateFile(path).Read([&](StateArchive& a) { trainer.Describe(a); });
+  }
+};
+
+bool SameRun(SceneRun& a, SceneRun& b) {
+  return SameBits(a.trainer.state(), b.trainer.state()) &&
+         a.trainer.state().gaussians.degrees == b.trainer.state().gaussians.degrees &&
+         a.trainer.statistics().drop_psnr == b.trainer.statistics().drop_psnr;
+}
+
+// Interrupted at each of these steps, each time resumed in a new trainer on other threads.
+void ExpectExact(const TrainSettings& settings, const std::vector<int>& stops) {
+  const TemporaryFolder folder;
+  SceneRun undisturbed(settings);
+  undisturbed.Until(kSteps);
+  auto run = std::make_unique<SceneRun>(settings);
+  size_t threads = 1;
+  for (const int stop : stops) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    threads = 3 - threads;
+    run->Until(stop);
+    run->Write(folder / "checkpoint");
+    run = std::make_unique<SceneRun>(settings);
+    run->Read(folder / "checkpoint");
+    EXPECT_EQ(run->trainer.iteration(), stop);
+  }
+  run->Until(kSteps);
+  EXPECT_TRUE(SameRun(undisturbed, *run)) << ToString(settings.prune.rule);
+  EXPECT_EQ(run->trainer.statistics().steps, size_t(kSteps));
+}
+
+TEST(Checkpoint, ARunGoesOnBitForBit) { ExpectExact(Busy(), {1, 9, 10, 31, 60, 99, 149}); }
+
+TEST(Checkpoint, AlsoWithEveryRuleOfPruning) {
+  for (const std::string& name : PruneRuleNames())
+    ExpectExact(Busy(PruneRuleFromString(name)), {15, 47, 97, 99, 101});
+}
+
+TEST(Checkpoint, AlsoWithDroppedBandsAndATarget) {
+  TrainSettings settings = Busy(PruneRule::kLeaveOneOut);
+  settings.prune.target = 150;
+  settings.drop_bands = 0.02f;
+  settings.schedule.num_downscales = 1;
+  ExpectExact(settings, {20, 120, 149});
+}
+
+TEST(Checkpoint, WritingOneChangesNothing) {
+  const TemporaryFolder folder;
+  SceneRun once(Busy(PruneRule::kCompact)), often(Busy(PruneRule::kCompact));
+  once.Until(60);
+  for (int i = 1; i <= 60; ++i) {
+    often.Until(i);
+    often.Write(folder / "checkpoint");
+  }
+  EXPECT_TRUE(SameRun(once, often));
+}
+
+struct Search {
+  SceneSubject subject{TargetImages(TrueScene(1), Ring(10, 2.2f)), 1};
+  Trainer trainer{Settings(), subject, FirstGaussians(300, 1)};
+  BudgetSearch search{{1.0, {8, 9}}, trainer};
+
+  static TrainSettings Settings() {
+    TrainSettings settings = ShortRun(100, 1);
+    settings.prune.rule = PruneRule::kLeaveOneOut;
+    return settings;
+  }
+};
+
+TEST(Checkpoint, ASearchForABudgetGoesOn) {
+  const TemporaryFolder folder;
+  Search undisturbed;
+  size_t steps = 0;
+  for (; !undisturbed.search.done(); ++steps) undisturbed.search.Step();
+  ASSERT_GE(undisturbed.search.trials(), 3u);
+  auto search = std::make_unique<Search>();
+  for (size_t done = 0; !search->search.done(); ++done) {
+    search->search.Step();
+    if (done % 37 != 0 || search->search.done()) continue;
+    const std::string path = folder / "checkpoint";
+    WriteStateFile(path, "", [&](StateArchive& a) { search->search.Describe(a); });
+    search = std::make_unique<Search>();
+    StateFile(path).Read([&](StateArchive& a) { search->search.Describe(a); });
+  }
+  const BudgetReport &a = undisturbed.search.report(), &b = search->search.report();
+  EXPECT_EQ(a.chosen, b.chosen);
+  ASSERT_EQ(a.trials.size(), b.trials.size());
+  for (size_t i = 0; i < a.trials.size(); ++i) EXPECT_EQ(a.trials[i].psnr, b.trials[i].psnr);
+  EXPECT_EQ(search->trainer.statistics().steps, steps);
+  for (Search* s : {&undisturbed, search.get()})
+    while (s->trainer.iteration() < 100) s->trainer.Step();
+  EXPECT_TRUE(SameBits(undisturbed.trainer.state(), search->trainer.state()));
+}
+
+TEST(Checkpoint, IsLittleLargerThanParametersAndMoments) {
+  const TemporaryFolder folder;
+  SceneRun run(Busy());
+  run.Until(80);
+  run.Write(folder / "checkpoint");
+  size_t numbers = 0;
+  for (const Buffer<float>& values : run.trainer.state().gaussians.values) numbers += values.size();
+  const size_t size = std::filesystem::file_size(folder / "checkpoint");
+  EXPECT_LT(double(size), 1.1 * double(3 * sizeof(float) * numbers));
+}
+
+std::string Bytes(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(Checkpoint, FlippedBitsAreFound) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "checkpoint";
+  SceneSubject subject({Frames()[0]}, 1);
+  Trainer trainer(ShortRun(10, 0), subject, TrueScene(0, 2));
+  WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Describe(a); });
+  const std::string good = Bytes(path);
+  ASSERT_LT(good.size(), 10000u);
+  EXPECT_EQ(StateFile(path).header(), "a run");
+  for (size_t bit = 0; bit < 8 * good.size(); bit += bit < 8 * 64 ? 1 : 11) {
+    std::string damaged = good;
+    damaged[bit / 8] = char(damaged[bit / 8] ^ (1 << bit % 8));
+    std::ofstream(path, std::ios::binary) << damaged;
+    ExpectError([&] { StateFile{path}; }, {path, "damaged"});
+  }
+  for (size_t size = 0; size < good.size(); size += 97) {
+    std::ofstream(path, std::ios::binary) << good.substr(0, size);
+    ExpectError([&] { StateFile{path}; }, {path});
+  }
+}
+
+TEST(Checkpoint, OfAnotherRunIsAnErrorThatNamesTheField) {
+  const TemporaryFolder folder;
+  SceneRun run(Busy());
+  run.Until(20);
+  run.Write(folder / "checkpoint");
+  const StateFile file(folder / "checkpoint");
+  const auto read_into = [&](Trainer& trainer) {
+    return [&] { file.Read([&](StateArchive& a) { trainer.Describe(a); }); };
+  };
+  SceneSubject few({Frames()[0]}, 1);
+  Trainer other_frames(Busy(), few, FirstGaussians(300, 2));
+  ExpectError(read_into(other_frames), {file.path(), "frames_left"});
+  SceneSubject all(Frames(), 1);
+  TrainSettings lower = Busy();
+  lower.degree = 1;
+  Trainer other_degree(lower, all, FirstGaussians(300, 1));
+  ExpectError(read_into(other_degree), {file.path(), "gaussians.color_rest", "elements"});
+  TrainSettings shorter = Busy();
+  shorter.iterations = 10;
+  Trainer other_length(shorter, all, FirstGaussians(300, 2));
+  ExpectError(read_into(other_length), {file.path(), "iteration"});
+}
+
+}  // namespace
+}  // namespace cosplat
