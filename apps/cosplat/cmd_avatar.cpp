@@ -6,6 +6,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/run/landmark_run.h"
+#include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
@@ -53,9 +54,15 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   o.track.out = o.source = o.out + "/track";
   o.track.quiet = o.quiet;
   o.model = o.out + "/avatar";
+  const RunStart start = ChooseStart(o, config);
+  o.resume = start != RunStart::kNew;  // the question is not asked again
   o.landmarks = o.track.landmarks = LandmarksOf(o);
-  Say(o, "2/4 Fitting FLAME to them");
-  RunTracking(o.track);
+  if (o.resume && fs::exists(o.source + "/flame_params.json")) {
+    Say(o, "2/4 The track is there from an earlier run");
+  } else {
+    Say(o, "2/4 Fitting FLAME to them");
+    RunTracking(o.track);
+  }
   Say(o, "3/4 Training an avatar, and evaluating it on frames that it has not seen");
   TrainAvatar(o, config);
   Say(o, "4/4 Writing the report and a playback");

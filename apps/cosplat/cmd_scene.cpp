@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <sstream>
 
 #include "apps/cosplat/capture/colmap.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/scene_options.h"
 #include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/scene_training.h"
 #include "apps/cosplat/run/train_run.h"
@@ -135,20 +135,14 @@ void WriteRegistration(const std::string& file,
   WriteFileAtomically(file, json.dump(2) + "\n");
 }
 
-// Before the data or the options change that they are of.
-void RemoveResults(const SceneCommand& o) {
-  for (const char* name : {"stats.json", "results.json", "report.html", "orbit.mp4"})
-    fs::remove(o.model + "/" + name);
-}
-
 // The data set with its cameras: that of an earlier run on the same photographs, or made now.
-// Returns whether it was kept.
-bool MakeDataset(const SceneCommand& o) {
+void MakeDataset(const SceneCommand& o) {
   const std::string file = o.model + "/registration.json";
   const Json input = InputOf(o), data_input = DataInputOf(o, input);
   const bool kept = fs::is_directory(o.Data()) && IsOf(file, data_input);
   std::string note = " (kept from an earlier run)";
   if (!kept) {
+    if (!o.overwrite) RequireNoRun(o.model);  // it would be on other data
     const std::string program = ProgramOf(o);
     const auto start = std::chrono::steady_clock::now();
     const Photographs photographs = Gather(o, input);
@@ -158,43 +152,22 @@ bool MakeDataset(const SceneCommand& o) {
     fs::remove(file);
     const Registration found = FindCameras(
         photographs, {program, o.matching, o.max_size, threads, o.quiet}, o.Workspace(), o.Data());
-    RemoveResults(o);
+    RemoveRun(o.model);
     WriteRegistration(file, data_input, photographs, found);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     note = " in " + std::to_string(int(taken.count())) + " s";
   }
   const Json json = ReadJson(file);
   if (!o.quiet) PrintRegistration(JsonField(file, json), note);
-  return kept;
 }
 
-// What of the configuration decides the result.
-std::string WithoutQuiet(const std::string& config) {
-  std::istringstream lines(config);
-  std::string kept;
-  for (std::string line; std::getline(lines, line);)
-    if (line.find(".quiet=") == std::string::npos) kept += line + "\n";
-  return kept;
-}
-
-bool IsTrained(const SceneCommand& o, const std::string& config) {
-  const std::string file = o.model + "/config.ini";
-  if (!fs::exists(file) || !fs::exists(o.model + "/stats.json")) return false;
-  if (o.eval && !fs::exists(o.model + "/results.json")) return false;
-  const std::vector<char> earlier = ReadFile(file);
-  return WithoutQuiet({earlier.begin(), earlier.end()}) == WithoutQuiet(config);
-}
-
-// Trains, and writes the report and the orbit.
-void Train(SceneCommand o, bool same_data, const std::string& config) {
+// Trains, unless an earlier run did so, and writes the report and the orbit. What was interrupted
+// goes on.
+void Train(SceneCommand o, const std::string& config) {
   const std::string orbit = o.model + "/orbit.mp4";
   o.source = o.Data();
-  if (same_data && IsTrained(o, config)) {
-    if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
-  } else {
-    RemoveResults(o);
-    TrainScene(o, config);
-  }
+  o.resume = !o.overwrite;
+  TrainScene(o, config);
   if (o.eval) WriteReport(o.model, o.quiet);
   if (!fs::exists(orbit)) RenderVideo(o.model, "", orbit, o.device, o.quiet);
 }
@@ -203,8 +176,8 @@ void Scene(const SceneCommand& o, const std::string& config) {
   std::error_code ignored;
   if (fs::equivalent(o.photographs, o.model, ignored))
     throw Error(o.model, "is the folder of the photographs: results need one of their own");
-  const bool kept = MakeDataset(o);
-  if (!o.cameras_only) return Train(o, kept, config);
+  MakeDataset(o);
+  if (!o.cameras_only) return Train(o, config);
   if (!o.quiet) std::printf("data set: %s\n", o.Data().c_str());
 }
 

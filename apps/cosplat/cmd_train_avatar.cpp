@@ -65,6 +65,31 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
   WriteTrackCameras(o.model, video);
 }
 
+DataChecksums ChecksumsOf(const AvatarOptions& o,
+                          const FlameModel& flame,
+                          const AvatarSubject& subject,
+                          const std::vector<Image8>& truth,
+                          const Gaussians& first) {
+  const TrackedVideo& video = subject.video();
+  DataChecksums sums;
+  std::vector<std::string> names;
+  std::vector<const TrainFrame*> frames;
+  for (size_t i = 0; i < subject.frame_count(); ++i) {
+    names.push_back(video.train[i].name);
+    frames.push_back(&subject.frame(i));
+  }
+  AddFrames("training frame", names, frames, sums);
+  AddTrack("the track of training frame", video.train, sums);
+  AddImages("test frame", truth, sums);
+  AddTrack("the track of test frame", video.test, sums);
+  AddText("the subject's shape", Json(video.shape).dump() + Json(video.static_offset).dump(), sums);
+  AddText("the FLAME model", flame.sha256, sums);
+  AddGaussians("the initial Gaussians", first, sums);
+  AddFiles("the network of --lpips", o.lpips, sums);
+  AddFiles("the file of --landmarks", o.landmarks, sums);
+  return sums;
+}
+
 // Writes the initial Gaussians at rest.
 void SaveFirstPoints(const AvatarOptions& o, const AvatarModel& first) {
   const Gaussians rest = RestPose(first);
@@ -119,6 +144,8 @@ void Save(const AvatarOptions& o,
 }  // namespace
 
 void TrainAvatar(AvatarOptions o, const std::string& config) {
+  const RunStart how = ChooseStart(o, config);
+  if (how == RunStart::kFinished) return PrintFinished(o);
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   if (o.sh_degree > kMaxSplatFileDegree && !o.truncate_degree)
@@ -144,6 +171,9 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                   subject,
                   subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
                   AvatarEngineOn(device, o.deterministic));
+  RunCheckpoint checkpoint(
+      o, config, how, ChecksumsOf(o, flame, subject, truth, trainer.state().gaussians));
+  if (how == RunStart::kNew) RemoveRun(o.model);
   SaveInputs(o, video, config);
   if (!o.quiet) PrintSkipped(video.skipped);
   if (!o.quiet && o.OmitsLpips())
@@ -169,8 +199,9 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
     if (o.avatar.refine_track) SaveRefinedTrack(o, subject);
   };
   if (!truth.empty()) hooks.evaluate = [&] { Evaluate(o, flame, subject, truth, trainer); };
-  RunTraining(o, trainer, video.skipped, hooks);
+  RunTraining(o, trainer, video.skipped, hooks, checkpoint);
   blendshapes.Write(o.model);
+  checkpoint.Remove();
   if (!o.quiet) std::printf("%s", blendshapes.Summary().c_str());
   if (!o.quiet)
     std::printf("%.1f %% of the Gaussians moved to another triangle\n",

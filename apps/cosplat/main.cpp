@@ -6,12 +6,13 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/stop_signals.h"
 #include "apps/cosplat/spelling.h"
-#include "splat/base/error.h"
 
 namespace {
 
@@ -88,8 +89,11 @@ int Run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return Run(argc, argv);
-  } catch (const cosplat::Error& e) {
+  } catch (const cosplat::Stopped& e) {
     std::fprintf(stderr, "cosplat: %s\n", e.what());
+    return 128 + e.signal;  // as a shell says that it was killed by the signal
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "cosplat: out of memory\n");
   } catch (const std::exception& e) {
     std::fprintf(stderr, "cosplat: %s\n", e.what());
   }

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -75,7 +77,21 @@ void Sync(const std::string& path, const std::string& name_in_errors) {
     throw Error(name_in_errors, std::string("write failed: ") + std::strerror(problem));
 }
 
-std::string TemporarySuffix() { return ".tmp." + std::to_string(getpid()); }
+constexpr const char* kTemporary = ".tmp.";
+
+std::string TemporarySuffix() { return kTemporary + std::to_string(getpid()); }
+
+// Whether the name is that of a temporary file, "NAME.tmp.PID" or "NAME.tmp.PID.EXTENSION", of a
+// process that is gone.
+bool IsAbandoned(const std::string& name) {
+  const size_t found = name.rfind(kTemporary);
+  if (found == std::string::npos) return false;
+  const char* const digits = name.c_str() + found + std::strlen(kTemporary);
+  char* end = nullptr;
+  const long pid = std::strtol(digits, &end, 10);
+  if (end == digits || (*end != '\0' && *end != '.') || pid <= 0) return false;
+  return kill(pid_t(pid), 0) != 0 && errno == ESRCH;
+}
 
 }  // namespace
 
@@ -128,6 +144,17 @@ void WriteViaTemporary(const std::string& path,
   TemporaryFile temporary(TemporaryPath(path));
   write(temporary.path());
   temporary.RenameTo(path);
+}
+
+void RemoveTemporaries(const std::string& folder) {
+  std::error_code code;
+  std::vector<fs::path> abandoned;
+  for (fs::recursive_directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const std::string name = entry->path().filename().string();
+    if (entry->is_regular_file(code) && IsAbandoned(name)) abandoned.push_back(entry->path());
+  }
+  for (const fs::path& path : abandoned) fs::remove(path, code);
 }
 
 void MakeDirectories(const std::string& path) {

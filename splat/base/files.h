@@ -28,6 +28,10 @@ void WriteViaTemporary(const std::string& path,
 // The path that WriteViaTemporary uses: in the same folder, with the same extension.
 std::string TemporaryPath(const std::string& path);
 
+// Removes the temporary files, in a folder and those in it, of writers that were killed. Those of
+// running processes stay.
+void RemoveTemporaries(const std::string& folder);
+
 // Creates a directory and its parents; throws Error with the system's reason.
 void MakeDirectories(const std::string& path);
 

@@ -1,13 +1,12 @@
 #include "splat/base/state_file.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <ostream>
 
+#include "splat/base/crc32.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -36,8 +35,7 @@ class StateWriter : public StateArchive {
     Put(bytes, size);
   }
   void Put(const void* bytes, size_t size) {
-    if (size == 0) return;  // zlib starts again at a null pointer
-    crc_ = uint32_t(crc32_z(crc_, static_cast<const Bytef*>(bytes), size));
+    crc_ = Crc32(bytes, size, crc_);
     out_.write(static_cast<const char*>(bytes), std::streamsize(size));
   }
   uint32_t crc() const { return crc_; }
@@ -138,7 +136,7 @@ StateFile::StateFile(const std::string& path) : path_(path), bytes_(ReadFile(pat
   end_ = bytes_.size() - sizeof stored;
   std::memcpy(&stored, bytes_.data() + end_, sizeof stored);
   // Before the format, which may be what is damaged.
-  if (stored != uint32_t(crc32_z(0, reinterpret_cast<const Bytef*>(bytes_.data()), end_)))
+  if (stored != Crc32(bytes_.data(), end_))
     throw Error(path, "is damaged: its checksum does not match");
   if (format != kStateFormat)
     throw Error(path,

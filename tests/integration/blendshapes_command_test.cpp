@@ -77,6 +77,7 @@ struct ScoredHead {
                     "4",
                     "--gaussians",
                     "500",
+                    "--overwrite",
                     "--landmarks",
                     marks_file});
   }

@@ -110,7 +110,7 @@ TEST_F(LpipsLossCommand, APresetSaysThatItLeavesItOut) {
   ASSERT_EQ(without.code, 0) << without.err;
   EXPECT_TRUE(Contains(without.out, "without its LPIPS loss")) << without.out;
   const std::string file = folder_ / "avatar/avatar.glb", first = Slurp(file);
-  arguments.insert(arguments.end(), {"--lpips", net_});
+  arguments.insert(arguments.end(), {"--lpips", net_, "--overwrite"});
   const CommandResult with = Cosplat(arguments);
   ASSERT_EQ(with.code, 0) << with.err;
   EXPECT_FALSE(Contains(with.out, "without its LPIPS loss"));

@@ -48,7 +48,7 @@ TEST_F(PruneCommand, BudgetAutoSaysWhatItTried) {
   EXPECT_NE(Slurp(folder_ / "out/report.html").find("held out, against the number"),
             std::string::npos);
   // Another run in the same folder has none.
-  ASSERT_EQ(TrainScene("out", {}).code, 0);
+  ASSERT_EQ(TrainScene("out", {"--overwrite"}).code, 0);
   EXPECT_FALSE(fs::exists(path));
 }
 

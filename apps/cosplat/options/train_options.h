@@ -54,6 +54,8 @@ struct TrainOptions {
   LearningRates rates;
   float position_lr_final = 0;  // 0: Schedule::LastPositionRate
   float scaling_lr = 0;         // 0: the preset's
+  float checkpoint_every = 5;  // minutes; 0: only when stopped by a signal
+  bool resume = false, overwrite = false;
   bool quiet = false;
 
   // Declare the options on a sub-command; the current values become the defaults. First where the

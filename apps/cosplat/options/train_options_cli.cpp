@@ -172,6 +172,18 @@ void TrainOptions::DeclareTraining(CLI::App& command) {
       .add_option("--scaling_lr", scaling_lr, "learning rate of log scales; 0: as the preset says")
       ->check(kRate);
   command.add_option("--rotation_lr", rates.rotation, "learning rate of rotations")->check(kRate);
+  command
+      .add_option("--checkpoint-every",
+                  checkpoint_every,
+                  "minutes between checkpoints, from which --resume goes on; 0: only when the run "
+                  "is interrupted (Ctrl-C, SIGTERM)")
+      ->check(kRate);
+  CLI::Option* again = command.add_flag(
+      "--resume", resume, "go on with the interrupted run in the results' folder, if there is one");
+  again->configurable(false);
+  command.add_flag("--overwrite", overwrite, "replace the run that the results' folder holds")
+      ->configurable(false)
+      ->excludes(again);
   command.add_flag("--quiet", quiet, "print nothing but errors");
 }
 

@@ -13,9 +13,11 @@ constexpr int kLineEvery = 5;  // percent
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::string title, int total, bool quiet, OffTerminal off_terminal)
+ProgressBar::ProgressBar(
+    std::string title, int total, bool quiet, OffTerminal off_terminal, int first)
     : title_(std::move(title)),
       total_(std::max(1, total)),
+      first_(first),
       visible_(!quiet && isatty(STDERR_FILENO)),
       lines_(!quiet && !visible_ && off_terminal == OffTerminal::kLines),
       start_(std::chrono::steady_clock::now()) {}
@@ -27,7 +29,7 @@ ProgressBar::~ProgressBar() {
 std::string ProgressBar::Status(int done, const std::string& detail) const {
   const auto now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double rate = seconds > 0 ? done / seconds : 0;
+  const double rate = seconds > 0 ? (done - first_) / seconds : 0;
   const int left = rate > 0 ? int((total_ - done) / rate) : 0;
   char numbers[64];
   std::snprintf(numbers, sizeof numbers, "%.1f it/s  %d:%02d left", rate, left / 60, left % 60);

@@ -11,10 +11,12 @@ enum class OffTerminal { kSilent, kLines };
 
 class ProgressBar {
  public:
+  // first: what was done before, by an interrupted run.
   ProgressBar(std::string title,
               int total,
               bool quiet = false,
-              OffTerminal off_terminal = OffTerminal::kSilent);
+              OffTerminal off_terminal = OffTerminal::kSilent,
+              int first = 0);
   ~ProgressBar();
   // Redraws at most ten times per second; `detail` is shown after the bar, or in the log line.
   void Update(int done, const std::string& detail);
@@ -27,7 +29,7 @@ class ProgressBar {
   void WriteLine(int done, const std::string& detail);
 
   std::string title_;
-  int total_;
+  int total_, first_;
   bool visible_, lines_;
   int written_ = 0;  // percentage in the last line written
   std::chrono::steady_clock::time_point start_, drawn_;

@@ -53,6 +53,41 @@ void WriteRunConfiguration(const std::string& folder,
   WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
 }
 
+void RemoveRun(const std::string& folder) {
+  if (!fs::exists(folder + "/run.json")) return;
+  // run.json last, so that an interrupted removal is repeated.
+  constexpr const char* kFiles[] = {"checkpoint.bin",
+                                    "stats.json",
+                                    "results.json",
+                                    "per_view.json",
+                                    "budget.json",
+                                    "refined_track.json",
+                                    "blendshapes.json",
+                                    "skipped_frames.json",
+                                    "export.json",
+                                    "avatar.glb",
+                                    "report.html",
+                                    "orbit.mp4",
+                                    "run.json"};
+  std::error_code code;
+  const auto remove = [&](const fs::path& path) {
+    if (!code) fs::remove_all(path, code);
+    if (code) throw Error(path.string(), "cannot be removed: " + code.message());
+  };
+  // Images of other data, which may be in folders of these names, stay.
+  for (const char* kind : {"point_cloud", "test", "train"}) {
+    std::vector<fs::path> found;
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(folder + "/" + kind, missing)) {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind("iteration_", 0) == 0 || name.rfind("ours_", 0) == 0)
+        found.push_back(entry.path());
+    }
+    for (const fs::path& path : found) remove(path);
+  }
+  for (const char* file : kFiles) remove(folder + "/" + file);
+}
+
 Json ReadRun(const std::string& folder) { return ReadJson(folder + "/run.json"); }
 
 Json CameraToJson(const Camera& c) {

@@ -20,6 +20,10 @@ void WriteRunConfiguration(const std::string& folder,
                            const std::string& config_ini,
                            const Json& run);
 
+// Removes what an earlier run, finished or not, left in its folder: its checkpoint, results and
+// splats. Other files stay. Throws Error if that is not possible.
+void RemoveRun(const std::string& folder);
+
 // Throws Error if `folder` holds no run.
 Json ReadRun(const std::string& folder);
 

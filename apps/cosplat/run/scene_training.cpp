@@ -35,6 +35,30 @@ void Evaluate(const SceneTrainOptions& o,
   writer.Finish();
 }
 
+DataChecksums ChecksumsOf(const SceneTrainOptions& o,
+                          const SceneData& scene,
+                          const SceneSubject& subject,
+                          const std::vector<TrainFrame>& test,
+                          const Gaussians& first) {
+  DataChecksums sums;
+  const auto add = [&](const std::string& kind, const std::vector<SceneView>& views, auto frame) {
+    std::vector<std::string> names;
+    std::vector<const TrainFrame*> frames;
+    for (size_t i = 0; i < views.size(); ++i) {
+      names.push_back(views[i].name);
+      frames.push_back(&frame(i));
+    }
+    AddFrames(kind, names, frames, sums);
+  };
+  const auto trained = [&](size_t i) -> const TrainFrame& { return subject.frame(i); };
+  const auto held_out = [&](size_t i) -> const TrainFrame& { return test[i]; };
+  add("training view", scene.train, trained);
+  add("test view", scene.test, held_out);
+  AddGaussians("the initial points", first, sums);
+  AddFiles("the network of --lpips", o.lpips, sums);
+  return sums;
+}
+
 void SaveInputs(const SceneTrainOptions& o,
                 const DataSplit& split,
                 const SceneData& scene,
@@ -62,6 +86,8 @@ void SaveInputs(const SceneTrainOptions& o,
 void TrainScene(SceneTrainOptions o, const std::string& config) {
   if (o.prune == "dcsharp-triangle")
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
+  const RunStart how = ChooseStart(o, config);
+  if (how == RunStart::kFinished) return PrintFinished(o);
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
@@ -71,10 +97,12 @@ void TrainScene(SceneTrainOptions o, const std::string& config) {
   start.settings.crop_loss.distance = lpips;
   const std::vector<TrainFrame> test = std::move(loaded.test);
   SceneSubject subject(std::move(loaded.train), loaded.extent);
+  RunCheckpoint checkpoint(o, config, how, ChecksumsOf(o, scene, subject, test, start.first));
   Trainer trainer(
       start.settings, subject, std::move(start.first), StepEngineOn(device, o.deterministic));
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
+  if (how == RunStart::kNew) RemoveRun(o.model);
   SaveInputs(o, split, scene, config);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)
@@ -92,7 +120,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config) {
     if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
   };
   if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, device, test, trainer); };
-  RunTraining(o, trainer, scene.skipped, hooks);
+  RunTraining(o, trainer, scene.skipped, hooks, checkpoint);
+  checkpoint.Remove();
 }
 
 }  // namespace cosplat

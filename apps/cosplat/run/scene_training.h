@@ -9,8 +9,9 @@
 namespace cosplat {
 
 // Reads o.source, trains, and writes the run folder o.model (run_folder.h). `config`: of ConfigOf.
-// Prints what it reads and reaches, unless quiet. Throws Error before anything is written if the
-// data or the options cannot be used.
+// Prints what it reads and reaches, unless quiet. Resumes an interrupted run, and leaves a finished
+// one as it is, where the options say so. Throws Error before anything is written if the data or
+// the options cannot be used; Stopped as RunTraining does.
 void TrainScene(SceneTrainOptions o, const std::string& config);
 
 }  // namespace cosplat

@@ -1,13 +1,16 @@
 #include "apps/cosplat/run/train_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/stop_signals.h"
 #include "apps/cosplat/run/test_images.h"
+#include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/train/budget.h"
@@ -23,6 +26,10 @@ void PrintSkipped(const std::vector<SkippedFrame>& skipped) {
   if (skipped.size() > kListed) std::printf("  ... (all are in skipped_frames.json)\n");
 }
 
+void PrintFinished(const TrainOptions& o) {
+  if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
+}
+
 std::shared_ptr<Lpips> LoadLpips(const TrainOptions& o) {
   return o.lpips.empty() ? nullptr : std::make_shared<Lpips>(o.lpips);
 }
@@ -32,7 +39,8 @@ namespace {
 class LossLine {
  public:
   std::string operator()(const StepReport& step) {
-    loss_ = step.iteration == 1 ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
+    const bool first = step.iteration == 1 || std::isnan(loss_);  // of a run, or since resuming
+    loss_ = first ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
     char text[96];
     std::snprintf(
         text, sizeof text, "loss %.4f  %s Gaussians", loss_, WithThousands(step.gaussians).c_str());
@@ -40,7 +48,7 @@ class LossLine {
   }
 
  private:
-  double loss_ = 0;
+  double loss_ = NAN;
 };
 
 void WriteBudget(const TrainOptions& o, const BudgetReport& report) {
@@ -63,51 +71,143 @@ void PrintBudget(const BudgetReport& report) {
   std::printf("  chosen: %s\n", WithThousands(report.chosen).c_str());
 }
 
-void ChooseBudget(const TrainOptions& o, Trainer& trainer, bool video) {
-  const BudgetSettings settings{o.tolerance, FramesForBudget(trainer.frame_count(), video)};
-  std::unique_ptr<ProgressBar> bar;
-  size_t shown = size_t(-1);
-  LossLine line;
-  BudgetSearch search(settings, trainer);
-  while (!search.done()) {
-    if (search.trials() != shown) {
-      shown = search.trials();
-      bar.reset();  // terminates its line
-      bar = std::make_unique<ProgressBar>(
-          "budget, trial " + std::to_string(shown + 1), o.iterations, o.quiet, OffTerminal::kLines);
-    }
-    const StepReport step = search.Step();
-    bar->Update(step.iteration, line(step));
+// A run that can be interrupted after every step.
+class TrainingRun {
+ public:
+  TrainingRun(const TrainOptions& o,
+              Trainer& trainer,
+              const RunHooks& hooks,
+              RunCheckpoint& checkpoint)
+      : o_(o), trainer_(trainer), hooks_(hooks), checkpoint_(checkpoint) {}
+
+  void Start() {
+    if (checkpoint_.resumes()) return Resume();
+    if (o_.budget == "auto") BeginSearch();
   }
-  const BudgetReport& report = search.report();
-  bar.reset();
-  WriteBudget(o, report);
-  if (!o.quiet) PrintBudget(report);
-}
+
+  void ChooseBudget() {
+    if (!search_) return;
+    std::unique_ptr<ProgressBar> bar;
+    size_t shown = size_t(-1);
+    LossLine line;
+    while (!search_->done()) {
+      if (search_->trials() != shown) {
+        shown = search_->trials();
+        bar.reset();  // terminates its line
+        bar = std::make_unique<ProgressBar>("budget, trial " + std::to_string(shown + 1),
+                                            o_.iterations,
+                                            o_.quiet,
+                                            OffTerminal::kLines,
+                                            trainer_.iteration());
+      }
+      const StepReport step = search_->Step();
+      bar->Update(step.iteration, line(step));
+      if (!search_->done()) AfterStep();
+    }
+    bar.reset();
+    WriteBudget(o_, search_->report());
+    if (!o_.quiet) PrintBudget(search_->report());
+    search_.reset();
+  }
+
+  void Train() {
+    ProgressBar bar("train", o_.iterations, o_.quiet, OffTerminal::kLines, trainer_.iteration());
+    LossLine line;
+    while (trainer_.iteration() < o_.iterations) {
+      const StepReport step = trainer_.Step();
+      const int i = step.iteration;
+      bar.Update(i, line(step));
+      if (!step.notice.empty() && !o_.quiet) bar.Tell(step.notice);
+      if (i == o_.iterations) break;
+      if (o_.ReachesMilestone(o_.save_iterations, i)) hooks_.save();
+      if (hooks_.evaluate && o_.ReachesMilestone(o_.test_iterations, i)) hooks_.evaluate();
+      AfterStep();
+    }
+  }
+
+  // Saves, measures and evaluates what was trained.
+  void Finish(size_t skipped) {
+    // Nothing is lost if the disk is too full for the results, or they are interrupted.
+    checkpoint_.TryToWrite(trainer_.iteration(), Description());
+    hooks_.save();
+    StopIfAsked();
+    WriteStatistics(o_.model, trainer_.statistics(), skipped);
+    if (!hooks_.evaluate) return;
+    hooks_.evaluate();
+    StopIfAsked();
+  }
+
+  void StopIfAsked() {
+    const int signal = signals_.received();
+    if (signal == 0) return;
+    try {
+      checkpoint_.Write(trainer_.iteration(), Description());
+    } catch (const Error& error) {
+      throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
+    }
+    throw Stopped(signal,
+                  "stopped at step " + WithThousands(size_t(trainer_.iteration())) +
+                      ": the same command with --resume goes on");
+  }
+
+ private:
+  void BeginSearch() {
+    const BudgetSettings settings{o_.tolerance,
+                                  FramesForBudget(trainer_.frame_count(), hooks_.video)};
+    search_.emplace(settings, trainer_);
+  }
+
+  void Resume() {
+    checkpoint_.Read([&](StateArchive& a) {
+      uint8_t searches = 0;
+      a.Value("searches", searches);
+      if (searches != 0) BeginSearch();
+      DescribeRun(a);
+    });
+    if (o_.quiet) return;
+    std::printf("resumed at step %s of %s\n",
+                WithThousands(size_t(trainer_.iteration())).c_str(),
+                WithThousands(size_t(o_.iterations)).c_str());
+    std::fflush(stdout);
+  }
+
+  void DescribeRun(StateArchive& a) { search_ ? search_->Describe(a) : trainer_.Describe(a); }
+
+  StateDescription Description() {
+    return [this](StateArchive& a) {
+      uint8_t searches = search_.has_value();
+      a.Value("searches", searches);
+      DescribeRun(a);
+    };
+  }
+
+  void AfterStep() {
+    StopIfAsked();
+    if (checkpoint_.IsDue()) checkpoint_.TryToWrite(trainer_.iteration(), Description());
+  }
+
+  const TrainOptions& o_;
+  Trainer& trainer_;
+  const RunHooks& hooks_;
+  RunCheckpoint& checkpoint_;
+  std::optional<BudgetSearch> search_;  // while there is a budget to find
+  StopSignals signals_;
+};
 
 }  // namespace
 
 void RunTraining(const TrainOptions& o,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
-                 const RunHooks& hooks) {
+                 const RunHooks& hooks,
+                 RunCheckpoint& checkpoint) {
+  RemoveTemporaries(o.model);
   WriteSkipped(o.model, skipped);
-  std::error_code ignored;
-  std::filesystem::remove(o.model + "/budget.json", ignored);  // of an earlier run
-  if (o.budget == "auto") ChooseBudget(o, trainer, hooks.video);
-  {
-    ProgressBar bar("train", o.iterations, o.quiet, OffTerminal::kLines);
-    LossLine line;
-    while (trainer.iteration() < o.iterations) {
-      const StepReport step = trainer.Step();
-      const int i = step.iteration;
-      bar.Update(i, line(step));
-      if (!step.notice.empty() && !o.quiet) bar.Tell(step.notice);
-      if (o.ReachesMilestone(o.save_iterations, i)) hooks.save();
-      if (i == o.iterations) WriteStatistics(o.model, trainer.statistics(), skipped.size());
-      if (hooks.evaluate && o.ReachesMilestone(o.test_iterations, i)) hooks.evaluate();
-    }
-  }
+  TrainingRun run(o, trainer, hooks, checkpoint);
+  run.Start();
+  run.ChooseBudget();
+  run.Train();
+  run.Finish(skipped.size());
   const TrainingStatistics statistics = trainer.statistics();
   if (!o.quiet)
     std::printf("%d iterations in %.1f s (%.2f ms per step at the end), %s Gaussians\n",
@@ -126,6 +226,7 @@ void RunTraining(const TrainOptions& o,
   if (!hooks.evaluate) return;
   const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
   if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
+  run.StopIfAsked();
 }
 
 }  // namespace cosplat

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/cosplat/options/train_options.h"
+#include "apps/cosplat/run/run_checkpoint.h"
 #include "splat/base/skipped.h"
 #include "splat/eval/lpips.h"
 #include "splat/train/trainer.h"
@@ -25,11 +26,16 @@ struct RunHooks {
 
 // Trains, saves and evaluates; writes stats.json, budget.json (with --budget auto),
 // skipped_frames.json (if any were skipped), results.json and per_view.json. Returns once
-// everything is on disk.
+// everything is on disk; the checkpoint is left to the caller, who may have more to write. Throws
+// Stopped (stop_signals.h), with a checkpoint written, at SIGINT and SIGTERM.
 void RunTraining(const TrainOptions& options,
                  Trainer& trainer,
                  const std::vector<SkippedFrame>& skipped,
-                 const RunHooks& hooks);
+                 const RunHooks& hooks,
+                 RunCheckpoint& checkpoint);
+
+// Prints, unless quiet, that the folder holds this run already.
+void PrintFinished(const TrainOptions& options);
 
 // Prints the number of skipped frames, and up to five of them with their reasons.
 void PrintSkipped(const std::vector<SkippedFrame>& skipped);

@@ -73,6 +73,20 @@ void AddCosts(const std::string& model, StudyFigures& figures) {
   figures["fps"] = StudyFramesPerSecond(model);
 }
 
+// Keeps a training that was interrupted, if it was one of this command; removes any other, also a
+// finished one, whose measurement is not known to have succeeded.
+void PrepareModel(const StudyRun& run, const std::string& model) {
+  const std::string mark = model + "/study_command.txt";
+  const std::string command = COSPLAT_VERSION " " + run.Command();
+  if (fs::exists(model + "/checkpoint.bin") && fs::exists(mark)) {
+    const std::vector<char> before = ReadFile(mark);
+    if (std::string(before.begin(), before.end()) == command) return;
+  }
+  fs::remove_all(model);
+  MakeDirectories(model);
+  WriteFileAtomically(mark, command);
+}
+
 // Trains and measures, each step as a user would.
 void RunSteps(const StudyRun& run,
               const StudySettings& s,
@@ -80,6 +94,7 @@ void RunSteps(const StudyRun& run,
               const std::string& model) {
   if (run.data.make_head) MakeHead(run.data, s, children);
   std::vector<std::string> train = run.TrainArguments(s.data + "/", s.out + "/", model);
+  train.push_back("--resume");
   if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has one line per run
   children.Run(train);
   if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
@@ -116,7 +131,7 @@ StudyLine MeasureStudyRun(const StudyRun& run,
                           const StudyChildren& children) {
   const auto start = std::chrono::steady_clock::now();
   const std::string model = StudyModelFolder(run, s);
-  fs::remove_all(model);  // of an interrupted run
+  PrepareModel(run, model);
   RunSteps(run, s, children, model);
   StudyLine line;
   line.data = run.data.name;

@@ -1,0 +1,36 @@
+// Checksums of the data that a run reads, by which a checkpoint is known to be of this data.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "flame/track.h"
+#include "splat/base/image.h"
+#include "splat/gaussians.h"
+#include "splat/train/subject.h"
+
+namespace cosplat {
+
+// In an order that does not change, with names for errors: "training frame r_3".
+using DataChecksums = std::vector<std::pair<std::string, uint32_t>>;
+
+// Camera and image of each frame; [names] of them, or none.
+void AddFrames(const std::string& kind,
+               const std::vector<std::string>& names,
+               const std::vector<const TrainFrame*>& frames,
+               DataChecksums& checksums);
+// Parameters of each frame, and its camera.
+void AddTrack(const std::string& kind,
+              const std::vector<TrackedFrame>& frames,
+              DataChecksums& checksums);
+void AddImages(const std::string& kind,
+               const std::vector<Image8>& images,
+               DataChecksums& checksums);
+void AddGaussians(const std::string& name, const Gaussians& gaussians, DataChecksums& checksums);
+void AddText(const std::string& name, const std::string& text, DataChecksums& checksums);
+// A file, or all files of a folder; nothing if `path` is empty. Throws Error as ReadFile does.
+void AddFiles(const std::string& name, const std::string& path, DataChecksums& checksums);
+
+}  // namespace cosplat
