@@ -149,7 +149,7 @@ void MakeDataset(const SceneCommand& o) {
     Announce(o, photographs);
     const int threads =
         int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-    fs::remove(file);
+    RemoveFile(file);
     const Registration found = FindCameras(
         photographs, {program, o.matching, o.max_size, threads, o.quiet}, o.Workspace(), o.Data());
     RemoveRun(o.model);

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <mutex>
 
 #include "assets/head/landmarks.h"
@@ -41,7 +40,7 @@ void WriteProceduralVideo(const std::string& folder,
   Check(options);
   MakeDirectories(folder + "/image");
   MakeDirectories(folder + "/mask");
-  std::filesystem::remove(folder + "/flame_params.json");
+  RemoveFile(folder + "/flame_params.json");
   const ProceduralHead head = MakeProceduralHeadParts();
   const FlamePoser<float> poser(head.model, {});
   const auto script =
@@ -56,6 +55,8 @@ void WriteProceduralVideo(const std::string& folder,
     std::vector<float> vertices;
     poser.Forward(FlamePoser<float>::ParametersOf(script[f].params), vertices);
     const Image8 image = RenderProceduralHead(head, vertices, script[f].params, script[f].camera);
+    // If another frame could not be written, what is drawn in parallel ends early as well.
+    if (tbb::is_current_task_group_canceling()) return;
     const Image8 mask = AlphaOf(image);
     const std::string name = std::to_string(f + 1);
     WriteImage(folder + "/image/" + name + ".png", image);

@@ -146,6 +146,12 @@ void WriteViaTemporary(const std::string& path,
   temporary.RenameTo(path);
 }
 
+void RemoveFile(const std::string& path) {
+  std::error_code code;
+  fs::remove(path, code);
+  if (code) throw Error(path, "cannot be removed: " + code.message());
+}
+
 void RemoveTemporaries(const std::string& folder) {
   std::error_code code;
   std::vector<fs::path> abandoned;

@@ -28,6 +28,9 @@ void WriteViaTemporary(const std::string& path,
 // The path that WriteViaTemporary uses: in the same folder, with the same extension.
 std::string TemporaryPath(const std::string& path);
 
+// Removes a file, if it is there; throws Error with the system's reason.
+void RemoveFile(const std::string& path);
+
 // Removes the temporary files, in a folder and those in it, of writers that were killed. Those of
 // running processes stay.
 void RemoveTemporaries(const std::string& folder);

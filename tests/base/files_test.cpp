@@ -1,9 +1,11 @@
 #include "splat/base/files.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
+#include "splat/base/crc32.h"
 #include "splat/base/sha256.h"
 #include "splat/base/skipped.h"
 #include "tests/support/expect_error.h"
@@ -32,6 +34,45 @@ TEST(Files, WritesAndReadsBack) {
   WriteFileAtomically(folder / "a.txt", "");
   EXPECT_EQ(TextOf(folder / "a.txt"), "");
   EXPECT_EQ(FileCount(folder.path()), 1u);
+}
+
+TEST(Files, WritesDurably) {
+  const TemporaryFolder folder;
+  WriteFileAtomically(folder / "a.bin", "old");
+  WriteFileDurably(folder / "a.bin", [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(TextOf(folder / "a.bin"), "new");
+  EXPECT_EQ(FileCount(folder.path()), 1u);
+  ExpectError([&] { WriteFileDurably(folder / "none/a.bin", [](std::ostream&) {}); },
+              {"none/a.bin", "No such file"});
+}
+
+TEST(Files, RemovesTemporariesOfProcessesThatAreGone) {
+  const TemporaryFolder folder;
+  // No process has the largest number; this one has its own.
+  const std::string gone = ".tmp.2147483647", own = ".tmp." + std::to_string(getpid());
+  for (const std::string& name : {"a.ply" + gone,
+                                  "b" + gone + ".npz",
+                                  "c/d.png" + gone,
+                                  "a.ply" + own,
+                                  std::string("e.tmp.x"),
+                                  std::string("f.tmp.")}) {
+    MakeDirectories(folder / "c");
+    WriteFileAtomically(folder / name, "");
+  }
+  RemoveTemporaries(folder.path());
+  EXPECT_EQ(FileCount(folder.path()), 4u);  // the folder c is one of them
+  EXPECT_EQ(FileCount(folder / "c"), 0u);
+  RemoveTemporaries(folder / "none");
+  RemoveFile(folder / "e.tmp.x");
+  RemoveFile(folder / "e.tmp.x");
+  EXPECT_EQ(FileCount(folder.path()), 3u);
+  ExpectError([&] { RemoveFile(folder.path()); }, {folder.path(), "cannot be removed"});
+}
+
+TEST(Files, Crc32) {
+  EXPECT_EQ(Crc32("123456789", 9), 0xcbf43926u);  // the value that is given for it everywhere
+  EXPECT_EQ(Crc32("6789", 4, Crc32("12345", 5)), 0xcbf43926u);
+  EXPECT_EQ(Crc32(nullptr, 0, 7), 7u);
 }
 
 TEST(Files, AFailedWriteLeavesTheOldFileAndNoTemporary) {

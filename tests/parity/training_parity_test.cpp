@@ -9,6 +9,7 @@
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/memory_archive.h"
 #include "tests/support/squared_distance.h"
 
 namespace cosplat {
@@ -143,6 +144,27 @@ TEST_F(TrainingParity, PruningDroppingAndGoingBack) {
   trainer.Restore(before, run.settings.prune);
   while (trainer.iteration() < 30) trainer.Step();
   EXPECT_TRUE(SameBits(end, trainer.state()));
+}
+
+// A checkpoint has what is in the device's memory, too.
+TEST_F(TrainingParity, ACheckpointGoesOnWithTheSameBits) {
+  for (const PruneRule rule : {PruneRule::kNone, PruneRule::kCompact}) {
+    TrainingRun run;
+    run.settings.iterations = 60;
+    run.settings.prune.rule = rule;
+    SceneSubject subject(run.frames, 1), other(run.frames, 1);
+    Trainer whole(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
+    while (whole.iteration() < 23) whole.Step();
+    test::MemoryArchive checkpoint;
+    whole.Describe(checkpoint);
+    while (whole.iteration() < 60) whole.Step();
+    Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kFixed));
+    checkpoint.Rewind();
+    resumed.Describe(checkpoint);
+    EXPECT_EQ(resumed.iteration(), 23);
+    while (resumed.iteration() < 60) resumed.Step();
+    EXPECT_TRUE(SameBits(whole.state(), resumed.state())) << ToString(rule);
+  }
 }
 
 TEST_F(TrainingParity, ALossThatIsNotFiniteIsFoundAStepLater) {

@@ -209,9 +209,6 @@ void RunCheckpoint::TryToWrite(int iteration, const StateDescription& describe) 
   }
 }
 
-void RunCheckpoint::Remove() const {
-  std::error_code ignored;
-  fs::remove(path_, ignored);
-}
+void RunCheckpoint::Remove() const { RemoveFile(path_); }
 
 }  // namespace cosplat

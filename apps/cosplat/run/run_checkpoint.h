@@ -45,6 +45,8 @@ class RunCheckpoint {
   void Write(int iteration, const StateDescription& describe);
   // The same, but a failure is only a warning: training goes on.
   void TryToWrite(int iteration, const StateDescription& describe);
+  // Once everything is written. Throws Error if it cannot be removed, since the run would then be
+  // taken for an interrupted one.
   void Remove() const;
 
  private:

@@ -212,7 +212,7 @@ void RunTracking(const TrackRunOptions& o) {
   const bool mattes = HasMattes(run);
   MakeDirectories(o.out + "/image");
   if (mattes) MakeDirectories(o.out + "/mask");
-  fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
+  RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = run.fit.shape;
   track.boxes = WriteImages(o, run, frames, mattes);
