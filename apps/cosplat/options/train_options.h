@@ -54,7 +54,7 @@ struct TrainOptions {
   LearningRates rates;
   float position_lr_final = 0;  // 0: Schedule::LastPositionRate
   float scaling_lr = 0;         // 0: the preset's
-  float checkpoint_every = 5;  // minutes; 0: only when stopped by a signal
+  float checkpoint_every = 5;   // minutes; 0: only when stopped by a signal
   bool resume = false, overwrite = false;
   bool quiet = false;
 
