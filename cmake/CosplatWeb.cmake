@@ -59,6 +59,7 @@ cosplat_library(io
   splat/io/ply_reader.cpp
   splat/io/splat_file.cpp
   splat/io/splat_primitive.cpp
+  splat/io/splat_records.cpp
   splat/io/vq.cpp
   splat/io/vq_file.cpp)
 target_link_libraries(cosplat_io PUBLIC cosplat::base cosplat::render

@@ -5,6 +5,7 @@
 #include "apps/cosplat/play_content.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "splat/base/error.h"
+#include "splat/io/splat_file.h"
 
 namespace cosplat {
 namespace {
@@ -31,6 +32,12 @@ WebModel FindWebModel(const std::string& model, const std::string& flame) {
   const bool folder = fs::is_directory(model);
   if (!content.avatar) {
     found.splats = folder ? SplatsOfRun(model) : model;
+    const SplatLayout layout = SplatLayoutOf(found.splats);
+    if (layout == SplatLayout::kSpz || layout == SplatLayout::kSog)
+      throw Error(
+          found.splats,
+          "is an SPZ or SOG file, which the browser's player does not read: `cosplat export "
+          "--splats` makes a PLY of it");
     return found;
   }
   found.avatar = folder ? model + "/avatar.glb" : model;
