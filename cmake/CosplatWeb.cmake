@@ -54,6 +54,7 @@ cosplat_library(io
   splat/io/glb.cpp
   splat/io/glb_check.cpp
   splat/io/glb_tinygltf.cpp
+  splat/io/packed_values.cpp
   splat/io/ply.cpp
   splat/io/ply_layouts.cpp
   splat/io/ply_reader.cpp
