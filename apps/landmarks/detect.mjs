@@ -4,8 +4,8 @@
 //                   --width W --height H
 //
 // FOLDER of frames has 0.jpg ... N-1.jpg; faces.json (per frame a list of faces, each a list of
-// [x, y] in pixels) and 0.png ... (the matte, as the alpha channel) are written beside them. FOLDER
-// of modules is npm's node_modules. Prints "frame K" for each frame that both have seen.
+// [x, y] in pixels) and 0.matte ... (a byte per pixel, rows from the top) are written beside them.
+// FOLDER of modules is npm's node_modules. Prints "frame K" for each frame that both have seen.
 //
 // Both run in pages of their own, each of which asks for a frame and posts what it found with the
 // next request. The pages have different origins, so that Chromium gives each a process, and they
@@ -45,7 +45,7 @@ function answer(job, result, response) {
   if (result.length > 0) {
     const frame = found[job]++;
     if (job === "face") faces[frame] = JSON.parse(result.toString());
-    else fs.writeFileSync(path.join(options.frames, `${frame}.png`), result);
+    else fs.writeFileSync(path.join(options.frames, `${frame}.matte`), result);
     const both = Math.min(found.face, found.matte);
     if (frame === both - 1) console.log(`frame ${both}`);
   }

@@ -42,12 +42,12 @@ struct Stage {
 
   // node, as detect.mjs leaves its folder of frames: each face is the same 478 points.
   void Node(const std::string& faces) const {
-    WriteImage(folder / "matte.png", Image8(kSide, kSide, 4, 200));
+    std::ofstream(folder / "matte", std::ios::binary) << std::string(kSide * kSide, char(200));
     Program("node",
             "while [ \"$1\" != --frames ]; do shift; done\n"
             "for i in 0 1 2; do cp '" +
-                (folder / "matte.png") +
-                "' $2/$i.png; "
+                (folder / "matte") +
+                "' $2/$i.matte; "
                 "echo frame $((i + 1)); done\ncp '" +
                 (folder / "faces.json") + "' $2/faces.json");
     std::ofstream(folder / "faces.json") << faces;

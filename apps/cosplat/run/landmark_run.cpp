@@ -178,15 +178,18 @@ LandmarkVideo FacesIn(const std::string& path,
   return video;
 }
 
-// The browser's mattes are RGBA, with the person in the alpha channel.
+// The browser's mattes are a byte per pixel, rows from the top.
 void WriteMattes(const std::string& from, const std::string& to, LandmarkVideo& video) {
   MakeDirectories(to);
   tbb::parallel_for(size_t(0), video.frames.size(), [&](size_t f) {
-    const std::string path = from + "/" + std::to_string(f) + ".png";
-    const Image8 rgba = ReadImage(path);
-    if (rgba.channels != 4) throw Error(path, "has no alpha channel");
-    Image8 matte(rgba.width, rgba.height, 1);
-    for (size_t i = 0; i < matte.pixels(); ++i) matte.data[i] = rgba.data[4 * i + 3];
+    const std::string path = from + "/" + std::to_string(f) + ".matte";
+    const std::vector<char> bytes = ReadFile(path);
+    Image8 matte(video.width, video.height, 1);
+    if (bytes.size() != matte.data.size())
+      throw Error(path,
+                  "has " + std::to_string(bytes.size()) + " bytes, expected " +
+                      std::to_string(matte.data.size()));
+    std::copy(bytes.begin(), bytes.end(), matte.data.begin());
     video.frames[f].matte = to + "/" + video.frames[f].name + ".png";
     WriteImage(video.frames[f].matte, matte);
   });
