@@ -266,4 +266,14 @@ std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video) {
   return frames;
 }
 
+std::vector<TrackedFrame*> FramesInOrder(TrackedVideo& video) {
+  std::vector<TrackedFrame*> frames;
+  for (auto* list : {&video.train, &video.test})
+    for (TrackedFrame& frame : *list) frames.push_back(&frame);
+  std::stable_sort(frames.begin(), frames.end(), [](const auto* a, const auto* b) {
+    return a->timestep < b->timestep;
+  });
+  return frames;
+}
+
 }  // namespace cosplat

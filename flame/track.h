@@ -91,6 +91,9 @@ void EyelidsToExpression(const FlameModel& model, TrackedVideo& video);
 // moment, only the frame of the first camera is included.
 std::vector<const TrackedFrame*> InstantsOf(const TrackedVideo& video);
 
+// The frames of both sets, of all cameras, in order of time.
+std::vector<TrackedFrame*> FramesInOrder(TrackedVideo& video);
+
 // RGBA at the frame's camera size, or RGB if there is neither mask nor alpha. Images in memory are
 // returned unchanged. Throws Error naming the file if image or mask is missing or differs in size.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);

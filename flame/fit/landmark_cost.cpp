@@ -6,6 +6,7 @@
 #include "flame/fit/robust.h"
 
 namespace cosplat::internal {
+
 LandmarkCost::LandmarkCost(const PointsOnFlame& points,
                            const LandmarkEmbedding& embedding,
                            const ObservedFace& face,

@@ -157,16 +157,6 @@ std::vector<double> TrackRefiner::Run(const std::function<Image8(const TrackedFr
   return spread;
 }
 
-std::vector<TrackedFrame*> FramesInOrder(TrackedVideo& video) {
-  std::vector<TrackedFrame*> frames;
-  for (auto* set : {&video.train, &video.test})
-    for (TrackedFrame& frame : *set) frames.push_back(&frame);
-  std::stable_sort(frames.begin(), frames.end(), [](const auto* a, const auto* b) {
-    return a->timestep < b->timestep;
-  });
-  return frames;
-}
-
 void CheckOneLens(const TrackedVideo& video, const std::vector<TrackedFrame*>& frames) {
   const Camera& first = frames[0]->camera;
   for (size_t f = 0; f < frames.size(); ++f) {

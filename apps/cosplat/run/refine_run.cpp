@@ -33,16 +33,6 @@ TrackedVideo LoadVideo(const RefineRunOptions& o, FlameModel& model) {
   return video;
 }
 
-std::vector<TrackedFrame*> InOrder(TrackedVideo& video) {
-  std::vector<TrackedFrame*> frames;
-  for (auto* set : {&video.train, &video.test})
-    for (TrackedFrame& frame : *set) frames.push_back(&frame);
-  std::stable_sort(frames.begin(), frames.end(), [](const auto* a, const auto* b) {
-    return a->timestep < b->timestep;
-  });
-  return frames;
-}
-
 // Of the frames in order: how many at the end are the test set; -1 if that is not where it is.
 int TestFramesAtEnd(const TrackedVideo& video) {
   if (video.test.empty()) return -1;
@@ -78,7 +68,7 @@ void WriteRefined(const RefineRunOptions& o,
   ImavatarTrack track;
   track.shape = video.shape;
   track.test_frames = TestFramesAtEnd(video);
-  const std::vector<TrackedFrame*> frames = InOrder(video);
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video);
   ProgressBar bar("write", int(frames.size()), o.quiet);
   for (TrackedFrame* frame : frames) {
     track.boxes.push_back(WriteFrame(o, frame->name, LoadTrackedImage(video, *frame)));
