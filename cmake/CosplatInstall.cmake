@@ -26,11 +26,15 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/added_mesh.h
   flame/check_parameters.h
   flame/directions.h
-  flame/fit/band_pass.h
   flame/fit/face_texture.h
+  flame/fit/field_cost.h
+  flame/fit/frame_field.h
   flame/fit/frame_priors.h
+  flame/fit/hair_offset.h
   flame/fit/landmark_cost.h
   flame/fit/robust.h
+  flame/fit/silhouette.h
+  flame/fit/skin_faces.h
   flame/halfedges.h
   flame/io/pickle
   flame/io/track_layouts.h

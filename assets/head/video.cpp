@@ -45,8 +45,9 @@ void WriteProceduralVideo(const std::string& folder,
   const FlamePoser<float> poser(head.model, {});
   const auto script =
       procedural::MakeScript({options.frames, options.test_frames, options.size, options.seed});
-  ImavatarTrack track{
-      std::vector<float>(size_t(head.model.shape_count)), options.test_frames, {}, {}};
+  ImavatarTrack track;
+  track.shape.assign(size_t(head.model.shape_count), 0);
+  track.test_frames = options.test_frames;
   track.frames.resize(script.size());
   track.boxes.resize(script.size());
   std::mutex mutex;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/robust.h"
+#include "flame/fit/skin_faces.h"
 
 namespace cosplat::internal {
 namespace {
@@ -25,15 +25,6 @@ constexpr double kIndependence = 0.5;
 constexpr double kMinFrames = 3;
 // What a round must gain for there to be another.
 constexpr double kMinGain = 0.01;
-constexpr size_t kFramesAtOnce = 16;
-
-bool IsSkin(const FlameModel& model, const std::array<int32_t, 3>& face) {
-  for (int32_t v : face) {
-    const float* const weight = &model.skinning_weights[kFlameJoints * size_t(v)];
-    if (v >= model.own_vertex_count() || weight[3] + weight[4] > 0.01f) return false;
-  }
-  return true;
-}
 
 double AreaOf(const FlameModel& model, const std::array<int32_t, 3>& face) {
   using Point = Eigen::Map<const Eigen::Vector3f>;
@@ -47,13 +38,13 @@ double AreaOf(const FlameModel& model, const std::array<int32_t, 3>& face) {
 LandmarkEmbedding SampleSkin(const FlameModel& model) {
   std::vector<double> until;  // sums of the areas
   double total = 0;
-  for (const auto& face : model.faces)
-    until.push_back(total += IsSkin(model, face) ? AreaOf(model, face) : 0);
+  const std::vector<std::array<int32_t, 3>> faces = SkinFaces(model);
+  for (const auto& face : faces) until.push_back(total += AreaOf(model, face));
   LandmarkEmbedding out;
   size_t t = 0;
   for (int k = 0; k < kSamples && total > 0; ++k) {
     while (t + 1 < until.size() && until[t] < (k + 0.5) / kSamples * total) ++t;
-    const auto& face = model.faces[t];
+    const auto& face = faces[t];
     out.push_back({k, {face[0], face[1], face[2]}, {1.0 / 3, 1.0 / 3, 1.0 / 3}});
   }
   return out;
@@ -68,22 +59,6 @@ LandmarkEmbedding CornersOf(const LandmarkEmbedding& samples) {
       out.push_back(corner);
     }
   return out;
-}
-
-// In the camera's axes.
-std::array<double, 3> InView(const FrameView& view, const std::array<double, 3>& point) {
-  std::array<double, 3> out = view.translation;
-  for (size_t r = 0; r < 3; ++r)
-    for (size_t k = 0; k < 3; ++k) out[r] += view.rotation[3 * r + k] * point[k];
-  return out;
-}
-
-// From the derivative with respect to InView's result to that by the point.
-std::array<double, 3> InViewVjp(const FrameView& view, const std::array<double, 3>& d_out) {
-  std::array<double, 3> d_point{};
-  for (size_t r = 0; r < 3; ++r)
-    for (size_t k = 0; k < 3; ++k) d_point[k] += view.rotation[3 * r + k] * d_out[r];
-  return d_point;
 }
 
 struct MeanBrightness {
@@ -120,33 +95,20 @@ MeanBrightness RobustMean(const std::vector<std::array<double, 2>>& values) {
 FaceTexture::FaceTexture(const FlameModel& model,
                          int shape_count,
                          int expression_count,
-                         std::vector<std::optional<FrameView>> views,
-                         const std::function<Image8(size_t)>& image)
-    : views_(std::move(views)),
-      points_(model, SampleSkin(model), shape_count, expression_count),
-      corners_(model, CornersOf(SampleSkin(model)), shape_count, expression_count),
-      images_(views_.size()) {
-  double size = 0, count = 0;
-  for (const auto& view : views_)
-    if (view) size += view->face_size, ++count;
-  const double scale = std::min(1.0, kBandPassFace * count / size);
-  for (size_t begin = 0; begin < views_.size(); begin += kFramesAtOnce) {
-    const size_t end = std::min(begin + kFramesAtOnce, views_.size());
-    std::vector<Image8> read(kFramesAtOnce);  // videos are decoded in order
-    for (size_t f = begin; f < end; ++f)
-      if (views_[f]) read[f - begin] = image(f);
-    tbb::parallel_for(begin, end, [&](size_t f) {
-      if (views_[f]) images_[f] = BandPass(read[f - begin], views_[f]->box, scale);
-    });
-  }
-}
+                         const std::vector<std::optional<FrameView>>& views,
+                         const std::vector<FrameFields>& fields)
+    : views_(views),
+      fields_(fields),
+      points_(
+          std::make_shared<PointsOnFlame>(model, SampleSkin(model), shape_count, expression_count)),
+      corners_(model, CornersOf(SampleSkin(model)), shape_count, expression_count) {}
 
 std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape,
                                                 double log_focal,
                                                 const std::vector<double>& frame,
                                                 size_t f) const {
   PointsOnFlame::Tape points, corners;
-  points_.Pose(shape.data(), frame.data(), points);
+  points_->Pose(shape.data(), frame.data(), points);
   corners_.Pose(shape.data(), frame.data(), corners);
   const FrameView& view = *views_[f];
   std::vector<Seen> seen(points.points.size());
@@ -161,8 +123,8 @@ std::vector<FaceTexture::Seen> FaceTexture::See(const std::vector<double>& shape
     const double facing = -(b - a).cross(c - a).normalized().dot(at.normalized());
     if (!(facing > kMinFacing) || !(at[2] < 0)) continue;
     const double scale = std::exp(log_focal) / -at[2];
-    const BrightnessAt brightness =
-        SampleAt(images_[f], view.lens.cx + scale * at[0], view.lens.cy - scale * at[1]);
+    const FieldAt brightness =
+        SampleAt(fields_[f].brightness, view.lens.cx + scale * at[0], view.lens.cy - scale * at[1]);
     if (brightness.inside) seen[p] = {brightness.value, facing};
   }
   return seen;
@@ -177,7 +139,7 @@ void FaceTexture::Measure(const std::vector<double>& shape,
   });
   visible_.assign(frames.size(), {});
   double held_out = 0, held_out_points = 0;
-  for (int p = 0; p < points_.point_count(); ++p) {
+  for (int p = 0; p < points_->point_count(); ++p) {
     std::vector<std::array<double, 2>> values;
     for (const auto& frame : seen)
       if (!frame.empty() && frame[size_t(p)].facing > 0)
@@ -217,50 +179,9 @@ std::vector<double> FaceTexture::Refine(const std::vector<double>& shape,
   return spread;
 }
 
-PhotometricCost::PhotometricCost(const FaceTexture& texture, size_t f)
-    : points_(texture.points()),
-      visible_(texture.VisibleIn(f)),
-      image_(texture.image(f)),
-      view_(texture.view(f)) {
-  *mutable_parameter_block_sizes() = {points_.shape_count(), 1, points_.frame_size()};
-  set_num_residuals(int(visible_.size()));
-}
-
-bool PhotometricCost::Evaluate(const double* const* parameters,
-                               double* residuals,
-                               double** jacobians) const {
-  PointsOnFlame::Tape tape;
-  points_.Pose(parameters[0], parameters[2], tape);
-  const double focal = std::exp(parameters[1][0]);
-  const size_t shape = size_t(points_.shape_count()), frame = size_t(points_.frame_size());
-  std::vector<double> d_shape(shape), d_frame(frame);
-  for (size_t row = 0; row < visible_.size(); ++row) {
-    const TexturePoint& point = visible_[row];
-    const auto [x, y, z] = InView(view_, tape.points[size_t(point.point)]);
-    if (-z < kMinDistance) return false;
-    const double scale = focal / -z;
-    const BrightnessAt at = SampleAt(image_, view_.lens.cx + scale * x, view_.lens.cy - scale * y);
-    const double r = at.inside ? (at.value - point.value) / point.sigma : 0;
-    double d_factor;
-    const double factor = RobustFactor(r * r, d_factor);
-    residuals[row] = factor * r;
-    if (!jacobians) continue;
-    const double d_value = (factor + 2 * d_factor * r * r) / point.sigma;
-    // By the place in the image, as it moves to the right and up.
-    const double d_right = d_value * at.d_x * scale, d_up = -d_value * at.d_y * scale;
-    const double d_nearer = d_right * x + d_up * y;
-    std::fill(d_shape.begin(), d_shape.end(), 0.0);
-    std::fill(d_frame.begin(), d_frame.end(), 0.0);
-    points_.Backward(tape,
-                     point.point,
-                     InViewVjp(view_, {d_right, d_up, d_nearer / -z}),
-                     d_shape.data(),
-                     d_frame.data());
-    if (jacobians[0]) std::copy_n(d_shape.begin(), shape, jacobians[0] + row * shape);
-    if (jacobians[1]) jacobians[1][row] = d_nearer;
-    if (jacobians[2]) std::copy_n(d_frame.begin(), frame, jacobians[2] + row * frame);
-  }
-  return true;
+std::unique_ptr<FieldCost> FaceTexture::Cost(size_t f) const {
+  if (!measured() || visible_[f].empty()) return nullptr;
+  return std::make_unique<FieldCost>(points_, visible_[f], fields_[f].brightness, *views_[f]);
 }
 
 }  // namespace cosplat::internal

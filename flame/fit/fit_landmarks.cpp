@@ -12,7 +12,9 @@
 
 #include "flame/fit/face_texture.h"
 #include "flame/fit/frame_priors.h"
+#include "flame/fit/hair_offset.h"
 #include "flame/fit/landmark_cost.h"
+#include "flame/fit/silhouette.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -21,18 +23,20 @@ namespace {
 using internal::BetweenNeighbours;
 using internal::FaceTexture;
 using internal::FitLens;
+using internal::FrameFields;
 using internal::FrameView;
 using internal::kMaxPhotometricRounds;
 using internal::LandmarkCost;
-using internal::PhotometricCost;
 using internal::PriorCost;
+using internal::Silhouette;
 
 constexpr double kFree = std::numeric_limits<double>::infinity();
 // The noise of a landmark, as a fraction of the face's size: about a pixel for a face of 250.
 constexpr double kLandmarkSigma = 0.004;
 // Of the shape's coefficients about the mean head. Far below FLAME's unit variance, since errors of
-// the landmarks that are alike in all frames would go into the shape.
-constexpr double kShapeSigma = 0.035;
+// the landmarks that are alike in all frames would go into the shape. Freer if mattes' rims measure
+// it, too.
+constexpr double kShapeSigma = 0.035, kRimShapeSigma = 0.1;
 // A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
 // standard deviation as an exponent. Only a head that turns says more.
 constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
@@ -40,6 +44,9 @@ constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
 constexpr size_t kSubjectFrames = 80;
 // How often frames are fitted again, each drawn to the mean of its neighbours.
 constexpr int kSmoothingSweeps = 5;
+// How often the shape is found again with the mesh's outline, which moves with it. A longer focal
+// length would widen the head just as well, so that it stays.
+constexpr int kRimRounds = 3, kRimIterations = 15;
 // Translation and the root's rotation, which a frame's numbers begin with, are the body's. Their
 // means over this many frames to either side stand for where it is; it stays near them by these
 // standard deviations (radians, metres), and the neck takes the head's turns.
@@ -99,8 +106,12 @@ class LandmarkFitter {
   // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
   void FitFrames(bool near);
   void FitSubject();
+  // From here on the mesh's outline is drawn to the mattes' rims; whether there are any.
+  bool ReadImages(const std::function<Image8(size_t)>& image);
+  // Offsets the mesh by the subject's hair.
+  void FitHair();
   // Refines the frames by what their images show, for as long as points gain that are held out.
-  void FitToImages(const std::function<Image8(size_t)>& image);
+  void FitToImages();
   LandmarkFit Result() const;
 
   std::function<void()> tick;  // after each frame
@@ -117,7 +128,7 @@ class LandmarkFitter {
   void MeasureFrame(size_t f, const PointsOnFlame::Tape& tape, FittedFrame& out) const;
   FittedFrame FrameResult(size_t f) const;
 
-  const FlameModel& model_;
+  FlameModel model_;  // with the subject's hair, once it is known
   const LandmarkEmbedding& embedding_;
   const std::vector<std::optional<ObservedFace>>& faces_;
   const int width_, height_;
@@ -128,7 +139,12 @@ class LandmarkFitter {
   const bool focal_given_;
   std::vector<double> shape_;
   double log_focal_;
-  std::vector<std::vector<double>> frames_;  // empty where there is no face
+  std::vector<std::vector<double>> frames_;      // empty where there is no face
+  std::vector<std::optional<FrameView>> views_;  // once the images are read
+  std::vector<FrameFields> fields_;
+  bool rims_ = false;  // whether mattes have some
+  std::optional<Silhouette> silhouette_;
+  std::vector<float> static_offset_;
   std::optional<FaceTexture> texture_;
   std::vector<double> spread_;
 };
@@ -155,7 +171,8 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
       focal_given_(options.focal > 0),
       shape_(size_t(points_.shape_count())),
       log_focal_(std::log(focal_given_ ? options.focal : kFocalPerSide * std::max(width, height))),
-      frames_(faces.size()) {
+      frames_(faces.size()),
+      views_(faces.size()) {
   shape_.reserve(shape_.size() + 1);  // Ceres takes no null pointer, not even for no numbers
   for (size_t f = 0; f < faces.size(); ++f)
     if (faces[f]) frames_[f].assign(size_t(points_.frame_size()), 0);
@@ -210,8 +227,12 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, const Blocks& b
                            log_focal,
                            frame);
   problem.AddResidualBlock(new PriorCost(rests_[f], rest_sigma_), nullptr, frame);
-  if (texture_ && texture_->measured() && !texture_->VisibleIn(f).empty())
-    problem.AddResidualBlock(new PhotometricCost(*texture_, f), nullptr, shape, log_focal, frame);
+  if (texture_)
+    if (auto cost = texture_->Cost(f))
+      problem.AddResidualBlock(cost.release(), nullptr, shape, log_focal, frame);
+  if (!fields_.empty() && fields_[f].rim)
+    if (auto cost = silhouette_->Cost(shape, *log_focal, frame, *fields_[f].rim, *views_[f]))
+      problem.AddResidualBlock(cost.release(), nullptr, shape, log_focal, frame);
 }
 
 void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
@@ -296,19 +317,19 @@ void LandmarkFitter::FitSubject() {
     order->AddElementToGroup(frame, 0);
   }
   if (!shape_.empty()) {
-    const std::vector<double> sigma(shape_.size(), kShapeSigma);
+    const std::vector<double> sigma(shape_.size(), rims_ ? kRimShapeSigma : kShapeSigma);
     problem.AddResidualBlock(
         new PriorCost(std::vector<double>(shape_.size()), sigma), nullptr, shape);
     order->AddElementToGroup(shape, 1);
   }
   problem.AddResidualBlock(new PriorCost({log_focal_}, {kFocalSigma}), nullptr, log_focal);
   order->AddElementToGroup(log_focal, 1);
-  if (focal_given_) problem.SetParameterBlockConstant(log_focal);
+  if (focal_given_ || rims_) problem.SetParameterBlockConstant(log_focal);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.linear_solver_ordering.reset(order);
   options.num_threads = 1;  // sums would depend on the number of threads
-  options.max_num_iterations = 60;
+  options.max_num_iterations = rims_ ? kRimIterations : 60;
   options.function_tolerance = 1e-5;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -319,12 +340,27 @@ void LandmarkFitter::FitSubject() {
   log_focal_ = *log_focal;
 }
 
-void LandmarkFitter::FitToImages(const std::function<Image8(size_t)>& image) {
-  std::vector<std::optional<FrameView>> views(faces_.size());
+bool LandmarkFitter::ReadImages(const std::function<Image8(size_t)>& image) {
   for (size_t f = 0; f < faces_.size(); ++f)
-    if (faces_[f]) views[f] = ViewOf(*faces_[f], lens_);
+    if (faces_[f]) views_[f] = ViewOf(*faces_[f], lens_);
+  fields_ = internal::ReadFields(views_, image);
+  silhouette_.emplace(model_, points_.shape_count(), points_.frame_size() - kFitExpression);
+  rims_ = std::any_of(
+      fields_.begin(), fields_.end(), [](const FrameFields& frame) { return bool(frame.rim); });
+  return rims_;
+}
+
+void LandmarkFitter::FitHair() {
+  static_offset_ = internal::FitHairOffset(
+      model_, shape_, log_focal_, frames_, SubjectFrames(), views_, fields_);
+  for (size_t i = 0; i < static_offset_.size(); ++i)
+    model_.template_vertices[i] += static_offset_[i];
+  silhouette_.emplace(model_, points_.shape_count(), points_.frame_size() - kFitExpression);
+}
+
+void LandmarkFitter::FitToImages() {
   texture_.emplace(
-      model_, points_.shape_count(), points_.frame_size() - kFitExpression, views, image);
+      model_, points_.shape_count(), points_.frame_size() - kFitExpression, views_, fields_);
   spread_ = texture_->Refine(shape_, log_focal_, frames_, [&] { FitFrames(true); });
 }
 
@@ -376,6 +412,7 @@ LandmarkFit LandmarkFitter::Result() const {
   fit.camera.cy = float(lens_.cy);
   fit.camera.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
   fit.shape.assign(shape_.begin(), shape_.end());
+  fit.static_offset = static_offset_;
   double sum = 0;
   int count = 0;
   for (size_t f = 0; f < faces_.size(); ++f) {
@@ -408,7 +445,8 @@ LandmarkFit FitLandmarks(const FlameModel& model,
                 "a face is in " + std::to_string(seen) + " frames, expected at least " +
                     std::to_string(kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
-  const int sweeps = 2 + kSmoothingSweeps + (options.image ? kMaxPhotometricRounds : 0);
+  const int sweeps =
+      2 + kSmoothingSweeps + (options.image ? kRimRounds + kMaxPhotometricRounds : 0);
   const int total = sweeps * seen;
   std::mutex mutex;
   int done = 0;
@@ -421,9 +459,15 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   fitter.FitFrames(false);
   fitter.FitSubject();
   fitter.FitFrames(false);
+  const bool mattes = options.image && fitter.ReadImages(options.image);
+  for (int round = 0; mattes && round < kRimRounds; ++round) {
+    fitter.FitSubject();
+    fitter.FitFrames(false);
+  }
   fitter.SettleBody();
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) fitter.FitFrames(true);
-  if (options.image) fitter.FitToImages(options.image);
+  if (mattes) fitter.FitHair();
+  if (options.image) fitter.FitToImages();
   if (progress && done < total) progress(total, total);
   return fitter.Result();
 }

@@ -36,8 +36,9 @@ struct FittedFrame {
 };
 
 struct LandmarkFit {
-  Camera camera;                                   // stands still in front of the head, which moves
-  std::vector<float> shape;                        // the subject's
+  Camera camera;                     // stands still in front of the head, which moves
+  std::vector<float> shape;          // the subject's
+  std::vector<float> static_offset;  // [V, 3] metres, of hair that mattes show; or empty
   std::vector<std::optional<FittedFrame>> frames;  // none where there was no face
   double error = 0;                                // px, mean over the fitted frames
   // How far points' brightness is from their mean, 8-bit levels: by the landmarks alone, and after

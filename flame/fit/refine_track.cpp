@@ -100,11 +100,11 @@ FrameView TrackRefiner::ViewOf(const TrackedFrame& frame) const {
 }
 
 void TrackRefiner::FitFrame(size_t f, const std::vector<double>& near) {
-  if (texture_->VisibleIn(f).empty()) return;
+  auto cost = texture_->Cost(f);
+  if (!cost) return;
   double* const frame = frames_[f].data();
   ceres::Problem problem;
-  problem.AddResidualBlock(
-      new internal::PhotometricCost(*texture_, f), nullptr, shape_.data(), &log_focal_, frame);
+  problem.AddResidualBlock(cost.release(), nullptr, shape_.data(), &log_focal_, frame);
   problem.AddResidualBlock(new internal::PriorCost(given_[f], given_sigma_), nullptr, frame);
   if (!near.empty())
     problem.AddResidualBlock(new internal::PriorCost(near, step_sigma_), nullptr, frame);
@@ -147,12 +147,12 @@ void TrackRefiner::Return() {
 std::vector<double> TrackRefiner::Run(const std::function<Image8(const TrackedFrame&)>& image) {
   std::vector<std::optional<FrameView>> views;
   for (const TrackedFrame* frame : track_) views.push_back(ViewOf(*frame));
-  texture_.emplace(
-      model_, int(shape_.size()), model_.expression_count, std::move(views), [&](size_t f) {
-        return image(*track_[f]);
-      });
+  const std::vector<internal::FrameFields> fields =
+      internal::ReadFields(views, [&](size_t f) { return image(*track_[f]); });
+  texture_.emplace(model_, int(shape_.size()), model_.expression_count, views, fields);
   const std::vector<double> spread =
       texture_->Refine(shape_, log_focal_, frames_, [&] { FitFrames(); });
+  texture_.reset();
   Return();
   return spread;
 }

@@ -15,13 +15,15 @@ std::array<float, 4> ImavatarBox(const Image8& mask);
 
 struct ImavatarTrack {
   std::vector<float> shape;
+  std::vector<float> static_offset;         // [V, 3] metres, or empty
   int test_frames = -1;                     // the last ones are held out; -1: the reader decides
   std::vector<TrackedFrame> frames;         // name, camera and params; all cameras have one lens
   std::vector<std::array<float, 4>> boxes;  // [frames] ImavatarBox
 };
 
 // Writes <folder>/flame_params.json atomically. A frame's eyelids, if any frame has some, are
-// written as "eyelids", which the layout's other readers ignore. Frames' expressions must have one
+// written as "eyelids", the subject's static offset as "static_offset"; the layout's other readers
+// ignore them. Frames' expressions must have one
 // length. Throws Error if the file cannot be written.
 void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track);
 

@@ -35,6 +35,7 @@ ImavatarTrack TrackOfHead() {
     frame.params.eyelids = head.eyelids;
     track.frames.push_back(frame);
   }
+  track.static_offset = {0.001f, -0.25f, 3};
   track.boxes.resize(track.frames.size());
   return track;
 }
@@ -49,6 +50,7 @@ TEST(ImavatarWriter, IsReadAsTheSameHead) {
                Image8(test::kHeadSide, test::kHeadSide, 4, 255));
   const TrackedVideo read = LoadTrackedVideo(folder.path(), {});
   EXPECT_EQ(read.test.size(), 2u);  // a fifth, since the file names no number
+  EXPECT_EQ(read.static_offset, track.static_offset);
   const FlameModel model = test::HeadModel();
   const std::vector<TrackedFrame> frames = test::AllFrames(read);
   ASSERT_EQ(frames.size(), track.frames.size());

@@ -4,28 +4,27 @@
 
 #include <cmath>
 
-#include "assets/head/landmarks.h"
-#include "assets/head/motion.h"
-#include "assets/head/procedural_head.h"
-#include "flame/fit/band_pass.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/fit_landmarks.h"
+#include "flame/fit/frame_field.h"
 #include "flame/fit/refine_track.h"
 #include "flame/pose.h"
 #include "splat/base/rng.h"
+#include "tests/flame/filmed_head.h"
 #include "tests/support/expect_error.h"
 
 namespace cosplat {
 namespace {
 
 using internal::BandPass;
-using internal::BandPassed;
-using internal::BrightnessAt;
 using internal::FaceTexture;
+using internal::FieldAt;
+using internal::FieldCost;
+using internal::FrameField;
 using internal::FrameView;
-using internal::PhotometricCost;
 using internal::SampleAt;
 using test::ExpectError;
+using test::FilmedHead;
 
 constexpr std::array<double, 4> kWhole{0, 0, 1e9, 1e9};
 
@@ -40,8 +39,8 @@ Image8 Waves(int width, int height, int channels) {
 }
 
 TEST(BandPass, LeavesTextureAndNoSlope) {
-  const BandPassed waves = BandPass(Waves(120, 90, 3), kWhole, 1);
-  const BandPassed flat = BandPass(Image8(120, 90, 3, 200), kWhole, 1);
+  const FrameField waves = BandPass(Waves(120, 90, 3), kWhole, 1);
+  const FrameField flat = BandPass(Image8(120, 90, 3, 200), kWhole, 1);
   double most = 0, sum = 0;
   for (int x = 30; x < 90; ++x) {
     most = std::max(most, SampleAt(waves, x, 45).value);
@@ -54,9 +53,9 @@ TEST(BandPass, LeavesTextureAndNoSlope) {
 
 TEST(BandPass, PlacesAreThoseOfTheFrame) {
   const Image8 frame = Waves(200, 160, 3);
-  const BandPassed whole = BandPass(frame, kWhole, 1);
-  const BandPassed part = BandPass(frame, {50, 40, 150, 120}, 1);
-  const BandPassed half = BandPass(frame, kWhole, 0.5);
+  const FrameField whole = BandPass(frame, kWhole, 1);
+  const FrameField part = BandPass(frame, {50, 40, 150, 120}, 1);
+  const FrameField half = BandPass(frame, kWhole, 0.5);
   EXPECT_EQ(part.image.width, 100);
   EXPECT_EQ(half.image.height, 80);
   EXPECT_NEAR(SampleAt(part, 100.3, 80.7).value, SampleAt(whole, 100.3, 80.7).value, 1e-3);
@@ -72,9 +71,9 @@ TEST(BandPass, PlacesAreThoseOfTheFrame) {
 }
 
 TEST(BandPass, DerivativeIsThatOfDifferences) {
-  const BandPassed image = BandPass(Waves(120, 90, 3), kWhole, 0.7);
+  const FrameField image = BandPass(Waves(120, 90, 3), kWhole, 0.7);
   constexpr double kStep = 1e-4, x = 61.23, y = 40.31;
-  const BrightnessAt at = SampleAt(image, x, y);
+  const FieldAt at = SampleAt(image, x, y);
   ASSERT_TRUE(at.inside);
   EXPECT_NEAR(
       at.d_x,
@@ -95,78 +94,11 @@ TEST(BandPass, NothingOutsideTheMatteCounts) {
         white.at(x, y, c) = c < 3 ? 255 : 0;
         black.at(x, y, c) = 0;
       }
-  const BandPassed before_white = BandPass(white, kWhole, 1);
-  const BandPassed before_black = BandPass(black, kWhole, 1);
+  const FrameField before_white = BandPass(white, kWhole, 1);
+  const FrameField before_black = BandPass(black, kWhole, 1);
   for (int x = 20; x < 60; ++x)
     EXPECT_EQ(SampleAt(before_white, x, 45).value, SampleAt(before_black, x, 45).value);
 }
-
-// The made head's frames as a camera and a detector see them. Each point has noise of its own, and
-// all of a frame have some in common, as a detector's have.
-struct FilmedHead {
-  static constexpr int kSize = 320;
-  ProceduralHead head = MakeProceduralHeadParts();
-  LandmarkEmbedding embedding = MadeHeadLandmarks(head);
-  FlamePoser<float> poser{head.model, {}};
-  std::vector<procedural::ScriptFrame> script;
-  std::vector<std::optional<ObservedFace>> faces;
-  std::vector<Image8> images;
-
-  FilmedHead(int frames, double noise, double shift) : script(MakeScript(frames)) {
-    for (EmbeddedLandmark& point : embedding) point.looseness = 7.5;  // a detector's
-    Rng rng{1};
-    for (const procedural::ScriptFrame& frame : script) {
-      std::vector<float> vertices;
-      poser.Forward(FlamePoser<float>::ParametersOf(frame.params), vertices);
-      images.push_back(RenderProceduralHead(head, vertices, frame.params, frame.camera));
-      ObservedFace face;
-      const double left = shift * rng.Normal(), down = shift * rng.Normal();
-      for (const EmbeddedLandmark& point : embedding) {
-        const auto [x, y] = Project(frame.camera, &vertices[3 * size_t(point.vertices[0])]);
-        const double dx = noise * rng.Normal(), dy = noise * rng.Normal();
-        face.points.push_back({x + left + dx, y + down + dy});
-      }
-      face.weights.assign(face.points.size(), 1);
-      face.size = 125;
-      face.follows = !faces.empty();
-      faces.push_back(face);
-    }
-  }
-  static std::vector<procedural::ScriptFrame> MakeScript(int frames) {
-    // The beginning of a longer one, at its speed.
-    auto script = procedural::MakeScript({120, 20, kSize, 0});
-    script.resize(size_t(frames));
-    return script;
-  }
-  static std::array<double, 2> Project(const Camera& c, const float* v) {
-    std::array<double, 3> p;
-    for (int r = 0; r < 3; ++r)
-      p[r] = c.rotation[3 * r] * v[0] + c.rotation[3 * r + 1] * v[1] +
-             c.rotation[3 * r + 2] * v[2] + c.translation[r];
-    return {c.fx * p[0] / p[2] + c.cx, c.fy * p[1] / p[2] + c.cy};
-  }
-  LandmarkFit Fit(bool with_images) const {
-    LandmarkFitOptions options;
-    options.focal = script[0].camera.fx;
-    if (with_images) options.image = [&](size_t f) { return images[f]; };
-    return FitLandmarks(head.model, embedding, faces, kSize, kSize, options);
-  }
-  // Mean distance of the embedded points from where they are, px.
-  double Error(const LandmarkFit& fit) const {
-    double sum = 0;
-    for (size_t f = 0; f < script.size(); ++f) {
-      std::vector<float> vertices;
-      poser.Forward(FlamePoser<float>::ParametersOf(script[f].params), vertices);
-      for (size_t p = 0; p < embedding.size(); ++p) {
-        const auto [x, y] =
-            Project(script[f].camera, &vertices[3 * size_t(embedding[p].vertices[0])]);
-        const auto& found = fit.frames[f]->points[p];
-        sum += std::hypot(found[0] - x, found[1] - y) / double(embedding.size());
-      }
-    }
-    return sum / double(script.size());
-  }
-};
 
 TEST(FitLandmarks, ImagesMakeItMoreExact) {
   const FilmedHead filmed(24, 0.5, 1);
@@ -255,7 +187,7 @@ TEST(RefineTrack, ComesNearerToTheTruth) {
               {"noisy", "frames", "'5'", "'0'"});
 }
 
-TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
+TEST(FieldCost, DerivativeIsThatOfDifferences) {
   const FilmedHead filmed(12, 0, 0);
   const LandmarkFit fit = filmed.Fit(false);
   std::vector<std::optional<FrameView>> views(filmed.faces.size());
@@ -265,10 +197,8 @@ TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
     view->box = kWhole;
     view->face_size = 125;
   }
-  FaceTexture texture(
-      filmed.head.model, 0, filmed.head.model.expression_count, views, [&](size_t f) {
-        return filmed.images[f];
-      });
+  const auto fields = internal::ReadFields(views, [&](size_t f) { return filmed.images[f]; });
+  FaceTexture texture(filmed.head.model, 0, filmed.head.model.expression_count, views, fields);
   std::vector<std::vector<double>> frames;
   for (const auto& frame : fit.frames) {
     std::vector<double> numbers(frame->params.translation.begin(), frame->params.translation.end());
@@ -279,8 +209,10 @@ TEST(PhotometricCost, DerivativeIsThatOfDifferences) {
   }
   double log_focal = std::log(fit.camera.fx);
   texture.Measure({}, log_focal, frames);
-  ASSERT_GT(texture.VisibleIn(1).size(), 300u);
-  const PhotometricCost cost(texture, 1);
+  const std::unique_ptr<FieldCost> made = texture.Cost(1);
+  ASSERT_TRUE(made);
+  const FieldCost& cost = *made;
+  ASSERT_GT(cost.num_residuals(), 300);
   const size_t rows = size_t(cost.num_residuals()), size = frames[1].size();
   std::vector<double>& frame = frames[1];
   const auto residuals = [&] {

@@ -67,6 +67,7 @@ void WriteRefined(const RefineRunOptions& o,
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = video.shape;
+  track.static_offset = video.static_offset;
   track.test_frames = TestFramesAtEnd(video);
   const std::vector<TrackedFrame*> frames = FramesInOrder(video);
   ProgressBar bar("write", int(frames.size()), o.quiet);
@@ -114,8 +115,6 @@ void RunRefinement(const RefineRunOptions& o) {
       spread.back(),
       spread.front(),
       o.out.c_str());
-  if (!video.static_offset.empty())
-    std::printf("The track's static offsets are left out: IMavatar's layout has none\n");
   PrintSkipped(video.skipped);
 }
 

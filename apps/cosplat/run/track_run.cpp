@@ -215,6 +215,7 @@ void RunTracking(const TrackRunOptions& o) {
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = run.fit.shape;
+  track.static_offset = run.fit.static_offset;
   track.boxes = WriteImages(o, run, frames, mattes);
   for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
