@@ -83,7 +83,8 @@ function(cosplat_install)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/splat ${PROJECT_SOURCE_DIR}/flame
                     ${PROJECT_SOURCE_DIR}/avatar ${PROJECT_SOURCE_DIR}/assets
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cosplat COMPONENT development
-          FILES_MATCHING PATTERN "*.h" REGEX "/(${private})" EXCLUDE)
+          # splats.h is of the browser's module, whose functions libcosplat.so does not have.
+          FILES_MATCHING PATTERN "*.h" REGEX "/(${private}|avatar/plugin/splats\\.h)" EXCLUDE)
 
   set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/cosplat)
   install(EXPORT cosplatTargets NAMESPACE cosplat:: DESTINATION ${config_folder}

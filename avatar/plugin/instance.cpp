@@ -191,6 +191,16 @@ void Instance::SetDrive(const char* drive) {
   parameters_.ForgetTime();
 }
 
+void Instance::Place() {
+  player_.Place(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
+}
+
+WorldGaussians Instance::Placed() {
+  Place();
+  const AvatarModel& avatar = player_.avatar();
+  return PosedView(avatar.gaussians, player_.GaussiansOf(placed_), avatar.color_frame);
+}
+
 void Instance::Render(const cosplat_picture& picture) {
   CheckPicture(picture);
   const ptrdiff_t stride = CheckedStride(picture.stride, picture.width, 1, "picture.stride");
@@ -201,7 +211,7 @@ void Instance::Render(const cosplat_picture& picture) {
   if (picture.alpha == COSPLAT_ALPHA_OPAQUE) std::copy_n(picture.background, 3, background.begin());
 
   // Both images are rendered before anything is written, so that a failure writes nothing.
-  player_.Place(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
+  Place();
   const RenderedImage& image = player_.Draw(placed_, camera, background);
   if (picture.depth) {
     if (!depth_) depth_.emplace();

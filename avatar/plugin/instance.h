@@ -48,6 +48,9 @@ class Instance {
   void SetDrive(const char* drive);
   void Advance(int64_t now_ns) { face_.Advance(now_ns, parameters_); }
   void Render(const cosplat_picture& picture);
+  // The Gaussians that Render draws now. Valid until the next call of either.
+  WorldGaussians Placed();
+  const AvatarModel& avatar() const { return player_.avatar(); }
 
   // Thread-safe. Returns true to one thread at a time, until that thread calls Leave.
   bool TryEnter() { return !busy_.exchange(true, std::memory_order_acquire); }
@@ -58,6 +61,7 @@ class Instance {
 
  private:
   Camera CameraFor(const cosplat_picture& picture) const;
+  void Place();
 
   FlameModel flame_;
   Player player_;

@@ -13,6 +13,8 @@
 #include "splat/math/blend.h"
 #include "splat/math/dcsh.h"
 #include "splat/math/pinhole.h"
+#include "splat/render/kernels/project.h"
+#include "splat/render/view_splats.h"
 
 namespace cosplat {
 namespace {
@@ -349,6 +351,76 @@ TEST(Rasterizer, SurfaceFrameTurnsTheColour) {
   const float alpha = 1 - framed.transmittance[mid];
   EXPECT_NEAR(framed.color[mid], color.x * alpha + 0.3f * (1 - alpha), 1e-5);
   EXPECT_GT(std::abs(framed.color[mid] - plain.color[mid]), 1e-3);
+}
+
+// What another renderer is given draws the same picture here, with its colours as the constant
+// function; and blur is added to the footprint.
+TEST(ViewSplats, DrawTheSamePicture) {
+  Gaussians g = RandomGaussians(60, 3, 43);
+  for (int k = 0; k < 3; ++k) g.at(kPosition, 0)[k] = -3.5f * float(k == 2);  // behind the camera
+  for (int k = 0; k < 4; ++k) g.at(kRotation, 1)[k] = 0;
+  Buffer<float> frame(4 * g.size());
+  for (size_t i = 0; i < frame.size(); ++i) frame[i] = std::sin(float(i) + 1);
+  WorldGaussians world = ViewOf(g);
+  world.color_frame = frame.data();
+  const Camera camera = TestCamera(64, 64);
+  const auto rasterizer = MakeCpuRasterizer();
+  const auto tape = rasterizer->MakeTape();
+  const auto draw = [&](const WorldGaussians& gaussians, int degree) {
+    RenderedImage image;
+    rasterizer->Forward(gaussians, Basis::kDcsh, camera, Settings(degree), image, *tape);
+    return image;
+  };
+  ViewSplats splats;
+  const auto as_gaussians = [&] {
+    Gaussians flat;
+    flat.Resize(g.size());
+    for (size_t i = 0; i < g.size(); ++i) {
+      const float opacity = splats.colors[4 * i + 3];
+      flat.at(kOpacityLogit, i)[0] = std::log(opacity / (1 - opacity));
+      for (int k = 0; k < 4; ++k) flat.at(kRotation, i)[k] = splats.rotations[4 * i + k];
+      for (int k = 0; k < 3; ++k) {
+        flat.at(kPosition, i)[k] = splats.centers[4 * i + k];
+        flat.at(kScaleLog, i)[k] = std::log(splats.scales[4 * i + k]);
+        // The rasteriser's constant function.
+        flat.at(kColorDc, i)[k] =
+            (splats.colors[4 * i + k] - 0.5f) / BasisConstants(Basis::kDcsh)[0];
+      }
+    }
+    return flat;
+  };
+  const RenderedImage expected = draw(world, 3);
+
+  FillViewSplats(world, Basis::kDcsh, camera, 3, 0, splats);
+  EXPECT_EQ(splats.colors[3], 0);      // behind
+  EXPECT_EQ(splats.colors[4 + 3], 0);  // no rotation
+  const Gaussians same = as_gaussians();
+  const RenderedImage got = draw(ViewOf(same), 0);
+  for (size_t i = 0; i < expected.color.size(); ++i)
+    EXPECT_NEAR(got.color[i], expected.color[i], 2e-5);
+
+  // On the optical axis 0.5 px^2 more are 0.5 px^2 of the footprint, whatever the Gaussian's shape.
+  for (int k = 0; k < 3; ++k) g.at(kPosition, 2)[k] = -camera.translation[k] * float(k != 2);
+  using namespace math;
+  const ViewParameters view = ViewOfCamera(camera, Basis::kDcsh, 3);
+  const auto footprint = [&] {
+    const Rows row{2, 1};
+    Vec3<float> scale = LoadVec3<float>(g.at(kScaleLog, 0), row);
+    return FootprintOf(ToPinhole<float>(view),
+                       ToCamera(ToPinhole<float>(view), LoadVec3<float>(g.at(kPosition, 0), row)),
+                       LoadQuat<float>(g.at(kRotation, 0), row),
+                       scale,
+                       0.5f)
+        .covariance;
+  };
+  FillViewSplats(world, Basis::kDcsh, camera, 3, 0.5f, splats);
+  const Sym2<float> before = footprint();
+  for (int k = 0; k < 3; ++k) g.at(kScaleLog, 2)[k] = std::log(splats.scales[8 + k]);
+  const Sym2<float> after = footprint();
+  EXPECT_NEAR(after.xx - before.xx, 0.5, 1e-3);
+  EXPECT_NEAR(after.yy - before.yy, 0.5, 1e-3);
+  EXPECT_NEAR(after.xy, before.xy, 1e-3);
+  EXPECT_THROW(FillViewSplats(world, Basis::kDcsh, camera, 4, 0, splats), Error);
 }
 
 TEST(Rasterizer, RefusesAnEmptyImageAndAMissingBand) {

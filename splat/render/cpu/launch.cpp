@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/render/rasterizer.h"
+#include "splat/render/view_splats.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/render/cpu/launch.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
@@ -12,6 +15,7 @@
 
 #include "splat/render/cpu/pack_rows.h"
 #include "splat/render/kernels/project.h"
+#include "splat/render/kernels/view_splats.h"
 
 COSPLAT_MATH_BEGIN
 
@@ -50,11 +54,29 @@ void ProjectVjpRange(const WorldGaussians& gaussians,
   }
 }
 
+void ViewSplatRange(const WorldGaussians& gaussians,
+                    const ViewParameters& view,
+                    float blur_variance,
+                    ViewSplats& out,
+                    size_t begin,
+                    size_t end) {
+  RunRange(ViewSplatKernel{gaussians,
+                           view,
+                           blur_variance,
+                           out.centers.data(),
+                           out.colors.data(),
+                           out.scales.data(),
+                           out.rotations.data()},
+           begin,
+           end);
+}
+
 COSPLAT_MATH_END
 
 #if HWY_ONCE
 namespace cosplat {
 namespace math {
+HWY_EXPORT(ViewSplatRange);
 HWY_EXPORT(ProjectRange);
 HWY_EXPORT(ProjectVjpRange);
 }  // namespace math
@@ -90,6 +112,24 @@ void LaunchProjectVjp(const WorldGaussians& gaussians,
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
     HWY_DYNAMIC_DISPATCH(ProjectVjpRange)
     (gaussians, view, splats, radii, d_splats, gradients, begin, end);
+  });
+}
+
+void FillViewSplats(const WorldGaussians& gaussians,
+                    Basis basis,
+                    const Camera& camera,
+                    int degree,
+                    float blur_variance,
+                    ViewSplats& out) {
+  using namespace math;
+  RenderSettings settings;
+  settings.degree = degree;
+  CheckArguments(gaussians, camera, settings);
+  const ViewParameters view = ViewOfCamera(camera, basis, degree);
+  for (Buffer<float>* array : {&out.centers, &out.colors, &out.scales, &out.rotations})
+    array->resize(4 * gaussians.count);
+  ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    HWY_DYNAMIC_DISPATCH(ViewSplatRange)(gaussians, view, blur_variance, out, begin, end);
   });
 }
 
