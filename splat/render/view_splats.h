@@ -13,16 +13,23 @@
 #include "splat/base/camera.h"
 #include "splat/basis.h"
 #include "splat/device/buffer.h"
+#include "splat/device/sort.h"
 #include "splat/render/kernels/world_gaussians.h"
 
 namespace cosplat {
 
-// In the order of the Gaussians. One that cannot be seen, or that is not finite, has opacity 0.
+// In the order of depth, the nearest first, so that the order of one frame's splats is also that of
+// the next one's: renderers that sort beside drawing show a frame in an earlier one's order. A
+// Gaussian that cannot be seen, or that is not finite, comes last and has opacity 0.
 struct ViewSplats {
   Buffer<float> centers;    // [N, 4] x, y, z, world units; 0
   Buffer<float> colors;     // [N, 4] red, green, blue, sRGB, not clamped above; opacity
   Buffer<float> scales;     // [N, 4] standard deviations along the rotated axes, world units; 0
   Buffer<float> rotations;  // [N, 4] wxyz, unit
+
+  Buffer<float> unsorted[4];  // the same in the order of the Gaussians
+  Buffer<float> depths;       // [N]
+  KeyedValues order;
 };
 
 // degree: highest band evaluated, at most the stored one. blur_variance: px^2, what the other

@@ -392,8 +392,19 @@ TEST(ViewSplats, DrawTheSamePicture) {
   const RenderedImage expected = draw(world, 3);
 
   FillViewSplats(world, Basis::kDcsh, camera, 3, 0, splats);
-  EXPECT_EQ(splats.colors[3], 0);      // behind
-  EXPECT_EQ(splats.colors[4 + 3], 0);  // no rotation
+  // The last two are one behind the camera and one without a rotation.
+  const ViewParameters view = ViewOfCamera(camera, Basis::kDcsh, 3);
+  using namespace math;
+  const Pinhole<float> pinhole = ToPinhole<float>(view);
+  float before_it = 0;
+  for (size_t i = 0; i + 2 < g.size(); ++i) {
+    const float* center = splats.centers.data() + 4 * i;
+    const float depth = ToCamera(pinhole, Vec3<float>{center[0], center[1], center[2]}).z;
+    EXPECT_GE(depth, before_it);
+    before_it = depth;
+    EXPECT_GT(splats.colors[4 * i + 3], 0);
+  }
+  for (size_t i = g.size() - 2; i < g.size(); ++i) EXPECT_EQ(splats.colors[4 * i + 3], 0);
   const Gaussians same = as_gaussians();
   const RenderedImage got = draw(ViewOf(same), 0);
   for (size_t i = 0; i < expected.color.size(); ++i)
@@ -401,21 +412,17 @@ TEST(ViewSplats, DrawTheSamePicture) {
 
   // On the optical axis 0.5 px^2 more are 0.5 px^2 of the footprint, whatever the Gaussian's shape.
   for (int k = 0; k < 3; ++k) g.at(kPosition, 2)[k] = -camera.translation[k] * float(k != 2);
-  using namespace math;
-  const ViewParameters view = ViewOfCamera(camera, Basis::kDcsh, 3);
   const auto footprint = [&] {
     const Rows row{2, 1};
-    Vec3<float> scale = LoadVec3<float>(g.at(kScaleLog, 0), row);
-    return FootprintOf(ToPinhole<float>(view),
-                       ToCamera(ToPinhole<float>(view), LoadVec3<float>(g.at(kPosition, 0), row)),
-                       LoadQuat<float>(g.at(kRotation, 0), row),
-                       scale,
-                       0.5f)
-        .covariance;
+    const Vec3<float> p = ToCamera(pinhole, LoadVec3<float>(g.at(kPosition, 0), row));
+    const Quat<float> q = LoadQuat<float>(g.at(kRotation, 0), row);
+    return FootprintOf(pinhole, p, q, LoadVec3<float>(g.at(kScaleLog, 0), row), 0.5f).covariance;
   };
   FillViewSplats(world, Basis::kDcsh, camera, 3, 0.5f, splats);
   const Sym2<float> before = footprint();
-  for (int k = 0; k < 3; ++k) g.at(kScaleLog, 2)[k] = std::log(splats.scales[8 + k]);
+  size_t place = 0;
+  while (splats.order.values[place] != 2) ++place;
+  for (int k = 0; k < 3; ++k) g.at(kScaleLog, 2)[k] = std::log(splats.scales[4 * place + k]);
   const Sym2<float> after = footprint();
   EXPECT_NEAR(after.xx - before.xx, 0.5, 1e-3);
   EXPECT_NEAR(after.yy - before.yy, 0.5, 1e-3);

@@ -63,10 +63,11 @@ void ViewSplatRange(const WorldGaussians& gaussians,
   RunRange(ViewSplatKernel{gaussians,
                            view,
                            blur_variance,
-                           out.centers.data(),
-                           out.colors.data(),
-                           out.scales.data(),
-                           out.rotations.data()},
+                           out.unsorted[0].data(),
+                           out.unsorted[1].data(),
+                           out.unsorted[2].data(),
+                           out.unsorted[3].data(),
+                           out.depths.data()},
            begin,
            end);
 }
@@ -126,10 +127,26 @@ void FillViewSplats(const WorldGaussians& gaussians,
   settings.degree = degree;
   CheckArguments(gaussians, camera, settings);
   const ViewParameters view = ViewOfCamera(camera, basis, degree);
-  for (Buffer<float>* array : {&out.centers, &out.colors, &out.scales, &out.rotations})
-    array->resize(4 * gaussians.count);
+  Buffer<float>* const sorted[4] = {&out.centers, &out.colors, &out.scales, &out.rotations};
+  for (int k = 0; k < 4; ++k) {
+    out.unsorted[k].resize(4 * gaussians.count);
+    sorted[k]->resize(4 * gaussians.count);
+  }
+  out.depths.resize(gaussians.count);
+  out.order.Refill(gaussians.count, HostStream());
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
-    HWY_DYNAMIC_DISPATCH(ViewSplatRange)(gaussians, view, blur_variance, out, begin, end);
+    HWY_DYNAMIC_DISPATCH(ViewSplatRange)
+    (gaussians, view, blur_variance, out, begin, end);
+    for (size_t i = begin; i < end; ++i) {
+      out.order.keys[i] = BitsOf(out.depths[i]);
+      out.order.values[i] = uint32_t(i);
+    }
+  });
+  HostStream().Sort(out.order, 32);
+  ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      for (int k = 0; k < 4; ++k)
+        std::copy_n(out.unsorted[k].data() + 4 * out.order.values[i], 4, sorted[k]->data() + 4 * i);
   });
 }
 

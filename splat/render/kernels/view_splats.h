@@ -7,11 +7,15 @@
 #define COSPLAT_SPLAT_KERNELS_VIEW_SPLATS_H_
 #endif
 
+#include <limits>
+
 #include "splat/render/kernels/project.h"
 
 COSPLAT_MATH_BEGIN
 
 struct ViewSplatKernel {
+  static constexpr float kUnseen = std::numeric_limits<float>::infinity();
+
   WorldGaussians gaussians;
   ViewParameters view;
   float blur_variance;  // px^2, added to both variances of the footprint by way of the scales
@@ -19,6 +23,7 @@ struct ViewSplatKernel {
   float* colors;        // [count, 4]
   float* scales;        // [count, 4]
   float* rotations;     // [count, 4]
+  float* depths;        // [count] world units; infinite where it cannot be seen
 
   template <class T>
   COSPLAT_HD void Run(const Rows& rows) const {
@@ -57,7 +62,9 @@ struct ViewSplatKernel {
     StoreRows<4>(center, centers, 4, rows);
     StoreRows<4>(shown, colors, 4, rows);
     StoreRows<4>(size, scales, 4, rows);
+    const T key[1] = {Select(drawn, depth, T(kUnseen))};
     StoreRows<4>(turn, rotations, 4, rows);
+    StoreRows<1>(key, depths, 1, rows);
   }
 
  private:
