@@ -19,7 +19,11 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME cosplat)
 set(CPACK_PACKAGE_VENDOR CoSplat)
+# Who builds it, as Debian's tools are told. Without that it is a package for this machine only.
 set(CPACK_PACKAGE_CONTACT "The CoSplat authors <cosplat@localhost>")
+if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
+  set(CPACK_PACKAGE_CONTACT "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Head avatars and scenes of Gaussian splats")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
   "Trains head avatars from tracked video and static scenes from photographs, shows them, and plays
