@@ -38,6 +38,7 @@ include_directories(${PROJECT_SOURCE_DIR}/cmake/web)
 # The libraries under their usual names, without what reads images and listens to sockets.
 cosplat_library(base
   splat/base/camera_pose.cpp
+  splat/base/codecs_web.cpp
   splat/base/files.cpp
   splat/base/image_bytes.cpp
   splat/base/json.cpp
@@ -58,9 +59,11 @@ cosplat_library(io
   splat/io/ply.cpp
   splat/io/ply_layouts.cpp
   splat/io/ply_reader.cpp
+  splat/io/sog_reader.cpp
   splat/io/splat_file.cpp
   splat/io/splat_primitive.cpp
   splat/io/splat_records.cpp
+  splat/io/spz.cpp
   splat/io/vq.cpp
   splat/io/vq_file.cpp)
 target_link_libraries(cosplat_io PUBLIC cosplat::base cosplat::render

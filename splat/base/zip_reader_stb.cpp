@@ -1,6 +1,7 @@
-// ZipReader where there is no libzip: the WebAssembly build. The directory is read here, members
-// are inflated by stb_image's zlib decoder, the only part of it that is compiled. Source: PKWARE,
-// .ZIP File Format Specification 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16.
+// ZipReader and GunzipReader where there is neither libzip nor zlib: the WebAssembly build. Headers
+// are read here, data are inflated by stb_image's zlib decoder, the only part of it that is
+// compiled. Sources: PKWARE, .ZIP File Format Specification 6.3.10, sections 4.3.7, 4.3.12
+// and 4.3.16; RFC 1952.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
@@ -27,6 +28,7 @@
 #include <array>
 #include <cstring>
 
+#include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/zip_reader.h"
@@ -53,7 +55,9 @@ namespace {
 constexpr size_t kEndBytes = 22, kEntryBytes = 46, kHeaderBytes = 30, kEnd64Bytes = 56;
 constexpr uint32_t kEndMark = 0x06054b50, kEntryMark = 0x02014b50, kHeaderMark = 0x04034b50;
 constexpr uint32_t kEnd64Mark = 0x06064b50, kLocator64Mark = 0x07064b50;
-constexpr uint32_t kIn64 = 0xffffffff;  // the number is in the ZIP64 field
+constexpr uint32_t kIn64 = 0xffffffff;         // the number is in the ZIP64 field
+constexpr uint64_t kMaxInflated = 0x7fffffff;  // stb's
+constexpr uint64_t kMaxRatio = 1032;           // of deflate: more is a lie of the header
 constexpr uint16_t kStored = 0, kDeflated = 8, kEncrypted = 1;
 
 // Little-endian, within `bytes`; throws std::string for positions outside.
@@ -138,15 +142,13 @@ uint32_t Crc32(const std::vector<char>& bytes) {
 
 // The bytes of a member. Throws std::string.
 std::vector<char> Unpack(const zip& archive, const Entry& entry) {
-  constexpr uint64_t kMaxBytes = 0x7fffffff;  // stb's
   constexpr uint64_t kLookAhead = 4;
-  constexpr uint64_t kMaxRatio = 1032;  // of deflate: more is a lie of the directory
   const std::vector<char>& bytes = archive.bytes;
   if (entry.flags & kEncrypted) throw std::string("is encrypted");
   if (At<uint32_t>(bytes, entry.header) != kHeaderMark) throw std::string("has no header");
   const uint64_t data = entry.header + kHeaderBytes + At<uint16_t>(bytes, entry.header + 26) +
                         At<uint16_t>(bytes, entry.header + 28);
-  if (entry.stored > kMaxBytes - kLookAhead || entry.size > kMaxBytes ||
+  if (entry.stored > kMaxInflated - kLookAhead || entry.size > kMaxInflated ||
       entry.size / kMaxRatio > entry.stored)
     throw "has " + std::to_string(entry.size) + " bytes";
   if (data > bytes.size() || bytes.size() - data < entry.stored + kLookAhead)
@@ -166,7 +168,68 @@ std::vector<char> Unpack(const zip& archive, const Entry& entry) {
   return out;
 }
 
+// The position after gzip's header, RFC 1952 section 2.3. Throws std::string.
+uint64_t AfterGzipHeader(const std::vector<char>& bytes) {
+  constexpr uint8_t kDeflate = 8, kCrc = 2, kExtra = 4, kName = 8, kComment = 16;
+  if (At<uint8_t>(bytes, 0) != 0x1f || At<uint8_t>(bytes, 1) != 0x8b ||
+      At<uint8_t>(bytes, 2) != kDeflate)
+    throw std::string("not gzip");
+  const uint8_t flags = At<uint8_t>(bytes, 3);
+  uint64_t at = 10;
+  if (flags & kExtra) at += 2 + At<uint16_t>(bytes, at);
+  for (const uint8_t text : {kName, kComment})
+    if (flags & text)
+      while (At<char>(bytes, at++) != 0) continue;
+  return flags & kCrc ? at + 2 : at;
+}
+
+std::vector<char> Gunzip(const std::vector<char>& bytes) {
+  constexpr uint64_t kTrailer = 8;
+  const uint64_t at = AfterGzipHeader(bytes);
+  if (bytes.size() < at + kTrailer) throw std::string("the file is truncated");
+  const uint64_t stored = bytes.size() - at - kTrailer;
+  const uint32_t size = At<uint32_t>(bytes, bytes.size() - 4);
+  if (bytes.size() > kMaxInflated || size > kMaxInflated || size / kMaxRatio > stored)
+    throw "states " + std::to_string(size) + " bytes";
+  std::vector<char> out(size);
+  const int written = stbi_zlib_decode_noheader_buffer(
+      out.data(), int(size), bytes.data() + at, int(stored + kTrailer));
+  if (written != int(size)) throw std::string("the compressed data are damaged");
+  if (Crc32(out) != At<uint32_t>(bytes, bytes.size() - kTrailer))
+    throw std::string("its checksum is wrong");
+  return out;
+}
+
 }  // namespace
+
+// Inflated at once: of the size that the trailer states, if deflate can make that much.
+struct GunzipReader::Stream {
+  std::vector<char> bytes;
+  size_t next = 0;
+};
+
+GunzipReader::GunzipReader(const std::string& path, const std::vector<char>& bytes)
+    : path_(path), stream_(std::make_unique<Stream>()) {
+  try {
+    stream_->bytes = Gunzip(bytes);
+  } catch (const std::string& problem) {
+    throw Error(path, "is damaged: " + problem);
+  }
+}
+
+GunzipReader::~GunzipReader() = default;
+
+std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t size) {
+  Stream& stream = *stream_;
+  if (size > stream.bytes.size() - stream.next)
+    throw Error(path_,
+                field,
+                "the file ends after " + std::to_string(stream.bytes.size() - stream.next) +
+                    " of " + std::to_string(size) + " bytes");
+  const auto begin = stream.bytes.begin() + long(stream.next);
+  stream.next += size;
+  return std::vector<unsigned char>(begin, begin + long(size));
+}
 
 void ZipReader::Discard::operator()(zip* archive) const { delete archive; }
 

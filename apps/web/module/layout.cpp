@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "avatar/plugin/cosplat.h"
+#include "avatar/plugin/splats.h"
 
 namespace {
 
@@ -77,6 +78,11 @@ std::string Layout() {
   BEGIN(cosplat_picture)
   FIELD(struct_size), FIELD(width), FIELD(height), FIELD(format), FIELD(alpha);
   FIELD(background), FIELD(pixels), FIELD(stride), FIELD(depth), FIELD(depth_stride);
+  END()
+  BEGIN(cosplat_splats)
+  FIELD(struct_size), FIELD(width), FIELD(height), FIELD(fx), FIELD(fy), FIELD(cx), FIELD(cy);
+  FIELD(cam_from_world), FIELD(count), FIELD(centers), FIELD(colors), FIELD(scales);
+  FIELD(rotations);
   END()
   return "{" + text + "}";
 }

@@ -9,6 +9,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/play/image_bytes.h"
 #include "avatar/plugin/cosplat.h"
+#include "avatar/plugin/splats.h"
 #include "splat/io/splat_file.h"
 #include "splat/render/rasterizer.h"
 
@@ -24,6 +25,7 @@ struct cosplat_scene {
   std::unique_ptr<cosplat::Rasterizer> rasterizer;
   std::unique_ptr<cosplat::RenderTape> tape;
   cosplat::RenderedImage image;
+  cosplat::ViewSplats splats;
 };
 
 namespace {
@@ -69,6 +71,24 @@ void cosplat_scene_pan(cosplat_scene* scene, float right, float down) {
 }
 void cosplat_scene_zoom(cosplat_scene* scene, float steps) { scene->orbit.Zoom(steps); }
 void cosplat_scene_reset(cosplat_scene* scene) { scene->orbit.Reset(); }
+
+// As cosplat_get_splats, by the camera for pictures of width by height pixels.
+uint32_t cosplat_scene_splats(cosplat_scene* scene,
+                              uint32_t width,
+                              uint32_t height,
+                              float blur_variance,
+                              cosplat_splats* splats) {
+  return Try([&] {
+    const cosplat::Gaussians& gaussians = scene->gaussians;
+    cosplat::plugin::WriteSplats(cosplat::ViewOf(gaussians),
+                                 gaussians.basis,
+                                 gaussians.degree,
+                                 scene->orbit.At(int(width), int(height)),
+                                 blur_variance,
+                                 scene->splats,
+                                 *splats);
+  });
+}
 
 // Fills picture->pixels, of picture->width by height.
 uint32_t cosplat_scene_render(cosplat_scene* scene, const cosplat_picture* picture) {

@@ -79,6 +79,17 @@ export async function loadModule({ threads, modules, load } = {}) {
   }
 }
 
+// Decoders of dist/, for `codecs` of a module; none in a page of one file, which has not got them.
+export async function loadCodecs({ modules, load } = {}) {
+  if (load) return undefined;
+  const url = new URL("codecs.mjs", new URL(modules ?? "../dist/", import.meta.url)).href;
+  try {
+    return await (await import(url)).loadCodecs();
+  } catch (error) {
+    throw new CosplatError(`codecs.mjs: cannot be started: ${error.message ?? error}`);
+  }
+}
+
 export class Memory {
   constructor(module, threads, lines) {
     this.module = module;
@@ -124,6 +135,18 @@ export class Memory {
       }
     }
     return this.pixels.pointer;
+  }
+
+  // Copies of the arrays of a cosplat_splats, into those of `out` if it has them, and its other fields.
+  splats(out) {
+    const splats = this.structs.read("cosplat_splats");
+    const { buffer } = heap(this.module);
+    for (const name of ["centers", "colors", "scales", "rotations"]) {
+      const values = new Float32Array(buffer, splats[name], 4 * splats.count);
+      splats[name] = out?.[name]?.length === values.length ? out[name] : new Float32Array(values.length);
+      splats[name].set(values);
+    }
+    return splats;
   }
 
   // Fills `out`, or a new array, with the picture that draw(structure) makes: RGBA, top row first.

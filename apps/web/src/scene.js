@@ -1,11 +1,21 @@
 // A static scene of splats on the thread that calls it, seen by a camera that orbits.
-import { bytesOf, CosplatError, loadModule } from "./module.js";
+import { bytesOf, CosplatError, loadCodecs, loadModule } from "./module.js";
 
-// source: a .ply (3DGS's layout, PlayCanvas's compressed one) or one of `cosplat export --vq`; a URL,
-// a Blob, an ArrayBuffer or a Uint8Array. options: those of loadModule. Throws CosplatError.
+// Whether the module may need the page's decoders for it: a ZIP archive (SOG; for numbers of our own
+// quantised file, which begins with splats.json, it has its own), or SPZ without gzip.
+function isPacked(bytes) {
+  const text = (from, to) => String.fromCharCode(...bytes.subarray(from, to));
+  return text(0, 4) === "NGSP" || (text(0, 2) === "PK" && text(30, 41) !== "splats.json");
+}
+
+// source: a .ply (3DGS's layout, PlayCanvas's compressed one), .spz, .sog (a bundle), .splat, .glb or one
+// of `cosplat export --vq`; a URL, a Blob, an ArrayBuffer or a Uint8Array. options: those of loadModule.
+// Throws CosplatError.
 export async function openScene(source, options = {}) {
   const file = await bytesOf(source, "splats");
-  return new Scene(await loadModule(options), file);
+  const memory = await loadModule(options);
+  if (isPacked(file.bytes)) memory.module.codecs = await loadCodecs(options);
+  return new Scene(memory, file);
 }
 
 export class Scene {
@@ -50,6 +60,13 @@ export class Scene {
     return this.memory.picture(width, height, options, out, (picture) => {
       if (!this.module._cosplat_scene_render(this.handle, picture)) throw this.error();
     });
+  }
+
+  // As Avatar.splats, by the orbiting camera at this size.
+  splats(width, height, blurVariance, out = undefined) {
+    const at = this.memory.structs.clear("cosplat_splats");
+    if (!this.module._cosplat_scene_splats(this.handle, width, height, blurVariance, at)) throw this.error();
+    return this.memory.splats(out);
   }
 
   close() {

@@ -1,5 +1,5 @@
-// Makes dist/offline.html, into which `cosplat export --html` puts a model: the gallery with the
-// player of one thread in one file.
+// Makes dist/codecs.mjs with its .wasm, and dist/offline.html, into which `cosplat export --html` puts a
+// model: the gallery with the player of one thread in one file.
 import fs from "node:fs";
 import path from "node:path";
 
@@ -16,6 +16,9 @@ async function bundle(file, format) {
 // A script's text must not end the script.
 const inScript = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
 const held = (id, text) => `<script type="text/plain" id="${id}">${inScript(text)}</script>`;
+
+fs.writeFileSync(path.join(here, "dist/codecs.mjs"), await bundle("codecs.js", "esm"));
+fs.copyFileSync(path.join(here, "node_modules/@jsquash/webp/codec/dec/webp_dec.wasm"), path.join(here, "dist/webp_dec.wasm"));
 
 const body = read("pages/index.html");
 const main = body.slice(body.indexOf("<main>"), body.indexOf("</main>") + "</main>".length);
