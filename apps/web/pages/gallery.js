@@ -7,7 +7,7 @@ export function gallery(model, { title, stage, panel, status }) {
     title.textContent = model?.title ?? "CoSplat";
     status.textContent = model
       ? `This avatar needs its FLAME model${model.flameName ? `, ${model.flameName}` : ""}: choose the file.`
-      : "Choose an avatar (.glb) with its FLAME model, or splats (.ply).";
+      : "Choose an avatar (.glb) with its FLAME model, or splats (.ply, .spz, .sog, .splat).";
     return panel.replaceChildren(model ? flameChooser(model, open) : fileChooser(open), status);
   }
   title.textContent = model.title;

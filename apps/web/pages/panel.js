@@ -1,4 +1,11 @@
 // What the pages share: the model to show, the line below it, and the controls of a face.
+import { usePlayCanvas } from "../src/playcanvas.js";
+
+// ?playcanvas=URL: PlayCanvas' engine, so that the GPU may draw. What goes wrong is told by the element.
+export async function findEngine() {
+  const url = new URLSearchParams(location.search).get("playcanvas");
+  if (url) usePlayCanvas(await import(new URL(url, document.baseURI)));
+}
 
 // The model: by the page's query (?avatar=URL&flame=URL or ?splats=URL), or else of `cosplat serve`.
 // Null: none, so that the user has to choose files.
@@ -28,6 +35,8 @@ export const labelled = (text, control) => make("label", {}, text, control);
 export function show(model, stage, status, attributes = {}) {
   const element = document.createElement(model.splats ? "cosplat-splats" : "cosplat-avatar");
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  const renderer = new URLSearchParams(location.search).get("renderer");
+  if (renderer) element.setAttribute("renderer", renderer);
   const speed = make("p", { className: "speed" });
   const say = (text, problem = false) => {
     status.textContent = text;
@@ -35,7 +44,8 @@ export function show(model, stage, status, attributes = {}) {
   };
   element.addEventListener("stats", ({ detail }) => {
     const threads = `${detail.threads} thread${detail.threads > 1 ? "s" : ""}`;
-    speed.textContent = `${detail.framesPerSecond.toFixed(0)} frames/s, ${detail.milliseconds.toFixed(1)} ms each, ${threads}`;
+    const by = detail.renderer === "gpu" ? "GPU" : threads;
+    speed.textContent = `${detail.framesPerSecond.toFixed(0)} frames/s, ${detail.milliseconds.toFixed(1)} ms each, ${by}`;
   });
   element.addEventListener("error", ({ message }) => say(message, true));
   element.addEventListener("load", ({ detail }) => say(`${detail.gaussianCount.toLocaleString("en")} Gaussians`));
@@ -52,7 +62,7 @@ export function show(model, stage, status, attributes = {}) {
 
 // Files instead of a model that was found: calls use(model).
 export function fileChooser(use) {
-  const [model, flame] = [".glb,.ply,.zip", ".pkl,.npz"].map((accept) => make("input", { type: "file", accept }));
+  const [model, flame] = [".glb,.ply,.spz,.sog,.splat,.zip", ".pkl,.npz"].map((accept) => make("input", { type: "file", accept }));
   const open = () => {
     const [file] = model.files;
     if (!file) return;

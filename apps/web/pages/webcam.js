@@ -1,7 +1,7 @@
 // A webcam's face -> MediaPipe's face landmarker -> blendshape scores and the head's rotation -> the
 // avatar, by the map that its file has (docs/live-input.md).
 import "../src/index.js";
-import { fileChooser, findModel, show } from "./panel.js";
+import { fileChooser, findEngine, findModel, show } from "./panel.js";
 
 // Where MediaPipe's package and its face landmarker are, unless the page's query or the user says
 // otherwise (?package=URL&model=URL). Both are loaded when the camera starts.
@@ -17,6 +17,7 @@ let element = null;
 function use(model) {
   element = show(model, byId("stage"), byId("status"), { drive: "frames" });
 }
+await findEngine();
 const model = await findModel();
 if (model?.avatar && model.flame) use(model);
 else byId("panel").prepend(fileChooser((chosen) => chosen.avatar && use(chosen)));

@@ -178,6 +178,14 @@ export class Avatar {
     return this.memory.picture(width, height, options, out, (picture) => this.call("render", picture));
   }
 
+  // The Gaussians of the face that render() would draw, by the camera that is set, for a splat renderer
+  // that adds blurVariance px^2 less to a footprint's variances than 3DGS: {width, height, fx, fy, cx,
+  // cy, camFromWorld, count, centers, colors, scales, rotations}. out: an earlier result, to be reused.
+  splats(blurVariance, out = undefined) {
+    this.call("get_splats", blurVariance, this.structs.clear("cosplat_splats"));
+    return this.memory.splats(out);
+  }
+
   close() {
     this.check(this.module._cosplat_close(this.handle));
     this.handle = 0;

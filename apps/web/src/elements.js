@@ -1,8 +1,10 @@
-// <cosplat-avatar src flame camera drive background resolution> and
-// <cosplat-splats src background resolution>.
+// <cosplat-avatar src flame camera drive background resolution renderer> and
+// <cosplat-splats src background resolution renderer>.
 //
 // Events: "load" (detail: what is open), "error" (message, in one line), "stats" (detail, once a second
-// while pictures change), "drive" (detail: "connected" or "lost").
+// while pictures change), "drive" (detail: "connected" or "lost"), "renderer" (detail: {renderer: "cpu"
+// or "gpu"} and, if they were measured, {cpu, gpu}, milliseconds of a picture).
+import { drawOnce, fasterRenderer, gpuRenderer, outgrown, timeRenderers } from "./gpu.js";
 import { CosplatError } from "./module.js";
 import { RemoteAvatar, RemoteScene } from "./remote.js";
 
@@ -10,10 +12,12 @@ const MAX_SIDE = 4096;  // px
 const MAX_ELEVATION = 1.5;  // radians; as cosplat_orbit_camera
 const RADIANS = Math.PI / 180;
 const TURN_PER_PX = 0.01;  // radians per pixel of a drag
+const QUIET_MS = 500;  // without a change of size, until the renderers are measured again
 const RETRY_MS = [500, 1000, 2000, 5000];  // between attempts to reach a lost socket
 
 const style = `:host { display: block; aspect-ratio: 1; overflow: hidden; touch-action: none; }
-canvas { display: block; width: 100%; height: 100%; }`;
+canvas { display: block; width: 100% !important; height: 100% !important; }
+canvas[hidden] { display: none; }`;
 
 // "#rrggbb" as [r, g, b] from 0 to 1; null for "" and "transparent".
 function colorOf(text) {
@@ -32,6 +36,10 @@ class SplatElement extends HTMLElement {
     this.attachShadow({ mode: "open" });
     this.generation = 0;  // of opening; what belongs to an earlier one is ignored
     this.remote = null;
+    this.drawing = "cpu";  // or "gpu"
+    this.gpu = null;  // the page's renderer, while it is measured or draws
+    this.choice = Promise.resolve();  // of one of them, one after the other
+    this.measured = 0;  // pixels
     this.resizes = new ResizeObserver(() => this.resize());
     let from = null;
     this.addEventListener("pointerdown", (event) => {
@@ -72,22 +80,24 @@ class SplatElement extends HTMLElement {
       this.shut();
       ++this.generation;
       const mine = this.generation;
-      const canvas = document.createElement("canvas");
+      this.canvas = document.createElement("canvas");
       this.shadowRoot.innerHTML = `<style>${style}</style>`;
-      this.shadowRoot.append(canvas);
+      this.shadowRoot.append(this.canvas);
       try {
-        const opened = await this.open(canvas.transferControlToOffscreen());
+        const opened = await this.open(this.canvas.transferControlToOffscreen());
         if (mine !== this.generation) return opened.close();
         this.remote = opened;
         opened.addEventListener("error", ({ detail }) => this.report(detail));
         opened.addEventListener("stats", ({ detail }) =>
           this.dispatchEvent(new CustomEvent("stats", { detail })),
         );
+        opened.addEventListener("splats", ({ detail }) => this.drawSplats(opened, detail));
         this.resize();
         this.showBackground();
         await this.opened();
         if (mine !== this.generation) return;
         this.dispatchEvent(new CustomEvent("load", { detail: opened.properties }));
+        this.chooseRenderer();
       } catch (error) {
         if (mine === this.generation) this.report(error);
       }
@@ -97,21 +107,108 @@ class SplatElement extends HTMLElement {
     ++this.generation;
     this.remote?.close();
     this.remote = null;
+    this.closeGpu();
   }
   async opened() {}
+
+  // By the attribute renderer: "cpu", "gpu", or the one that is measured to be faster.
+  chooseRenderer() {
+    const generation = this.generation;
+    const stale = () => generation !== this.generation || !this.remote;
+    const choose = async () => {
+      if (stale()) return;
+      const wanted = this.getAttribute("renderer") ?? "auto";
+      const detail = { renderer: wanted === "gpu" ? "gpu" : "cpu" };
+      try {
+        if (!["auto", "cpu", "gpu"].includes(wanted))
+          throw new CosplatError(`renderer: '${wanted}' is none of auto, cpu, gpu`);
+        if (wanted === "gpu" && !gpuRenderer())
+          throw new CosplatError("renderer: 'gpu' needs a splat renderer of the page's, such as usePlayCanvas gives");
+        if (wanted !== "cpu" && gpuRenderer()) {
+          await this.openGpu();
+          if (stale()) return;
+          if (wanted === "auto") {
+            this.measured = this.pixels();
+            const times = await timeRenderers(this.remote, this.gpu);
+            if (stale()) return;
+            Object.assign(detail, { renderer: fasterRenderer(this.drawing, times), ...times });
+          } else {
+            await drawOnce(this.remote, this.gpu);  // before its canvas is shown
+            if (stale()) return;
+          }
+        }
+      } catch (error) {
+        if (stale()) return;
+        detail.renderer = "cpu";
+        this.report(error);
+      }
+      this.useRenderer(detail.renderer);
+      this.dispatchEvent(new CustomEvent("renderer", { detail }));
+    };
+    this.choice = this.choice.then(choose);
+  }
+  useRenderer(renderer) {
+    this.drawing = renderer;
+    if (renderer === "cpu") this.closeGpu();
+    else this.gpu.canvas.hidden = false;
+    this.canvas.hidden = renderer === "gpu";
+    this.remote.setView({ renderer, blurVariance: this.gpu?.blurVariance ?? 0 });
+  }
+  async openGpu() {
+    if (this.gpu) return;
+    const canvas = document.createElement("canvas");
+    canvas.hidden = true;
+    this.shadowRoot.append(canvas);
+    const gpu = await gpuRenderer()(canvas);
+    if (!canvas.isConnected) return gpu.close();
+    this.gpu = gpu;
+    gpu.canvas = canvas;
+    gpu.addEventListener("lost", () => {
+      if (gpu !== this.gpu) return;
+      this.report({ message: "the GPU was lost, drawing on the CPU" });
+      this.useRenderer("cpu");
+    });
+    this.showBackground();
+  }
+  closeGpu() {
+    this.drawing = "cpu";
+    this.gpu?.canvas.remove();
+    this.gpu?.close();
+    this.gpu = null;
+  }
+  async drawSplats(remote, splats) {
+    if (remote !== this.remote || this.drawing !== "gpu") return;
+    try {
+      remote.shown(splats, await this.gpu.draw(splats));
+    } catch (error) {
+      if (remote === this.remote && this.drawing === "gpu") this.report(error);
+    }
+  }
 
   report({ message }) {
     this.dispatchEvent(new ErrorEvent("error", { message }));
   }
 
-  resize() {
+  size() {
     const scale = Number(this.getAttribute("resolution") ?? 1) || 1;
     const side = (length) => Math.min(MAX_SIDE, Math.max(1, Math.round(length * scale)));
-    this.remote?.setView({ width: side(this.clientWidth), height: side(this.clientHeight) });
+    return { width: side(this.clientWidth), height: side(this.clientHeight) };
+  }
+  pixels() {
+    const { width, height } = this.size();
+    return width * height;
+  }
+  resize() {
+    this.remote?.setView(this.size());
+    clearTimeout(this.quiet);
+    if (this.measured > 0 && outgrown(this.measured, this.pixels()))
+      this.quiet = setTimeout(() => this.chooseRenderer(), QUIET_MS);
   }
   showBackground() {
     try {
-      this.remote?.setView({ background: colorOf(this.getAttribute("background")) });
+      const text = this.getAttribute("background");
+      this.remote?.setView({ background: colorOf(text) });
+      if (this.gpu) this.gpu.canvas.style.background = text ?? "";
     } catch (error) {
       this.report(error);
     }
@@ -121,6 +218,7 @@ class SplatElement extends HTMLElement {
     if (before === after || !this.isConnected) return;
     if (name === "resolution") this.resize();
     else if (name === "background") this.showBackground();
+    else if (name === "renderer") this.chooseRenderer();
     else if (!this.remote || ["src", "flame", "bust", "threads"].includes(name)) this.reopen();
     else this.changed(name);
   }
@@ -131,7 +229,7 @@ class SplatElement extends HTMLElement {
 }
 
 export class AvatarElement extends SplatElement {
-  static observedAttributes = ["src", "flame", "bust", "threads", "camera", "drive", "background", "resolution"];
+  static observedAttributes = ["src", "flame", "bust", "threads", "camera", "drive", "background", "resolution", "renderer"];
 
   constructor() {
     super();
@@ -246,7 +344,7 @@ export class AvatarElement extends SplatElement {
 }
 
 export class SplatsElement extends SplatElement {
-  static observedAttributes = ["src", "threads", "background", "resolution"];
+  static observedAttributes = ["src", "threads", "background", "resolution", "renderer"];
 
   open(canvas) {
     return RemoteScene.open(this.sources?.src ?? this.getAttribute("src"), { ...this.options(), canvas });

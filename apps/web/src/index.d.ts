@@ -141,6 +141,33 @@ export interface Look {
   background?: Vector3;
 }
 
+/** The Gaussians as a camera sees them, the nearest first, for a splat renderer. */
+export interface ViewSplats extends Camera {
+  count: number;
+  /** Four numbers per splat: x, y, z and 0. */
+  centers: Float32Array;
+  /** Red, green, blue (sRGB, not clamped above) and opacity. */
+  colors: Float32Array;
+  /** Standard deviations along the rotated axes, and 0. */
+  scales: Float32Array;
+  /** A unit quaternion, wxyz. */
+  rotations: Float32Array;
+}
+
+/** Draws splats on the GPU for an element. Dispatches an event "lost" if the GPU is. */
+export interface GpuRenderer extends EventTarget {
+  /** px^2: by how much less than 3DGS's 0.3 it widens a footprint's variances; done for it. */
+  readonly blurVariance: number;
+  /**
+   * Resolves once the splats are on its canvas, in the task that drew them, to the milliseconds that it
+   * took; finish: with those of the GPU.
+   */
+  draw(splats: ViewSplats, options?: { finish?: boolean }): Promise<number>;
+  close(): void;
+}
+/** For elements that are shown afterwards; null: none. usePlayCanvas of cosplat-player/playcanvas calls it. */
+export function setGpuRenderer(open: ((canvas: HTMLCanvasElement) => Promise<GpuRenderer>) | null): void;
+
 /** An avatar on the thread that calls it. Methods throw CosplatError and then change nothing. */
 export class Avatar {
   readonly threads: number;
@@ -162,6 +189,8 @@ export class Avatar {
   orbitCamera(width: number, height: number, orbit?: Orbit): Camera;
   /** RGBA bytes, top row first. */
   render(width: number, height: number, look?: Look, out?: Uint8ClampedArray): Uint8ClampedArray;
+  /** By the camera that is set; blurVariance: as of GpuRenderer; out: an earlier result, to be reused. */
+  splats(blurVariance: number, out?: ViewSplats): ViewSplats;
   close(): void;
 }
 export function openAvatar(avatar: Source, flame: Source | null, options?: AvatarOptions): Promise<Avatar>;
@@ -178,6 +207,7 @@ export class Scene {
   zoom(steps: number): void;
   resetCamera(): void;
   render(width: number, height: number, look?: Look, out?: Uint8ClampedArray): Uint8ClampedArray;
+  splats(width: number, height: number, blurVariance: number, out?: ViewSplats): ViewSplats;
   close(): void;
 }
 export function openScene(source: Source, options?: LoadOptions): Promise<Scene>;
@@ -228,17 +258,27 @@ export interface Stats {
   /** Mean time of a picture. */
   milliseconds: number;
   threads: number;
+  renderer: "cpu" | "gpu";
   health?: Health;
 }
 
+/** Which way to draw was chosen, with milliseconds of a picture in each if they were measured. */
+export interface ChosenRenderer {
+  renderer: "cpu" | "gpu";
+  cpu?: number;
+  gpu?: number;
+}
+
 /**
- * <cosplat-avatar src flame camera="AZIMUTH ELEVATION ZOOM" drive background resolution bust threads>
+ * <cosplat-avatar src flame camera="AZIMUTH ELEVATION ZOOM" drive background resolution renderer bust
+ * threads>
  *
  * Events: "load" (detail: AvatarInfo & Threads), "error" (an ErrorEvent), "stats" (detail: Stats),
- * "drive" (detail: "connected" or "lost").
+ * "drive" (detail: "connected" or "lost"), "renderer" (detail: ChosenRenderer).
  */
 export class AvatarElement extends HTMLElement {
   readonly remote: RemoteAvatar | null;
+  readonly drawing: "cpu" | "gpu";
   /** In place of the attributes src and flame. */
   load(src: Source, flame: Source): void;
   look(orbit: Required<Orbit>): void;
@@ -250,9 +290,10 @@ export class AvatarElement extends HTMLElement {
   health(): Promise<Health> | undefined;
 }
 
-/** <cosplat-splats src background resolution threads>; events "load", "error" and "stats". */
+/** <cosplat-splats src background resolution renderer threads>; events "load", "error", "stats", "renderer". */
 export class SplatsElement extends HTMLElement {
   readonly remote: RemoteScene | null;
+  readonly drawing: "cpu" | "gpu";
   load(src: Source): void;
 }
 

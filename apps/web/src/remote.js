@@ -45,6 +45,11 @@ class Remote extends EventTarget {
   post(verb, ...args) {
     this.worker.postMessage({ verb, args });
   }
+  // Gives the splats of an event "splats" back once they are shown, milliseconds after its arrival.
+  shown(splats, milliseconds) {
+    const arrays = [splats.centers, splats.colors, splats.scales, splats.rotations];
+    this.worker.postMessage({ verb: "shown", args: [splats, milliseconds] }, arrays.map((array) => array.buffer));
+  }
 
   open(kind, source, flame, options, canvas) {
     // A worker has a place of its own, from which relative addresses would be taken.
@@ -55,7 +60,8 @@ class Remote extends EventTarget {
     return opened;
   }
   // {width, height: px of the pictures; orbit: {azimuth, elevation, zoom}; background: [r, g, b] or
-  // null for a transparent one}. What is not given stays.
+  // null for a transparent one; renderer: "cpu", or "gpu" for events "splats" in place of pictures, as
+  // of Avatar.splats with blurVariance}. What is not given stays.
   setView(view) {
     this.post("setView", view);
   }

@@ -71,9 +71,15 @@ export function serve({ folders, isolated = true, answer = () => {} }) {
   return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve(server)));
 }
 
-// Opens `page` (an URL's path and query) and resolves to what it posts to /result; rejects with what
+// WebGL and WebGPU on the CPU.
+export const software = [
+  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--enable-unsafe-webgpu",
+  "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan", "--use-vulkan=swiftshader",
+];
+
+// webgl: with a GPU, by software. Opens `page` (an URL's path and query) and resolves to what it posts to /result; rejects with what
 // it posts to /failed, if the browser ends, or after `seconds`.
-export async function inBrowser({ chromium, page, folders, isolated, flags = [], seconds = 120 }) {
+export async function inBrowser({ chromium, page, folders, isolated, webgl = false, flags = [], seconds = 120 }) {
   const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-chromium-"));
   let browser = null;
   let server = null;
@@ -93,7 +99,7 @@ export async function inBrowser({ chromium, page, folders, isolated, flags = [],
           "--headless=new",
           "--no-first-run",
           `--user-data-dir=${profile}`,
-          "--disable-gpu",
+          ...(webgl ? software : ["--disable-gpu"]),
           "--disable-dev-shm-usage",
           ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),  // it refuses root's
           ...flags,

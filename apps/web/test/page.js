@@ -1,5 +1,7 @@
 // What test/run.mjs asks of a page, by the query: one of these, with its result posted to /result.
+import { fasterRenderer, gpuRenderer, outgrown } from "/web/src/gpu.js";
 import { openAvatar, openScene, RemoteAvatar } from "/web/src/index.js";
+import { usePlayCanvas } from "/web/src/playcanvas.js";
 
 const query = new URLSearchParams(location.search);
 const avatar = "/data/avatar.glb";
@@ -154,6 +156,139 @@ async function elements() {
   };
 }
 
+// PlayCanvas' pictures of driven frames beside ours, over black; of every seventh also once it is sorted
+// by its own depths. `device`: of createGraphicsDevice.
+const playcanvas = () => import("/web/node_modules/playcanvas/build/playcanvas.min.mjs");
+async function gpu() {
+  const side = Number(query.get("size"));
+  const device = query.get("device");
+  usePlayCanvas(await playcanvas(), { deviceTypes: [device] });
+  const frames = await (await fetch("/data/frames.json")).json();
+  const player = await openAvatar(avatar, flame, { threads });
+  const canvas = document.createElement("canvas");
+  document.body.append(canvas);
+  const renderer = await gpuRenderer()(canvas);
+  const reader = new OffscreenCanvas(side, side).getContext("2d", { willReadFrequently: true });
+  const picture = async (splats) => {
+    await renderer.draw(splats);
+    reader.fillStyle = "#000";
+    reader.fillRect(0, 0, side, side);
+    reader.drawImage(canvas, 0, 0);
+    return reader.getImageData(0, 0, side, side).data;
+  };
+  const settled = async (splats) => {
+    let last = await picture(splats);
+    for (let still = 0, i = 0; still < 3 && i < 100; ++i) {
+      await new Promise((resolve) => setTimeout(resolve, 50));
+      const next = await picture(splats);
+      still = next.every((value, k) => value === last[k]) ? still + 1 : 0;
+      last = next;
+    }
+    return last;
+  };
+  const compare = (ours, theirs) => {
+    let squares = 0;
+    let covered = 0;
+    for (let k = 0; k < ours.length; ++k) {
+      if (k % 4 === 3) continue;
+      squares += (ours[k] - theirs[k]) ** 2;
+      covered += theirs[k] > 8;
+    }
+    const count = 0.75 * ours.length;
+    return { psnr: 10 * Math.log10((255 * 255 * count) / squares), covered: covered / count };
+  };
+  const depth = ({ camFromWorld: m, centers }, i) => m[8] * centers[4 * i] + m[9] * centers[4 * i + 1] + m[10] * centers[4 * i + 2];
+  const result = { device: renderer.device.deviceType, still: [], moving: [], unsorted: 0 };
+  for (const [i, frame] of frames.entries()) {
+    set(player, frame, side);
+    const ours = player.render(side, side, { alpha: "opaque" });
+    const splats = player.splats(renderer.blurVariance);
+    for (let i = 1; i < splats.count; ++i) result.unsorted += depth(splats, i) < depth(splats, i - 1) - 1e-6;
+    result.moving.push(compare(ours, await picture(splats)));
+    if (i % 7 === 0) result.still.push(compare(ours, await settled(splats)));
+  }
+  renderer.close();
+  return result;
+}
+
+// Pictures of these files beside that of scene.ply, and what is said of the damaged ones.
+async function files() {
+  const side = 256;
+  const expected = await openScene("/data/scene.ply");
+  const picture = expected.render(side, side, { alpha: "opaque" });
+  const result = { count: expected.info().gaussianCount, files: {} };
+  for (const name of query.get("names").split(" ")) {
+    const bytes = await bytesOf(`/data/${name}`);
+    const begin = performance.now();
+    const scene = await openScene(new File([bytes], name));
+    const milliseconds = performance.now() - begin;
+    const got = scene.render(side, side, { alpha: "opaque" });
+    const squares = got.reduce((sum, value, k) => sum + (value - picture[k]) ** 2, 0);
+    const problem = await openScene(`/data/bad_${name}`).then(() => "none", ({ message }) => message);
+    const psnr = 10 * Math.log10((255 * 255 * 0.75 * got.length) / Math.max(squares, 1e-9));
+    result.files[name] = { psnr, count: scene.info().gaussianCount, milliseconds, problem };
+    scene.close();
+  }
+  return result;
+}
+
+// The element's way to draw: forced, refused, measured, changed while it draws.
+async function renderers() {
+  const chosen = async (shown) => (await event(shown, "renderer")).detail;
+  const result = {};
+  const refused = element("cosplat-avatar", { src: avatar, flame, renderer: "gpu" });
+  result.without = (await event(refused, "error")).message;
+  refused.setAttribute("renderer", "fast");
+  result.unknown = (await event(refused, "error")).message;
+  refused.remove();
+
+  usePlayCanvas(await playcanvas(), { deviceTypes: ["webgl2"] });
+  // The part of the GPU's canvas that is covered, after its next picture.
+  const covered = (shown) =>
+    new Promise((resolve) =>
+      shown.gpu.app.once("postrender", () => {
+        const { width, height } = shown.gpu.canvas;
+        const reader = new OffscreenCanvas(width, height).getContext("2d");
+        reader.drawImage(shown.gpu.canvas, 0, 0);
+        const { data } = reader.getImageData(0, 0, width, height);
+        let count = 0;
+        for (let k = 3; k < data.length; k += 4) count += data[k] > 128;
+        resolve(count / (data.length / 4));
+      }),
+    );
+  const shown = element("cosplat-avatar", { src: avatar, flame, renderer: "gpu", camera: "20 10 1.5" });
+  result.forced = await chosen(shown);
+  const moves = setInterval(() => shown.setParameters({ jaw: [0.1 + 0.1 * Math.sin(performance.now()), 0, 0] }), 20);
+  const stats = event(shown, "stats");
+  result.avatar = await covered(shown);
+  result.stats = (await stats).detail;
+  clearInterval(moves);
+  shown.setAttribute("renderer", "cpu");
+  result.back = { ...(await chosen(shown)), canvases: shown.shadowRoot.querySelectorAll("canvas").length };
+  shown.removeAttribute("renderer");
+  result.measured = await chosen(shown);
+  result.faster = fasterRenderer("cpu", result.measured);
+  result.drawing = shown.drawing;
+  shown.remove();
+
+  const splats = element("cosplat-splats", { src: "/data/scene.ply", renderer: "gpu" });
+  result.scene = await chosen(splats);
+  splats.remote.orbit(0.1, 0);
+  result.splats = await covered(splats);
+  // Where the engine's context is lost the CPU draws on.
+  const lost = event(splats, "error");
+  splats.gpu.device.gl.getExtension("WEBGL_lose_context").loseContext();
+  result.lost = (await lost).message;
+  result.after = splats.drawing;
+
+  result.rule = [
+    fasterRenderer("cpu", { cpu: 10, gpu: 9 }), fasterRenderer("cpu", { cpu: 10, gpu: 7 }),
+    fasterRenderer("gpu", { cpu: 9, gpu: 10 }), fasterRenderer("gpu", { cpu: 7, gpu: 10 }),
+    outgrown(100, 190), outgrown(100, 210), outgrown(100, 45),
+  ];
+  return result;
+}
+
 // Milliseconds per picture of these sizes, and from the avatar's bytes to the first picture.
 async function speed() {
   const frames = await (await fetch("/data/frames.json")).json();
@@ -183,7 +318,7 @@ async function speed() {
 }
 
 try {
-  const jobs = { pictures, growth, errors, elements, speed };
+  const jobs = { pictures, growth, errors, elements, files, gpu, renderers, speed };
   await post("/result", JSON.stringify(await jobs[query.get("job")]()));
 } catch (error) {
   await post("/failed", String(error.stack ?? error));

@@ -13,7 +13,7 @@ import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { parseArgs } from "node:util";
 
-import { serve } from "./browser.mjs";
+import { serve, software } from "./browser.mjs";
 
 const { values } = parseArgs({
   options: Object.fromEntries(["cosplat", "chromium", "pictures"].map((name) => [name, { type: "string" }])),
@@ -32,7 +32,7 @@ class DevTools {
     this.count = 0;
     this.answers = new Map();
     const flags = [
-      "--headless=new", "--no-first-run", `--user-data-dir=${path.join(work, "profile")}`, "--disable-gpu",
+      "--headless=new", "--no-first-run", `--user-data-dir=${path.join(work, "profile")}`, ...software,
       "--disable-dev-shm-usage", "--remote-debugging-pipe", "--use-fake-device-for-media-stream",
       "--use-fake-ui-for-media-stream", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : []),
     ];
@@ -110,13 +110,15 @@ function served(model) {
 const avatars = await served(inWork("avatar"));
 const scenes = await served(inWork("scene.ply"));
 // In place of MediaPipe, whose model is not in a package: a jaw that opens and a head that turns.
-const stub = await serve({ folders: { "/": here } });
-const mediapipe = `http://127.0.0.1:${stub.address().port}/mediapipe-stub`;
+const elsewhere = await serve({ folders: { "/": here, "/playcanvas/": path.join(here, "../node_modules/playcanvas/build") } });
+const mediapipe = `http://127.0.0.1:${elsewhere.address().port}/mediapipe-stub`;
+const playcanvas = `http://127.0.0.1:${elsewhere.address().port}/playcanvas/playcanvas.min.mjs`;
 
 // Isolated: whether the page may use threads.
 const pages = [
   { name: "gallery", url: `${avatars}/pages/index.html`, isolated: true },
   { name: "gallery-splats", url: `${scenes}/pages/index.html`, isolated: true },
+  { name: "gallery-gpu", url: `${avatars}/pages/index.html?playcanvas=${playcanvas}&renderer=gpu`, isolated: true, gpu: true },
   { name: "obs", url: `${avatars}/pages/obs.html?camera=20+5+0.9`, isolated: true },
   { name: "webcam", url: `${avatars}/pages/webcam.html?package=${mediapipe}`, isolated: true, webcam: true },
   { name: "offline", url: pathToFileURL(inWork("avatar.html")).href, isolated: false },
@@ -125,7 +127,7 @@ const pages = [
 
 const devTools = new DevTools();
 const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
-for (const { name, url, isolated, webcam } of pages)
+for (const { name, url, isolated, webcam, gpu = false } of pages)
   for (const [width, height] of [[1280, 800], [390, 844]]) {
     const page = await devTools.page(url, width, height);
     const text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
@@ -140,7 +142,9 @@ for (const { name, url, isolated, webcam } of pages)
       const health = await page.value(`${shown}.health()`);
       assert.ok(health.accepted > 0 && health.driveMalformed === 0, JSON.stringify(health));
     }
+    if (gpu) await until("the GPU draws", () => page.value(`${shown}.drawing === "gpu"`));
     await sleep(1500);
+    assert.equal(await page.value(`${shown}.drawing`), gpu ? "gpu" : "cpu", name);
     assert.equal(await page.value("crossOriginIsolated"), isolated, name);
     const overflow = await page.value("document.documentElement.scrollWidth - innerWidth");
     assert.ok(overflow <= 0, `${name} is ${overflow} px wider than ${width}`);

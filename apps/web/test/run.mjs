@@ -108,6 +108,63 @@ async function testElements() {
   assert.ok(result.avatarOnCanvas > 0.05 && result.splatsOnCanvas > 0.05, "canvases are drawn");
 }
 
+// PlayCanvas draws what we draw, by both of its interfaces, which run on the CPU here. 40.0 dB were measured;
+// what differs is that a splat ends at 2.83 standard deviations, shifted to end at zero, and halves of
+// floats.
+async function testGpu() {
+  for (const device of ["webgl2", "webgpu"]) {
+    const result = await ask("gpu", { webgl: true, query: { size: 512, device }, seconds: 300 });
+    const least = (name, values) => Math.min(...values.map((value) => value[name]));
+    console.log(
+      `gpu, PlayCanvas by ${result.device}: at least ${least("psnr", result.still).toFixed(1)} dB at rest and ` +
+        `${least("psnr", result.moving).toFixed(1)} dB in motion`,
+    );
+    assert.equal(result.device, device);
+    assert.ok(least("covered", result.still) > 0.1);
+    assert.ok(least("psnr", result.still) > 38 && least("psnr", result.moving) > 38);
+    assert.equal(result.unsorted, 0);
+  }
+}
+
+async function testRenderers() {
+  const result = await ask("renderers", { webgl: true });
+  console.log(result);
+  assert.match(result.without, /^renderer: 'gpu' needs a splat renderer/);
+  assert.equal(result.unknown, "renderer: 'fast' is none of auto, cpu, gpu");
+  assert.deepEqual(result.forced, { renderer: "gpu" });
+  assert.equal(result.stats.renderer, "gpu");
+  assert.ok(result.avatar > 0.05 && result.splats > 0.05, "the GPU's canvas is drawn");
+  assert.deepEqual(result.back, { renderer: "cpu", canvases: 1 });
+  assert.ok(result.measured.cpu > 0 && result.measured.gpu > 0);
+  assert.equal(result.measured.renderer, result.faster);
+  assert.equal(result.drawing, result.faster);
+  assert.deepEqual(result.scene, { renderer: "gpu" });
+  assert.equal(result.lost, "the GPU was lost, drawing on the CPU");
+  assert.equal(result.after, "cpu");
+  assert.deepEqual(result.rule, ["cpu", "gpu", "gpu", "cpu", false, true, true]);
+}
+
+// The files of other programs, as the PLY that they are made of; damaged ones.
+async function testFiles() {
+  const spz4 = ["--spz-version", "4"];
+  cosplat("export", "--splats", inWork("scene.ply"), "--spz", inWork("v3.spz"), "--sog", inWork("scene.sog"));
+  cosplat("export", "--splats", inWork("scene.ply"), "--spz", inWork("v4.spz"), ...spz4);
+  for (const name of ["v3.spz", "v4.spz", "scene.sog"]) {
+    const bytes = fs.readFileSync(inWork(name));
+    const middle = Math.floor(bytes.length / 2);
+    bytes[middle] ^= 0x5a;
+    // Zstandard's frames here have no checksum.
+    fs.writeFileSync(inWork(`bad_${name}`), name === "v4.spz" ? bytes.subarray(0, middle) : bytes);
+  }
+  const result = await ask("files", { query: { names: "v3.spz v4.spz scene.sog" } });
+  for (const [name, { psnr, count, problem, milliseconds }] of Object.entries(result.files)) {
+    console.log(`${name}: ${psnr.toFixed(1)} dB against the PLY, opened in ${milliseconds.toFixed(0)} ms; damaged: ${problem}`);
+    assert.equal(count, result.count);
+    assert.ok(psnr > 35, name);  // 8 bits and codebooks
+    assert.match(problem, new RegExp(`^bad_${name}`));
+  }
+}
+
 async function testGrowth() {
   for (const isolated of [true, false]) {
     const { early, late, health } = await ask("growth", { isolated, query: { frames: 5000 }, seconds: 300 });
@@ -171,6 +228,9 @@ async function test() {
   await testPictures();
   await testErrors();
   await testElements();
+  await testFiles();
+  await testGpu();
+  await testRenderers();
   await testPackage();
   await testGrowth();
 }

@@ -1,5 +1,6 @@
 // The declarations, used as a program would use them.
 import { type Health, openAvatar, openScene, RemoteAvatar } from "../src/index.js";
+import { usePlayCanvas } from "../src/playcanvas.js";
 
 const avatar = await openAvatar("avatar.glb", "flame.npz", { threads: 2 });
 avatar.setParameters({ expression: [1, 2], jaw: new Float32Array([0.1, 0, 0]), time: 0 });
@@ -12,8 +13,11 @@ const health: Health = await remote.health();
 remote.setView({ width: health.accepted, background: null });
 (await openScene("scene.ply")).orbit(0.1, 0);
 
+usePlayCanvas({}, { deviceTypes: ["webgl2"] });
+const opacity: number = avatar.splats(0).colors[3];
 const element = document.createElement("cosplat-avatar");
 element.addEventListener("error", (event) => console.log(event.message));
+element.setAttribute("renderer", opacity > 0 ? "gpu" : element.drawing);
 element.send("{}");
 // @ts-expect-error: there is no such joint
 element.setParameters({ chin: [0, 0, 0] });
