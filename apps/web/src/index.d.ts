@@ -255,7 +255,7 @@ export class RemoteScene extends Remote {
 /** What the event "stats" says of the last second. */
 export interface Stats {
   framesPerSecond: number;
-  /** Mean time of a picture. */
+  /** Mean time of a picture; with renderer "gpu" without the GPU's own. */
   milliseconds: number;
   threads: number;
   renderer: "cpu" | "gpu";
