@@ -32,12 +32,11 @@ WebModel FindWebModel(const std::string& model, const std::string& flame) {
   const bool folder = fs::is_directory(model);
   if (!content.avatar) {
     found.splats = folder ? SplatsOfRun(model) : model;
-    const SplatLayout layout = SplatLayoutOf(found.splats);
-    if (layout == SplatLayout::kSpz || layout == SplatLayout::kSog)
-      throw Error(
-          found.splats,
-          "is an SPZ or SOG file, which the browser's player does not read: `cosplat export "
-          "--splats` makes a PLY of it");
+    if (SplatLayoutOf(found.splats) == SplatLayout::kSog &&
+        (fs::is_directory(found.splats) || fs::path(found.splats).extension() == ".json"))
+      throw Error(found.splats,
+                  "is SOG in a folder; the browser's player reads it in one file: `cosplat export "
+                  "--splats` with --sog FILE.sog makes it");
     return found;
   }
   found.avatar = folder ? model + "/avatar.glb" : model;

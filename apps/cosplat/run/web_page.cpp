@@ -1,11 +1,13 @@
 #include "apps/cosplat/run/web_page.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include "apps/cosplat/run/data_uri.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/io/splat_file.h"
 
 namespace cosplat {
 namespace {
@@ -14,6 +16,13 @@ Json FileText(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
   return {{"name", std::filesystem::path(path).filename().string()},
           {"base64", Base64({bytes.begin(), bytes.end()})}};
+}
+
+// Whether the player needs a decoder besides its module: of WebP or of Zstandard.
+bool NeedsDecoder(const std::string& splats) {
+  const SplatLayout layout = SplatLayoutOf(splats);
+  if (layout != SplatLayout::kSpz) return layout == SplatLayout::kSog;
+  return std::ifstream(splats, std::ios::binary).get() != 0x1f;  // gzip, before version 4
 }
 
 }  // namespace
@@ -28,6 +37,10 @@ void WriteWebPage(const std::string& path, const WebModel& model) {
   if (at == std::string::npos) throw Error(file, kPlace, "is missing");
   Json content{{"title", model.title}};
   if (model.avatar.empty()) {
+    if (NeedsDecoder(model.splats))
+      throw Error(model.splats,
+                  "is SOG or version 4 of SPZ, whose decoders are not in a page of one file: "
+                  "`cosplat export --splats` makes a PLY or SPZ 3 of it");
     content["splats"] = FileText(model.splats);
   } else {
     content["avatar"] = FileText(model.avatar);

@@ -6,7 +6,7 @@
 // Makes a head and a small avatar; checks that each page draws, is no wider than the window and tells
 // nothing wrong; --pictures keeps screenshots.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
+import { execFileSync, spawn, spawnSync } from "node:child_process";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
@@ -96,7 +96,11 @@ run("make-head", "-o", inWork("head"), "--frames", "60", "--test-frames", "10", 
 run("train-avatar", "-s", inWork("head"), "--flame", inWork("head/model.npz"), "-m", inWork("avatar"),
     "--preset", "quick", "--gaussians", "6000", "--iterations", "500");
 run("export", "-m", inWork("avatar"), "--ply", inWork("scene.ply"), "--html", inWork("avatar.html"));
-run("export", "--splats", inWork("scene.ply"), "--html", inWork("scene.html"));
+run("export", "--splats", inWork("scene.ply"), "--spz", inWork("scene.spz"), "--sog", inWork("scene.sog"));
+run("export", "--splats", inWork("scene.spz"), "--html", inWork("scene.html"));
+const refused = spawnSync(values.cosplat, ["export", "--splats", inWork("scene.sog"), "--html", inWork("none.html")], { encoding: "utf8" });
+assert.match(refused.stderr, /scene\.sog: is SOG or version 4 of SPZ, whose decoders are not in a page of one file/);
+assert.ok(!fs.existsSync(inWork("none.html")));
 
 // Of `cosplat serve`.
 function served(model) {
@@ -108,7 +112,7 @@ function served(model) {
   });
 }
 const avatars = await served(inWork("avatar"));
-const scenes = await served(inWork("scene.ply"));
+const scenes = await served(inWork("scene.sog"));
 // In place of MediaPipe, whose model is not in a package: a jaw that opens and a head that turns.
 const elsewhere = await serve({ folders: { "/": here, "/playcanvas/": path.join(here, "../node_modules/playcanvas/build") } });
 const mediapipe = `http://127.0.0.1:${elsewhere.address().port}/mediapipe-stub`;
