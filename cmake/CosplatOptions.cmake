@@ -55,6 +55,12 @@ function(cosplat_choose_device name cuda_library)
   endif()
 endfunction()
 
+# cosplat_apart(SOURCES...): not merged with others, so that a program that links the static library
+# without calling these does not load what they call (OpenCV, libwebp, libzstd): libcosplat.so.
+function(cosplat_apart)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # Loops whose instruction sets are built in one binary and chosen when it starts: AVX-512, AVX2 and the
 # baseline.
 function(cosplat_simd_sources)

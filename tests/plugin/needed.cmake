@@ -1,0 +1,20 @@
+# LIBRARY loads the libraries that docs/plugin.md names, and no others: what merely could be linked
+# (OpenCV, codecs) costs a host its start, its memory and its packages. READELF: the program.
+execute_process(COMMAND ${READELF} -d ${LIBRARY} OUTPUT_VARIABLE table RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${READELF} failed on ${LIBRARY}")
+endif()
+string(REGEX REPLACE "[][]" " " table "${table}")  # a bracket would join elements of the list
+string(REGEX MATCHALL "\\(NEEDED\\)[^\n]*library: +[^ \n]+" needed "${table}")
+list(TRANSFORM needed REPLACE ".* (lib)?" "")
+set(documented tbb hwy tinygltf OpenMeshCore zip z)
+set(runtime stdc\\+\\+ m gcc_s c ld-linux-x86-64 ld-linux-aarch64 dl rt pthread [a-z]+san)
+list(JOIN documented "|" documented)
+list(JOIN runtime "|" runtime)
+set(others ${needed})
+list(FILTER others EXCLUDE REGEX "^(${documented}|${runtime})[.]so")
+list(FILTER needed INCLUDE REGEX "^(${documented})[.]so")
+list(LENGTH needed count)
+if(others OR NOT count EQUAL 6)
+  message(FATAL_ERROR "${LIBRARY} loads ${needed}, and what docs/plugin.md does not name: ${others}")
+endif()
