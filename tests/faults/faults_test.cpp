@@ -238,53 +238,25 @@ class Faults : public ::testing::Test {
   }
 
   Writer TrainScene() const {
-    const std::string data = Workshop::Get().photos;
     return {"train-scene",
-            [data](const std::string& out) -> std::vector<std::string> {
-              return {"train-scene",
-                      "-s",
-                      data,
-                      "-m",
-                      out,
-                      "--iterations",
-                      "240",
-                      "--eval",
-                      "--random-points",
-                      "300",
-                      "--resume",
-                      "--quiet",
-                      "--budget",
-                      "auto"};
+            [](const std::string& out) {
+              return MadeSceneTraining(out, 240, 300, {"--resume", "--quiet", "--budget", "auto"});
             },
             "",
             false,
-            data};
+            Workshop::Get().photos};
   }
   Writer TrainAvatar() const {
-    const std::string head = Workshop::Get().head;
-    return {"train-avatar",
-            [head](const std::string& out) -> std::vector<std::string> {
-              return {"train-avatar",
-                      "-s",
-                      head,
-                      "-m",
-                      out,
-                      "--flame",
-                      head + "/model.npz",
-                      "--iterations",
-                      "90",
-                      "--eval",
-                      "--gaussians",
-                      "400",
-                      "--resume",
-                      "--refine-track",
-                      "--landmarks",
-                      head + "/landmarks.json",
-                      "--quiet"};
-            },
-            "",
-            false,
-            head};
+    const std::string landmarks = Workshop::Get().head + "/landmarks.json";
+    return {
+        "train-avatar",
+        [landmarks](const std::string& out) {
+          return MadeAvatarTraining(
+              out, 90, 400, {"--resume", "--refine-track", "--landmarks", landmarks, "--quiet"});
+        },
+        "",
+        false,
+        Workshop::Get().head};
   }
 
   // The training as it was when a signal interrupted it.
@@ -387,22 +359,8 @@ TEST_F(Faults, MakingAndTrackingAHead) {
 // needs.
 TEST_F(Faults, TooLittleMemory) {
   Writer big = TrainAvatar();
-  big.arguments = [](const std::string& out) -> std::vector<std::string> {
-    const std::string head = Workshop::Get().head;
-    return {"train-avatar",
-            "-s",
-            head,
-            "-m",
-            out,
-            "--flame",
-            head + "/model.npz",
-            "--iterations",
-            "12",
-            "--gaussians",
-            "150000",
-            "--eval",
-            "--quiet",
-            "--resume"};
+  big.arguments = [](const std::string& out) {
+    return MadeAvatarTraining(out, 12, 150'000, {"--quiet", "--resume"});
   };
   big = Interrupted(big);
   Prepare(big);

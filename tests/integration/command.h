@@ -138,26 +138,38 @@ struct Workshop {
 };
 
 // Short trainings of what the workshop made, into folder `out`; `more` arguments follow.
-inline CommandResult TrainMadeScene(const std::string& out,
-                                    int iterations,
-                                    int points,
-                                    const std::vector<std::string>& more) {
+inline std::vector<std::string> MadeSceneTraining(const std::string& out,
+                                                  int iterations,
+                                                  int points,
+                                                  const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"train-scene", "-s", Workshop::Get().photos, "-m", out};
   arguments.insert(arguments.end(), {"--iterations", std::to_string(iterations), "--eval"});
   arguments.insert(arguments.end(), {"--random-points", std::to_string(points)});
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return Cosplat(arguments);
+  return arguments;
 }
-inline CommandResult TrainMadeAvatar(const std::string& out,
-                                     int iterations,
-                                     int gaussians,
-                                     const std::vector<std::string>& more) {
+inline std::vector<std::string> MadeAvatarTraining(const std::string& out,
+                                                   int iterations,
+                                                   int gaussians,
+                                                   const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"train-avatar", "-s", Workshop::Get().head, "-m", out};
   arguments.insert(arguments.end(), {"--flame", Workshop::Get().model, "--eval"});
   arguments.insert(arguments.end(), {"--iterations", std::to_string(iterations)});
   arguments.insert(arguments.end(), {"--gaussians", std::to_string(gaussians)});
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return Cosplat(arguments);
+  return arguments;
+}
+inline CommandResult TrainMadeScene(const std::string& out,
+                                    int iterations,
+                                    int points,
+                                    const std::vector<std::string>& more) {
+  return Cosplat(MadeSceneTraining(out, iterations, points, more));
+}
+inline CommandResult TrainMadeAvatar(const std::string& out,
+                                     int iterations,
+                                     int gaussians,
+                                     const std::vector<std::string>& more) {
+  return Cosplat(MadeAvatarTraining(out, iterations, gaussians, more));
 }
 
 }  // namespace cosplat::test
