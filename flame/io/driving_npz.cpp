@@ -1,6 +1,7 @@
 // Driving sequences as CAP4D (Taubner et al. 2025) publishes them: parameters and a camera only;
 // and those that GaussianAvatars (Qian et al. 2024) keeps beside its point clouds.
 #include <algorithm>
+#include <cmath>
 
 #include "flame/io/track_layouts.h"
 #include "splat/base/camera.h"
@@ -33,7 +34,8 @@ Camera DrivingCamera(const Npz& npz) {
   lens.width = lens.height = kDefaultSide;
   if (npz.Has("resolutions")) {
     const NpyArray& size = npz.Get("resolutions");
-    if (size.size() < 2 || !(size.values[0] >= 1) || !(size.values[1] >= 1))
+    const auto usable = [](double side) { return side >= 1 && side <= kMaxSide; };
+    if (size.size() < 2 || !usable(size.values[0]) || !usable(size.values[1]))
       throw Error(npz.path(), "resolutions", "expected height and width");
     lens.height = int(size.values[0]);
     lens.width = int(size.values[1]);
@@ -42,7 +44,11 @@ Camera DrivingCamera(const Npz& npz) {
   lens.fy = float(ScalarOr(npz, "fy", lens.fx));
   lens.cx = float(ScalarOr(npz, "cx", lens.width / 2.0));
   lens.cy = float(ScalarOr(npz, "cy", lens.height / 2.0));
-  if (!(lens.fx > 0 && lens.fy > 0)) throw Error(npz.path(), "fx", "is not positive");
+  for (const float focal : {lens.fx, lens.fy})
+    if (!(focal > 0) || !std::isfinite(focal))
+      throw Error(npz.path(), "fx", "is not positive and finite");
+  if (!std::isfinite(lens.cx) || !std::isfinite(lens.cy))
+    throw Error(npz.path(), "cx", "is not finite");
   const PoseProblem problem = SetDrivingPose(npz, lens);
   if (!problem.empty()) throw Error(npz.path(), "extr", problem);
   return lens;

@@ -29,7 +29,6 @@ constexpr double kDistance = 100;
 constexpr double kDefaultCropSide = 224;
 // Of a crop's rotation or shear, relative to its scale: rounding.
 constexpr double kCropTolerance = 1e-4;
-constexpr double kMaxSide = 1 << 20;
 constexpr float kMaxTranslation = 1000;  // metres
 
 // The rows of a video: which arrays there are, and the size of the image.

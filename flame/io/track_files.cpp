@@ -125,15 +125,21 @@ Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
     return frame.Has(key) ? frame[key].Number() : file[key].Number();
   };
   Camera lens;
-  lens.width = int(number("w"));
-  lens.height = int(number("h"));
+  const double width = number("w"), height = number("h");
+  if (!(width >= 1 && width <= kMaxSide && height >= 1 && height <= kMaxSide))
+    throw Error(
+        frame.file(), frame.path(), "has an image size that is not positive or above 2^20 px");
+  lens.width = int(width);
+  lens.height = int(height);
   lens.fx = float(number("fl_x"));
   lens.fy = float(number("fl_y"));
   lens.cx = float(number("cx"));
   lens.cy = float(number("cy"));
-  if (lens.width < 1 || lens.height < 1 || !(lens.fx > 0) || !(lens.fy > 0))
-    throw Error(
-        frame.file(), frame.path(), "has an image size or focal length that is not positive");
+  for (const float focal : {lens.fx, lens.fy})
+    if (!(focal > 0) || !std::isfinite(focal))
+      throw Error(frame.file(), frame.path(), "has a focal length that is not positive and finite");
+  if (!std::isfinite(lens.cx) || !std::isfinite(lens.cy))
+    throw Error(frame.file(), frame.path(), "has a principal point that is not finite");
   return lens;
 }
 

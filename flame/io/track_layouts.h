@@ -162,6 +162,8 @@ std::string NumberedFiles(const std::string& folder,
                           const std::vector<std::string>& endings,
                           std::map<int, std::string>& files);
 
+constexpr double kMaxSide = 1 << 20;  // px, of an image that a track names
+
 // w, h, fl_x, fl_y, cx, cy (px) of a frame in a transforms file, or else of the file.
 Camera LensOfTransforms(const JsonField& file, const JsonField& frame);
 

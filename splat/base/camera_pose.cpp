@@ -30,7 +30,7 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
   for (double x : rotation)
     if (!std::isfinite(x)) return "pose has a rotation that is not finite";
   for (double x : translation)
-    if (!std::isfinite(x)) return "pose has a translation that is not finite";
+    if (!std::isfinite(float(x))) return "pose has a translation that is not finite";
   std::array<Row, 3> r;
   for (int i = 0; i < 3; ++i) r[i] = {rotation[3 * i], rotation[3 * i + 1], rotation[3 * i + 2]};
   for (int i = 0; i < 3; ++i)

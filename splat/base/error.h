@@ -23,7 +23,23 @@ class Error : public std::runtime_error {
                             const std::string& problem) {
     std::string text = file;
     if (!field.empty()) text += text.empty() ? field : ": " + field;
-    return text.empty() ? problem : text + ": " + problem;
+    return OneLine(text.empty() ? problem : text + ": " + problem);
+  }
+  // Names and values are quoted from files of strangers: control characters, which could end the
+  // line or command a terminal, become \xNN, and what is long is cut.
+  static std::string OneLine(const std::string& text) {
+    constexpr size_t kMaxLength = 800;
+    constexpr const char* kDigits = "0123456789abcdef";
+    std::string line;
+    for (const char c : text) {
+      const unsigned char byte = static_cast<unsigned char>(c);
+      if (byte >= 0x20 && byte != 0x7f)
+        line += c;
+      else
+        line += std::string("\\x") + kDigits[byte >> 4] + kDigits[byte & 15];
+      if (line.size() > kMaxLength) return line + "...";
+    }
+    return line;
   }
 };
 

@@ -1,8 +1,8 @@
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 
+#include "splat/base/crc32.h"
 #include "splat/base/error.h"
 #include "splat/base/image_io.h"
 
@@ -21,21 +21,6 @@ bool IsPng(const std::vector<char>& bytes) {
 
 bool IsJpeg(const std::vector<char>& bytes) {
   return bytes.size() >= 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0;
-}
-
-uint32_t Crc32(const char* p, size_t size) {
-  static const std::array<uint32_t, 256> kTable = [] {
-    std::array<uint32_t, 256> table;
-    for (uint32_t i = 0; i < 256; ++i) {
-      uint32_t c = i;
-      for (int bit = 0; bit < 8; ++bit) c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-      table[i] = c;
-    }
-    return table;
-  }();
-  uint32_t crc = ~0u;
-  for (size_t i = 0; i < size; ++i) crc = kTable[(crc ^ uint8_t(p[i])) & 255] ^ (crc >> 8);
-  return ~crc;
 }
 
 // Calls `visit(type, data, size)` for every complete chunk until it returns false. Returns whether
@@ -124,6 +109,25 @@ bool ParseJpegHeader(const std::vector<char>& bytes, ImageInfo& info) {
   return found;
 }
 
+// An image of a few bytes that would take gigabytes: as no honest encoder writes it.
+void CheckImageSize(const std::string& path, const std::vector<char>& bytes) {
+  constexpr int64_t kMaxPixels = int64_t(1) << 28;  // 16,384 x 16,384
+  // Deflate packs 1032 bytes into one, PNG 8 pixels into a byte. JPEG takes at least a bit for each
+  // block of 64 pixels.
+  constexpr int64_t kPngPixelsPerByte = 8 * 1032, kJpegPixelsPerByte = 8 * 64;
+  ImageInfo info;
+  if (!ParseImageHeader(bytes, info)) return;
+  const int64_t pixels = int64_t(info.width) * info.height;
+  if (info.width < 1 || info.height < 1 || pixels > kMaxPixels)
+    throw Error(path,
+                "has " + SizeText(info.width, info.height) + " pixels, expected 1 to " +
+                    std::to_string(kMaxPixels));
+  if (pixels > int64_t(bytes.size()) * (IsPng(bytes) ? kPngPixelsPerByte : kJpegPixelsPerByte))
+    throw Error(path,
+                "is damaged: " + std::to_string(bytes.size()) + " bytes cannot be an image of " +
+                    SizeText(info.width, info.height) + " pixels");
+}
+
 }  // namespace
 
 bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info) {
@@ -134,6 +138,7 @@ bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info) {
 
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes) {
   if (bytes.empty()) throw Error(path, "is empty, expected an image");
+  CheckImageSize(path, bytes);
   if (IsPng(bytes)) CheckPng(path, bytes);
   if (!IsJpeg(bytes)) return;
   if (!WalkJpeg(bytes, [](uint8_t marker, const char*, size_t) { return marker != 0xd9; }))

@@ -102,8 +102,9 @@ class VideoWriter {
 // complete header.
 bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info);
 
-// Throws Error(path, ...) if a PNG lacks chunks up to IEND or a critical chunk fails its CRC, or if
-// a JPEG lacks its end-of-image marker. Other file types pass.
+// Throws Error(path, ...) if a PNG lacks chunks up to IEND or a critical chunk fails its CRC, if a
+// JPEG lacks its end-of-image marker, or if either has more than 2^28 pixels or more than its bytes
+// can hold. Other file types pass.
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
 
 // Keeps OpenCV and FFmpeg from writing to stderr, since failures are reported as Error. Must be

@@ -2,6 +2,8 @@
 
 #include <zip.h>
 
+#include <algorithm>
+
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -17,6 +19,14 @@ ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(p
   int code = 0;
   archive_.reset(zip_open(path.c_str(), ZIP_RDONLY, &code));
   if (!archive_) throw Error(path, "cannot be read as " + kind + ": " + ReasonOfZipError(code));
+  uint64_t total = 0;
+  zip_stat_t stat;
+  for (size_t i = 0; i < size(); ++i) {
+    const bool known =
+        zip_stat_index(archive_.get(), i, 0, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE);
+    if (known && stat.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path, stat.name);
+    if (known) total += stat.size;
+  }
 }
 
 size_t ZipReader::size() const { return size_t(zip_get_num_entries(archive_.get(), 0)); }
@@ -47,7 +57,7 @@ std::vector<char> ZipReader::Read(size_t index, uint64_t limit) const {
     throw Error(path_, stat.name, std::string("cannot be read: ") + zip_strerror(archive_.get()));
   // Grown while reading, since the size in a damaged directory cannot be trusted.
   std::vector<char> bytes;
-  std::vector<char> block(1 << 20);
+  std::vector<char> block(size_t(std::min<uint64_t>(1 << 20, stat.size + 1)));
   zip_int64_t count = 0;
   while (bytes.size() <= stat.size &&
          (count = zip_fread(file.get(), block.data(), block.size())) > 0)

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/error.h"
+
 struct zip;  // libzip's archive
 
 namespace cosplat {
@@ -16,9 +18,17 @@ namespace cosplat {
 // What libzip says of an error code of zip_open.
 std::string ReasonOfZipError(int code);
 
+// Of all members together, uncompressed: far more than a model or a track has, so that a small file
+// that inflates without end is refused before it is read.
+constexpr uint64_t kMaxArchiveBytes = uint64_t(1) << 31;
+inline Error TooMuchUnpacked(const std::string& path, const std::string& member) {
+  return Error(path, member, "and the members before it have more than 2 GiB when unpacked");
+}
+
 class ZipReader {
  public:
-  // Throws Error(path, "cannot be read as `kind`: ...").
+  // Throws Error(path, "cannot be read as `kind`: ..."), or that there is more than
+  // kMaxArchiveBytes in it.
   ZipReader(const std::string& path, const std::string& kind);
 
   size_t size() const;  // members

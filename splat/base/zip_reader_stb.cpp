@@ -240,6 +240,11 @@ ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(p
   } catch (const std::string& problem) {
     throw Error(path, "cannot be read as " + kind + ": " + problem);
   }
+  uint64_t total = 0;
+  for (const Entry& entry : archive_->entries) {
+    if (entry.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path, entry.name);
+    total += entry.size;
+  }
 }
 
 size_t ZipReader::size() const { return archive_->entries.size(); }

@@ -69,6 +69,10 @@ std::vector<Chunk> ReadChunks(PlyReader& reader) {
     chunk.position = position.Read(reader, row);
     chunk.scale_log = scale.Read(reader, row);
     for (const BoundsColumns& columns : color) chunk.color = columns.Read(reader, row);
+    for (const auto& bounds : {chunk.color.low, chunk.color.high})
+      for (const float color_bound : bounds)
+        if (!std::isfinite(DcOfColor(color_bound)))
+          reader.Fail("has a bound of colours of " + std::to_string(color_bound));
   }
   return chunks;
 }

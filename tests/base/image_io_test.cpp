@@ -94,6 +94,27 @@ TEST(ImageIo, BrokenImagesAreErrors) {
   ExpectError([&] { WriteImage(folder / "no/a.png", Gradient(4, 4, 3)); }, {"no/a.png"});
 }
 
+// Sizes that some bytes cannot hold, which a decoder would allocate first.
+TEST(ImageIo, SizesWithoutPixelsAreErrors) {
+  const TemporaryFolder folder;
+  const auto refuse = [&](const char* name, size_t at, const std::string& size) {
+    WriteImage(folder / name, Gradient(40, 30, 3));
+    std::string bytes = Bytes(folder / name);
+    bytes.replace(at, size.size(), size);
+    WriteFileAtomically(folder / name, bytes);
+    ExpectError([&] { ReadImage(folder / name); }, {name, "pixels"});
+  };
+  refuse("huge.png", 16, std::string("\x00\x10\x00\x00\x00\x10\x00\x00", 8));
+  refuse("negative.png", 16, std::string("\xff\xff\xff\xff\x00\x00\x00\x01", 8));
+  refuse("empty.png", 16, std::string("\x00\x00\x00\x00\x00\x00\x00\x01", 8));
+  refuse("large.png", 16, std::string("\x00\x00\x20\x00\x00\x00\x20\x00", 8));
+  WriteImage(folder / "a.jpg", Gradient(40, 30, 3));
+  const std::string frame("\x08\x00\x1e\x00\x28", 5);  // 8 bits, 30 rows of 40
+  const size_t at = Bytes(folder / "a.jpg").find(frame);
+  ASSERT_NE(at, std::string::npos);
+  refuse("large.jpg", at + 1, "\x3f\xff\x3f\xff");
+}
+
 TEST(ImageIo, FloatsAreClampedAndRounded) {
   Image image(5, 1, 1);
   image.data = {-1, 0.4999f / 255, 0.5001f / 255, 1, 7};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -190,6 +191,26 @@ TEST(Npz, DamagedFilesAreErrors) {
   ExpectError([&] { Npz::Read(folder / "none.npz"); }, {"none.npz", "No such file"});
   ExpectError([&] { npz.Write(folder / "no/a.npz"); }, {"no/a.npz"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
+}
+
+// Two members that would unpack to 1.5 GiB each, in a file of some 300 bytes.
+TEST(Npz, RefusesWhatUnpacksWithoutEnd) {
+  const TemporaryFolder folder;
+  Npz npz(folder / "a.npz");
+  npz.Add("a", {1}, std::vector<float>{1});
+  npz.Add("b", {1}, std::vector<float>{1});
+  npz.Write(npz.path());
+  std::vector<char> bytes = ReadFile(npz.path());
+  const std::string mark = "PK\1\2";
+  const uint32_t size = 3u << 29;
+  int members = 0;
+  for (auto at = bytes.begin();
+       (at = std::search(at, bytes.end(), mark.begin(), mark.end())) != bytes.end();
+       at += 4, ++members)
+    std::memcpy(&at[24], &size, sizeof size);
+  ASSERT_EQ(members, 2);
+  WriteFileAtomically(npz.path(), std::string(bytes.begin(), bytes.end()));
+  ExpectError([&] { Npz::Read(npz.path()); }, {"a.npz", "b.npy", "2 GiB"});
 }
 
 }  // namespace

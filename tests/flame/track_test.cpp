@@ -483,6 +483,15 @@ TEST(TrackedVideo, DrivingSequences) {
   EXPECT_FLOAT_EQ(frame.params.pose[3][1], .5f);
   EXPECT_FLOAT_EQ(frame.params.pose[4][0], .4f);
   ExpectError([&] { LoadTrackedVideo(folder / "s.npz", {}); }, {"s.npz", "no images"});
+  const auto refuse = [&](const char* name, double value) {
+    Npz changed = npz;
+    changed.Add(name, NpyArray{{2}, {value, value}, "<f4"});
+    changed.Write(folder / "c.npz");
+    ExpectError([&] { LoadDrivingSequence(folder / "c.npz"); }, {"c.npz", name});
+  };
+  refuse("resolutions", 3e9);  // not an int
+  refuse("fx", INFINITY);
+  refuse("cx", NAN);
   npz.Add("rot", {3, 3}, std::vector<float>(9, 0.f));
   npz.Write(folder / "s.npz");
   ExpectError([&] { LoadDrivingSequence(folder / "s.npz"); }, {"rot", "[3, 3]", "[4, 3]"});

@@ -180,6 +180,11 @@ TEST(CompressedPly, BadValuesNameRowAndProperty) {
     ExpectError([&] { ReadPly(folder / "bad.ply"); },
                 {"bad.ply", "chunk 1, max_scale_y", "not finite"});
   }
+  const float large = 3e38f;  // finite, but not as a coefficient
+  std::string colourful = whole;
+  colourful.replace(second_chunk + 4 * 12, 4, reinterpret_cast<const char*>(&large), 4);
+  WriteFileAtomically(folder / "bad.ply", colourful);
+  ExpectError([&] { ReadPly(folder / "bad.ply"); }, {"bad.ply", "chunk", "bound of colours"});
   std::string ascii = PackedHeader(1, {.color_bounds = false});
   ascii.replace(ascii.find("binary_little_endian"), 20, "ascii");
   for (const std::string bad : {"-1", "0.5", "4294967296", "nan"}) {
