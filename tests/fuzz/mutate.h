@@ -8,8 +8,12 @@
 
 namespace cosplat::test {
 
-// One to four changes of `packet`: bits, bytes, cuts, repeats, and splices of another seed's bytes.
-inline std::string Mutated(std::string packet, const std::vector<std::string>& seeds, Rng& rng) {
+// One to four changes of `packet`: bits, bytes, cuts, repeats, splices of another seed's bytes, and
+// words that parsers stumble over or that its format has.
+inline std::string Mutated(std::string packet,
+                           const std::vector<std::string>& seeds,
+                           Rng& rng,
+                           const std::vector<std::string>& words = {}) {
   static const std::vector<std::string> kTokens = {"#bundle",
                                                    std::string("\0\0\0\0", 4),
                                                    "\xff\xff\xff\xff",
@@ -31,7 +35,8 @@ inline std::string Mutated(std::string packet, const std::vector<std::string>& s
     const size_t at = rng.Below(packet.size() + 1);
     const size_t count = rng.Below(packet.size() - at + 1);
     const std::string& other = seeds[rng.Below(seeds.size())];
-    const std::string& token = kTokens[rng.Below(kTokens.size())];
+    const size_t word = rng.Below(kTokens.size() + words.size());
+    const std::string& token = word < kTokens.size() ? kTokens[word] : words[word - kTokens.size()];
     switch (rng.Below(7)) {
       case 0:
         if (at < packet.size()) packet[at] = char(packet[at] ^ (1 << rng.Below(8)));
