@@ -94,5 +94,19 @@ TEST(LandmarkFile, NamesWhatIsDamaged) {
   ExpectError([&] { ReadLandmarks(path); }, {path});
 }
 
+// tests/golden/landmarks_v1.json, which docs/landmarks.md describes, must stay readable.
+TEST(LandmarkFile, GoldenFileOfVersionOne) {
+  const LandmarkVideo video = ReadLandmarks(COSPLAT_SOURCE_DIR "/tests/golden/landmarks_v1.json");
+  EXPECT_EQ(video.set, LandmarkSet::kOther);
+  EXPECT_EQ(video.width, 64);
+  ASSERT_EQ(video.frames.size(), 2u);
+  EXPECT_TRUE(video.frames[0].faces.empty());
+  ASSERT_EQ(video.frames[1].faces.size(), 1u);
+  const DetectedFace& face = video.frames[1].faces[0];
+  EXPECT_EQ(face.points[1], (std::array<double, 2>{3.5, 4}));
+  EXPECT_EQ(face.score, 0.75);
+  EXPECT_EQ(face.blendshapes.at("jawOpen"), 0.5f);
+}
+
 }  // namespace
 }  // namespace cosplat
