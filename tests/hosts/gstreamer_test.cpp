@@ -188,6 +188,59 @@ TEST(CosplatSrc, LiveFramesLieOnTheClocksLattice) {
   EXPECT_EQ(count, 10);
 }
 
+// A pause of any length leaves no gap; what is not live shows every frame.
+TEST(CosplatSrc, GoesOnAfterAPause) {
+  Pipeline pipeline(Source("width=32 height=32 fps=50 num-buffers=12"));
+  PulledFrame frame;
+  for (GstClockTime n = 0; n < 12; ++n) {
+    if (n % 4 == 0) {
+      ASSERT_TRUE(pipeline.Set(GST_STATE_PAUSED));
+      g_usleep(50'000);
+      ASSERT_TRUE(pipeline.Set(GST_STATE_PLAYING));
+    }
+    ASSERT_TRUE(pipeline.Pull(frame));
+    EXPECT_EQ(frame.pts, n * GST_SECOND / 50);
+  }
+  EXPECT_FALSE(pipeline.Pull(frame));
+}
+
+// A face has no place to seek to: it says so, and a seek that is tried does no harm.
+TEST(CosplatSrc, RefusesToSeek) {
+  Pipeline pipeline(Source("width=32 height=32 fps=50"));
+  ASSERT_TRUE(pipeline.Set(GST_STATE_PLAYING));
+  PulledFrame frame;
+  ASSERT_TRUE(pipeline.Pull(frame));
+  GstQuery* query = gst_query_new_seeking(GST_FORMAT_TIME);
+  if (gst_element_query(pipeline.Named("src"), query)) {
+    gboolean seekable = TRUE;
+    gst_query_parse_seeking(query, nullptr, &seekable, nullptr, nullptr);
+    EXPECT_FALSE(seekable);
+  }
+  gst_query_unref(query);
+  for (const GstSeekFlags flags : {GST_SEEK_FLAG_NONE, GST_SEEK_FLAG_FLUSH})
+    EXPECT_FALSE(
+        gst_element_seek_simple(pipeline.element(), GST_FORMAT_TIME, flags, GST_SECOND / 10));
+  const GstClockTime before = frame.pts;
+  for (int n = 0; n < 5; ++n) ASSERT_TRUE(pipeline.Pull(frame));
+  EXPECT_EQ(frame.pts, before + 5 * GST_SECOND / 50);
+  EXPECT_EQ(pipeline.Error(0), "");
+}
+
+// Two in one process, at once, each with its own face and view.
+TEST(CosplatSrc, TwoAtOnce) {
+  Pipeline front(Source("width=48 height=48")), side(Source("width=48 height=48 azimuth=45"));
+  const std::vector<uint8_t> expected[2] = {Draw({48, 48}), Draw({48, 48, 45})};
+  ASSERT_NE(expected[0], expected[1]);
+  ASSERT_TRUE(front.Set(GST_STATE_PLAYING) && side.Set(GST_STATE_PLAYING));
+  PulledFrame frame;
+  for (int n = 0; n < 20; ++n) {
+    ASSERT_TRUE(front.Pull(frame));
+    EXPECT_EQ(frame.bytes, expected[0]);
+    ASSERT_TRUE(side.Pull(frame));
+    EXPECT_EQ(frame.bytes, expected[1]);
+  }
+}
+
 // A frame that is due in minutes does not hold up the end.
 TEST(CosplatSrc, StopsWhileItWaits) {
   Pipeline pipeline(Source("width=32 height=32 fps=1/500 is-live=true"));

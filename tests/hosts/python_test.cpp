@@ -48,5 +48,9 @@ TEST(Python, FailsInOneLine) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(Python, OpensAThousandAndDrawsFromThreads) {
+  EXPECT_EQ(std::system(("python3 " COSPLAT_PYTHON_MANY " " + AvatarAnd("")).c_str()), 0);
+}
+
 }  // namespace
 }  // namespace cosplat::test
