@@ -1,4 +1,7 @@
 // FLAME's model files, tracked videos, avatars and live faces.
+#include <unistd.h>
+
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -361,6 +364,48 @@ std::string ReadJsonPacket(const std::string&, const std::string& bytes) {
   return drive.Problem(bytes);
 }
 
+Strings JsonPackets() {
+  JsonFrame frame;
+  frame.sequence = 41;
+  frame.time = 2.5;
+  frame.params.expression = {0.5f, -1, 2, 0.25f};
+  frame.params.pose[2] = {0.1f, 0, 0};
+  return {WriteJsonFrame(frame),
+          R"({"seq": 7})",
+          R"({"seq": 8, "blendshapes": {"jawOpen": 0.5, "eyeBlinkLeft": 1, "other": -3}})",
+          R"({"seq": 9, "time": 1e3, "eyes": [0.1, 0.2, 0.3], "jaw": [0, 0, 0]})"};
+}
+
+// What a pipe brings: lines of any length, cut anywhere.
+std::string ReadLines(const std::string&, const std::string& bytes) {
+  int ends[2];
+  if (pipe(ends) != 0) return "no pipe";
+  std::string problem;
+  const auto source =
+      OpenJsonSource(OpenLineInput(ends[0], "pipe"), ChooseBlendshapeMap("", {}), {});
+  bool good = false;
+  for (size_t at = 0; at < bytes.size() && problem.empty();) {
+    const size_t part = std::min<size_t>(bytes.size() - at, 1 + uint8_t(bytes[at]) * size_t(7));
+    if (write(ends[1], bytes.data() + at, part) != ssize_t(part)) problem = "a full pipe";
+    at += part;
+    if (problem.empty()) problem = PollProblem(*source, 0, good);
+  }
+  close(ends[1]);
+  if (problem.empty()) problem = PollProblem(*source, 0, good);
+  if (problem.empty() && !source->Ended()) problem = "no end";
+  close(ends[0]);
+  const LiveCounts counts = source->Counts();
+  if (problem.empty() && counts.malformed + counts.oversize > 0)
+    throw Error("pipe", counts.last_problem);
+  return problem;
+}
+
+Strings JsonLines() {
+  std::string lines;
+  for (const std::string& packet : JsonPackets()) lines += packet + "\n";
+  return {lines};
+}
+
 std::string ReadVmcPacket(const std::string& folder, const std::string& bytes) {
   static Drive drive;
   if (!drive.source)
@@ -377,18 +422,6 @@ std::string ReadOsc(const std::string&, const std::string& bytes) {
   for (const OscMessage& message : messages)
     if (message.arguments.size() > kMaxOscArguments) return "too many arguments";
   return "";
-}
-
-Strings JsonPackets() {
-  JsonFrame frame;
-  frame.sequence = 41;
-  frame.time = 2.5;
-  frame.params.expression = {0.5f, -1, 2, 0.25f};
-  frame.params.pose[2] = {0.1f, 0, 0};
-  return {WriteJsonFrame(frame),
-          R"({"seq": 7})",
-          R"({"seq": 8, "blendshapes": {"jawOpen": 0.5, "eyeBlinkLeft": 1, "other": -3}})",
-          R"({"seq": 9, "time": 1e3, "eyes": [0.1, 0.2, 0.3], "jaw": [0, 0, 0]})"};
 }
 
 Strings OscPackets() {
@@ -497,6 +530,7 @@ std::vector<FuzzedReader> HeadReaders() {
       {"avatar_glb", files, {"a.glb"}, ReadAvatar, [] { return Strings{AvatarGlb()}; }, binding},
       {"avatar_glb_chunks", Placing::kGlb, {"a.glb"}, ReadAvatar, AvatarChunks, binding},
       {"json_packet", files, {}, ReadJsonPacket, JsonPackets, json},
+      {"json_lines", files, {}, ReadLines, JsonLines, json},
       {"vmc_packet", files, {}, ReadVmcPacket, OscPackets, osc, vmc_matrix},
       {"osc", files, {}, ReadOsc, OscPackets, osc}};
 }
