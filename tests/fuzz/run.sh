@@ -50,7 +50,7 @@ for reader in "${readers[@]}"; do
   COSPLAT_READER=$reader "$fuzzer" "$out/$reader" "$out/seeds/$reader" \
     -dict="$out/seeds/$reader.dict" -artifact_prefix="$out/found/$reader-" -max_len=20000 \
     -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4000 -malloc_limit_mb=2000 \
-    -print_final_stats=1 -verbosity=0 >"$log" 2>&1 || result="FOUND, see $log"
+    -print_final_stats=1 -print_funcs=0 -verbosity=0 >"$log" 2>&1 || result="FOUND, see $log"
   [[ $result == ok ]] || failed=1
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   echo "$reader ${count:-0}" >>"$out/counts.txt"
