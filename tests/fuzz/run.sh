@@ -28,9 +28,8 @@ while [[ $# -gt 0 ]]; do
 done
 
 fuzzer=$root/build/fuzz/tests/fuzz/cosplat_fuzz_reader
-if [[ ! -x $fuzzer ]]; then
-  (cd "$root" && cmake --preset fuzz && cmake --build --preset fuzz) >&2
-fi
+[[ -f $root/build/fuzz/CMakeCache.txt ]] || (cd "$root" && cmake --preset fuzz) >&2
+(cd "$root" && cmake --build --preset fuzz) >&2
 mkdir -p "$out/seeds" "$out/found"
 COSPLAT_SEEDS=$out/seeds "$fuzzer"
 if [[ ${#readers[@]} -eq 0 ]]; then
