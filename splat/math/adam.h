@@ -23,9 +23,16 @@ struct AdamStep {
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
 
-// The constants of step t, counted from 1. `rate`: learning rate.
-COSPLAT_HD AdamStep AdamStepAt(float rate, double eps, int64_t t) {
+// The constants of step t, counted from 1. `rate`: learning rate for a step of one view. A step of
+// `batch` views replaces as many: the rate grows with the square root of their number, and the
+// moments forget as they would in so many steps (Zhao et al. 2024, Grendel-GS, section 4.2).
+COSPLAT_HD AdamStep AdamStepAt(float rate, double eps, int64_t t, int batch = 1) {
   AdamStep step;
+  if (batch > 1) {
+    step.beta1 = float(std::pow(double(step.beta1), double(batch)));
+    step.beta2 = float(std::pow(double(step.beta2), double(batch)));
+    rate *= std::sqrt(float(batch));
+  }
   const double correction1 = 1 - std::pow(double(step.beta1), double(t));
   const double correction2 = std::sqrt(1 - std::pow(double(step.beta2), double(t)));
   step.step_size = float(rate * correction2 / correction1);

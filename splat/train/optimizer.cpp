@@ -28,7 +28,8 @@ void Update(const AdamSettings& settings,
   size_t most = 0;
   for (int a = 0; a < kAttributeCount; ++a) {
     AdamArray& array = kernel.attributes[a];
-    const math::AdamStep step = math::AdamStepAt(settings.rate[a], settings.eps[a], state.step);
+    const math::AdamStep step =
+        math::AdamStepAt(settings.rate[a], settings.eps[a], state.step, settings.batch);
     array.beta1 = step.beta1;
     array.beta2 = step.beta2;
     array.step_size = step.step_size;

@@ -17,6 +17,7 @@ constexpr std::array<float, kAttributeCount> kAdamEps{
 struct AdamSettings {
   std::array<float, kAttributeCount> rate{};
   std::array<float, kAttributeCount> eps = kAdamEps;
+  int batch = 1;  // views of a step (math/adam.h)
 };
 
 // Gaussians are updated in groups of kGaussianGroup, whose values fill whole SIMD registers.

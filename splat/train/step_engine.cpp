@@ -66,10 +66,13 @@ StepEngine::StepEngine(const TrainSettings& settings,
       stream_(device_.rasterizer->stream()),
       now_(stream_.on_host() ? &state_ : &on_device_),
       targets_(subject, TargetBytes(stream_)),
+      shards_(*device_.ranks),
+      sum_(*device_.ranks, shards_),
       tape_(device_.rasterizer->MakeTape()),
       forecast_(forecast),
       steps_{Submitted(stream_), Submitted(stream_)} {
   if (!on_host()) CheckRule(settings.prune.rule);
+  CheckBatch();
   subject_.WorkIn(stream_);
   try {
     Store();
@@ -77,6 +80,19 @@ StepEngine::StepEngine(const TrainSettings& settings,
     subject_.WorkIn(HostStream());  // this engine's stream is about to be destroyed
     throw;
   }
+}
+
+void StepEngine::CheckBatch() const {
+  const std::string option = "--batch " + std::to_string(settings_.batch);
+  if (device_.ranks->size() > size_t(settings_.batch))
+    throw Error(option,
+                "has fewer views than the " + std::to_string(device_.ranks->size()) +
+                    " ranks that would share them");
+  if (settings_.batch == 1) return;
+  if (!on_host()) throw Error(option, "steps of several views run on the CPU: use --device cpu");
+  if (WorksOnProcessorOnly(settings_.prune.rule) || LearnsMask(settings_.prune.rule))
+    throw Error("--prune " + ToString(settings_.prune.rule),
+                "works in steps of one view: use --batch 1 or another rule");
 }
 
 StepEngine::~StepEngine() {
@@ -108,6 +124,7 @@ void StepEngine::ReleaseScratch() {
   gradients_ = {};
   screen_ = {};
   moves_ = {};
+  sum_.Release();
   density_.Release();
   tape_ = device_.rasterizer->MakeTape();
 }
@@ -133,11 +150,14 @@ void StepEngine::Store() {
   stream_.Wait();  // the copies read the state's memory
   in_flight_ = 0;  // those steps belong to another state
   fetched_ = true;
+  assembled_ = true;  // it is the state of all ranks
+  ignored_ = state_.adam.ignored[0];
 }
 
 void StepEngine::Fetch() {
   if (fetched_) return;
   Settle(0);
+  Assemble();
   if (!on_host()) {
     on_device_.gaussians.Download(state_.gaussians, stream_);
     on_device_.adam.Download(state_.adam, stream_);
@@ -177,6 +197,7 @@ Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
 
 void StepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
+  Assemble();
   AdamCatchUpAll(rates, subject_.PositionRateScale(), now_->gaussians, now_->adam, stream_);
   fetched_ = false;
 }
@@ -256,7 +277,8 @@ void StepEngine::Submit(const StepPlan& plan, const Rng& rng, bool waits) {
   step.masked = mask_.learns();
   Draw(step, waits);
   Backward(step);
-  Update(step);
+  const View<const float> moves = RegularizeScale(step, tape_->radii(), gradients_);
+  Update(plan, settings_.adam_on == AdamOn::kAll ? View<const float>() : moves, gradients_);
   step.done->Record();
   ++in_flight_;
   fetched_ = false;
@@ -318,7 +340,7 @@ void StepEngine::Draw(Submitted& step, bool waits) {
       std::max(instances_per_gaussian_, double(step.capacity) / double(count()));
 }
 
-void StepEngine::Backward(Submitted& step) {
+void StepEngine::Differentiate(Submitted& step) {
   const StepPlan& plan = step.plan;
   {
     ScopedPhase phase(times_, Phase::kLoss);
@@ -331,8 +353,9 @@ void StepEngine::Backward(Submitted& step) {
     step.photometric.Ask(device_.loss->value(), stream_);
   }
   if (settings_.crop_loss.weight != 0) AddCropLoss(step);
-  // On the host nothing has changed yet.
-  if (on_host()) CheckLoss(step.photometric.Last() + step.of_crop, plan.iteration);
+  // On the host nothing has changed yet. Several views are checked together, on all ranks.
+  if (on_host() && settings_.batch == 1)
+    CheckLoss(step.photometric.Last() + step.of_crop, plan.iteration);
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_, stream_);
   // Adam then also reads the gradients of other groups.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
@@ -342,9 +365,13 @@ void StepEngine::Backward(Submitted& step) {
     ScopedPhase phase(times_, Phase::kPose);
     subject_.PlaceBackward(now_->gaussians, gradients_, overflowed_.data());
   }
+}
+
+void StepEngine::Backward(Submitted& step) {
+  Differentiate(step);
   // Plasticity is that of the photometric loss alone: before the regulariser adds to the gradient.
   ScopedPhase phase(times_, Phase::kDensity);
-  if (plan.gathers_statistics)
+  if (step.plan.gathers_statistics)
     now_->statistics.Accumulate(tape_->radii(),
                                 screen_,
                                 gradients_.values[kScaleLog],
@@ -389,9 +416,11 @@ void StepEngine::LearnMask(Submitted& step) {
   step.of_mask.Ask(mask_.value(), stream_);
 }
 
-View<const float> StepEngine::RegularizeScale(Submitted& step) {
+View<const float> StepEngine::RegularizeScale(Submitted& step,
+                                              View<const float> visible,
+                                              Gaussians& gradients) {
   const ScaleRegularizer& settings = settings_.scale_regularizer;
-  if (settings.weight == 0) return tape_->radii();
+  if (settings.weight == 0) return visible;
   const size_t n = count(), blocks = (n + SumNeedles::kBlock - 1) / SumNeedles::kBlock;
   const NeedleRule rule{std::log(settings.limit), std::log(settings.ratio)};
   const View<const float> scale_log = std::as_const(now_->gaussians.values[kScaleLog]).view();
@@ -410,25 +439,91 @@ View<const float> StepEngine::RegularizeScale(Submitted& step) {
           stream_,
           PullNeedles{rule,
                       scale_log,
-                      tape_->radii(),
+                      visible,
                       needles_.data(),
-                      gradients_.values[kScaleLog].view(),
+                      gradients.values[kScaleLog].view(),
                       moves_.view()});
   step.of_needles.Ask(&needles_.data()->value, stream_);
   return std::as_const(moves_).view();
 }
 
-void StepEngine::Update(Submitted& step) {
-  const View<const float> moves = RegularizeScale(step);
+void StepEngine::Update(const StepPlan& plan, View<const float> moves, const Gaussians& gradients) {
   ScopedPhase phase(times_, Phase::kAdam);
-  AdamStepAll(step.plan.rates,
-              gradients_,
+  AdamStepAll(plan.rates,
+              gradients,
               subject_.PositionRateScale(),
-              settings_.adam_on == AdamOn::kAll ? View<const float>() : moves,
+              moves,
               now_->gaussians,
               now_->adam,
               stream_,
               overflowed_.data());
+}
+
+ViewGradients StepEngine::GradientsOf(Submitted& step, const StepPlan& plan) {
+  step.plan = plan;
+  step.masked = false;
+  Draw(step, true);
+  Differentiate(step);
+  return {gradients_,
+          screen_,
+          tape_->radii(),
+          image_.width,
+          image_.height,
+          step.photometric.Last() + step.of_crop};
+}
+
+double StepEngine::StepBatch(std::vector<StepPlan> views) {
+  const StepPlan& plan = views.front();  // what does not differ between them
+  if (settings_.crop_loss.weight != 0)
+    for (StepPlan& view : views)
+      view.crop = DrawCrop(
+          targets_.ImageOf(view.frame, view.downscale), settings_.crop_loss.side, state_.rng);
+  Submitted& step = steps_[0];
+  const Ranks& ranks = *device_.ranks;
+  sum_.Begin(now_->gaussians, views.size());
+  for (size_t first = 0; first < views.size(); first += ranks.size()) {
+    const size_t own = first + ranks.rank();
+    std::optional<ViewGradients> mine;
+    if (own < views.size()) mine.emplace(GradientsOf(step, views[own]));
+    ScopedPhase phase(times_, Phase::kDensity);
+    sum_.Add(mine ? &*mine : nullptr,
+             now_->gaussians,
+             plan.gathers_statistics ? &now_->statistics : nullptr);
+  }
+  fetched_ = false;
+  assembled_ = ranks.size() == 1;
+  CheckLoss(sum_.MeanLoss(), plan.iteration);
+  const bool regularizes = settings_.scale_regularizer.weight != 0;
+  const bool moves_all = settings_.adam_on == AdamOn::kAll;
+  if (regularizes || moves_all) sum_.ZeroUnseen();
+  View<const float> moves = RegularizeScale(step, sum_.moves(), sum_.gradients());
+  if (regularizes) sum_.KeepOwn(moves_);
+  if (moves_all) sum_.MoveAll();
+  if (moves_all) moves = sum_.moves();
+  Update(plan, moves, sum_.gradients());
+  exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
+  exchanged_.views += views.size();
+  ++exchanged_.steps;
+  return sum_.MeanLoss() + (regularizes ? step.of_needles.Last() : 0);
+}
+
+void StepEngine::Assemble() {
+  if (assembled_) return;
+  shards_.Assemble(now_->adam, now_->statistics, ignored_);
+  exchanged_.assembled += AdamGroupCount(count());
+  assembled_ = true;
+}
+
+ExchangeStatistics StepEngine::Exchanged() const {
+  Ranks& ranks = *device_.ranks;
+  ExchangeStatistics all = exchanged_;
+  all.ranks = ranks.size();
+  // Before the sums, which send something themselves.
+  const uint64_t bytes = ranks.bytes_sent(), microseconds = uint64_t(1e6 * ranks.seconds());
+  all.bytes_sent = Sum(bytes, ranks);
+  all.seconds = 1e-6 * double(Sum(microseconds, ranks)) / double(ranks.size());
+  all.groups_drawn = Sum(sum_.groups_drawn(), ranks);
+  return all;
 }
 
 std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
@@ -473,6 +568,7 @@ std::vector<MemoryPart> StepEngine::Memory() const {
   std::vector<MemoryPart> parts{
       {"parameters", HeldBy(now_->gaussians)},
       {"gradients", HeldBy(gradients_)},
+      {"gradients summed over views", sum_.held()},
       {"first moments", HeldBy(now_->adam.m)},
       {"second moments", HeldBy(now_->adam.v)},
       {"Adam group state", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},

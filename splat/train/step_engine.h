@@ -19,10 +19,13 @@
 #include "splat/render/device.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
+#include "splat/train/gradient_sum.h"
 #include "splat/train/importance.h"
 #include "splat/train/instance_forecast.h"
 #include "splat/train/kernels/step.h"
 #include "splat/train/mask_learner.h"
+#include "splat/train/ranks.h"
+#include "splat/train/shards.h"
 #include "splat/train/subject.h"
 #include "splat/train/target_store.h"
 #include "splat/train/train_settings.h"
@@ -42,6 +45,7 @@ struct TrainingState {
   std::vector<uint32_t> frames_left;  // rest of the current pass; the next one is at the back
 };
 
+// A step of one view, or one view of a step (StepEngine::StepBatch).
 struct StepPlan {
   int iteration = 0;  // of this step, from 1
   size_t frame = 0;   // index of the subject's frame
@@ -56,8 +60,22 @@ struct StepPlan {
 struct StepDevice {
   std::unique_ptr<Rasterizer> rasterizer;  // its stream is used for everything
   std::unique_ptr<StepLoss> loss;
+  std::shared_ptr<Ranks> ranks = OneRank();
 };
 StepDevice HostStepDevice();
+
+// What ranks exchange (splat/train/ranks.h), counted since the start or since resuming, over all of
+// them. Calculated from the groups: TrafficOf (splat/train/traffic.h).
+struct ExchangeStatistics {
+  size_t ranks = 1;
+  uint64_t steps = 0;           // of several views
+  uint64_t views = 0;           // of those
+  uint64_t assembled = 0;       // groups, summed over the times that the moments were assembled
+  uint64_t groups_drawn = 0;    // summed over views: with a visible Gaussian
+  uint64_t groups_updated = 0;  // summed over steps
+  uint64_t bytes_sent = 0;
+  double seconds = 0;  // mean over the ranks, waiting included
+};
 
 // Runs the forward pass, loss, backward pass and update, and adds and removes Gaussians.
 //
@@ -70,7 +88,9 @@ StepDevice HostStepDevice();
 class StepEngine : public FrameImages {
  public:
   // Starts from `state`, in host memory; the first three arguments must outlive the engine. Throws
-  // Error if the pruning rule works in every step on the host and the steps run on a device.
+  // Error if the pruning rule works in every step on the host and the steps run on a device, and if
+  // a step has several views (settings.batch) and the steps run on a device, the rule works in
+  // every step or learns a mask, or there are more ranks than views.
   StepEngine(const TrainSettings& settings,
              Subject& subject,
              TrainingState& state,
@@ -81,6 +101,10 @@ class StepEngine : public FrameImages {
   // Executes one step. Returns its loss or, if that would mean waiting for a device, the loss of
   // the previous step. Throws Error if one is not finite.
   double Step(const StepPlan& plan);
+  // One step of several views, of the mean of their losses, on the host. The plans differ in frame
+  // and background alone. Returns the mean loss. Every rank is given the same views, and draws its
+  // own. Throws Error, on all ranks, if a loss is not finite.
+  double StepBatch(std::vector<StepPlan> views);
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
 
@@ -114,6 +138,8 @@ class StepEngine : public FrameImages {
   // A message for the user, returned once; usually empty.
   std::string TakeNotice() { return std::exchange(notice_, {}); }
   PhaseTimes Times() const;
+  // All ranks call it.
+  ExchangeStatistics Exchanged() const;
   std::vector<MemoryPart> Memory() const;
 
  private:
@@ -144,13 +170,24 @@ class StepEngine : public FrameImages {
   // Submits all of a step to the stream. waits: for the number of instances, ruling out overflow.
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
+  // Loss and gradients of what was drawn.
+  void Differentiate(Submitted& step);
   void Backward(Submitted& step);
+  void CheckBatch() const;
+  // Draws a view of a step and returns its gradients.
+  ViewGradients GradientsOf(Submitted& step, const StepPlan& plan);
+  // After steps of several views, other ranks have parts of the moments and statistics: takes them
+  // over. All ranks do.
+  void Assemble();
   // Adds the crop loss and its gradient to those of the photometric loss. Waits for a device.
   void AddCropLoss(Submitted& step);
   void LearnMask(Submitted& step);
-  // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates.
-  View<const float> RegularizeScale(Submitted& step);
-  void Update(Submitted& step);
+  // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates: visible ones, and
+  // those that it acts on. visible: [N] positive if so.
+  View<const float> RegularizeScale(Submitted& step,
+                                    View<const float> visible,
+                                    Gaussians& gradients);
+  void Update(const StepPlan& plan, View<const float> moves, const Gaussians& gradients);
   // Waits for all submitted steps except the last `left`, and repeats those that overflowed. Throws
   // Error if a loss is not finite.
   void Settle(size_t left);
@@ -174,6 +211,11 @@ class StepEngine : public FrameImages {
   std::optional<Canvas> canvas_;
   TargetStore targets_;
   PhaseTimes times_;
+  Shards shards_;
+  GradientSum sum_;  // of steps of several views
+  bool assembled_ = true;
+  uint32_t ignored_ = 0;  // gradients, of all ranks, when last assembled
+  ExchangeStatistics exchanged_;
   // Scratch, reused between steps.
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;

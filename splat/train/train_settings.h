@@ -44,7 +44,10 @@ struct ScaleRegularizer {
 };
 
 struct TrainSettings {
-  int iterations = 30000;
+  int iterations = 30000;  // views trained on
+  // Views of a step, of scenes. Rates follow (math/adam.h); what the schedule plans for an
+  // iteration happens after the step that it is in.
+  int batch = 1;
   int degree = 3;        // highest band trained
   int first_degree = 0;  // highest band at step 0; one more per Schedule::degree_every
   uint64_t seed = 0;

@@ -132,7 +132,18 @@ AdamSettings Trainer::RatesAt(int iteration) const {
   const float share = settings_.schedule.RateShare(iteration);
   for (const Attribute a : {kRotation, kScaleLog, kOpacityLogit, kColorDc, kColorRest})
     adam.rate[a] *= share;
+  adam.batch = EndOfStep(iteration) - iteration;
   return adam;
+}
+
+int Trainer::EndOfStep(int begin) const {
+  // One view at a time beyond the end, where only tests go.
+  return std::max(begin + 1, std::min(begin + settings_.batch, settings_.iterations));
+}
+
+// Steps begin at multiples of the batch.
+AdamSettings Trainer::LastRates() const {
+  return RatesAt(std::max(state_.iteration - 1, 0) / settings_.batch * settings_.batch);
 }
 
 void Trainer::HoldOut(std::vector<uint32_t> frames) {
@@ -254,7 +265,7 @@ void Trainer::ControlDensityAt(int iteration) {
   const bool resets = schedule.ResetsOpacityAt(iteration);
   const bool drops = DropsBandsAt(iteration);
   if (densifies || prunes || resets || drops || iteration == settings_.iterations)
-    engine_->CatchUp(RatesAt(iteration - 1));
+    engine_->CatchUp(LastRates());
   if (densifies) {
     if (pruner_) pruner_->BeforeDensification();
     engine_->ControlDensity(settings_.density, iteration > schedule.size_prune_after);
@@ -282,39 +293,49 @@ int Trainer::DownscaleAt(int iteration) const {
   return downscale;
 }
 
+// Of the step that begins with this iteration.
 StepPlan Trainer::PlanOf(int iteration, size_t frame) {
   return {iteration,
           frame,
           {NextBackground(), active_degree(), settings_.exp_degree},
           RatesAt(state_.iteration),
           iteration < settings_.schedule.densify_until,
-          DownscaleAt(iteration)};
+          DownscaleAt(iteration),
+          {}};
+}
+
+double Trainer::Train(int begin, int end) {
+  std::vector<StepPlan> views;
+  for (int view = begin; view < end; ++view) {
+    const size_t index = NextFrame();
+    CheckSize(subject_.frame(index), index);
+    views.push_back(PlanOf(begin + 1, index));
+  }
+  return settings_.batch == 1 ? engine_->Step(views[0]) : engine_->StepBatch(std::move(views));
 }
 
 StepReport Trainer::Step() {
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start = ProcessorSeconds();
-  const int iteration = state_.iteration + 1;
-  const size_t index = NextFrame();
-  CheckSize(subject_.frame(index), index);
-  const double loss = engine_->Step(PlanOf(iteration, index));
+  const int begin = state_.iteration, end = EndOfStep(begin);
+  const double loss = Train(begin, end);
   {
     ScopedPhase phase(times_, Phase::kDensity);
-    state_.iteration = iteration;
-    ControlDensityAt(iteration);
-    engine_->AfterStep(iteration);
+    state_.iteration = end;
+    for (int iteration = begin + 1; iteration <= end; ++iteration) {
+      ControlDensityAt(iteration);
+      engine_->AfterStep(iteration);
+    }
   }
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   seconds_ += seconds;
   cpu_seconds_ += ProcessorSeconds() - cpu_start;
   last_seconds_[steps_++ % last_seconds_.size()] = seconds;
-  return {iteration, loss, count(), engine_->TakeNotice()};
+  return {end, loss, count(), engine_->TakeNotice()};
 }
 
-Gaussians Trainer::CaughtUp() const {
-  return engine_->CaughtUp(RatesAt(std::max(state_.iteration - 1, 0)));
-}
+Gaussians Trainer::CaughtUp() const { return engine_->CaughtUp(LastRates()); }
 
 TrainingStatistics Trainer::statistics() const {
   engine_->Fetch();
@@ -330,6 +351,7 @@ TrainingStatistics Trainer::statistics() const {
   s.degrees = CountDegrees(state_.gaussians);
   s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
   s.drop_psnr = drop_psnr_;
+  s.exchanged = engine_->Exchanged();
   const size_t count = std::min(steps_, last_seconds_.size());
   if (count == 0) return s;
   auto last = last_seconds_;

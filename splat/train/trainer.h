@@ -41,6 +41,7 @@ struct TrainingStatistics {
   DegreeCounts degrees{};
   DegreeFigures bands;
   double drop_psnr = 0;  // dB, change of training PSNR from dropping bands, sum of all rounds
+  ExchangeStatistics exchanged;
 };
 
 class Trainer {
@@ -52,8 +53,9 @@ class Trainer {
   Trainer(const Trainer&) = delete;
   Trainer& operator=(const Trainer&) = delete;
 
-  // One iteration. Throws Error if the loss is not finite, the frame's image does not have its
+  // One step. Throws Error if the loss is not finite, the frame's image does not have its
   // camera's size or every Gaussian was pruned.
+  // A step covers as many iterations as it has views: TrainSettings::batch, fewer at the end.
   StepReport Step();
 
   // Fetches everything from where it is trained; iteration() and count() do not.
@@ -90,6 +92,7 @@ class Trainer {
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
   size_t frame_count() const { return subject_.frame_count(); }
+  // All ranks call it.
   TrainingStatistics statistics() const;
   // Everything held between two steps, except the subject's data in host memory.
   std::vector<MemoryPart> Memory() const;
@@ -98,8 +101,13 @@ class Trainer {
   size_t NextFrame();
   std::array<float, 3> NextBackground();
   AdamSettings RatesAt(int iteration) const;
+  // Iterations after the step that begins after this one.
+  int EndOfStep(int begin) const;
+  // Those of the last step; before the first, of that.
+  AdamSettings LastRates() const;
   int DownscaleAt(int iteration) const;
   StepPlan PlanOf(int iteration, size_t frame);
+  double Train(int begin, int end);
   void ControlDensityAt(int iteration);
   PruneRound Rank(int iteration);
   void DropBands();

@@ -5,6 +5,11 @@ namespace cosplat {
 void SceneTrainOptions::DeclareTraining(CLI::App& command) {
   TrainOptions::DeclareTraining(command);
   command
+      .add_option("--batch",
+                  batch,
+                  "views per step; iterations are views, and rates follow (docs/large-scenes.md)")
+      ->check(CLI::Range(1, 1024));
+  command
       .add_option(
           "--preset",
           preset,

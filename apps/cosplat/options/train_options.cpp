@@ -23,6 +23,7 @@ void ImproveOn3dgs(TrainSettings& s) {
 TrainSettings TrainOptions::ToSettings(float extent) const {
   TrainSettings s;
   s.iterations = iterations;
+  s.batch = batch;
   s.degree = sh_degree;
   s.seed = seed;
   s.loss = {1 - lambda_dssim, lambda_dssim, 0};
@@ -56,6 +57,8 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
     throw Error("--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
   if (budget == "auto" && prune != "none" && prune != "leave-one-out")
     throw Error("--prune " + prune, "--budget auto prunes by leave-one-out");
+  if (budget == "auto" && batch > 1)
+    throw Error("--batch " + std::to_string(batch), "--budget auto needs steps of one view");
   const bool counts = prune_to > 0 || budget == "auto";
   s.prune.rule = PruneRuleFromString(prune == "none" && counts ? "leave-one-out" : prune);
   s.prune.target = prune_to;
@@ -68,7 +71,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
 }
 
 Device TrainOptions::ResolveDevice() const {
-  const bool processor_only = WorksOnProcessorOnly(PruneRuleFromString(prune));
+  const bool processor_only = batch > 1 || WorksOnProcessorOnly(PruneRuleFromString(prune));
   return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
 }
 
@@ -82,9 +85,13 @@ std::array<float, 3> TrainOptions::EvaluationBackground() const {
   return {c, c, c};
 }
 
-bool TrainOptions::ReachesMilestone(const std::vector<int>& milestones, int iteration) const {
+bool TrainOptions::ReachesMilestone(const std::vector<int>& milestones,
+                                    int before,
+                                    int iteration) const {
   return iteration == iterations ||
-         std::find(milestones.begin(), milestones.end(), iteration) != milestones.end();
+         std::any_of(milestones.begin(), milestones.end(), [&](int milestone) {
+           return before < milestone && milestone <= iteration;
+         });
 }
 
 }  // namespace cosplat

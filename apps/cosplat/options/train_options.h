@@ -27,6 +27,7 @@ struct TrainOptions {
   bool eval = false;
   bool fold = false;
   int iterations = 30000;
+  int batch = 1;  // of scenes
   int sh_degree = 3;
   std::string basis = "dcsh";
   std::string preset = "default";
@@ -65,13 +66,15 @@ struct TrainOptions {
   // `extent`: scene size in world units; size limits are proportional to it. Leaves the network of
   // the crop loss to the caller. Throws Error if options contradict each other.
   TrainSettings ToSettings(float extent) const;
-  // Resolves --device. "auto" is the CPU if the pruning rule is only implemented there.
+  // Resolves --device. "auto" is the CPU for what is only implemented there: some pruning rules,
+  // steps of several views.
   Device ResolveDevice() const;
   // Resolves --background auto and -w.
   void ResolveBackground(const std::string& automatic);
   // Background of held-out images: black if training uses black, otherwise white.
   std::array<float, 3> EvaluationBackground() const;
-  bool ReachesMilestone(const std::vector<int>& milestones, int iteration) const;
+  // Whether a step to `iteration` that began after `before` reaches one of them, or the end.
+  bool ReachesMilestone(const std::vector<int>& milestones, int before, int iteration) const;
 };
 
 // All options of a sub-command with their values, in the format that `--config` reads.

@@ -114,13 +114,14 @@ class TrainingRun {
     ProgressBar bar("train", o_.iterations, o_.quiet, OffTerminal::kLines, trainer_.iteration());
     LossLine line;
     while (trainer_.iteration() < o_.iterations) {
+      const int before = trainer_.iteration();
       const StepReport step = trainer_.Step();
       const int i = step.iteration;
       bar.Update(i, line(step));
       if (!step.notice.empty() && !o_.quiet) bar.Tell(step.notice);
       if (i == o_.iterations) break;
-      if (o_.ReachesMilestone(o_.save_iterations, i)) hooks_.save();
-      if (hooks_.evaluate && o_.ReachesMilestone(o_.test_iterations, i)) hooks_.evaluate();
+      if (o_.ReachesMilestone(o_.save_iterations, before, i)) hooks_.save();
+      if (hooks_.evaluate && o_.ReachesMilestone(o_.test_iterations, before, i)) hooks_.evaluate();
       AfterStep();
     }
   }

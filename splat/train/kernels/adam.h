@@ -12,6 +12,14 @@ namespace cosplat {
 
 constexpr uint32_t kNotNow = 0xffffffffu;
 
+// Whether a group has a Gaussian with a positive number, such as the radius of a visible one.
+COSPLAT_HD bool AnyPositive(View<const float> of, size_t group) {
+  const size_t end = math::Min((group + 1) * kGaussianGroup, of.count);
+  for (size_t i = group * kGaussianGroup; i < end; ++i)
+    if (of[i] > 0) return true;
+  return false;
+}
+
 // Finds which groups a step updates and how many steps each of them is behind; one call per group.
 struct FindBehind {
   View<const float> moves;  // [N] not positive: no gradient; empty: all groups are updated
@@ -19,15 +27,10 @@ struct FindBehind {
   View<uint32_t> updated, behind;
   const uint32_t* overflowed;  // or null
   COSPLAT_HD void operator()(size_t g) const {
-    const bool now = !(overflowed && *overflowed != 0) && (moves.count == 0 || AnyMoves(g));
+    const bool now =
+        !(overflowed && *overflowed != 0) && (moves.count == 0 || AnyPositive(moves, g));
     behind[g] = now ? before - updated[g] : kNotNow;
     if (now) updated[g] = after;
-  }
-  COSPLAT_HD bool AnyMoves(size_t g) const {
-    const size_t end = math::Min((g + 1) * kGaussianGroup, moves.count);
-    for (size_t i = g * kGaussianGroup; i < end; ++i)
-      if (moves[i] > 0) return true;
-    return false;
   }
 };
 

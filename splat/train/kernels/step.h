@@ -15,10 +15,12 @@ struct AccumulateStep {
   int width, height;
   View<float> screen_gradient, plasticity, visible;
   const uint32_t* overflowed;
-  COSPLAT_HD void operator()(size_t i) const {
-    if (!(radii[i] > 0) || *overflowed != 0) return;
+  COSPLAT_HD void operator()(size_t i) const { Add(i, i); }
+  // row: where the Gaussian's radius and gradients are.
+  COSPLAT_HD void Add(size_t i, size_t row) const {
+    if (!(radii[row] > 0) || *overflowed != 0) return;
     const math::ShapeOfStep step =
-        math::ShapeOf(&screen[2 * i], &d_scale_log[3 * i], &scale_log[3 * i], width, height);
+        math::ShapeOf(&screen[2 * row], &d_scale_log[3 * row], &scale_log[3 * i], width, height);
     if (!step.IsUsable()) return;
     screen_gradient[i] += step.screen;
     plasticity[i] += step.plasticity;

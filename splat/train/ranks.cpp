@@ -1,0 +1,55 @@
+#include "splat/train/ranks.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace cosplat {
+namespace {
+
+class LoneRank : public Ranks {
+ public:
+  size_t rank() const override { return 0; }
+  size_t size() const override { return 1; }
+  void Exchange(const std::vector<View<const uint32_t>>&, std::vector<Message>& from) override {
+    from.resize(1);
+  }
+  bool EndTogether() override { return true; }
+  uint64_t bytes_sent() const override { return 0; }
+  double seconds() const override { return 0; }
+};
+
+}  // namespace
+
+std::shared_ptr<Ranks> OneRank() { return std::make_shared<LoneRank>(); }
+
+std::vector<Message> ExchangeWithAll(View<const uint32_t> message, Ranks& ranks) {
+  std::vector<Message> from;
+  ranks.Exchange(std::vector<View<const uint32_t>>(ranks.size(), message), from);
+  return from;
+}
+
+uint64_t Sum(uint64_t number, Ranks& ranks) {
+  const uint32_t words[2] = {uint32_t(number), uint32_t(number >> 32)};
+  for (const Message& other : ExchangeWithAll({words, 2}, ranks))
+    if (!other.empty()) number += other[0] + (uint64_t(other[1]) << 32);
+  return number;
+}
+
+uint32_t Largest(uint32_t number, Ranks& ranks) {
+  const uint32_t mine = number;
+  for (const Message& other : ExchangeWithAll({&mine, 1}, ranks))
+    if (!other.empty()) number = std::max(number, other[0]);
+  return number;
+}
+
+std::string TextOfRankZero(const std::string& text, Ranks& ranks) {
+  // A character a word: it is short, and words are what messages are of.
+  Message words;
+  if (ranks.rank() == 0)
+    for (const char c : text) words.push_back(uint8_t(c));
+  const std::vector<Message> from = ExchangeWithAll(words, ranks);
+  if (ranks.rank() == 0) return text;
+  return {from[0].begin(), from[0].end()};
+}
+
+}  // namespace cosplat

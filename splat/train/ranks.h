@@ -1,0 +1,52 @@
+// The processes that train one scene together, and how they exchange data.
+//
+// All ranks run the same program on the same data. What they do not share, all of them compute,
+// from the same bits and with the same result: the order of the views, random numbers, density
+// control. They share the views of a step, the sums of its gradients (splat/train/gradient_sum.h)
+// and Adam (splat/train/shards.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "splat/device/buffer.h"
+
+namespace cosplat {
+
+using Message = Buffer<uint32_t>;  // in host memory
+
+class Ranks {
+ public:
+  virtual ~Ranks() = default;
+  virtual size_t rank() const = 0;
+  virtual size_t size() const = 0;
+
+  // Sends to[r] to rank r and receives from[r] from it, for every r but this rank, whose message is
+  // left empty. All ranks make the same calls in the same order. to: [size()]. Throws Error if
+  // another rank has ended.
+  virtual void Exchange(const std::vector<View<const uint32_t>>& to,
+                        std::vector<Message>& from) = 0;
+  // Whether all ranks call this within a second, as those do that fail alike.
+  virtual bool EndTogether() = 0;
+
+  // Of this rank so far: the contents of its messages, and seconds in Exchange, waiting included.
+  virtual uint64_t bytes_sent() const = 0;
+  virtual double seconds() const = 0;
+};
+
+// A process that trains alone.
+std::shared_ptr<Ranks> OneRank();
+
+// What each rank sends to all others; this rank's own entry is empty.
+std::vector<Message> ExchangeWithAll(View<const uint32_t> message, Ranks& ranks);
+
+// Over all ranks.
+uint64_t Sum(uint64_t number, Ranks& ranks);
+uint32_t Largest(uint32_t number, Ranks& ranks);
+
+// What rank 0 passes to it.
+std::string TextOfRankZero(const std::string& text, Ranks& ranks);
+
+}  // namespace cosplat

@@ -1,0 +1,203 @@
+// Steps of several views: the bits do not depend on how many ranks share them, nor on whether a
+// checkpoint was taken over from another number of ranks; and what they send is as calculated.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+
+#include "splat/base/state_file.h"
+#include "splat/train/scene_subject.h"
+#include "splat/train/traffic.h"
+#include "tests/splat/training_fixture.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/thread_ranks.h"
+
+namespace cosplat {
+namespace {
+
+using namespace test;  // NOLINT: small scenes
+
+constexpr int kIterations = 90;  // not a multiple of the batch
+constexpr int kBatch = 4;
+
+const std::vector<TrainFrame>& Frames() {
+  static const auto frames = TargetImages(TrueScene(2), Ring(7, 2.2f), true);
+  return frames;
+}
+
+// With densification, resets of opacity, degrees that rise, and random backgrounds. Enough
+// Gaussians for each of four ranks to own some.
+TrainSettings BusyBatch() {
+  TrainSettings settings = ShortRun(kIterations, 2);
+  settings.batch = kBatch;
+  settings.schedule.densify_from = 10;
+  settings.schedule.densify_until = 70;
+  settings.schedule.opacity_reset_every = 50;
+  settings.schedule.degree_every = 25;
+  settings.density.max_count = 5000;
+  settings.background = Background::kRandom;
+  return settings;
+}
+
+StepEngineMaker EngineOn(std::shared_ptr<Ranks> ranks) {
+  return [ranks](const TrainSettings& settings, Subject& subject, TrainingState& state) {
+    StepDevice device = HostStepDevice();
+    device.ranks = ranks;
+    return std::make_unique<StepEngine>(settings, subject, state, std::move(device));
+  };
+}
+
+struct BatchRun {
+  SceneSubject subject{Frames(), 1};
+  Trainer trainer;
+  BatchRun(const TrainSettings& settings, std::shared_ptr<Ranks> ranks)
+      : trainer(settings, subject, FirstGaussians(3000, 2), EngineOn(ranks)) {}
+  void Until(int iteration) {
+    while (trainer.iteration() < iteration) trainer.Step();
+  }
+};
+
+// The state that every rank ends with.
+std::vector<TrainingState> TrainOn(size_t ranks, const TrainSettings& settings) {
+  std::vector<TrainingState> ends(ranks);
+  OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
+    BatchRun run(settings, rank);
+    run.Until(settings.iterations);
+    ends[rank->rank()] = run.trainer.state();
+  });
+  return ends;
+}
+
+void ExpectSameOnAnyRanks(const TrainSettings& settings) {
+  const TrainingState alone = TrainOn(1, settings)[0];
+  EXPECT_EQ(alone.iteration, settings.iterations);
+  for (const size_t ranks : {2, 3, 4})
+    for (const TrainingState& end : TrainOn(ranks, settings)) {
+      EXPECT_TRUE(SameBits(alone, end)) << ranks << " ranks";
+      EXPECT_EQ(alone.adam.ignored[0], end.adam.ignored[0]);
+    }
+}
+
+TEST(Batch, HasTheSameBitsOnAnyNumberOfRanks) { ExpectSameOnAnyRanks(BusyBatch()); }
+
+TEST(Batch, WhereAdamUpdatesAllAndARegularizerMovesNeedles) {
+  TrainSettings settings = BusyBatch();
+  settings.adam_on = AdamOn::kAll;
+  settings.scale_regularizer = {0.1f, 0.02f, 2};
+  ExpectSameOnAnyRanks(settings);
+  settings.adam_on = AdamOn::kDrawn;
+  ExpectSameOnAnyRanks(settings);
+}
+
+TEST(Batch, WhereARulePrunesAndBandsAreDropped) {
+  TrainSettings settings = BusyBatch();
+  settings.prune.rule = PruneRule::kLeaveOneOut;
+  settings.prune.target = 2000;
+  settings.drop_bands = 2.0f / 255;
+  ExpectSameOnAnyRanks(settings);
+}
+
+TEST(Batch, HasTheSameBitsOnAnyNumberOfThreads) {
+  const TrainSettings settings = BusyBatch();
+  const TrainingState alone = TrainOn(1, settings)[0];
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_TRUE(SameBits(alone, TrainOn(1, settings)[0]));
+}
+
+// As good as steps of one view: iterations are views. Measured 44.6 dB with steps of one view, 43.7
+// with steps of four.
+TEST(Batch, TrainsAsWellInAsManyViews) {
+  TrainSettings settings = ShortRun(600, 1);
+  const auto frames = TargetImages(TrueScene(1), Ring(7, 2.2f));
+  double psnr[2];
+  for (const int batch : {1, kBatch}) {
+    settings.batch = batch;
+    SceneSubject subject(frames, 1);
+    Trainer trainer(settings, subject, FirstGaussians(200, 1));
+    while (trainer.iteration() < settings.iterations) trainer.Step();
+    psnr[batch > 1] = MeanPsnr(trainer.state().gaussians, frames);
+  }
+  EXPECT_GT(psnr[1], psnr[0] - 1) << psnr[0] << " dB with steps of one view";
+}
+
+// Interrupted on some number of ranks, and resumed on another.
+TEST(Batch, GoesOnWithAnotherNumberOfRanks) {
+  const TrainSettings settings = BusyBatch();
+  const TrainingState undisturbed = TrainOn(1, settings)[0];
+  const TemporaryFolder folder;
+  const std::string path = folder / "checkpoint";
+  const size_t ranks[] = {4, 1, 3, 2};
+  const int until[] = {24, 44, 72, kIterations};
+  for (int part = 0; part < 4; ++part) {
+    OnThreads(ranks[part], [&](std::shared_ptr<Ranks> rank) {
+      BatchRun run(settings, rank);
+      const auto describe = [&](StateArchive& a) { run.trainer.Describe(a); };
+      if (part > 0) StateFile(path).Read(describe);
+      run.Until(until[part]);
+      Sum(0, *rank);  // all have read it
+      if (rank->rank() == 0)
+        WriteStateFile(path, "a run", describe);
+      else
+        run.trainer.state();
+      if (part == 3) EXPECT_TRUE(SameBits(undisturbed, run.trainer.state()));
+    });
+  }
+}
+
+// Within 5 %: a rank owns only about its share of what a view draws. Measured 0.9 % on three ranks.
+TEST(Batch, SendsWhatIsCalculated) {
+  const TrainSettings settings = BusyBatch();
+  for (const size_t ranks : {2, 3, 4})
+    OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
+      BatchRun run(settings, rank);
+      run.Until(settings.iterations);
+      const ExchangeStatistics sent = run.trainer.statistics().exchanged;
+      EXPECT_EQ(sent.views, uint64_t(kIterations));
+      EXPECT_EQ(sent.steps, uint64_t((kIterations + kBatch - 1) / kBatch));
+      const double calculated = TrafficOf(sent, 3 + 4 + 3 + 1 + 3 + 24);
+      EXPECT_NEAR(double(sent.bytes_sent) / calculated, 1, 0.05) << ranks << " ranks";
+    });
+}
+
+TEST(Batch, OfAViewThatIsNotFiniteEndsEveryRankAlike) {
+  const TrainSettings settings = BusyBatch();
+  OnThreads(2, [&](std::shared_ptr<Ranks> rank) {
+    const auto& frames = Frames();
+    SceneSubject subject(frames, 1);
+    Gaussians first = FirstGaussians(3000, 2);
+    TrainSettings broken = settings;
+    broken.loss.l1 = std::numeric_limits<float>::infinity();
+    Trainer trainer(broken, subject, first, EngineOn(rank));
+    ExpectError([&] { trainer.Step(); }, {"iteration 1", "not finite"});
+  });
+}
+
+TEST(Batch, RejectsWhatNeedsStepsOfOneView) {
+  TrainSettings settings = BusyBatch();
+  settings.prune.rule = PruneRule::kCompact;
+  ExpectError([&] { BatchRun(settings, OneRank()); }, {"--prune compact", "--batch 1"});
+  settings = BusyBatch();
+  settings.batch = 2;
+  OnThreads(3, [&](std::shared_ptr<Ranks> rank) {
+    ExpectError([&] { BatchRun(settings, rank); }, {"--batch 2", "3 ranks"});
+  });
+}
+
+// A Gaussian's first step is its rate, whatever its gradient: that of four views is twice as far.
+TEST(Batch, RatesFollowTheSquareRootRule) {
+  const math::AdamStep one = math::AdamStepAt(0.1f, 0, 1), four = math::AdamStepAt(0.1f, 0, 1, 4);
+  EXPECT_FLOAT_EQ(four.beta1, std::pow(one.beta1, 4.0f));
+  EXPECT_FLOAT_EQ(four.beta2, std::pow(one.beta2, 4.0f));
+  const auto moved = [](const math::AdamStep& step) {
+    double value = 0, m = 0, v = 0;
+    math::AdamUpdate(step, 3.0, value, m, v);
+    return -value;
+  };
+  EXPECT_NEAR(moved(one), 0.1, 1e-6);
+  EXPECT_NEAR(moved(four), 0.2, 1e-6);
+}
+
+}  // namespace
+}  // namespace cosplat
