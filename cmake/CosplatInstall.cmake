@@ -59,7 +59,8 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/render/cuda/
   splat/train/cpu/
   splat/train/cuda/
-  splat/train/kernels/adam.h)
+  splat/train/kernels/adam.h
+  splat/train/mpi/)
 
 # Call it when every target exists.
 function(cosplat_install)

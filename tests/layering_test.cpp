@@ -126,6 +126,7 @@ const std::vector<LibraryRule>& LibraryRules() {
       {"oneTBB", std::regex("(tbb|oneapi/tbb)/.*"), "", false, true, false},
       {"Highway", std::regex("hwy/.*"), "", false, true, false},
       {"CUDA", std::regex("cuda_.*|cub/.*|thrust/.*"), "splat/*/cuda/", false, false, false},
+      {"MPI", std::regex("mpi\\.h"), "splat/train/mpi/", false, false, false},
       {"GLFW", std::regex("GLFW/.*"), "apps/viewer/", false, false, false},
       {"Dear ImGui", std::regex("(.*/)?imgui.*"), "apps/viewer/", false, false, false},
   };

@@ -54,6 +54,14 @@ std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
   return std::make_unique<StepEngine>(settings, subject, state, HostStepDevice());
 }
 
+StepEngineMaker HostStepEngineOn(std::shared_ptr<Ranks> ranks) {
+  return [ranks](const TrainSettings& settings, Subject& subject, TrainingState& state) {
+    StepDevice device = HostStepDevice();
+    device.ranks = ranks;
+    return std::make_unique<StepEngine>(settings, subject, state, std::move(device));
+  };
+}
+
 StepEngine::StepEngine(const TrainSettings& settings,
                        Subject& subject,
                        TrainingState& state,

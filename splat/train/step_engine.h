@@ -254,5 +254,7 @@ void CheckLoss(double loss, int iteration);
 StepEngineMaker StepEngineOn(Device device,
                              bool deterministic,
                              const InstanceForecast& forecast = InstanceForecast());
+// The same, of one of several ranks, on the host.
+StepEngineMaker HostStepEngineOn(std::shared_ptr<Ranks> ranks);
 
 }  // namespace cosplat

@@ -20,11 +20,12 @@ inline double Seconds() {
 class BackgroundCommand {
  public:
   // What it prints goes to the file `log`. `environment`: "NAME=VALUE", set besides that of this
-  // process.
+  // process. `program`: another one, by its path.
   BackgroundCommand(const std::vector<std::string>& arguments,
                     const std::string& log,
-                    const std::vector<std::string>& environment = {}) {
-    std::vector<char*> argv{const_cast<char*>(COSPLAT_COMMAND)};
+                    const std::vector<std::string>& environment = {},
+                    const char* program = COSPLAT_COMMAND) {
+    std::vector<char*> argv{const_cast<char*>(program)};
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
     pid_ = fork();
@@ -59,6 +60,7 @@ class BackgroundCommand {
     return true;
   }
   void Signal(int signal) { kill(pid_, signal); }
+  pid_t pid() const { return pid_; }
   // Once it has ended; 128 + signal where it was killed.
   int status() const { return status_; }
 

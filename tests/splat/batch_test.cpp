@@ -41,19 +41,11 @@ TrainSettings BusyBatch() {
   return settings;
 }
 
-StepEngineMaker EngineOn(std::shared_ptr<Ranks> ranks) {
-  return [ranks](const TrainSettings& settings, Subject& subject, TrainingState& state) {
-    StepDevice device = HostStepDevice();
-    device.ranks = ranks;
-    return std::make_unique<StepEngine>(settings, subject, state, std::move(device));
-  };
-}
-
 struct BatchRun {
   SceneSubject subject{Frames(), 1};
   Trainer trainer;
   BatchRun(const TrainSettings& settings, std::shared_ptr<Ranks> ranks)
-      : trainer(settings, subject, FirstGaussians(3000, 2), EngineOn(ranks)) {}
+      : trainer(settings, subject, FirstGaussians(3000, 2), HostStepEngineOn(ranks)) {}
   void Until(int iteration) {
     while (trainer.iteration() < iteration) trainer.Step();
   }
@@ -169,7 +161,7 @@ TEST(Batch, OfAViewThatIsNotFiniteEndsEveryRankAlike) {
     Gaussians first = FirstGaussians(3000, 2);
     TrainSettings broken = settings;
     broken.loss.l1 = std::numeric_limits<float>::infinity();
-    Trainer trainer(broken, subject, first, EngineOn(rank));
+    Trainer trainer(broken, subject, first, HostStepEngineOn(rank));
     ExpectError([&] { trainer.Step(); }, {"iteration 1", "not finite"});
   });
 }

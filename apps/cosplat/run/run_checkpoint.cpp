@@ -152,6 +152,15 @@ RunStart ChooseStart(const TrainOptions& o, const std::string& config) {
   return (o.eval || o.fold) && !evaluated ? RunStart::kNew : RunStart::kFinished;
 }
 
+RunStart ChooseStart(const TrainOptions& o, const std::string& config, Ranks& ranks) {
+  RunStart start = RunStart::kNew;
+  std::string problem;
+  if (ranks.rank() == 0) problem = Problem([&] { start = ChooseStart(o, config); });
+  problem = TextOfRankZero(problem, ranks);
+  if (!problem.empty()) throw Error(problem, "");
+  return RunStart(Largest(uint32_t(start), ranks));
+}
+
 void RequireNoRun(const std::string& folder) {
   if (fs::exists(CheckpointPath(folder)))
     throw Error(folder, "holds " + InterruptedAt(HeaderOf(folder)) + ": " + kStartsAgain);

@@ -14,6 +14,7 @@
 #include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/data_checksums.h"
 #include "splat/base/state_file.h"
+#include "splat/train/ranks.h"
 
 namespace cosplat {
 
@@ -27,6 +28,8 @@ enum class RunStart {
 // whether to go on with an interrupted run. Throws Error if the folder holds an interrupted or a
 // finished run and the options do not say what becomes of it, or do not fit it.
 RunStart ChooseStart(const TrainOptions& o, const std::string& config);
+// The same on all ranks: rank 0 chooses.
+RunStart ChooseStart(const TrainOptions& o, const std::string& config, Ranks& ranks);
 
 // Throws Error if the folder holds an interrupted or a finished run.
 void RequireNoRun(const std::string& folder);

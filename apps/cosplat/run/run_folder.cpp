@@ -166,19 +166,28 @@ void WriteStatistics(const std::string& folder,
   Json phases = Json::object();
   for (size_t i = 0; i < kPhaseNames.size(); ++i)
     phases[kPhaseNames[i]] = s.steps ? 1e3 * s.times.seconds[i] / double(s.steps) : 0.0;
-  const Json json{{"iterations", s.iterations},
-                  {"seconds", s.seconds},
-                  {"cpu_seconds", s.cpu_seconds},
-                  {"gaussians", s.gaussians},
-                  {"degrees", s.degrees},
-                  {"mean_degree", s.bands.mean},
-                  {"rest_saved", s.bands.rest_saved},
-                  {"drop_psnr", s.drop_psnr},
-                  {"ms_per_step", s.ms_per_step},
-                  {"phases_ms", phases},
-                  {"peak_mb", PeakMegabytes()},
-                  {"skipped_frames", skipped_frames},
-                  {"ignored_gradients", s.ignored_gradients}};
+  Json json{{"iterations", s.iterations},
+            {"seconds", s.seconds},
+            {"cpu_seconds", s.cpu_seconds},
+            {"gaussians", s.gaussians},
+            {"degrees", s.degrees},
+            {"mean_degree", s.bands.mean},
+            {"rest_saved", s.bands.rest_saved},
+            {"drop_psnr", s.drop_psnr},
+            {"ms_per_step", s.ms_per_step},
+            {"phases_ms", phases},
+            {"peak_mb", PeakMegabytes()},
+            {"skipped_frames", skipped_frames},
+            {"ignored_gradients", s.ignored_gradients}};
+  if (s.exchanged.steps > 0)
+    json["batch"] = {{"ranks", s.exchanged.ranks},
+                     {"steps", s.exchanged.steps},
+                     {"views", s.exchanged.views},
+                     {"groups_drawn", s.exchanged.groups_drawn},
+                     {"groups_updated", s.exchanged.groups_updated},
+                     {"groups_assembled", s.exchanged.assembled},
+                     {"bytes_sent", s.exchanged.bytes_sent},
+                     {"exchange_seconds", s.exchanged.seconds}};
   WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
 }
 

@@ -21,10 +21,10 @@ namespace {
 void Evaluate(const SceneTrainOptions& o,
               Device device,
               const std::vector<TrainFrame>& test,
-              const Trainer& trainer) {
+              const Trainer& trainer,
+              const Gaussians& g) {
   const auto rasterizer = MakeRasterizer(device);
   const auto tape = rasterizer->MakeTape();
-  const Gaussians g = trainer.CaughtUp();
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
   TestImageWriter writer(o.model, "test", trainer.iteration(), render.background);
   RenderedImage image;
@@ -83,10 +83,12 @@ void SaveInputs(const SceneTrainOptions& o,
 
 }  // namespace
 
-void TrainScene(SceneTrainOptions o, const std::string& config) {
+void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
   if (o.prune == "dcsharp-triangle")
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
-  const RunStart how = ChooseStart(o, config);
+  const bool writes = ranks->rank() == 0;
+  if (!writes) o.quiet = true;
+  const RunStart how = ChooseStart(o, config, *ranks);
   if (how == RunStart::kFinished) return PrintFinished(o);
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
@@ -99,11 +101,14 @@ void TrainScene(SceneTrainOptions o, const std::string& config) {
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   RunCheckpoint checkpoint(o, config, how, ChecksumsOf(o, scene, subject, test, start.first));
   Trainer trainer(
-      start.settings, subject, std::move(start.first), StepEngineOn(device, o.deterministic));
+      start.settings,
+      subject,
+      std::move(start.first),
+      ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
-  if (how == RunStart::kNew) RemoveRun(o.model);
-  SaveInputs(o, split, scene, config);
+  if (writes && how == RunStart::kNew) RemoveRun(o.model);
+  if (writes) SaveInputs(o, split, scene, config);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test views of %dx%d, %s points, on %s\n",
@@ -114,14 +119,21 @@ void TrainScene(SceneTrainOptions o, const std::string& config) {
                 subject.frame(0).camera.height,
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
+  if (!o.quiet && ranks->size() > 1) std::printf("%zu ranks\n", ranks->size());
   RunHooks hooks;
+  hooks.ranks = ranks;
   hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
-    if (saves) SaveSplats(o.model, trainer.iteration(), trainer.CaughtUp());
+    Gaussians gaussians = trainer.CaughtUp();
+    if (writes && saves) SaveSplats(o.model, trainer.iteration(), std::move(gaussians));
   };
-  if (!test.empty()) hooks.evaluate = [&] { Evaluate(o, device, test, trainer); };
+  if (!test.empty())
+    hooks.evaluate = [&] {
+      const Gaussians gaussians = trainer.CaughtUp();
+      if (writes) Evaluate(o, device, test, trainer, gaussians);
+    };
   RunTraining(o, trainer, scene.skipped, hooks, checkpoint);
-  checkpoint.Remove();
+  if (writes) checkpoint.Remove();
 }
 
 }  // namespace cosplat

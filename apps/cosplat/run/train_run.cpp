@@ -129,20 +129,26 @@ class TrainingRun {
   // Saves, measures and evaluates what was trained.
   void Finish(size_t skipped) {
     // Nothing is lost if the disk is too full for the results, or they are interrupted.
-    checkpoint_.TryToWrite(trainer_.iteration(), Description());
+    TryToWriteCheckpoint();
     hooks_.save();
     StopIfAsked();
-    WriteStatistics(o_.model, trainer_.statistics(), skipped);
+    const TrainingStatistics statistics = trainer_.statistics();
+    if (writes()) WriteStatistics(o_.model, statistics, skipped);
     if (!hooks_.evaluate) return;
     hooks_.evaluate();
     StopIfAsked();
   }
 
-  void StopIfAsked() {
-    const int signal = signals_.received();
+  void StopIfAsked() { StopFor(int(Largest(uint32_t(signals_.received()), *hooks_.ranks))); }
+
+ private:
+  bool writes() const { return hooks_.ranks->rank() == 0; }
+
+  void StopFor(int signal) {
     if (signal == 0) return;
+    trainer_.state();  // all ranks have a part of it
     try {
-      checkpoint_.Write(trainer_.iteration(), Description());
+      if (writes()) checkpoint_.Write(trainer_.iteration(), Description());
     } catch (const Error& error) {
       throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
     }
@@ -151,7 +157,11 @@ class TrainingRun {
                       ": the same command with --resume goes on");
   }
 
- private:
+  void TryToWriteCheckpoint() {
+    trainer_.state();  // as above
+    if (writes()) checkpoint_.TryToWrite(trainer_.iteration(), Description());
+  }
+
   void BeginSearch() {
     const BudgetSettings settings{o_.tolerance,
                                   FramesForBudget(trainer_.frame_count(), hooks_.video)};
@@ -182,9 +192,14 @@ class TrainingRun {
     };
   }
 
+  // The ranks agree in one exchange: on a signal that one of them got, and on rank 0's clock.
   void AfterStep() {
-    StopIfAsked();
-    if (checkpoint_.IsDue()) checkpoint_.TryToWrite(trainer_.iteration(), Description());
+    constexpr uint32_t kDue = 256;  // above any signal
+    const uint32_t own =
+        uint32_t(signals_.received()) + (writes() && checkpoint_.IsDue() ? kDue : 0);
+    const uint32_t agreed = Largest(own, *hooks_.ranks);
+    StopFor(int(agreed % kDue));
+    if (agreed >= kDue) TryToWriteCheckpoint();
   }
 
   const TrainOptions& o_;
@@ -202,8 +217,9 @@ void RunTraining(const TrainOptions& o,
                  const std::vector<SkippedFrame>& skipped,
                  const RunHooks& hooks,
                  RunCheckpoint& checkpoint) {
-  RemoveTemporaries(o.model);
-  WriteSkipped(o.model, skipped);
+  const bool writes = hooks.ranks->rank() == 0;
+  if (writes) RemoveTemporaries(o.model);
+  if (writes) WriteSkipped(o.model, skipped);
   TrainingRun run(o, trainer, hooks, checkpoint);
   run.Start();
   run.ChooseBudget();
@@ -225,8 +241,10 @@ void RunTraining(const TrainOptions& o,
         100 * statistics.bands.rest_saved,
         statistics.drop_psnr);
   if (!hooks.evaluate) return;
-  const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
-  if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
+  if (writes) {
+    const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
+    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
+  }
   run.StopIfAsked();
 }
 

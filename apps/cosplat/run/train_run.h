@@ -17,7 +17,9 @@ namespace cosplat {
 // The network of --lpips; null if there is none. Throws Error as Lpips does.
 std::shared_ptr<Lpips> LoadLpips(const TrainOptions& options);
 
+// All ranks call the hooks; rank 0 alone is to write.
 struct RunHooks {
+  std::shared_ptr<Ranks> ranks = OneRank();
   bool video = false;              // frames are consecutive in time
   Lpips* lpips = nullptr;          // measures the held-out images; null: none
   std::function<void()> save;      // at --save_iterations and at the end

@@ -1,0 +1,11 @@
+# Training on several machines: built where MPI is found. COSPLAT_HAS_MPI says whether it is.
+set(COSPLAT_MPI AUTO CACHE STRING "Train on several machines by MPI: ON, OFF, or AUTO (where MPI is found)")
+set_property(CACHE COSPLAT_MPI PROPERTY STRINGS AUTO ON OFF)
+set(COSPLAT_HAS_MPI FALSE)
+if(COSPLAT_MPI STREQUAL "AUTO")
+  find_package(MPI QUIET COMPONENTS CXX)
+  set(COSPLAT_HAS_MPI ${MPI_CXX_FOUND})
+elseif(COSPLAT_MPI)
+  find_package(MPI REQUIRED COMPONENTS CXX)
+  set(COSPLAT_HAS_MPI TRUE)
+endif()

@@ -1,0 +1,14 @@
+// Which other processes train with this one.
+#pragma once
+
+#include <memory>
+
+#include "splat/train/ranks.h"
+
+namespace cosplat {
+
+// The ranks that mpirun started this process among, or OneRank() where it did not. Once per
+// process. Throws Error if there are several and the program was built without MPI.
+std::shared_ptr<Ranks> JoinRanks();
+
+}  // namespace cosplat

@@ -1,0 +1,163 @@
+#include "splat/train/mpi/mpi_ranks.h"
+
+#include <mpi.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kMaxWords = size_t(1) << 28;  // of an MPI message, whose count is an int
+constexpr auto kPatience = std::chrono::seconds(1);
+// Waiting gives the processor away: ranks may share cores.
+constexpr int kEagerPolls = 1000;
+constexpr auto kPause = std::chrono::microseconds(50);
+constexpr auto kLookEvery = std::chrono::milliseconds(50);
+
+void Check(int result) {
+  if (result == MPI_SUCCESS) return;
+  std::array<char, MPI_MAX_ERROR_STRING> text{};
+  int length = 0;
+  MPI_Error_string(result, text.data(), &length);
+  throw Error("MPI", text.data());
+}
+
+// Where a rank runs, to see whether it still does.
+struct Place {
+  std::array<char, 256> host{};
+  pid_t process = 0;
+};
+
+class MpiRanks : public Ranks {
+ public:
+  MpiRanks() {
+    int provided = 0, rank = 0, size = 0;
+    Check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided));
+    Check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN));
+    Check(MPI_Comm_dup(MPI_COMM_WORLD, &ending_));
+    Check(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
+    Check(MPI_Comm_size(MPI_COMM_WORLD, &size));
+    rank_ = size_t(rank);
+    places_.resize(size_t(size));
+    Place here;
+    gethostname(here.host.data(), here.host.size() - 1);
+    here.process = getpid();
+    Check(MPI_Allgather(
+        &here, sizeof here, MPI_BYTE, places_.data(), sizeof here, MPI_BYTE, MPI_COMM_WORLD));
+  }
+  // A rank that fails alone ends without finalising, which would wait for the others.
+  ~MpiRanks() override {
+    if (std::uncaught_exceptions() == 0 || ended_together_) MPI_Finalize();
+  }
+
+  size_t rank() const override { return rank_; }
+  size_t size() const override { return places_.size(); }
+
+  void Exchange(const std::vector<View<const uint32_t>>& to, std::vector<Message>& from) override {
+    const Clock::time_point start = Clock::now();
+    from.resize(size());
+    std::vector<uint64_t> sizes(size()), own(size());
+    std::vector<MPI_Request> requests;
+    for (size_t r = 0; r < size(); ++r) {
+      if (r == rank_) continue;
+      own[r] = to[r].size();
+      Check(MPI_Irecv(&sizes[r], 1, MPI_UINT64_T, int(r), 0, MPI_COMM_WORLD, &New(requests)));
+      Check(MPI_Isend(&own[r], 1, MPI_UINT64_T, int(r), 0, MPI_COMM_WORLD, &New(requests)));
+    }
+    Await(requests);
+    for (size_t r = 0; r < size(); ++r) {
+      from[r].Refill(sizes[r]);
+      for (size_t at = 0; at < from[r].size(); at += kMaxWords)
+        Check(MPI_Irecv(from[r].data() + at,
+                        int(std::min(kMaxWords, from[r].size() - at)),
+                        MPI_UINT32_T,
+                        int(r),
+                        1,
+                        MPI_COMM_WORLD,
+                        &New(requests)));
+      for (size_t at = 0; at < own[r]; at += kMaxWords)
+        Check(MPI_Isend(to[r].data + at,
+                        int(std::min(kMaxWords, own[r] - at)),
+                        MPI_UINT32_T,
+                        int(r),
+                        1,
+                        MPI_COMM_WORLD,
+                        &New(requests)));
+      bytes_sent_ += own[r] * sizeof(uint32_t);
+    }
+    Await(requests);
+    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  bool EndTogether() override {
+    MPI_Request all{};
+    if (Ended() != size() || MPI_Ibarrier(ending_, &all) != MPI_SUCCESS) return false;
+    for (const auto end = Clock::now() + kPatience; Clock::now() < end && Ended() == size();) {
+      int done = 0;
+      MPI_Test(&all, &done, MPI_STATUS_IGNORE);
+      if (done != 0) return ended_together_ = true;
+      std::this_thread::sleep_for(kPause);
+    }
+    return false;
+  }
+
+  uint64_t bytes_sent() const override { return bytes_sent_; }
+  double seconds() const override { return seconds_; }
+
+ private:
+  static MPI_Request& New(std::vector<MPI_Request>& requests) {
+    return requests.emplace_back(MPI_REQUEST_NULL);
+  }
+
+  // A rank of this machine whose process is gone, or size(). Of other machines mpirun knows.
+  size_t Ended() const {
+    const Place& here = places_[rank_];
+    for (size_t r = 0; r < size(); ++r)
+      if (places_[r].host == here.host && kill(places_[r].process, 0) != 0 && errno == ESRCH)
+        return r;
+    return size();
+  }
+
+  void Await(std::vector<MPI_Request>& requests) {
+    Clock::time_point look = Clock::now() + kLookEvery;
+    for (int polls = 0;; ++polls) {
+      int done = 0;
+      Check(MPI_Testall(int(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE));
+      if (done != 0) return requests.clear();
+      if (polls < kEagerPolls) {
+        std::this_thread::yield();
+        continue;
+      }
+      std::this_thread::sleep_for(kPause);
+      if (Clock::now() < look) continue;
+      look = Clock::now() + kLookEvery;
+      if (const size_t gone = Ended(); gone != size())
+        throw Error("rank " + std::to_string(gone),
+                    "has ended, and with it the run: --resume goes on from its last checkpoint");
+    }
+  }
+
+  MPI_Comm ending_{};
+  size_t rank_ = 0;
+  std::vector<Place> places_;
+  uint64_t bytes_sent_ = 0;
+  double seconds_ = 0;
+  bool ended_together_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<Ranks> JoinMpi() { return std::make_shared<MpiRanks>(); }
+
+}  // namespace cosplat

@@ -1,0 +1,184 @@
+// train-scene on several ranks: the same bytes on 1, 2 and 4; a rank that dies ends the run with a
+// line on every other; a run goes on with another number of ranks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "splat/train/traffic.h"
+#include "tests/integration/background_command.h"
+
+namespace cosplat::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPatience = 300;  // seconds
+
+class RanksTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::string(COSPLAT_MPIRUN).empty())
+      GTEST_SKIP() << "mpirun is not there, or this program was built without MPI";
+    WriteBallScene(photos_, 6);
+  }
+  std::string Out(const std::string& name) const { return folder_ / name; }
+
+  std::vector<std::string> TrainInto(const std::string& out, int iterations, int batch = 4) const {
+    return {"train-scene",
+            "-s",
+            photos_,
+            "-m",
+            out,
+            "--eval",
+            "--random-points",
+            "3000",
+            "--iterations",
+            std::to_string(iterations),
+            "--batch",
+            std::to_string(batch)};
+  }
+  // mpirun's arguments, to run as root, and with more ranks than cores.
+  static std::vector<std::string> Mpirun(size_t ranks, const std::vector<std::string>& command) {
+    std::vector<std::string> line{"--allow-run-as-root", "--oversubscribe", "--tag-output", "-n"};
+    line.insert(line.end(), {std::to_string(ranks), COSPLAT_COMMAND});
+    line.insert(line.end(), command.begin(), command.end());
+    line.insert(line.end(), {"--threads", "1"});
+    return line;
+  }
+  struct Ended {
+    int status;
+    std::string log;
+  };
+  Ended Run(size_t ranks, const std::vector<std::string>& command) const {
+    BackgroundCommand run(Mpirun(ranks, command), Out("log"), {}, COSPLAT_MPIRUN);
+    EXPECT_TRUE(run.EndsWithin(kPatience));
+    return {run.status(), Slurp(Out("log"))};
+  }
+  static std::string Splats(const std::string& out, int iterations) {
+    return Slurp(out + "/point_cloud/iteration_" + std::to_string(iterations) + "/point_cloud.ply");
+  }
+  // What these ranks printed as errors; mpirun marks their lines by [1,rank]<stderr>.
+  static std::vector<std::string> ErrorsIn(const std::string& log) {
+    std::vector<std::string> lines;
+    std::istringstream stream(log);
+    for (std::string line; std::getline(stream, line);)
+      if (line.find(">:cosplat: ") != std::string::npos) lines.push_back(line);
+    return lines;
+  }
+
+  TemporaryFolder folder_;
+  std::string photos_ = folder_ / "photos";
+};
+
+// The processes of the ranks: children of mpirun that run `cosplat`.
+std::vector<pid_t> RanksOf(pid_t mpirun) {
+  std::vector<pid_t> ranks;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string stat = Slurp(entry.path() / "stat");
+    const size_t name = stat.find("(cosplat) ");
+    if (name == std::string::npos) continue;
+    std::istringstream rest(stat.substr(name + 10));
+    char state = 0;
+    pid_t parent = 0;
+    rest >> state >> parent;
+    if (parent == mpirun) ranks.push_back(pid_t(std::stoi(entry.path().filename())));
+  }
+  std::sort(ranks.begin(), ranks.end());
+  return ranks;
+}
+
+void WaitForFile(const std::string& path) {
+  for (const double end = Seconds() + kPatience; !fs::exists(path) && Seconds() < end;)
+    usleep(1000);
+  ASSERT_TRUE(fs::exists(path)) << path;
+}
+
+TEST_F(RanksTest, LeaveTheSameBytesOnOneTwoAndFour) {
+  constexpr int kIterations = 240;
+  const CommandResult alone = Cosplat(TrainInto(Out("alone"), kIterations));
+  ASSERT_EQ(alone.code, 0) << alone.err;
+  const std::string expected = Splats(Out("alone"), kIterations);
+  ASSERT_FALSE(expected.empty());
+  for (const size_t ranks : {1, 2, 4}) {
+    const std::string out = Out("on" + std::to_string(ranks));
+    const Ended run = Run(ranks, TrainInto(out, kIterations));
+    ASSERT_EQ(run.status, 0) << run.log;
+    EXPECT_TRUE(Splats(out, kIterations) == expected) << ranks << " ranks";
+    EXPECT_EQ(Slurp(out + "/per_view.json"), Slurp(Out("alone") + "/per_view.json"));
+    EXPECT_FALSE(fs::exists(out + "/checkpoint.bin"));
+    // What was sent is as calculated, within 5 %: a rank owns about its share of what a view draws.
+    const Json sent = Json::parse(Slurp(out + "/stats.json"))["batch"];
+    EXPECT_EQ(sent["ranks"], ranks);
+    ExchangeStatistics counts;
+    counts.ranks = ranks;
+    counts.views = sent["views"];
+    counts.groups_drawn = sent["groups_drawn"];
+    counts.groups_updated = sent["groups_updated"];
+    counts.assembled = sent["groups_assembled"];
+    const double calculated = TrafficOf(counts, 59);
+    EXPECT_NEAR(double(sent["bytes_sent"]), calculated, 0.05 * calculated) << ranks << " ranks";
+  }
+}
+
+TEST_F(RanksTest, EndWithALineWhenOneIsKilledAndResumeOnAnotherNumber) {
+  constexpr int kIterations = 2000;
+  ASSERT_EQ(Cosplat(TrainInto(Out("undisturbed"), kIterations)).code, 0);
+  std::vector<std::string> command = TrainInto(Out("killed"), kIterations);
+  command.insert(command.end(), {"--checkpoint-every", "0.005"});
+  BackgroundCommand run(Mpirun(4, command), Out("log"), {}, COSPLAT_MPIRUN);
+  WaitForFile(Out("killed") + "/checkpoint.bin");
+  const std::vector<pid_t> ranks = RanksOf(run.pid());
+  ASSERT_EQ(ranks.size(), 4u);
+  kill(ranks[1], SIGKILL);
+  ASSERT_TRUE(run.EndsWithin(kPatience));
+  EXPECT_NE(run.status(), 0);
+  const std::vector<std::string> errors = ErrorsIn(Slurp(Out("log")));
+  EXPECT_EQ(errors.size(), 3u) << Slurp(Out("log"));
+  for (const std::string& line : errors)
+    EXPECT_NE(line.find("has ended"), std::string::npos) << line;
+  command.push_back("--resume");
+  const Ended resumed = Run(2, command);
+  ASSERT_EQ(resumed.status, 0) << resumed.log;
+  EXPECT_NE(resumed.log.find("resumed at step"), std::string::npos) << resumed.log;
+  EXPECT_TRUE(Splats(Out("killed"), kIterations) == Splats(Out("undisturbed"), kIterations));
+}
+
+TEST_F(RanksTest, StopTogetherWhenOneIsAskedTo) {
+  constexpr int kIterations = 1600;
+  const std::vector<std::string> command = TrainInto(Out("stopped"), kIterations);
+  std::vector<std::string> first = command;
+  first.insert(first.end(), {"--checkpoint-every", "0.005"});
+  BackgroundCommand run(Mpirun(2, first), Out("log"), {}, COSPLAT_MPIRUN);
+  WaitForFile(Out("stopped") + "/checkpoint.bin");
+  const std::vector<pid_t> ranks = RanksOf(run.pid());
+  ASSERT_EQ(ranks.size(), 2u);
+  kill(ranks[1], SIGTERM);
+  ASSERT_TRUE(run.EndsWithin(kPatience));
+  const std::vector<std::string> errors = ErrorsIn(Slurp(Out("log")));
+  ASSERT_EQ(errors.size(), 1u) << Slurp(Out("log"));
+  EXPECT_NE(errors[0].find("--resume goes on"), std::string::npos) << errors[0];
+  std::vector<std::string> again = command;
+  again.push_back("--resume");
+  ASSERT_EQ(Cosplat(again).code, 0);  // without mpirun
+  ASSERT_EQ(Cosplat(TrainInto(Out("undisturbed"), kIterations)).code, 0);
+  EXPECT_TRUE(Splats(Out("stopped"), kIterations) == Splats(Out("undisturbed"), kIterations));
+}
+
+TEST_F(RanksTest, SayOnceWhatIsWrongWithTheInput) {
+  std::vector<std::string> command = TrainInto(Out("few"), 100, 1);
+  Ended run = Run(2, command);
+  EXPECT_NE(run.status, 0);
+  std::vector<std::string> errors = ErrorsIn(run.log);
+  ASSERT_EQ(errors.size(), 1u) << run.log;
+  EXPECT_NE(errors[0].find("--batch 1"), std::string::npos) << errors[0];
+  EXPECT_FALSE(fs::exists(Out("few")));
+  command = TrainInto(Out("none"), 100);
+  command[2] = Out("nowhere");
+  run = Run(2, command);
+  errors = ErrorsIn(run.log);
+  ASSERT_EQ(errors.size(), 1u) << run.log;
+  EXPECT_NE(errors[0].find("nowhere"), std::string::npos) << errors[0];
+}
+
+}  // namespace
+}  // namespace cosplat::test
