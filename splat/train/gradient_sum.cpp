@@ -57,13 +57,12 @@ void GradientSum::Add(const ViewGradients* mine,
       if (AnyPositive(mine->radii, g)) groups_[shards_.OwnerOf(g)].push_back(uint32_t(g));
     rows = RowsOfView(*mine);
     const uint64_t loss = std::bit_cast<uint64_t>(mine->loss);
+    const uint32_t header[kHeaderWords] = {
+        uint32_t(loss), uint32_t(loss >> 32), uint32_t(mine->width), uint32_t(mine->height)};
     for (size_t r = 0; r < ranks_.size(); ++r) {
       groups_drawn_ += groups_[r].size();
-      if (r == ranks_.rank()) continue;
-      for (const uint32_t word :
-           {uint32_t(loss), uint32_t(loss >> 32), uint32_t(mine->width), uint32_t(mine->height)})
-        to_[r].push_back(word);
-      PackGroups(rows, groups_[r], gaussians.size(), to_[r]);
+      if (r != ranks_.rank())
+        PackGroups({header, kHeaderWords}, rows, groups_[r], gaussians.size(), to_[r]);
     }
   }
   ranks_.Exchange({to_.begin(), to_.end()}, from_);

@@ -51,21 +51,23 @@ PackedGroups FindPacked(const std::vector<RowArray>& arrays, View<uint32_t> word
   return packed;
 }
 
-void PackGroups(const std::vector<RowArray>& arrays,
+void PackGroups(View<const uint32_t> header,
+                const std::vector<RowArray>& arrays,
                 View<const uint32_t> groups,
                 size_t count,
                 Message& message) {
-  const size_t before = message.size();
-  message.resize(before + groups.size() * WordsPerGroup(arrays));
+  const size_t before = header.size();
+  message.Refill(before + groups.size() * WordsPerGroup(arrays));
+  std::copy(header.begin(), header.end(), message.data());
   std::copy(groups.begin(), groups.end(), message.data() + before);
   const PackedGroups packed =
       FindPacked(arrays, {message.data() + before, message.size() - before});
   ForEachGroup(groups, count, [&](size_t k, size_t rows, size_t row) {
     for (size_t a = 0; a < arrays.size(); ++a) {
       const size_t width = arrays[a].width;
-      std::memcpy(packed.arrays[a].data + k * kGaussianGroup * width,
-                  arrays[a].data + row * width,
-                  rows * width * sizeof(float));
+      float* to = packed.arrays[a].data + k * kGaussianGroup * width;
+      std::memcpy(to, arrays[a].data + row * width, rows * width * sizeof(float));
+      std::fill(to + rows * width, to + kGaussianGroup * width, 0.0f);
     }
   });
 }
@@ -90,7 +92,7 @@ size_t Shards::ShareUpdated(Gaussians& gaussians, const AdamState& adam) {
   if (ranks_.size() == 1) return groups;
   const std::vector<RowArray> rows = RowsOf(gaussians);
   Message message;
-  PackGroups(rows, updated, gaussians.size(), message);
+  PackGroups({}, rows, updated, gaussians.size(), message);
   for (Message& other : ExchangeWithAll(message, ranks_)) {
     UnpackGroups(rows, gaussians.size(), other.view());
     groups += other.size() / WordsPerGroup(rows);
@@ -107,10 +109,10 @@ void Shards::Assemble(AdamState& adam, DensityStatistics& statistics, uint32_t& 
   for (size_t g = 0; g < groups; ++g)
     if (Owns(g)) own.push_back(uint32_t(g));
   // First the number of ignored gradients and the steps of the groups.
+  std::vector<uint32_t> header{adam.ignored[0] - ignored};
+  for (const uint32_t g : own) header.push_back(adam.updated[g]);
   Message message;
-  message.push_back(adam.ignored[0] - ignored);
-  for (const uint32_t g : own) message.push_back(adam.updated[g]);
-  PackGroups(rows, own, count, message);
+  PackGroups(header, rows, own, count, message);
   for (Message& other : ExchangeWithAll(message, ranks_)) {
     if (other.empty()) continue;
     const size_t theirs = (other.size() - 1) / (1 + WordsPerGroup(rows));

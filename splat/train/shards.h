@@ -30,13 +30,14 @@ std::vector<RowArray> RowsOf(Gaussians& gaussians);
 // Words of a message per group: its index, and whole groups of rows.
 size_t WordsPerGroup(const std::vector<RowArray>& arrays);
 
-// Appends these groups of `count` Gaussians. Layout: the groups' indices, then array by array their
-// rows, kGaussianGroup for every group.
-void PackGroups(const std::vector<RowArray>& arrays,
+// Makes a message of a header and these groups of `count` Gaussians. Layout: the header, the
+// groups' indices, then array by array their rows, kGaussianGroup for every group.
+void PackGroups(View<const uint32_t> header,
+                const std::vector<RowArray>& arrays,
                 View<const uint32_t> groups,
                 size_t count,
                 Message& message);
-// What PackGroups appended, as it lies in a message.
+// Finds them in the words after the header.
 struct PackedGroups {
   View<const uint32_t> groups;
   std::vector<RowArray> arrays;  // row kGaussianGroup * k is the first of groups[k]

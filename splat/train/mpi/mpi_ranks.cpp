@@ -20,9 +20,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t kMaxWords = size_t(1) << 28;  // of an MPI message, whose count is an int
 constexpr auto kPatience = std::chrono::seconds(1);
-// Waiting gives the processor away: ranks may share cores.
-constexpr int kEagerPolls = 1000;
-constexpr auto kPause = std::chrono::microseconds(50);
+// Waiting gives the processor away, since ranks may share cores: the longer it has taken, the
+// longer are the pauses.
+constexpr int kEagerPolls = 100;
+constexpr auto kPause = std::chrono::microseconds(20), kLongPause = std::chrono::microseconds(500);
 constexpr auto kLookEvery = std::chrono::milliseconds(50);
 
 void Check(int result) {
@@ -130,7 +131,8 @@ class MpiRanks : public Ranks {
   }
 
   void Await(std::vector<MPI_Request>& requests) {
-    Clock::time_point look = Clock::now() + kLookEvery;
+    const Clock::time_point start = Clock::now();
+    Clock::time_point look = start + kLookEvery;
     for (int polls = 0;; ++polls) {
       int done = 0;
       Check(MPI_Testall(int(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE));
@@ -139,9 +141,11 @@ class MpiRanks : public Ranks {
         std::this_thread::yield();
         continue;
       }
-      std::this_thread::sleep_for(kPause);
-      if (Clock::now() < look) continue;
-      look = Clock::now() + kLookEvery;
+      const Clock::time_point now = Clock::now();
+      std::this_thread::sleep_for(
+          std::clamp<Clock::duration>((now - start) / 16, kPause, kLongPause));
+      if (now < look) continue;
+      look = now + kLookEvery;
       if (const size_t gone = Ended(); gone != size())
         throw Error("rank " + std::to_string(gone),
                     "has ended, and with it the run: --resume goes on from its last checkpoint");
