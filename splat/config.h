@@ -30,6 +30,14 @@ constexpr int kMaxExpDegree = 5;
 // Low-pass filter added to the projected covariance, px^2 (3DGS).
 constexpr float kBlurVariance = 0.3f;
 
+// The same of anti-aliased Gaussians, near the variance of a pixel's box, 1/12 px^2; and the least
+// ratio of determinants that their opacity follows (both: Mip-Splatting's released code).
+constexpr float kAntialiasedBlurVariance = 0.1f;
+constexpr float kMinLowPassRatio = 2.5e-5f;
+
+// Variance of the 3D smoothing filter, squared sampling intervals (Mip-Splatting).
+constexpr float kSmoothingVariance = 0.2f;
+
 // Slopes x/z, y/z are clamped to the image plus this fraction of its size on each side. 3DGS clamps
 // to 1.3 half-sizes about the image's centre; here it is about the principal point, as in gsplat.
 constexpr float kJacobianMargin = 0.15f;

@@ -1,8 +1,13 @@
 #include "splat/gaussians.h"
 
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
 #include "splat/device/buffer.h"
+#include "splat/math/gaussian.h"
 
 namespace cosplat {
 
@@ -25,6 +30,7 @@ int Gaussians::width(int attribute) const {
 void Gaussians::Resize(size_t n) {
   for (int a = 0; a < kAttributeCount; ++a) values[a].resize(n * width(a), 0.0f);
   if (!degrees.empty()) degrees.resize(n, uint8_t(degree));
+  if (!smoothing.empty()) smoothing.resize(n, 0.0f);
 }
 
 void Gaussians::Gather(const std::vector<uint32_t>& source) {
@@ -35,10 +41,14 @@ void Gaussians::Gather(const std::vector<uint32_t>& source) {
       for (size_t k = 0; k < w; ++k) gathered[i * w + k] = values[a][source[i] * w + k];
     values[a] = std::move(gathered);
   }
-  if (degrees.empty()) return;
-  Buffer<uint8_t> gathered;
-  for (const uint32_t i : source) gathered.push_back(degrees[i]);
-  degrees = std::move(gathered);
+  const auto gather = [&source](auto& of_each) {
+    if (of_each.empty()) return;
+    std::decay_t<decltype(of_each)> gathered;
+    for (const uint32_t i : source) gathered.push_back(of_each[i]);
+    of_each = std::move(gathered);
+  };
+  gather(degrees);
+  gather(smoothing);
 }
 
 Gaussians Gaussians::ZerosLike() const {
@@ -54,7 +64,9 @@ void Gaussians::Upload(const Gaussians& from, Stream& stream) {
   degree = from.degree;
   basis = from.basis;
   corrections = from.corrections;
+  antialiased = from.antialiased;
   degrees.Upload(from.degrees.data(), from.degrees.size(), stream);
+  smoothing.Upload(from.smoothing.data(), from.smoothing.size(), stream);
   for (int a = 0; a < kAttributeCount; ++a)
     values[a].Upload(from.values[a].data(), from.values[a].size(), stream);
 }
@@ -63,8 +75,11 @@ void Gaussians::Download(Gaussians& to, Stream& stream) const {
   to.degree = degree;
   to.basis = basis;
   to.corrections = corrections;
+  to.antialiased = antialiased;
   to.degrees.resize(degrees.size());
   degrees.Download(to.degrees.data(), stream);
+  to.smoothing.resize(smoothing.size());
+  smoothing.Download(to.smoothing.data(), stream);
   for (int a = 0; a < kAttributeCount; ++a) {
     to.values[a].resize(values[a].size());
     values[a].Download(to.values[a].data(), stream);
@@ -121,8 +136,24 @@ void ConvertBasis(Gaussians& g, Basis to) {
   g.basis = to;
 }
 
+void BakeSmoothing(Gaussians& g) {
+  // Smaller opacities than any renderer draws, but their logit is finite.
+  constexpr float kMinOpacity = 1e-20f;
+  for (size_t i = 0; i < g.smoothing.size(); ++i) {
+    float* s = g.at(kScaleLog, i);
+    const auto smoothed = math::SmoothScale(
+        math::Vec3<float>{std::exp(s[0]), std::exp(s[1]), std::exp(s[2])}, g.smoothing[i]);
+    s[0] = std::log(smoothed.scale.x);
+    s[1] = std::log(smoothed.scale.y);
+    s[2] = std::log(smoothed.scale.z);
+    float& logit = *g.at(kOpacityLogit, i);
+    logit = math::Logit(std::max(math::Sigmoid(logit) * smoothed.share, kMinOpacity));
+  }
+  g.smoothing.clear();
+}
+
 size_t HeldBy(const Gaussians& gaussians) {
-  size_t bytes = HeldBy(gaussians.degrees);
+  size_t bytes = HeldBy(gaussians.degrees, gaussians.smoothing);
   for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);
   return bytes;
 }

@@ -37,6 +37,13 @@ struct Gaussians {
   // [N] degree of each Gaussian, <= `degree`: coefficients of its higher bands are zero, are not
   // evaluated and get no gradient. Empty if all have `degree`.
   Buffer<uint8_t> degrees;
+  // Rendered with a low-pass filter of kAntialiasedBlurVariance, in which the opacity shrinks as
+  // the footprint grows (LowPassShare in splat/math/pinhole.h), instead of kBlurVariance without.
+  bool antialiased = false;
+  // [N] only if antialiased: variance of each Gaussian's 3D smoothing filter, world units^2
+  // (SmoothScale in splat/math/gaussian.h), which is rendered and is not yet part of scale and
+  // opacity. Empty: none.
+  Buffer<float> smoothing;
   std::array<Buffer<float>, kAttributeCount> values;
 
   size_t size() const { return values[kOpacityLogit].size(); }
@@ -73,6 +80,9 @@ int HighestBand(const Gaussians& gaussians, size_t i);
 // Sets `degrees` to the highest bands, or empties it if all equal `degree`. For rendering only:
 // while training, a coefficient may be zero because its band has just been enabled.
 void FindDegrees(Gaussians& gaussians);
+
+// Makes the 3D smoothing filter part of scale and opacity, as files hold them.
+void BakeSmoothing(Gaussians& gaussians);
 
 // Allocated bytes, by capacity.
 size_t HeldBy(const Gaussians& gaussians);

@@ -25,8 +25,12 @@ std::vector<PlyColumn> ColumnsOf(int degree) {
   return columns;
 }
 
-std::string HeaderOf(size_t count) {
-  return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(count) + "\n";
+constexpr const char* kAntialiasedComment = "antialiased";
+
+std::string HeaderOf(size_t count, const char* comment = nullptr) {
+  return std::string("ply\nformat binary_little_endian 1.0\n") +
+         (comment ? "comment " + std::string(comment) + "\n" : "") + "element vertex " +
+         std::to_string(count) + "\n";
 }
 
 }  // namespace
@@ -34,6 +38,7 @@ std::string HeaderOf(size_t count) {
 void WritePly(const std::string& path, const Gaussians& gaussians) {
   if (gaussians.basis != Basis::kSh)
     throw Error(path, "basis", "is " + ToString(gaussians.basis) + ", PLY files hold sh");
+  if (!gaussians.smoothing.empty()) throw Error(path, "smoothing", "is not part of the scales");
   const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
   const size_t count = gaussians.size();
   for (const PlyColumn& column : columns)
@@ -41,7 +46,7 @@ void WritePly(const std::string& path, const Gaussians& gaussians) {
       if (!std::isfinite(gaussians.at(column.attribute, i)[column.component]))
         throw Error(path, "vertex " + std::to_string(i) + ", " + column.name, "is not finite");
   WriteFileAtomically(path, [&](std::ostream& out) {
-    out << HeaderOf(count);
+    out << HeaderOf(count, gaussians.antialiased ? kAntialiasedComment : nullptr);
     constexpr int kNormals = 3, kNormalsAt = 3;
     for (size_t i = 0; i < columns.size(); ++i) {
       if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
@@ -65,6 +70,7 @@ Gaussians ReadPly(const std::string& path) {
   Gaussians gaussians;
   gaussians.degree = DegreeOf(reader);
   gaussians.basis = Basis::kSh;
+  gaussians.antialiased = reader.HasComment(kAntialiasedComment);
   const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
   std::vector<int> source;
   for (const PlyColumn& column : columns) source.push_back(reader.Require(column.name));

@@ -2,7 +2,8 @@
 //
 // Properties, all float: x y z nx ny nz f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3. f_rest is
 // channel-major (all of red, then green, then blue), opacity a logit, scale a logarithm, rotation
-// wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h).
+// wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h). The header's
+// line "comment antialiased" says that Gaussians::antialiased is set.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@
 
 namespace cosplat {
 
-// Binary little-endian, atomic. Throws Error if the basis is not kSh or a value is not finite.
+// Binary little-endian, atomic. Throws Error if the basis is not kSh, a value is not finite or the
+// smoothing is not baked in.
 void WritePly(const std::string& path, const Gaussians& gaussians);
 
 // Accepts properties in any order; other properties and elements are ignored. The degree follows

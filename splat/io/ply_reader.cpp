@@ -123,7 +123,10 @@ void PlyReader::HeaderLine(const std::string& line) {
     if (words.fail() || elements_.empty() || property.name.size() > kLongestName)
       throw Error(path_, "header", "cannot read " + PlyQuote(line));
     elements_.back().properties.push_back(property);
-  } else if (word != "comment" && word != "obj_info" && !word.empty()) {
+  } else if (word == "comment") {
+    std::getline(words >> std::ws, name);
+    comments_.insert(name);
+  } else if (word != "obj_info" && !word.empty()) {
     throw Error(path_, "header", "cannot read " + PlyQuote(line));
   }
 }

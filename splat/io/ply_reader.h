@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ class PlyReader {
 
   // Whether the header has this property, for an element anywhere in the file.
   bool Has(const std::string& element, const std::string& property) const;
+  // Whether the header has this comment as a line of its own.
+  bool HasComment(const std::string& text) const { return comments_.contains(text); }
   // Makes this the current element. Throws Error if there is none after the current one, or if the
   // file is too short for its count.
   void Enter(const std::string& element);
@@ -65,6 +68,7 @@ class PlyReader {
   size_t at_ = 0;
   bool ascii_ = false;
   bool format_seen_ = false;
+  std::set<std::string> comments_;
   std::vector<Element> elements_;
   size_t next_element_ = 0;  // into elements_
   Element element_;          // the current one

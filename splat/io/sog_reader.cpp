@@ -94,6 +94,7 @@ class SogParser {
   Gaussians Parse() const {
     Gaussians g;
     g.basis = Basis::kSh;
+    g.antialiased = meta_.Has("antialias") && meta_["antialias"].raw() == true;
     g.degree = meta_.Has("shN") ? Bands() : 0;
     g.Resize(count_);
     ReadPositions(g);

@@ -183,11 +183,11 @@ class SogWriter {
     AddImage("shN", "shN_centroids.webp", image);
     AddImage("shN", "shN_labels.webp", labels);
   }
-  void Finish(size_t count) {
+  void Finish(size_t count, bool antialiased) {
     meta_["version"] = kSogVersion;
     meta_["asset"]["generator"] = "CoSplat";
     meta_["count"] = count;
-    meta_["antialias"] = false;
+    meta_["antialias"] = antialiased;
     const std::string text = meta_.dump() + "\n";
     if (!path_.ends_with(kSogMeta)) {
       images_.insert(images_.begin(), ZipMember{kSogMeta, text});
@@ -243,7 +243,7 @@ void WriteSog(const std::string& path,
   writer.Scales(g, weight);
   if (g.degree > 0) writer.Bands(weight, seen, g);
   writer.Colors(g, weight);
-  writer.Finish(g.size());
+  writer.Finish(g.size(), g.antialiased);
 }
 
 }  // namespace cosplat

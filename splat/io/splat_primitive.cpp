@@ -11,6 +11,7 @@
 namespace cosplat {
 namespace {
 
+constexpr const char* kAntialiased = "antialiased";  // in the extension's extras
 const std::string kPrefix = std::string(kSplatExtension) + ":";
 
 // One attribute's array, [count, width].
@@ -48,6 +49,12 @@ void FillGeometry(const Gaussians& g, size_t i, Column& rotation, Column& scale,
 
 bool HasSplats(const GlbPrimitive& primitive) {
   return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
+}
+
+bool IsAntialiased(const GlbPrimitive& primitive) {
+  const Json& extension = primitive.extensions.at(kSplatExtension);
+  if (!extension.contains("extras") || !extension["extras"].contains(kAntialiased)) return false;
+  return extension["extras"][kAntialiased] == true;
 }
 
 // An attribute's floats, [count, width]; any count if `count` is 0.
@@ -129,6 +136,9 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
                                            {"colorSpace", "srgb_rec709_display"},
                                            {"projection", "perspective"},
                                            {"sortingMethod", "cameraDistance"}};
+  // Not part of the extension, which has no word for it: other programs pass over it.
+  if (gaussians.antialiased)
+    primitive.extensions[kSplatExtension]["extras"] = {{kAntialiased, true}};
   return primitive;
 }
 
@@ -161,6 +171,7 @@ Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& pr
   while (g.degree < kMaxSplatFileDegree &&
          primitive.attributes.contains(SplatCoefficientName(CoefficientCount(g.degree))))
     ++g.degree;
+  g.antialiased = IsAntialiased(primitive);
   g.Resize(n);
   for (size_t i = 0; i < n; ++i) {
     std::copy_n(&position[3 * i], 3, g.at(kPosition, i));

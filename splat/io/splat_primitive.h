@@ -4,7 +4,8 @@
 // splat_file.h -> FindSplats, ReadSplatPrimitive -> Gaussians. Attributes, all float: POSITION;
 // KHR_gaussian_splatting:ROTATION (xyzw, unit), :SCALE (linear), :OPACITY (0 to 1),
 // :SH_DEGREE_l_COEF_n (VEC3, the signs and constants of 3DGS). Kernel ellipse, colour space
-// srgb_rec709_display, projection perspective, sorted by cameraDistance. Source: Khronos,
+// srgb_rec709_display, projection perspective, sorted by cameraDistance. The extension's
+// extras.antialiased, true or absent, is Gaussians::antialiased. Source: Khronos,
 // KHR_gaussian_splatting.
 #pragma once
 

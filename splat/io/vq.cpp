@@ -76,6 +76,7 @@ QuantisedSplats Quantise(const Gaussians& g,
   };
   QuantisedSplats splats;
   splats.degree = g.degree;
+  splats.antialiased = g.antialiased;
   splats.position = copied(kPosition);
   splats.rotation = UnitRotations(g);
   splats.scale_log = copied(kScaleLog);

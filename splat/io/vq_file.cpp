@@ -83,6 +83,7 @@ struct Header {
   std::string kind;
   long count;
   int degree;
+  bool antialiased;
 };
 
 Header ReadHeader(const std::string& path, const Members& members) {
@@ -99,7 +100,8 @@ Header ReadHeader(const std::string& path, const Members& members) {
     members.Fail(kHeader, "degree is " + std::to_string(degree) + ", expected 0 to 4");
   const int count = header["count"].Integer();
   if (count < 0) members.Fail(kHeader, "count is " + std::to_string(count));
-  return {header["kind"].String(), count, degree};
+  const bool antialiased = header.Has("antialiased") && header["antialiased"].raw() == true;
+  return {header["kind"].String(), count, degree, antialiased};
 }
 
 // Number of splats that have this degree and are quantised (1) or kept (0).
@@ -133,6 +135,7 @@ Gaussians Dequantise(const QuantisedSplats& splats) {
   Gaussians g;
   g.degree = splats.degree;
   g.basis = Basis::kSh;
+  g.antialiased = splats.antialiased;
   g.Resize(splats.size());
   const auto copy = [&](Attribute attribute, const std::vector<float>& values) {
     std::copy(values.begin(), values.end(), g.values[attribute].begin());
@@ -165,12 +168,13 @@ void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
     if (!std::isfinite(s.position[i]))
       throw Error(path, "position", "number " + std::to_string(i) + " is not finite");
   Npz npz(path);
-  const Json header{{"layout", kLayout},
-                    {"version", kVersion},
-                    {"kind", s.kind},
-                    {"count", n},
-                    {"degree", s.degree},
-                    {"basis", "sh"}};
+  Json header{{"layout", kLayout},
+              {"version", kVersion},
+              {"kind", s.kind},
+              {"count", n},
+              {"degree", s.degree},
+              {"basis", "sh"}};
+  if (s.antialiased) header["antialiased"] = true;
   npz.AddText(kHeader, header.dump() + "\n");
   npz.Add("position", {n, 3}, s.position);
   npz.AddHalf("rotation", {n, 4}, s.rotation);
@@ -195,8 +199,9 @@ void WriteVqFile(const std::string& path, const QuantisedSplats& s) {
 
 QuantisedSplats ReadVqFile(const std::string& path) {
   Members members(path);
-  const auto [kind, n, degree] = ReadHeader(path, members);
+  const auto [kind, n, degree, antialiased] = ReadHeader(path, members);
   QuantisedSplats splats;
+  splats.antialiased = antialiased;
   splats.kind = kind;
   splats.degree = degree;
   splats.position = members.Floats("position", {n, 3});

@@ -28,6 +28,7 @@ struct QuantisedSplats {
   // (avatar/io/avatar_file.h).
   std::string kind = "scene";
   int degree = 0;                    // of the model; no splat has a higher one
+  bool antialiased = false;          // Gaussians::antialiased
   std::vector<float> position;       // [N, 3] world units
   std::vector<float> rotation;       // [N, 4] wxyz, unit
   std::vector<float> scale_log;      // [N, 3] log(world units)

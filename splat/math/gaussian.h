@@ -71,5 +71,33 @@ COSPLAT_HD void CovarianceVjp(const Quat<T>& rotation,
   d_rotation = NormalizeVjp(rotation, RotationOfVjp(q, ScaleColumns(d_m, scale)));
 }
 
+// The 3D smoothing filter: a Gaussian after convolution with an isotropic one of `variance`, world
+// units^2. It grows, and keeps only a share of its opacity, so that its integral stays what it was:
+// sqrt(det(Sigma) / det(Sigma + variance I)). Source: Yu et al. 2024 (Mip-Splatting).
+template <class T>
+struct SmoothedScale {
+  Vec3<T> scale;  // standard deviations
+  T share;
+};
+template <class T>
+COSPLAT_HD SmoothedScale<T> SmoothScale(const Vec3<T>& s, T variance) {
+  const Vec3<T> grown{
+      Sqrt(s.x * s.x + variance), Sqrt(s.y * s.y + variance), Sqrt(s.z * s.z + variance)};
+  return {grown, (s.x / grown.x) * (s.y / grown.y) * (s.z / grown.z)};
+}
+// Given the result, returns the gradient with respect to log(s), which stays finite as s shrinks.
+template <class T>
+COSPLAT_HD Vec3<T> SmoothScaleVjp(const Vec3<T>& s,
+                                  T variance,
+                                  const SmoothedScale<T>& smoothed,
+                                  const Vec3<T>& d_scale,
+                                  T d_share) {
+  const Vec3<T>& g = smoothed.scale;
+  const T d = d_share * smoothed.share * variance;
+  return {d_scale.x * s.x * s.x / g.x + d / (g.x * g.x),
+          d_scale.y * s.y * s.y / g.y + d / (g.y * g.y),
+          d_scale.z * s.z * s.z / g.z + d / (g.z * g.z)};
+}
+
 COSPLAT_MATH_END
 #endif

@@ -100,6 +100,19 @@ COSPLAT_HD Vec3<T> JacobianAtVjp(const Pinhole<T>& camera,
       d_sx * inv_z, d_sy * inv_z, -(d_inv_z * inv_z2) - (d_sx * slope_x + d_sy * slope_y) * inv_z};
 }
 
+// Pixels per world unit at a point, in the view's denser direction; 0 for a point behind the camera
+// or more than kJacobianMargin beyond the image.
+template <class T>
+COSPLAT_HD T SamplingRate(const Pinhole<T>& camera, const Vec3<T>& p_in_cam) {
+  const Vec2<T> at = ProjectPoint(camera, p_in_cam);
+  const T margin_x = T(kJacobianMargin) * camera.width;
+  const T margin_y = T(kJacobianMargin) * camera.height;
+  const auto seen = And(And(p_in_cam.z > T(kNearPlane),
+                            Abs(at.x - T(0.5f) * camera.width) < T(0.5f) * camera.width + margin_x),
+                        Abs(at.y - T(0.5f) * camera.height) < T(0.5f) * camera.height + margin_y);
+  return Select(seen, Max(camera.fx, camera.fy) / p_in_cam.z, T(0));
+}
+
 // Rows of J W: image axes expressed in the world.
 template <class T>
 struct ImageAxes {
@@ -113,15 +126,16 @@ COSPLAT_HD ImageAxes<T> ImageAxesAt(const Pinhole<T>& camera, const ProjectionJa
       {j.y * w.m[3] + j.yz * w.m[6], j.y * w.m[4] + j.yz * w.m[7], j.y * w.m[5] + j.yz * w.m[8]}};
 }
 
-// Covariance in the image, px^2: J W Sigma W^T J^T plus a low-pass filter of kBlurVariance.
+// Covariance in the image, px^2: J W Sigma W^T J^T plus the variance of a low-pass filter.
 template <class T>
 COSPLAT_HD Sym2<T> ProjectCovariance(const Pinhole<T>& camera,
                                      const Vec3<T>& p_in_cam,
-                                     const Sym3<T>& covariance) {
+                                     const Sym3<T>& covariance,
+                                     T low_pass) {
   const ImageAxes<T> axes = ImageAxesAt(camera, JacobianAt(camera, p_in_cam));
   const Vec3<T> su = covariance * axes.u;
   const Vec3<T> sv = covariance * axes.v;
-  return {Dot(axes.u, su) + T(kBlurVariance), Dot(axes.u, sv), Dot(axes.v, sv) + T(kBlurVariance)};
+  return {Dot(axes.u, su) + low_pass, Dot(axes.u, sv), Dot(axes.v, sv) + low_pass};
 }
 // Writes d_covariance; adds to d_p_in_cam.
 template <class T>
@@ -154,6 +168,34 @@ COSPLAT_HD void ProjectCovarianceVjp(const Pinhole<T>& camera,
 template <class T>
 COSPLAT_HD T Determinant(const Sym2<T>& c) {
   return c.xx * c.yy - c.xy * c.xy;
+}
+
+// The renderer's low-pass filter: a covariance after convolution with an isotropic Gaussian of
+// `variance`, px^2. Its derivative is the identity.
+template <class T>
+COSPLAT_HD Sym2<T> LowPass(const Sym2<T>& c, T variance) {
+  return {c.xx + variance, c.xy, c.yy + variance};
+}
+
+// The share of its opacity that a Gaussian keeps in that filter, so that its sum over the image
+// stays what it was: sqrt(det(c) / det(LowPass(c))). Source: Yu et al. 2024 (Mip-Splatting), the 2D
+// Mip filter.
+template <class T>
+COSPLAT_HD T LowPassShare(const Sym2<T>& c, T variance) {
+  return Sqrt(Max(Determinant(c) / Determinant(LowPass(c, variance)), T(kMinLowPassRatio)));
+}
+template <class T>
+COSPLAT_HD Sym2<T> LowPassShareVjp(const Sym2<T>& c, T variance, T d_share) {
+  const Sym2<T> b = LowPass(c, variance);
+  const T inv_after = T(1) / Determinant(b);
+  const T ratio = Determinant(c) * inv_after;
+  const T share = Sqrt(Max(ratio, T(kMinLowPassRatio)));
+  const T d_ratio = Select(ratio > T(kMinLowPassRatio), T(0.5f) * d_share / share, T(0));
+  const T d_before = d_ratio * inv_after;
+  const T d_after = -(d_before * ratio);
+  return {d_before * c.yy + d_after * b.yy,
+          T(-2) * c.xy * (d_before + d_after),
+          d_before * c.xx + d_after * b.xx};
 }
 
 // Inverse of a positive definite 2x2 covariance, px^-2.

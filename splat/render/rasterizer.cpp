@@ -55,6 +55,8 @@ WorldGaussians ViewOf(const Gaussians& g) {
   view.color_dc = g.values[kColorDc].data();
   view.color_rest = g.values[kColorRest].data();
   if (!g.degrees.empty()) view.degree = g.degrees.data();
+  if (!g.smoothing.empty()) view.smoothing = g.smoothing.data();
+  view.antialiased = g.antialiased;
   return view;
 }
 

@@ -38,6 +38,8 @@ WorldGaussians WorldArrays::Upload(const WorldGaussians& host, Stream& stream) {
   g.color_rest = Copy(color_rest_, host.color_rest, size_t(host.rest_width) * n, stream);
   g.color_frame = Copy(color_frame_, host.color_frame, 4 * n, stream);
   g.degree = Copy(degree_, host.degree, n, stream);
+  g.smoothing = Copy(smoothing_, host.smoothing, n, stream);
+  g.antialiased = host.antialiased;
   return g;
 }
 

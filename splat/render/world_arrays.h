@@ -13,7 +13,7 @@ class WorldArrays {
 
  private:
   Buffer<float> position_, rotation_, scale_log_, opacity_logit_, color_dc_, color_rest_,
-      color_frame_;
+      color_frame_, smoothing_;
   Buffer<uint8_t> degree_;
 };
 

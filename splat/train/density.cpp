@@ -31,6 +31,8 @@ void GatherGaussians(Gaussians& gaussians,
                stream);
   if (!gaussians.degrees.empty())
     GatherRows(gaussians.degrees, spare.degrees, 1, source, first_zero, stream);
+  if (!gaussians.smoothing.empty())
+    GatherRows(gaussians.smoothing, spare.smoothing, 1, source, first_zero, stream);
 }
 
 void CheckCaughtUp(const AdamState& adam, const Stream& stream) {

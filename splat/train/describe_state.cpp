@@ -37,6 +37,9 @@ void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians&
     a.Array(name + "." + kNames[k], g.values[k], count * size_t(g.width(k)));
   a.ArrayUpTo(name + ".degrees", g.degrees, count);
   a.Require(g.degrees.empty() || g.degrees.size() == count, name + ".degrees", "are not all there");
+  a.ArrayUpTo(name + ".smoothing", g.smoothing, count);
+  a.Require(
+      g.smoothing.empty() || g.smoothing.size() == count, name + ".smoothing", "are not all there");
   for (const uint8_t degree : g.degrees)
     a.Require(degree <= g.degree, name + ".degrees", "exceed the run's degree");
 }

@@ -27,6 +27,7 @@ class SceneSubject : public Subject {
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return extent_; }
+  bool is_static() const override { return true; }
   WorldGaussians Place(const Gaussians& gaussians, size_t) override { return ViewOf(gaussians); }
   WorldGradients WorldGradientsFor(Gaussians& gradients,
                                    Buffer<float>& screen,

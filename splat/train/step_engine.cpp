@@ -6,6 +6,8 @@
 
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
+#include "splat/render/kernels/project.h"
+#include "splat/train/kernels/smoothing.h"
 
 namespace cosplat {
 namespace {
@@ -185,6 +187,8 @@ void StepEngine::FetchForRanking() {
         from.values[a].Download(state_.gaussians.values[a].data(), stream_);
     state_.gaussians.degrees.resize(from.degrees.size());
     from.degrees.Download(state_.gaussians.degrees.data(), stream_);
+    state_.gaussians.smoothing.resize(from.smoothing.size());
+    from.smoothing.Download(state_.gaussians.smoothing.data(), stream_);
     on_device_.statistics.Download(state_.statistics, stream_);
     stream_.Wait();
   }
@@ -262,6 +266,25 @@ void StepEngine::ResetStatistics() {
 
 void StepEngine::ResetOpacity() {
   cosplat::ResetOpacity(now_->gaussians, now_->adam, stream_);
+  fetched_ = false;
+}
+
+void StepEngine::UpdateSmoothing() {
+  Settle(0);  // a step that is repeated must find the filter it had
+  if (sampling_views_.empty()) {
+    Buffer<math::Pinhole<float>> views;
+    for (size_t i = 0; i < subject_.frame_count(); ++i)
+      views.push_back(math::ToPinhole<float>(ViewOfCamera(subject_.frame(i).camera, {}, 0)));
+    sampling_views_.Upload(views.data(), views.size(), stream_);
+    stream_.Wait();
+  }
+  Gaussians& g = now_->gaussians;
+  g.smoothing.Refill(count(), stream_);
+  ForEach(count(),
+          stream_,
+          FindSmoothing{std::as_const(sampling_views_).view(),
+                        std::as_const(g.values[kPosition]).view(),
+                        g.smoothing.view()});
   fetched_ = false;
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "splat/device/buffer.h"
+#include "splat/math/pinhole.h"
 #include "splat/prune/pruner.h"
 #include "splat/render/device.h"
 #include "splat/render/phase_times.h"
@@ -118,6 +119,8 @@ class StepEngine : public FrameImages {
   void SortInSpace();
   void ResetStatistics();
   void ResetOpacity();
+  // Finds the 3D smoothing filter of every Gaussian; the subject must be static.
+  void UpdateSmoothing();
 
   // Brings the state's Gaussians, moments and statistics up to date.
   void Fetch();
@@ -226,6 +229,7 @@ class StepEngine : public FrameImages {
   Buffer<double> needle_sums_, needle_counts_;  // [blocks]
   Buffer<NeedleTotal> needles_;                 // [1]
   Buffer<float> moves_;
+  Buffer<math::Pinhole<float>> sampling_views_;  // [frames] once UpdateSmoothing was called
   Buffer<Contribution> of_image_, contributions_;
   InstanceForecast forecast_;
   static constexpr size_t kInFlight = 2;

@@ -40,6 +40,8 @@ class Subject : public Placement {
   // Moves the subject's own data to the stream in which the following calls work; at first, the
   // host's. Throws Error if the subject does not support a device.
   virtual void WorkIn(Stream& stream) { (void)stream; }
+  // Whether kPosition is a point in the world, the same in every frame.
+  virtual bool is_static() const { return false; }
   // The Gaussians in the world of frame i. Valid until the next call.
   virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
   // Which gradients of Place's result the rasteriser has to write, and where.

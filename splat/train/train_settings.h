@@ -43,6 +43,9 @@ struct ScaleRegularizer {
   float ratio = 10;
 };
 
+// Steps between updates of the 3D smoothing filter (Mip-Splatting's released code).
+constexpr int kSmoothingEvery = 100;
+
 struct TrainSettings {
   int iterations = 30000;  // views trained on
   // Views of a step, of scenes. Rates follow (math/adam.h); what the schedule plans for an
@@ -62,6 +65,9 @@ struct TrainSettings {
   PruneSettings prune;
   float drop_bands = 0;  // threshold of DropBandsInTraining (splat/train/bands.h); 0: keep all
   AdamOn adam_on = AdamOn::kDrawn;
+  // Trains Gaussians::antialiased and, where the subject is static, Gaussians::smoothing, which is
+  // found again from the positions after every kSmoothingEvery steps.
+  bool antialiasing = false;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };
 

@@ -43,12 +43,14 @@ Trainer::Trainer(const TrainSettings& settings,
   least_side_ = LeastSide(subject);
   CheckCropLoss();
   state_.gaussians = std::move(first);
+  state_.gaussians.antialiased = settings.antialiasing;
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
   MakePrunerFor(settings.prune);
+  UpdateSmoothing();
 }
 
 void Trainer::CheckCropLoss() const {
@@ -187,6 +189,7 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
     // The layout; and the subject's state, whose arrays are then replaced.
     checkpoint.state.gaussians.degree = state_.gaussians.degree;
     checkpoint.state.gaussians.basis = state_.gaussians.basis;
+    checkpoint.state.gaussians.antialiased = state_.gaussians.antialiased;
     checkpoint.state.gaussians.corrections = state_.gaussians.corrections;
     checkpoint.subject = subject_.SaveState();
   }
@@ -293,6 +296,10 @@ int Trainer::DownscaleAt(int iteration) const {
   return downscale;
 }
 
+void Trainer::UpdateSmoothing() {
+  if (settings_.antialiasing && subject_.is_static()) engine_->UpdateSmoothing();
+}
+
 // Of the step that begins with this iteration.
 StepPlan Trainer::PlanOf(int iteration, size_t frame) {
   return {iteration,
@@ -324,6 +331,8 @@ StepReport Trainer::Step() {
     state_.iteration = end;
     for (int iteration = begin + 1; iteration <= end; ++iteration) {
       ControlDensityAt(iteration);
+      // Not after the last step: the Gaussians would never have been trained with it.
+      if (iteration % kSmoothingEvery == 0 && end < settings_.iterations) UpdateSmoothing();
       engine_->AfterStep(iteration);
     }
   }
@@ -335,7 +344,11 @@ StepReport Trainer::Step() {
   return {end, loss, count(), engine_->TakeNotice()};
 }
 
-Gaussians Trainer::CaughtUp() const { return engine_->CaughtUp(LastRates()); }
+Gaussians Trainer::CaughtUp() const {
+  Gaussians gaussians = engine_->CaughtUp(LastRates());
+  BakeSmoothing(gaussians);
+  return gaussians;
+}
 
 TrainingStatistics Trainer::statistics() const {
   engine_->Fetch();

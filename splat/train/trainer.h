@@ -86,8 +86,9 @@ class Trainer {
   void Describe(StateArchive& archive);
   // The same for a state to return to.
   void Describe(StateArchive& archive, Checkpoint& checkpoint) const;
-  // The Gaussians with Adam's deferred updates applied, to save or evaluate in the middle of a run.
-  // A copy, since catching up in place would change the results of the run.
+  // The Gaussians with Adam's deferred updates applied and the 3D smoothing filter baked in, to
+  // save or evaluate in the middle of a run. A copy, since catching up in place would change the
+  // results of the run.
   Gaussians CaughtUp() const;
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
@@ -106,6 +107,7 @@ class Trainer {
   // Those of the last step; before the first, of that.
   AdamSettings LastRates() const;
   int DownscaleAt(int iteration) const;
+  void UpdateSmoothing();
   StepPlan PlanOf(int iteration, size_t frame);
   double Train(int begin, int end);
   void ControlDensityAt(int iteration);

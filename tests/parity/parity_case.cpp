@@ -73,6 +73,15 @@ ParityCase Behind() {
   return c;
 }
 
+ParityCase Antialiased() {
+  ParityCase c = RandomCase("anti-aliased", 140, 48, 31, Basis::kDcsh, 1);
+  Rng rng{7};
+  c.gaussians.antialiased = true;
+  for (size_t i = 0; i < c.gaussians.size(); ++i)
+    c.gaussians.smoothing.push_back(0.02f * rng.Uniform());
+  return c;
+}
+
 ParityCase OwnDegreesAndFrames() {
   ParityCase c = RandomCase("own degrees and frames", 130, 48, 31, Basis::kDcshLiteral, 3);
   Rng rng{5};
@@ -124,6 +133,7 @@ std::vector<ParityCase> ParityCases() {
   cases.push_back(NothingDrawn());
   cases.push_back(Behind());
   cases.push_back(OwnDegreesAndFrames());
+  cases.push_back(Antialiased());
   cases.push_back(RandomCase("fewer bands than stored", 100, 30, 30, Basis::kDcsh, 3));
   cases.back().settings.degree = 1;
   return cases;

@@ -47,6 +47,23 @@ TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   for (const uint32_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
 }
 
+// Past an update of the 3D smoothing filter, with the Gaussians it began with.
+TEST_F(TrainingParity, AntialiasedStepsAreThoseOfTheCpu) {
+  TrainingRun run;
+  run.settings.antialiasing = true;
+  run.settings.schedule.densify_from = run.settings.iterations;
+  const int steps = kSmoothingEvery + 5;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, steps);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), steps);
+  for (int i = 1; i < steps; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-2 * cpu.losses[i - 1]) << i;
+  ASSERT_EQ(device.state.gaussians.smoothing.size(), cpu.state.gaussians.smoothing.size());
+  for (size_t i = 0; i < cpu.state.gaussians.smoothing.size(); ++i)
+    EXPECT_NEAR(device.state.gaussians.smoothing[i],
+                cpu.state.gaussians.smoothing[i],
+                1e-2f * cpu.state.gaussians.smoothing[i]);
+}
+
 // What is saved in the middle of a run changes nothing, either.
 TEST_F(TrainingParity, AFixedOrderGivesTheSameBits) {
   TrainingRun run;

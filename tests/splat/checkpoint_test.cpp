@@ -85,6 +85,12 @@ TEST(Checkpoint, AlsoWithEveryRuleOfPruning) {
     ExpectExact(Busy(PruneRuleFromString(name)), {15, 47, 97, 99, 101});
 }
 
+TEST(Checkpoint, AlsoWithAntialiasing) {
+  TrainSettings settings = Busy();
+  settings.antialiasing = true;
+  ExpectExact(settings, {15, 99, 101, 149});
+}
+
 TEST(Checkpoint, AlsoWithDroppedBandsAndATarget) {
   TrainSettings settings = Busy(PruneRule::kLeaveOneOut);
   settings.prune.target = 150;

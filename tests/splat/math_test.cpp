@@ -142,7 +142,8 @@ TEST(Pinhole, ProjectionVjp) {
     const auto c = TestCamera<T>();
     const auto p = ToCamera(c, V(x, 0));
     const auto xy = ProjectPoint(c, p);
-    const auto cov = ProjectCovariance(c, p, Sym3<T>{x[3], x[4], x[5], x[6], x[7], x[8]});
+    const auto cov =
+        ProjectCovariance(c, p, Sym3<T>{x[3], x[4], x[5], x[6], x[7], x[8]}, T(kBlurVariance));
     const auto conic = Conic(cov);
     return std::decay_t<decltype(x)>{xy.x, xy.y, conic.xx, conic.xy, conic.yy};
   };
@@ -150,7 +151,7 @@ TEST(Pinhole, ProjectionVjp) {
     const auto c = TestCamera<double>();
     const auto p = ToCamera(c, V(x, 0));
     const Sym3<double> cov3{x[3], x[4], x[5], x[6], x[7], x[8]};
-    const auto conic = Conic(ProjectCovariance(c, p, cov3));
+    const auto conic = Conic(ProjectCovariance(c, p, cov3, double(kBlurVariance)));
     const auto d_cov = ConicVjp(conic, Sym2<double>{d[2], d[3], d[4]});
     Vec3<double> d_p = ProjectPointVjp(c, p, Vec2<double>{d[0], d[1]});
     Sym3<double> d3;
@@ -164,10 +165,72 @@ TEST(Pinhole, ProjectionVjp) {
     ExpectVjpMatchesDual(f, vjp, {p[0], p[1], p[2], 0.5, 0.1, -0.05, 0.4, 0.07, 0.3});
 }
 
+TEST(Pinhole, LowPassShareVjp) {
+  const auto f = [](const auto& x) {
+    using T = typename std::decay_t<decltype(x)>::value_type;
+    return std::decay_t<decltype(x)>{LowPassShare(Sym2<T>{x[0], x[1], x[2]}, T(0.1))};
+  };
+  const auto vjp = [](const std::vector<double>& x, const std::vector<double>& d) {
+    const auto d_c = LowPassShareVjp(Sym2<double>{x[0], x[1], x[2]}, 0.1, d[0]);
+    return std::vector<double>{d_c.xx, d_c.xy, d_c.yy};
+  };
+  // Round, slanted, far below a pixel, and below the floor: constant there.
+  for (const std::array<double, 3>& c : {std::array<double, 3>{1, 0, 1},
+                                         {2, 0.7, 0.5},
+                                         {1e-3, 2e-4, 1e-3},
+                                         {1e-5, 0, 1e-5},
+                                         {0, 0, 0}})
+    ExpectVjpMatchesDual(f, vjp, {c[0], c[1], c[2]});
+  EXPECT_DOUBLE_EQ(LowPassShare(Sym2<double>{0.3, 0, 0.3}, 0.1), 0.75);
+  EXPECT_DOUBLE_EQ(LowPassShare(Sym2<double>{0, 0, 0}, 0.1), std::sqrt(double(kMinLowPassRatio)));
+  const auto low = LowPass(Sym2<double>{2, 0.7, 0.5}, 0.1);
+  EXPECT_EQ(low.xx, 2.1);
+  EXPECT_EQ(low.xy, 0.7);
+  EXPECT_EQ(low.yy, 0.6);
+}
+
+TEST(Pinhole, SamplingRateIsPixelsPerUnitWhereTheViewSees) {
+  const auto c = TestCamera<double>();
+  EXPECT_DOUBLE_EQ(SamplingRate(c, Vec3<double>{0, 0, 4}), 30);  // the larger focal length
+  EXPECT_EQ(SamplingRate(c, Vec3<double>{0, 0, -4}), 0);
+  EXPECT_EQ(SamplingRate(c, Vec3<double>{0, 0, 0}), 0);
+  // At x = 100 + 15 % of the width, the image's edge with its margin.
+  const double edge = (115 - c.cx) / c.fx;
+  EXPECT_DOUBLE_EQ(SamplingRate(c, Vec3<double>{0.99 * edge, 0, 1}), 120);
+  EXPECT_EQ(SamplingRate(c, Vec3<double>{1.01 * edge, 0, 1}), 0);
+}
+
+TEST(Gaussian, SmoothScaleVjp) {
+  const auto f = [](const auto& x) {
+    using T = typename std::decay_t<decltype(x)>::value_type;
+    const auto s = SmoothScale(Vec3<T>{Exp(x[0]), Exp(x[1]), Exp(x[2])}, T(0.04));
+    return std::decay_t<decltype(x)>{s.scale.x, s.scale.y, s.scale.z, s.share};
+  };
+  const auto vjp = [](const std::vector<double>& x, const std::vector<double>& d) {
+    const Vec3<double> s{std::exp(x[0]), std::exp(x[1]), std::exp(x[2])};
+    const auto d_log =
+        SmoothScaleVjp(s, 0.04, SmoothScale(s, 0.04), Vec3<double>{d[0], d[1], d[2]}, d[3]);
+    return std::vector<double>{d_log.x, d_log.y, d_log.z};
+  };
+  for (const double size : {0.0, -1.5, -6.0, -40.0})
+    ExpectVjpMatchesDual(f, vjp, {size, size + 0.7, size - 0.4});
+}
+
+TEST(Gaussian, SmoothingKeepsTheIntegral) {
+  const Vec3<double> s{0.3, 0.1, 0.02};
+  const auto smoothed = SmoothScale(s, 0.01);
+  EXPECT_NEAR(smoothed.scale.x * smoothed.scale.x, 0.1, 1e-15);
+  EXPECT_NEAR(smoothed.share * smoothed.scale.x * smoothed.scale.y * smoothed.scale.z,
+              s.x * s.y * s.z,
+              1e-18);
+  EXPECT_EQ(SmoothScale(s, 0.0).share, 1);
+}
+
 TEST(Pinhole, ClampBoundsTheFootprintNearTheCameraPlane) {
   const auto c = TestCamera<double>();
   const Vec3<double> grazing{50, 0, 0.011};  // about 89.99 degrees off the axis
-  const auto cov = ProjectCovariance(c, grazing, Sym3<double>{1e-4, 0, 0, 1e-4, 0, 1e-4});
+  const auto cov =
+      ProjectCovariance(c, grazing, Sym3<double>{1e-4, 0, 0, 1e-4, 0, 1e-4}, double(kBlurVariance));
   EXPECT_TRUE(std::isfinite(cov.xx));
   EXPECT_LT(std::sqrt(cov.xx), 1e3 * 120 * 1e-2 / 0.011);
   Sym3<double> d3;

@@ -48,6 +48,15 @@ Gaussians RandomGaussians(size_t n, int degree, uint64_t seed, float size = 0.12
   return g;
 }
 
+// With a 3D smoothing filter about as large as the Gaussians.
+Gaussians Antialiased(Gaussians g) {
+  Rng rng{23};
+  g.antialiased = true;
+  for (size_t i = 0; i < g.size(); ++i)
+    g.smoothing.push_back(0.02f * rng.Uniform() * std::exp(2 * g.at(kScaleLog, i)[1] + 4));
+  return g;
+}
+
 struct Rendering {
   RenderedImage image;
   Gaussians gradients;
@@ -95,12 +104,17 @@ std::vector<double> ReferencePixels(const Gaussians& g,
     const Vec3<double> position{m[0], m[1], m[2]};
     const Vec3<double> p = ToCamera(c, position);
     if (p.z <= kNearPlane) continue;
-    const auto cov = ProjectCovariance(
-        c,
-        p,
-        Covariance(
-            Quat<double>{q[0], q[1], q[2], q[3]},
-            Vec3<double>{std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}));
+    Vec3<double> scale{std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))};
+    double opacity = Sigmoid(double(g.at(kOpacityLogit, i)[0]));
+    if (g.antialiased) {
+      const auto smoothed = SmoothScale(scale, double(g.smoothing[i]));
+      scale = smoothed.scale;
+      opacity *= smoothed.share;
+    }
+    const auto cov3 = Covariance(Quat<double>{q[0], q[1], q[2], q[3]}, scale);
+    const double variance = g.antialiased ? kAntialiasedBlurVariance : kBlurVariance;
+    const auto cov = ProjectCovariance(c, p, cov3, variance);
+    if (g.antialiased) opacity *= LowPassShare(ProjectCovariance(c, p, cov3, 0.0), variance);
     const auto conic = Conic(cov);
     const auto xy = ProjectPoint(c, p);
     std::vector<double> dc(g.at(kColorDc, i), g.at(kColorDc, i) + 3);
@@ -109,7 +123,7 @@ std::vector<double> ReferencePixels(const Gaussians& g,
     splats.push_back({p.z,
                       xy.x,
                       xy.y,
-                      Sigmoid(double(g.at(kOpacityLogit, i)[0])),
+                      opacity,
                       {-0.5 * conic.xx, -conic.xy, -0.5 * conic.yy},
                       EvaluateColor<3>(u, BasisConstants(g.basis), dc.data(), rest.data())});
   }
@@ -137,8 +151,7 @@ std::vector<double> ReferencePixels(const Gaussians& g,
   return out;
 }
 
-TEST(Rasterizer, EqualsThePlainReference) {
-  const Gaussians g = RandomGaussians(300, 3, 7);
+void ExpectEqualsThePlainReference(const Gaussians& g) {
   const Camera camera = TestCamera(70, 53);  // not a multiple of the tile
   const Rendering r = Render(g, camera, false);
   const std::vector<double> expected = ReferencePixels(g, camera);
@@ -153,8 +166,12 @@ TEST(Rasterizer, EqualsThePlainReference) {
   EXPECT_LT(flips, int(expected.size() / 200));
 }
 
-TEST(Rasterizer, GradientsMatchFiniteDifferences) {
-  Gaussians g = RandomGaussians(12, 3, 3, 0.3f);
+TEST(Rasterizer, EqualsThePlainReference) {
+  ExpectEqualsThePlainReference(RandomGaussians(300, 3, 7));
+  ExpectEqualsThePlainReference(Antialiased(RandomGaussians(300, 3, 7, 0.03f)));
+}
+
+void ExpectGradientsMatchFiniteDifferences(Gaussians g) {
   const Camera camera = TestCamera(48, 40);
   const Rendering r = Render(g, camera);
   std::vector<bool> accepted;
@@ -185,6 +202,50 @@ TEST(Rasterizer, GradientsMatchFiniteDifferences) {
     }
   EXPECT_GT(dot / std::sqrt(norm_a * norm_n), 0.999999);
   EXPECT_NEAR(std::sqrt(norm_a / norm_n), 1, 1e-4);
+}
+
+TEST(Rasterizer, GradientsMatchFiniteDifferences) {
+  ExpectGradientsMatchFiniteDifferences(RandomGaussians(12, 3, 3, 0.3f));
+}
+
+TEST(Rasterizer, GradientsOfTheFiltersMatchFiniteDifferences) {
+  ExpectGradientsMatchFiniteDifferences(Antialiased(RandomGaussians(12, 3, 3, 0.1f)));
+}
+
+// What anti-aliasing is for: a Gaussian far below a pixel adds what its area adds, and not the
+// filter's own.
+TEST(Rasterizer, AnAntialiasedGaussianKeepsItsSumAtAnyDistance) {
+  const auto light_at = [](float distance, bool antialiased) {
+    Gaussians g = RandomGaussians(1, 0, 1);
+    g.antialiased = antialiased;
+    for (int k = 0; k < 3; ++k) {
+      g.at(kPosition, 0)[k] = k == 2 ? distance - 3 : 0;
+      g.at(kScaleLog, 0)[k] = std::log(0.1f);
+    }
+    *g.at(kOpacityLogit, 0) = 3;
+    double sum = 0;
+    for (const float t : Render(g, TestCamera(64, 64), false).image.transmittance) sum += 1 - t;
+    return sum * double(distance) * distance;
+  };
+  // In px: standard deviations of 2.1 and 0.53. Below 1/255 contributions are dropped.
+  EXPECT_NEAR(light_at(12, true) / light_at(3, true), 1, 0.05);
+  EXPECT_GT(light_at(12, false) / light_at(3, false), 1.5);
+}
+
+TEST(Rasterizer, BakedSmoothingShowsTheSameImage) {
+  Gaussians g = Antialiased(RandomGaussians(300, 2, 7, 0.05f));
+  const Camera camera = TestCamera(70, 53);
+  const Rendering expected = Render(g, camera, false);
+  BakeSmoothing(g);
+  EXPECT_TRUE(g.smoothing.empty());
+  const Rendering baked = Render(g, camera, false);
+  int flips = 0;
+  for (size_t i = 0; i < baked.image.color.size(); ++i) {
+    const float error = std::abs(baked.image.color[i] - expected.image.color[i]);
+    EXPECT_LT(error, 1.5 / 255);  // a splat at the edge of visibility
+    flips += error > 2e-5f;
+  }
+  EXPECT_LT(flips, int(baked.image.color.size() / 200));
 }
 
 bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {

@@ -8,8 +8,11 @@
 
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
+#include "splat/io/significance.h"
+#include "splat/io/sog.h"
 #include "splat/io/splat_records.h"
 #include "splat/io/spz.h"
+#include "splat/io/vq.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"
@@ -19,6 +22,25 @@ namespace {
 
 using test::ExpectError;
 using test::TemporaryFolder;
+
+TEST(SplatFiles, SayWhetherTheirGaussiansAreAntialiased) {
+  const TemporaryFolder folder;
+  for (const bool antialiased : {false, true}) {
+    Gaussians g = test::RandomGaussians(40, 1, Basis::kSh, 3);
+    g.antialiased = antialiased;
+    WritePly(folder / "a.ply", g);
+    WriteSpz(folder / "a.spz", g, {}, 3);
+    WriteSpz(folder / "b.spz", g, {}, 4);
+    WriteSog(folder / "a.sog", g, SizeSignificance(g), {});
+    WriteSceneGlb(folder / "a.glb", g);
+    WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), {}));
+    for (const char* name : {"a.ply", "a.spz", "b.spz", "a.sog", "a.glb", "a.zip"})
+      EXPECT_EQ(ReadSplats(folder / name).antialiased, antialiased) << name;
+  }
+  Gaussians g = test::RandomGaussians(2, 0, Basis::kSh, 3);
+  g.smoothing = {0.1f, 0.2f};
+  ExpectError([&] { WritePly(folder / "b.ply", g); }, {"b.ply", "smoothing"});
+}
 
 struct Record {
   float position[3]{1, 2, 3};

@@ -26,6 +26,7 @@ struct TrainOptions {
   int resolution = 1;
   bool eval = false;
   bool fold = false;
+  bool antialiasing = false;
   int iterations = 30000;
   int batch = 1;  // of scenes
   int sh_degree = 3;

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "splat/render/rasterizer.h"
 #include "splat/render/view_splats.h"
@@ -13,18 +12,10 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "splat/render/cpu/pack_rows.h"
-#include "splat/render/kernels/project.h"
+#include "splat/render/cpu/project_range.h"
 #include "splat/render/kernels/view_splats.h"
 
 COSPLAT_MATH_BEGIN
-
-// Runs a kernel on packs of consecutive rows.
-template <class Kernel>
-void RunRange(const Kernel& kernel, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; i += kLanes)
-    kernel.template Run<Pack>(Rows{i, std::min(kLanes, end - i)});
-}
 
 void ProjectRange(const WorldGaussians& gaussians,
                   const ViewParameters& view,
@@ -32,7 +23,7 @@ void ProjectRange(const WorldGaussians& gaussians,
                   float* radii,
                   size_t begin,
                   size_t end) {
-  RunRange(ProjectKernel{gaussians, view, splats, radii}, begin, end);
+  RunRange(ProjectKernel<false>{gaussians, view, splats, radii}, begin, end);
 }
 
 void ProjectVjpRange(const WorldGaussians& gaussians,
@@ -43,15 +34,8 @@ void ProjectVjpRange(const WorldGaussians& gaussians,
                      const WorldGradients& gradients,
                      size_t begin,
                      size_t end) {
-  const ProjectVjpKernel kernel{gaussians, view, splats, radii, d_splats, gradients};
-  for (size_t group = begin; group < end; group += kGaussianGroup) {
-    const size_t group_end = std::min(group + kGaussianGroup, end);
-    const bool drawn = std::any_of(radii + group, radii + group_end, [](float r) { return r > 0; });
-    if (drawn)
-      RunRange(kernel, group, group_end);
-    else if (!gradients.drawn_groups_only)
-      kernel.ZeroAll(Rows{group, group_end - group});
-  }
+  RunDrawnGroups(
+      ProjectVjpKernel<false>{gaussians, view, splats, radii, d_splats, gradients}, begin, end);
 }
 
 void ViewSplatRange(const WorldGaussians& gaussians,
@@ -99,6 +83,8 @@ void LaunchProject(const WorldGaussians& gaussians,
                    float* radii) {
   using namespace math;
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    if (gaussians.antialiased)
+      return ProjectAntialiased(gaussians, view, splats, radii, begin, end);
     HWY_DYNAMIC_DISPATCH(ProjectRange)(gaussians, view, splats, radii, begin, end);
   });
 }
@@ -111,6 +97,8 @@ void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const WorldGradients& gradients) {
   using namespace math;
   ForRanges(gaussians.count, [&](size_t begin, size_t end) {
+    if (gaussians.antialiased)
+      return ProjectAntialiasedVjp(gaussians, view, splats, radii, d_splats, gradients, begin, end);
     HWY_DYNAMIC_DISPATCH(ProjectVjpRange)
     (gaussians, view, splats, radii, d_splats, gradients, begin, end);
   });

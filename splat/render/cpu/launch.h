@@ -22,4 +22,20 @@ void LaunchProjectVjp(const WorldGaussians& gaussians,
                       const SplatGradient* d_splats,
                       const WorldGradients& gradients);
 
+// The same for Gaussians [begin, end) that are anti-aliased; begin: a multiple of kGaussianGroup.
+void ProjectAntialiased(const WorldGaussians& gaussians,
+                        const ViewParameters& view,
+                        ProjectedSplat* splats,
+                        float* radii,
+                        size_t begin,
+                        size_t end);
+void ProjectAntialiasedVjp(const WorldGaussians& gaussians,
+                           const ViewParameters& view,
+                           const ProjectedSplat* splats,
+                           const float* radii,
+                           const SplatGradient* d_splats,
+                           const WorldGradients& gradients,
+                           size_t begin,
+                           size_t end);
+
 }  // namespace cosplat

@@ -10,16 +10,18 @@
 namespace cosplat::cuda {
 namespace {
 
+template <bool kAntialiased>
 struct Project {
-  math::ProjectKernel kernel;
-  __device__ void operator()(size_t i) const { kernel.Run<float>(math::Rows{i, 1}); }
+  math::ProjectKernel<kAntialiased> kernel;
+  __device__ void operator()(size_t i) const { kernel.template Run<float>(math::Rows{i, 1}); }
 };
 
+template <bool kAntialiased>
 struct ProjectBack {
-  math::ProjectVjpKernel kernel;
+  math::ProjectVjpKernel<kAntialiased> kernel;
   __device__ void operator()(size_t i) const {
     if (kernel.out.drawn_groups_only && !GroupIsDrawn(i)) return;
-    kernel.Run<float>(math::Rows{i, 1});
+    kernel.template Run<float>(math::Rows{i, 1});
   }
   __device__ bool GroupIsDrawn(size_t i) const {
     const size_t begin = i / kGaussianGroup * kGaussianGroup;
@@ -60,9 +62,13 @@ void CudaRasterizer::Forward(const WorldGaussians& gaussians,
   tape.splats.Refill(gaussians.count, stream);
   tape.radius.Refill(gaussians.count, stream);
   marks_[kStart].Record(stream);
-  ForEachThread(gaussians.count,
-                stream,
-                Project{{gaussians, tape.view, tape.splats.data(), tape.radius.data()}});
+  const auto project = [&](auto antialiased) {
+    ForEachThread(gaussians.count,
+                  stream,
+                  Project<decltype(antialiased)::value>{
+                      {gaussians, tape.view, tape.splats.data(), tape.radius.data()}});
+  };
+  gaussians.antialiased ? project(std::true_type()) : project(std::false_type());
   marks_[kProjected].Record(stream);
   tape.lists.Build(std::as_const(tape.splats).view(),
                    std::as_const(tape.radius).view(),
@@ -84,14 +90,17 @@ void CudaRasterizer::Backward(const WorldGaussians& gaussians,
   marks_[kBackStart].Record(stream);
   BlendBackward(tape, image, d_color.data(), stream);
   marks_[kBlendedBack].Record(stream);
-  ForEachThread(gaussians.count,
-                stream,
-                ProjectBack{{gaussians,
-                             tape.view,
-                             tape.splats.data(),
-                             tape.radius.data(),
-                             tape.d_splats.data(),
-                             gradients}});
+  const auto project_back = [&](auto antialiased) {
+    ForEachThread(gaussians.count,
+                  stream,
+                  ProjectBack<decltype(antialiased)::value>{{gaussians,
+                                                             tape.view,
+                                                             tape.splats.data(),
+                                                             tape.radius.data(),
+                                                             tape.d_splats.data(),
+                                                             gradients}});
+  };
+  gaussians.antialiased ? project_back(std::true_type()) : project_back(std::false_type());
   marks_[kBack].Record(stream);
 }
 

@@ -1,6 +1,8 @@
 // Element-wise stage: one Gaussian in the world -> one ProjectedSplat, and its derivative.
 // world arrays -> ProjectKernel -> tile lists, blend -> SplatGradient -> ProjectVjpKernel ->
-// gradients. Run<T>(rows) processes as many Gaussians as T has lanes.
+// gradients. Run<T>(rows) processes as many Gaussians as T has lanes. kAntialiased: of Gaussians
+// with WorldGaussians::antialiased, compiled apart, so that others keep their instructions and
+// bits.
 #if defined(COSPLAT_SPLAT_KERNELS_PROJECT_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_KERNELS_PROJECT_H_
 #undef COSPLAT_SPLAT_KERNELS_PROJECT_H_
@@ -151,6 +153,12 @@ struct ColorVjpOf {
   }
 };
 
+// The variance of the 3D smoothing filter; 0 without one.
+template <class T>
+COSPLAT_HD T SmoothingOf(const WorldGaussians& g, const Rows& rows) {
+  return g.smoothing ? LoadScalar<T>(g.smoothing, rows) : T(0);
+}
+
 // A Gaussian's ellipse in the image, px.
 template <class T>
 struct Footprint {
@@ -166,10 +174,11 @@ COSPLAT_HD Footprint<T> FootprintOf(const Pinhole<T>& camera,
                                     const Vec3<T>& p_in_cam,
                                     const Quat<T>& rotation,
                                     const Vec3<T>& scale_log,
-                                    T opacity) {
+                                    T opacity,
+                                    T low_pass) {
   Footprint<T> f;
   const Vec3<T> scale{Exp(scale_log.x), Exp(scale_log.y), Exp(scale_log.z)};
-  f.covariance = ProjectCovariance(camera, p_in_cam, Covariance(rotation, scale));
+  f.covariance = ProjectCovariance(camera, p_in_cam, Covariance(rotation, scale), low_pass);
   const Sym2<T> conic = Conic(f.covariance);
   f.center = ProjectPoint(camera, p_in_cam);
   f.form = {T(-0.5f) * conic.xx, -conic.xy, T(-0.5f) * conic.yy};
@@ -193,6 +202,7 @@ COSPLAT_HD auto CanBeDrawn(const Footprint<T>& f, const Pinhole<T>& camera) {
   return And(And(on_image, finite), Determinant(f.covariance) > T(kMinDeterminant));
 }
 
+template <bool kAntialiased>
 struct ProjectKernel {
   WorldGaussians gaussians;
   ViewParameters view;
@@ -207,9 +217,8 @@ struct ProjectKernel {
     auto drawn = p.z > T(kNearPlane);
     if (!AnyTrue(drawn)) return DrawNone(rows);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
-    const T opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
-    const Footprint<T> f =
-        FootprintOf(camera, p, q, LoadVec3<T>(gaussians.scale_log, rows), opacity);
+    const T opacity = OpacityOf(camera, p, q, rows);
+    const Footprint<T> f = FootprintOf(camera, p, q, ScaleLogOf<T>(rows), opacity, T(kLowPass));
     drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
     drawn = And(drawn, CanBeDrawn(f, camera));
     if (!AnyTrue(drawn)) return DrawNone(rows);
@@ -239,10 +248,38 @@ struct ProjectKernel {
     StoreWhere(drawn, f.radius, radii, rows);
   }
 
+  static constexpr float kLowPass = kAntialiased ? kAntialiasedBlurVariance : kBlurVariance;
+
+  // After both filters.
+  template <class T>
+  COSPLAT_HD T OpacityOf(const Pinhole<T>& camera,
+                         const Vec3<T>& p_in_cam,
+                         const Quat<T>& q,
+                         const Rows& rows) const {
+    const T opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
+    if constexpr (!kAntialiased) return opacity;
+    const SmoothedScale<T> smoothed = SmoothedScaleOf<T>(rows);
+    const Sym2<T> sharp = ProjectCovariance(camera, p_in_cam, Covariance(q, smoothed.scale), T(0));
+    return opacity * smoothed.share * LowPassShare(sharp, T(kLowPass));
+  }
+  template <class T>
+  COSPLAT_HD SmoothedScale<T> SmoothedScaleOf(const Rows& rows) const {
+    const Vec3<T> log = LoadVec3<T>(gaussians.scale_log, rows);
+    return SmoothScale(Vec3<T>{Exp(log.x), Exp(log.y), Exp(log.z)},
+                       SmoothingOf<T>(gaussians, rows));
+  }
+  template <class T>
+  COSPLAT_HD Vec3<T> ScaleLogOf(const Rows& rows) const {
+    if constexpr (!kAntialiased) return LoadVec3<T>(gaussians.scale_log, rows);
+    const Vec3<T> scale = SmoothedScaleOf<T>(rows).scale;
+    return {Log(scale.x), Log(scale.y), Log(scale.z)};
+  }
+
   COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }
 };
 
 // Writes the gradients of the Gaussians in `rows` (zero for invisible ones).
+template <bool kAntialiased>
 struct ProjectVjpKernel {
   WorldGaussians gaussians;
   ViewParameters view;
@@ -265,8 +302,18 @@ struct ProjectVjpKernel {
     const Vec3<T> p = ToCamera(camera, position);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
     const Vec3<T> s_log = LoadVec3<T>(gaussians.scale_log, rows);
-    const Vec3<T> s{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
-    const Sym2<T> d_cov = ConicVjp(conic, Sym2<T>{T(-0.5f) * d[2], -d[3], T(-0.5f) * d[4]});
+    const Vec3<T> stored{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
+    Sym2<T> d_cov = ConicVjp(conic, Sym2<T>{T(-0.5f) * d[2], -d[3], T(-0.5f) * d[4]});
+    Vec3<T> s = stored;
+    [[maybe_unused]] Filters<T> filters;
+    if constexpr (kAntialiased) {
+      filters = FiltersOf(camera, p, q, stored, rows);
+      s = filters.smoothed.scale;
+      const Sym2<T> more = LowPassShareVjp(filters.sharp,
+                                           T(kAntialiasedBlurVariance),
+                                           d[5] * filters.opacity * filters.smoothed.share);
+      d_cov = {d_cov.xx + more.xx, d_cov.xy + more.xy, d_cov.yy + more.yy};
+    }
     Vec3<T> d_p = ProjectPointVjp(camera, p, Vec2<T>{d[0], d[1]});
     Sym3<T> d_covariance;
     ProjectCovarianceVjp(camera, p, Covariance(q, s), d_cov, d_covariance, d_p);
@@ -279,10 +326,43 @@ struct ProjectVjpKernel {
 
     StoreWhere(drawn, d_position, out.position, rows);
     StoreWhere(drawn, d_q, out.rotation, rows);
-    StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
-    StoreWhere(drawn, SigmoidVjp(splat[5], d[5]), out.opacity_logit, rows);
+    if constexpr (kAntialiased) {
+      const T d_smoothed = d[5] * LowPassShare(filters.sharp, T(kAntialiasedBlurVariance));
+      const Vec3<T> d_scale_log = SmoothScaleVjp(
+          stored, filters.variance, filters.smoothed, d_s, d_smoothed * filters.opacity);
+      StoreWhere(drawn, d_scale_log, out.scale_log, rows);
+      StoreWhere(drawn,
+                 SigmoidVjp(filters.opacity, d_smoothed * filters.smoothed.share),
+                 out.opacity_logit,
+                 rows);
+    } else {
+      StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
+      StoreWhere(drawn, SigmoidVjp(splat[5], d[5]), out.opacity_logit, rows);
+    }
     const T d_screen[2] = {Select(drawn, d[0], T(0)), Select(drawn, d[1], T(0))};
     StoreRows<2>(d_screen, out.screen, 2, rows);
+  }
+
+  // What the forward pass computed of both filters.
+  template <class T>
+  struct Filters {
+    T variance;  // of the 3D smoothing filter
+    SmoothedScale<T> smoothed;
+    T opacity;      // as stored
+    Sym2<T> sharp;  // covariance in the image before the low-pass filter
+  };
+  template <class T>
+  COSPLAT_HD Filters<T> FiltersOf(const Pinhole<T>& camera,
+                                  const Vec3<T>& p_in_cam,
+                                  const Quat<T>& q,
+                                  const Vec3<T>& stored,
+                                  const Rows& rows) const {
+    Filters<T> f;
+    f.variance = SmoothingOf<T>(gaussians, rows);
+    f.smoothed = SmoothScale(stored, f.variance);
+    f.opacity = Sigmoid(LoadScalar<T>(gaussians.opacity_logit, rows));
+    f.sharp = ProjectCovariance(camera, p_in_cam, Covariance(q, f.smoothed.scale), T(0));
+    return f;
   }
 
   // Writes the gradients of the colour's parameters; returns the colour's part of d_position.

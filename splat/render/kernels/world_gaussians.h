@@ -21,6 +21,8 @@ struct WorldGaussians {
   const float* color_rest = nullptr;     // [count, rest_width]
   const float* color_frame = nullptr;    // [count, 4] wxyz: colour along R(frame)^T d; or null
   const uint8_t* degree = nullptr;       // [count] highest band of each; null: all are evaluated
+  const float* smoothing = nullptr;      // [count] see Gaussians; null: none
+  bool antialiased = false;              // see Gaussians
 };
 
 struct WorldGradients {

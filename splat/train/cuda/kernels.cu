@@ -4,6 +4,7 @@
 #include "splat/train/kernels/adam.h"
 #include "splat/train/kernels/control.h"
 #include "splat/train/kernels/prune_mask.h"
+#include "splat/train/kernels/smoothing.h"
 #include "splat/train/kernels/step.h"
 
 namespace cosplat::cuda {
@@ -48,6 +49,7 @@ void ProvideTrainKernels() {
   Provide<FindBoxes, JoinBoxes, LowKeys, HighKeys>();
   Provide<GatherRow<float>, GatherRow<uint8_t>, GatherRow<int32_t>>();
   Provide<CopyCrop, AddCrop>();
+  Provide<FindSmoothing>();
   Provide<HideMasked, DimMasked, LearnMask, SumShown, AddUpShown>();
 }
 
