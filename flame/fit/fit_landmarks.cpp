@@ -44,8 +44,7 @@ constexpr double kFocalPerSide = 1.8, kFocalSigma = 0.06;
 constexpr size_t kSubjectFrames = 80;
 // How often frames are fitted again, each drawn to the mean of its neighbours.
 constexpr int kSmoothingSweeps = 5;
-// How often the shape is found again with the mesh's outline, which moves with it. A longer focal
-// length would widen the head just as well, so that it stays.
+// How often shape and focal length are found again with the mesh's outline, which moves with them.
 constexpr int kRimRounds = 3, kRimIterations = 15;
 // Translation and the root's rotation, which a frame's numbers begin with, are the body's. Their
 // means over this many frames to either side stand for where it is; it stays near them by these
@@ -324,7 +323,7 @@ void LandmarkFitter::FitSubject() {
   }
   problem.AddResidualBlock(new PriorCost({log_focal_}, {kFocalSigma}), nullptr, log_focal);
   order->AddElementToGroup(log_focal, 1);
-  if (focal_given_ || rims_) problem.SetParameterBlockConstant(log_focal);
+  if (focal_given_) problem.SetParameterBlockConstant(log_focal);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.linear_solver_ordering.reset(order);

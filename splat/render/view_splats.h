@@ -33,8 +33,9 @@ struct ViewSplats {
 };
 
 // degree: highest band evaluated, at most the stored one. blur_variance: px^2, what the other
-// renderer lacks of kBlurVariance. Throws Error as Rasterizer::Forward. Bit-identical for any
-// number of threads.
+// renderer lacks of kBlurVariance. Throws Error as Rasterizer::Forward, and if the Gaussians are
+// anti-aliased, whose opacities depend on their footprints. Bit-identical for any number of
+// threads.
 void FillViewSplats(const WorldGaussians& gaussians,
                     Basis basis,
                     const Camera& camera,

@@ -477,7 +477,8 @@ TEST(ViewSplats, DrawTheSamePicture) {
     const Rows row{2, 1};
     const Vec3<float> p = ToCamera(pinhole, LoadVec3<float>(g.at(kPosition, 0), row));
     const Quat<float> q = LoadQuat<float>(g.at(kRotation, 0), row);
-    return FootprintOf(pinhole, p, q, LoadVec3<float>(g.at(kScaleLog, 0), row), 0.5f).covariance;
+    const Vec3<float> scale_log = LoadVec3<float>(g.at(kScaleLog, 0), row);
+    return FootprintOf(pinhole, p, q, scale_log, 0.5f, kBlurVariance).covariance;
   };
   FillViewSplats(world, Basis::kDcsh, camera, 3, 0.5f, splats);
   const Sym2<float> before = footprint();
@@ -489,6 +490,8 @@ TEST(ViewSplats, DrawTheSamePicture) {
   EXPECT_NEAR(after.yy - before.yy, 0.5, 1e-3);
   EXPECT_NEAR(after.xy, before.xy, 1e-3);
   EXPECT_THROW(FillViewSplats(world, Basis::kDcsh, camera, 4, 0, splats), Error);
+  world.antialiased = true;
+  EXPECT_THROW(FillViewSplats(world, Basis::kDcsh, camera, 3, 0, splats), Error);
 }
 
 TEST(Rasterizer, RefusesAnEmptyImageAndAMissingBand) {

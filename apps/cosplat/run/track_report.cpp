@@ -41,7 +41,7 @@ std::vector<float> VerticesOf(const TrackRun& run, size_t f) {
     params.expression.insert(params.expression.end(), params.eyelids.begin(), params.eyelids.end());
   }
   std::vector<float> vertices;
-  FlamePoser<float>(run.model, run.fit.shape)
+  FlamePoser<float>(run.model, run.fit.shape, run.fit.static_offset)
       .Forward(FlamePoser<float>::ParametersOf(params), vertices);
   return vertices;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "splat/base/error.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/view_splats.h"
 
@@ -114,6 +115,8 @@ void FillViewSplats(const WorldGaussians& gaussians,
   RenderSettings settings;
   settings.degree = degree;
   CheckArguments(gaussians, camera, settings);
+  if (gaussians.antialiased)
+    throw Error("splats", "are anti-aliased, which no other program's renderer draws");
   const ViewParameters view = ViewOfCamera(camera, basis, degree);
   Buffer<float>* const sorted[4] = {&out.centers, &out.colors, &out.scales, &out.rotations};
   for (int k = 0; k < 4; ++k) {
