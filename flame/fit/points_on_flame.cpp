@@ -1,5 +1,6 @@
 #include "flame/fit/points_on_flame.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <map>
 
@@ -17,9 +18,8 @@ void AddScaled(double a, const double* x, size_t count, double* sum) {
 }
 
 double DotOf(const double* a, const double* b, size_t count) {
-  double sum = 0;
-  for (size_t i = 0; i < count; ++i) sum += a[i] * b[i];
-  return sum;
+  using Row = Eigen::Map<const Eigen::VectorXd>;
+  return Row(a, Eigen::Index(count)).dot(Row(b, Eigen::Index(count)));
 }
 
 // The expression directions that the fit's coefficients stand for.

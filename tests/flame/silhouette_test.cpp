@@ -157,7 +157,7 @@ TEST(HairOffset, IsWhatTheMattesShow) {
   const double before = mean_gap(plain), after = mean_gap(found);
   std::printf("%.2f px without hair, %.2f px with it\n", before, after);
   EXPECT_GT(before, 4);
-  EXPECT_LT(after, 0.4 * before);
+  EXPECT_LT(after, 0.25 * before);
 }
 
 TEST(HairOffset, IsNothingWithoutMattes) {
