@@ -15,6 +15,9 @@ void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
                      ".npz that says where the landmarks are on the model, if it is not FLAME");
   command.add_option("--focal", o.focal, "focal length in pixels, if it is known; 0: found")
       ->check(CLI::Range(0.0, 1e6));
+  command.add_flag("--silhouette",
+                   o.silhouette,
+                   "draw the mesh's outline to the rims of the mattes, and offset it by the hair");
 }
 
 namespace {
@@ -25,8 +28,8 @@ void Track(const TrackRunOptions& o) {
     throw Error("--landmarks",
                 "is missing, and '" + o.source +
                     "' is not a tracked video that could be refined: see `cosplat landmarks`");
-  if (o.focal > 0 || !o.overlay.empty() || !o.embedding.empty())
-    throw Error("--focal, --overlay and --landmark-embedding", "need --landmarks");
+  if (o.focal > 0 || !o.overlay.empty() || !o.embedding.empty() || o.silhouette)
+    throw Error("--focal, --overlay, --landmark-embedding and --silhouette", "need --landmarks");
   RunRefinement({o.source, o.flame, o.out, o.quiet});
 }
 

@@ -105,8 +105,9 @@ class LandmarkFitter {
   // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
   void FitFrames(bool near);
   void FitSubject();
-  // From here on the mesh's outline is drawn to the mattes' rims; whether there are any.
-  bool ReadImages(const std::function<Image8(size_t)>& image);
+  void ReadImages(const std::function<Image8(size_t)>& image);
+  // From here on the mesh's outline is drawn to the mattes' rims; false if there are none.
+  bool UseRims();
   // Offsets the mesh by the subject's hair.
   void FitHair();
   // Refines the frames by what their images show, for as long as points gain that are held out.
@@ -229,7 +230,7 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, const Blocks& b
   if (texture_)
     if (auto cost = texture_->Cost(f))
       problem.AddResidualBlock(cost.release(), nullptr, shape, log_focal, frame);
-  if (!fields_.empty() && fields_[f].rim)
+  if (rims_ && fields_[f].rim)
     if (auto cost = silhouette_->Cost(shape, *log_focal, frame, *fields_[f].rim, *views_[f]))
       problem.AddResidualBlock(cost.release(), nullptr, shape, log_focal, frame);
 }
@@ -339,10 +340,13 @@ void LandmarkFitter::FitSubject() {
   log_focal_ = *log_focal;
 }
 
-bool LandmarkFitter::ReadImages(const std::function<Image8(size_t)>& image) {
+void LandmarkFitter::ReadImages(const std::function<Image8(size_t)>& image) {
   for (size_t f = 0; f < faces_.size(); ++f)
     if (faces_[f]) views_[f] = ViewOf(*faces_[f], lens_);
   fields_ = internal::ReadFields(views_, image);
+}
+
+bool LandmarkFitter::UseRims() {
   silhouette_.emplace(model_, points_.shape_count(), points_.frame_size() - kFitExpression);
   rims_ = std::any_of(
       fields_.begin(), fields_.end(), [](const FrameFields& frame) { return bool(frame.rim); });
@@ -444,8 +448,8 @@ LandmarkFit FitLandmarks(const FlameModel& model,
                 "a face is in " + std::to_string(seen) + " frames, expected at least " +
                     std::to_string(kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
-  const int sweeps =
-      2 + kSmoothingSweeps + (options.image ? kRimRounds + kMaxPhotometricRounds : 0);
+  const int sweeps = 2 + kSmoothingSweeps + (options.silhouette ? kRimRounds : 0) +
+                     (options.image ? kMaxPhotometricRounds : 0);
   const int total = sweeps * seen;
   std::mutex mutex;
   int done = 0;
@@ -458,7 +462,8 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   fitter.FitFrames(false);
   fitter.FitSubject();
   fitter.FitFrames(false);
-  const bool mattes = options.image && fitter.ReadImages(options.image);
+  if (options.image) fitter.ReadImages(options.image);
+  const bool mattes = options.image && options.silhouette && fitter.UseRims();
   for (int round = 0; mattes && round < kRimRounds; ++round) {
     fitter.FitSubject();
     fitter.FitFrames(false);

@@ -26,6 +26,8 @@ struct LandmarkFitOptions {
   // The image of a frame with a face: RGB, or RGBA with a matte; called in order. Empty: landmarks
   // alone.
   std::function<Image8(size_t frame)> image;
+  // Draws the mesh's outline to the rims of the images' mattes, and finds the hair's static offset.
+  bool silhouette = false;
 };
 
 struct FittedFrame {

@@ -311,14 +311,17 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           {}};
 }
 
+StepPlan Trainer::NextView(int iteration) {
+  const size_t index = NextFrame();
+  CheckSize(subject_.frame(index), index);
+  return PlanOf(iteration, index);
+}
+
 double Trainer::Train(int begin, int end) {
+  if (settings_.batch == 1) return engine_->Step(NextView(begin + 1));
   std::vector<StepPlan> views;
-  for (int view = begin; view < end; ++view) {
-    const size_t index = NextFrame();
-    CheckSize(subject_.frame(index), index);
-    views.push_back(PlanOf(begin + 1, index));
-  }
-  return settings_.batch == 1 ? engine_->Step(views[0]) : engine_->StepBatch(std::move(views));
+  for (int view = begin; view < end; ++view) views.push_back(NextView(begin + 1));
+  return engine_->StepBatch(std::move(views));
 }
 
 StepReport Trainer::Step() {

@@ -109,6 +109,7 @@ class Trainer {
   int DownscaleAt(int iteration) const;
   void UpdateSmoothing();
   StepPlan PlanOf(int iteration, size_t frame);
+  StepPlan NextView(int iteration);
   double Train(int begin, int end);
   void ControlDensityAt(int iteration);
   PruneRound Rank(int iteration);

@@ -107,6 +107,20 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   EXPECT_EQ(trained.code, 0) << trained.err;
 }
 
+TEST(Track, DrawsTheOutlineToTheMattes) {
+  Filmed filmed;
+  const CommandResult result = filmed.Track({"--silhouette", "--quiet"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const TrackedVideo track = LoadTrackedVideo(filmed.track, {});
+  ASSERT_FALSE(track.static_offset.empty());
+  for (float x : track.static_offset) EXPECT_LT(std::abs(x), 0.08f);
+  std::filesystem::remove_all(filmed.track);
+  filmed.Change([](LandmarkVideo& video) {
+    for (LandmarkFrame& frame : video.frames) frame.matte.clear();
+  });
+  filmed.ExpectRefused({"--silhouette", filmed.marks, "mattes"}, {"--silhouette"});
+}
+
 TEST(Track, NamesWhatIsWrongAndWritesNothing) {
   Filmed filmed;
   filmed.Change([](LandmarkVideo& video) { video.width = 64; });

@@ -49,11 +49,11 @@ TEST(WebCommands, BadInputIsNamed) {
   ExpectRefused({"serve", "x.ply", "--page", "cinema"}, "--page");
   ExpectRefused({"serve", "x.ply", "--port", "70000"}, "--port");
   ExpectRefused({"export", "--splats", folder / "none.ply", "--html", page}, "none.ply");
-  const std::string packed = folder / "scene.spz";
+  const std::string packed = folder / "scene.sog";
   const CommandResult written =
-      Cosplat({"export", "--splats", WriteScene(folder), "--spz", packed});
+      Cosplat({"export", "--splats", WriteScene(folder), "--sog", packed});
   ASSERT_EQ(written.code, 0) << written.err;
-  ExpectRefused({"export", "--splats", packed, "--html", page}, "SPZ");
+  ExpectRefused({"export", "--splats", packed, "--html", page}, "SOG");
   EXPECT_FALSE(std::filesystem::exists(page));
 }
 

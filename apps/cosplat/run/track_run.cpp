@@ -188,8 +188,11 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
   run.embedding = o.embedding.empty()
                       ? FlameLandmarks(run.model, run.marks.set)
                       : ReadLandmarkEmbedding(o.embedding, run.model, run.marks.point_count());
+  if (o.silhouette && run.marks.frames.at(0).matte.empty())
+    throw Error("--silhouette", "needs mattes, of which '" + o.landmarks + "' has none");
   LandmarkFitOptions options;
   options.focal = o.focal;
+  options.silhouette = o.silhouette;
   options.image = [&](size_t f) { return ImageOf(frames, run.marks.frames[f], run.marks); };
   std::unique_ptr<ProgressBar> bar;
   run.fit = FitLandmarks(run.model,

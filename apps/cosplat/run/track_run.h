@@ -21,6 +21,7 @@ struct TrackRunOptions {
   std::string out;        // folder
   std::string overlay;    // .mp4 or folder, or empty
   double focal = 0;       // px; 0: found
+  bool silhouette = false;
   bool quiet = false;
 };
 

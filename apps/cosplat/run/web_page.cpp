@@ -28,6 +28,10 @@ bool NeedsDecoder(const std::string& splats) {
 }  // namespace
 
 void WriteWebPage(const std::string& path, const WebModel& model) {
+  if (model.avatar.empty() && NeedsDecoder(model.splats))
+    throw Error(model.splats,
+                "is SOG or version 4 of SPZ, whose decoders are not in a page of one file: "
+                "`cosplat export --splats` makes a PLY or SPZ 3 of it");
   constexpr const char* kTemplate = "dist/offline.html";
   constexpr const char* kPlace = "@MODEL@";
   const std::string file = WebFolder(kTemplate) + "/" + kTemplate;
@@ -37,10 +41,6 @@ void WriteWebPage(const std::string& path, const WebModel& model) {
   if (at == std::string::npos) throw Error(file, kPlace, "is missing");
   Json content{{"title", model.title}};
   if (model.avatar.empty()) {
-    if (NeedsDecoder(model.splats))
-      throw Error(model.splats,
-                  "is SOG or version 4 of SPZ, whose decoders are not in a page of one file: "
-                  "`cosplat export --splats` makes a PLY or SPZ 3 of it");
     content["splats"] = FileText(model.splats);
   } else {
     content["avatar"] = FileText(model.avatar);
