@@ -31,8 +31,8 @@ mkdir -p "$work"
 
 # Mean PSNR of the run's test views at 1/$2 of the data's size.
 psnr() {
-  "$cosplat" render -m "$1" -r "$2" --quiet
-  "$cosplat" metrics -m "$1" --quiet
+  "$cosplat" render -m "$1" -r "$2" --quiet || return 1
+  "$cosplat" metrics -m "$1" > "$work/metrics.txt" || return 1
   sed -n 's/^ *"PSNR": \([0-9.]*\),*$/\1/p' "$1/results.json" | head -n 1
 }
 
@@ -47,7 +47,10 @@ for trained in 1 8; do
     "$cosplat" train-scene -s "$scene" -m "$run" -r $((trained * full)) --eval --resume --quiet \
       --iterations "$iterations" --save_iterations "$iterations" $option "$@"
     row=()
-    for drawn in 1 2 4 8; do row+=("$(psnr "$run" $((drawn * full)))"); done
+    for drawn in 1 2 4 8; do
+      value=$(psnr "$run" $((drawn * full))) || exit 1
+      row+=("$value")
+    done
     printf '%s\n' "${row[@]}" | awk -v trained="$trained" -v option="${option:+yes}" '
       { line = line sprintf(" %.2f |", $1); sum += $1 }
       END { printf "| %s | %s |%s %.2f |\n", trained == 1 ? "1" : "1/8", option ? option : "no",
