@@ -16,6 +16,7 @@
 #include "tests/fuzz/reader.h"
 #include "tests/splat/scene_fixture.h"
 #include "tests/splat/training_fixture.h"
+#include "tests/study/good_study_list.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
@@ -119,19 +120,6 @@ Strings ImageSeeds() {
 }
 
 // Settings.
-
-constexpr const char* kStudyList = R"({
-  "defaults": {"arguments": ["--eval"], "seeds": [0, 5], "checkpoints": [10]},
-  "data": [
-    {"name": "fox", "kind": "scene", "source": "a fox", "counts": [200, 100]},
-    {"name": "head", "kind": "avatar", "make_head": ["--size", "64"], "seeds": [3],
-     "checkpoints": []}],
-  "runs": [
-    {"name": "dcsh", "label": "DCSH", "groups": ["bases", "pruning"], "minus": ["sh"]},
-    {"name": "sh", "arguments": ["--basis", "sh"]},
-    {"name": "speedy", "arguments": ["--prune-to", "{count}"], "data": ["fox"], "seeds": [0]},
-    {"name": "lp", "arguments": ["--prune-lambda", "{value}"], "values": [5e-4, 2],
-     "data": ["head"]}]})";
 
 std::string ReadStudy(const std::string& folder, const std::string&) {
   for (const StudyRun& run : ReadStudyList(folder + "/list.json"))
@@ -282,7 +270,7 @@ std::vector<FuzzedReader> RunReaders() {
        files,
        {"list.json"},
        ReadStudy,
-       [] { return Strings{kStudyList}; },
+       [] { return Strings{kGoodStudyList}; },
        {"defaults", "{count}", "{value}", "values", "counts", "make_head", "minus", "seeds"}},
       {"config",
        files,

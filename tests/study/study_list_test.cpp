@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "tests/study/good_study_list.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -31,18 +32,7 @@ class StudyListTest : public testing::Test {
     ExpectError([&] { ReadStudyList(Write(text)); }, named);
   }
 
-  static constexpr const char* kGood = R"({
-    "defaults": {"arguments": ["--eval"], "seeds": [0, 5], "checkpoints": [10]},
-    "data": [
-      {"name": "fox", "kind": "scene", "source": "a fox", "counts": [200, 100]},
-      {"name": "head", "kind": "avatar", "make_head": ["--size", "64"], "seeds": [3],
-       "checkpoints": []}],
-    "runs": [
-      {"name": "dcsh", "label": "DCSH", "groups": ["bases", "pruning"], "minus": ["sh"]},
-      {"name": "sh", "arguments": ["--basis", "sh"]},
-      {"name": "speedy", "arguments": ["--prune-to", "{count}"], "data": ["fox"], "seeds": [0]},
-      {"name": "lp", "arguments": ["--prune-lambda", "{value}"], "values": [5e-4, 2],
-       "data": ["head"]}]})";
+  static constexpr const char* kGood = test::kGoodStudyList;
   const TemporaryFolder folder_;
 };
 
