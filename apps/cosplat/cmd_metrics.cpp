@@ -18,7 +18,7 @@ namespace {
 
 struct MetricsOptions {
   std::string model, lpips, flame;  // the last two may be empty
-  bool fit_track = false, fit_bust = false;
+  bool fit_track = false, fit_bust = false, fit_exposure = false;
 };
 
 // Writes the held-out frames as the avatar shows them once their parameters have been fitted,
@@ -58,6 +58,7 @@ void Measure(const MetricsOptions& o) {
   const JsonField run(model + "/run.json", json);
   const int iteration = SavedIteration(model, run);
   if (o.fit_track || o.fit_bust) WriteFitted(o, run, iteration);
+  if (o.fit_exposure) WriteExposed(model + "/test/ours_" + std::to_string(iteration));
   std::unique_ptr<Lpips> lpips;
   if (!lpips_folder.empty()) lpips = std::make_unique<Lpips>(lpips_folder);
   std::unique_ptr<ProgressBar> bar;
@@ -90,6 +91,11 @@ void AddMetrics(CLI::App& app) {
                  o->fit_bust,
                  "likewise, with the bust's pose alone fitted: ours_N_fitted_bust")
       ->excludes("--fit-track");
+  command->add_flag(
+      "--fit-exposure",
+      o->fit_exposure,
+      "also with the exposure and white balance of each test image fitted on its left "
+      "half, and measured on its right half: ours_N_exposed");
   command->add_option("--lpips",
                       o->lpips,
                       "LPIPS by the net in this folder: NET_backbone.onnx, NET_lin.npz and "

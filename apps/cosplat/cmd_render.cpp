@@ -131,7 +131,8 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   }
   TestImageWriter writer(
       o.model, held_out ? "test" : "train", iteration, settings.background, SuffixOf(o));
-  for (const SceneView& view : views) writer.Write(draw(view.camera), LoadViewImage(view));
+  for (const SceneView& view : views)
+    writer.Write(draw(view.camera), LoadViewImage(view), {}, LoadIgnored(view));
   writer.Finish();
   if (!o.quiet) std::printf("%zu views: %s\n", views.size(), writer.path().c_str());
 }

@@ -18,7 +18,7 @@ namespace cosplat {
 struct SceneView {
   std::string name;        // as the data set names the image, without the images folder
   std::string image_path;  // the file that is read
-  std::string mask_path;   // empty, or an image whose first channel replaces alpha
+  std::string mask_path;   // empty, or an image that is black where the view's is to be ignored
   Camera camera;           // pinhole, at the size that LoadViewImage returns
 
   // How that image is made from the file: undistorted from `file_camera` (at the file's size), then
@@ -49,13 +49,20 @@ struct SceneOptions {
 
 // Detects the layout from the files present: sparse/ (COLMAP), transforms_train.json (Blender),
 // transforms.json (nerfstudio, instant-ngp). Views are sorted by name. Images come from
-// images_<resolution> if that exists and are otherwise resized by area averaging. Throws Error
-// naming file, field and value; unusable frames are skipped and listed.
+// images_<resolution> if that exists and are otherwise resized by area averaging. Masks are those
+// that the layout names (mask_path), and masks/NAME.png of the folder, where NAME is the image's
+// name with or without its extension, as COLMAP has them. Throws Error naming file, field and
+// value; unusable frames are skipped and listed.
 SceneData LoadScene(const std::string& path, const SceneOptions& options);
 
 // RGB, or RGBA with straight alpha, of exactly view.camera's size. Throws Error if the file is
 // damaged or its size is not view.file_camera's.
 Image8 LoadViewImage(const SceneView& view);
+
+// One channel of the same size: 255 where the image is to be ignored, 0 elsewhere. Empty if the
+// view has no mask. Throws Error if the file is damaged or its proportions are not
+// view.file_camera's.
+Image8 LoadIgnored(const SceneView& view);
 
 // 3DGS's cameras_extent: 1.1 times the greatest distance of a camera from their mean; 1 if all
 // cameras coincide. Position learning rates and size limits scale with it.

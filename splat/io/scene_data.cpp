@@ -27,6 +27,21 @@ void SortByName(std::vector<SceneView>& views) {
   });
 }
 
+// masks/NAME.png and masks/STEM.png, of views that name no mask of their own.
+void FindMasks(const std::string& path, std::vector<SceneView>& views) {
+  const std::filesystem::path folder = std::filesystem::path(path) / "masks";
+  if (!std::filesystem::is_directory(folder)) return;
+  for (SceneView& view : views) {
+    if (!view.mask_path.empty()) continue;
+    const std::filesystem::path name = std::filesystem::path(view.name);
+    std::filesystem::path stem = name;
+    stem.replace_extension(".png");
+    for (const std::filesystem::path& file : {folder / (name.string() + ".png"), folder / stem})
+      if (view.mask_path.empty() && std::filesystem::is_regular_file(file))
+        view.mask_path = file.string();
+  }
+}
+
 }  // namespace
 
 SceneData LoadScene(const std::string& path, const SceneOptions& options) {
@@ -47,6 +62,7 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
                 "transforms.json");
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
+  for (std::vector<SceneView>* views : {&scene.train, &scene.test}) FindMasks(path, *views);
   const bool own_split = scene.layout == "blender";  // its order is also kept
   if (!own_split) SortByName(scene.train);
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);

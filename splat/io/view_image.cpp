@@ -1,4 +1,6 @@
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "splat/base/error.h"
 #include "splat/io/dataset.h"
@@ -13,21 +15,34 @@ Image8 GreyToRgb(const Image8& grey) {
   return rgb;
 }
 
-// The image with the mask's first channel as alpha, replacing any alpha of the image.
-Image8 WithMask(const Image8& image, const std::string& mask_path) {
-  Image8 mask = ReadImage(mask_path);
-  const double expected = double(image.width) * mask.height / image.height;
-  if (std::abs(expected - mask.width) > 1)
-    throw Error(mask_path,
-                "mask is " + SizeText(mask.width, mask.height) + ", its image " +
-                    SizeText(image.width, image.height));
-  mask = ResizeByArea(mask, image.width, image.height);
-  Image8 result(image.width, image.height, 4);
-  for (size_t i = 0; i < image.pixels(); ++i) {
-    for (int c = 0; c < 3; ++c) result.data[4 * i + c] = image.data[i * image.channels + c];
-    result.data[4 * i + 3] = mask.data[i * mask.channels];
+// What is at least as bright counts as white.
+constexpr uint8_t kWhite = 128;
+
+// 255 where the mask, brought to the image's size, is black anywhere in a pixel.
+Image8 IgnoredIn(Image8 kept) {
+  for (uint8_t& value : kept.data) value = value < 255 ? 255 : 0;
+  return kept;
+}
+
+Image8 ReadMask(const std::string& path, const Camera& camera) {
+  const Image8 image = ReadImage(path);
+  const double expected = double(camera.width) * image.height / camera.height;
+  if (std::abs(expected - image.width) > 1)
+    throw Error(path,
+                "mask is " + SizeText(image.width, image.height) + ", its image " +
+                    SizeText(camera.width, camera.height));
+  Image8 mask(image.width, image.height, 1);
+  for (size_t i = 0; i < mask.pixels(); ++i)
+    mask.data[i] = image.data[i * image.channels] < kWhite ? 0 : 255;
+  return mask;
+}
+
+Image8 Straight(Image8 image, const SceneView& view) {
+  if (view.distortion.model != Distortion::Model::kNone) {
+    const Camera pinhole = view.camera.Resized(image.width, image.height);
+    image = Undistort(image, view.file_camera, view.distortion, pinhole);
   }
-  return result;
+  return ResizeByArea(image, view.camera.width, view.camera.height);
 }
 
 }  // namespace
@@ -39,12 +54,14 @@ Image8 LoadViewImage(const SceneView& view) {
                 "image is " + SizeText(image.width, image.height) + ", expected " +
                     SizeText(view.file_camera.width, view.file_camera.height));
   if (image.channels == 1) image = GreyToRgb(image);
-  if (!view.mask_path.empty()) image = WithMask(image, view.mask_path);
-  if (view.distortion.model != Distortion::Model::kNone) {
-    const Camera pinhole = view.camera.Resized(image.width, image.height);
-    image = Undistort(image, view.file_camera, view.distortion, pinhole);
-  }
-  return ResizeByArea(image, view.camera.width, view.camera.height);
+  return Straight(std::move(image), view);
+}
+
+Image8 LoadIgnored(const SceneView& view) {
+  if (view.mask_path.empty()) return {};
+  Image8 kept = ReadMask(view.mask_path, view.file_camera);
+  kept = ResizeByArea(kept, view.file_camera.width, view.file_camera.height);
+  return IgnoredIn(Straight(std::move(kept), view));
 }
 
 }  // namespace cosplat

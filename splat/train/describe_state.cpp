@@ -59,6 +59,11 @@ void Describe(StateArchive& a, size_t frames, TrainingState& s) {
   a.Array("statistics.screen_gradient", s.statistics.screen_gradient, count);
   a.Array("statistics.plasticity", s.statistics.plasticity, count);
   a.Array("statistics.visible", s.statistics.visible, count);
+  const size_t exposed = s.exposures.value.size();  // as the run's settings have it
+  a.Array("exposures.value", s.exposures.value, exposed);
+  a.Array("exposures.m", s.exposures.m, exposed);
+  a.Array("exposures.v", s.exposures.v, exposed);
+  a.Array("exposures.updates", s.exposures.updates, exposed);
 }
 
 void Describe(StateArchive& a, const std::string& name, size_t count, LearnedMask& mask) {

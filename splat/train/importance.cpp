@@ -5,6 +5,7 @@
 
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss.h"
+#include "splat/train/photograph.h"
 
 namespace cosplat {
 namespace {
@@ -36,11 +37,28 @@ class ContributionSum {
   std::vector<Contribution> sum_;
 };
 
+std::vector<uint8_t> NotIgnored(const TrainFrame& frame) {
+  std::vector<uint8_t> use(frame.target.pixels(), 1);
+  for (size_t i = 0; i < frame.ignored.data.size(); ++i) use[i] = frame.ignored.data[i] == 0;
+  return use;
+}
+
+double PsnrWhere(const std::vector<uint8_t>& use, const Buffer<float>& a, const Buffer<float>& b) {
+  Buffer<float> used_a, used_b;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (!use[i % use.size()]) continue;
+    used_a.push_back(a[i]);
+    used_b.push_back(b[i]);
+  }
+  return used_a.empty() ? Psnr(a, a) : Psnr(used_a, used_b);
+}
+
 }  // namespace
 
 double MeanPsnrOfFrames(Subject& subject,
                         const Gaussians& gaussians,
                         const FrameChoice& choice,
+                        bool fits_exposure,
                         Rasterizer& rasterizer,
                         RenderTape& tape) {
   RenderedImage image, on_host;
@@ -56,9 +74,12 @@ double MeanPsnrOfFrames(Subject& subject,
                        tape);
     image.Download(on_host, rasterizer.stream());
     rasterizer.stream().Wait();
-    for (float& c : on_host.color) c = std::clamp(c, 0.0f, 1.0f);
     CompositeTarget(frame.target, choice.background, target);
-    sum += Psnr(on_host.color, target);
+    if (fits_exposure)
+      ApplyExposure(FitExposure(on_host.color, target, NotIgnored(frame)), on_host.color.view());
+    for (float& c : on_host.color) c = std::clamp(c, 0.0f, 1.0f);
+    sum += frame.ignored.empty() ? Psnr(on_host.color, target)
+                                 : PsnrWhere(NotIgnored(frame), on_host.color, target);
   }
   return choice.count() == 0 ? 0 : sum / double(choice.count());
 }

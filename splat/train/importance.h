@@ -25,11 +25,13 @@ struct FrameChoice {
   size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
 };
 
-// Mean PSNR in dB of these frames, with images clamped to [0, 1]. Everything is in the memory of
-// the rasteriser's stream.
+// Mean PSNR in dB of these frames where they are not ignored, with images clamped to [0, 1].
+// fits_exposure: brings each image to its frame's exposure first (FitExposure). Everything is in
+// the memory of the rasteriser's stream.
 double MeanPsnrOfFrames(Subject& subject,
                         const Gaussians& gaussians,
                         const FrameChoice& choice,
+                        bool fits_exposure,
                         Rasterizer& rasterizer,
                         RenderTape& tape);
 

@@ -22,6 +22,8 @@ struct LossWeights {
 struct TargetView {
   int width = 0, height = 0, channels = 0;
   const uint8_t* bytes = nullptr;  // [height, width, channels]
+  const uint8_t* ignored =
+      nullptr;  // [height, width] not 0 where it is to be ignored; null: nowhere
 };
 
 // The loss of a training step, in the memory where the images are; each back end implements the

@@ -7,7 +7,7 @@ namespace cosplat {
 TrainFrame Reduced(const TrainFrame& frame, int downscale) {
   const Image8& from = frame.target;
   const int channels = from.channels, d = downscale;
-  TrainFrame reduced{frame.camera, Image8(from.width / d, from.height / d, channels)};
+  TrainFrame reduced{frame.camera, Image8(from.width / d, from.height / d, channels), {}};
   Camera& camera = reduced.camera;
   camera.width = reduced.target.width;
   camera.height = reduced.target.height;
@@ -26,6 +26,11 @@ TrainFrame Reduced(const TrainFrame& frame, int downscale) {
         reduced.target.at(x, y, c) = of == 0 ? 0 : uint8_t((sum[c] + of / 2) / of);
       }
     }
+  if (frame.ignored.empty()) return reduced;
+  reduced.ignored = Image8(camera.width, camera.height, 1);
+  for (int y = 0; y < camera.height * d; ++y)
+    for (int x = 0; x < camera.width * d; ++x)
+      reduced.ignored.at(x / d, y / d, 0) |= frame.ignored.at(x, y, 0);
   return reduced;
 }
 
@@ -38,7 +43,7 @@ const TrainFrame& ReducedFrames::At(size_t i, int downscale) {
   reduced_.resize(subject_.frame_count());
   if (reduced_[i].target.empty()) {
     reduced_[i] = Reduced(subject_.frame(i), downscale);
-    held_ += reduced_[i].target.data.capacity();
+    held_ += reduced_[i].target.data.capacity() + reduced_[i].ignored.data.capacity();
   }
   return reduced_[i];
 }

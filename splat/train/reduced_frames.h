@@ -9,7 +9,8 @@
 namespace cosplat {
 
 // Divides the sides of a frame by `downscale`: averages blocks of pixels, weighted by alpha if
-// present. Leftover pixels at the right and the bottom are cropped, so that the camera is exact.
+// present. Leftover pixels at the right and the bottom are cropped, so that the camera is exact. A
+// block with an ignored pixel is ignored.
 TrainFrame Reduced(const TrainFrame& frame, int downscale);
 
 // The reduced frames of a subject, which must outlive this object. Keeps those of the last

@@ -11,7 +11,9 @@ std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
   std::vector<TrainFrame> loaded(views.size());
   std::vector<std::string> problems(views.size());
   tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
-    problems[i] = Problem([&] { loaded[i] = {views[i].camera, LoadViewImage(views[i])}; });
+    problems[i] = Problem([&] {
+      loaded[i] = {views[i].camera, LoadViewImage(views[i]), LoadIgnored(views[i])};
+    });
   });
   std::vector<SceneView> usable;
   std::vector<TrainFrame> frames;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
@@ -151,6 +152,7 @@ void StepEngine::Store() {
     on_device_.gaussians.Upload(state_.gaussians, stream_);
     on_device_.adam.Upload(state_.adam, stream_);
     on_device_.statistics.Upload(state_.statistics, stream_);
+    on_device_.exposures.Upload(state_.exposures, stream_);
   }
   ReleaseScratch();
   gradients_.RefillLike(now_->gaussians, stream_);
@@ -172,6 +174,7 @@ void StepEngine::Fetch() {
     on_device_.gaussians.Download(state_.gaussians, stream_);
     on_device_.adam.Download(state_.adam, stream_);
     on_device_.statistics.Download(state_.statistics, stream_);
+    on_device_.exposures.Download(state_.exposures, stream_);
     stream_.Wait();
   }
   mask_.Download(stream_);
@@ -310,6 +313,13 @@ void StepEngine::Submit(const StepPlan& plan, const Rng& rng, bool waits) {
   Backward(step);
   const View<const float> moves = RegularizeScale(step, tape_->radii(), gradients_);
   Update(plan, settings_.adam_on == AdamOn::kAll ? View<const float>() : moves, gradients_);
+  if (settings_.exposure)
+    photograph_.Update(plan.frame,
+                       plan.exposure_rate,
+                       photograph_.gradient(),
+                       overflowed_.data(),
+                       now_->exposures,
+                       stream_);
   step.done->Record();
   ++in_flight_;
   fetched_ = false;
@@ -375,15 +385,18 @@ void StepEngine::Differentiate(Submitted& step) {
   const StepPlan& plan = step.plan;
   {
     ScopedPhase phase(times_, Phase::kLoss);
-    device_.loss->Evaluate(settings_.loss,
-                           image_.color,
-                           targets_.Of(plan.frame, plan.downscale, stream_),
-                           plan.render.background,
-                           d_color_,
-                           stream_);
+    const TargetView target = targets_.Of(plan.frame, plan.downscale, stream_);
+    const float* const exposure = ExposureOf(plan.frame);
+    const bool as_is = !exposure && !target.ignored;
+    const Buffer<float>& shown =
+        as_is ? image_.color
+              : photograph_.Show(image_.color, exposure, target, plan.render.background, stream_);
+    device_.loss->Evaluate(
+        settings_.loss, shown, target, plan.render.background, d_color_, stream_);
     step.photometric.Ask(device_.loss->value(), stream_);
+    if (settings_.crop_loss.weight != 0) AddCropLoss(step, shown);
+    if (!as_is) photograph_.Pull(image_.color, exposure, target, d_color_, stream_);
   }
-  if (settings_.crop_loss.weight != 0) AddCropLoss(step);
   // On the host nothing has changed yet. Several views are checked together, on all ranks.
   if (on_host() && settings_.batch == 1)
     CheckLoss(step.photometric.Last() + step.of_crop, plan.iteration);
@@ -415,14 +428,18 @@ void StepEngine::Backward(Submitted& step) {
   if (pruner_ && on_host()) pruner_->AfterBackward(state_.gaussians, gradients_, tape_->radii());
 }
 
-void StepEngine::AddCropLoss(Submitted& step) {
-  const ScopedPhase phase(times_, Phase::kLoss);
+const float* StepEngine::ExposureOf(size_t frame) const {
+  return settings_.exposure ? now_->exposures.value.data() + frame * math::kExposureNumbers
+                            : nullptr;
+}
+
+void StepEngine::AddCropLoss(Submitted& step, const Buffer<float>& shown) {
   const CropLossSettings& settings = settings_.crop_loss;
   const StepPlan& plan = step.plan;
   const CropPlaces places{plan.crop, image_.width, image_.height};
   const size_t numbers = 3 * size_t(plan.crop.width) * size_t(plan.crop.height);
   crop_.Refill(numbers, stream_);
-  ForEach(numbers, stream_, CopyCrop{places, std::as_const(image_.color).view(), crop_.view()});
+  ForEach(numbers, stream_, CopyCrop{places, shown.view(), crop_.view()});
   rendered_crop_.resize(numbers);
   crop_.Download(rendered_crop_.data(), stream_);
   stream_.Wait();
@@ -511,11 +528,16 @@ double StepEngine::StepBatch(std::vector<StepPlan> views) {
           targets_.ImageOf(view.frame, view.downscale), settings_.crop_loss.side, state_.rng);
   Submitted& step = steps_[0];
   const Ranks& ranks = *device_.ranks;
+  std::vector<Exposure> exposures;  // gradients of the views drawn here
   sum_.Begin(now_->gaussians, views.size());
   for (size_t first = 0; first < views.size(); first += ranks.size()) {
     const size_t own = first + ranks.rank();
     std::optional<ViewGradients> mine;
     if (own < views.size()) mine.emplace(GradientsOf(step, views[own]));
+    if (mine && settings_.exposure)
+      std::copy_n(photograph_.gradient().begin(),
+                  kIdentityExposure.size(),
+                  exposures.emplace_back().begin());
     ScopedPhase phase(times_, Phase::kDensity);
     sum_.Add(mine ? &*mine : nullptr,
              now_->gaussians,
@@ -532,10 +554,33 @@ double StepEngine::StepBatch(std::vector<StepPlan> views) {
   if (moves_all) sum_.MoveAll();
   if (moves_all) moves = sum_.moves();
   Update(plan, moves, sum_.gradients());
+  if (settings_.exposure) UpdateExposures(views, exposures);
   exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
   exchanged_.views += views.size();
   ++exchanged_.steps;
   return sum_.MeanLoss() + (regularizes ? step.of_needles.Last() : 0);
+}
+
+void StepEngine::UpdateExposures(const std::vector<StepPlan>& views,
+                                 const std::vector<Exposure>& own) {
+  Ranks& ranks = *device_.ranks;
+  constexpr size_t kNumbers = kIdentityExposure.size();
+  Message mine(own.size() * kNumbers);
+  if (!own.empty()) std::memcpy(mine.data(), own.data(), mine.size() * sizeof(float));
+  std::vector<Message> of_ranks = ExchangeWithAll(mine, ranks);
+  of_ranks[ranks.rank()] = std::move(mine);
+  for (size_t k = 0; k < views.size(); ++k) {
+    Exposure gradient;
+    std::memcpy(gradient.data(),
+                of_ranks[k % ranks.size()].data() + k / ranks.size() * kNumbers,
+                sizeof gradient);
+    photograph_.Update(views[k].frame,
+                       views[k].exposure_rate,
+                       gradient,
+                       overflowed_.data(),
+                       now_->exposures,
+                       stream_);
+  }
 }
 
 void StepEngine::Assemble() {
@@ -578,14 +623,19 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
 }
 
 double StepEngine::MeanPsnr(const FrameChoice& choice) {
-  return MeanPsnrOfFrames(subject_, now_->gaussians, choice, *device_.rasterizer, *tape_);
+  return MeanPsnrOfFrames(
+      subject_, now_->gaussians, choice, settings_.exposure, *device_.rasterizer, *tape_);
 }
 
 double StepEngine::MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice) {
-  if (on_host()) return MeanPsnrOfFrames(subject_, gaussians, choice, *device_.rasterizer, *tape_);
   Gaussians copy;
-  copy.Upload(gaussians, stream_);
-  return MeanPsnrOfFrames(subject_, copy, choice, *device_.rasterizer, *tape_);
+  if (!on_host()) copy.Upload(gaussians, stream_);
+  return MeanPsnrOfFrames(subject_,
+                          on_host() ? gaussians : copy,
+                          choice,
+                          settings_.exposure,
+                          *device_.rasterizer,
+                          *tape_);
 }
 
 PhaseTimes StepEngine::Times() const {
@@ -609,7 +659,7 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"screen gradients", HeldBy(screen_)},
       {"reduction and sort scratch", stream_.held() + HeldBy(contributions_, of_image_)},
       {"image and its gradient",
-       HeldBy(image_.color, image_.transmittance, d_color_, crop_),
+       HeldBy(image_.color, image_.transmittance, d_color_, crop_) + photograph_.held(),
        MemoryOf::kPixels},
       {"target images", targets_.held(), MemoryOf::kPixels},
       {"downscaled target images", targets_.HeldForReduced(), MemoryOf::kPixels}};

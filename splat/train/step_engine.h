@@ -25,6 +25,7 @@
 #include "splat/train/instance_forecast.h"
 #include "splat/train/kernels/step.h"
 #include "splat/train/mask_learner.h"
+#include "splat/train/photograph.h"
 #include "splat/train/ranks.h"
 #include "splat/train/shards.h"
 #include "splat/train/subject.h"
@@ -44,6 +45,7 @@ struct TrainingState {
   Rng rng;
   int iteration = 0;
   std::vector<uint32_t> frames_left;  // rest of the current pass; the next one is at the back
+  ExposureState exposures;            // empty unless TrainSettings::exposure
 };
 
 // A step of one view, or one view of a step (StepEngine::StepBatch).
@@ -54,6 +56,7 @@ struct StepPlan {
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
   int downscale = 1;                // factor that the sides of its image are divided by
+  float exposure_rate = 0;          // of Adam on the frame's exposure
   Crop crop;                        // for the crop loss; the engine draws it
 };
 
@@ -182,8 +185,13 @@ class StepEngine : public FrameImages {
   // After steps of several views, other ranks have parts of the moments and statistics: takes them
   // over. All ranks do.
   void Assemble();
-  // Adds the crop loss and its gradient to those of the photometric loss. Waits for a device.
-  void AddCropLoss(Submitted& step);
+  // The frame's exposure; null if none are trained.
+  const float* ExposureOf(size_t frame) const;
+  // Adam on the exposures of a step's views, which all ranks have drawn together.
+  void UpdateExposures(const std::vector<StepPlan>& views, const std::vector<Exposure>& own);
+  // Adds the crop loss and its gradient to those of the photometric loss. shown: what is compared.
+  // Waits for a device.
+  void AddCropLoss(Submitted& step, const Buffer<float>& shown);
   void LearnMask(Submitted& step);
   // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates: visible ones, and
   // those that it acts on. visible: [N] positive if so.
@@ -223,6 +231,7 @@ class StepEngine : public FrameImages {
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
   WorldGaussians world_;  // this step's
+  PhotographModel photograph_;
   Buffer<float> d_color_, screen_;
   Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
   std::vector<float> d_crop_;

@@ -19,6 +19,8 @@ namespace cosplat {
 struct TrainFrame {
   Camera camera;
   Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
+  Image8 ignored =
+      {};  // empty, or one channel of that size: not 0 where the target is to be ignored
 };
 
 // A subject's state besides the Gaussians; each subject defines its own (AvatarTrainingState).

@@ -5,26 +5,29 @@
 namespace cosplat {
 
 TargetView TargetStore::Of(size_t frame, int downscale, Stream& stream) {
-  const Image8& image = frames_.At(frame, downscale).target;
-  TargetView view{image.width, image.height, image.channels, image.data.data()};
-  if (stream.on_host()) return view;
+  const TrainFrame& from = frames_.At(frame, downscale);
+  const Image8& image = from.target;
+  const std::vector<uint8_t>& ignored = from.ignored.data;
+  const auto view_at = [&](const uint8_t* bytes, const uint8_t* of_ignored) {
+    return TargetView{
+        image.width, image.height, image.channels, bytes, ignored.empty() ? nullptr : of_ignored};
+  };
+  const size_t of_image = image.data.size();
+  if (stream.on_host()) return view_at(image.data.data(), ignored.data());
   if (std::exchange(downscale_, downscale) != downscale) {
     kept_ = std::vector<Buffer<uint8_t>>(kept_.size());  // freeing waits for the device
     held_ = 0;
   }
   Buffer<uint8_t>& kept = kept_[frame];
-  if (!kept.empty()) {
-    view.bytes = kept.data();
-    return view;
-  }
-  const size_t bytes = image.data.size();
+  if (!kept.empty()) return view_at(kept.data(), kept.data() + of_image);
+  const size_t bytes = of_image + ignored.size();
   const bool fits = held_ + bytes + bytes / kHeadRoom <= most_bytes_;
   Buffer<uint8_t>& target = fits ? kept : passing_;
   target.Refill(bytes, stream);
-  stream.Send(target.data(), image.data.data(), bytes);
+  stream.Send(target.data(), image.data.data(), of_image);
+  if (!ignored.empty()) stream.Send(target.data() + of_image, ignored.data(), ignored.size());
   if (fits) held_ += target.capacity();
-  view.bytes = target.data();
-  return view;
+  return view_at(target.data(), target.data() + of_image);
 }
 
 }  // namespace cosplat

@@ -30,6 +30,7 @@ struct LearningRates {
   float scale = 5e-3f;
   float rotation = 1e-3f;
   float correction = 3e-4f;  // of avatars, in the units of avatar/math/correct.h; it falls
+  float exposure = 0.02f;    // of a training frame; it falls
 
   float RestRate() const { return rest > 0 ? rest : color / 20; }
 };
@@ -68,6 +69,8 @@ struct TrainSettings {
   // Trains Gaussians::antialiased and, where the subject is static, Gaussians::smoothing, which is
   // found again from the positions after every kSmoothingEvery steps.
   bool antialiasing = false;
+  // Trains an exposure of every frame (splat/train/photograph.h).
+  bool exposure = false;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };
 

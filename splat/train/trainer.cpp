@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kMinReducedSide = 100;          // px
 constexpr float kLastCorrectionRate = 0.01f;  // as a fraction of the first
+constexpr float kLastExposureRate = 0.1f;     // likewise
 
 void CheckSize(const TrainFrame& frame, size_t index) {
   const Image8& image = frame.target;
@@ -47,6 +48,7 @@ Trainer::Trainer(const TrainSettings& settings,
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
+  if (settings.exposure) state_.exposures = ExposureState(subject.frame_count());
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
   MakePrunerFor(settings.prune);
@@ -191,6 +193,7 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
     checkpoint.state.gaussians.basis = state_.gaussians.basis;
     checkpoint.state.gaussians.antialiased = state_.gaussians.antialiased;
     checkpoint.state.gaussians.corrections = state_.gaussians.corrections;
+    checkpoint.state.exposures = state_.exposures;
     checkpoint.subject = subject_.SaveState();
   }
   cosplat::Describe(a, subject_.frame_count(), checkpoint.state);
@@ -308,6 +311,8 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           RatesAt(state_.iteration),
           iteration < settings_.schedule.densify_until,
           DownscaleAt(iteration),
+          settings_.schedule.PositionRate(
+              iteration, settings_.rates.exposure, settings_.rates.exposure * kLastExposureRate),
           {}};
 }
 

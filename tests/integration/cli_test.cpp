@@ -306,6 +306,31 @@ TEST(Cli, MeasuresFittedTestFrames) {
   EXPECT_TRUE(Contains(scene.err, "is for avatars")) << scene.err;
 }
 
+TEST(Cli, FindsExposuresAndFitsThoseOfTestImages) {
+  const TemporaryFolder copy;
+  const std::string run = copy / "run";
+  ExpectQuietSuccess(Cosplat({"train-scene",
+                              "-s",
+                              Made().photos,
+                              "-m",
+                              run,
+                              "--eval",
+                              "--iterations",
+                              "20",
+                              "--exposure",
+                              "--quiet"}));
+  const CommandResult fitted = Cosplat({"metrics", "-m", run, "--fit-exposure"});
+  EXPECT_EQ(fitted.code, 0) << fitted.err;
+  EXPECT_TRUE(Contains(fitted.out, "ours_20_exposed: PSNR")) << fitted.out;
+  const Image8 whole = ReadImage(run + "/test/ours_20/gt/00000.png"),
+               half = ReadImage(run + "/test/ours_20_exposed/gt/00000.png");
+  EXPECT_EQ(half.width, whole.width - whole.width / 2);
+  EXPECT_EQ(half.at(0, 5, 1), whole.at(whole.width / 2, 5, 1));
+  const Json results = ReadJson(run + "/results.json");
+  EXPECT_GT(results["ours_20_exposed"]["PSNR"].get<double>(),
+            results["ours_20"]["PSNR"].get<double>());
+}
+
 TEST(Cli, ReportsOnOnePage) {
   for (const std::string& model : {Made().avatar, Made().scene}) {
     const TemporaryFolder copy;

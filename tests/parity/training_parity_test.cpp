@@ -101,6 +101,27 @@ TEST_F(TrainingParity, TheRegulariserOfScales) {
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-4 * cpu.losses[i - 1]) << i;
 }
 
+// Photographs of different exposure with pixels to ignore, on steps that are repeated, too.
+TEST_F(TrainingParity, ExposuresAndIgnoredPixels) {
+  TrainingRun run;
+  run.settings.exposure = true;
+  run.settings.schedule.densify_until = 0;
+  for (size_t f = 0; f < run.frames.size(); ++f) {
+    TrainFrame& frame = run.frames[f];
+    frame.ignored = Image8(frame.target.width, frame.target.height, 1);
+    for (size_t i = 0; i < frame.ignored.data.size(); i += 5 + f) frame.ignored.data[i] = 1;
+    for (uint8_t& byte : frame.target.data) byte = uint8_t(byte / (1 + 0.2 * double(f)));
+  }
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 30);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 30);
+  for (int i = 1; i < 30; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
+  ASSERT_EQ(device.state.exposures.value.size(), cpu.state.exposures.value.size());
+  for (size_t i = 0; i < cpu.state.exposures.value.size(); ++i)
+    EXPECT_NEAR(device.state.exposures.value[i], cpu.state.exposures.value[i], 2e-3f) << i;
+  EXPECT_TRUE(SameBits(device.state, RunOn(run, OnDevice(SumOrder::kFixed), 30).state));
+}
+
 // A step then waits for its crop, and therefore for its own number of instances.
 TEST_F(TrainingParity, TheCropLoss) {
   TrainingRun run;

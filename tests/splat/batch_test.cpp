@@ -91,6 +91,12 @@ TEST(Batch, WhereARulePrunesAndBandsAreDropped) {
   ExpectSameOnAnyRanks(settings);
 }
 
+TEST(Batch, WhereExposuresAreFound) {
+  TrainSettings settings = BusyBatch();
+  settings.exposure = true;
+  ExpectSameOnAnyRanks(settings);
+}
+
 TEST(Batch, HasTheSameBitsOnAnyNumberOfThreads) {
   const TrainSettings settings = BusyBatch();
   const TrainingState alone = TrainOn(1, settings)[0];

@@ -91,6 +91,12 @@ TEST(Checkpoint, AlsoWithAntialiasing) {
   ExpectExact(settings, {15, 99, 101, 149});
 }
 
+TEST(Checkpoint, AlsoWithExposures) {
+  TrainSettings settings = Busy();
+  settings.exposure = true;
+  ExpectExact(settings, {1, 15, 101, 149});
+}
+
 TEST(Checkpoint, AlsoWithDroppedBandsAndATarget) {
   TrainSettings settings = Busy(PruneRule::kLeaveOneOut);
   settings.prune.target = 150;

@@ -315,6 +315,29 @@ TEST(Colmap, FilesThatChangeAfterLoadingAreErrors) {
   ExpectError([&] { LoadViewImage(scene.train[0]); }, {"img 0.png", "80x60", "160x120"});
 }
 
+// Named with the image's extension, as COLMAP does, or without; at the images' or another size.
+TEST(Scene, MasksAreFoundInTheirFolder) {
+  const TemporaryFolder folder;
+  WriteScene(folder, PinholeFixture());
+  MakeDirectories(folder / "masks");
+  Image8 mask(80, 60, 1, 255);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 50; x < 80; ++x) mask.at(x, y, 0) = 90;
+  WriteImage(folder / "masks/img 0.png.png", mask);
+  WriteImage(folder / "masks/img 1.png", mask);
+  WriteImage(folder / "masks/img 2.png", Image8(80, 50, 1));
+  const SceneData scene = LoadScene(folder.path(), {.resolution = 2});
+  for (const size_t view : {0u, 1u}) {
+    const Image8 ignored = LoadIgnored(scene.train[view]);
+    ASSERT_EQ(ignored.width, 80);
+    ASSERT_EQ(ignored.height, 60);
+    for (const auto& [x, value] : {std::pair{0, 0}, {49, 0}, {50, 255}, {79, 255}})
+      EXPECT_EQ(ignored.at(x, 30, 0), value) << x;
+  }
+  ExpectError([&] { LoadIgnored(scene.train[2]); }, {"masks/img 2.png", "80x50", "160x120"});
+  EXPECT_TRUE(LoadIgnored(scene.train[3]).empty());
+}
+
 TEST(Scene, NothingThereIsAnError) {
   const TemporaryFolder folder;
   ExpectError([&] { LoadScene(folder / "none", {}); }, {"none", "is not a folder"});

@@ -152,7 +152,7 @@ TEST(Nerfstudio, ReducedFoldersAndMissingSizes) {
   check();
 }
 
-TEST(Nerfstudio, MasksBecomeAlpha) {
+TEST(Nerfstudio, MasksAreToIgnore) {
   Nerfstudio scene(3);
   Image8 mask(160, 120, 1);
   for (int y = 0; y < 120; ++y)
@@ -160,12 +160,14 @@ TEST(Nerfstudio, MasksBecomeAlpha) {
   WriteImage(scene.folder / "mask.png", mask);
   for (Json& frame : scene.json["frames"]) frame["mask_path"] = "mask.png";
   const SceneData data = scene.Load({.resolution = 4});
-  const Image8 image = LoadViewImage(data.train[0]);
-  ASSERT_EQ(image.channels, 4);
-  EXPECT_EQ(image.at(5, 10, 3), 255);
-  EXPECT_EQ(image.at(30, 10, 3), 0);
+  EXPECT_EQ(LoadViewImage(data.train[0]).channels, 3);
+  const Image8 ignored = LoadIgnored(data.train[0]);
+  ASSERT_EQ(ignored.width, 40);
+  ASSERT_EQ(ignored.channels, 1);
+  EXPECT_EQ(ignored.at(5, 10, 0), 0);
+  EXPECT_EQ(ignored.at(30, 10, 0), 255);
   WriteImage(scene.folder / "mask.png", Image8(160, 100, 1));
-  ExpectError([&] { LoadViewImage(data.train[0]); }, {"mask.png", "160x100", "160x120"});
+  ExpectError([&] { LoadIgnored(data.train[0]); }, {"mask.png", "160x100", "160x120"});
   scene.json["frames"][0]["mask_path"] = "none.png";
   const SceneData less = scene.Load();
   ASSERT_EQ(less.skipped.size(), 1u);

@@ -7,6 +7,7 @@
 
 #include "splat/math/adam.h"
 #include "splat/math/blend.h"
+#include "splat/math/exposure.h"
 #include "splat/math/gaussian.h"
 #include "splat/math/pinhole.h"
 #include "splat/math/ssim.h"
@@ -26,6 +27,21 @@ Quat<T> Q(const std::vector<T>& x, size_t i) {
 template <class T>
 Vec3<T> V(const std::vector<T>& x, size_t i) {
   return {x[i], x[i + 1], x[i + 2]};
+}
+
+TEST(Exposure, Vjp) {
+  const auto f = [](const auto& x) {
+    const auto y = Exposed(x.data(), V(x, kExposureNumbers));
+    return std::decay_t<decltype(x)>{y.x, y.y, y.z};
+  };
+  const auto vjp = [](const std::vector<double>& x, const std::vector<double>& d) {
+    std::vector<double> d_x(kExposureNumbers, 0.0);
+    const Vec3<double> d_color =
+        ExposedVjp(x.data(), V(x, kExposureNumbers), {d[0], d[1], d[2]}, d_x.data());
+    d_x.insert(d_x.end(), {d_color.x, d_color.y, d_color.z});
+    return d_x;
+  };
+  ExpectVjpMatchesDual(f, vjp, RandomVector(kExposureNumbers + 3, 1));
 }
 
 TEST(Quat, RotationOfKnownAngle) {

@@ -104,7 +104,7 @@ struct ImagesOf : FrameImages {
     return sums;
   }
   double MeanPsnr(const FrameChoice& choice) override {
-    return MeanPsnrOfFrames(subject, gaussians, choice, *rasterizer, *tape);
+    return MeanPsnrOfFrames(subject, gaussians, choice, false, *rasterizer, *tape);
   }
   Subject& subject;
   const Gaussians& gaussians;
@@ -142,6 +142,7 @@ inline bool SameBits(const TrainingState& a, const TrainingState& b) {
          SameBits(a.adam.v, b.adam.v) && a.adam.step == b.adam.step &&
          SameBits(a.statistics.plasticity, b.statistics.plasticity) &&
          SameBits(a.statistics.screen_gradient, b.statistics.screen_gradient) &&
+         SameBits(a.exposures.value, b.exposures.value) && SameBits(a.exposures.v, b.exposures.v) &&
          a.rng.state == b.rng.state && a.iteration == b.iteration && a.frames_left == b.frames_left;
 }
 

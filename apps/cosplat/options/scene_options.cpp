@@ -21,6 +21,10 @@ void SceneTrainOptions::DeclareTraining(CLI::App& command) {
                   "number of random initial points for data without points; 0: the preset's choice "
                   "(default: points found in the images; 3dgs: 100,000)")
       ->check(CLI::Range(size_t(0), kMaxGaussians));
+  command.add_flag("--exposure",
+                   exposure,
+                   "find each photograph's exposure and white balance while training, so that the "
+                   "scene does not learn them");
   command.add_flag("--antialiasing",
                    antialiasing,
                    "train for images of any size and distance: Mip-Splatting's filters");

@@ -27,6 +27,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   s.degree = sh_degree;
   s.seed = seed;
   s.antialiasing = antialiasing;
+  s.exposure = exposure;
   s.loss = {1 - lambda_dssim, lambda_dssim, 0};
   if (lambda_lpips > 0 && lpips.empty())
     throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");

@@ -27,6 +27,7 @@ struct TrainOptions {
   bool eval = false;
   bool fold = false;
   bool antialiasing = false;
+  bool exposure = false;  // of scenes
   int iterations = 30000;
   int batch = 1;  // of scenes
   int sh_degree = 3;

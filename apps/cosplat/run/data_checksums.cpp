@@ -18,9 +18,9 @@ uint32_t ChecksumOf(const std::string& text, uint32_t before = 0) {
   return Crc32(text.data(), text.size(), before);
 }
 
-uint32_t ChecksumOf(const Image8& image) {
+uint32_t ChecksumOf(const Image8& image, uint32_t before = 0) {
   const int size[3] = {image.width, image.height, image.channels};
-  return Crc32(image.data.data(), image.data.size(), Crc32(size, sizeof size));
+  return Crc32(image.data.data(), image.data.size(), Crc32(size, sizeof size, before));
 }
 
 std::string NameOf(const std::string& kind, const std::vector<std::string>& names, size_t i) {
@@ -42,7 +42,8 @@ void AddFrames(const std::string& kind,
                const std::vector<const TrainFrame*>& frames,
                DataChecksums& checksums) {
   const auto of = [&](size_t i) {
-    const uint32_t image = ChecksumOf(frames[i]->target);
+    uint32_t image = ChecksumOf(frames[i]->target);
+    if (!frames[i]->ignored.empty()) image = ChecksumOf(frames[i]->ignored, image);
     return std::pair(NameOf(kind, names, i),
                      ChecksumOf(CameraToJson(frames[i]->camera).dump(), image));
   };

@@ -1,5 +1,6 @@
 #include "apps/cosplat/run/scene_training.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -30,7 +31,7 @@ void Evaluate(const SceneTrainOptions& o,
   RenderedImage image;
   for (const TrainFrame& frame : test) {
     rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
-    writer.Write(image, frame.target);
+    writer.Write(image, frame.target, {}, frame.ignored);
   }
   writer.Finish();
 }
@@ -119,6 +120,10 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
                 subject.frame(0).camera.height,
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
+  const auto masked = std::count_if(scene.train.begin(), scene.train.end(), [](const SceneView& v) {
+    return !v.mask_path.empty();
+  });
+  if (!o.quiet && masked > 0) std::printf("%zu views with masks\n", size_t(masked));
   if (!o.quiet && ranks->size() > 1) std::printf("%zu ranks\n", ranks->size());
   RunHooks hooks;
   hooks.ranks = ranks;

@@ -11,7 +11,9 @@
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
 #include "splat/base/json.h"
+#include "splat/train/crop_loss.h"
 #include "splat/train/loss.h"
+#include "splat/train/photograph.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -190,17 +192,21 @@ TestImageWriter::TestImageWriter(const std::string& folder,
 
 void TestImageWriter::Write(const RenderedImage& rendered,
                             const Image8& truth,
-                            const Regions& regions) {
+                            const Regions& regions,
+                            const Image8& ignored) {
   const std::string name = NumberedName(next_++);
   WriteImage(path_ + "/renders/" + name,
              PlanarToBytes(rendered.color, rendered.width, rendered.height));
   Buffer<float> planar;
   CompositeTarget(truth, background_, planar);
   WriteImage(path_ + "/gt/" + name, PlanarToBytes(planar, truth.width, truth.height));
-  if (truth.channels == 4) {
+  if (truth.channels == 4 || !ignored.empty()) {
     MakeDirectories(path_ + "/masks");
-    Image8 mask(truth.width, truth.height, 1);
-    for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = truth.data[4 * i + 3];
+    Image8 mask(truth.width, truth.height, 1, 255);
+    for (size_t i = 0; i < mask.pixels(); ++i) {
+      if (truth.channels == 4) mask.data[i] = truth.data[4 * i + 3];
+      if (!ignored.empty() && ignored.data[i]) mask.data[i] = 0;
+    }
     WriteImage(path_ + "/masks/" + name, mask);
   }
   for (const auto& [region, r] : regions)
@@ -257,6 +263,39 @@ TestSummary EvaluateTestImages(const std::string& folder,
   WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
   WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
   return summary;
+}
+
+void WriteExposed(const std::string& folder) {
+  const std::vector<std::string> names = SortedFiles(folder + "/renders");
+  if (names.empty())
+    throw Error(folder, "contains no images: train with --eval or run `cosplat render` first");
+  const std::string out = folder + "_exposed";
+  for (const char* sub : {"/renders", "/gt", "/masks"}) {
+    std::error_code ignored;
+    fs::remove_all(out + sub, ignored);  // or images of an earlier run would be counted
+    if (fs::exists(folder + sub)) MakeDirectories(out + sub);
+  }
+  for (const std::string& name : names) {
+    const Image8 rendered = ReadImage(folder + "/renders/" + name);
+    const Image8 truth = ReadImage(folder + "/gt/" + name);
+    const bool masked = fs::exists(folder + "/masks/" + name);
+    const Image8 mask = masked ? ReadImage(folder + "/masks/" + name) : Image8();
+    const int middle = rendered.width / 2;
+    std::vector<uint8_t> use(rendered.pixels(), 0);
+    for (size_t i = 0; i < use.size(); ++i)
+      use[i] = int(i % size_t(rendered.width)) < middle && (!masked || mask.data[i] == 255);
+    Buffer<float> shown, target;
+    CompositeTarget(rendered, {}, shown);
+    CompositeTarget(truth, {}, target);
+    ApplyExposure(FitExposure(shown, target, use), shown.view());
+    const Crop right{middle, 0, rendered.width - middle, rendered.height};
+    const auto write = [&](const char* sub, const Image8& image) {
+      WriteImage(out + sub + "/" + name, Cropped(image, right));
+    };
+    write("/renders", PlanarToBytes(shown, rendered.width, rendered.height));
+    write("/gt", truth);
+    if (masked) write("/masks", mask);
+  }
 }
 
 std::string ToString(const TestSummary& s) {

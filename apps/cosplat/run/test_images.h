@@ -37,9 +37,9 @@ Regions RegionsOf(const std::vector<float>& vertices,
                   const FlameModel& flame,
                   const Camera& camera);
 
-// Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png and, if `truth` has alpha, masks/000ii.png.
-// Both images are composited over the background. `set` is "test", or "train" for training views;
-// `suffix` marks splats other than the run's own.
+// Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png and, if `truth` has alpha or pixels to ignore,
+// masks/000ii.png. Both images are composited over the background. `set` is "test", or "train" for
+// training views; `suffix` marks splats other than the run's own.
 class TestImageWriter {
  public:
   TestImageWriter(const std::string& folder,
@@ -49,8 +49,11 @@ class TestImageWriter {
                   const std::string& suffix = "");
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
-  // regions: by name, measured apart; empty rectangles are left out.
-  void Write(const RenderedImage& rendered, const Image8& truth, const Regions& regions = {});
+  // regions: by name, measured apart; empty rectangles are left out. ignored: as in TrainFrame.
+  void Write(const RenderedImage& rendered,
+             const Image8& truth,
+             const Regions& regions = {},
+             const Image8& ignored = {});
   // Writes regions.json if there were any.
   void Finish();
 
@@ -72,6 +75,11 @@ TestSummary EvaluateTestImages(const std::string& folder,
                                int iteration = -1,
                                Lpips* lpips = nullptr,
                                const std::function<void(int done, int total)>& progress = {});
+
+// Writes the right halves of a test/ours_N of a run to test/ours_N_exposed, each with the exposure
+// that brings the left half closest to the ground truth (NeRF-W's protocol, Martin-Brualla et al.
+// 2021, section 4.1). Throws Error if there are no images.
+void WriteExposed(const std::string& folder);
 
 // "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
 std::string ToString(const TestSummary& summary);

@@ -3,6 +3,7 @@
 #include "splat/train/cuda/step.h"
 #include "splat/train/kernels/adam.h"
 #include "splat/train/kernels/control.h"
+#include "splat/train/kernels/photograph.h"
 #include "splat/train/kernels/prune_mask.h"
 #include "splat/train/kernels/smoothing.h"
 #include "splat/train/kernels/step.h"
@@ -50,6 +51,7 @@ void ProvideTrainKernels() {
   Provide<GatherRow<float>, GatherRow<uint8_t>, GatherRow<int32_t>>();
   Provide<CopyCrop, AddCrop>();
   Provide<FindSmoothing>();
+  Provide<ShowPhotograph, PullPhotograph, AddUpExposure, StepExposure, CenterExposures>();
   Provide<HideMasked, DimMasked, LearnMask, SumShown, AddUpShown>();
 }
 

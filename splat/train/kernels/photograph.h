@@ -1,0 +1,120 @@
+// What lies between a rendered image and the photograph that it is compared with: the photograph's
+// exposure (math/exposure.h), and pixels to ignore.
+#pragma once
+
+#include "splat/device/buffer.h"
+#include "splat/math/adam.h"
+#include "splat/math/exposure.h"
+#include "splat/math/photometric.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+
+// One call per pixel: the rendered image as the photograph would show it. Ignored pixels get the
+// target's values, so that no loss, windowed or not, sees a difference there.
+struct ShowPhotograph {
+  View<const float> rendered;  // [3, pixels]
+  const float* exposure;       // [12]; null: the identity
+  TargetView target;
+  float background[3];
+  View<float> shown;  // [3, pixels]
+  COSPLAT_HD void operator()(size_t i) const {
+    const size_t plane = rendered.count / 3;
+    math::Vec3<float> color{rendered[i], rendered[plane + i], rendered[2 * plane + i]};
+    if (target.ignored && target.ignored[i]) {
+      color = {Target(i, 0), Target(i, 1), Target(i, 2)};
+    } else if (exposure) {
+      color = math::Exposed(exposure, color);
+    }
+    shown[i] = color.x;
+    shown[plane + i] = color.y;
+    shown[2 * plane + i] = color.z;
+  }
+  COSPLAT_HD float Target(size_t i, int channel) const {
+    const uint8_t* p = target.bytes + i * size_t(target.channels);
+    const uint8_t value = p[target.channels == 1 ? 0 : channel];
+    return target.channels == 4 ? math::Over(value, p[3], background[channel])
+                                : math::FromByte(value);
+  }
+};
+
+// Its derivative, one call per block of pixels: `d` is that of what is shown and becomes that of
+// the rendered image. sums: of the block, for the exposure.
+struct PullPhotograph {
+  static constexpr size_t kBlock = 256;
+  View<const float> rendered;  // [3, pixels]
+  const float* exposure;       // [12]; null: the identity
+  const uint8_t* ignored;      // [pixels] or null
+  View<float> d;               // [3, pixels]
+  View<float> sums;            // [blocks, 12]; empty if `exposure` is null
+  COSPLAT_HD void operator()(size_t b) const {
+    const size_t plane = rendered.count / 3;
+    const size_t last = (b + 1) * kBlock < plane ? (b + 1) * kBlock : plane;
+    float d_exposure[math::kExposureNumbers] = {};
+    for (size_t i = b * kBlock; i < last; ++i) {
+      math::Vec3<float> d_color{0, 0, 0};
+      if (!ignored || !ignored[i]) d_color = {d[i], d[plane + i], d[2 * plane + i]};
+      if (exposure)
+        d_color = math::ExposedVjp(exposure,
+                                   {rendered[i], rendered[plane + i], rendered[2 * plane + i]},
+                                   d_color,
+                                   d_exposure);
+      d[i] = d_color.x;
+      d[plane + i] = d_color.y;
+      d[2 * plane + i] = d_color.z;
+    }
+    if (!exposure) return;
+    for (int k = 0; k < math::kExposureNumbers; ++k)
+      sums[b * math::kExposureNumbers + size_t(k)] = d_exposure[k];
+  }
+};
+
+// One call per number: adds the blocks' sums, in order.
+struct AddUpExposure {
+  View<const float> sums;  // [blocks, 12]
+  View<float> gradient;    // [12]
+  COSPLAT_HD void operator()(size_t k) const {
+    double sum = 0;
+    for (size_t i = k; i < sums.count; i += math::kExposureNumbers) sum += double(sums[i]);
+    gradient[k] = float(sum);
+  }
+};
+
+// Numbers of all frames' exposures, [frames, 12].
+struct ExposureArrays {
+  View<float> value, m, v;
+  View<uint32_t> updates;  // of each number so far
+};
+
+// One call per number of a frame's exposure: a step of Adam. Changes nothing if *overflowed is not
+// 0, since the step will be repeated.
+struct StepExposure {
+  ExposureArrays all;
+  size_t frame;
+  float rate;
+  View<const float> gradient;  // [12]
+  const uint32_t* overflowed;
+  View<float> moved;  // [12]
+  COSPLAT_HD void operator()(size_t k) const {
+    const size_t i = frame * math::kExposureNumbers + k;
+    const float before = all.value[i];
+    if (*overflowed == 0 && math::IsUsableGradient(gradient[k])) {
+      const math::AdamStep step = math::AdamStepAt(rate, 1e-15, int64_t(++all.updates[i]));
+      math::AdamUpdate(step, gradient[k], all.value[i], all.m[i], all.v[i]);
+    }
+    moved[k] = all.value[i] - before;
+  }
+};
+
+// One call per number of all frames: shares out what one frame was moved by, so that the mean over
+// the frames stays the identity. Scene and exposures are determined up to an affine function only.
+struct CenterExposures {
+  View<const float> moved;  // [12]
+  View<float> value;        // [frames, 12]
+  COSPLAT_HD void operator()(size_t i) const {
+    const float frames = float(value.count / math::kExposureNumbers);
+    value[i] -= moved[i % math::kExposureNumbers] / frames;
+  }
+};
+
+}  // namespace cosplat

@@ -1,0 +1,129 @@
+#include "splat/train/photograph.h"
+
+#include <Eigen/Dense>
+
+#include "splat/device/for_each.h"
+#include "splat/train/kernels/photograph.h"
+
+namespace cosplat {
+namespace {
+
+// Weight of the identity in a fit, in pixels per pixel.
+constexpr double kIdentityWeight = 1e-6;
+
+size_t BlocksOf(View<const float> rendered) {
+  return (rendered.count / 3 + PullPhotograph::kBlock - 1) / PullPhotograph::kBlock;
+}
+
+}  // namespace
+
+ExposureState::ExposureState(size_t frames)
+    : m(frames * math::kExposureNumbers, 0),
+      v(frames * math::kExposureNumbers, 0),
+      updates(frames * math::kExposureNumbers, 0) {
+  for (size_t i = 0; i < frames; ++i)
+    value.append(kIdentityExposure.begin(), kIdentityExposure.end());
+}
+
+void ExposureState::Upload(const ExposureState& from, Stream& stream) {
+  value.Upload(from.value.data(), from.value.size(), stream);
+  m.Upload(from.m.data(), from.m.size(), stream);
+  v.Upload(from.v.data(), from.v.size(), stream);
+  updates.Upload(from.updates.data(), from.updates.size(), stream);
+}
+
+void ExposureState::Download(ExposureState& to, Stream& stream) const {
+  to.value.resize(value.size());
+  to.m.resize(m.size());
+  to.v.resize(v.size());
+  to.updates.resize(updates.size());
+  value.Download(to.value.data(), stream);
+  m.Download(to.m.data(), stream);
+  v.Download(to.v.data(), stream);
+  updates.Download(to.updates.data(), stream);
+}
+
+const Buffer<float>& PhotographModel::Show(View<const float> rendered,
+                                           const float* exposure,
+                                           const TargetView& target,
+                                           const std::array<float, 3>& background,
+                                           Stream& stream) {
+  shown_.Refill(rendered.count, stream);
+  ForEach(rendered.count / 3,
+          stream,
+          ShowPhotograph{rendered,
+                         exposure,
+                         target,
+                         {background[0], background[1], background[2]},
+                         shown_.view()});
+  return shown_;
+}
+
+void PhotographModel::Pull(View<const float> rendered,
+                           const float* exposure,
+                           const TargetView& target,
+                           Buffer<float>& d_shown,
+                           Stream& stream) {
+  const size_t blocks = BlocksOf(rendered);
+  sums_.Refill(exposure ? blocks * math::kExposureNumbers : 0, stream);
+  ForEach(blocks,
+          stream,
+          PullPhotograph{rendered, exposure, target.ignored, d_shown.view(), sums_.view()});
+  if (!exposure) return;
+  gradient_.Refill(math::kExposureNumbers, stream);
+  ForEach(
+      math::kExposureNumbers, stream, AddUpExposure{std::as_const(sums_).view(), gradient_.view()});
+}
+
+void PhotographModel::Update(size_t frame,
+                             float rate,
+                             View<const float> gradient,
+                             const uint32_t* overflowed,
+                             ExposureState& exposures,
+                             Stream& stream) {
+  moved_.Refill(math::kExposureNumbers, stream);
+  const ExposureArrays all{
+      exposures.value.view(), exposures.m.view(), exposures.v.view(), exposures.updates.view()};
+  ForEach(math::kExposureNumbers,
+          stream,
+          StepExposure{all, frame, rate, gradient, overflowed, moved_.view()});
+  ForEach(all.value.count, stream, CenterExposures{std::as_const(moved_).view(), all.value});
+}
+
+Exposure FitExposure(View<const float> rendered,
+                     View<const float> target,
+                     View<const uint8_t> use) {
+  const size_t plane = use.count;
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> products = Eigen::Matrix<double, 4, 3>::Zero();
+  size_t count = 0;
+  for (size_t i = 0; i < plane; ++i) {
+    if (!use[i]) continue;
+    const Eigen::Vector4d x(rendered[i], rendered[plane + i], rendered[2 * plane + i], 1);
+    const Eigen::RowVector3d y(target[i], target[plane + i], target[2 * plane + i]);
+    squares += x * x.transpose();
+    products += x * y;
+    ++count;
+  }
+  const double weight = kIdentityWeight * double(count + 1);
+  squares.diagonal().array() += weight;
+  for (int k = 0; k < 3; ++k) products(k, k) += weight;
+  const Eigen::Matrix<double, 4, 3> fitted = squares.ldlt().solve(products);
+  Exposure exposure;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) exposure[size_t(4 * r + c)] = float(fitted(c, r));
+  return exposure;
+}
+
+void ApplyExposure(const Exposure& exposure, View<float> image) {
+  const size_t plane = image.count / 3;
+  ParallelFor(plane, [&](size_t i) {
+    const math::Vec3<float> y =
+        math::Exposed(exposure.data(), {image[i], image[plane + i], image[2 * plane + i]});
+    image[i] = y.x;
+    image[plane + i] = y.y;
+    image[2 * plane + i] = y.z;
+  });
+}
+
+}  // namespace cosplat

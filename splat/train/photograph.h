@@ -1,0 +1,73 @@
+// Training on real photographs: the exposure and white balance of each, which the scene is not to
+// learn, and pixels that are to be ignored.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "splat/device/buffer.h"
+#include "splat/math/exposure.h"
+#include "splat/train/loss.h"
+
+namespace cosplat {
+
+using Exposure = std::array<float, math::kExposureNumbers>;  // [3, 4] as in math/exposure.h
+constexpr Exposure kIdentityExposure{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+// The exposures of all training frames, and Adam's moments; part of a training's state. Their mean
+// over the frames is the identity: the scene has the colours of a mean photograph.
+struct ExposureState {
+  Buffer<float> value, m, v;  // [frames, 12]
+  Buffer<uint32_t> updates;   // [frames, 12] steps of Adam so far
+
+  ExposureState() = default;
+  // Identities, on the host.
+  explicit ExposureState(size_t frames);
+  // Same as those of Gaussians (splat/gaussians.h).
+  void Upload(const ExposureState& from, Stream& stream);
+  void Download(ExposureState& to, Stream& stream) const;
+};
+
+// Between a rendered image and its target, in a stream's memory.
+class PhotographModel {
+ public:
+  // The rendered image ([3, height, width]) as the photograph would show it. exposure: [12] in the
+  // stream's memory, or null for the identity. Valid until the next call.
+  const Buffer<float>& Show(View<const float> rendered,
+                            const float* exposure,
+                            const TargetView& target,
+                            const std::array<float, 3>& background,
+                            Stream& stream);
+  // Turns the gradient of what Show returned, of the same arguments, into that of the rendered
+  // image, in place; and finds gradient() if there is an exposure.
+  void Pull(View<const float> rendered,
+            const float* exposure,
+            const TargetView& target,
+            Buffer<float>& d_shown,
+            Stream& stream);
+  // [12] of the loss with respect to the exposure.
+  const Buffer<float>& gradient() const { return gradient_; }
+  // One step of Adam on a frame's exposure, unless *overflowed is not 0. gradient: [12].
+  void Update(size_t frame,
+              float rate,
+              View<const float> gradient,
+              const uint32_t* overflowed,
+              ExposureState& exposures,
+              Stream& stream);
+  size_t held() const { return HeldBy(shown_, sums_, gradient_, moved_); }
+
+ private:
+  Buffer<float> shown_;
+  Buffer<float> sums_;              // [blocks, 12]
+  Buffer<float> gradient_, moved_;  // [12]
+};
+
+// The exposure that brings a rendered image closest to its photograph in the squared error, over
+// the pixels with `use`. Both [3, pixels]. Where these do not determine it, the nearest to the
+// identity.
+Exposure FitExposure(View<const float> rendered, View<const float> target, View<const uint8_t> use);
+
+// In place. image: [3, pixels].
+void ApplyExposure(const Exposure& exposure, View<float> image);
+
+}  // namespace cosplat
