@@ -319,6 +319,9 @@ TEST(Cli, FindsExposuresAndFitsThoseOfTestImages) {
                               "20",
                               "--exposure",
                               "--quiet"}));
+  const Json exposures = ReadJson(run + "/exposure.json");
+  ASSERT_FALSE(exposures.empty());
+  EXPECT_EQ((*exposures.begin()).size(), 3u);
   const CommandResult fitted = Cosplat({"metrics", "-m", run, "--fit-exposure"});
   EXPECT_EQ(fitted.code, 0) << fitted.err;
   EXPECT_TRUE(Contains(fitted.out, "ours_20_exposed: PSNR")) << fitted.out;

@@ -65,6 +65,7 @@ void RemoveRun(const std::string& folder) {
                                     "blendshapes.json",
                                     "skipped_frames.json",
                                     "export.json",
+                                    "exposure.json",
                                     "avatar.glb",
                                     "report.html",
                                     "orbit.mp4",

@@ -11,6 +11,8 @@
 #include "apps/cosplat/run/test_images.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
 #include "splat/train/scene_subject.h"
@@ -34,6 +36,18 @@ void Evaluate(const SceneTrainOptions& o,
     writer.Write(image, frame.target, {}, frame.ignored);
   }
   writer.Finish();
+}
+
+// By the photographs' names, [3, 4] each, as 3DGS's code writes them.
+void WriteExposures(const std::string& folder,
+                    const std::vector<SceneView>& views,
+                    const ExposureState& exposures) {
+  Json json = Json::object();
+  const float* number = exposures.value.data();
+  for (const SceneView& view : views)
+    for (int row = 0; row < 3; ++row, number += 4)
+      json[view.name].push_back({number[0], number[1], number[2], number[3]});
+  WriteFileAtomically(folder + "/exposure.json", json.dump() + "\n");
 }
 
 DataChecksums ChecksumsOf(const SceneTrainOptions& o,
@@ -131,6 +145,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   hooks.save = [&, saves = CanSaveSplats(o)] {
     Gaussians gaussians = trainer.CaughtUp();
     if (writes && saves) SaveSplats(o.model, trainer.iteration(), std::move(gaussians));
+    if (writes && o.exposure) WriteExposures(o.model, scene.train, trainer.state().exposures);
   };
   if (!test.empty())
     hooks.evaluate = [&] {
