@@ -281,13 +281,17 @@ void WriteExposed(const std::string& folder) {
     const bool masked = fs::exists(folder + "/masks/" + name);
     const Image8 mask = masked ? ReadImage(folder + "/masks/" + name) : Image8();
     const int middle = rendered.width / 2;
+    const auto in_mask = [&](size_t i) { return !masked || mask.data[i] == 255; };
     std::vector<uint8_t> use(rendered.pixels(), 0);
     for (size_t i = 0; i < use.size(); ++i)
-      use[i] = int(i % size_t(rendered.width)) < middle && (!masked || mask.data[i] == 255);
-    Buffer<float> shown, target;
-    CompositeTarget(rendered, {}, shown);
+      use[i] = int(i % size_t(rendered.width)) < middle && in_mask(i);
+    Buffer<float> as_drawn, target;
+    CompositeTarget(rendered, {}, as_drawn);
     CompositeTarget(truth, {}, target);
+    Buffer<float> shown = as_drawn;
     ApplyExposure(FitExposure(shown, target, use), shown.view());
+    for (size_t i = 0; i < shown.size(); ++i)
+      if (!in_mask(i % use.size())) shown[i] = as_drawn[i];
     const Crop right{middle, 0, rendered.width - middle, rendered.height};
     const auto write = [&](const char* sub, const Image8& image) {
       WriteImage(out + sub + "/" + name, Cropped(image, right));

@@ -78,7 +78,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
 
 // Writes the right halves of a test/ours_N of a run to test/ours_N_exposed, each with the exposure
 // that brings the left half closest to the ground truth (NeRF-W's protocol, Martin-Brualla et al.
-// 2021, section 4.1). Throws Error if there are no images.
+// 2021, section 4.1), inside its mask if it has one. Throws Error if there are no images.
 void WriteExposed(const std::string& folder);
 
 // "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
