@@ -8,8 +8,8 @@
 namespace cosplat {
 namespace {
 
-// Weight of the identity in a fit, per pixel: holds what the colours of the pixels do not determine,
-// and keeps 95 % of an exposure in directions where they vary by 0.04.
+// Weight of the identity in a fit, per pixel: holds what the colours of the pixels do not
+// determine, and keeps 95 % of an exposure in directions where they vary by 0.04.
 constexpr double kIdentityWeight = 1e-4;
 
 size_t BlocksOf(View<const float> rendered) {

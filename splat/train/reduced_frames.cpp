@@ -1,8 +1,23 @@
 #include "splat/train/reduced_frames.h"
 
+#include <string>
 #include <utility>
 
+#include "splat/base/error.h"
+
 namespace cosplat {
+namespace {
+
+void CheckSize(const TrainFrame& frame, size_t index) {
+  const Image8& image = frame.target;
+  const Camera& camera = frame.camera;
+  if (image.width == camera.width && image.height == camera.height) return;
+  throw Error("training frame " + std::to_string(index),
+              "the image has " + SizeText(image.width, image.height) + " pixels, its camera " +
+                  SizeText(camera.width, camera.height));
+}
+
+}  // namespace
 
 TrainFrame Reduced(const TrainFrame& frame, int downscale) {
   const Image8& from = frame.target;
@@ -37,15 +52,27 @@ TrainFrame Reduced(const TrainFrame& frame, int downscale) {
 const TrainFrame& ReducedFrames::At(size_t i, int downscale) {
   if (std::exchange(downscale_, downscale) != downscale) {
     reduced_ = {};
+    of_passing_ = size_t(-1);
     held_ = 0;
   }
-  if (downscale == 1) return subject_.frame(i);
-  reduced_.resize(subject_.frame_count());
-  if (reduced_[i].target.empty()) {
-    reduced_[i] = Reduced(subject_.frame(i), downscale);
-    held_ += reduced_[i].target.data.capacity() + reduced_[i].ignored.data.capacity();
+  if (downscale == 1) {
+    const TrainFrame& frame = subject_.frame(i);
+    CheckSize(frame, i);
+    return frame;
   }
-  return reduced_[i];
+  reduced_.resize(subject_.frame_count());
+  if (!reduced_[i].target.empty()) return reduced_[i];
+  if (of_passing_ == i) return passing_;
+  const TrainFrame& frame = subject_.frame(i);
+  CheckSize(frame, i);
+  TrainFrame reduced = Reduced(frame, downscale);
+  const size_t bytes = reduced.target.data.capacity() + reduced.ignored.data.capacity();
+  if (held_ + bytes > subject_.most_reduced_bytes()) {
+    of_passing_ = i;
+    return passing_ = std::move(reduced);
+  }
+  held_ += bytes;
+  return reduced_[i] = std::move(reduced);
 }
 
 }  // namespace cosplat

@@ -14,19 +14,22 @@ namespace cosplat {
 TrainFrame Reduced(const TrainFrame& frame, int downscale);
 
 // The reduced frames of a subject, which must outlive this object. Keeps those of the last
-// downscale requested.
+// downscale requested, as many as the subject allows.
 class ReducedFrames {
  public:
   explicit ReducedFrames(const Subject& subject) : subject_(subject) {}
 
-  // Frame i; the subject's own if downscale is 1. Valid until another downscale is requested.
+  // Frame i; the subject's own if downscale is 1, valid as long as that; else until the
+  // next call. Throws Error if its image does not have its camera's size.
   const TrainFrame& At(size_t i, int downscale);
   size_t held() const { return held_; }  // bytes
 
  private:
   const Subject& subject_;
   int downscale_ = 1;
-  std::vector<TrainFrame> reduced_;  // [frames] empty image: not computed yet
+  std::vector<TrainFrame> reduced_;  // [frames] empty image: not computed, or not kept
+  TrainFrame passing_;
+  size_t of_passing_ = size_t(-1);
   size_t held_ = 0;
 };
 

@@ -2,18 +2,33 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <string>
 
 namespace cosplat {
 
+namespace {
+
+TrainFrame Read(const SceneView& view) {
+  return {view.camera, LoadViewImage(view), LoadIgnored(view)};
+}
+
+}  // namespace
+
+size_t ImageBytes(const Camera& camera) { return 4 * size_t(camera.width) * camera.height; }
+
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
-                                        std::vector<SkippedFrame>& skipped) {
+                                        std::vector<SkippedFrame>& skipped,
+                                        size_t most_bytes) {
   std::vector<TrainFrame> loaded(views.size());
   std::vector<std::string> problems(views.size());
+  std::vector<size_t> bytes(views.size() + 1, 0);  // of all before
+  for (size_t i = 0; i < views.size(); ++i) bytes[i + 1] = bytes[i] + ImageBytes(views[i].camera);
   tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
-    problems[i] = Problem([&] {
-      loaded[i] = {views[i].camera, LoadViewImage(views[i]), LoadIgnored(views[i])};
-    });
+    problems[i] = Problem([&] { loaded[i] = Read(views[i]); });
+    if (bytes[i + 1] <= most_bytes) return;
+    const auto read = [view = views[i]] { return Read(view); };
+    loaded[i] = {views[i].camera, {}, {}, read};
   });
   std::vector<SceneView> usable;
   std::vector<TrainFrame> frames;
@@ -29,10 +44,13 @@ std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
   return frames;
 }
 
-TrainingScene LoadTrainingScene(SceneData& scene) {
+TrainingScene LoadTrainingScene(SceneData& scene, size_t most_bytes) {
   TrainingScene loaded;
-  loaded.train = LoadTrainFrames(scene.train, scene.skipped);
-  loaded.test = LoadTrainFrames(scene.test, scene.skipped);
+  loaded.train = LoadTrainFrames(scene.train, scene.skipped, most_bytes);
+  // The test views are seen once or twice in a run.
+  size_t left = most_bytes;
+  for (const SceneView& view : scene.train) left -= std::min(left, ImageBytes(view.camera));
+  loaded.test = LoadTrainFrames(scene.test, scene.skipped, left);
   CheckSkipped(scene.source, loaded.train.size() + loaded.test.size(), scene.skipped);
   loaded.points = scene.points;
   loaded.point_colors = scene.point_colors;

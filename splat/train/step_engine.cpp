@@ -201,6 +201,10 @@ void StepEngine::FetchForRanking() {
 Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
   Fetch();
   Gaussians gaussians = state_.gaussians;
+  const Buffer<uint32_t>& updated = state_.adam.updated;
+  const bool up_to_date = std::all_of(
+      updated.begin(), updated.end(), [&](uint32_t step) { return step == state_.adam.step; });
+  if (up_to_date) return gaussians;  // as at the end of a run; without copying moments
   AdamState adam = state_.adam;
   const View<const float> scale = subject_.PositionRateScale();
   Buffer<float> of_host(scale.count);
@@ -277,7 +281,7 @@ void StepEngine::UpdateSmoothing() {
   if (sampling_views_.empty()) {
     Buffer<math::Pinhole<float>> views;
     for (size_t i = 0; i < subject_.frame_count(); ++i)
-      views.push_back(math::ToPinhole<float>(ViewOfCamera(subject_.frame(i).camera, {}, 0)));
+      views.push_back(math::ToPinhole<float>(ViewOfCamera(subject_.camera(i), {}, 0)));
     sampling_views_.Upload(views.data(), views.size(), stream_);
     stream_.Wait();
   }
@@ -608,7 +612,7 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
   for (size_t k = 0; k < choice.count(); ++k) {
     device_.rasterizer->Forward(subject_.Place(now_->gaussians, choice[k]),
                                 now_->gaussians.basis,
-                                subject_.frame(choice[k]).camera,
+                                subject_.camera(choice[k]),
                                 {choice.background, choice.degree},
                                 image_,
                                 *tape_);

@@ -2,6 +2,7 @@
 // splat/train/scene_subject.h; avatars: avatar/train/trainer.h.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,8 +20,11 @@ namespace cosplat {
 struct TrainFrame {
   Camera camera;
   Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
-  Image8 ignored =
-      {};  // empty, or one channel of that size: not 0 where the target is to be ignored
+  // Empty, or one channel of that size: not 0 where the target is to be ignored.
+  Image8 ignored = {};
+  // Of a frame that is not kept in memory, whose images are empty: reads them (frame_reader.h).
+  // Throws Error.
+  std::function<TrainFrame()> read = {};
 };
 
 // A subject's state besides the Gaussians; each subject defines its own (AvatarTrainingState).
@@ -35,7 +39,13 @@ struct SubjectState {
 class Subject : public Placement {
  public:
   virtual size_t frame_count() const = 0;
+  // Valid until the next call.
   virtual const TrainFrame& frame(size_t i) const = 0;
+  virtual const Camera& camera(size_t i) const { return frame(i).camera; }
+  // That `frame(i)` will be called soon.
+  virtual void Expect(size_t i) { (void)i; }
+  // Of reduced copies of the frames' images, those that are kept take no more bytes than this.
+  virtual size_t most_reduced_bytes() const { return size_t(-1); }
   // World units per unit of position learning rate: the scene's extent, or 1.
   virtual float extent() const = 0;
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "splat/train/frame_reader.h"
 #include "splat/train/initialize.h"
 #include "splat/train/reduced_frames.h"
 
@@ -100,8 +101,9 @@ std::vector<SweepImage> DownscaledImages(const std::vector<TrainFrame>& frames) 
   const Point focus = FocusPoint(cameras);
   tbb::parallel_for(size_t(0), frames.size(), [&](size_t i) {
     const Camera& camera = cameras[i];
-    const TrainFrame reduced =
-        Reduced(frames[i], 1 + (std::max(camera.width, camera.height) - 1) / kSide);
+    TrainFrame scratch;
+    const TrainFrame reduced = Reduced(Loaded(frames[i], scratch),
+                                       1 + (std::max(camera.width, camera.height) - 1) / kSide);
     small[i].camera = reduced.camera;
     CompositeOnGrey(reduced.target, small[i]);
     small[i].distance = std::max(Distance(camera.Center(), focus), 1e-6f);

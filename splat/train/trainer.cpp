@@ -15,19 +15,10 @@ constexpr int kMinReducedSide = 100;          // px
 constexpr float kLastCorrectionRate = 0.01f;  // as a fraction of the first
 constexpr float kLastExposureRate = 0.1f;     // likewise
 
-void CheckSize(const TrainFrame& frame, size_t index) {
-  const Image8& image = frame.target;
-  const Camera& camera = frame.camera;
-  if (image.width == camera.width && image.height == camera.height) return;
-  throw Error("training frame " + std::to_string(index),
-              "the image has " + SizeText(image.width, image.height) + " pixels, its camera " +
-                  SizeText(camera.width, camera.height));
-}
-
 int LeastSide(const Subject& subject) {
   int least = INT_MAX;
   for (size_t i = 0; i < subject.frame_count(); ++i) {
-    const Camera& camera = subject.frame(i).camera;
+    const Camera& camera = subject.camera(i);
     least = std::min({least, camera.width, camera.height});
   }
   return least;
@@ -96,6 +87,7 @@ size_t Trainer::NextFrame() {
   }
   const size_t next = left.back();
   left.pop_back();
+  if (settings_.batch == 1 && !left.empty()) subject_.Expect(left.back());
   return next;
 }
 
@@ -316,11 +308,7 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           {}};
 }
 
-StepPlan Trainer::NextView(int iteration) {
-  const size_t index = NextFrame();
-  CheckSize(subject_.frame(index), index);
-  return PlanOf(iteration, index);
-}
+StepPlan Trainer::NextView(int iteration) { return PlanOf(iteration, NextFrame()); }
 
 double Trainer::Train(int begin, int end) {
   if (settings_.batch == 1) return engine_->Step(NextView(begin + 1));

@@ -332,6 +332,36 @@ TEST(Cli, FindsExposuresAndFitsThoseOfTestImages) {
   EXPECT_TRUE(ReadJson(run + "/results.json")["ours_20_exposed"].contains("SSIM"));
 }
 
+TEST(Cli, KeepsToALimitOfMemory) {
+  const TemporaryFolder copy;
+  const auto train = [&](const std::string& run, const std::string& gb) {
+    return Cosplat({"train-scene",
+                    "-s",
+                    Made().photos,
+                    "-m",
+                    copy / run,
+                    "--iterations",
+                    "40",
+                    "--max-gaussians",
+                    "3000",
+                    "--memory",
+                    gb});
+  };
+  const CommandResult free = train("free", "0"), kept = train("kept", "0.171");
+  EXPECT_EQ(free.code, 0) << free.err;
+  EXPECT_EQ(kept.code, 0) << kept.err;
+  EXPECT_TRUE(Contains(free.out, "for 3,000 Gaussians")) << free.out;
+  const auto stats = [&](const std::string& run) { return ReadJson(copy / run + "/stats.json"); };
+  EXPECT_EQ(stats("free")["gaussians"].get<int>(), 3000);
+  EXPECT_LT(stats("kept")["gaussians"].get<int>(), 2500);
+  EXPECT_GT(stats("kept")["gaussians"].get<int>(), 500);
+  EXPECT_LT(stats("kept")["peak_mb"].get<double>() * 1024 * 1024, 0.171e9);
+  const CommandResult little = train("little", "0.1");
+  EXPECT_EQ(little.code, 2);
+  EXPECT_TRUE(Contains(little.err, "--memory: 0.10 GB is too little")) << little.err;
+  EXPECT_FALSE(fs::exists(copy / "little/run.json"));
+}
+
 TEST(Cli, ReportsOnOnePage) {
   for (const std::string& model : {Made().avatar, Made().scene}) {
     const TemporaryFolder copy;

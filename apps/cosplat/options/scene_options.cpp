@@ -21,6 +21,12 @@ void SceneTrainOptions::DeclareTraining(CLI::App& command) {
                   "number of random initial points for data without points; 0: the preset's choice "
                   "(default: points found in the images; 3dgs: 100,000)")
       ->check(CLI::Range(size_t(0), kMaxGaussians));
+  command
+      .add_option("--memory",
+                  memory_gb,
+                  "GB that training may take: photographs that do not fit are read again in each "
+                  "step, and there are fewer Gaussians; 0: no limit")
+      ->check(CLI::Range(0.0f, 1e6f));
   command.add_flag("--exposure",
                    exposure,
                    "find each photograph's exposure and white balance while training, so that the "

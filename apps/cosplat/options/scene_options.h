@@ -9,6 +9,7 @@ namespace cosplat {
 
 struct SceneTrainOptions : TrainOptions {
   size_t random_points = 0;  // 0: the preset's choice
+  float memory_gb = 0;       // 10^9 bytes; 0: no limit
 
   // As TrainOptions::DeclareTraining, with those that only scenes have.
   void DeclareTraining(CLI::App& command);

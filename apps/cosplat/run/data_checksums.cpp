@@ -8,6 +8,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "splat/base/crc32.h"
 #include "splat/base/files.h"
+#include "splat/train/frame_reader.h"
 
 namespace cosplat {
 namespace {
@@ -42,8 +43,10 @@ void AddFrames(const std::string& kind,
                const std::vector<const TrainFrame*>& frames,
                DataChecksums& checksums) {
   const auto of = [&](size_t i) {
-    uint32_t image = ChecksumOf(frames[i]->target);
-    if (!frames[i]->ignored.empty()) image = ChecksumOf(frames[i]->ignored, image);
+    TrainFrame scratch;
+    const TrainFrame& frame = Loaded(*frames[i], scratch);
+    uint32_t image = ChecksumOf(frame.target);
+    if (!frame.ignored.empty()) image = ChecksumOf(frame.ignored, image);
     return std::pair(NameOf(kind, names, i),
                      ChecksumOf(CameraToJson(frames[i]->camera).dump(), image));
   };

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/cosplat/run/memory_plan.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -31,7 +32,10 @@ void Evaluate(const SceneTrainOptions& o,
   const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
   TestImageWriter writer(o.model, "test", trainer.iteration(), render.background);
   RenderedImage image;
-  for (const TrainFrame& frame : test) {
+  FrameReader reader;
+  for (size_t i = 0; i < test.size(); ++i) {
+    const TrainFrame& frame = reader.At(test[i]);
+    if (i + 1 < test.size()) reader.Expect(test[i + 1]);
     rasterizer->Forward(ViewOf(g), g.basis, frame.camera, render, image, *tape);
     writer.Write(image, frame.target, {}, frame.ignored);
   }
@@ -65,7 +69,7 @@ DataChecksums ChecksumsOf(const SceneTrainOptions& o,
     }
     AddFrames(kind, names, frames, sums);
   };
-  const auto trained = [&](size_t i) -> const TrainFrame& { return subject.frame(i); };
+  const auto trained = [&](size_t i) -> const TrainFrame& { return subject.frames()[i]; };
   const auto held_out = [&](size_t i) -> const TrainFrame& { return test[i]; };
   add("training view", scene.train, trained);
   add("test view", scene.test, held_out);
@@ -109,11 +113,14 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
-  TrainingScene loaded = LoadTrainingScene(scene);
+  const MemoryPlan plan = PlanMemory(o, scene);
+  o.max_gaussians = plan.gaussians;
+  TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());
   SceneStart start = StartScene(o.random_points, o, loaded);
   start.settings.crop_loss.distance = lpips;
   const std::vector<TrainFrame> test = std::move(loaded.test);
   SceneSubject subject(std::move(loaded.train), loaded.extent);
+  subject.LimitReduced(plan.for_reduced());
   RunCheckpoint checkpoint(o, config, how, ChecksumsOf(o, scene, subject, test, start.first));
   Trainer trainer(
       start.settings,
@@ -130,14 +137,15 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
                 scene.layout.c_str(),
                 scene.train.size(),
                 scene.test.size(),
-                subject.frame(0).camera.width,
-                subject.frame(0).camera.height,
+                subject.camera(0).width,
+                subject.camera(0).height,
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
   const auto masked = std::count_if(scene.train.begin(), scene.train.end(), [](const SceneView& v) {
     return !v.mask_path.empty();
   });
   if (!o.quiet && masked > 0) std::printf("%zu views with masks\n", size_t(masked));
+  if (!o.quiet) std::printf("%s\n", ToString(plan).c_str());
   if (!o.quiet && ranks->size() > 1) std::printf("%zu ranks\n", ranks->size());
   RunHooks hooks;
   hooks.ranks = ranks;

@@ -1,0 +1,87 @@
+#include "apps/cosplat/run/memory_plan.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "apps/cosplat/run/progress_bar.h"
+#include "splat/base/error.h"
+#include "splat/gaussians.h"
+#include "splat/train/scene_subject.h"
+
+namespace cosplat {
+namespace {
+
+// Measured: besides parameters, gradients and two moments a Gaussian takes up to 341 bytes
+// (docs/performance.md, *Memory*), and a pixel in work takes 28 bytes of rendering, 12 of exposure
+// and 15 of evaluation.
+constexpr size_t kBesideParameters = 350;
+constexpr size_t kPerPixel = 56;
+constexpr size_t kProgram = size_t(160) << 20;
+constexpr double kPhotographShare = 0.25;
+constexpr double kGb = 1e9;
+
+// Of parameters, which there are five times: with gradients, two moments, and the copy that is
+// saved. A copy in the middle of a run takes two more (Trainer::CaughtUp).
+size_t BytesPerGaussian(const SceneTrainOptions& o) {
+  Gaussians one;
+  one.degree = o.sh_degree;
+  size_t numbers = 0;
+  for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(one.width(a));
+  const bool in_the_middle = !o.save_iterations.empty() || !o.test_iterations.empty();
+  return (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
+}
+
+std::string Gb(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f GB", bytes / kGb);
+  return text;
+}
+
+}  // namespace
+
+MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
+  MemoryPlan plan;
+  plan.program = kProgram;
+  size_t pixels = 0;
+  for (const auto* views : {&scene.train, &scene.test})
+    for (const SceneView& view : *views) {
+      pixels = std::max(pixels, ImageBytes(view.camera) / 4);
+      plan.all_images += ImageBytes(view.camera);
+    }
+  plan.all_images += plan.all_images / 4;
+  plan.in_work = pixels * kPerPixel;
+  plan.per_gaussian = BytesPerGaussian(o);
+  plan.gaussians = o.max_gaussians;
+  plan.images = plan.all_images;
+  if (o.memory_gb == 0) return plan;
+  // Two photographs that are not kept are held at any time, at the file's size while they are read.
+  size_t largest = 0;
+  for (const SceneView& view : scene.train)
+    largest = std::max(largest, ImageBytes(view.file_camera));
+  plan.in_work += 2 * largest;
+  const double rest = double(o.memory_gb) * kGb - double(plan.program + plan.in_work);
+  const double at_first = double(scene.points.size() / 3 * plan.per_gaussian);
+  if (rest < at_first || rest <= 0)
+    throw Error("--memory",
+                Gb(o.memory_gb * kGb) +
+                    " is too little: the program, an image and the first Gaussians take " +
+                    Gb(double(plan.program + plan.in_work) + at_first));
+  const double wanted = double(plan.gaussians * plan.per_gaussian);
+  const double images = std::max(kPhotographShare * rest, rest - wanted);
+  plan.images = std::min(plan.all_images, size_t(std::min(images, rest - at_first)));
+  plan.gaussians =
+      std::min(plan.gaussians, size_t((rest - double(plan.images)) / double(plan.per_gaussian)));
+  return plan;
+}
+
+std::string ToString(const MemoryPlan& plan) {
+  std::string text = "memory: at most " + Gb(double(plan.total())) + ": " +
+                     Gb(double(plan.gaussians * plan.per_gaussian)) + " for " +
+                     WithThousands(plan.gaussians) + " Gaussians, " + Gb(double(plan.images)) +
+                     " for photographs";
+  if (plan.images < plan.all_images)
+    text += " (of " + Gb(double(plan.all_images)) + "; the others are read again)";
+  return text;
+}
+
+}  // namespace cosplat
