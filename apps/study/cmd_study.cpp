@@ -10,6 +10,7 @@
 #include "apps/study/bench/machine.h"
 #include "apps/study/runs/study_page.h"
 #include "apps/study/runs/study_runner.h"
+#include "apps/study/runs/study_slurm.h"
 #include "apps/study/stability/cases.h"
 #include "apps/study/stability/stability_page.h"
 #include "splat/base/error.h"
@@ -22,8 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct StudyCommand : StudySettings {
-  std::string list, only, charts;
-  bool dry_run = false, page = false, stability = false, quiet = false;
+  std::string list, only, charts, run, sbatch;
+  bool slurm = false, dry_run = false, page = false, stability = false, quiet = false;
 };
 
 // Whether the text of --only occurs in "basis/fox-8/dcsh/0", for any of the run's groups.
@@ -35,8 +36,12 @@ bool IsWanted(const StudyRun& run, const std::string& only) {
 
 std::vector<StudyRun> WantedRuns(const StudyCommand& o) {
   std::vector<StudyRun> runs = ReadStudyList(o.list);
-  const auto unwanted = [&](const StudyRun& run) { return !IsWanted(run, o.only); };
+  const auto unwanted = [&](const StudyRun& run) {
+    return !IsWanted(run, o.only) || (!o.run.empty() && run.Id() != o.run);
+  };
   runs.erase(std::remove_if(runs.begin(), runs.end(), unwanted), runs.end());
+  if (runs.empty() && !o.run.empty())
+    throw Error("--run '" + o.run + "'", "is no run of " + o.list);
   if (runs.empty()) throw Error("--only '" + o.only + "'", "matches no run of " + o.list);
   return runs;
 }
@@ -91,11 +96,37 @@ std::string Progress(const std::vector<StudyLine>& lines,
   return text;
 }
 
+// A run by itself has a file of its own, since others may be running elsewhere.
+std::string LinesOf(const StudyCommand& o) {
+  std::string name = o.run.empty() ? "runs" : "run+" + o.run;
+  std::replace(name.begin(), name.end(), '/', '+');
+  return name + ".jsonl";
+}
+
+// Submits what is not finished.
+void Submit(const StudyCommand& o, const std::vector<StudyRun>& all) {
+  const StudyChildren children;
+  const std::vector<StudyRun> runs = UnfinishedOf(all, ReadStudyLines(o.out).lines);
+  if (runs.empty()) {
+    if (!o.quiet) std::printf("all %zu runs are done\n", all.size());
+    return;
+  }
+  for (const StudyRun& run : runs) PrepareStudyData(run, o, children);
+  const std::string job = SubmitStudy(runs, o, {o.list, o.sbatch});
+  if (!o.quiet)
+    std::printf(
+        "%zu of %zu runs submitted as job %s; when they are done: cosplat study --page -o %s\n",
+        runs.size(),
+        all.size(),
+        job.c_str(),
+        o.out.c_str());
+}
+
 // Returns the number of failed runs.
 size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
   const StudyChildren children;
   if (!o.lpips.empty()) Lpips net(o.lpips);  // a bad network fails now, not after training
-  StudyLog log(o.out);
+  StudyLog log(o.out, LinesOf(o));
   std::vector<StudyLine> lines = ReadStudyLines(o.out).lines;
   const std::vector<StudyRun> runs = UnfinishedOf(all, lines);
   const auto say = [&](const std::string& text) {
@@ -170,8 +201,9 @@ void Study(const StudyCommand& o) {
     throw Error("--list, --data", "are required unless --page or --stability is given");
   const std::vector<StudyRun> runs = WantedRuns(o);
   if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
+  if (o.slurm) return Submit(o, runs);
   const size_t failed = RunAll(o, runs);
-  if (failed < runs.size()) WritePage(o);
+  if (failed < runs.size() && o.run.empty()) WritePage(o);
   if (failed > 0)
     throw Error("study",
                 "",
@@ -189,6 +221,15 @@ void AddStudy(CLI::App& app) {
   command->add_option("-o,--out", o->out, "folder of runs.jsonl and the page, index.html")
       ->required();
   command->add_option("--only", o->only, "only runs of which group/data/name/seed has this text")
+      ->default_str("");
+  command
+      ->add_option("--run",
+                   o->run,
+                   "only this data/name/seed, with a file of lines of its own: others may run "
+                   "elsewhere at the same time")
+      ->default_str("");
+  command->add_flag("--slurm", o->slurm, "submit the runs as an array job of Slurm, by sbatch");
+  command->add_option("--sbatch", o->sbatch, "with --slurm: sbatch's options, separated by spaces")
       ->default_str("");
   command->add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
       ->default_str("");

@@ -156,6 +156,41 @@ TEST(Study, GoesOnWhereItWasCutShort) {
   EXPECT_EQ(lines[4]["checkpoints"][1]["PSNR"], before["checkpoints"][1]["PSNR"]);
 }
 
+// What Slurm does with an array job, one task after the other, by a stand-in for sbatch.
+TEST(Study, SubmitsAnArrayJobWhoseLinesComeBackTogether) {
+  const StudyFolder& made = Made();
+  const std::string out = made.folder / "slurm_out", bin = made.folder / "bin";
+  fs::create_directories(bin);
+  std::ofstream(bin + "/sbatch") << "#!/bin/sh\n"
+                                    "[ $# = 5 ] && [ \"$3\" = --partition=long ] || exit 3\n"
+                                    "tasks=$(sed -n 's/^#SBATCH --array=1-//p' \"$5\")\n"
+                                    "for i in $(seq $tasks); do\n"
+                                    "  SLURM_ARRAY_TASK_ID=$i sh \"$5\" || exit 4\n"
+                                    "done >\"$(dirname \"$5\")/tasks.log\" 2>&1\n"
+                                    "echo 17\n";
+  fs::permissions(bin + "/sbatch", fs::perms::owner_all);
+  const auto submit = [&](const Strings& more) {
+    Strings arguments{"study", "--list", made.list, "--data", made.data, "-o", out, "--slurm"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments, "PATH=" + bin + ":$PATH");
+  };
+  const CommandResult job = submit({"--sbatch", "--partition=long --exclusive"});
+  EXPECT_EQ(job.code, 0) << job.err << Slurp(out + "/slurm/tasks.log");
+  EXPECT_TRUE(Has(job.out, "5 of 5 runs submitted as job 17")) << job.out;
+  EXPECT_TRUE(fs::exists(out + "/head/model.npz")) << "made once, before its tasks";
+  EXPECT_TRUE(fs::exists(out + "/run+balls+literal+1.jsonl"));
+  EXPECT_FALSE(fs::exists(out + "/runs.jsonl"));
+  EXPECT_TRUE(Has(submit({}).out, "all 5 runs are done"));
+  EXPECT_EQ(Cosplat({"study", "--page", "-o", out}).code, 0);
+  EXPECT_TRUE(Has(Slurp(out + "/index.html"), ">literal − sh<"));
+  std::ofstream(bin + "/sbatch") << "#!/bin/sh\necho 'error: Invalid partition' >&2; exit 1\n";
+  fs::remove(out + "/run+balls+literal+1.jsonl");
+  const CommandResult refused = submit({});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(Has(refused.err, "sbatch: exited with status 1: error: Invalid partition"))
+      << refused.err;
+}
+
 TEST(Study, WritesThePageAlone) {
   const StudyFolder& made = Made();
   const std::string charts = made.folder / "charts";

@@ -110,7 +110,8 @@ StudyLines ReadStudyLines(const std::string& folder) {
   return all;
 }
 
-StudyLog::StudyLog(const std::string& folder) : path_(folder + "/runs.jsonl") {
+StudyLog::StudyLog(const std::string& folder, const std::string& name)
+    : path_(folder + "/" + name) {
   MakeDirectories(folder);
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) throw Error(path_, std::string("cannot be written: ") + std::strerror(errno));

@@ -30,11 +30,11 @@ struct StudyLines {
 // interrupted study and is ignored. Throws Error naming file, line and field of an invalid line.
 StudyLines ReadStudyLines(const std::string& folder);
 
-// Appends lines to <folder>/runs.jsonl, each atomically and flushed to disk. Removes a partial line
-// that an interrupted study left. Throws Error if another study is writing to the folder.
+// Appends lines to a file of the folder, each atomically and flushed to disk. Removes a partial
+// line that an interrupted study left. Throws Error if another study is writing to it.
 class StudyLog {
  public:
-  explicit StudyLog(const std::string& folder);
+  explicit StudyLog(const std::string& folder, const std::string& name = "runs.jsonl");
   ~StudyLog();
   StudyLog(const StudyLog&) = delete;
   StudyLog& operator=(const StudyLog&) = delete;

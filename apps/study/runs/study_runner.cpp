@@ -92,7 +92,7 @@ void RunSteps(const StudyRun& run,
               const StudySettings& s,
               const StudyChildren& children,
               const std::string& model) {
-  if (run.data.make_head) MakeHead(run.data, s, children);
+  PrepareStudyData(run, s, children);
   std::vector<std::string> train = run.TrainArguments(s.data + "/", s.out + "/", model);
   train.push_back("--resume");
   if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has one line per run
@@ -121,6 +121,10 @@ void ReadResults(const std::string& model, StudyLine& line) {
 }
 
 }  // namespace
+
+void PrepareStudyData(const StudyRun& run, const StudySettings& s, const StudyChildren& children) {
+  if (run.data.make_head) MakeHead(run.data, s, children);
+}
 
 std::string StudyModelFolder(const StudyRun& run, const StudySettings& settings) {
   return settings.out + "/models/" + run.Id();

@@ -17,6 +17,11 @@ struct StudySettings {
   bool keep = false;  // keep the models
 };
 
+// Generates the head that the run's data set is, if it is one and there is none yet.
+void PrepareStudyData(const StudyRun& run,
+                      const StudySettings& settings,
+                      const StudyChildren& children);
+
 // The model stays in <out>/models/<id> until the caller removes it. Throws Error naming the step
 // that failed, and StudyStopped.
 StudyLine MeasureStudyRun(const StudyRun& run,
