@@ -45,7 +45,9 @@ void Evaluate(const AvatarOptions& o,
   writer.Finish();
 }
 
-DataSplit SplitOf(const AvatarOptions& o) { return {o.resolution, o.eval, o.fold, o.test_frames}; }
+DataSplit SplitOf(const AvatarOptions& o) {
+  return {o.resolution, o.eval, o.fold, o.test_frames, o.fold_by_turn};
+}
 
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
   const Json run{{"kind", "avatar"},

@@ -176,6 +176,20 @@ FlameParams MeanRoot(const std::vector<FlameParams>& frames) {
   return mean;
 }
 
+std::vector<float> HeadTurns(const std::vector<FlameParams>& frames) {
+  std::vector<FlameParams> heads(frames.size());
+  for (size_t i = 0; i < frames.size(); ++i)
+    heads[i].pose[0] = AxisAngleOf(
+        math::Multiply(QuatOfAxisAngle(frames[i].pose[0]), QuatOfAxisAngle(frames[i].pose[1])));
+  const Quat<float> back = math::Conjugate(QuatOfAxisAngle(MeanRoot(heads).pose[0]));
+  std::vector<float> turns;
+  for (const FlameParams& head : heads) {
+    const Quat<float> turn = math::Multiply(QuatOfAxisAngle(head.pose[0]), back);
+    turns.push_back(2 * std::acos(std::min(std::abs(turn.w), 1.0f)));
+  }
+  return turns;
+}
+
 std::vector<FlameParams> Retarget(std::vector<FlameParams> frames, const FlameParams& rest) {
   const FlameParams mean = MeanRoot(frames);
   const Quat<float> from = math::Conjugate(QuatOfAxisAngle(mean.pose[0]));

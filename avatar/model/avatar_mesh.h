@@ -68,6 +68,8 @@ class AvatarPoser {
 
 // The frames' mean root rotation and translation, everything else zero.
 FlameParams MeanRoot(const std::vector<FlameParams>& frames);
+// By how much each frame's head, root and neck together, is turned from their mean: radians.
+std::vector<float> HeadTurns(const std::vector<FlameParams>& frames);
 
 // Transfers another subject's motion: the frames' root moves about `rest` as it did about its own
 // mean; expression, neck, jaw and eyes are kept. rest: the avatar's root at rest.

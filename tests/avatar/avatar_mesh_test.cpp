@@ -122,6 +122,17 @@ TEST(MeanRoot, IsTheMiddleOfTurns) {
                      {0.3f, 0, 0});
 }
 
+TEST(HeadTurns, AreThoseOfRootAndNeckTogether) {
+  std::vector<FlameParams> frames(4);
+  frames[0].pose[0] = {0.3f, 0, 0};
+  frames[1].pose[1] = {-0.3f, 0, 0};
+  frames[2].pose[0] = {0, 0.4f, 0};
+  frames[2].pose[1] = {0, -0.4f, 0};
+  const std::vector<float> turns = HeadTurns(frames);
+  for (const auto& [frame, turn] : {std::pair{0u, 0.3f}, {1u, 0.3f}, {2u, 0.0f}, {3u, 0.0f}})
+    EXPECT_NEAR(turns[frame], turn, 2e-3f) << frame;
+}
+
 TEST(Retarget, OntoItsOwnMeanChangesNothing) {
   Rng rng{3};
   std::vector<FlameParams> frames;

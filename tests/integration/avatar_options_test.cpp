@@ -270,5 +270,13 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   EXPECT_EQ(s.schedule.RateShare(30000), 1);
 }
 
+TEST(AvatarOptions, AFoldByTurnIsAFold) {
+  const Parsed p({"--fold-by-turn"});
+  EXPECT_TRUE(p.options.fold_by_turn);
+  EXPECT_TRUE(p.options.fold);
+  EXPECT_TRUE(p.ConfigHas("train-avatar.fold-by-turn=true")) << p.config;
+  EXPECT_FALSE(Parsed({"--fold"}).options.fold_by_turn);
+}
+
 }  // namespace
 }  // namespace cosplat

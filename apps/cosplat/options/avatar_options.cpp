@@ -86,6 +86,11 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                      landmarks,
                      "landmarks file of the video with blendshape scores: fits the map by which "
                      "face trackers drive the avatar");
+  command.add_flag(
+      "--fold-by-turn",
+      [this](int64_t) { fold = fold_by_turn = true; },
+      "hold the fifth of the training frames out in which the head is turned furthest, "
+      "instead of the test frames: for choosing what has to hold in poses not seen");
   command
       .add_option(
           "--test-frames", test_frames, "hold the last N frames out; -1: the video's own split")

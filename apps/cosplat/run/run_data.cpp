@@ -9,11 +9,31 @@
 #include "splat/io/cameras_json.h"
 
 namespace cosplat {
+namespace {
+
+// A fifth of the training frames becomes the test frames; both stay in order of time.
+void HoldOutFurthestTurned(TrackedVideo& video) {
+  std::vector<FlameParams> frames;
+  for (const TrackedFrame& frame : video.train) frames.push_back(frame.params);
+  const std::vector<float> turns = HeadTurns(frames);
+  std::vector<float> sorted = turns;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.empty()) return;
+  const float limit = sorted[sorted.size() - 1 - sorted.size() / 5];
+  std::vector<TrackedFrame> kept;
+  video.test.clear();
+  for (size_t i = 0; i < turns.size(); ++i)
+    (turns[i] > limit ? video.test : kept).push_back(std::move(video.train[i]));
+  video.train = std::move(kept);
+}
+
+}  // namespace
 
 Json ToJson(const DataSplit& split) {
   return {{"resolution", split.resolution},
           {"eval", split.eval},
           {"fold", split.fold},
+          {"fold_by_turn", split.fold_by_turn},
           {"test_frames", split.test_frames}};
 }
 
@@ -23,6 +43,7 @@ DataSplit SplitFromJson(const JsonField& run) {
   split.resolution = json["resolution"].Integer();
   split.eval = json.raw().value("eval", false);
   split.fold = json.raw().value("fold", false);
+  split.fold_by_turn = json.raw().value("fold_by_turn", false);
   split.test_frames = json["test_frames"].Integer();
   return split;
 }
@@ -35,7 +56,9 @@ TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame) {
   TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
-  if (split.fold) {
+  if (split.fold_by_turn) {
+    HoldOutFurthestTurned(video);
+  } else if (split.fold) {
     const size_t held = video.train.size() / 5;
     const auto first = video.train.end() - std::ptrdiff_t(held);
     video.test.assign(first, video.train.end());

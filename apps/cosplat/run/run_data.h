@@ -16,7 +16,9 @@ struct DataSplit {
   int resolution = 1;
   bool eval = false;
   bool fold = false;
-  int test_frames = -1;  // tracked videos only
+  // Tracked videos only.
+  int test_frames = -1;
+  bool fold_by_turn = false;
 };
 
 Json ToJson(const DataSplit& split);
@@ -25,7 +27,8 @@ DataSplit SplitFromJson(const JsonField& run);
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 
 // Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
-// frames is held out in place of the test frames. flame: the avatar's.
+// frames is held out in place of the test frames; with `fold_by_turn` the fifth in which the head
+// is turned furthest from its mean. flame: the avatar's.
 TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame);
