@@ -63,9 +63,7 @@ cosplat_library(io
   splat/io/splat_file.cpp
   splat/io/splat_primitive.cpp
   splat/io/splat_records.cpp
-  splat/io/spz.cpp
-  splat/io/vq.cpp
-  splat/io/vq_file.cpp)
+  splat/io/spz.cpp)
 target_link_libraries(cosplat_io PUBLIC cosplat::base cosplat::render
                       PRIVATE TinyGLTF::TinyGLTF hwy::hwy TBB::tbb)
 # Its functions are in a library of the machine; here they are compiled from its header.

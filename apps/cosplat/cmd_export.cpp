@@ -3,9 +3,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/export_measure.h"
 #include "apps/cosplat/export_subject.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/web_page.h"
@@ -22,39 +24,36 @@ namespace {
 
 struct ExportOptions {
   ExportSource source;
-  std::string vq, ply, glb, run, spz, sog, html;
+  std::string ply, glb, run, spz, sog, html;
   int spz_version = 3;
-  VqSettings settings;
   SogSettings sog_settings;
   bool truncate_degree = false;
   bool quiet = false;
 };
 
+bool WritesSplats(const ExportOptions& o) {
+  return !(o.ply.empty() && o.glb.empty() && o.run.empty() && o.spz.empty() && o.sog.empty());
+}
+
 void Check(const ExportOptions& o) {
-  if (o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() && o.spz.empty() &&
-      o.sog.empty() && o.html.empty())
-    throw Error("--ply, --glb, --spz, --sog, --vq, --run, --html", "give at least one of them");
+  if (!WritesSplats(o) && o.html.empty())
+    throw Error("--ply, --glb, --spz, --sog, --run, --html", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
     throw Error("-m, --splats", "give at least one of them: the model to export");
   if (o.source.measure && (o.source.model.empty() || !o.source.splats.empty()))
     throw Error("--measure", "compares a model's PLY with the other files: give -m only");
-  if (o.source.measure && o.vq.empty() && o.glb.empty() && o.spz.empty() && o.sog.empty())
-    throw Error("--measure", "give --glb, --spz, --sog or --vq: the files to compare with the PLY");
+  if (o.source.measure && o.glb.empty() && o.spz.empty() && o.sog.empty())
+    throw Error("--measure", "give --glb, --spz or --sog: the files to compare with the PLY");
 }
 
 // What files with at most three bands can hold of the subject.
 void CheckDegree(const ExportOptions& o, const ExportSubject& subject) {
   for (const std::string& path : {o.glb, o.run, o.spz, o.sog})
-    if (!path.empty() && subject.gaussians().degree > kMaxSplatFileDegree && !o.truncate_degree)
+    if (!path.empty() && subject.gaussians.degree > kMaxSplatFileDegree && !o.truncate_degree)
       throw Error(
           path,
           "degree",
           "is 4, but other programs support at most 3: pass --truncate-degree to omit band 4");
-}
-
-void CheckMeasured(const ExportOptions& o, const ExportSubject& subject) {
-  if (o.source.measure && subject.is_avatar() && o.vq.empty())
-    throw Error("--measure", "needs --vq: the other files hold the avatar at rest only");
 }
 
 // `what`: appended for avatars only.
@@ -65,50 +64,31 @@ void Say(const ExportOptions& o,
   if (o.quiet) return;
   std::printf("%s: %s splats, %.2f MB%s\n",
               path.c_str(),
-              WithThousands(subject.gaussians().size()).c_str(),
+              WithThousands(subject.gaussians.size()).c_str(),
               double(std::filesystem::file_size(path)) / 1e6,
-              subject.is_avatar() ? what : "");
-}
-
-void WriteQuantised(const ExportOptions& o, const ExportSubject& subject) {
-  ProgressBar bar("export", 2, o.quiet);
-  bar.Update(0, "codebook");
-  const QuantisedSplats splats = subject.Quantised(o.settings);
-  bar.Update(1, "file");
-  WriteVqFile(o.vq, splats);
-}
-
-double MeanDegree(const QuantisedSplats& splats) {
-  double sum = 0;
-  for (const uint8_t degree : splats.own_degree) sum += degree;
-  return splats.size() == 0 ? 0 : sum / double(splats.size());
+              subject.is_avatar ? what : "");
 }
 
 // Measures the trained model and the files written from it, all read back; also writes export.json.
-void MeasureFiles(const ExportOptions& o, ExportSubject& subject) {
+void MeasureFiles(const ExportOptions& o, const ExportSubject& subject) {
   struct File {
     std::string name, path;
   };
-  std::vector<File> files{{"ply", ""}};
-  const std::array<File, 4> exported{
-      File{"glb", o.glb}, File{"spz", o.spz}, File{"sog", o.sog}, File{"vq", o.vq}};
-  for (const File& file : exported)
-    if (!file.path.empty() && (!subject.is_avatar() || file.name == "vq")) files.push_back(file);
-  Json json{{"gaussians", subject.gaussians().size()}, {"seed", o.settings.seed}};
-  if (!o.vq.empty()) {
-    json["mean_degree"] = MeanDegree(ReadVqFile(o.vq));
-    json["codebook"] = o.settings.codebook;
-    json["keep"] = o.settings.keep;
-  }
+  const std::array<File, 4> all{
+      File{"ply", subject.path}, File{"glb", o.glb}, File{"spz", o.spz}, File{"sog", o.sog}};
+  std::vector<File> files;
+  for (const File& file : all)
+    if (!file.path.empty()) files.push_back(file);
+  Json json{{"gaussians", subject.gaussians.size()}, {"seed", o.sog_settings.seed}};
   std::string lines;
   {
-    ProgressBar bar("measure", int(files.size() * subject.AsTrained().count), o.quiet);
+    ProgressBar bar("measure", int(files.size() * subject.data.test.size()), o.quiet);
     int done = 0;
     for (const File& file : files) {
-      const bool trained = file.path.empty();
-      const TestViews views = trained ? subject.AsTrained() : subject.FromFile(file.path);
-      const FileFigures figures = Measure(
-          trained ? subject.path() : file.path, views, [&] { bar.Update(++done, "views"); });
+      const FileFigures figures =
+          Measure(file.path, ReadSplats(file.path), subject.data, subject.background, [&] {
+            bar.Update(++done, "views");
+          });
       json[file.name + "_mb"] = figures.mb;
       json[file.name + "_psnr"] = figures.psnr;
       json[file.name + "_ssim"] = figures.ssim;
@@ -122,10 +102,10 @@ void MeasureFiles(const ExportOptions& o, ExportSubject& subject) {
 // The files that store colours coarsely.
 void WritePacked(const ExportOptions& o, const ExportSubject& subject) {
   if (o.spz.empty() && o.sog.empty()) return;
-  Gaussians g = subject.gaussians();
+  Gaussians g = subject.gaussians;
   TruncateDegree(kMaxSplatFileDegree, g);
   SogSettings settings = o.sog_settings;
-  settings.seen_bands = subject.Seen();
+  settings.seen_bands = SeenBandsOf(subject);
   if (!o.spz.empty()) {
     WriteSpz(o.spz, g, settings.seen_bands, o.spz_version);
     Say(o, o.spz, subject, ", the avatar at rest");
@@ -134,7 +114,7 @@ void WritePacked(const ExportOptions& o, const ExportSubject& subject) {
     {
       ProgressBar bar("export", 2, o.quiet);
       bar.Update(0, "significance");
-      const std::vector<float> significance = subject.Significance();
+      const std::vector<float> significance = SignificanceOf(subject);
       bar.Update(1, "SOG");
       WriteSog(o.sog, g, significance, settings);
     }
@@ -158,40 +138,32 @@ void WriteHtml(const ExportOptions& o) {
 void Export(ExportOptions& o) {
   Check(o);
   if (!o.html.empty()) WriteHtml(o);
-  const bool only_html = o.vq.empty() && o.ply.empty() && o.glb.empty() && o.run.empty() &&
-                         o.spz.empty() && o.sog.empty();
-  if (only_html) return;
-  o.source.views = !o.vq.empty() || !o.sog.empty() || !o.spz.empty();
-  o.sog_settings.seed = o.settings.seed;
-  const std::unique_ptr<ExportSubject> subject = LoadExportSubject(o.source);
-  CheckDegree(o, *subject);
-  CheckMeasured(o, *subject);
+  if (!WritesSplats(o)) return;
+  o.source.views = !o.sog.empty() || !o.spz.empty();
+  const ExportSubject subject = LoadExportSubject(o.source);
+  CheckDegree(o, subject);
   // First what may be refused.
   if (!o.run.empty()) {
-    subject->WriteRun(o.run, o.truncate_degree);
-    Say(o, o.run + "/avatar.glb", *subject, ", with the data set's held-out frames");
+    ExportRun(o.run, o.source, subject, o.truncate_degree);
+    Say(o, o.run + "/avatar.glb", subject, ", with the data set's held-out frames");
   }
   if (!o.glb.empty()) {
-    subject->WriteGlb(o.glb, o.truncate_degree);
-    Say(o, o.glb, *subject, ", the avatar");
+    ExportGlb(o.glb, subject, o.truncate_degree);
+    Say(o, o.glb, subject, ", the avatar");
   }
   if (!o.ply.empty()) {
-    WritePly(o.ply, subject->gaussians());
-    Say(o, o.ply, *subject, ", the avatar at rest");
+    WritePly(o.ply, subject.gaussians);
+    Say(o, o.ply, subject, ", the avatar at rest");
   }
-  WritePacked(o, *subject);
-  if (!o.vq.empty()) {
-    WriteQuantised(o, *subject);
-    Say(o, o.vq, *subject, ", on the avatar's triangles");
-  }
-  if (o.source.measure) MeasureFiles(o, *subject);
+  WritePacked(o, subject);
+  if (o.source.measure) MeasureFiles(o, subject);
 }
 
 }  // namespace
 
 void AddExport(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("export", "write a model's splats as .ply, .glb, .spz, .sog or quantised");
+      app.add_subcommand("export", "write a model's splats as .ply, .glb, .spz or .sog");
   const auto o = std::make_shared<ExportOptions>();
   command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
   command->add_option(
@@ -204,11 +176,11 @@ void AddExport(CLI::App& app) {
       o->source.data,
       "data set; the one trained on if not given. Of GaussianAvatars' point clouds, the "
       "subject, if flame_param.npz is not beside them");
-  command->add_option(
-      "--flame",
-      o->source.flame,
-      "FLAME model file, for GaussianAvatars' point clouds and to measure an avatar with; the one "
-      "trained with if not given");
+  command->add_option("--flame",
+                      o->source.flame,
+                      "FLAME model file, for GaussianAvatars' point clouds and an avatar's page; "
+                      "the one trained with "
+                      "if not given");
   command->add_option("--ply", o->ply, "write 3DGS's PLY; of an avatar, at rest");
   command->add_option(
       "--glb",
@@ -240,22 +212,10 @@ void AddExport(CLI::App& app) {
   command->add_flag("--truncate-degree",
                     o->truncate_degree,
                     "leave band 4 out of the .glb, .spz and .sog, which end at degree 3");
-  command->add_option(
-      "--vq",
-      o->vq,
-      "write with vector-quantised colours: a .zip that NumPy opens (docs/vq-file.md)");
-  command->add_option("--codebook", o->settings.codebook, "colours in the codebook, at most")
-      ->check(CLI::Range(1, 65536));
-  command
-      ->add_option("--keep",
-                   o->settings.keep,
-                   "fraction of the most significant splats that keep their own colour")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--seed", o->settings.seed, "of the codebooks");
-  command->add_flag(
-      "--measure",
-      o->source.measure,
-      "render the test views as trained and from the files as read back: export.json");
+  command->add_option("--seed", o->sog_settings.seed, "of the codebooks in the .sog");
+  command->add_flag("--measure",
+                    o->source.measure,
+                    "render a scene's test views from the PLY and the other files: export.json");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Export(*o); });
 }

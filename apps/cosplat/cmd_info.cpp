@@ -17,34 +17,12 @@
 #include "splat/io/dataset.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
-#include "splat/io/vq_file.h"
 #include "splat/train/bands.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
 
 namespace {
-
-// Quantised splats: for each degree, the number with their own bands, the number that use the
-// codebook, and the codebook's size.
-void CodebookInfo(const QuantisedSplats& splats) {
-  std::printf("quantised splats, %s: %s Gaussians, SH degree %d\n",
-              splats.kind.c_str(),
-              WithThousands(splats.size()).c_str(),
-              splats.degree);
-  const auto flat = std::count(splats.own_degree.begin(), splats.own_degree.end(), uint8_t(0));
-  if (flat > 0) std::printf("degree 0: %s\n", WithThousands(size_t(flat)).c_str());
-  for (int degree = 1; degree <= splats.degree; ++degree) {
-    const QuantisedBands& bands = splats.bands[degree];
-    const size_t width = 3 * size_t(CoefficientCount(degree) - 1), kept = bands.kept.size() / width;
-    if (kept + bands.index.size() == 0) continue;
-    std::printf("degree %d: %s with own bands, %s with bands from a codebook of %s entries\n",
-                degree,
-                WithThousands(kept).c_str(),
-                WithThousands(bands.index.size()).c_str(),
-                WithThousands(bands.codebook.size() / width).c_str());
-  }
-}
 
 // Number of Gaussians of each per-Gaussian degree.
 void DegreeInfo(Gaussians g) {
@@ -72,7 +50,6 @@ std::string LayoutName(const std::string& path, SplatLayout layout) {
       return ".splat";
     case SplatLayout::kGlb:
       return "glTF";
-    case SplatLayout::kQuantised:
     case SplatLayout::kNone:
       break;
   }
@@ -80,23 +57,16 @@ std::string LayoutName(const std::string& path, SplatLayout layout) {
 }
 
 void SplatInfo(const std::string& path, SplatLayout layout) {
-  Gaussians g;
-  if (layout == SplatLayout::kQuantised) {
-    const QuantisedSplats splats = ReadVqFile(path);
-    CodebookInfo(splats);
-    if (splats.kind != "scene") return;
-    g = Dequantise(splats);
-  } else if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path)) {
+  if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path)) {
     std::printf("%s", SummarizeGaussianAvatar(path).c_str());
     return;
-  } else {
-    g = ReadSplats(path);
-    std::printf("%s splats: %s Gaussians, SH degree %d\n",
-                LayoutName(path, layout).c_str(),
-                WithThousands(g.size()).c_str(),
-                g.degree);
-    if (g.degree > 0) DegreeInfo(g);
   }
+  const Gaussians g = ReadSplats(path);
+  std::printf("%s splats: %s Gaussians, SH degree %d\n",
+              LayoutName(path, layout).c_str(),
+              WithThousands(g.size()).c_str(),
+              g.degree);
+  if (g.degree > 0) DegreeInfo(g);
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};

@@ -194,11 +194,8 @@ void RenderFrames(const RenderOptions& o,
       sequence.push_back({frame.params, frame.camera, BackgroundOf(run)});
     return PlayInto(sequence, renderer.player(), o);
   }
-  TestImageWriter writer(o.model,
-                         held_out ? "test" : "train",
-                         SavedIteration(o.model, run),
-                         BackgroundOf(run),
-                         SuffixOf(o));
+  TestImageWriter writer(
+      o.model, held_out ? "test" : "train", SavedIteration(o.model, run), BackgroundOf(run));
   for (const TrackedFrame& frame : frames)
     renderer.WriteTestImage(frame, LoadTrackedImage(video, frame), writer);
   writer.Finish();
@@ -206,12 +203,12 @@ void RenderFrames(const RenderOptions& o,
 }
 
 void RenderAvatar(const RenderOptions& o, const JsonField& run) {
+  if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
   const Device device = DeviceFromString(o.device);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   const FlameModel flame =
       FlameOf(model, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
   AttachMesh(model, flame);
-  if (!o.splats.empty()) ReadQuantisedAvatar(o.splats, model);
   if (o.still_bust) HoldBustStill(model);
   AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});
   if (o.orbit) {
@@ -261,10 +258,9 @@ void AddRender(CLI::App& app) {
   const auto o = std::make_shared<RenderOptions>();
   command->add_option("-m,--model_path", o->model, "a trained model's folder")->required();
   command->add_option("-s,--source_path", o->source, "data set; the one trained on if not given");
-  command->add_option(
-      "--splats",
-      o->splats,
-      "splats in place of the model's own, for `metrics` too: quantised, or a scene's PLY");
+  command->add_option("--splats",
+                      o->splats,
+                      "splat file in place of a scene's own, for `metrics` too (docs/files.md)");
   command->add_option(
       "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
   auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");

@@ -2,11 +2,14 @@
 // with GaussianAvatars.
 #pragma once
 
-#include <memory>
+#include <array>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "apps/cosplat/export_measure.h"
-#include "splat/io/vq.h"
+#include "avatar/model/avatar_model.h"
+#include "flame/model.h"
+#include "splat/io/dataset.h"
 
 namespace cosplat {
 
@@ -14,42 +17,43 @@ struct ExportSource {
   std::string model;        // run folder, or empty
   std::string splats;       // splat file that replaces the run's own, or empty
   std::string data, flame;  // override the paths in run.json unless empty
-  bool views = false;       // Significance, Seen or Quantised will be called
-  bool measure = false;     // AsTrained and FromFile will be called
+  bool views = false;       // of a scene's run, load its views
+  bool measure = false;     // and require test views
 };
 
-class ExportSubject {
- public:
-  virtual ~ExportSubject() = default;
-  const Gaussians& gaussians() const { return gaussians_; }  // in world space, as 3DGS's SH
-  const std::string& path() const { return path_; }          // of the splat file
-  virtual bool is_avatar() const { return false; }  // if true, gaussians() is the avatar at rest
-  // A scene, or an avatar that has no .glb yet. Throws Error for one that has.
-  virtual void WriteGlb(const std::string& path, bool truncate_degree) const = 0;
-  // A run's folder for `render`, `metrics` and `play`. Throws Error if it has one.
-  virtual void WriteRun(const std::string& folder, bool truncate_degree) const;
-  // [N] what an error in the colour of each of gaussians() weighs, for codebooks: by the training
-  // views, or by size if there are none.
-  virtual std::vector<float> Significance() const { return SizeSignificance(gaussians_); }
-  // SeenBands of gaussians(), truncated to kMaxSplatFileDegree, from the training views; empty if
-  // there are none.
-  virtual std::vector<float> Seen() const { return {}; }
-  virtual QuantisedSplats Quantised(const VqSettings& settings) const = 0;
-  // The run's test views: of the trained model, and of a file that was exported. A file of an
-  // avatar must have been written from Quantised's result.
-  virtual TestViews AsTrained() = 0;
-  virtual TestViews FromFile(const std::string& path) = 0;
-
- protected:
-  ExportSubject(const std::string& path, Gaussians gaussians)
-      : path_(path), gaussians_(std::move(gaussians)) {}
-
- private:
-  std::string path_;
-  Gaussians gaussians_;
+struct ExportSubject {
+  std::string path;                      // of the splat file
+  Gaussians gaussians;                   // in the world, as 3DGS's SH; of an avatar, at rest
+  SceneData data;                        // without views unless asked for
+  std::array<float, 3> background = {};  // of the run
+  bool is_avatar = false;
+  struct Imported {
+    AvatarModel model;
+    FlameModel flame;  // the avatar's
+  };
+  std::optional<Imported> imported;  // avatars that were trained with GaussianAvatars
 };
 
-// Throws Error if something is missing, or if `measure` is set and the run has no test views.
-std::unique_ptr<ExportSubject> LoadExportSubject(const ExportSource& source);
+// Throws Error if something is missing, or if `measure` is set and there is no scene with test
+// views.
+ExportSubject LoadExportSubject(const ExportSource& source);
+
+// [N] what an error in the colour of each Gaussian weighs, for codebooks: by the training views, or
+// by size if there are none.
+std::vector<float> SignificanceOf(const ExportSubject& subject);
+
+// SeenBands of the Gaussians, truncated to kMaxSplatFileDegree, from the training views; empty if
+// there are none.
+std::vector<float> SeenBandsOf(const ExportSubject& subject);
+
+// A scene, or an avatar that has no .glb yet. Throws Error for one that has.
+void ExportGlb(const std::string& path, const ExportSubject& subject, bool truncate_degree);
+
+// An imported avatar as a run's folder for `render`, `metrics` and `play`. Throws Error for
+// anything else, and if the source has no data set.
+void ExportRun(const std::string& folder,
+               const ExportSource& source,
+               const ExportSubject& subject,
+               bool truncate_degree);
 
 }  // namespace cosplat

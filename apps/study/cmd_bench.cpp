@@ -101,7 +101,7 @@ void AddBench(CLI::App& app) {
       ->check(CLI::Range(1, 64));
   command
       ->add_option(
-          "--splats", o->splats, "splats (PLY or quantised) to draw from all around as well")
+          "--splats", o->splats, "splat file to draw from all around as well (docs/files.md)")
       ->default_str("");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Bench(*o); });

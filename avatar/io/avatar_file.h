@@ -25,7 +25,6 @@
 
 #include "avatar/model/avatar_model.h"
 #include "flame/model.h"
-#include "splat/io/vq_file.h"
 
 namespace cosplat {
 
@@ -92,16 +91,5 @@ struct GlbSummary {
 GlbSummary SummarizeGlb(const std::string& path);
 // A few lines, each ending with a newline.
 std::string ToString(const GlbSummary& summary);
-
-// Adds an avatar's embedding to its quantised Gaussians (splat/io/vq_file.h), the smallest form of
-// an avatar whose head is known. The file's kind becomes "avatar": its positions are (delta_u,
-// delta_v, d), and it has triangle, int32 [N], and barycentric, float32 [N, 2], as in Embedding.
-// The mesh and everything that is not per Gaussian stay in the avatar's .glb.
-void AddEmbedding(const Embedding& embedding, QuantisedSplats& splats);
-
-// Replaces the model's Gaussians and embedding by those of the file, in 3DGS's SH. The model's mesh
-// must be attached. Throws Error as ReadVqFile does, for a file of another kind, and for a triangle
-// that the mesh does not have.
-void ReadQuantisedAvatar(const std::string& path, AvatarModel& model);
 
 }  // namespace cosplat

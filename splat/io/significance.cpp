@@ -15,14 +15,9 @@ std::vector<float> SizeSignificance(const Gaussians& g) {
   return significance;
 }
 
-std::vector<float> FiniteOrZero(View<const float> significance) {
+std::vector<float> WeightsOf(View<const float> significance) {
   std::vector<float> finite;
   for (const float s : significance) finite.push_back(std::isfinite(s) ? s : 0);
-  return finite;
-}
-
-std::vector<float> WeightsOf(View<const float> significance) {
-  const std::vector<float> finite = FiniteOrZero(significance);
   double sum = 0;
   for (const float s : finite) sum += s;
   const float least = sum > 0 ? float(1e-4 * sum / double(finite.size())) : 1;

@@ -1,5 +1,4 @@
-// What an error in a Gaussian's colour weighs when files are compressed (splat/io/sog.h,
-// splat/io/vq.h).
+// What an error in a Gaussian's colour weighs when files are compressed (splat/io/sog.h).
 #pragma once
 
 #include <vector>
@@ -12,12 +11,10 @@ namespace cosplat {
 // (splat/train/importance.h) if no views are known. [N]
 std::vector<float> SizeSignificance(const Gaussians& gaussians);
 
-// A non-finite significance, such as that of a splat larger than any float, becomes 0.
-std::vector<float> FiniteOrZero(View<const float> significance);
-
-// [N] > 0: the weight of each Gaussian in k-means, its significance kept above 1e-4 of the mean. On
-// a fox of 34,398 splats this gains 0.03 dB over equal weights if 40 % keep their own bands, 0.6 dB
-// if none do (docs/vq-file.md).
+// [N] > 0: the weight of each Gaussian in k-means, its significance kept above 1e-4 of the mean.
+// One that is not finite, as of a splat larger than any float, counts as 0. Over equal weights a
+// SOG of the fox of docs/dcsh.md gains 0.20 dB by this (32.12 to 32.32 dB), one of its chair 0.07
+// dB.
 std::vector<float> WeightsOf(View<const float> significance);
 
 }  // namespace cosplat

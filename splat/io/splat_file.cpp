@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
+#include <vector>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -12,17 +14,9 @@
 #include "splat/io/splat_primitive.h"
 #include "splat/io/splat_records.h"
 #include "splat/io/spz.h"
-#include "splat/io/vq_file.h"
 
 namespace cosplat {
 namespace {
-
-Gaussians ReadQuantised(const std::string& path) {
-  const QuantisedSplats splats = ReadVqFile(path);
-  if (splats.kind != "scene")
-    throw Error(path, "splats.json", "kind is '" + splats.kind + "', expected 'scene'");
-  return Dequantise(splats);
-}
 
 // Turned back to the axes that WriteSceneGlb was given.
 Gaussians ReadSceneGlb(const std::string& path) {
@@ -44,19 +38,19 @@ Gaussians ReadLayout(const std::string& path) {
       return ReadSplatRecords(path);
     case SplatLayout::kGlb:
       return ReadSceneGlb(path);
-    case SplatLayout::kQuantised:
-      return ReadQuantised(path);
     case SplatLayout::kNone:
       break;
   }
-  ReadFile(path);  // says so if there is none
-  throw Error(path, "is not a splat file: .ply, .spz, .sog, .splat, .glb or quantised");
+  const std::vector<char> bytes = ReadFile(path);  // says so if there is none
+  // The name of a ZIP archive's first member follows its header of 30 bytes.
+  if (std::string_view(bytes.data(), bytes.size()).substr(0, 41).ends_with("splats.json"))
+    throw Error(path, "has the quantised splats of CoSplat 0.1 and 0.2: export a .ply with those");
+  throw Error(path, "is not a splat file: .ply, .spz, .sog, .splat or .glb");
 }
 
 }  // namespace
 
 SplatLayout SplatLayoutOf(const std::string& path) {
-  if (IsVqFile(path)) return SplatLayout::kQuantised;
   if (IsSog(path)) return SplatLayout::kSog;
   if (IsSpz(path)) return SplatLayout::kSpz;
   if (!std::filesystem::is_regular_file(path)) return SplatLayout::kNone;

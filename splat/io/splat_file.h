@@ -8,13 +8,12 @@
 namespace cosplat {
 
 enum class SplatLayout {
-  kNone,      // not a splat file
-  kPly,       // 3DGS's or PlayCanvas' compressed (splat/io/ply.h)
-  kSpz,       // splat/io/spz.h
-  kSog,       // a bundle, meta.json or a folder with one (splat/io/sog.h)
-  kRecords,   // .splat (splat/io/splat_records.h)
-  kGlb,       // glTF, with KHR_gaussian_splatting or not (splat/io/splat_primitive.h)
-  kQuantised  // splat/io/vq_file.h
+  kNone,     // not a splat file
+  kPly,      // 3DGS's or PlayCanvas' compressed (splat/io/ply.h)
+  kSpz,      // splat/io/spz.h
+  kSog,      // a bundle, meta.json or a folder with one (splat/io/sog.h)
+  kRecords,  // .splat (splat/io/splat_records.h)
+  kGlb       // glTF, with KHR_gaussian_splatting or not (splat/io/splat_primitive.h)
 };
 
 // By the first bytes; .splat has none to tell it by and goes by its name. kNone if there is nothing
@@ -22,8 +21,7 @@ enum class SplatLayout {
 SplatLayout SplatLayoutOf(const std::string& path);
 
 // In 3DGS's SH, with OpenCV's axes if those are what the file was made of. Throws Error as the
-// layout's reader does, for quantised splats whose positions are not points in the world, and for a
-// file of none of these layouts.
+// layout's reader does, and for a file of none of these layouts.
 Gaussians ReadSplats(const std::string& path);
 
 // A static scene as a .glb file for other programs.

@@ -1,8 +1,7 @@
 // Removes imperceptible colour bands: found by their energy, zeroed and no longer evaluated.
 //
 // trained Gaussians -> DropBands -> Gaussians::degrees -> kernels evaluate each Gaussian up to its
-// own degree; splat/io/vq_file.h stores the degrees. docs/dcsh.md derives the energy and reports
-// measurements.
+// own degree. docs/dcsh.md derives the energy and reports measurements.
 #pragma once
 
 #include <array>

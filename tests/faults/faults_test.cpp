@@ -318,10 +318,10 @@ TEST_F(Faults, ExportingSplats) {
                             out + "/a.ply",
                             "--glb",
                             out + "/a.glb",
-                            "--vq",
-                            out + "/a.zip",
-                            "--codebook",
-                            "50",
+                            "--spz",
+                            out + "/a.spz",
+                            "--sog",
+                            out + "/a.sog",
                             "--quiet"};
                   }});
 }

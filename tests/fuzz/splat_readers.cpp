@@ -6,7 +6,6 @@
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/spz.h"
-#include "splat/io/vq.h"
 #include "tests/fuzz/reader.h"
 #include "tests/splat/ply_packer.h"
 #include "tests/support/glb_bytes.h"
@@ -109,15 +108,6 @@ std::string SceneGlb() {
   return Written("a.glb", [](const std::string& path) { WriteSceneGlb(path, SeedGaussians()); });
 }
 
-std::string QuantisedParts() {
-  const TemporaryFolder folder;
-  const Gaussians g = RandomGaussians(40, 2, Basis::kSh, 3);
-  VqSettings settings;
-  settings.codebook = 4;
-  WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), settings));
-  return PartsOfZip(folder / "a.zip");
-}
-
 std::string ReadPoints(const std::string& folder, const std::string&) {
   std::vector<float> points;
   std::vector<uint8_t> colors;
@@ -179,8 +169,6 @@ std::vector<FuzzedReader> SplatReaders() {
       },
       glb,
       Placing::kGlb));
-  readers.push_back(SplatFile(
-      "vq", "a.zip", [] { return Strings{QuantisedParts()}; }, {"header.json"}, Placing::kZip));
   return readers;
 }
 

@@ -1,6 +1,7 @@
 // --drop-bands from end to end: what is said of it, and that files hold what was trained.
 #include <gtest/gtest.h>
 
+#include "splat/io/splat_file.h"
 #include "tests/integration/command.h"
 
 namespace cosplat::test {
@@ -79,9 +80,9 @@ TEST_F(BandsCommand, AScene) {
   ExpectDropped(With(Scene("scene"), "4"), folder_ / "scene", "60");
   const std::string ply = folder_ / "scene/point_cloud/iteration_60/point_cloud.ply";
   ExpectSays(Cosplat({"info", ply}), "own degrees: ");
-  const std::string file = folder_ / "scene.zip";
-  EXPECT_EQ(Cosplat({"export", "-m", folder_ / "scene", "--vq", file, "--quiet"}).code, 0);
-  ExpectSays(Cosplat({"info", file}), "degree 0: ");
+  const std::string file = folder_ / "scene.glb";
+  EXPECT_EQ(Cosplat({"export", "-m", folder_ / "scene", "--glb", file, "--quiet"}).code, 0);
+  EXPECT_EQ(ReadSplats(file).degrees, ReadSplats(ply).degrees);
 }
 
 TEST_F(BandsCommand, AnAvatar) {

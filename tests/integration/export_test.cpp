@@ -45,50 +45,43 @@ class Export : public testing::Test {
 };
 
 TEST_F(Export, WritesAFileOfEachKind) {
-  const std::string ply = folder_ / "a.ply", glb = folder_ / "a.glb", vq = folder_ / "a.zip";
-  const std::string said =
-      Run({"export", "-m", scene_, "--ply", ply, "--glb", glb, "--vq", vq, "--codebook", "50"});
-  for (const std::string& file : {ply, glb, vq}) EXPECT_TRUE(Contains(said, file)) << said;
+  const std::string ply = folder_ / "a.ply", glb = folder_ / "a.glb";
+  const std::string said = Run({"export", "-m", scene_, "--ply", ply, "--glb", glb});
+  for (const std::string& file : {ply, glb}) EXPECT_TRUE(Contains(said, file)) << said;
   EXPECT_EQ(Slurp(ply), Slurp(ply_));
-  EXPECT_LT(fs::file_size(vq), fs::file_size(ply) / 2);
   EXPECT_TRUE(Contains(Run({"info", glb}), "KHR_gaussian_splatting"));
-  fs::rename(vq, folder_ / "named.npz");
-  const std::string info = Run({"info", folder_ / "named.npz"});
-  EXPECT_TRUE(Contains(info, "quantised splats")) << info;
-  EXPECT_TRUE(Contains(info, "a codebook of 50")) << info;
 }
 
 TEST_F(Export, SameBytesForAnyNumberOfThreads) {
   for (const std::string threads : {"1", "4"})
     EXPECT_EQ(
-        Run({"export", "-m", scene_, "--vq", folder_ / threads, "--threads", threads, "--quiet"}),
+        Run({"export", "-m", scene_, "--sog", folder_ / threads, "--threads", threads, "--quiet"}),
         "");
   EXPECT_EQ(Slurp(folder_ / "1"), Slurp(folder_ / "4"));
 }
 
 TEST_F(Export, MeasuresWhatMetricsMeasures) {
-  const std::string vq = folder_ / "small.zip";
+  const std::string sog = folder_ / "small.sog";
   const std::string said =
-      Run({"export", "-m", scene_, "--vq", vq, "--codebook", "20", "--keep", "0", "--measure"});
+      Run({"export", "-m", scene_, "--sog", sog, "--sog-palette", "20", "--measure"});
   const Json figures = ReadJson(scene_ + "/export.json");
   EXPECT_EQ(figures["ply_mb"].get<double>(), double(fs::file_size(ply_)) / 1e6);
-  EXPECT_EQ(figures["vq_mb"].get<double>(), double(fs::file_size(vq)) / 1e6);
+  EXPECT_EQ(figures["sog_mb"].get<double>(), double(fs::file_size(sog)) / 1e6);
   EXPECT_EQ(figures["gaussians"], ReadPly(ply_).size());
-  EXPECT_GT(figures["mean_degree"].get<double>(), 0);
   char psnr[32];
-  std::snprintf(psnr, sizeof psnr, "PSNR %.2f dB", figures["vq_psnr"].get<double>());
+  std::snprintf(psnr, sizeof psnr, "PSNR %.2f dB", figures["sog_psnr"].get<double>());
   EXPECT_TRUE(Contains(said, psnr)) << said;
 
   const Json before = ReadJson(scene_ + "/results.json")["ours_120"];
   EXPECT_NEAR(figures["ply_psnr"].get<double>(), before["PSNR"].get<double>(), 0.01);
-  Run({"render", "-m", scene_, "--splats", vq, "--quiet"});
+  Run({"render", "-m", scene_, "--splats", sog, "--quiet"});
   EXPECT_TRUE(Contains(Run({"metrics", "-m", scene_}), std::string("ours_120_small: ") + psnr));
   const Json after = ReadJson(scene_ + "/results.json");
   EXPECT_EQ(after["ours_120"], before);
   EXPECT_NEAR(
-      after["ours_120_small"]["PSNR"].get<double>(), figures["vq_psnr"].get<double>(), 1e-9);
+      after["ours_120_small"]["PSNR"].get<double>(), figures["sog_psnr"].get<double>(), 1e-9);
   EXPECT_NEAR(
-      after["ours_120_small"]["SSIM"].get<double>(), figures["vq_ssim"].get<double>(), 1e-9);
+      after["ours_120_small"]["SSIM"].get<double>(), figures["sog_ssim"].get<double>(), 1e-9);
 }
 
 TEST_F(Export, WritesFilesOfOthersAndMeasuresThem) {
@@ -117,17 +110,15 @@ TEST_F(Export, WritesFilesOfOthersAndMeasuresThem) {
   Run({"export", "-m", scene_, "--sog", folder_ / "meta.json"});
   EXPECT_TRUE(Contains(Run({"info", folder_ / "meta.json"}), "SOG splats"));
   Refuse({"export", "-m", scene_, "--spz", spz, "--spz-version", "1"}, {"--spz-version"});
-  Refuse({"export", "-m", Made().avatar, "--spz", spz, "--measure"}, {"--measure", "--vq"});
+  Refuse({"export", "-m", Made().avatar, "--spz", spz, "--measure"}, {"--measure", "scenes"});
 }
 
 TEST_F(Export, TurnsFilesIntoEachOther) {
-  const std::string vq = folder_ / "a.zip", ply = folder_ / "a.ply", again = folder_ / "b.zip";
-  Run({"export", "--splats", ply_, "--vq", vq});
-  Run({"export", "--splats", vq, "--ply", ply, "--vq", again, "--keep", "1"});
-  const Gaussians from_ply = ReadSplats(ply), from_vq = ReadSplats(vq);
-  for (int a = 0; a < kAttributeCount; ++a) EXPECT_EQ(from_ply.values[a], from_vq.values[a]);
-  // What 16 bits hold already is kept as it is.
-  EXPECT_EQ(ReadSplats(again).values[kColorRest], from_vq.values[kColorRest]);
+  const std::string spz = folder_ / "a.spz", ply = folder_ / "a.ply";
+  Run({"export", "--splats", ply_, "--spz", spz});
+  Run({"export", "--splats", spz, "--ply", ply});
+  const Gaussians from_ply = ReadSplats(ply), from_spz = ReadSplats(spz);
+  for (int a = 0; a < kAttributeCount; ++a) EXPECT_EQ(from_ply.values[a], from_spz.values[a]);
 }
 
 TEST_F(Export, LeavesBandFourOutWhereAsked) {
@@ -148,33 +139,6 @@ TEST_F(Export, LeavesBandFourOutWhereAsked) {
   EXPECT_TRUE(Contains(Run({"info", folder_ / "a.glb"}), "degree 3"));
 }
 
-TEST_F(Export, MeasuresAnAvatarOnItsTriangles) {
-  const std::string avatar = folder_ / "avatar", vq = folder_ / "head.zip";
-  fs::copy(Made().avatar, avatar, fs::copy_options::recursive);
-  const std::string said = Run({"export",
-                                "-m",
-                                avatar,
-                                "--flame",
-                                Made().model,
-                                "--vq",
-                                vq,
-                                "--codebook",
-                                "100",
-                                "--measure"});
-  EXPECT_TRUE(Contains(said, "on the avatar's triangles")) << said;
-  const Json figures = ReadJson(avatar + "/export.json");
-  EXPECT_LT(figures["vq_mb"].get<double>(), 0.6 * figures["ply_mb"].get<double>());
-  EXPECT_NEAR(figures["vq_psnr"].get<double>(), figures["ply_psnr"].get<double>(), 1);
-  EXPECT_TRUE(Contains(Run({"info", vq}), "avatar"));
-  Run({"render", "-m", avatar, "--splats", vq, "--quiet"});
-  Run({"metrics", "-m", avatar});
-  const Json results = ReadJson(avatar + "/results.json");
-  EXPECT_NEAR(results["ours_60"]["PSNR"].get<double>(), figures["ply_psnr"].get<double>(), 1e-9);
-  EXPECT_NEAR(
-      results["ours_60_head"]["PSNR"].get<double>(), figures["vq_psnr"].get<double>(), 1e-9);
-  Refuse({"render", "-m", scene_, "--splats", vq}, {"head.zip", "kind", "avatar"});
-}
-
 TEST_F(Export, SaysThatAnAvatarIsAtRest) {
   const std::string said = Run({"export", "-m", Made().avatar, "--ply", folder_ / "a.ply"});
   EXPECT_TRUE(Contains(said, "at rest")) << said;
@@ -184,29 +148,28 @@ TEST_F(Export, SaysThatAnAvatarIsAtRest) {
 }
 
 TEST_F(Export, BadInput) {
-  const std::string out = folder_ / "out.zip";
-  Refuse({"export", "-m", scene_}, {"--vq", "--ply", "--glb"});
-  Refuse({"export", "--vq", out}, {"-m", "--splats"});
-  Refuse({"export", "-m", scene_, "--ply", out, "--measure"}, {"--measure", "--vq"});
-  Refuse({"export", "--splats", ply_, "--vq", out, "--measure"}, {"--measure"});
-  Refuse({"export", "-m", scene_, "--vq", out, "--codebook", "0"}, {"--codebook"});
-  Refuse({"export", "-m", scene_, "--vq", out, "--keep", "1.5"}, {"--keep"});
-  Refuse({"export", "-m", scene_, "-s", folder_ / "gone", "--vq", out}, {"gone"});
-  Refuse({"export", "-m", folder_ / "no", "--vq", out}, {"no/run.json"});
-  Refuse({"render", "-m", Made().avatar, "--splats", ply_}, {ply_, "cannot be read"});
-  Refuse({"export", "-m", Made().avatar, "--splats", ply_, "--vq", out}, {"--splats", "scenes"});
+  const std::string out = folder_ / "out.sog";
+  Refuse({"export", "-m", scene_}, {"--ply", "--glb", "--sog"});
+  Refuse({"export", "--sog", out}, {"-m", "--splats"});
+  Refuse({"export", "-m", scene_, "--ply", out, "--measure"}, {"--measure", "--sog"});
+  Refuse({"export", "--splats", ply_, "--sog", out, "--measure"}, {"--measure"});
+  Refuse({"export", "-m", scene_, "--sog", out, "--sog-palette", "0"}, {"--sog-palette"});
+  Refuse({"export", "-m", scene_, "-s", folder_ / "gone", "--sog", out}, {"gone"});
+  Refuse({"export", "-m", folder_ / "no", "--sog", out}, {"no/run.json"});
+  Refuse({"render", "-m", Made().avatar, "--splats", ply_}, {"--splats", "scenes"});
+  Refuse({"export", "-m", Made().avatar, "--splats", ply_, "--sog", out}, {"--splats", "scenes"});
   EXPECT_FALSE(fs::exists(out));
   Json run = ReadJson(scene_ + "/run.json");
   run["split"]["eval"] = false;
   WriteFileAtomically(scene_ + "/run.json", run.dump());
-  Refuse({"export", "-m", scene_, "--vq", out, "--measure"}, {"--measure", "--eval"});
+  Refuse({"export", "-m", scene_, "--sog", out, "--measure"}, {"--measure", "--eval"});
 
-  Run({"export", "--splats", ply_, "--vq", out});
+  Run({"export", "--splats", ply_, "--sog", out});
   const std::string whole = Slurp(out);
   WriteFileAtomically(out, whole.substr(0, whole.size() / 2));
-  Refuse({"render", "-m", scene_, "--splats", out}, {"out.zip"});
-  Refuse({"info", out}, {"out.zip"});
-  Refuse({"export", "--splats", out, "--ply", folder_ / "a.ply"}, {"out.zip"});
+  Refuse({"render", "-m", scene_, "--splats", out}, {"out.sog"});
+  Refuse({"info", out}, {"out.sog"});
+  Refuse({"export", "--splats", out, "--ply", folder_ / "a.ply"}, {"out.sog"});
 }
 
 }  // namespace

@@ -86,22 +86,13 @@ TEST_F(BoundCloud, BecomesARunThatIsRenderedAndMeasured) {
   ExpectPart(Run({"info", run}), "trained avatar: 700 iterations");
 }
 
-TEST_F(BoundCloud, RestAndQuantisedAreWritten) {
-  const std::string ply = folder_ / "rest.ply", vq = folder_ / "a.zip";
-  const std::string said = Run({"export",
-                                "--splats",
-                                ply_,
-                                "--flame",
-                                Workshop::Get().model,
-                                "--ply",
-                                ply,
-                                "--vq",
-                                vq,
-                                "--codebook",
-                                "20"});
+TEST_F(BoundCloud, IsWrittenAtRest) {
+  const std::string ply = folder_ / "rest.ply", spz = folder_ / "rest.spz";
+  const std::string said = Run(
+      {"export", "--splats", ply_, "--flame", Workshop::Get().model, "--ply", ply, "--spz", spz});
   ExpectPart(said, "the avatar at rest");
   ExpectPart(Run({"info", ply}), "3DGS splats: 4,000 Gaussians");
-  ExpectPart(Run({"info", vq}), "avatar");
+  ExpectPart(Run({"info", spz}), "SPZ splats: 4,000 Gaussians");
 }
 
 TEST_F(BoundCloud, SaysWhatIsMissing) {

@@ -11,8 +11,6 @@
 #include "splat/gaussians.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
-#include "splat/io/vq.h"
-#include "splat/io/vq_file.h"
 #include "splat/math/dcsh.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"
@@ -284,10 +282,8 @@ TEST(Bands, DegreesGoThroughFiles) {
   Gaussians g = OfAllDegrees(60, 3, Basis::kSh);
   WritePly(folder / "a.ply", g);
   EXPECT_EQ(ReadSplats(folder / "a.ply").degrees, g.degrees);
-  VqSettings exact;
-  exact.keep = 1;
-  WriteVqFile(folder / "a.zip", Quantise(g, SizeSignificance(g), exact));
-  EXPECT_EQ(ReadSplats(folder / "a.zip").degrees, g.degrees);
+  WriteSceneGlb(folder / "a.glb", g);
+  EXPECT_EQ(ReadSplats(folder / "a.glb").degrees, g.degrees);
 }
 
 }  // namespace

@@ -189,10 +189,9 @@ TEST(BenchCommand, RefusesBadInputBeforeItMeasures) {
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "-r", "0"}, "--resolution");
   ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "no.ply"},
                 "no.ply");
-  WriteFileAtomically(folder / "cut.zip",
-                      std::string("PK\3\4", 4) + std::string(26, ' ') + "splats.json");
-  ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "cut.zip"},
-                "cut.zip: cannot be read as .npz");
+  WriteFileAtomically(folder / "cut.sog", "PK\3\4");
+  ExpectRefused({"bench", "--quick", "-o", folder / "bench", "--splats", folder / "cut.sog"},
+                "cut.sog: cannot be read as SOG");
   std::vector<Unpacked> splats = RandomSplats(3);
   for (Unpacked& s : splats) s.opacity = 0;
   WriteFileAtomically(folder / "clear.ply", PackedFile(splats, {}));

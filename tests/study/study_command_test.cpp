@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "splat/base/json.h"
 #include "tests/integration/command.h"
@@ -88,19 +89,22 @@ TEST(Study, ALineHoldsWhatWasMeasuredAndTheCommand) {
   EXPECT_TRUE(Has(first["command"], "cosplat train-scene -s balls -m MODEL"));
   ASSERT_EQ(first["checkpoints"].size(), 2u);
   EXPECT_EQ(first["checkpoints"][0]["iterations"], 10);
-  for (const Json& line : {lines[0], lines[2]})  // the balls and the head, as SH
-    for (const std::string key : {"PSNR",
-                                  "SSIM",
-                                  "gaussians",
-                                  "ply_mb",
-                                  "ply_psnr",
-                                  "vq_mb",
-                                  "vq_psnr",
-                                  "seconds",
-                                  "cpu_seconds",
-                                  "peak_mb",
-                                  "fps"})
-      EXPECT_GT(line["checkpoints"][1].value(key, 0.0), 0) << line["data"] << key;
+  const Strings of_both{"PSNR",
+                        "SSIM",
+                        "gaussians",
+                        "mean_degree",
+                        "ply_mb",
+                        "seconds",
+                        "cpu_seconds",
+                        "peak_mb",
+                        "fps"};
+  const std::map<size_t, Strings> own{{0, {"ply_psnr", "sog_mb", "sog_psnr", "sog_ssim"}},
+                                      {2, {"glb_mb"}}};  // the balls and the head, as SH
+  for (auto [i, keys] : own) {
+    keys.insert(keys.end(), of_both.begin(), of_both.end());
+    for (const std::string& key : keys)
+      EXPECT_GT(lines[i]["checkpoints"][1].value(key, 0.0), 0) << lines[i]["data"] << key;
+  }
 }
 
 // Nothing can be saved of the literal formula: it is measured all the same.
@@ -110,7 +114,7 @@ TEST(Study, ABasisWithoutFilesHasNoSpeedAndNoSize) {
   EXPECT_EQ(line["minus"], Json({"sh"}));
   const Json& last = line["checkpoints"].back();
   EXPECT_GT(last.value("PSNR", 0.0), 0);
-  EXPECT_EQ(last.count("fps") + last.count("ply_mb") + last.count("vq_mb"), 0u);
+  EXPECT_EQ(last.count("fps") + last.count("ply_mb") + last.count("sog_mb"), 0u);
   EXPECT_TRUE(Has(Slurp(Made().out + "/index.html"), ">literal − sh<"));
 }
 
@@ -197,7 +201,7 @@ TEST(Study, WritesThePageAlone) {
   const CommandResult result = Cosplat({"study", "--page", "-o", made.out, "--charts", charts});
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(fs::exists(charts + "/balls-bases-psnr-gaussians.svg"));
-  EXPECT_TRUE(fs::exists(charts + "/head-bases-psnr-vq-mb.svg"));
+  EXPECT_TRUE(fs::exists(charts + "/head-bases-psnr-glb-mb.svg"));
 }
 
 TEST(Study, GoesOnAfterARunThatFails) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <fstream>
@@ -157,6 +158,16 @@ TEST(StudyLines, NamesTheLineThatIsNoGood) {
   std::filesystem::remove(folder / "runs.jsonl");
   StudyLog(folder.path()).Append(line);
   ExpectError([&] { ReadStudyLines(folder.path()); }, {"line 1", "checkpoints"});
+}
+
+// Lines of versions that measured other files have other keys.
+TEST(StudyLines, PublishedOnesAreRead) {
+  for (const std::string folder : {"/docs/study", "/docs/study/0.2.0"}) {
+    const std::vector<StudyLine> lines = ReadStudyLines(COSPLAT_SOURCE_DIR + folder).lines;
+    const auto older = [](const StudyLine& l) { return l.checkpoints.back().count("vq_mb") > 0; };
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), older)) << folder;
+    for (const StudyFigure& cost : CostsIn(PointsOf(lines))) EXPECT_NE(cost.key, "vq_mb");
+  }
 }
 
 TEST(StudyCharts, HoldMeansErrorsCurvesAndTheFront) {

@@ -11,7 +11,7 @@ namespace cosplat {
 namespace {
 
 constexpr const char* kLpips = "LPIPS_";  // followed by the network's name
-constexpr const char* kQuantisedSize = "vq_mb";
+constexpr const char* kSogSize = "sog_mb";
 
 std::set<std::string> KeysIn(const std::vector<StudyPoint>& points) {
   std::set<std::string> keys;
@@ -55,16 +55,17 @@ std::vector<StudyFigure> QualitiesIn(const std::vector<StudyPoint>& points) {
 std::vector<StudyFigure> CostsIn(const std::vector<StudyPoint>& points) {
   return Present({{"gaussians", "Gaussians", "", 0, true},
                   {"ply_mb", "PLY size", "MB", 2, true},
-                  {kQuantisedSize, "quantised size", "MB", 2, true},
+                  {kSogSize, "SOG size", "MB", 2, true},
+                  {"glb_mb", "avatar file", "MB", 2, true},
                   {"cpu_seconds", "training time", "processor s", 1, true},
                   {"fps", "drawing speed", "frames/s", 0, false}},
                  KeysIn(points));
 }
 
 std::string QualityKeyFor(const StudyFigure& quality, const StudyFigure& cost) {
-  if (cost.key != kQuantisedSize) return quality.key;
-  if (quality.key == "PSNR") return "vq_psnr";
-  return quality.key == "SSIM" ? "vq_ssim" : "";
+  if (cost.key != kSogSize) return quality.key;
+  if (quality.key == "PSNR") return "sog_psnr";
+  return quality.key == "SSIM" ? "sog_ssim" : "";
 }
 
 std::string ToString(const std::optional<Estimate>& estimate, int decimals) {

@@ -21,8 +21,8 @@ struct StudyFigure {
 std::vector<StudyFigure> QualitiesIn(const std::vector<StudyPoint>& points);
 std::vector<StudyFigure> CostsIn(const std::vector<StudyPoint>& points);
 
-// The key of `quality` to plot against `cost`. For the size of the quantised file, it is the
-// quality of the quantised images, or empty if that was not measured.
+// The key of `quality` to plot against `cost`. For the size of the SOG, it is the quality of the
+// images drawn from it, or empty if that was not measured.
 std::string QualityKeyFor(const StudyFigure& quality, const StudyFigure& cost);
 
 // "31.70 ± 0.05"; without an error for a single seed; "-" for nullopt.

@@ -53,7 +53,7 @@ class Table {
 std::vector<StudyFigure> ColumnsAt(const std::vector<StudyPoint>& points, int iterations) {
   std::vector<StudyFigure> columns = QualitiesIn(points);
   for (const StudyFigure& cost : CostsIn(points)) columns.push_back(cost);
-  columns.push_back({"vq_psnr", "quantised PSNR", "dB", 2});
+  columns.push_back({"sog_psnr", "PSNR of the SOG", "dB", 2});
   columns.push_back({"mean_degree", "mean degree", "", 2});
   columns.push_back({"seconds", "wall clock", "s", 1});
   columns.push_back({"peak_mb", "peak memory", "MB", 0});

@@ -63,14 +63,19 @@ void AddNumbers(const std::string& path,
   for (const char* key : keys) figures[key] = JsonField(path, json)[key].Number();
 }
 
-// Cost of the finished model, and the quality of its files.
-void AddCosts(const std::string& model, StudyFigures& figures) {
-  AddNumbers(model + "/stats.json", {"gaussians", "seconds", "cpu_seconds", "peak_mb"}, figures);
-  if (!HasSplats(model)) return;
-  AddNumbers(model + "/export.json",
-             {"ply_psnr", "ply_ssim", "vq_mb", "vq_psnr", "vq_ssim", "mean_degree"},
+// Cost of the finished model, and the quality of a scene's files.
+void AddCosts(const StudyRun& run, const std::string& model, StudyFigures& figures) {
+  AddNumbers(model + "/stats.json",
+             {"gaussians", "mean_degree", "seconds", "cpu_seconds", "peak_mb"},
              figures);
+  if (!HasSplats(model)) return;
   figures["fps"] = StudyFramesPerSecond(model);
+  if (run.data.avatar)
+    figures["glb_mb"] = double(fs::file_size(model + "/avatar.glb")) / kMegabyte;
+  else
+    AddNumbers(model + "/export.json",
+               {"ply_psnr", "ply_ssim", "sog_mb", "sog_psnr", "sog_ssim"},
+               figures);
 }
 
 // Keeps a training that was interrupted, if it was one of this command; removes any other, also a
@@ -98,11 +103,12 @@ void RunSteps(const StudyRun& run,
   if (!isatty(STDERR_FILENO)) train.push_back("--quiet");  // a study's log has one line per run
   children.Run(train);
   if (!s.lpips.empty()) children.Run({"metrics", "-m", model, "--lpips", s.lpips});
-  if (HasSplats(model))
-    children.Run({"export", "-m", model, "--vq", model + "/quantised.zip", "--measure"});
+  if (HasSplats(model) && !run.data.avatar)
+    children.Run(
+        {"export", "-m", model, "--sog", model + "/splats.sog", "--truncate-degree", "--measure"});
 }
 
-void ReadResults(const std::string& model, StudyLine& line) {
+void ReadResults(const StudyRun& run, const std::string& model, StudyLine& line) {
   const std::string path = model + "/results.json";
   const Json json = ReadJson(path);
   const JsonField results(path, json);
@@ -117,7 +123,7 @@ void ReadResults(const std::string& model, StudyLine& line) {
   };
   std::sort(line.checkpoints.begin(), line.checkpoints.end(), earlier);
   if (line.checkpoints.empty()) throw Error(path, "has no figures: train with --eval");
-  AddCosts(model, line.checkpoints.back());
+  AddCosts(run, model, line.checkpoints.back());
 }
 
 }  // namespace
@@ -147,7 +153,7 @@ StudyLine MeasureStudyRun(const StudyRun& run,
   line.command = run.Command();
   line.version = COSPLAT_VERSION;
   line.cpu = CpuName();
-  ReadResults(model, line);
+  ReadResults(run, model, line);
   line.checkpoints.back()["run_seconds"] = SecondsSince(start);
   return line;
 }

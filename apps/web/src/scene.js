@@ -1,16 +1,14 @@
 // A static scene of splats on the thread that calls it, seen by a camera that orbits.
 import { bytesOf, CosplatError, loadCodecs, loadModule } from "./module.js";
 
-// Whether the module may need the page's decoders for it: a ZIP archive (SOG; for numbers of our own
-// quantised file, which begins with splats.json, it has its own), or SPZ without gzip.
+// Whether the module may need the page's decoders for it: a ZIP archive (SOG), or SPZ without gzip.
 function isPacked(bytes) {
-  const text = (from, to) => String.fromCharCode(...bytes.subarray(from, to));
-  return text(0, 4) === "NGSP" || (text(0, 2) === "PK" && text(30, 41) !== "splats.json");
+  const text = String.fromCharCode(...bytes.subarray(0, 4));
+  return text === "NGSP" || text.startsWith("PK");
 }
 
-// source: a .ply (3DGS's layout, PlayCanvas's compressed one), .spz, .sog (a bundle), .splat, .glb or one
-// of `cosplat export --vq`; a URL, a Blob, an ArrayBuffer or a Uint8Array. options: those of loadModule.
-// Throws CosplatError.
+// source: a .ply (3DGS's layout, PlayCanvas's compressed one), .spz, .sog (a bundle), .splat or .glb; a URL, a
+// Blob, an ArrayBuffer or a Uint8Array. options: those of loadModule. Throws CosplatError.
 export async function openScene(source, options = {}) {
   const file = await bytesOf(source, "splats");
   const memory = await loadModule(options);
