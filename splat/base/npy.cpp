@@ -1,5 +1,4 @@
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -21,18 +20,6 @@ double HalfToDouble(uint16_t half) {
   if (exponent == 0) return sign * mantissa / 16384;  // subnormal: 2^-14
   return sign * (1 + mantissa) *
          (exponent >= 15 ? 1 << (exponent - 15) : 1.0 / (1 << (15 - exponent)));
-}
-
-// Rounds to nearest, ties to even; values beyond the largest half, 65504, become infinite.
-uint16_t HalfOf(float value) {
-  const uint32_t sign = std::bit_cast<uint32_t>(value) >> 16 & 0x8000;
-  const float magnitude = std::abs(value);
-  if (std::isnan(value)) return uint16_t(sign | 0x7e00);
-  if (magnitude >= 65520) return uint16_t(sign | 0x7c00);
-  if (magnitude < 0x1p-14f)  // subnormal: multiples of 2^-24
-    return uint16_t(sign | uint32_t(std::lrint(magnitude * 0x1p24f)));
-  const uint32_t bits = std::bit_cast<uint32_t>(magnitude) - (112u << 23);  // bias 127 to 15
-  return uint16_t(sign | (bits + 0xfff + (bits >> 13 & 1)) >> 13);
 }
 
 template <class T>
@@ -68,26 +55,6 @@ Element ElementOf(const std::string& dtype) {
   if (kind == "u4") return {4, As<uint32_t>};
   if (kind == "u8") return {8, As<uint64_t>};
   return {0, nullptr};
-}
-
-// How a number is stored in one of the output types: in the lowest bytes of `bits`.
-struct Writer {
-  const char* dtype;
-  size_t bytes;
-  uint32_t (*bits)(double);
-};
-
-// Null for other types.
-const Writer* WriterOf(const std::string& dtype) {
-  static constexpr Writer kWriters[] = {
-      {"<f4", 4, [](double value) { return std::bit_cast<uint32_t>(float(value)); }},
-      {"<f2", 2, [](double value) { return uint32_t(HalfOf(float(value))); }},
-      {"<i4", 4, [](double value) { return uint32_t(int32_t(value)); }},
-      {"<u2", 2, [](double value) { return uint32_t(value); }},
-      {"|u1", 1, [](double value) { return uint32_t(value); }}};
-  for (const Writer& writer : kWriters)
-    if (dtype == writer.dtype) return &writer;
-  return nullptr;
 }
 
 // The header is a Python dictionary with three known keys; each value follows its key.
@@ -209,9 +176,8 @@ bool ParseNpy(const std::string& file,
 }
 
 std::string FormatNpy(const NpyArray& array) {
-  const Writer* writer = WriterOf(array.dtype);
-  const std::string dtype = writer ? array.dtype : "<f4";
-  if (!writer) writer = WriterOf(dtype);
+  const bool integers = array.dtype == "<i4";
+  const std::string dtype = integers ? "<i4" : "<f4";
   std::string header = "{'descr': '" + dtype + "', 'fortran_order': False, 'shape': (";
   for (size_t extent : array.shape) header += std::to_string(extent) + ",";
   header += "), }";
@@ -222,10 +188,11 @@ std::string FormatNpy(const NpyArray& array) {
   bytes += char(header.size() & 255);
   bytes += char(header.size() >> 8);
   bytes += header;
-  bytes.reserve(bytes.size() + writer->bytes * array.size());
+  bytes.reserve(bytes.size() + 4 * array.size());
   for (double value : array.values) {
-    const uint32_t bits = writer->bits(value);
-    bytes.append(reinterpret_cast<const char*>(&bits), writer->bytes);
+    const uint32_t bits =
+        integers ? std::bit_cast<uint32_t>(int32_t(value)) : std::bit_cast<uint32_t>(float(value));
+    bytes.append(reinterpret_cast<const char*>(&bits), sizeof(bits));
   }
   return bytes;
 }

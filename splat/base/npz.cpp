@@ -1,6 +1,5 @@
 #include "splat/base/npz.h"
 
-#include <cmath>
 #include <utility>
 
 #include "splat/base/error.h"
@@ -46,12 +45,9 @@ Npz Npz::Read(const std::string& path) {
   npz.path_ = path;
   for (size_t i = 0; i < archive.size(); ++i) {
     const std::string name = archive.Name(i);
-    if (!name.ends_with(".npy") && !name.ends_with(".json")) continue;
-    const std::vector<char> bytes = archive.Read(i);
+    if (!name.ends_with(".npy")) continue;
     NpyArray array;
-    if (name.ends_with(".json"))
-      npz.texts_[name].assign(bytes.begin(), bytes.end());
-    else if (ParseNpy(path, name, bytes, array))
+    if (ParseNpy(path, name, archive.Read(i), array))
       npz.arrays_[name.substr(0, name.size() - 4)] = std::move(array);
   }
   return npz;
@@ -74,12 +70,6 @@ const NpyArray& Npz::Get(const std::string& name, const std::vector<long>& shape
   return array;
 }
 
-const std::string& Npz::Text(const std::string& member) const {
-  const auto found = texts_.find(member);
-  if (found == texts_.end()) throw Error(path_, member, "is missing");
-  return found->second;
-}
-
 void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<float>& values) {
@@ -90,31 +80,6 @@ void Npz::Add(const std::string& name,
               std::vector<size_t> shape,
               const std::vector<int32_t>& values) {
   arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<i4");
-}
-
-void Npz::Add(const std::string& name,
-              std::vector<size_t> shape,
-              const std::vector<uint16_t>& values) {
-  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<u2");
-}
-
-void Npz::Add(const std::string& name,
-              std::vector<size_t> shape,
-              const std::vector<uint8_t>& values) {
-  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "|u1");
-}
-
-void Npz::AddHalf(const std::string& name,
-                  std::vector<size_t> shape,
-                  const std::vector<float>& values) {
-  constexpr float kBeyond = 65520;  // is rounded to infinity
-  for (size_t i = 0; i < values.size(); ++i)
-    if (!(std::abs(values[i]) < kBeyond))
-      throw Error(path_,
-                  name,
-                  "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
-                      ", float16 is limited to magnitudes below 65520");
-  arrays_[name] = MakeArray(path_, name, std::move(shape), values, "<f2");
 }
 
 }  // namespace cosplat

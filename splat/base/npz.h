@@ -24,11 +24,9 @@ class Npz {
   Npz() = default;
   // `path` names the file in errors about added arrays.
   explicit Npz(std::string path) : path_(std::move(path)) {}
-  // Reads every numeric array (text arrays are skipped) and every member whose name ends in .json.
-  // Error names file and member.
+  // Reads every numeric array (text arrays are skipped). Error names file and member.
   static Npz Read(const std::string& path);
-  // Writes compressed members, first texts, then arrays, each ordered by name. Arrays are stored as
-  // float16, float32, int32, uint8 or uint16 if they were added or read as such, otherwise as
+  // Writes compressed members, ordered by name: int32 if they were added or read as such, otherwise
   // float32. Atomic.
   void Write(const std::string& path) const;
 
@@ -39,19 +37,7 @@ class Npz {
   const NpyArray& Get(const std::string& name, const std::vector<long>& shape) const;
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<float>& values);
   void Add(const std::string& name, std::vector<size_t> shape, const std::vector<int32_t>& values);
-  void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint16_t>& values);
-  void Add(const std::string& name, std::vector<size_t> shape, const std::vector<uint8_t>& values);
   void Add(const std::string& name, NpyArray array) { arrays_[name] = std::move(array); }
-  // Stored as float16. Throws Error naming the array if a number is not finite as float16.
-  void AddHalf(const std::string& name,
-               std::vector<size_t> shape,
-               const std::vector<float>& values);
-
-  // A text member, by its full name, such as "header.json".
-  void AddText(const std::string& member, const std::string& text) { texts_[member] = text; }
-  bool HasText(const std::string& member) const { return texts_.count(member) != 0; }
-  // Error names the file and the missing member.
-  const std::string& Text(const std::string& member) const;
 
   const std::map<std::string, NpyArray>& arrays() const { return arrays_; }
   const std::string& path() const { return path_; }
@@ -59,7 +45,6 @@ class Npz {
  private:
   std::string path_;
   std::map<std::string, NpyArray> arrays_;
-  std::map<std::string, std::string> texts_;
 };
 
 // The bytes of one .npy array (NumPy format 1.0-3.0), as in a member of an .npz.
@@ -71,8 +56,7 @@ bool ParseNpy(const std::string& file,
               const std::vector<char>& bytes,
               NpyArray& array);
 
-// Format 1.0 in C order, with the array's dtype if that is float16, float32, int32, uint8 or
-// uint16, otherwise float32.
+// Format 1.0 in C order, int32 if that is the array's dtype, otherwise float32.
 std::string FormatNpy(const NpyArray& array);
 
 }  // namespace cosplat

@@ -6,7 +6,6 @@ namespace cosplat {
 
 void Npz::Write(const std::string& path) const {
   std::vector<ZipMember> members;
-  for (const auto& [name, text] : texts_) members.push_back({name, text});
   for (const auto& [name, array] : arrays_) members.push_back({name + ".npy", FormatNpy(array)});
   WriteZip(path, members);
 }

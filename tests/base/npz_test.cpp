@@ -123,55 +123,6 @@ TEST(Npz, WritesWhatItReads) {
   ExpectError([&] { npz.Add("bad", {3}, std::vector<float>{1}); }, {"bad", "1 values", "needs 3"});
 }
 
-TEST(Npz, WritesNumbersOfTheirOwnSize) {
-  const TemporaryFolder folder;
-  Npz npz;
-  // Ties go to the even neighbour; 2^-24 is the least half, 65519 the greatest that is rounded
-  // down.
-  npz.AddHalf("halves",
-              {8},
-              {1.5f, -2, 65519, 0x1p-24f, 0x1.8p-24f, 1 + 0x1p-11f, 1 + 0x3p-11f, -0x1p-30f});
-  npz.Add("bytes", {3}, std::vector<uint8_t>{0, 7, 255});
-  npz.Add("shorts", {2}, std::vector<uint16_t>{1, 65535});
-  npz.Write(folder / "a.npz");
-  const Npz read = Npz::Read(folder / "a.npz");
-  EXPECT_EQ(read.Get("halves").dtype, "<f2");
-  EXPECT_EQ(read.Get("halves").values,
-            (std::vector<double>{1.5, -2, 65504, 0x1p-24, 0x1p-23, 1, 1 + 0x1p-9, -0.0}));
-  EXPECT_EQ(read.Get("bytes").dtype, "|u1");
-  EXPECT_EQ(read.Get("bytes").values, (std::vector<double>{0, 7, 255}));
-  EXPECT_EQ(read.Get("shorts").dtype, "<u2");
-  EXPECT_EQ(read.Get("shorts").values, (std::vector<double>{1, 65535}));
-  ExpectError([&] { npz.AddHalf("far", {2}, {1, 70000}); }, {"far", "number 1", "70000"});
-  ExpectError([&] { Npz("b.npz").AddHalf("nan", {1}, {NAN}); }, {"b.npz", "nan", "number 0"});
-}
-
-// Every number that 16 bits hold is written as it was read.
-TEST(Npz, HalvesKeepTheirBits) {
-  std::vector<uint16_t> bits;
-  for (uint32_t i = 0; i < 65536; ++i)
-    if ((i & 0x7c00) != 0x7c00) bits.push_back(uint16_t(i));
-  const NpyArray read = Parse(Npy("'<f2'", false, "(63488,)", Raw(bits)));
-  const std::string bytes = FormatNpy(read);
-  EXPECT_EQ(bytes.substr(bytes.size() - 2 * bits.size()), Raw(bits));
-}
-
-TEST(Npz, KeepsTextsBesideArrays) {
-  const TemporaryFolder folder;
-  Npz npz;
-  npz.Add("a", {1}, std::vector<float>{1});
-  npz.AddText("z.json", "{\"b\": 2}\n");
-  npz.Write(folder / "a.npz");
-  // What it is stands first, at a place that needs no reading of the archive.
-  const std::vector<char> bytes = ReadFile(folder / "a.npz");
-  EXPECT_EQ(std::string(bytes.data() + 30, 6), "z.json");
-  const Npz read = Npz::Read(folder / "a.npz");
-  EXPECT_TRUE(read.HasText("z.json"));
-  EXPECT_EQ(read.Text("z.json"), "{\"b\": 2}\n");
-  EXPECT_EQ(read.arrays().size(), 1u);
-  ExpectError([&] { read.Text("y.json"); }, {"a.npz", "y.json", "missing"});
-}
-
 TEST(Npz, DamagedFilesAreErrors) {
   const TemporaryFolder folder;
   Npz npz;
