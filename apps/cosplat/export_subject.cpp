@@ -61,12 +61,18 @@ ExportSubject LoadRun(const ExportSource& source) {
 }  // namespace
 
 ExportSubject LoadExportSubject(const ExportSource& source) {
-  if (!source.model.empty()) return LoadRun(source);
-  if (SplatLayoutOf(source.splats) == SplatLayout::kPly && IsGaussianAvatarPly(source.splats))
-    return LoadImported(source);
   ExportSubject subject;
-  subject.path = source.splats;
-  subject.gaussians = ReadSplats(source.splats);
+  if (!source.model.empty()) {
+    subject = LoadRun(source);
+  } else if (SplatLayoutOf(source.splats) == SplatLayout::kPly &&
+             IsGaussianAvatarPly(source.splats)) {
+    subject = LoadImported(source);
+  } else {
+    subject.path = source.splats;
+    subject.gaussians = ReadSplats(source.splats);
+  }
+  // From FLAME's axes, which are glTF's, to those of scenes: the turn is its own inverse.
+  if (subject.is_avatar) TurnToGltfAxes(subject.gaussians);
   return subject;
 }
 

@@ -22,8 +22,9 @@ struct ExportSource {
 };
 
 struct ExportSubject {
-  std::string path;                      // of the splat file
-  Gaussians gaussians;                   // in the world, as 3DGS's SH; of an avatar, at rest
+  std::string path;  // of the splat file
+  // With the axes of scenes, OpenCV's, as 3DGS's SH; of an avatar, at rest with its face to -z.
+  Gaussians gaussians;
   SceneData data;                        // without views unless asked for
   std::array<float, 3> background = {};  // of the run
   bool is_avatar = false;

@@ -9,7 +9,7 @@
 //
 // Coordinates: the canonical mesh is in FLAME's frame: metres, y up, the face towards +z. This is
 // glTF's frame, so avatars are written unchanged; only scenes, whose world is OpenCV's, are rotated
-// (splat/io/splat_primitive.h). At rest the surface frame is the identity, so the coefficients of
+// (splat/io/splat_file.h). At rest the surface frame is the identity, so the coefficients of
 // both ColorFrames see the same direction and need no rotation either.
 //
 // Licences: FLAME's data may not be redistributed. Unless the model allows it

@@ -28,7 +28,7 @@ Gaussians ReadSplats(const std::string& path);
 
 constexpr int kMaxSplatFileDegree = 3;  // highest that KHR_gaussian_splatting and SOG name
 
-// gaussians: in a world with OpenCV's axes (splat/io/splat_primitive.h), any basis; the file holds
+// gaussians: in a world with OpenCV's axes (TurnToGltfAxes), any basis; the file holds
 // them rotated to glTF's axes, in 3DGS's SH. Atomic. Throws Error as AddSplats
 // (splat/io/splat_primitive.h).
 void WriteSceneGlb(const std::string& path,
@@ -37,5 +37,16 @@ void WriteSceneGlb(const std::string& path,
 
 // Drops the bands above `degree`.
 void TruncateDegree(int degree, Gaussians& gaussians);
+
+// Conversion from OpenCV's axes to glTF's: a rotation by 180 degrees about x.
+//
+// Scenes keep the world frame of their data, which for COLMAP and most others follows OpenCV: x
+// right, y down, z away from the first camera. glTF has y up and z towards the viewer. The rotation
+// (x, y, z) -> (x, -y, -z) maps the former to the latter and keeps right-handedness. FLAME's axes
+// (y up, the face towards +z, metres) are already glTF's: an avatar's .glb is not rotated.
+//
+// Rotates positions, rotations and colours. kPosition must be points in the world. Applied twice,
+// it restores the Gaussians (quaternions up to their sign).
+void TurnToGltfAxes(Gaussians& gaussians);
 
 }  // namespace cosplat

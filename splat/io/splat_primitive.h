@@ -37,21 +37,10 @@ const GlbPrimitive& FindSplats(const GlbDocument& document);
 // length, and for an opacity outside 0..1 or a scale that is not above zero.
 Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& primitive);
 
-// Conversion from OpenCV's axes to glTF's: a rotation by 180 degrees about x.
-//
-// Scenes keep the world frame of their data, which for COLMAP and most others follows OpenCV: x
-// right, y down, z away from the first camera. glTF has y up and z towards the viewer. The rotation
-// (x, y, z) -> (x, -y, -z) maps the former to the latter and keeps right-handedness. FLAME's axes
-// (y up, the face towards +z, metres) are already glTF's: avatars are not rotated.
-
-// The sign by which to multiply coefficient k = l^2 + l + m of either basis, so that the colour
-// seen along the rotated direction is that seen along the original one.
-// Y_l^m(x, -y, -z) = (-1)^(l + m) Y_l^m for m >= 0 and -(-1)^(l + m) Y_l^m for m < 0: -1 for k = 1,
-// 2, 4, 7, 9, 11, 12, 14 up to degree 3.
+// The sign by which TurnToGltfAxes multiplies coefficient k = l^2 + l + m of either basis, so that
+// the colour seen along the rotated direction is that seen along the original one. Y_l^m(x, -y, -z)
+// = (-1)^(l + m) Y_l^m for m >= 0 and -(-1)^(l + m) Y_l^m for m < 0: -1 for k = 1, 2, 4, 7, 9, 11,
+// 12, 14 up to degree 3.
 float GltfTurnSign(int coefficient);
-
-// Rotates positions, rotations and colours. kPosition must be points in the world. Applied twice,
-// it restores the Gaussians (quaternions up to their sign).
-void TurnToGltfAxes(Gaussians& gaussians);
 
 }  // namespace cosplat

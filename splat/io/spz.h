@@ -4,7 +4,7 @@
 // numbers of 24 bits, opacities, colours and log scales in a byte each, rotations in 3 or 4 bytes,
 // coefficients of bands 1 and up in a byte each. Versions 1 to 3 are one gzip stream; version 4 has
 // a plain header of 32 bytes, a table of the arrays' sizes and a Zstandard frame per array. Axes
-// are OpenGL's (x right, y up, z back); a world with OpenCV's axes (splat/io/splat_primitive.h) is
+// are OpenGL's (x right, y up, z back); a world with OpenCV's axes (splat/io/splat_file.h) is
 // turned on writing and back on reading. Coefficients are 3DGS's SH.
 // Source: github.com/nianticlabs/spz, README of versions 1 to 4.
 #pragma once

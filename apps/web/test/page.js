@@ -211,10 +211,10 @@ async function gpu() {
   return result;
 }
 
-// Pictures of these files beside that of scene.ply, and what is said of the damaged ones.
+// Pictures of these files beside that of another, and what is said of the damaged ones.
 async function files() {
   const side = 256;
-  const expected = await openScene("/data/scene.ply");
+  const expected = await openScene(`/data/${query.get("like")}`);
   const picture = expected.render(side, side, { alpha: "opaque" });
   const result = { count: expected.info().gaussianCount, files: {} };
   for (const name of query.get("names").split(" ")) {

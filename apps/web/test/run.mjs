@@ -144,24 +144,55 @@ async function testRenderers() {
   assert.deepEqual(result.rule, ["cpu", "gpu", "gpu", "cpu", false, true, true]);
 }
 
-// The files of other programs, as the PLY that they are made of; damaged ones.
+// A PLY of 3DGS's layout as antimatter15's .splat: positions, standard deviations, colour and opacity as
+// bytes, rotation as bytes about 128.
+function splatOf(ply) {
+  const begin = ply.indexOf("end_header\n") + "end_header\n".length;
+  const header = ply.subarray(0, begin).toString();
+  const names = [...header.matchAll(/^property float (\w+)$/gm)].map(([, name]) => name);
+  const count = Number(/^element vertex (\d+)$/m.exec(header)[1]);
+  const records = Buffer.alloc(32 * count);
+  const byte = (value) => Math.min(255, Math.max(0, Math.round(value)));
+  for (let i = 0; i < count; ++i) {
+    const of = (name) => ply.readFloatLE(begin + 4 * (names.length * i + names.indexOf(name)));
+    ["x", "y", "z"].forEach((name, k) => records.writeFloatLE(of(name), 32 * i + 4 * k));
+    [0, 1, 2].forEach((k) => records.writeFloatLE(Math.exp(of(`scale_${k}`)), 32 * i + 12 + 4 * k));
+    const color = [0, 1, 2].map((k) => byte(255 * (0.5 + 0.28209479 * of(`f_dc_${k}`))));
+    records.set([...color, byte(255 / (1 + Math.exp(-of("opacity"))))], 32 * i + 24);
+    const quaternion = [0, 1, 2, 3].map((k) => of(`rot_${k}`));
+    records.set(quaternion.map((q) => byte(128 + (128 * q) / Math.hypot(...quaternion))), 32 * i + 28);
+  }
+  return records;
+}
+
+// The files of other programs, as the PLY that they are made of; damaged ones. An avatar's own file, seen
+// from where its PLY is.
 async function testFiles() {
   const spz4 = ["--spz-version", "4"];
   cosplat("export", "--splats", inWork("scene.ply"), "--spz", inWork("v3.spz"), "--sog", inWork("scene.sog"));
   cosplat("export", "--splats", inWork("scene.ply"), "--spz", inWork("v4.spz"), ...spz4);
-  for (const name of ["v3.spz", "v4.spz", "scene.sog"]) {
+  // As PLY what .splat holds: no bands but the constant one.
+  fs.writeFileSync(inWork("scene.splat"), splatOf(fs.readFileSync(inWork("scene.ply"))));
+  cosplat("export", "--splats", inWork("scene.splat"), "--ply", inWork("constant.ply"));
+  const checked = ["v3.spz", "scene.sog"];
+  for (const name of [...checked, "v4.spz", "avatar.glb", "scene.splat"]) {
     const bytes = fs.readFileSync(inWork(name));
     const middle = Math.floor(bytes.length / 2);
     bytes[middle] ^= 0x5a;
-    // Zstandard's frames here have no checksum.
-    fs.writeFileSync(inWork(`bad_${name}`), name === "v4.spz" ? bytes.subarray(0, middle) : bytes);
+    // Without a checksum only a missing end is known to be found.
+    fs.writeFileSync(inWork(`bad_${name}`), checked.includes(name) ? bytes : bytes.subarray(0, middle + 1));
   }
-  const result = await ask("files", { query: { names: "v3.spz v4.spz scene.sog" } });
-  for (const [name, { psnr, count, problem, milliseconds }] of Object.entries(result.files)) {
-    console.log(`${name}: ${psnr.toFixed(1)} dB against the PLY, opened in ${milliseconds.toFixed(0)} ms; damaged: ${problem}`);
-    assert.equal(count, result.count);
-    assert.ok(psnr > 35, name);  // 8 bits and codebooks
-    assert.match(problem, new RegExp(`^bad_${name}`));
+  const packed = { like: "scene.ply", names: "v3.spz v4.spz scene.sog", least: 35 };  // 8 bits and codebooks
+  const exact = { like: "scene.ply", names: "avatar.glb", least: 60 };
+  const records = { like: "constant.ply", names: "scene.splat", least: 60 };
+  for (const { like, names, least } of [packed, exact, records]) {
+    const result = await ask("files", { query: { like, names } });
+    for (const [name, { psnr, count, problem, milliseconds }] of Object.entries(result.files)) {
+      console.log(`${name}: ${psnr.toFixed(1)} dB against ${like}, opened in ${milliseconds.toFixed(0)} ms; damaged: ${problem}`);
+      assert.equal(count, result.count);
+      assert.ok(psnr > least, name);
+      assert.match(problem, new RegExp(`^bad_${name}`));
+    }
   }
 }
 
