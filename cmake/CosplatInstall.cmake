@@ -46,6 +46,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
+  splat/device/sum_tree.h
   splat/io/glb
   splat/io/nearest_row.h
   splat/io/packed_values.h

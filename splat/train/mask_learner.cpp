@@ -5,6 +5,7 @@
 #include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
+#include "splat/device/sum_tree.h"
 #include "splat/train/kernels/prune_mask.h"
 
 namespace cosplat {
@@ -91,10 +92,8 @@ void MaskLearner::AfterBackward(const Gaussians& gaussians,
                     mu_.view(),
                     m_.view(),
                     v_.view()});
-  sums_.Refill((n + SumShown::kBlock - 1) / SumShown::kBlock, stream);
   value_.Refill(1, stream);
-  ForEach(sums_.size(), stream, SumShown{shown, sums_.view()});
-  ForEach(1, stream, AddUpShown{std::as_const(sums_).view(), share, value_.data()});
+  ForEach(1, stream, AddUpShown{SumInTree(ShownMasks{shown}, sums_, stream), share, value_.data()});
 }
 
 void MaskLearner::Gather(View<const uint32_t> source, size_t first_fresh, Stream& stream) {

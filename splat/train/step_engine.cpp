@@ -7,6 +7,7 @@
 
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
+#include "splat/device/sum_tree.h"
 #include "splat/render/kernels/project.h"
 #include "splat/train/kernels/smoothing.h"
 
@@ -473,18 +474,14 @@ View<const float> StepEngine::RegularizeScale(Submitted& step,
                                               Gaussians& gradients) {
   const ScaleRegularizer& settings = settings_.scale_regularizer;
   if (settings.weight == 0) return visible;
-  const size_t n = count(), blocks = (n + SumNeedles::kBlock - 1) / SumNeedles::kBlock;
+  const size_t n = count();
   const NeedleRule rule{std::log(settings.limit), std::log(settings.ratio)};
   const View<const float> scale_log = std::as_const(now_->gaussians.values[kScaleLog]).view();
-  needle_sums_.Refill(blocks, stream_);
-  needle_counts_.Refill(blocks, stream_);
   needles_.Refill(1, stream_);
   moves_.Refill(n, stream_);
-  ForEach(blocks, stream_, SumNeedles{rule, scale_log, needle_sums_.view(), needle_counts_.view()});
   ForEach(1,
           stream_,
-          AddUpNeedles{std::as_const(needle_sums_).view(),
-                       std::as_const(needle_counts_).view(),
+          AddUpNeedles{SumInTree(Needles{rule, scale_log}, needle_sums_, stream_),
                        settings.weight,
                        needles_.data()});
   ForEach(n,

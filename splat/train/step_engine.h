@@ -235,8 +235,8 @@ class StepEngine : public FrameImages {
   Buffer<float> d_color_, screen_;
   Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
   std::vector<float> d_crop_;
-  Buffer<double> needle_sums_, needle_counts_;  // [blocks]
-  Buffer<NeedleTotal> needles_;                 // [1]
+  Buffer<NeedleSum> needle_sums_;  // of SumInTree
+  Buffer<NeedleTotal> needles_;    // [1]
   Buffer<float> moves_;
   Buffer<math::Pinhole<float>> sampling_views_;  // [frames] once UpdateSmoothing was called
   Buffer<Contribution> of_image_, contributions_;

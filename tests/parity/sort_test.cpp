@@ -9,7 +9,9 @@
 
 #include "splat/base/rng.h"
 #include "splat/device/cuda/stream.h"
+#include "splat/device/sum_tree.h"
 #include "splat/render/kernels/tile_range.h"
+#include "splat/train/cuda/step.h"
 #include "tests/parity/device_fixture.h"
 
 namespace cosplat::cuda {
@@ -53,6 +55,28 @@ TEST_F(DeviceSort, SumsDoNotWrapAt32Bits) {
   stream.Wait();
   EXPECT_EQ(sums, (std::vector<uint64_t>{0, large, 2 * large, 2 * large + 5, 3 * large + 5}));
   EXPECT_EQ((math::TileRange{0, 70000, 0, 70000}.size()), uint64_t(70000) * 70000);
+}
+
+// A tree of doubles has the host's bits.
+TEST_F(DeviceSort, TreesOfSumsHaveTheHostsBits) {
+  ProvideTrainKernels();
+  CudaStream stream;
+  for (const size_t n : {size_t(0), size_t(1), kSumBlock, kSumBlock * kSumBlock + 1}) {
+    Rng rng{n};
+    Buffer<double> values(n), on_device, of_host, of_device;
+    for (double& v : values) v = rng.Uniform() - 0.5;
+    on_device.Upload(values.data(), n, stream);
+    const auto host = SumInTree(View<const double>(values), of_host, HostStream());
+    const auto device = SumInTree(View<const double>(on_device), of_device, stream);
+    ASSERT_EQ(device.count, host.count);
+    EXPECT_LE(host.count, kSumBlock);
+    std::vector<double> sums(device.count);
+    stream.Download(sums.data(), device.data, device.count * sizeof(double));
+    stream.Wait();
+    EXPECT_EQ(sums, std::vector<double>(host.begin(), host.end())) << n;
+    const double total = std::accumulate(values.begin(), values.end(), 0.0);
+    EXPECT_NEAR(SumOfBlock(host, 0), total, 1e-12 * double(n)) << n;
+  }
 }
 
 }  // namespace

@@ -44,7 +44,9 @@ void ProvideTrainKernels() {
     ForEachThread(n, stream, UpdateOne{all});
   };
   Provide<FindBehind>();
-  Provide<AccumulateStep, AddContributions, SumNeedles, AddUpNeedles, PullNeedles>();
+  Provide<AccumulateStep, AddContributions>();
+  Provide<SumBlocks<Needles>, SumBlocks<View<const NeedleSum>>, AddUpNeedles, PullNeedles>();
+  Provide<SumBlocks<ShownMasks>, SumBlocks<View<const double>>, AddUpShown>();
   Provide<FindKinds, StrengthKey, LetStay, ShareOpacity, FlagKinds, PlaceSources, DrawChild>();
   Provide<MarkUnwanted, FlagKept, PlaceKept, LowerTo, AddOffsets, FillNumbers>();
   Provide<FindBoxes, JoinBoxes, LowKeys, HighKeys>();
@@ -52,7 +54,7 @@ void ProvideTrainKernels() {
   Provide<CopyCrop, AddCrop>();
   Provide<FindSmoothing>();
   Provide<ShowPhotograph, PullPhotograph, AddUpExposure, StepExposure, CenterExposures>();
-  Provide<HideMasked, DimMasked, LearnMask, SumShown, AddUpShown>();
+  Provide<HideMasked, DimMasked, LearnMask>();
 }
 
 }  // namespace cosplat::cuda

@@ -140,32 +140,26 @@ struct GradientKernel {
   }
 };
 
-// One block sums the per-block results: each thread sums every 256th of them, then the first thread
-// sums the threads' sums in order.
+// One block sums the per-block results: each thread every 256th of them, then all by BlockSum.
 struct AddUpLoss {
-  static constexpr unsigned kThreads = 256;
+  static constexpr unsigned kThreads = kLossThreads;
   View<const double> pointwise, ssim;  // ssim: empty if its weight is 0
   double dssim, values;
   double* loss;
 
   struct Shared {
-    double of_thread[kThreads];
+    BlockSumScratch pointwise, ssim;
   };
 
   __device__ void operator()() const {
-    const double points = Sum(pointwise), similar = Sum(ssim);
+    Shared& s = SharedMemory<Shared>();
+    const double points = Sum(pointwise, s.pointwise), similar = Sum(ssim, s.ssim);
     if (threadIdx.x == 0) *loss = points + (ssim.count != 0 ? dssim * (1 - similar / values) : 0);
   }
-  __device__ double Sum(const View<const double>& sums) const {
-    Shared& s = SharedMemory<Shared>();
+  __device__ double Sum(const View<const double>& sums, BlockSumScratch& scratch) const {
     double sum = 0;
     for (size_t i = threadIdx.x; i < sums.count; i += kThreads) sum += sums[i];
-    s.of_thread[threadIdx.x] = sum;
-    __syncthreads();
-    if (threadIdx.x == 0)
-      for (unsigned t = 1; t < kThreads; ++t) sum += s.of_thread[t];
-    __syncthreads();
-    return sum;
+    return BlockSum(sum, scratch);
   }
 };
 

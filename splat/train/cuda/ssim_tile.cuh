@@ -91,12 +91,13 @@ struct ComparedImages {
   }
 };
 
-// Sum of one value per thread over the block, in a fixed order; valid in the first thread. All
-// threads must call it.
+// Sum of one value per thread over the block, in a fixed order: within warps as T, then as doubles.
+// Valid in the first thread. All threads must call it.
 struct BlockSumScratch {
   double of_warp[kLossThreads / kWarp];
 };
-__device__ inline double BlockSum(float value, BlockSumScratch& scratch) {
+template <class T>
+__device__ double BlockSum(T value, BlockSumScratch& scratch) {
   for (unsigned by = kWarp / 2; by > 0; by /= 2) value += __shfl_down_sync(kAllLanes, value, by);
   if (Lane() == 0) scratch.of_warp[WarpInBlock()] = double(value);
   __syncthreads();

@@ -6,6 +6,7 @@
 
 #include "splat/base/rng.h"
 #include "splat/device/buffer.h"
+#include "splat/device/sum.h"
 #include "splat/math/adam.h"
 #include "splat/math/scalar.h"
 
@@ -132,27 +133,19 @@ struct LearnMask {
   }
 };
 
-// Sums of blocks of 256 Gaussians, in order.
-struct SumShown {
-  static constexpr size_t kBlock = 256;
+// Masks as SumInTree adds them (splat/device/sum_tree.h).
+struct ShownMasks {
   View<const float> shown;
-  View<double> sums;
-  COSPLAT_HD void operator()(size_t b) const {
-    double sum = 0;
-    for (size_t i = b * kBlock; i < math::Min((b + 1) * kBlock, shown.count); ++i) sum += shown[i];
-    sums[b] = sum;
-  }
+  COSPLAT_HD size_t size() const { return shown.count; }
+  COSPLAT_HD double operator[](size_t i) const { return shown[i]; }
 };
 
+// Runs as a single call.
 struct AddUpShown {
-  View<const double> sums;
+  View<const double> sums;  // of SumInTree
   float share;
   double* value;
-  COSPLAT_HD void operator()(size_t) const {
-    double sum = 0;
-    for (size_t b = 0; b < sums.count; ++b) sum += sums[b];
-    *value = sum * share;
-  }
+  COSPLAT_HD void operator()(size_t) const { *value = SumOfBlock(sums, 0) * share; }
 };
 
 }  // namespace cosplat

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "splat/device/buffer.h"
+#include "splat/device/sum.h"
 #include "splat/render/contribution.h"
 #include "splat/train/crop_loss.h"
 #include "splat/train/kernels/density.h"
@@ -75,23 +76,22 @@ struct NeedleRule {
   }
 };
 
-// Sum of the lengths of the needles in a block of Gaussians, and their number; in order.
-struct SumNeedles {
-  static constexpr size_t kBlock = 256;
+// Lengths and number of needles: of one Gaussian, or summed (splat/device/sum.h).
+struct NeedleSum {
+  double length = 0, count = 0;
+  COSPLAT_HD NeedleSum& operator+=(const NeedleSum& more) {
+    length += more.length;
+    count += more.count;
+    return *this;
+  }
+};
+struct Needles {
   NeedleRule rule;
   View<const float> scale_log;  // [N, 3]
-  View<double> sums, counts;    // [blocks]
-  COSPLAT_HD void operator()(size_t b) const {
-    const size_t n = scale_log.count / 3, last = (b + 1) * kBlock < n ? (b + 1) * kBlock : n;
-    double sum = 0, count = 0;
-    for (size_t i = b * kBlock; i < last; ++i) {
-      const int axis = rule.AxisOf(&scale_log[3 * i]);
-      if (axis < 0) continue;
-      sum += std::exp(scale_log[3 * i + axis]);
-      count += 1;
-    }
-    sums[b] = sum;
-    counts[b] = count;
+  COSPLAT_HD size_t size() const { return scale_log.count / 3; }
+  COSPLAT_HD NeedleSum operator[](size_t i) const {
+    const int axis = rule.AxisOf(&scale_log[3 * i]);
+    return axis < 0 ? NeedleSum{} : NeedleSum{std::exp(scale_log[3 * i + axis]), 1};
   }
 };
 
@@ -102,17 +102,13 @@ struct NeedleTotal {
 
 // Runs as a single call.
 struct AddUpNeedles {
-  View<const double> sums, counts;
+  View<const NeedleSum> sums;  // of SumInTree
   float weight;
   NeedleTotal* total;
   COSPLAT_HD void operator()(size_t) const {
-    double sum = 0, count = 0;
-    for (size_t b = 0; b < sums.count; ++b) {
-      sum += sums[b];
-      count += counts[b];
-    }
-    const double scale = count > 0 ? weight / count : 0;
-    *total = {sum * scale, float(scale)};
+    const NeedleSum sum = SumOfBlock(sums, 0);
+    const double scale = sum.count > 0 ? weight / sum.count : 0;
+    *total = {sum.length * scale, float(scale)};
   }
 };
 
