@@ -43,7 +43,10 @@ function(cosplat_cuda_library name)
   set_property(GLOBAL PROPERTY COSPLAT_SOURCES_${name} ${files})
   if(COSPLAT_HAS_CUDA)
     cosplat_library(${name} ${ARGN})
-    target_compile_options(cosplat_${name} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-lineinfo>)
+    # No number here matters that is below 1e-38, and each exponential and division by the hardware
+    # (splat/render/cuda) would scale its operands for such numbers.
+    target_compile_options(cosplat_${name} PRIVATE
+      "$<$<COMPILE_LANGUAGE:CUDA>:-lineinfo;-ftz=true>")
   endif()
 endfunction()
 

@@ -169,7 +169,7 @@ COSPLAT_HD BlendVjpResult<T> BlendBehindVjp(T alpha,
   const T weight = alpha * state.transmittance;
   const T gain = Dot(color, d_pixel);
   state.behind = state.behind - weight * gain;
-  const T d_alpha = state.transmittance * gain - state.behind / (T(1) - alpha);
+  const T d_alpha = state.transmittance * gain - FastDivide(state.behind, T(1) - alpha);
   state.transmittance = state.transmittance - weight;
   return {weight, d_alpha};
 }
@@ -182,7 +182,7 @@ COSPLAT_HD Vec3<T> LossWithout(T alpha,
                                const Vec3<T>& color,
                                const Vec3<T>& behind,
                                T transmittance) {
-  return (color * transmittance - behind * (T(1) / (T(1) - alpha))) * alpha;
+  return (color * transmittance - behind * FastDivide(T(1), T(1) - alpha)) * alpha;
 }
 
 // One pixel's part of a splat's Contribution (splat/render/contribution.h), without the opacity
@@ -200,7 +200,8 @@ COSPLAT_HD PixelContribution<T> ContributionBehind(
   transmittance = t - weight;
   const Vec3<T> loss = LossWithout(alpha, color, behind, t);
   // d(sum of channels)/d(falloff) = loss / falloff.
-  const T slope = Select(accept, (loss.x + loss.y + loss.z) / Max(falloff, T(1e-6f)), T(0));
+  const T slope =
+      Select(accept, FastDivide(loss.x + loss.y + loss.z, Max(falloff, T(1e-6f))), T(0));
   return {weight, Select(accept, t, T(0)), slope * slope, Dot(loss, loss)};
 }
 

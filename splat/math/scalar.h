@@ -8,6 +8,7 @@
 #endif
 
 #include <cmath>
+#include <type_traits>
 
 #include "splat/math/namespace.h"
 
@@ -43,6 +44,15 @@ COSPLAT_HD T Max(const T& a, const T& b) {
 template <class T>
 COSPLAT_HD T Clamp(const T& x, const T& low, const T& high) {
   return Min(Max(x, low), high);
+}
+// a / b for |b| in [2^-126, 2^126]; as a float on a CUDA device in a fifth of the instructions, to
+// 2 ulp.
+template <class T>
+COSPLAT_HD T FastDivide(const T& a, const T& b) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (std::is_same_v<T, float>) return __fdividef(a, b);
+#endif
+  return a / b;
 }
 template <class T>
 COSPLAT_HD auto IsFinite(const T& x) {

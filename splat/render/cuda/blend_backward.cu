@@ -10,6 +10,13 @@ __device__ math::Vec3<float> ColorAt(const float* planes, size_t plane, size_t a
   return {planes[at], planes[plane + at], planes[2 * plane + at]};
 }
 
+// The part of a pixel's colour that lies behind what the checkpoint has.
+__device__ math::Vec3<float> ColorBehind(const BucketLists& in,
+                                         size_t at,
+                                         const PixelCheckpoint& before) {
+  return ColorAt(in.color.data, in.Plane(), at) - math::Vec3<float>{before.y, before.z, before.w};
+}
+
 // Destination of an instance's gradient: added to its Gaussian directly, or stored in its record.
 struct GradientSink {
   View<const uint32_t> record;
@@ -39,10 +46,9 @@ struct BackwardWalk {
   GradientSink sink;
 
   struct Pixel {
-    float transmittance, behind;
     math::Vec3<float> d;
   };
-  struct State : math::BlendVjpState<float> {
+  struct alignas(8) State : math::BlendVjpState<float> {
     __device__ State FromLaneBefore() const {
       return {{cuda::FromLaneBefore(transmittance), cuda::FromLaneBefore(behind)}};
     }
@@ -52,17 +58,14 @@ struct BackwardWalk {
     math::Vec3<float> color;
   };
 
-  __device__ Pixel Load(const BucketLists& in,
-                        size_t plane,
-                        size_t at,
-                        const PixelCheckpoint& before) const {
-    const math::Vec3<float> d = ColorAt(d_color, plane, at);
-    const math::Vec3<float> so_far{before.y, before.z, before.w};
-    return {before.x, Dot(d, ColorAt(in.color.data, plane, at) - so_far), d};
+  __device__ Pixel PixelOf(const BucketLists& in, size_t at) const {
+    return {ColorAt(d_color, in.Plane(), at)};
   }
-  __device__ static Pixel Outside() { return {0, 0, {0, 0, 0}}; }
-  __device__ static State StartOf(const Pixel& pixel) {
-    return {{pixel.transmittance, pixel.behind}};
+  __device__ State StartOf(const BucketLists& in,
+                           size_t at,
+                           const PixelCheckpoint& before,
+                           const Pixel& pixel) const {
+    return {{before.x, Dot(pixel.d, ColorBehind(in, at, before))}};
   }
   __device__ void Step(const Pixel& pixel,
                        const BlendSplat& s,
@@ -96,29 +99,26 @@ struct ContributionWalk {
   View<const uint32_t> record;
   View<Contribution> records;
 
-  struct Pixel {
+  struct Pixel {};
+  struct alignas(16) State {
     float transmittance;
     math::Vec3<float> behind;
-  };
-  struct State : Pixel {
     __device__ State FromLaneBefore() const {
-      return {{cuda::FromLaneBefore(this->transmittance),
-               {cuda::FromLaneBefore(this->behind.x),
-                cuda::FromLaneBefore(this->behind.y),
-                cuda::FromLaneBefore(this->behind.z)}}};
+      return {cuda::FromLaneBefore(transmittance),
+              {cuda::FromLaneBefore(behind.x),
+               cuda::FromLaneBefore(behind.y),
+               cuda::FromLaneBefore(behind.z)}};
     }
   };
   using Sum = math::PixelContribution<float>;
 
-  __device__ Pixel Load(const BucketLists& in,
-                        size_t plane,
-                        size_t at,
-                        const PixelCheckpoint& before) const {
-    const math::Vec3<float> so_far{before.y, before.z, before.w};
-    return {before.x, ColorAt(in.color.data, plane, at) - so_far};
+  __device__ Pixel PixelOf(const BucketLists&, size_t) const { return {}; }
+  __device__ State StartOf(const BucketLists& in,
+                           size_t at,
+                           const PixelCheckpoint& before,
+                           const Pixel&) const {
+    return {before.x, ColorBehind(in, at, before)};
   }
-  __device__ static Pixel Outside() { return {0, {0, 0, 0}}; }
-  __device__ static State StartOf(const Pixel& pixel) { return {pixel}; }
   __device__ void Step(const Pixel&,
                        const BlendSplat& s,
                        float,

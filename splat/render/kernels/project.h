@@ -234,16 +234,16 @@ struct ProjectKernel {
                                      f.form.xx,
                                      f.form.xy,
                                      f.form.yy,
-                                     opacity,
                                      f.reject_below,
+                                     ridges.x_per_y,
+                                     ridges.y_per_x,
+                                     opacity,
                                      color.x,
                                      color.y,
                                      color.z,
                                      f.half_x,
                                      f.half_y,
-                                     p.z,
-                                     ridges.x_per_y,
-                                     ridges.y_per_x};
+                                     p.z};
     StoreRows<kProjectedFloats>(out, &splats->x, kProjectedStride, rows);
     StoreWhere(drawn, f.radius, radii, rows);
   }
@@ -337,7 +337,7 @@ struct ProjectVjpKernel {
                  rows);
     } else {
       StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
-      StoreWhere(drawn, SigmoidVjp(splat[5], d[5]), out.opacity_logit, rows);
+      StoreWhere(drawn, SigmoidVjp(splat[8], d[5]), out.opacity_logit, rows);
     }
     const T d_screen[2] = {Select(drawn, d[0], T(0)), Select(drawn, d[1], T(0))};
     StoreRows<2>(d_screen, out.screen, 2, rows);
@@ -381,7 +381,7 @@ struct ProjectVjpKernel {
     Vec3<T> d_direction = WithDegree(
         HighestDegree(gaussians, view, rows),
         ColorVjpOf<T>{
-            gaussians, view, out, rows, direction, {splat[7], splat[8], splat[9]}, d_color});
+            gaussians, view, out, rows, direction, {splat[9], splat[10], splat[11]}, d_color});
     ZeroUnusedBands(rows);
     if (view.folds_direction) d_direction = FoldVjp(seen, d_direction);
     const bool has_frame = gaussians.color_frame != nullptr;

@@ -7,16 +7,18 @@
 
 namespace cosplat {
 
-// 64 bytes: one cache line. Lengths in px, pixel centres at +0.5.
+// 64 bytes: one cache line. Lengths in px, pixel centres at +0.5. The first twelve are what
+// blending needs, in the order in which it does: a device loads them by fours
+// (splat/render/cuda/blend.cuh).
 struct alignas(64) ProjectedSplat {
   float x, y;                          // centre
   float power_xx, power_xy, power_yy;  // exponent's quadratic form (math/blend.h)
-  float opacity;                       // [0, 1]
   float reject_below;                  // exponent below which alpha < kMinAlpha
+  float x_per_y, y_per_x;              // PowerRidges of the exponent (math/blend.h)
+  float opacity;                       // [0, 1]
   float r, g, b;                       // colour along the view direction, >= 0
   float half_x, half_y;                // half-extents of the ellipse where alpha >= kMinAlpha
   float depth;                         // along the camera's axis, world units
-  float x_per_y, y_per_x;              // PowerRidges of the exponent (math/blend.h)
   float padding;
 };
 constexpr int kProjectedFloats = 15;  // without the padding
