@@ -43,21 +43,22 @@ void GatherRows(Buffer<T>& array,
   array.swap(spare);
 }
 
-// begin[g]: lower bound of g in ascending keys, that is, the first index whose key is not less.
+// Lower bound of g in ascending keys, that is, the first index whose key is not less.
+COSPLAT_HD uint32_t LowerBound(View<const uint32_t> keys, size_t g) {
+  uint32_t low = 0, high = uint32_t(keys.count);
+  while (low < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (keys[middle] < g)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
 struct FindBegin {
   View<const uint32_t> keys;
   View<uint32_t> begin;
-  COSPLAT_HD void operator()(size_t g) const {
-    uint32_t low = 0, high = uint32_t(keys.count);
-    while (low < high) {
-      const uint32_t middle = low + (high - low) / 2;
-      if (keys[middle] < g)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    begin[g] = low;
-  }
+  COSPLAT_HD void operator()(size_t g) const { begin[g] = LowerBound(keys, g); }
 };
 
 }  // namespace cosplat

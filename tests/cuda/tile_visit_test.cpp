@@ -64,7 +64,7 @@ struct TileVisit : testing::Test {
     Buffer<uint64_t> counts, visible;
     counts.Refill(kCount + 1, stream);
     visible.Refill(1, stream);
-    ForBlocks(1, stream, CountTiles{Visitor(), counts.view(), visible.view()});
+    ForBlocks(1, stream, CountTiles{Visitor(), counts.view(), visible.data()});
     std::vector<uint64_t> n(kCount + 1);
     counts.Download(n.data(), stream);
     stream.Wait();
@@ -74,7 +74,8 @@ struct TileVisit : testing::Test {
     std::vector<uint64_t> begin(kCount + 1, 0);
     std::partial_sum(counts.begin(), counts.end() - 1, begin.begin() + 1);
     const size_t instances = begin.back();
-    Buffer<uint64_t> record_begin;
+    Buffer<uint64_t> record_begin, total;
+    total.Refill(1, stream);
     record_begin.Upload(begin.data(), begin.size(), stream);
     const std::vector<uint32_t> untouched(instances, kUntouched);
     Buffer<uint32_t> tiles, records, of_record;
@@ -87,7 +88,9 @@ struct TileVisit : testing::Test {
                             kTiles * kTiles,
                             tiles.view(),
                             records.view(),
-                            of_record.view()});
+                            of_record.view(),
+                            total.data(),
+                            nullptr});
     Stored stored{untouched, untouched, untouched};
     tiles.Download(stored.tiles.data(), stream);
     records.Download(stored.records.data(), stream);

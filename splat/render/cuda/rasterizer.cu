@@ -13,7 +13,11 @@ namespace {
 template <bool kAntialiased>
 struct Project {
   math::ProjectKernel<kAntialiased> kernel;
-  __device__ void operator()(size_t i) const { kernel.template Run<float>(math::Rows{i, 1}); }
+  DepthKeys depth;
+  __device__ void operator()(size_t i) const {
+    kernel.template Run<float>(math::Rows{i, 1});
+    depth.Set(i, kernel.radii[i], kernel.splats[i]);
+  }
 };
 
 template <bool kAntialiased>
@@ -62,19 +66,16 @@ void CudaRasterizer::Forward(const WorldGaussians& gaussians,
   tape.splats.Refill(gaussians.count, stream);
   tape.radius.Refill(gaussians.count, stream);
   marks_[kStart].Record(stream);
+  const DepthKeys depth = tape.lists.Begin(gaussians.count, stream);
   const auto project = [&](auto antialiased) {
     ForEachThread(gaussians.count,
                   stream,
                   Project<decltype(antialiased)::value>{
-                      {gaussians, tape.view, tape.splats.data(), tape.radius.data()}});
+                      {gaussians, tape.view, tape.splats.data(), tape.radius.data()}, depth});
   };
   gaussians.antialiased ? project(std::true_type()) : project(std::false_type());
   marks_[kProjected].Record(stream);
-  tape.lists.Build(std::as_const(tape.splats).view(),
-                   std::as_const(tape.radius).view(),
-                   camera.width,
-                   camera.height,
-                   stream);
+  tape.lists.Build(std::as_const(tape.splats).view(), camera.width, camera.height, stream);
   marks_[kSorted].Record(stream);
   BlendForward(tape, image, stream);
   marks_[kBlended].Record(stream);

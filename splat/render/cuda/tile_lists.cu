@@ -11,55 +11,23 @@
 namespace cosplat::cuda {
 namespace {
 
-// Depths are positive: their bits order like values.
-struct DepthKey {
-  View<const ProjectedSplat> splats;
-  View<const float> radii;
-  View<uint32_t> keys, gaussians;
-  __device__ void operator()(size_t i) const {
-    keys[i] = radii[i] > 0 ? BitsOf(splats[i].depth) : kNotDrawn;
-    gaussians[i] = uint32_t(i);
-  }
-};
-
-// Writes the number of instances and whether it exceeds the expected one.
-struct TellCounts {
-  View<const uint64_t> record_begin;
-  size_t capacity;
-  uint64_t* instances;
-  uint32_t* exceeded;  // null: Expect was not called
-  __device__ void operator()(size_t) const {
-    *instances = record_begin[record_begin.count - 1];
-    if (exceeded && *instances > capacity) *exceeded = 1;
-  }
-};
-
-// Fills the unused entries so that they sort behind the last tile.
-struct FillCapacity {
-  View<const uint64_t> record_begin;
-  uint32_t behind;
-  View<uint32_t> tiles, records, of_record;
-  __device__ void operator()(size_t r) const {
-    const uint64_t instances = record_begin[record_begin.count - 1];
-    if (r < instances && instances <= tiles.count) return;
-    tiles[r] = behind;
-    records[r] = uint32_t(r);
-    of_record[r] = 0;
-  }
-};
-
 struct GatherGaussians {
   View<const uint32_t> records, of_record;
   View<uint32_t> gaussian;
   __device__ void operator()(size_t k) const { gaussian[k] = of_record[records[k]]; }
 };
 
-struct CountBuckets {
-  View<const uint32_t> tile_begin;
-  View<uint64_t> buckets;
+// Where each tile's instances begin, and how many buckets they fill.
+struct FindTile {
+  View<const uint32_t> tiles;  // of the instances, sorted
+  View<uint32_t> tile_begin;   // [tiles + 1]
+  View<uint64_t> buckets;      // likewise; the last is 0
   __device__ void operator()(size_t t) const {
+    const uint32_t begin = LowerBound(tiles, t);
     const bool last = t + 1 == tile_begin.count;
-    buckets[t] = last ? 0 : (tile_begin[t + 1] - tile_begin[t] + kBucket - 1) / kBucket;
+    const uint32_t end = last ? begin : LowerBound(tiles, t + 1);
+    tile_begin[t] = begin;
+    buckets[t] = (end - begin + kBucket - 1) / kBucket;
   }
 };
 
@@ -67,59 +35,46 @@ size_t BlocksOf(size_t n, unsigned threads) { return (n + threads - 1) / threads
 
 }  // namespace
 
-void TileLists::SortByDepth(View<const ProjectedSplat> splats,
-                            View<const float> radii,
-                            Stream& stream) {
-  const size_t n = splats.count;
-  by_depth_.Refill(n, stream);
-  ForEachThread(n, stream, DepthKey{splats, radii, by_depth_.keys.view(), by_depth_.values.view()});
-  stream.Sort(by_depth_, 32);
+DepthKeys TileLists::Begin(size_t count, Stream& stream) {
+  by_depth_.Refill(count, stream);
+  return {by_depth_.keys.view(), by_depth_.values.view()};
 }
 
 void TileLists::Count(View<const ProjectedSplat> splats, Stream& stream) {
   const size_t n = splats.count;
   record_begin_.Refill(n + 1, stream);
   counts_.Refill(1, stream);
-  counts_.FillWithZeros(stream);
-  const View<uint64_t> visible{&counts_.data()->visible, 1};
-  ForBlocks(
-      BlocksOf(n + 1, CountTiles::kThreads),
-      stream,
-      CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_), record_begin_.view(), visible});
+  ForBlocks(BlocksOf(n + 1, CountTiles::kThreads),
+            stream,
+            CountTiles{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_),
+                       record_begin_.view(),
+                       &counts_.data()->visible});
   stream.ExclusiveSum(record_begin_);
-  ForEachThread(
-      1,
-      stream,
-      TellCounts{
-          std::as_const(record_begin_).view(), capacity_, &counts_.data()->instances, exceeded_});
 }
 
 void TileLists::WaitForCounts(Stream& stream) {
-  if (!readback_) readback_ = std::make_unique<Readback<InstanceCounts>>(stream);
-  const uint64_t instances = readback_->Get(counts_.data(), stream).instances;
+  if (!readback_) readback_ = std::make_unique<Readback<uint64_t>>(stream);
+  const uint64_t instances =
+      readback_->Get(record_begin_.data() + record_begin_.size() - 1, stream);
   if (instances >= math::kInstanceLimit)
     throw Error("rasterizer", std::to_string(instances) + " splat-tile pairs; the limit is 2^31");
   capacity_ = instances;
 }
 
-void TileLists::Emit(View<const ProjectedSplat> splats, Stream& stream) {
+void TileLists::Emit(View<const ProjectedSplat> splats, uint32_t* exceeded, Stream& stream) {
   by_tile_.Refill(capacity_, stream);
   of_record_.Refill(capacity_, stream);
   gaussian_.Refill(capacity_, stream);
-  const auto record_begin = std::as_const(record_begin_).view();
-  const auto tiles_of = by_tile_.keys.view(), records = by_tile_.values.view();
-  ForBlocks(BlocksOf(splats.count, EmitInstances::kThreads),
+  ForBlocks(std::max<size_t>(1, BlocksOf(splats.count, EmitInstances::kThreads)),
             stream,
             EmitInstances{VisitorOf(splats, by_depth_, tiles_x_, tiles_y_),
-                          record_begin,
+                          std::as_const(record_begin_).view(),
                           uint32_t(tiles()),
-                          tiles_of,
-                          records,
-                          of_record_.view()});
-  ForEachThread(
-      capacity_,
-      stream,
-      FillCapacity{record_begin, uint32_t(tiles()), tiles_of, records, of_record_.view()});
+                          by_tile_.keys.view(),
+                          by_tile_.values.view(),
+                          of_record_.view(),
+                          &counts_.data()->instances,
+                          exceeded});
   stream.Sort(by_tile_, std::bit_width(tiles()));
   ForEachThread(capacity_,
                 stream,
@@ -132,23 +87,20 @@ void TileLists::FindTiles(Stream& stream) {
   tile_begin_.Refill(tiles() + 1, stream);
   bucket_begin_.Refill(tiles() + 1, stream);
   ForEachThread(
-      tiles() + 1, stream, FindBegin{std::as_const(by_tile_.keys).view(), tile_begin_.view()});
-  ForEachThread(
-      tiles() + 1, stream, CountBuckets{std::as_const(tile_begin_).view(), bucket_begin_.view()});
+      tiles() + 1,
+      stream,
+      FindTile{std::as_const(by_tile_.keys).view(), tile_begin_.view(), bucket_begin_.view()});
   stream.ExclusiveSum(bucket_begin_);
 }
 
-void TileLists::Build(View<const ProjectedSplat> splats,
-                      View<const float> radii,
-                      int width,
-                      int height,
-                      Stream& stream) {
+void TileLists::Build(View<const ProjectedSplat> splats, int width, int height, Stream& stream) {
   tiles_x_ = math::TilesAcross(width);
   tiles_y_ = math::TilesAcross(height);
-  SortByDepth(splats, radii, stream);
+  stream.Sort(by_depth_, 32);
   Count(splats, stream);
-  if (!std::exchange(exceeded_, nullptr)) WaitForCounts(stream);
-  Emit(splats, stream);
+  uint32_t* const exceeded = std::exchange(exceeded_, nullptr);
+  if (!exceeded) WaitForCounts(stream);
+  Emit(splats, exceeded, stream);
   FindTiles(stream);
 }
 

@@ -33,15 +33,24 @@ struct TileListsView {
   }
 };
 
+// What sorts Gaussians by depth, written where they are projected; kNotDrawn sorts last. Depths are
+// positive: their bits order like values.
+constexpr uint32_t kNotDrawn = 0xffffffffu;
+struct DepthKeys {
+  View<uint32_t> keys, gaussians;  // [count]
+  __device__ void Set(size_t i, float radius, const ProjectedSplat& splat) const {
+    keys[i] = radius > 0 ? BitsOf(splat.depth) : kNotDrawn;
+    gaussians[i] = uint32_t(i);
+  }
+};
+
 class TileLists {
  public:
+  // The first of two steps: where the projection has to write the keys of `count` Gaussians.
+  DepthKeys Begin(size_t count, Stream& stream);
   // Rebuilds the lists for an image of this size. The host waits once, for the number of instances,
   // unless it was told what to expect. Throws Error if there are 2^31 or more, before storing any.
-  void Build(View<const ProjectedSplat> splats,
-             View<const float> radii,
-             int width,
-             int height,
-             Stream& stream);
+  void Build(View<const ProjectedSplat> splats, int width, int height, Stream& stream);
 
   // Makes the next Build allocate capacity for this many instances without waiting for their
   // number. On overflow, Build sets *exceeded, which is in device memory, to 1 and leaves the lists
@@ -63,10 +72,9 @@ class TileLists {
   size_t HeldForTiles() const;
 
  private:
-  void SortByDepth(View<const ProjectedSplat> splats, View<const float> radii, Stream& stream);
   void Count(View<const ProjectedSplat> splats, Stream& stream);
   void WaitForCounts(Stream& stream);
-  void Emit(View<const ProjectedSplat> splats, Stream& stream);
+  void Emit(View<const ProjectedSplat> splats, uint32_t* exceeded, Stream& stream);
   void FindTiles(Stream& stream);
 
   int tiles_x_ = 0, tiles_y_ = 0;
@@ -80,7 +88,7 @@ class TileLists {
   Buffer<uint32_t> gaussian_;      // [capacity] in list order
   Buffer<uint32_t> tile_begin_;    // [tiles + 1]
   Buffer<uint64_t> bucket_begin_;  // [tiles + 1]
-  std::unique_ptr<Readback<InstanceCounts>> readback_;
+  std::unique_ptr<Readback<uint64_t>> readback_;
 };
 
 }  // namespace cosplat::cuda
