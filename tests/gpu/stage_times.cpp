@@ -40,7 +40,7 @@ std::array<double, kStageNames.size()> BytesOf(DeviceStep& step, bool records) {
 }  // namespace
 
 StepTimes TimeSteps(DeviceStep& step, int steps) {
-  cuda::Event before_loss, after_loss, before_adam, after_adam, begin, end;
+  cuda::TimedEvent before_loss, after_loss, before_adam, after_adam, begin, end;
   std::array<std::vector<double>, kStageNames.size()> ms;
   std::vector<double> whole;
   for (int s = 0; s < 2 * steps; ++s) {
@@ -84,7 +84,7 @@ double CopyGbs(size_t bytes, int copies) {
   from.FillWithZeros(stream);
   std::vector<double> gbs;
   for (int c = 0; c < copies; ++c) {
-    cuda::Event begin, end;
+    cuda::TimedEvent begin, end;
     begin.Record(stream);
     cuda::Check(
         cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),

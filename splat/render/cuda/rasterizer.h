@@ -46,7 +46,7 @@ class CudaRasterizer : public Rasterizer {
  private:
   SumOrder order_;
   CudaStream stream_;
-  Event marks_[kMarks];
+  TimedEvent marks_[kMarks];
   Buffer<float> basis_constants_;  // [bases, kMaxCoefficients]
 };
 

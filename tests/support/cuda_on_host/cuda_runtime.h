@@ -183,6 +183,7 @@ using cudaEvent_t = struct CudaOnHostEvent*;
 struct CudaOnHostEvent {
   std::chrono::steady_clock::time_point time;
   uint64_t moment = 0;  // of the stream; 0: not recorded
+  bool timed = true;
 };
 constexpr unsigned cudaStreamNonBlocking = 1;
 inline cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned) {
@@ -194,8 +195,10 @@ inline cudaError_t cudaStreamSynchronize(cudaStream_t) {
   cuda_on_host::Finish();
   return cudaSuccess;
 }
-inline cudaError_t cudaEventCreate(cudaEvent_t* event) {
+constexpr unsigned cudaEventDefault = 0, cudaEventDisableTiming = 2;
+inline cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned flags) {
   *event = new CudaOnHostEvent;
+  (*event)->timed = (flags & cudaEventDisableTiming) == 0;
   return cudaSuccess;
 }
 inline cudaError_t cudaEventDestroy(cudaEvent_t event) {
@@ -213,6 +216,7 @@ inline cudaError_t cudaEventSynchronize(cudaEvent_t event) {
   return cudaSuccess;
 }
 inline cudaError_t cudaEventElapsedTime(float* ms, cudaEvent_t from, cudaEvent_t to) {
+  if (!from->timed || !to->timed) return cudaErrorInvalidValue;
   *ms = std::chrono::duration<float, std::milli>(to->time - from->time).count();
   return cudaSuccess;
 }
