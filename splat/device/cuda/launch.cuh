@@ -20,6 +20,12 @@ __device__ T& SharedMemory() {
   __shared__ alignas(16) unsigned char bytes[sizeof(T)];
   return *reinterpret_cast<T*>(bytes);
 }
+// The same of a size that the launch states.
+template <class T>
+__device__ T* SharedArray() {
+  extern __shared__ __align__(16) unsigned char launched_bytes[];
+  return reinterpret_cast<T*>(launched_bytes);
+}
 #endif
 
 __device__ inline unsigned Lane() { return threadIdx.x % kWarp; }
@@ -41,6 +47,7 @@ __global__ void __launch_bounds__(Body::kThreads) BlocksKernel(Body body) {
 template <class... Parameters, class... Arguments>
 void Launch(size_t blocks,
             unsigned threads,
+            size_t shared_bytes,
             Stream& stream,
             void (*kernel)(Parameters...),
             const Arguments&... arguments) {
@@ -48,6 +55,7 @@ void Launch(size_t blocks,
   cudaLaunchConfig_t config{};
   config.gridDim = dim3(unsigned(blocks));
   config.blockDim = dim3(threads);
+  config.dynamicSmemBytes = shared_bytes;
   config.stream = HandleOf(stream);
   Check(cudaLaunchKernelEx(&config, kernel, arguments...), "cudaLaunchKernelEx");
 }
@@ -56,13 +64,13 @@ void Launch(size_t blocks,
 template <class Body>
 void ForEachThread(size_t n, Stream& stream, const Body& body) {
   const size_t blocks = (n + kElementThreads - 1) / kElementThreads;
-  Launch(blocks, kElementThreads, stream, &ThreadsKernel<Body>, n, body);
+  Launch(blocks, kElementThreads, 0, stream, &ThreadsKernel<Body>, n, body);
 }
 
-// body() in every thread of blocks of Body::kThreads.
+// body() in every thread of blocks of Body::kThreads. shared_bytes: of SharedArray.
 template <class Body>
-void ForBlocks(size_t blocks, Stream& stream, const Body& body) {
-  Launch(blocks, Body::kThreads, stream, &BlocksKernel<Body>, body);
+void ForBlocks(size_t blocks, Stream& stream, const Body& body, size_t shared_bytes = 0) {
+  Launch(blocks, Body::kThreads, shared_bytes, stream, &BlocksKernel<Body>, body);
 }
 
 }  // namespace cosplat::cuda

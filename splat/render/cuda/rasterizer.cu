@@ -2,6 +2,7 @@
 #include "splat/device/cuda/kernels.cuh"
 #include "splat/device/cuda/launch.cuh"
 #include "splat/render/cuda/rasterizer.h"
+#include "splat/render/cuda/staged_rest.cuh"
 #include "splat/render/cuda/tape.h"
 #include "splat/render/kernels/pixel_bytes.h"
 #include "splat/render/kernels/project.h"
@@ -10,29 +11,64 @@
 namespace cosplat::cuda {
 namespace {
 
+// A block's threads each have a Gaussian; a warp's coefficients are in shared memory.
+struct StagedBlock {
+  static constexpr unsigned kThreads = kStagedThreads;
+  static __device__ size_t Index() { return size_t(blockIdx.x) * kThreads + threadIdx.x; }
+  static __device__ StagedRest RestOf(const WorldGaussians& g) {
+    float* const shared = SharedArray<float>() + size_t(WarpInBlock()) * kWarp * g.rest_width;
+    return {shared, g.rest_width, Index() - Lane(), g.count};
+  }
+};
+template <class Body>
+void ForStagedBlocks(const WorldGaussians& g, Stream& stream, const Body& body) {
+  const size_t blocks = (g.count + kStagedThreads - 1) / kStagedThreads;
+  ForBlocks(blocks, stream, body, sizeof(float) * kStagedThreads * size_t(g.rest_width));
+}
+
 template <bool kAntialiased>
-struct Project {
+struct Project : StagedBlock {
   math::ProjectKernel<kAntialiased> kernel;
   DepthKeys depth;
-  __device__ void operator()(size_t i) const {
-    kernel.template Run<float>(math::Rows{i, 1});
+
+  __device__ void operator()() const {
+    const size_t i = Index();
+    const bool inside = i < kernel.gaussians.count;
+    const StagedRest rest = RestOf(kernel.gaussians);
+    rest.Load(kernel.gaussians.color_rest, __ballot_sync(kAllLanes, inside));
+    if (!inside) return;
+    math::ProjectKernel<kAntialiased> staged = kernel;
+    staged.gaussians.color_rest = rest.rows();
+    staged.template Run<float>(math::Rows{i, 1});
     depth.Set(i, kernel.radii[i], kernel.splats[i]);
   }
 };
 
 template <bool kAntialiased>
-struct ProjectBack {
+struct ProjectBack : StagedBlock {
   math::ProjectVjpKernel<kAntialiased> kernel;
-  __device__ void operator()(size_t i) const {
-    if (kernel.out.drawn_groups_only && !GroupIsDrawn(i)) return;
-    kernel.template Run<float>(math::Rows{i, 1});
+
+  __device__ void operator()() const {
+    const size_t i = Index();
+    const bool inside = i < kernel.gaussians.count;
+    const unsigned visible = __ballot_sync(kAllLanes, inside && kernel.radii[i] > 0);
+    const bool group_visible = (visible >> GroupShift() & kOfGroup) != 0;
+    const bool runs = inside && (group_visible || !kernel.out.drawn_groups_only);
+    const StagedRest rest = RestOf(kernel.gaussians);
+    rest.Load(kernel.gaussians.color_rest, __ballot_sync(kAllLanes, group_visible));
+    if (runs) {
+      // A thread reads all of its coefficients before it writes their gradients to the same place.
+      math::ProjectVjpKernel<kAntialiased> staged = kernel;
+      staged.gaussians.color_rest = staged.out.color_rest = rest.rows();
+      staged.template Run<float>(math::Rows{i, 1});
+    }
+    rest.Store(kernel.out.color_rest, __ballot_sync(kAllLanes, runs));
   }
-  __device__ bool GroupIsDrawn(size_t i) const {
-    const size_t begin = i / kGaussianGroup * kGaussianGroup;
-    const size_t end = math::Min(begin + kGaussianGroup, kernel.gaussians.count);
-    for (size_t k = begin; k < end; ++k)
-      if (kernel.radii[k] > 0) return true;
-    return false;
+
+ private:
+  static constexpr unsigned kOfGroup = (1u << kGaussianGroup) - 1;
+  static __device__ unsigned GroupShift() {
+    return Lane() / unsigned(kGaussianGroup) * unsigned(kGaussianGroup);
   }
 };
 
@@ -68,10 +104,10 @@ void CudaRasterizer::Forward(const WorldGaussians& gaussians,
   marks_[kStart].Record(stream);
   const DepthKeys depth = tape.lists.Begin(gaussians.count, stream);
   const auto project = [&](auto antialiased) {
-    ForEachThread(gaussians.count,
-                  stream,
-                  Project<decltype(antialiased)::value>{
-                      {gaussians, tape.view, tape.splats.data(), tape.radius.data()}, depth});
+    ForStagedBlocks(gaussians,
+                    stream,
+                    Project<decltype(antialiased)::value>{
+                        {}, {gaussians, tape.view, tape.splats.data(), tape.radius.data()}, depth});
   };
   gaussians.antialiased ? project(std::true_type()) : project(std::false_type());
   marks_[kProjected].Record(stream);
@@ -92,14 +128,15 @@ void CudaRasterizer::Backward(const WorldGaussians& gaussians,
   BlendBackward(tape, image, d_color.data(), stream);
   marks_[kBlendedBack].Record(stream);
   const auto project_back = [&](auto antialiased) {
-    ForEachThread(gaussians.count,
-                  stream,
-                  ProjectBack<decltype(antialiased)::value>{{gaussians,
-                                                             tape.view,
-                                                             tape.splats.data(),
-                                                             tape.radius.data(),
-                                                             tape.d_splats.data(),
-                                                             gradients}});
+    ForStagedBlocks(gaussians,
+                    stream,
+                    ProjectBack<decltype(antialiased)::value>{{},
+                                                              {gaussians,
+                                                               tape.view,
+                                                               tape.splats.data(),
+                                                               tape.radius.data(),
+                                                               tape.d_splats.data(),
+                                                               gradients}});
   };
   gaussians.antialiased ? project_back(std::true_type()) : project_back(std::false_type());
   marks_[kBack].Record(stream);

@@ -115,6 +115,11 @@ T& SharedMemory() {
   static const char key = 0;
   return *static_cast<T*>(cuda_on_host::SharedMemoryOf(&key, sizeof(T)));
 }
+template <class T>
+T* SharedArray() {
+  static const char key = 0;
+  return static_cast<T*>(cuda_on_host::SharedMemoryOf(&key, cuda_on_host::launched_shared_bytes));
+}
 }  // namespace cosplat::cuda
 
 // --- The host's side.
@@ -243,7 +248,11 @@ cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t* config,
                                void (*kernel)(Parameters...),
                                Arguments&&... arguments) {
   const std::tuple<Parameters...> kept(arguments...);
-  cuda_on_host::Enqueue([=, grid = config->gridDim, block = config->blockDim] {
+  cuda_on_host::Enqueue([=,
+                         grid = config->gridDim,
+                         block = config->blockDim,
+                         shared_bytes = config->dynamicSmemBytes] {
+    cuda_on_host::launched_shared_bytes = shared_bytes;
     cuda_on_host::RunGrid(grid, block, [&] { std::apply(kernel, kept); });
   });
   return cudaSuccess;

@@ -50,6 +50,8 @@ unsigned Lane();
 
 // Memory of the running block, one piece for each `key`.
 void* SharedMemoryOf(const void* key, size_t bytes);
+// Of the piece whose size the launch of the running grid stated.
+inline size_t launched_shared_bytes = 0;
 
 }  // namespace cuda_on_host
 
