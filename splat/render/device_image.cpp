@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
 #include "splat/render/image_renderer.h"
 
@@ -33,21 +34,49 @@ void DeviceImage::Download(Image8& out) const {
   copies_->Wait();
 }
 
+ImageRenderer::ImageRenderer(std::unique_ptr<Rasterizer> rasterizer)
+    : rasterizer_(std::move(rasterizer)),
+      tape_(rasterizer_->MakeTape(false)),
+      counts_(rasterizer_->stream()) {
+  exceeded_.Refill(1, stream());
+}
+
+void ImageRenderer::Forward(const WorldGaussians& gaussians,
+                            Basis basis,
+                            const Camera& camera,
+                            const RenderSettings& settings) {
+  frame_ = {gaussians, basis, camera, settings};
+  Submit(counts_.Last().instances == 0);
+}
+
+void ImageRenderer::Submit(bool waits) {
+  const size_t last = counts_.Last().instances;
+  if (!waits) tape_->Expect(last + last / kHeadRoom, exceeded_.data());
+  rasterizer_->Forward(
+      frame_.gaussians, frame_.basis, frame_.camera, frame_.settings, image_, *tape_);
+  counts_.Ask(tape_->counts(), stream());
+}
+
+template <class Copy>
+void ImageRenderer::Finish(const Copy& copy, PhaseTimes& times) {
+  copy();
+  stream().Wait();
+  if (counts_.Last().instances > tape_->capacity()) {
+    Submit(true);
+    copy();
+    stream().Wait();
+  }
+  rasterizer_->AddForwardTimes();
+  times += std::exchange(rasterizer_->times, {});
+}
+
 void ImageRenderer::Download(RenderedImage& image, PhaseTimes& times) {
-  image_.Download(image, stream());
-  Finish(times);
+  Finish([&] { image_.Download(image, stream()); }, times);
 }
 
 void ImageRenderer::Keep(AlphaMode alpha, std::unique_ptr<DeviceImage>& out, PhaseTimes& times) {
   if (!out) out = std::make_unique<DeviceImage>(stream());
-  out->Write(image_, alpha, stream());
-  Finish(times);
-}
-
-void ImageRenderer::Finish(PhaseTimes& times) {
-  stream().Wait();
-  rasterizer_->AddForwardTimes();
-  times += std::exchange(rasterizer_->times, {});
+  Finish([&] { out->Write(image_, alpha, stream()); }, times);
 }
 
 }  // namespace cosplat

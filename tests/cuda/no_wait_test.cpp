@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "splat/device/cuda/stream.h"
+#include "splat/render/device.h"
 #include "splat/train/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
@@ -110,6 +111,26 @@ TEST_F(NoWait, GoingBackForgetsWhatWasSubmitted) {
     ends.push_back(trainer.state());
   }
   EXPECT_TRUE(test::SameBits(ends[0], ends[1]));
+}
+
+// Played images expect the number of instances of the last one.
+TEST_F(NoWait, AnImageIsWaitedForOnce) {
+  const TrainingRun run;
+  const auto renderer = SceneRendererOn(Device::kCuda)(run.first);
+  Camera camera = run.frames[0].camera;
+  const int width = camera.width;
+  std::unique_ptr<DeviceImage> image;
+  const auto waits_of = [&](int of_width) {
+    camera.width = of_width;
+    const Waits before = cuda_on_host::WaitsSoFar();
+    renderer->DrawToStay(camera, {}, AlphaMode::kOpaque, image);
+    return Since(before).all;
+  };
+  EXPECT_EQ(waits_of(width / 3), 2u) << "for the first one's number, and for it";
+  EXPECT_EQ(waits_of(width / 3), 1u);
+  EXPECT_GT(waits_of(width), 2u) << "more than expected: rendered again";
+  EXPECT_EQ(waits_of(width), 1u);
+  EXPECT_EQ(waits_of(width / 3), 1u);
 }
 
 TEST_F(NoWait, ForecastsGoByTheFrameAndByGrowth) {
