@@ -25,7 +25,8 @@ struct View;
 constexpr size_t kHeadRoom = 8;
 
 // An array in host or device memory: that of the stream last passed to Refill or Upload, initially
-// the host's. 64-byte aligned, so that packs of any instruction set load whole cache lines.
+// the host's. What is said of host memory holds after RefillForReadback, too. 64-byte aligned, so
+// that packs of any instruction set load whole cache lines.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -62,14 +63,10 @@ class Buffer {
 
   // Resizes to n elements with unspecified values, for sizes that vary between calls; the previous
   // contents are lost. Growing waits for a device.
-  void Refill(size_t n, Stream& stream) {
-    if (n > capacity_ || memory_ != &stream.memory()) {
-      Release();
-      memory_ = &stream.memory();
-      Reserve(n + n / kHeadRoom);
-    }
-    size_ = n;
-  }
+  void Refill(size_t n, Stream& stream) { RefillIn(stream.memory(), n); }
+  // The same in host memory that the stream downloads to without waiting, which is slow to
+  // allocate.
+  void RefillForReadback(size_t n, Stream& stream) { RefillIn(stream.readback_memory(), n); }
   void FillWithZeros(Stream& stream) {
     if (size_ != 0) stream.FillWithZeros(data_, size_ * sizeof(T));
   }
@@ -148,7 +145,15 @@ class Buffer {
   }
 
  private:
-  bool OnHost() const { return !memory_ || memory_ == &HostStream().memory(); }
+  bool OnHost() const { return !memory_ || memory_->on_host(); }
+  void RefillIn(Memory& memory, size_t n) {
+    if (n > capacity_ || memory_ != &memory) {
+      Release();
+      memory_ = &memory;
+      Reserve(n + n / kHeadRoom);
+    }
+    size_ = n;
+  }
   void Release() noexcept {
     if (data_) memory_->Free(data_, capacity_ * sizeof(T));
     data_ = nullptr;

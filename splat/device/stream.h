@@ -22,6 +22,8 @@ class Memory {
   // At least 64-byte aligned. If memory runs out, throws std::bad_alloc, or Error on a device.
   virtual void* Allocate(size_t bytes) = 0;
   virtual void Free(void* data, size_t bytes) = 0;
+  // Whether the host may read and write it.
+  virtual bool on_host() const { return true; }
 };
 
 // A point in a stream's work, like a CUDA event.

@@ -71,6 +71,8 @@ void ImageRenderer::Finish(const Copy& copy, PhaseTimes& times) {
 }
 
 void ImageRenderer::Download(RenderedImage& image, PhaseTimes& times) {
+  image.color.RefillForReadback(image_.color.size(), stream());
+  image.transmittance.RefillForReadback(image_.transmittance.size(), stream());
   Finish([&] { image_.Download(image, stream()); }, times);
 }
 

@@ -21,7 +21,8 @@ class ImageRenderer {
                Basis basis,
                const Camera& camera,
                const RenderSettings& settings);
-  // Copies the image of the last Forward to the host and adds the phases to `times`.
+  // Copies the image of the last Forward to the host and adds the phases to `times`. `image` moves
+  // into pinned memory, so that passing the same one again is faster.
   void Download(RenderedImage& image, PhaseTimes& times);
   // Keeps the image of the last Forward on the device. `out`: null, or from this renderer.
   void Keep(AlphaMode alpha, std::unique_ptr<DeviceImage>& out, PhaseTimes& times);

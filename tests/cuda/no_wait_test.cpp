@@ -131,6 +131,11 @@ TEST_F(NoWait, AnImageIsWaitedForOnce) {
   EXPECT_GT(waits_of(width), 2u) << "more than expected: rendered again";
   EXPECT_EQ(waits_of(width), 1u);
   EXPECT_EQ(waits_of(width / 3), 1u);
+  RenderedImage on_host;
+  renderer->Draw(camera, {}, on_host);  // allocates
+  const Waits before = cuda_on_host::WaitsSoFar();
+  renderer->Draw(camera, {}, on_host);
+  EXPECT_EQ(Since(before).all, 1u) << "for the image and its copy together";
 }
 
 TEST_F(NoWait, ForecastsGoByTheFrameAndByGrowth) {

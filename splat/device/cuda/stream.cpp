@@ -33,6 +33,7 @@ class CudaMemory : public Memory {
     return p;
   }
   void Free(void* data, size_t) override { cudaFree(data); }
+  bool on_host() const override { return false; }
 };
 
 class PinnedMemory : public Memory {

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kPoison = 0xff;
 constexpr size_t kAlignment = 16;  // and whatever the size is a multiple of
+constexpr std::align_val_t kPinnedAlignment{64};
 
 struct Allocation {
   char* pages = nullptr;
@@ -118,7 +120,7 @@ bool FreeOnDevice(void* p) {
 
 void* AllocatePinned(size_t bytes) {
   const Lock lock(mutex);
-  void* p = ::operator new(bytes);
+  void* p = ::operator new(bytes, kPinnedAlignment);
   std::memset(p, kPoison, bytes);
   pinned[p] = bytes;
   return p;
@@ -128,7 +130,7 @@ bool FreePinned(void* p) {
   const Lock lock(mutex);
   FinishQuietly();
   if (pinned.erase(p) == 0) return false;
-  ::operator delete(p);
+  ::operator delete(p, kPinnedAlignment);
   return true;
 }
 
