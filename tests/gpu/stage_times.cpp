@@ -27,8 +27,8 @@ std::array<double, kStageNames.size()> BytesOf(DeviceStep& step, bool records) {
   const double tile_passes = std::ceil(std::bit_width(step.tape.lists.tiles()) / 8.0);
   const double lists = i * 12 + capacity * (kPair * tile_passes + 12);
   const double checkpoints = 128 * i;
-  return {n * (4 * numbers + kSplat + 4),
-          n * (8 + 4 + 4 * kPair) + visible * 2 * kSplat + lists,
+  return {n * (4 * numbers + kSplat + 4 + 8),
+          n * 4 * kPair + visible * 2 * kSplat + lists,
           i * (4 + kSplat) + checkpoints + 16 * pixels,
           pixels * (3 * 5 + 36 + 36 + 3 * 5 + 12),
           i * (4 + kSplat + kGradient) + checkpoints + 24 * pixels + (records ? i * kGradient : 0) +
