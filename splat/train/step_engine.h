@@ -56,8 +56,8 @@ struct StepPlan {
   AdamSettings rates;
   bool gathers_statistics = false;  // for density control
   int downscale = 1;                // factor that the sides of its image are divided by
-  float exposure_rate = 0;          // of Adam on the frame's exposure
   Crop crop;                        // for the crop loss; the engine draws it
+  float exposure_rate = 0;          // of Adam on the frame's exposure
 };
 
 // Where steps run: the components of a back end.

@@ -303,9 +303,9 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
           RatesAt(state_.iteration),
           iteration < settings_.schedule.densify_until,
           DownscaleAt(iteration),
+          {},
           settings_.schedule.PositionRate(
-              iteration, settings_.rates.exposure, settings_.rates.exposure * kLastExposureRate),
-          {}};
+              iteration, settings_.rates.exposure, settings_.rates.exposure * kLastExposureRate)};
 }
 
 StepPlan Trainer::NextView(int iteration) { return PlanOf(iteration, NextFrame()); }

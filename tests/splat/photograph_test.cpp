@@ -78,7 +78,9 @@ TEST(Photograph, GradientsAreThoseOfTheLoss) {
     for (const size_t i : {5u, 20u, 300u, 320u, 900u, 1700u}) {
       const bool ignored = ignores_half && i % kSide < kSide / 2;
       EXPECT_NEAR(slope(c.rendered[i]), d_rendered[i], ignored ? 0 : 2e-4) << i;
-      if (ignored) EXPECT_EQ(d_rendered[i], 0) << i;
+      if (ignored) {
+        EXPECT_EQ(d_rendered[i], 0) << i;
+      }
     }
   }
 }
