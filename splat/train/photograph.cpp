@@ -2,8 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "splat/device/for_each.h"
-#include "splat/train/kernels/photograph.h"
+#include "splat/device/sum_tree.h"
 
 namespace cosplat {
 namespace {
@@ -66,14 +65,14 @@ void PhotographModel::Pull(View<const float> rendered,
                            Buffer<float>& d_shown,
                            Stream& stream) {
   const size_t blocks = BlocksOf(rendered);
-  sums_.Refill(exposure ? blocks * math::kExposureNumbers : 0, stream);
+  sums_.Refill(exposure ? blocks : 0, stream);
   ForEach(blocks,
           stream,
           PullPhotograph{rendered, exposure, target.ignored, d_shown.view(), sums_.view()});
   if (!exposure) return;
   gradient_.Refill(math::kExposureNumbers, stream);
-  ForEach(
-      math::kExposureNumbers, stream, AddUpExposure{std::as_const(sums_).view(), gradient_.view()});
+  const View<const ExposureSum> sums = std::as_const(sums_).view();
+  ForEach(1, stream, AddUpExposure{SumInTree(sums, tree_, stream), gradient_.view()});
 }
 
 void PhotographModel::Update(size_t frame,

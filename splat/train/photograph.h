@@ -7,6 +7,7 @@
 
 #include "splat/device/buffer.h"
 #include "splat/math/exposure.h"
+#include "splat/train/kernels/photograph.h"
 #include "splat/train/loss.h"
 
 namespace cosplat {
@@ -54,11 +55,11 @@ class PhotographModel {
               const uint32_t* overflowed,
               ExposureState& exposures,
               Stream& stream);
-  size_t held() const { return HeldBy(shown_, sums_, gradient_, moved_); }
+  size_t held() const { return HeldBy(shown_, sums_, tree_, gradient_, moved_); }
 
  private:
   Buffer<float> shown_;
-  Buffer<float> sums_;              // [blocks, 12]
+  Buffer<ExposureSum> sums_, tree_;
   Buffer<float> gradient_, moved_;  // [12]
 };
 

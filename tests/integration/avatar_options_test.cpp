@@ -276,6 +276,9 @@ TEST(AvatarOptions, AFoldByTurnIsAFold) {
   EXPECT_TRUE(p.options.fold);
   EXPECT_TRUE(p.ConfigHas("train-avatar.fold-by-turn=true")) << p.config;
   EXPECT_FALSE(Parsed({"--fold"}).options.fold_by_turn);
+  const Parsed off({"--fold-by-turn=false"});  // as in the configuration of a run without it
+  EXPECT_FALSE(off.options.fold);
+  EXPECT_FALSE(off.options.fold_by_turn);
 }
 
 }  // namespace

@@ -88,7 +88,9 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                      "face trackers drive the avatar");
   command.add_flag(
       "--fold-by-turn",
-      [this](int64_t) { fold = fold_by_turn = true; },
+      [this](int64_t given) {
+        if (given > 0) fold = fold_by_turn = true;
+      },
       "hold the fifth of the training frames out in which the head is turned furthest, "
       "instead of the test frames: for choosing what has to hold in poses not seen");
   command

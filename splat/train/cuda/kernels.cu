@@ -54,6 +54,7 @@ void ProvideTrainKernels() {
   Provide<CopyCrop, AddCrop>();
   Provide<FindSmoothing>();
   Provide<ShowPhotograph, PullPhotograph, AddUpExposure, StepExposure, CenterExposures>();
+  Provide<SumBlocks<View<const ExposureSum>>>();
   Provide<HideMasked, DimMasked, LearnMask>();
 }
 

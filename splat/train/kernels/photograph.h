@@ -3,6 +3,7 @@
 #pragma once
 
 #include "splat/device/buffer.h"
+#include "splat/device/sum.h"
 #include "splat/math/adam.h"
 #include "splat/math/exposure.h"
 #include "splat/math/photometric.h"
@@ -38,15 +39,24 @@ struct ShowPhotograph {
   }
 };
 
+// Gradient of the loss with respect to an exposure, or a part of it.
+struct ExposureSum {
+  double d[math::kExposureNumbers] = {};
+  COSPLAT_HD ExposureSum& operator+=(const ExposureSum& other) {
+    for (int k = 0; k < math::kExposureNumbers; ++k) d[k] += other.d[k];
+    return *this;
+  }
+};
+
 // Its derivative, one call per block of pixels: `d` is that of what is shown and becomes that of
-// the rendered image. sums: of the block, for the exposure.
+// the rendered image. sums: of the block.
 struct PullPhotograph {
   static constexpr size_t kBlock = 256;
   View<const float> rendered;  // [3, pixels]
   const float* exposure;       // [12]; null: the identity
   const uint8_t* ignored;      // [pixels] or null
   View<float> d;               // [3, pixels]
-  View<float> sums;            // [blocks, 12]; empty if `exposure` is null
+  View<ExposureSum> sums;      // [blocks]; empty if `exposure` is null
   COSPLAT_HD void operator()(size_t b) const {
     const size_t plane = rendered.count / 3;
     const size_t last = (b + 1) * kBlock < plane ? (b + 1) * kBlock : plane;
@@ -64,19 +74,17 @@ struct PullPhotograph {
       d[2 * plane + i] = d_color.z;
     }
     if (!exposure) return;
-    for (int k = 0; k < math::kExposureNumbers; ++k)
-      sums[b * math::kExposureNumbers + size_t(k)] = d_exposure[k];
+    for (int k = 0; k < math::kExposureNumbers; ++k) sums[b].d[k] = double(d_exposure[k]);
   }
 };
 
-// One call per number: adds the blocks' sums, in order.
+// Runs as a single call.
 struct AddUpExposure {
-  View<const float> sums;  // [blocks, 12]
-  View<float> gradient;    // [12]
-  COSPLAT_HD void operator()(size_t k) const {
-    double sum = 0;
-    for (size_t i = k; i < sums.count; i += math::kExposureNumbers) sum += double(sums[i]);
-    gradient[k] = float(sum);
+  View<const ExposureSum> sums;  // of SumInTree
+  View<float> gradient;          // [12]
+  COSPLAT_HD void operator()(size_t) const {
+    const ExposureSum sum = SumOfBlock(sums, 0);
+    for (int k = 0; k < math::kExposureNumbers; ++k) gradient[size_t(k)] = float(sum.d[k]);
   }
 };
 
