@@ -13,21 +13,8 @@ usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2; }
 [[ $# -ge 2 ]] || usage
 cosplat=$1 scene=$2
 shift 2
-full=1 iterations=30000 keep=
-while [[ $# -gt 0 ]]; do
-  case $1 in
-    -r | --iterations | --keep)
-      [[ $# -ge 2 ]] || usage
-      case $1 in -r) full=$2 ;; --iterations) iterations=$2 ;; --keep) keep=$2 ;; esac
-      shift 2
-      ;;
-    --) shift; break ;;
-    *) usage ;;
-  esac
-done
-work=${keep:-$(mktemp -d)}
-mkdir -p "$work"
-[[ -n $keep ]] || trap 'rm -rf "$work"' EXIT
+divisor=1 iterations=30000
+source "$(dirname "${BASH_SOURCE[0]}")/support/measure_options.sh"
 
 # Mean PSNR of the run's test views at 1/$2 of the data's size.
 psnr() {
@@ -36,7 +23,7 @@ psnr() {
   sed -n 's/^ *"PSNR": \([0-9.]*\),*$/\1/p' "$1/results.json" | head -n 1
 }
 
-echo "$(basename "$scene"), largest size 1/$full of the data's, $iterations steps, PSNR in dB"
+echo "$(basename "$scene"), largest size 1/$divisor of the data's, $iterations steps, PSNR in dB"
 echo
 echo "| trained at | anti-aliasing | 1 | 1/2 | 1/4 | 1/8 | mean |"
 echo "|---|---|---|---|---|---|---|"
@@ -44,11 +31,11 @@ for trained in 1 8; do
   for option in "" --antialiasing; do
     run=$work/trained_$trained$option
     # shellcheck disable=SC2086 # no option is no argument
-    "$cosplat" train-scene -s "$scene" -m "$run" -r $((trained * full)) --eval --resume --quiet \
-      --iterations "$iterations" --save_iterations "$iterations" $option "$@"
+    "$cosplat" train-scene -s "$scene" -m "$run" -r $((trained * divisor)) --eval --resume --quiet \
+      --iterations "$iterations" --save_iterations "$iterations" $option "${options[@]}"
     row=()
     for drawn in 1 2 4 8; do
-      value=$(psnr "$run" $((drawn * full))) || exit 1
+      value=$(psnr "$run" $((drawn * divisor))) || exit 1
       row+=("$value")
     done
     printf '%s\n' "${row[@]}" | awk -v trained="$trained" -v option="${option:+yes}" '

@@ -14,21 +14,8 @@ usage() { sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2; }
 [[ $# -ge 2 ]] || usage
 cosplat=$1/apps/cosplat spoil=$1/tests/photographs/cosplat_spoil_photographs scene=$2
 shift 2
-divisor=8 iterations=2000 keep=
-while [[ $# -gt 0 ]]; do
-  case $1 in
-    -r | --iterations | --keep)
-      [[ $# -ge 2 ]] || usage
-      case $1 in -r) divisor=$2 ;; --iterations) iterations=$2 ;; --keep) keep=$2 ;; esac
-      shift 2
-      ;;
-    --) shift; break ;;
-    *) usage ;;
-  esac
-done
-work=${keep:-$(mktemp -d)}
-mkdir -p "$work"
-[[ -n $keep ]] || trap 'rm -rf "$work"' EXIT
+divisor=8 iterations=2000
+source "$(dirname "${BASH_SOURCE[0]}")/../support/measure_options.sh"
 
 for how in clean gains rectangles; do
   [[ -d $work/$how ]] || "$spoil" "$scene" "$work/$how" "$divisor" "$how"
@@ -49,7 +36,6 @@ row() {
     { read -r as_is fitted && echo "| $name | $as_is | $fitted |"; }
 }
 
-options=("$@")
 echo "$(basename "$scene"), 1/$divisor of the data's size, $iterations steps, PSNR in dB"
 echo
 echo "| training photographs | as they are | exposure fitted |"
