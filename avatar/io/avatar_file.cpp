@@ -53,6 +53,7 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
     CheckArray(path, "corrections least", map.least, count);
     CheckArray(path, "corrections most", map.most, count);
   }
+  if (model.light) CheckArray(path, "light", *model.light, model.light->size());
   if (const auto& range = model.trained_range) {
     CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
     CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
@@ -179,9 +180,9 @@ Gaussians RestPose(const AvatarModel& model) {
   PosedGaussians posed;
   Bind(model, Surface(model.mesh), posed, CorrectionWeights(model.correction_map, {}));
   Gaussians rest = model.gaussians;
+  if (!posed.color_dc.empty()) rest.values[kColorDc] = std::move(posed.color_dc);
   if (rest.corrections > 0) {
     rest.values[kOpacityLogit] = std::move(posed.opacity_logit);
-    rest.values[kColorDc] = std::move(posed.color_dc);
     rest.corrections = 0;
     rest.values[kCorrection].clear();
   }
@@ -269,6 +270,7 @@ std::string ToString(const GlbSummary& summary) {
             ToString(a.color_frame) + " frame\n";
     if (a.released) text += "follows the mesh by the rule of SplattingAvatar's released code\n";
     if (a.rigid) text += "follows the mesh by GaussianAvatars' rule\n";
+    if (a.has_light) text += "lit by a light that stands still in the world\n";
     if (a.corrections > 0)
       text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
     text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +

@@ -71,6 +71,7 @@ struct GlbSummary {
     bool has_static_offset = false;
     bool has_bust = false;
     bool bust_follows = false;
+    bool has_light = false;
     int corrections = 0;                      // bases per Gaussian
     bool released = false;                    // follows the mesh by ReleasedRule
     bool rigid = false;                       // by GaussianAvatars' rule

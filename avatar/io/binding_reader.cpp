@@ -282,6 +282,8 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   ReadColorRest(document, binding, model);
   if (binding["version"].Integer() >= 3 && binding.Has("corrections"))
     ReadCorrections(document, binding["corrections"], model);
+  if (binding["version"].Integer() >= 4 && binding.Has("light"))
+    FillNumbers(binding["light"], model.light.emplace());
   if (binding.Has("blendshapes")) ReadBlendshapes(document, binding["blendshapes"], model);
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {
@@ -313,6 +315,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.has_static_offset = !model.static_offset.empty();
   summary.has_bust = model.bust.has_value();
   summary.bust_follows = model.bust && model.bust->follow;
+  summary.has_light = model.light.has_value();
   summary.corrections = model.gaussians.corrections;
   if (model.blendshapes) {
     summary.blendshapes = model.blendshapes->names.size();

@@ -110,6 +110,7 @@ Json BlendshapesOf(GlbDocument& document, const BlendshapeMap& map) {
 }
 
 int VersionOf(const AvatarModel& model) {
+  if (model.light) return 4;
   if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow) || model.has_mouth ||
       model.has_vhap_teeth || model.has_eyelids)
     return 3;
@@ -140,8 +141,8 @@ Json AddBinding(GlbDocument& document,
   binding["rotation"] = AddArray(document, values[kRotation], 4);
   binding["scaleLog"] = AddArray(document, values[kScaleLog], 3);
   binding["opacityLogit"] = AddArray(document, values[kOpacityLogit], 1);
-  // At rest the colours are corrected.
-  binding["colorDc"] = model.gaussians.corrections > 0
+  // At rest the colours are corrected and lit.
+  binding["colorDc"] = model.gaussians.corrections > 0 || model.light
                            ? AddArray(document, values[kColorDc], 3)
                            : splats.attributes.at(SplatCoefficientName(0));
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
@@ -157,6 +158,7 @@ Json AddBinding(GlbDocument& document,
     binding["bust"] = {{"rotation", Numbers(model.bust->rotation)},
                        {"translation", Numbers(model.bust->translation)}};
   AddVersion3(document, model, binding);
+  if (model.light) binding["light"] = Numbers(*model.light);
   if (model.trained_range)
     binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},
                                {"expressionMost", Numbers(model.trained_range->expression_most)},

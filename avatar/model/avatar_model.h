@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "avatar/math/bust.h"
+#include "avatar/math/light.h"
 #include "avatar/model/blendshape_map.h"
 #include "flame/model.h"
 #include "splat/gaussians.h"
@@ -94,6 +95,9 @@ struct CorrectionMap {
   size_t count() const { return least.size(); }
 };
 
+// Light that stands still in the world (avatar/math/light.h): [kLightTerms, 3] coefficients.
+using Light = std::array<float, 3 * math::kLightTerms>;
+
 struct AvatarModel {
   CanonicalMesh mesh;
   // The frame that `mesh` is posed by, if it is not at rest; only expression, pose and translation
@@ -106,7 +110,8 @@ struct AvatarModel {
   // frame and unit.
   Gaussians gaussians;
   ColorFrame color_frame = ColorFrame::kSurface;
-  std::optional<Bust> bust;  // if set, `mesh` ends with its sheet
+  std::optional<Light> light;  // if set, by which base colours are multiplied
+  std::optional<Bust> bust;    // if set, `mesh` ends with its sheet
 
   // The FLAME model it was trained with. Its data is not embedded unless the licence allows it.
   std::string flame_name;

@@ -14,6 +14,7 @@ AvatarRenderer::AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
       surface_(avatar.mesh, images_.stream()) {
   gaussians_.Upload(avatar.gaussians, images_.stream());
   UploadEmbedding(avatar.embedding, embedding_, images_.stream());
+  if (avatar.light) light_.Upload(avatar.light->data(), avatar.light->size(), images_.stream());
   images_.stream().Wait();  // the avatar may be freed after this call
 }
 
@@ -43,7 +44,11 @@ void AvatarRenderer::Place(const AvatarRig& rig, uint64_t placement) {
   placed_ = 0;
   surface_.Pose(poser_.Pose(rig, images_.stream()));
   weights_.Upload(rig.weights.data(), rig.weights.size(), images_.stream());
-  Bind(gaussians_, embedding_, surface_, posed_, weights_);
+  Bind(gaussians_,
+       embedding_,
+       surface_,
+       posed_,
+       {std::as_const(weights_).view(), std::as_const(light_).view()});
   placed_ = placement;
 }
 

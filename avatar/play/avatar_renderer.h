@@ -56,7 +56,7 @@ class AvatarRenderer {
   Surface surface_;
   Gaussians gaussians_;
   Embedding embedding_;
-  Buffer<float> weights_;
+  Buffer<float> weights_, light_;
   PosedGaussians posed_;
   uint64_t placed_ = 0;  // the placement of posed_
 };

@@ -6,8 +6,10 @@
 
 #include "avatar/surface/kernels/embed.h"
 #include "splat/base/error.h"
+#include "splat/basis_constants.h"
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
+#include "splat/device/sum_tree.h"
 
 namespace cosplat {
 namespace {
@@ -23,7 +25,7 @@ void CheckSize(const char* field, size_t found, size_t expected) {
 EmbeddedArrays ArraysOf(const Gaussians& gaussians,
                         const Embedding& embedding,
                         const Surface& surface,
-                        View<const float> weights) {
+                        const Appearance& appearance) {
   EmbeddedArrays arrays;
   arrays.count = gaussians.size();
   if (arrays.count == 0) return arrays;
@@ -36,13 +38,17 @@ EmbeddedArrays ArraysOf(const Gaussians& gaussians,
   arrays.faces = posed.faces;
   arrays.vertices = posed.vertices;
   arrays.canonical_areas = surface.canonical_areas().data();
+  arrays.opacity_logit = gaussians.values[kOpacityLogit].data();
+  arrays.color_dc = gaussians.values[kColorDc].data();
   static_assert(math::kCorrectionWidth == kCorrectionNumbers);
-  if (gaussians.corrections == 0) return arrays;
-  arrays.corrections = {size_t(gaussians.corrections),
-                        gaussians.values[kCorrection].data(),
-                        weights.data,
-                        gaussians.values[kOpacityLogit].data(),
-                        gaussians.values[kColorDc].data()};
+  if (gaussians.corrections > 0)
+    arrays.corrections = {size_t(gaussians.corrections),
+                          gaussians.values[kCorrection].data(),
+                          appearance.weights.data};
+  if (!appearance.light.empty())
+    arrays.light = {appearance.light.data,
+                    appearance.light_mean.empty() ? nullptr : appearance.light_mean.data,
+                    -0.5f / BasisConstants(gaussians.basis)[0]};
   return arrays;
 }
 
@@ -87,8 +93,8 @@ WorldGaussians PosedView(const Gaussians& gaussians,
   if (color_frame == ColorFrame::kSurface) view.color_frame = posed.frame.data();
   if (gaussians.corrections > 0) {
     view.opacity_logit = posed.opacity_logit.data();
-    view.color_dc = posed.color_dc.data();
   }
+  if (!posed.color_dc.empty()) view.color_dc = posed.color_dc.data();
   return view;
 }
 
@@ -121,15 +127,16 @@ void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
           PosedGaussians& out,
-          View<const float> weights) {
+          const Appearance& appearance) {
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
-  CheckSize("weights", weights.size(), size_t(gaussians.corrections));
+  CheckSize("weights", appearance.weights.size(), size_t(gaussians.corrections));
+  const bool lit = !appearance.light.empty() && !embedding.released && !embedding.rigid;
   out.Refill(gaussians.size(), stream);
   out.opacity_logit.Refill(gaussians.corrections > 0 ? gaussians.size() : 0, stream);
-  out.color_dc.Refill(3 * out.opacity_logit.size(), stream);
+  out.color_dc.Refill(gaussians.corrections > 0 || lit ? 3 * gaussians.size() : 0, stream);
   if (embedding.released) return BindReleased(gaussians, embedding, surface, out);
-  const EmbeddedArrays arrays = ArraysOf(gaussians, embedding, surface, weights);
+  const EmbeddedArrays arrays = ArraysOf(gaussians, embedding, surface, appearance);
   const PosedArrays<float> posed{out.position.data(),
                                  out.rotation.data(),
                                  out.scale_log.data(),
@@ -149,7 +156,8 @@ void BindBackward(const Gaussians& gaussians,
                   Gaussians& d_gaussians,
                   Buffer<float>* d_vertices,
                   BindScratch& scratch,
-                  View<const float> weights) {
+                  const Appearance& appearance,
+                  Buffer<float>* d_light) {
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
   if (embedding.rigid) throw Error("avatar", "mesh", "has no gradient under GaussianAvatars' rule");
@@ -173,9 +181,12 @@ void BindBackward(const Gaussians& gaussians,
   // they are not cleared first, which would take as long as using them.
   if (d_vertices) scratch.d_corners.Refill(3 * kSurfaceVertexFloats * n, stream);
   float* d_corners = d_vertices ? scratch.d_corners.data() : nullptr;
+  const EmbeddedArrays arrays = ArraysOf(gaussians, embedding, surface, appearance);
+  const bool lit = !appearance.light.empty();
+  scratch.d_log_light.Refill(lit ? 3 * n : 0, stream);
   ForEachRow(n,
              stream,
-             EmbedVjpKernel{ArraysOf(gaussians, embedding, surface, weights),
+             EmbedVjpKernel{arrays,
                             {d_posed.position.data(),
                              d_posed.rotation.data(),
                              d_posed.scale_log.data(),
@@ -186,7 +197,22 @@ void BindBackward(const Gaussians& gaussians,
                              d[kRotation].data(),
                              d[kScaleLog].data(),
                              d_corners,
-                             d[kCorrection].data()}});
+                             d[kCorrection].data(),
+                             d[kColorDc].data(),
+                             scratch.d_log_light.data()}});
+  if (lit && d_light) {
+    const size_t blocks = (n + SumLight::kBlock - 1) / SumLight::kBlock;
+    scratch.light_sums.Refill(blocks, stream);
+    d_light->Refill(kLightNumbers, stream);
+    ForEach(blocks,
+            stream,
+            SumLight{arrays, std::as_const(scratch.d_log_light).view(), scratch.light_sums.view()});
+    ForEach(
+        1,
+        stream,
+        AddUpLight{SumInTree(std::as_const(scratch.light_sums).view(), scratch.light_tree, stream),
+                   d_light->view()});
+  }
   if (!d_vertices) return;
   Buffer<SurfaceVertex>& d_surface = scratch.d_surface;
   d_surface.Refill(surface.vertex_count(), stream);

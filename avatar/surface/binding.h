@@ -9,6 +9,7 @@
 
 #include "avatar/model/avatar_model.h"
 #include "avatar/surface/kernels/arrays.h"
+#include "avatar/surface/kernels/light.h"
 #include "avatar/surface/surface.h"
 #include "splat/device/sort.h"
 #include "splat/render/rasterizer.h"
@@ -16,16 +17,15 @@
 namespace cosplat {
 
 struct PosedGaussians {
-  Buffer<float> position;   // [N, 3] metres, world of the posed mesh
-  Buffer<float> rotation;   // [N, 4] wxyz, with the norm of the local rotation
-  Buffer<float> scale_log;  // [N, 3] log(metres)
-  Buffer<float> frame;      // [N, 4] wxyz, unit: canonical to posed at the Gaussian
-  // With corrections (avatar/math/correct.h); else empty.
-  Buffer<float> opacity_logit;  // [N]
-  Buffer<float> color_dc;       // [N, 3]
+  Buffer<float> position;       // [N, 3] metres, world of the posed mesh
+  Buffer<float> rotation;       // [N, 4] wxyz, with the norm of the local rotation
+  Buffer<float> scale_log;      // [N, 3] log(metres)
+  Buffer<float> frame;          // [N, 4] wxyz, unit: canonical to posed at the Gaussian
+  Buffer<float> opacity_logit;  // [N] with corrections (avatar/math/correct.h), else empty
+  Buffer<float> color_dc;       // [N, 3] with corrections or light (avatar/math/light.h)
 
   size_t size() const { return position.size() / 3; }
-  // Resizes all but the corrected attributes; the values are undefined.
+  // Resizes all but opacities and colours; the values are undefined.
   void Refill(size_t n, Stream& stream);
   void Resize(size_t n) { Refill(n, HostStream()); }
   size_t held() const {  // bytes
@@ -64,36 +64,51 @@ class FaceLists {
   Buffer<uint32_t> begin_;
 };
 
-// Overwrites `out`. weights: [gaussians.corrections] of this frame (avatar/model/corrections.h).
-// All arrays are in the memory of the surface's stream. On the host, throws as CheckEmbedding does.
+// What opacities and colours depend on besides the mesh, in the memory of the surface's stream.
+struct Appearance {
+  View<const float> weights{};  // [gaussians.corrections] of the frame (avatar/model/corrections.h)
+  View<const float> light{};    // AvatarModel::light, or empty
+  // [V, kLightTerms] subtracted from the terms of the light at the vertices, or empty. In training
+  // it is their mean over the frames, so that the light does not take the place of colours.
+  View<const float> light_mean{};
+};
+
+// Overwrites `out`. All arrays are in the memory of the surface's stream. On the host, throws as
+// CheckEmbedding does. Only avatar/math/embed.h has a light.
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,
           PosedGaussians& out,
-          View<const float> weights = {});
+          const Appearance& appearance = {});
+inline Appearance AppearanceOf(const AvatarModel& model, View<const float> weights) {
+  return {weights, model.light ? View<const float>(*model.light) : View<const float>{}, {}};
+}
 // On the host.
 inline void Bind(const AvatarModel& model,
                  const Surface& surface,
                  PosedGaussians& out,
                  View<const float> weights = {}) {
-  Bind(model.gaussians, model.embedding, surface, out, weights);
+  Bind(model.gaussians, model.embedding, surface, out, AppearanceOf(model, weights));
 }
 
-// Scratch memory of BindBackward for d_vertices. Reuse it to avoid allocations.
+// Scratch memory of BindBackward. Reuse it to avoid allocations.
 struct BindScratch {
   FaceLists by_face;
   Buffer<float> d_corners;          // [N, 3, kSurfaceVertexFloats]
   Buffer<SurfaceVertex> d_surface;  // [V]
+  Buffer<float> d_log_light;        // [N, 3]
+  Buffer<LightSum> light_sums, light_tree;
   static constexpr size_t kBytesPerGaussian = 3 * kSurfaceVertexFloats * sizeof(float);
 };
 
 // d_posed: dL/d(output of Bind), in the same layout; an empty `frame` counts as zero (colours in
 // the world frame). d_gaussians: kOpacityLogit and kColorDc must hold dL/d(those of Bind's output),
-// which are the Gaussians' own derivatives too, so d_posed has none. Resizes and overwrites
-// kPosition = d(du, dv, d), kRotation, kScaleLog and kCorrection of d_gaussians; its other
-// attributes are left unchanged. d_vertices: [V, 3], overwritten; null to
-// skip its computation. Throws Error if it is requested for an embedding with the released rule,
-// which has no derivative for it, and for a rigid one, which has none.
+// so d_posed has none; with light kColorDc becomes the Gaussians' own derivative, otherwise it is
+// that already. Resizes and overwrites kPosition = d(du, dv, d), kRotation, kScaleLog and
+// kCorrection of d_gaussians; its other attributes are left unchanged. d_vertices: [V, 3],
+// overwritten; null to skip its computation. Throws Error if it is requested for an embedding with
+// the released rule, which has no derivative for it, and for a rigid one, which has none. d_light:
+// [kLightTerms, 3], overwritten if there is a light; null to skip its computation.
 void BindBackward(const Gaussians& gaussians,
                   const Embedding& embedding,
                   Surface& surface,
@@ -101,7 +116,8 @@ void BindBackward(const Gaussians& gaussians,
                   Gaussians& d_gaussians,
                   Buffer<float>* d_vertices,
                   BindScratch& scratch,
-                  View<const float> weights = {});
+                  const Appearance& appearance = {},
+                  Buffer<float>* d_light = nullptr);
 inline void BindBackward(const AvatarModel& model,
                          Surface& surface,
                          const PosedGaussians& d_posed,
@@ -116,7 +132,7 @@ inline void BindBackward(const AvatarModel& model,
                d_gaussians,
                d_vertices,
                scratch,
-               weights);
+               AppearanceOf(model, weights));
 }
 
 // Bind and BindBackward call these if Embedding::released is set. They follow the rule of

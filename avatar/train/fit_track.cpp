@@ -68,6 +68,7 @@ void TrackFitter::Fit(const TrackedFrame& frame,
     }
     rasterizer_->Backward(
         PosedView(model_.gaussians, posed_, model_.color_frame), image_, d_color_, *tape_, d);
+    const std::vector<float> weights = CorrectionWeights(model_.correction_map, parameters_);
     BindBackward(model_.gaussians,
                  model_.embedding,
                  surface_,
@@ -75,7 +76,7 @@ void TrackFitter::Fit(const TrackedFrame& frame,
                  gradients_,
                  &d_vertices_,
                  scratch_,
-                 CorrectionWeights(model_.correction_map, parameters_));
+                 AppearanceOf(model_, weights));
     Step(settings, step);
   }
   parameters_ = best;

@@ -61,6 +61,7 @@ AvatarTrainingState AvatarSubject::State() const {
   stream_->Wait();
   if (settings_.refine_track) state.track = track_;
   state.busts = bust_track_.States();
+  state.lights = light_.States();
   return state;
 }
 
@@ -84,6 +85,7 @@ void AvatarTrainingState::Describe(StateArchive& a, size_t count) {
     }
   }
   a.Array("busts", busts, busts.size());
+  a.Array("lights", lights, lights.size());
 }
 
 void AvatarSubject::RestoreState(const SubjectState& saved) {
@@ -99,6 +101,7 @@ void AvatarSubject::RestoreState(const SubjectState& saved) {
   Take(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
   if (settings_.refine_track) track_ = state.track;
   bust_track_.SetStates(state.busts);
+  light_.SetStates(state.lights);
 }
 
 Embedding AvatarSubject::EmbeddingIn(Stream& stream, const Embedding& on_host) {
@@ -135,6 +138,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
       PosedVertices(frame_count(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
   silhouettes_ = {};
   bust_track_.WorkIn(stream);
+  light_.WorkIn(stream);
   stream_ = &stream;
   surface_ = std::move(surface);
   face_rates_ = std::move(face_rates);
@@ -164,6 +168,7 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   model.static_offset = video_.static_offset;
   model.trained_range = RangeOf(RefinedTrack());
   model.correction_map = correction_map_;
+  light_.Settle(model);
   return model;
 }
 
@@ -210,8 +215,12 @@ WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
   const std::vector<float> weights = CorrectionWeights(correction_map_, track_[i].params);
   weights_.Refill(weights.size(), *stream_);
   stream_->Send(weights_.data(), weights.data(), weights.size() * sizeof(float));
-  Bind(gaussians, embedding_, surface_, posed_, weights_);
+  Bind(gaussians, embedding_, surface_, posed_, CurrentAppearance());
   return PosedView(gaussians, posed_, settings_.color_frame);
+}
+
+Appearance AvatarSubject::CurrentAppearance() const {
+  return {weights_.view(), light_.light(), light_.mean()};
 }
 
 WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients,
@@ -242,7 +251,9 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians,
                gradients,
                refines ? &d_vertices_ : nullptr,
                scratch_,
-               weights_);
+               CurrentAppearance(),
+               light_.gradient());
+  if (!light_.empty()) light_.Advance(overflowed);
   if (!refines) return;
   if (stream_->on_host()) return RefineFrame(d_vertices_);
   std::vector<float> of_host(d_vertices_.size());
@@ -297,24 +308,25 @@ std::vector<MemoryPart> AvatarSubject::Memory() const {
   if (stream_->on_host()) return {};
   size_t silhouettes = 0;
   for (const Buffer<uint8_t>& s : silhouettes_) silhouettes += HeldBy(s);
-  return {
-      {"embedding",
-       HeldBy(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
-           HeldBy(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
-           scratch_.by_face.held() + walk_.held() + holes_.held()},
-      {"posed Gaussians", posed_.held() + d_posed_.held() + HeldBy(scratch_.d_corners)},
-      {"hole detection", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
-      {"mesh and posed vertices",
-       surface_.held() + posed_vertices_.held() + scratch_.by_face.HeldForMesh() +
-           walk_.HeldForMesh() + HeldBy(scratch_.d_surface, searches_, face_rates_, d_vertices_),
-       MemoryOf::kFixed}};
+  return {{"embedding",
+           HeldBy(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
+               HeldBy(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
+               scratch_.by_face.held() + walk_.held() + holes_.held()},
+          {"posed Gaussians",
+           posed_.held() + d_posed_.held() + HeldBy(scratch_.d_corners, scratch_.d_log_light)},
+          {"hole detection", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
+          {"mesh and posed vertices",
+           surface_.held() + posed_vertices_.held() + scratch_.by_face.HeldForMesh() +
+               walk_.HeldForMesh() + light_.held() +
+               HeldBy(scratch_.d_surface, searches_, face_rates_, d_vertices_),
+           MemoryOf::kFixed}};
 }
 
 size_t AvatarSubject::BytesPerGaussian() const {
   const size_t place = sizeof(int32_t) + 2 * sizeof(float);
   return 2 * PosedGaussians::kBytesPerGaussian + 2 * place + FaceLists::kBytesPerGaussian +
          sizeof(int32_t) + 6 * sizeof(float) + TriangleWalk::kBytesPerGaussian +
-         HoleGuard::kBytesPerGaussian +
+         HoleGuard::kBytesPerGaussian + (light_.empty() ? 0 : LightFit::kBytesPerGaussian) +
          (settings_.refine_track ? BindScratch::kBytesPerGaussian : 0);
 }
 

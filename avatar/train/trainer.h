@@ -21,6 +21,7 @@
 #include "avatar/surface/walk.h"
 #include "avatar/train/bust_track.h"
 #include "avatar/train/hole_guard.h"
+#include "avatar/train/light_fit.h"
 #include "avatar/train/posed_vertices.h"
 #include "flame/model.h"
 #include "flame/track.h"
@@ -62,6 +63,9 @@ struct AvatarSettings {
   // By how much a walk's time shrinks corrections (decoupled weight decay, Loshchilov & Hutter
   // 2019): a short video shows few expressions, and without it the bases learn its noise.
   float correction_decay = 0.1f;
+  // Adam's learning rate of the light of the world (avatar/math/light.h), which falls to zero over
+  // the run; 0: no light.
+  float light_rate = 5e-3f;
   bool refine_track = false;
   // GaussianAvatars' learning rates for the track.
   float pose_rate = 1e-5f;         // radians per step
@@ -91,6 +95,7 @@ struct AvatarTrainingState : SubjectState {
   Buffer<int32_t> first_triangle;   // [N] on which it, or its first ancestor, began
   std::vector<RefinedFrame> track;  // [training frames] with --refine-track, or empty
   std::vector<BustState> busts;     // [training frames], or empty
+  std::vector<LightState> lights;   // [1], or empty
 
   void Describe(StateArchive& archive, size_t count) override;
 };
@@ -163,6 +168,8 @@ class AvatarSubject : public Subject {
   bool NeedsBust() const;
   Bust MeanBustOfTrack() const;
   void StartBustTrack();
+  void StartLight();
+  Appearance CurrentAppearance() const;
   void BuildMesh();
   void SetFaceRates();
   void SetSpacing(Gaussians& gaussians);
@@ -191,6 +198,7 @@ class AvatarSubject : public Subject {
   std::vector<float> vertices_;  // the last output of poser_
   CorrectionMap correction_map_;
   BustTrack bust_track_;
+  LightFit light_;
 
   // In the memory of the current stream.
   Stream* stream_ = &HostStream();

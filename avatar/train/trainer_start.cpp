@@ -23,6 +23,10 @@ constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 constexpr double kBustShare = 0.1;
 constexpr size_t kBustFrames = 5;
 
+// Training frames over which the light's terms are averaged, evenly chosen; a frame takes less than
+// a millisecond.
+constexpr size_t kLightFrames = 1000;
+
 TrackedVideo WithOffsetFor(const FlameModel& flame, TrackedVideo video) {
   video.static_offset = StaticOffsetFor(flame, std::move(video.static_offset));
   return video;
@@ -55,6 +59,7 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
     for (const RefinedFrame& frame : track_) frames.push_back(frame.params);
     correction_map_ = FindCorrectionMap(flame, frames, settings_.corrections);
   }
+  if (IsOurs() && settings_.light_rate > 0) StartLight();
   SetFaceRates();
   posed_vertices_ = PosedVertices(frame_count(), surface_.vertex_count(), 0);
 }
@@ -150,6 +155,17 @@ void AvatarSubject::StartBustTrack() {
   BustRates rates = settings_.bust_rates;
   rates.shift *= kEnlarged * unit_;
   bust_track_ = BustTrack(*poser_, poses, instants, rates, settings_.iterations);
+}
+
+void AvatarSubject::StartLight() {
+  Surface posed(mesh_);
+  LightMean mean(posed.vertex_count());
+  const size_t step = 1 + (frame_count() - 1) / kLightFrames;
+  for (size_t i = 0; i < frame_count(); i += step) {
+    posed.Pose(VerticesOf(i));
+    mean.Add(posed);
+  }
+  light_ = LightFit(mean.Mean(), settings_.light_rate, settings_.iterations);
 }
 
 void AvatarSubject::BuildMesh() {

@@ -87,6 +87,7 @@ void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
   ExpectSameBits(a.mesh.vertices, b.mesh.vertices, "mesh vertices");
   ExpectSameBits(a.mesh.faces, b.mesh.faces, "mesh faces");
   EXPECT_EQ(a.color_frame, b.color_frame);
+  EXPECT_EQ(a.light, b.light);
   ASSERT_EQ(a.bust.has_value(), b.bust.has_value());
   if (a.bust) {
     EXPECT_EQ(a.bust->rotation, b.bust->rotation);
@@ -324,6 +325,35 @@ TEST_F(AvatarFile, CorrectionsComeBackInVersion3) {
   EXPECT_NE(rest.values[kOpacityLogit], model.gaussians.values[kOpacityLogit]);
 }
 
+TEST_F(AvatarFile, LightComesBackInVersion4) {
+  AvatarModel model = BallAvatar(flame_, 20, 1, Basis::kDcsh);
+  model.light.emplace().fill(0.25f);
+  WriteAvatarGlb(path_, model, &flame_);
+  AvatarModel read = ReadAvatarGlb(path_);
+  AttachMesh(read, flame_);
+  ExpectSameAvatar(model, read);
+  const GlbSummary summary = SummarizeGlb(path_);
+  EXPECT_EQ(summary.avatar.value().version, 4);
+  EXPECT_TRUE(Contains(ToString(summary), "a light that stands still"));
+  // Other programs see it lit as at rest.
+  EXPECT_NE(RestPose(model).values[kColorDc], model.gaussians.values[kColorDc]);
+  const test::GlbBytes valid = test::SplitGlb(Slurp(path_));
+  json huge = json::array();
+  for (size_t k = 0; k < model.light->size(); ++k) huge.push_back(k == 7 ? 1e300 : 0);
+  const std::vector<std::pair<json, const char*>> cases{
+      {json::array({1, 2, 3}), "light: found 3 numbers, expected 24"},
+      {7, "light"},
+      {huge, "light: holds"}};
+  for (const auto& [value, named] : cases) {
+    test::GlbBytes changed = valid;
+    changed.json[json::json_pointer(kBindingPointer + std::string("/light"))] = value;
+    const std::string error = ErrorOf([&, glb = test::JoinGlb(changed)] { Parse(glb); });
+    EXPECT_TRUE(Contains(error, named)) << error;
+  }
+  (*model.light)[2] = NAN;
+  EXPECT_TRUE(Contains(ErrorOf([&] { WriteAvatarGlb(path_, model, &flame_); }), "light"));
+}
+
 TEST_F(AvatarFile, HostileCorrectionsAreErrorsThatNameTheField) {
   AvatarModel model = test::WithCorrections(BallAvatar(flame_, 20, 1, Basis::kDcsh), flame_, 3);
   WriteAvatarGlb(path_, model, &flame_);
@@ -496,7 +526,7 @@ TEST_F(AvatarFile, HostileBindingsAreErrorsThatNameTheField) {
     const char* named;
   };
   const std::vector<Case> cases{
-      {"/version", 4, "version: is 4"},
+      {"/version", 5, "version: is 5"},
       {"/version", 0, "version: is 0"},
       {"/version", 4294967297ll, "version"},
       {"/version", "1", "version"},
@@ -623,11 +653,18 @@ AvatarModel GoldenAvatar3(FlameModel& flame) {
   return model;
 }
 
+AvatarModel GoldenAvatar4(FlameModel& flame) {
+  AvatarModel model = GoldenAvatar(flame);
+  Light& light = model.light.emplace();
+  for (size_t k = 0; k < light.size(); ++k) light[k] = 0.0625f * float(k);
+  return model;
+}
+
 // tests/golden/avatar_vN.glb pin the versions of the format. When it changes on purpose, keep them
 // (old files must still be read), add the next beside them, and write that one by running
 //   COSPLAT_WRITE_GOLDEN=1 cosplat_test_avatar_io --gtest_filter=*Golden*
 TEST_F(AvatarFile, GoldenFilesOfEveryVersion) {
-  const auto make = {GoldenAvatar, GoldenAvatar2, GoldenAvatar3};
+  const auto make = {GoldenAvatar, GoldenAvatar2, GoldenAvatar3, GoldenAvatar4};
   int version = 0;
   for (const auto& golden_avatar : make) {
     const std::string golden = std::string(COSPLAT_SOURCE_DIR) + "/tests/golden/avatar_v" +

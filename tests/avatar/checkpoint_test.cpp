@@ -51,7 +51,8 @@ bool SameAvatar(AvatarRun& a, AvatarRun& b) {
   bool same = x.embedding.triangle == y.embedding.triangle &&
               x.embedding.barycentric == y.embedding.barycentric &&
               x.first_triangle == y.first_triangle && x.track.size() == y.track.size() &&
-              x.busts.size() == y.busts.size() &&
+              x.busts.size() == y.busts.size() && x.lights.size() == 1 && y.lights.size() == 1 &&
+              std::memcmp(x.lights.data(), y.lights.data(), sizeof(LightState)) == 0 &&
               std::memcmp(x.busts.data(), y.busts.data(), x.busts.size() * sizeof(BustState)) == 0;
   for (size_t i = 0; same && i < x.track.size(); ++i)
     same = x.track[i].params.expression == y.track[i].params.expression &&

@@ -37,7 +37,7 @@ TEST(AvatarWithAMouth, AndLidsIsTrainedWrittenAndPlayed) {
   const std::string path = folder / "avatar.glb";
   WriteAvatarGlb(path, model, &filled);
   const GlbSummary summary = SummarizeGlb(path);
-  EXPECT_EQ(summary.avatar.value().version, 3);
+  EXPECT_EQ(summary.avatar.value().version, 4);
   EXPECT_NE(ToString(summary).find("teeth and a mouth added, eyelids added"), std::string::npos);
   AvatarModel read = ReadAvatarGlb(path);
   EXPECT_TRUE(read.has_mouth && read.has_eyelids);

@@ -96,7 +96,9 @@ TEST(Player, DrawsWhatTheTrainerDraws) {
                         trained,
                         *tape);
     player.RenderOver(Frame(f).params, Frame(f).camera, settings.background, played);
-    EXPECT_TRUE(SameBits(trained.color, played.color)) << f;
+    // Settling the light rounds the colours.
+    for (size_t i = 0; i < trained.color.size(); ++i)
+      ASSERT_NEAR(trained.color[i], played.color[i], 1e-5f) << f;
     EXPECT_TRUE(SameBits(trained.transmittance, played.transmittance)) << f;
   }
 }

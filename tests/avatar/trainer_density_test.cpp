@@ -214,7 +214,9 @@ TEST(AvatarDensity, PruningTakesFromThePlainSideWhatTheDetailedOneNeeds) {
   settings.density.gradient_threshold = 1e9f;  // none is cloned or split
   settings.prune.rule = PruneRule::kLeaveOneOut;
   settings.prune.target = 6000;
-  AvatarSubject subject(SmallVideo::Get().flame, LoadSmallVideo(6, 1), SmallAvatar(20000));
+  AvatarSettings avatar = SmallAvatar(20000);
+  avatar.light_rate = 0;
+  AvatarSubject subject(SmallVideo::Get().flame, LoadSmallVideo(6, 1), avatar);
   ScaleToUnit(subject.extent(), settings);
   Gaussians g = subject.InitialGaussians(0, Basis::kDcsh, 1);
   const auto is_plain = [&](const Gaussians& of, size_t i) {

@@ -466,6 +466,7 @@ std::vector<FuzzedReader> HeadReaders() {
                            "blendshapes",
                            "trainedRange",
                            "corrections",
+                           "light",
                            "bust",
                            "version",
                            "accessors",

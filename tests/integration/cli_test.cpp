@@ -381,7 +381,7 @@ TEST(Cli, InfoKnowsWhatItIs) {
       {Made().head, "tracked video (imavatar): 9 training and 3 test frames of 64x64"},
       {Made().model, "FLAME model: 5"},
       {Made().avatar, "trained avatar: 60 iterations"},
-      {Made().avatar + "/avatar.glb", "avatar (binding version 1)"},
+      {Made().avatar + "/avatar.glb", "avatar (binding version 4)"},
       {Made().avatar + "/point_cloud/iteration_60/point_cloud.ply", "3DGS splats"},
       {Made().photos, "scene (blender): 6 training and 6 test views of 32x32"},
       {Made().scene, "trained scene: 120 iterations"}};

@@ -119,6 +119,19 @@ TEST_F(AvatarTrainingParity, FindsTheBust) {
   EXPECT_GT(moved, 1e-4f);
 }
 
+TEST_F(AvatarTrainingParity, FindsTheLight) {
+  const AvatarRun cpu(Avatar(), {}, 6), device(Avatar(), SumOrder::kFixed, 6);
+  const LightState on_cpu = cpu.subject.State().lights.at(0);
+  const LightState there = device.subject.State().lights.at(0);
+  EXPECT_EQ(there.step, on_cpu.step);
+  float moved = 0;
+  for (size_t k = 0; k < kLightNumbers; ++k) {
+    moved = std::max(moved, std::abs(on_cpu.value[k]));
+    EXPECT_NEAR(there.value[k], on_cpu.value[k], 2e-3f) << k;
+  }
+  EXPECT_GT(moved, 1e-2f);
+}
+
 TEST_F(AvatarTrainingParity, LearnsCorrections) {
   AvatarSettings avatar = Avatar();
   avatar.corrections = 3;

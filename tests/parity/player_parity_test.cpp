@@ -139,6 +139,13 @@ TEST_F(PlayerParity, FollowsTheExpressionWithCorrections) {
   EXPECT_EQ(device.GaussiansOf(first).opacity_logit, cpu.GaussiansOf(alone).opacity_logit);
 }
 
+TEST_F(PlayerParity, IsLit) {
+  AvatarModel avatar = test::WithCorrections(PaintedAvatar(Head(), 300), Flame(), 2);
+  Light& light = avatar.light.emplace();
+  for (size_t k = 0; k < light.size(); ++k) light[k] = 0.2f * float(std::sin(double(k)));
+  ExpectSamePlayed(avatar, 3);
+}
+
 // A face that no tracker gives, then one at rest.
 TEST_F(PlayerParity, DrawsAnExtremeFace) {
   const AvatarModel avatar = PaintedAvatar(Head(), 300);

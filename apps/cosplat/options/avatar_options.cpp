@@ -21,6 +21,7 @@ const PresetValues& SplattingAvatarValues() {
       {"--color-frame", "world"},
       {"--bust", "no"},
       {"--mouth", "no"},
+      {"--light_lr", "0"},
       {"--triangle-cap", "0"},
       {"--prune", "none"},
       {"--lambda_dssim", "0"},
@@ -122,6 +123,11 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                   avatar.corrections,
                   "most bases per Gaussian that follow the expression; 0: none")
       ->check(CLI::Range(0, kMaxCorrections));
+  command
+      .add_option("--light_lr",
+                  avatar.light_rate,
+                  "learning rate of the light that stands still while the head turns; 0: no light")
+      ->check(CLI::NonNegativeNumber);
   command.add_flag("--still-bust",
                    avatar.still_bust,
                    "hold the bust still, instead of finding where it is in each frame");

@@ -3,6 +3,7 @@
 #include "avatar/surface/kernels/bust.h"
 #include "avatar/surface/kernels/embed.h"
 #include "avatar/surface/kernels/holes.h"
+#include "avatar/surface/kernels/light.h"
 #include "avatar/surface/kernels/place.h"
 #include "avatar/surface/kernels/surface.h"
 #include "avatar/surface/kernels/walk.h"
@@ -26,6 +27,7 @@ void ProvideAvatarKernels() {
   Provide<WalkOne, ListTouching, CountOnFace, TakeEach, SettleWalk, ForgetMoment>();
   Provide<MoveEach, PlaceEach, RateEach, ScaleEach>();
   Provide<PlaceBust, SumBust, AdvanceBust>();
+  Provide<SumLight, SumBlocks<View<const LightSum>>, AddUpLight, AdvanceLight>();
   Provide<FindLast, ThinOut, FindHoles, SpareOne>();
   Provide<GatherRow<std::array<float, 2>>>();
 }

@@ -51,11 +51,16 @@ COSPLAT_HD int CornerOf(const int32_t* face, size_t vertex) {
 
 // How a frame's expression corrects the Gaussians (avatar/math/correct.h); none if count is 0.
 struct CorrectionArrays {
-  size_t count = 0;                      // K
-  const float* bases = nullptr;          // [N, K, kCorrectionNumbers]
-  const float* weights = nullptr;        // [K] of this frame
-  const float* opacity_logit = nullptr;  // [N] uncorrected
-  const float* color_dc = nullptr;       // [N, 3] uncorrected
+  size_t count = 0;                // K
+  const float* bases = nullptr;    // [N, K, kCorrectionNumbers]
+  const float* weights = nullptr;  // [K] of this frame
+};
+
+// The light of the world (avatar/math/light.h); none if `coefficients` is null.
+struct LightArrays {
+  const float* coefficients = nullptr;  // [kLightTerms, 3]
+  const float* mean = nullptr;  // [V, kLightTerms] subtracted from the vertices' terms, or null
+  float black = 0;              // the coefficient of black
 };
 
 // Gaussians on the triangles of a posed mesh; the triangles must exist.
@@ -69,7 +74,11 @@ struct EmbeddedArrays {
   const int32_t* faces = nullptr;          // [F, 3]
   const float* vertices = nullptr;         // [V, kSurfaceVertexFloats]
   const float* canonical_areas = nullptr;  // [F, 4] at the corners; the fourth is unused
+  // The Gaussians' own, which corrections and light change.
+  const float* opacity_logit = nullptr;  // [N]
+  const float* color_dc = nullptr;       // [N, 3]
   CorrectionArrays corrections;
+  LightArrays light;
 };
 
 // The arrays of PosedGaussians (avatar/surface/binding.h).
@@ -79,9 +88,8 @@ struct PosedArrays {
   T* rotation = nullptr;
   T* scale_log = nullptr;
   T* frame = nullptr;
-  // With corrections only. Their derivatives are those of the Gaussians' own.
-  T* opacity_logit = nullptr;
-  T* color_dc = nullptr;
+  T* opacity_logit = nullptr;  // with corrections only
+  T* color_dc = nullptr;       // with corrections or light only
 };
 
 // Derivatives, overwritten. corners: [N, 3, kSurfaceVertexFloats], each Gaussian's contribution to
@@ -92,6 +100,9 @@ struct EmbeddedGradients {
   float* scale_log = nullptr;
   float* corners = nullptr;
   float* corrections = nullptr;  // [N, K, kCorrectionNumbers]
+  // With light only.
+  float* color_dc = nullptr;   // [N, 3]; may be that of the posed Gaussians
+  float* log_light = nullptr;  // [N, 3] for each Gaussian's own logarithm of the light
 };
 
 // Kernels for ForEachRow (splat/device/for_each.h), implemented in avatar/surface/kernels/surface.h

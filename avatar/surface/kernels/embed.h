@@ -10,11 +10,26 @@
 
 #include "avatar/math/correct.h"
 #include "avatar/math/embed.h"
+#include "avatar/math/light.h"
 #include "avatar/math/rigid_embed.h"
 #include "avatar/surface/kernels/arrays.h"
 #include "avatar/surface/kernels/gather.h"
 
 COSPLAT_MATH_BEGIN
+
+template <class T>
+COSPLAT_HD_FORCED LaneRows<T> FacesOf(const EmbeddedArrays& gaussians, const Rows& rows) {
+  return RowPerLane<T>(rows, [&](size_t i) { return gaussians.triangle[i]; });
+}
+// Vertex c of each face.
+template <class T>
+COSPLAT_HD_FORCED LaneRows<T> CornersOf(const EmbeddedArrays& gaussians,
+                                        const LaneRows<T>& faces,
+                                        int c) {
+  LaneRows<T> corner;
+  for (size_t l = 0; l < kLaneCount<T>; ++l) corner[l] = gaussians.faces[3 * size_t(faces[l]) + c];
+  return corner;
+}
 
 // The arguments of Embed.
 template <class T>
@@ -27,11 +42,9 @@ struct EmbedInput {
 template <class T>
 COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbeddedArrays& gaussians, const Rows& rows) {
   EmbedInput<T> in;
-  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return gaussians.triangle[i]; });
+  const LaneRows<T> faces = FacesOf<T>(gaussians, rows);
   for (int c = 0; c < 3; ++c) {
-    LaneRows<T> corner;
-    for (size_t l = 0; l < kLaneCount<T>; ++l)
-      corner[l] = gaussians.faces[3 * size_t(faces[l]) + c];
+    const LaneRows<T> corner = CornersOf<T>(gaussians, faces, c);
     T v[kSurfaceVertexFloats];
     GatherRows<kSurfaceVertexFloats>(gaussians.vertices, kSurfaceVertexFloats, corner, v);
     in.vertices[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
@@ -61,24 +74,88 @@ COSPLAT_HD_FORCED Correction<T> LoadCorrection(const CorrectionArrays& correctio
   return CorrectionOf(sum);
 }
 
+// The light's terms at the Gaussians, less their mean.
+template <class T>
+COSPLAT_HD_FORCED LightTerms<T> LightTermsAt(const EmbedInput<T>& in,
+                                             const EmbeddedArrays& gaussians,
+                                             const Rows& rows) {
+  const T* uv = in.gaussian.barycentric;
+  const T weights[3] = {uv[0], uv[1], T(1.0f) - uv[0] - uv[1]};
+  const LaneRows<T> faces = FacesOf<T>(gaussians, rows);
+  LightTerms<T> sum;
+  for (int k = 0; k < kLightTerms; ++k) sum.y[k] = T(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    LightTerms<T> at_vertex = LightTermsOf(in.vertices[c].normal);
+    if (gaussians.light.mean) {
+      T mean[kLightTerms];
+      GatherRows<kLightTerms>(
+          gaussians.light.mean, kLightTerms, CornersOf<T>(gaussians, faces, c), mean);
+      for (int k = 0; k < kLightTerms; ++k) at_vertex.y[k] = at_vertex.y[k] - mean[k];
+    }
+    for (int k = 0; k < kLightTerms; ++k) sum.y[k] = sum.y[k] + weights[c] * at_vertex.y[k];
+  }
+  return sum;
+}
+
 template <class T>
 COSPLAT_HD_FORCED PosedGaussian<T> EmbedInFrame(const EmbedInput<T>& in,
-                                                const CorrectionArrays& corrections,
+                                                const EmbeddedArrays& gaussians,
                                                 const PosedArrays<float>& out,
                                                 const Rows& rows) {
-  if (corrections.count == 0) return Embed(in.vertices, in.canonical_area, in.gaussian);
-  const Correction<T> c = LoadCorrection<T>(corrections, rows);
-  const T opacity[1] = {LoadScalar<T>(corrections.opacity_logit, rows) + c.opacity_logit};
-  StoreRows<1>(opacity, out.opacity_logit, 1, rows);
-  StoreVec3(LoadVec3<T>(corrections.color_dc, rows) + c.color_dc, out.color_dc, rows);
-  return EmbedCorrected(in.vertices, in.canonical_area, in.gaussian, c);
+  const bool corrected = gaussians.corrections.count > 0, lit = gaussians.light.coefficients;
+  if (!corrected && !lit) return Embed(in.vertices, in.canonical_area, in.gaussian);
+  Vec3<T> color = LoadVec3<T>(gaussians.color_dc, rows);
+  PosedGaussian<T> posed;
+  if (corrected) {
+    const Correction<T> c = LoadCorrection<T>(gaussians.corrections, rows);
+    const T opacity[1] = {LoadScalar<T>(gaussians.opacity_logit, rows) + c.opacity_logit};
+    StoreRows<1>(opacity, out.opacity_logit, 1, rows);
+    color += c.color_dc;
+    posed = EmbedCorrected(in.vertices, in.canonical_area, in.gaussian, c);
+  } else {
+    posed = Embed(in.vertices, in.canonical_area, in.gaussian);
+  }
+  if (lit)
+    color = Lit(color,
+                LogLight(LightTermsAt<T>(in, gaussians, rows), gaussians.light.coefficients),
+                gaussians.light.black);
+  StoreVec3(color, out.color_dc, rows);
+  return posed;
+}
+
+// color: the Gaussians' own, corrected. Returns its derivative, given that of the lit colour, and
+// adds to the corners' normals unless they are null.
+template <class T>
+COSPLAT_HD_FORCED Vec3<T> LightVjp(const EmbedInput<T>& in,
+                                   const EmbeddedArrays& gaussians,
+                                   const Vec3<T>& color,
+                                   const Vec3<T>& d_lit,
+                                   const EmbeddedGradients& out,
+                                   Three<SurfaceVertex<T>>* d_corners,
+                                   const Rows& rows) {
+  const LightArrays& light = gaussians.light;
+  const Vec3<T> log_light = LogLight(LightTermsAt<T>(in, gaussians, rows), light.coefficients);
+  Vec3<T> d_color, d_log_light;
+  LitVjp(color, log_light, light.black, d_lit, d_color, d_log_light);
+  StoreVec3(d_color, out.color_dc, rows);
+  StoreVec3(d_log_light, out.log_light, rows);
+  if (!d_corners) return d_color;
+  const T* uv = in.gaussian.barycentric;
+  const T weights[3] = {uv[0], uv[1], T(1.0f) - uv[0] - uv[1]};
+  const LightTerms<T> d_terms = LogLightVjp<T>(light.coefficients, d_log_light);
+  for (int c = 0; c < 3; ++c) {
+    LightTerms<T> d_vertex;
+    for (int k = 0; k < kLightTerms; ++k) d_vertex.y[k] = weights[c] * d_terms.y[k];
+    (*d_corners)[c].normal += LightTermsOfVjp(in.vertices[c].normal, d_vertex);
+  }
+  return d_color;
 }
 
 template <class T>
 COSPLAT_HD_FORCED void Run(const EmbedKernel& kernel, const Rows& rows) {
   const PosedArrays<float>& out = kernel.out;
   const EmbedInput<T> in = LoadEmbedInput<T>(kernel.gaussians, rows);
-  const PosedGaussian<T> posed = EmbedInFrame(in, kernel.gaussians.corrections, out, rows);
+  const PosedGaussian<T> posed = EmbedInFrame(in, kernel.gaussians, out, rows);
   StoreVec3(posed.position, out.position, rows);
   StoreQuat(posed.rotation, out.rotation, rows);
   StoreVec3(posed.scale_log, out.scale_log, rows);
@@ -139,15 +216,24 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   for (int c = 0; c < 3; ++c)
     d_corners[c] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero, zero}, zero};
   Three<SurfaceVertex<T>>* const to_corners = out.corners ? &d_corners : nullptr;
-  if (gaussians.corrections.count == 0) {
-    EmbedVjp(in.vertices, in.canonical_area, in.gaussian, d, d_local, to_corners);
-  } else {
-    const Correction<T> c = LoadCorrection<T>(gaussians.corrections, rows);
+  const bool corrected = gaussians.corrections.count > 0, lit = gaussians.light.coefficients;
+  Vec3<T> d_color{zero, zero, zero};
+  if (corrected || lit) d_color = LoadVec3<T>(d_posed.color_dc, rows);
+  Correction<T> c;
+  if (corrected) c = LoadCorrection<T>(gaussians.corrections, rows);
+  if (lit) {
+    Vec3<T> color = LoadVec3<T>(gaussians.color_dc, rows);
+    if (corrected) color += c.color_dc;
+    d_color = LightVjp(in, gaussians, color, d_color, out, to_corners, rows);
+  }
+  if (corrected) {
     Correction<T> d_c;
     d_c.opacity_logit = LoadScalar<T>(d_posed.opacity_logit, rows);
-    d_c.color_dc = LoadVec3<T>(d_posed.color_dc, rows);
+    d_c.color_dc = d_color;
     EmbedCorrectedVjp(in.vertices, in.canonical_area, in.gaussian, c, d, d_local, d_c, to_corners);
     StoreBases(d_c, gaussians.corrections, out.corrections, rows);
+  } else {
+    EmbedVjp(in.vertices, in.canonical_area, in.gaussian, d, d_local, to_corners);
   }
   StoreVec3(d_local.offset, out.offset, rows);
   StoreQuat(d_local.rotation, out.rotation, rows);
@@ -160,11 +246,8 @@ COSPLAT_HD_FORCED RigidFace<T> LoadRigidFace(const EmbeddedArrays& gaussians,
                                              const LaneRows<T>& faces) {
   Vec3<T> p[3];
   for (int c = 0; c < 3; ++c) {
-    LaneRows<T> corner;
-    for (size_t l = 0; l < kLaneCount<T>; ++l)
-      corner[l] = gaussians.faces[3 * size_t(faces[l]) + c];
     T v[4];  // the position and an unused number
-    GatherRows<4>(gaussians.vertices, kSurfaceVertexFloats, corner, v);
+    GatherRows<4>(gaussians.vertices, kSurfaceVertexFloats, CornersOf<T>(gaussians, faces, c), v);
     p[c] = {v[0], v[1], v[2]};
   }
   return RigidFaceOf(p[0], p[1], p[2]);
@@ -173,7 +256,7 @@ COSPLAT_HD_FORCED RigidFace<T> LoadRigidFace(const EmbeddedArrays& gaussians,
 template <class T>
 COSPLAT_HD_FORCED void Run(const RigidEmbedKernel& kernel, const Rows& rows) {
   const EmbeddedArrays& in = kernel.gaussians;
-  const LaneRows<T> faces = RowPerLane<T>(rows, [&](size_t i) { return in.triangle[i]; });
+  const LaneRows<T> faces = FacesOf<T>(in, rows);
   const RigidGaussian<T> local{LoadVec3<T>(in.offset, rows),
                                LoadQuat<T>(in.rotation, rows),
                                LoadVec3<T>(in.scale_log, rows)};
