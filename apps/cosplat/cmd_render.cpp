@@ -16,6 +16,7 @@
 #include "apps/cosplat/run/test_images.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/live/recording.h"
+#include "avatar/live/soft_range.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
@@ -175,10 +176,24 @@ void RenderDriven(const RenderOptions& o,
   if (player.avatar().blendshapes) options.blendshapes = &*player.avatar().blendshapes;
   const Recording sequence = LoadRecording(o.drive, options);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
+  // As hosts do: another head's motion may go where this one was never seen.
+  const auto coefficients = size_t(flame.expression_count);
+  const SoftRange range(coefficients, player.avatar().trained_range);
   std::vector<PlaybackFrame> frames;
-  for (const RecordedFrame& frame : sequence.frames)
-    frames.push_back({frame.params, camera, BackgroundOf(run)});
+  size_t softened = 0;
+  for (const RecordedFrame& frame : sequence.frames) {
+    FlameParams params = frame.params;
+    params.expression.resize(coefficients, 0.0f);
+    softened += range.Bring(params);
+    frames.push_back({params, camera, BackgroundOf(run)});
+  }
   PlayInto(frames, player, o);
+  if (softened > 0 && !o.quiet)
+    std::printf(
+        "%zu of %zu frames went beyond the expressions and turns seen in training, and were "
+        "limited\n",
+        softened,
+        frames.size());
 }
 
 void RenderFrames(const RenderOptions& o,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <regex>
 
+#include "splat/base/npz.h"
 #include "splat/io/ply.h"
 #include "tests/integration/command.h"
 
@@ -250,6 +251,23 @@ TEST(Cli, FramesDoNotDependOnThreads) {
     std::snprintf(name, sizeof name, "/%05zu.png", i);
     EXPECT_EQ(Slurp(out / "1" + name), Slurp(out / "3" + name)) << i;
   }
+}
+
+// Another's motion is limited to what training showed, and it is said.
+TEST(Cli, DrivingFarBeyondTheTrainedRangeIsLimited) {
+  const TemporaryFolder out;
+  constexpr size_t count = 5;
+  for (const float size : {50.0f, 5000.0f}) {
+    const std::string name = out / std::to_string(int(size));
+    Npz npz;
+    npz.Add("expr", {1, count}, std::vector<float>(count, size));
+    npz.Write(name + ".npz");
+    const CommandResult result =
+        Cosplat({"render", "-m", Made().avatar, "--drive", name + ".npz", "-o", name});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_TRUE(Contains(result.out, "1 of 1 frames went beyond")) << result.out;
+  }
+  EXPECT_LT(ImageError(ReadImage(out / "50/00000.png"), ReadImage(out / "5000/00000.png")), 2);
 }
 
 int LargestDifference(const Image8& a, const Image8& b) {
