@@ -374,12 +374,16 @@ void StepEngine::Draw(Submitted& step, bool waits) {
     if (step.masked) mask_.BeforeDraw(now_->gaussians, step.rng, world_, stream_);
   }
   if (!waits) tape_->Expect(forecast_.Of(plan.frame, count()), overflowed_.data());
+  const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
+  RenderSettings render = plan.render;
+  if (!layers.empty()) render.background = {0, 0, 0};
   device_.rasterizer->Forward(world_,
                               now_->gaussians.basis,
                               targets_.CameraOf(plan.frame, plan.downscale),
-                              plan.render,
+                              render,
                               image_,
                               *tape_);
+  if (!layers.empty()) layers_.AddBehind(layers, plan.render.background, image_, stream_);
   step.counts.Ask(tape_->counts(), stream_);
   step.capacity = tape_->capacity();
   instances_per_gaussian_ =
@@ -392,15 +396,18 @@ void StepEngine::Differentiate(Submitted& step) {
     ScopedPhase phase(times_, Phase::kLoss);
     const TargetView target = targets_.Of(plan.frame, plan.downscale, stream_);
     const float* const exposure = ExposureOf(plan.frame);
+    const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
+    const Buffer<float>& scene =
+        layers.empty() ? image_.color : layers_.Show(layers, image_.color, stream_);
     const bool as_is = !exposure && !target.ignored;
     const Buffer<float>& shown =
-        as_is ? image_.color
-              : photograph_.Show(image_.color, exposure, target, plan.render.background, stream_);
+        as_is ? scene : photograph_.Show(scene, exposure, target, plan.render.background, stream_);
     device_.loss->Evaluate(
         settings_.loss, shown, target, plan.render.background, d_color_, stream_);
     step.photometric.Ask(device_.loss->value(), stream_);
     if (settings_.crop_loss.weight != 0) AddCropLoss(step, shown);
-    if (!as_is) photograph_.Pull(image_.color, exposure, target, d_color_, stream_);
+    if (!as_is) photograph_.Pull(scene, exposure, target, d_color_, stream_);
+    if (!layers.empty()) layers_.Pull(layers, d_color_, stream_);
   }
   // On the host nothing has changed yet. Several views are checked together, on all ranks.
   if (on_host() && settings_.batch == 1)
@@ -660,7 +667,8 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"screen gradients", HeldBy(screen_)},
       {"reduction and sort scratch", stream_.held() + HeldBy(contributions_, of_image_)},
       {"image and its gradient",
-       HeldBy(image_.color, image_.transmittance, d_color_, crop_) + photograph_.held(),
+       HeldBy(image_.color, image_.transmittance, d_color_, crop_) + photograph_.held() +
+           layers_.held(),
        MemoryOf::kPixels},
       {"target images", targets_.held(), MemoryOf::kPixels},
       {"downscaled target images", targets_.HeldForReduced(), MemoryOf::kPixels}};

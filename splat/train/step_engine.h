@@ -231,6 +231,7 @@ class StepEngine : public FrameImages {
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
   WorldGaussians world_;  // this step's
+  LayerModel layers_;
   PhotographModel photograph_;
   Buffer<float> d_color_, screen_;
   Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory

@@ -12,6 +12,7 @@
 #include "splat/gaussians.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/density.h"
+#include "splat/train/layers.h"
 #include "splat/train/optimizer.h"
 
 namespace cosplat {
@@ -25,6 +26,8 @@ struct TrainFrame {
   // Of a frame that is not kept in memory, whose images are empty: reads them (frame_reader.h).
   // Throws Error.
   std::function<TrainFrame()> read = {};
+  // What else is to be seen besides the Gaussians that are trained; not in reduced copies.
+  FrameLayers layers = {};
 };
 
 // A subject's state besides the Gaussians; each subject defines its own (AvatarTrainingState).

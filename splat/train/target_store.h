@@ -21,6 +21,9 @@ class TargetStore {
   }
   // In host memory. Valid until another downscale is requested.
   const Image8& ImageOf(size_t frame, int downscale) { return frames_.At(frame, downscale).target; }
+  const FrameLayers& LayersOf(size_t frame, int downscale) {
+    return frames_.At(frame, downscale).layers;
+  }
   TargetView Of(size_t frame, int downscale, Stream& stream);
   // Bytes, of the images on a device and of the reduced images on the host.
   size_t held() const { return held_ + HeldBy(passing_); }

@@ -49,6 +49,8 @@ constexpr int kSmoothingEvery = 100;
 
 struct TrainSettings {
   int iterations = 30000;  // views trained on
+  // Those of an earlier training of the first Gaussians, where the schedule goes on.
+  int first_iteration = 0;
   // Views of a step, of scenes. Rates follow (math/adam.h); what the schedule plans for an
   // iteration happens after the step that it is in.
   int batch = 1;

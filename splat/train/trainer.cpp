@@ -39,6 +39,7 @@ Trainer::Trainer(const TrainSettings& settings,
   state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
+  state_.iteration = settings.first_iteration;
   if (settings.exposure) state_.exposures = ExposureState(subject.frame_count());
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
@@ -140,6 +141,12 @@ int Trainer::EndOfStep(int begin) const {
 // Steps begin at multiples of the batch.
 AdamSettings Trainer::LastRates() const {
   return RatesAt(std::max(state_.iteration - 1, 0) / settings_.batch * settings_.batch);
+}
+
+void Trainer::SetExposures(ExposureState exposures) {
+  engine_->Fetch();
+  state_.exposures = std::move(exposures);
+  engine_->Store();
 }
 
 void Trainer::HoldOut(std::vector<uint32_t> frames) {

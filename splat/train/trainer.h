@@ -62,6 +62,8 @@ class Trainer {
   const TrainingState& state() const;
   int iteration() const { return state_.iteration; }
   size_t count() const { return engine_->count(); }
+  // Of all frames, with TrainSettings::exposure: those of an earlier training.
+  void SetExposures(ExposureState exposures);
   // Excludes these frames from training (an empty list restores all) and begins a new pass. Used to
   // make choices during the run (splat/train/budget.h).
   void HoldOut(std::vector<uint32_t> frames);

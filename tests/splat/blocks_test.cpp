@@ -1,0 +1,232 @@
+// Scenes in blocks: how they are split, what the blocks show of each other, and that a block is
+// trained as the part of a scene that it is.
+#include "splat/train/blocks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "splat/train/layers.h"
+#include "splat/train/scene_subject.h"
+#include "tests/splat/training_fixture.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat {
+namespace {
+
+using namespace test;  // NOLINT: small scenes
+
+Buffer<float> RandomPoints(size_t count, const std::array<float, 3>& size, uint64_t seed = 1) {
+  Rng rng{seed};
+  Buffer<float> points(3 * count);
+  for (size_t i = 0; i < points.size(); ++i) points[i] = size[i % 3] * rng.Normal();
+  return points;
+}
+
+std::vector<size_t> CountsOf(const SceneBlocks& blocks, const Buffer<float>& points) {
+  std::vector<size_t> counts(blocks.count(), 0);
+  for (size_t i = 0; i < points.size(); i += 3) ++counts[blocks.BlockOf(&points[i])];
+  return counts;
+}
+
+TEST(Blocks, HaveEquallyManyPoints) {
+  const Buffer<float> points = RandomPoints(1000, {3, 1, 2});
+  for (const size_t n : {1, 2, 3, 4, 7, 16}) {
+    const SceneBlocks blocks = SplitByPlace(points.view(), n);
+    ASSERT_EQ(blocks.count(), n);
+    for (const size_t count : CountsOf(blocks, points))
+      EXPECT_NEAR(double(count), 1000.0 / double(n), double(n)) << n;
+  }
+}
+
+TEST(Blocks, AreSplitAlongTheScene) {
+  const SceneBlocks blocks = SplitByPlace(RandomPoints(5000, {1, 9, 2}).view(), 2);
+  EXPECT_GT(std::abs(blocks.planes[0].normal[1]), 0.98f);
+  EXPECT_NEAR(blocks.planes[0].offset * blocks.planes[0].normal[1], 0, 0.5);
+}
+
+TEST(Blocks, ADistantBackgroundDoesNotDecide) {
+  Buffer<float> points = RandomPoints(1000, {0.1f, 9, 2});
+  Rng rng{2};
+  for (int i = 0; i < 400; ++i) {
+    points.push_back(1000 * rng.Normal());
+    points.push_back(0);
+    points.push_back(0);
+  }
+  EXPECT_GT(std::abs(SplitByPlace(points.view(), 2).planes[0].normal[1]), 0.9f);
+}
+
+TEST(Blocks, NeedAsManyPlaces) {
+  const Buffer<float> same(300, 1.5f);
+  ExpectError([&] { SplitByPlace(same.view(), 4); }, {"--blocks 4", "100 Gaussians"});
+  ExpectError([&] { SplitByPlace(RandomPoints(5, {1, 1, 1}).view(), 8); }, {"--blocks"});
+}
+
+TEST(Blocks, RaysReachThemInOrder) {
+  const SceneBlocks blocks = SplitByPlace(RandomPoints(2000, {3, 2, 1}).view(), 9);
+  Rng rng{7};
+  for (int ray = 0; ray < 200; ++ray) {
+    std::array<float, 3> eye{}, to{};
+    for (size_t k = 0; k < 3; ++k) eye[k] = 4 * rng.Normal(), to[k] = 4 * rng.Normal();
+    const std::vector<uint32_t> order = blocks.FrontToBack(eye);
+    ASSERT_EQ(std::set<uint32_t>(order.begin(), order.end()).size(), 9u);
+    EXPECT_EQ(order[0], blocks.BlockOf(eye.data()));
+    size_t reached = 0;
+    for (int i = 0; i <= 100; ++i) {
+      float p[3];
+      for (size_t k = 0; k < 3; ++k) p[k] = eye[k] + float(i) / 50 * (to[k] - eye[k]);
+      const auto at = std::find(order.begin(), order.end(), uint32_t(blocks.BlockOf(p)));
+      EXPECT_GE(size_t(at - order.begin()), reached);
+      reached = size_t(at - order.begin());
+    }
+  }
+}
+
+TEST(Blocks, AreReadAsWrittenOrNotAtAll) {
+  const TemporaryFolder folder;
+  SceneBlocks blocks = SplitByPlace(RandomPoints(200, {1, 1, 1}).view(), 5), read;
+  const auto write = [&] {
+    WriteStateFile(folder / "blocks", "", [&](StateArchive& a) { Describe(a, 5, blocks); });
+  };
+  const auto describe = [&](StateArchive& a) { Describe(a, 5, read); };
+  write();
+  StateFile(folder / "blocks").Read(describe);
+  EXPECT_EQ(read.FrontToBack({1, 2, 3}), blocks.FrontToBack({1, 2, 3}));
+  blocks.planes[1].side[0] = 0;  // a circle
+  write();
+  ExpectError([&] { StateFile(folder / "blocks").Read(describe); }, {"blocks.planes", "tree"});
+}
+
+// --- Layers
+// ---------------------------------------------------------------------------------------
+
+TEST(Layers, OfAllBlocksAreTheScene) {
+  Gaussians scene = TrueScene(1, 400);
+  for (float& s : scene.values[kScaleLog]) s -= 2.5f;  // hardly any reaches into another block
+  const SceneBlocks blocks = SplitByPlace(scene.values[kPosition].view(), 5);
+  double largest_mean = 0;
+  for (const Camera& camera : Ring(5, 2.2f)) {
+    LayerStack stack;
+    double covered = 0;
+    for (const uint32_t b : blocks.FrontToBack(camera.Center())) {
+      std::vector<uint32_t> own;
+      for (uint32_t i = 0; i < scene.size(); ++i)
+        if (blocks.BlockOf(scene.at(kPosition, i)) == b) own.push_back(i);
+      Gaussians block = scene;
+      block.Gather(own);
+      covered += double(stack.Add(LayerOf(Render(block, camera))));
+    }
+    const RenderedImage whole = Render(scene, camera);
+    const Image8 expected = LayerOf(whole), found = stack.Together();
+    ASSERT_EQ(found.data.size(), expected.data.size());
+    double sum = 0, alpha = 0;
+    for (size_t i = 0; i < found.data.size(); ++i)
+      sum += std::abs(int(found.data[i]) - int(expected.data[i]));
+    for (const float t : whole.transmittance) alpha += 1 - double(t);
+    EXPECT_NEAR(covered, alpha / double(whole.transmittance.size()), 0.01);
+    largest_mean = std::max(largest_mean, sum / double(found.data.size()));
+  }
+  EXPECT_LT(largest_mean, 0.3) << "of 255";
+}
+
+TEST(Layers, NothingIsNoLayer) {
+  Gaussians scene = TrueScene(0);
+  for (float& logit : scene.values[kOpacityLogit]) logit = -20;
+  EXPECT_TRUE(LayerOf(Render(scene, Ring(1, 2.2f)[0])).empty());
+  LayerStack stack;
+  EXPECT_EQ(stack.Add({}), 0);
+  EXPECT_TRUE(stack.Together().empty());
+}
+
+TEST(Layers, GradientsAreThoseOfWhatIsShown) {
+  constexpr int kSide = 6;
+  Rng rng{4};
+  FrameLayers layers{Image8(kSide, kSide, 4), {}};
+  for (size_t i = 0; i < layers.front.data.size(); ++i)
+    layers.front.data[i] = uint8_t(rng.Below(i % 4 == 3 ? 256 : 100));
+  Buffer<float> color(3 * kSide * kSide), d(color.size());
+  for (float& value : color) value = rng.Uniform();
+  for (float& value : d) value = rng.Normal();
+  LayerModel model;
+  Buffer<float> pulled = d;
+  model.Pull(layers, pulled, HostStream());
+  for (size_t i = 0; i < color.size(); ++i) {
+    const float before = model.Show(layers, color, HostStream())[i];
+    Buffer<float> moved = color;
+    moved[i] += 0.5f;
+    const float slope = (model.Show(layers, moved, HostStream())[i] - before) / 0.5f;
+    EXPECT_NEAR(pulled[i], slope * d[i], 1e-5) << i;
+  }
+}
+
+Image8 Uniform(const Camera& camera, std::array<uint8_t, 4> rgba) {
+  Image8 layer(camera.width, camera.height, 4);
+  for (size_t i = 0; i < layer.data.size(); ++i) layer.data[i] = rgba[i % 4];
+  return layer;
+}
+
+// A white layer behind is a white background, a clear one in front is none.
+TEST(Layers, TrainingSeesThemAsItSeesABackground) {
+  const Gaussians truth = TrueScene(1);
+  for (const int batch : {1, 3}) {
+    TrainSettings settings = ShortRun(60, 1);
+    settings.batch = batch;
+    settings.exposure = true;
+    std::vector<TrainFrame> frames = TargetImages(truth, Ring(6, 2.2f), false);
+    settings.background = Background::kWhite;
+    SceneSubject plain(frames, 1);
+    const TrainingState expected = Train(settings, plain, FirstGaussians(60, 1), 60 / batch);
+    for (TrainFrame& frame : frames) {
+      frame.layers.behind = Uniform(frame.camera, {255, 255, 255, 255});
+      frame.layers.front = Uniform(frame.camera, {0, 0, 0, 0});
+    }
+    settings.background = Background::kBlack;
+    SceneSubject layered(frames, 1);
+    const TrainingState found = Train(settings, layered, FirstGaussians(60, 1), 60 / batch);
+    ASSERT_EQ(found.gaussians.size(), expected.gaussians.size());
+    for (size_t i = 0; i < found.gaussians.values[kPosition].size(); ++i)
+      ASSERT_NEAR(
+          found.gaussians.values[kPosition][i], expected.gaussians.values[kPosition][i], 1e-4)
+          << i;
+  }
+}
+
+TEST(Layers, WhatIsHiddenIsNotTrained) {
+  std::vector<TrainFrame> frames = TargetImages(TrueScene(1), Ring(4, 2.2f));
+  for (TrainFrame& frame : frames) frame.layers.front = Uniform(frame.camera, {40, 80, 120, 255});
+  SceneSubject hidden(frames, 1);
+  TrainSettings settings = ShortRun(20, 1);
+  settings.schedule.densify_until = 0;
+  const Gaussians first = FirstGaussians(60, 1);
+  EXPECT_TRUE(SameBits(Train(settings, hidden, first, 20).gaussians, first));
+}
+
+// --- Trainings that go on
+// -------------------------------------------------------------------------
+
+TEST(FirstIteration, TheScheduleGoesOn) {
+  TrainSettings settings = ShortRun(300, 1);
+  SceneSubject subject(TargetImages(TrueScene(1), Ring(4, 2.2f)), 1);
+  settings.first_iteration = 200;
+  Trainer trainer(settings, subject, FirstGaussians(60, 1));
+  EXPECT_EQ(trainer.iteration(), 200);
+  EXPECT_EQ(trainer.active_degree(), 1);
+  EXPECT_EQ(trainer.Step().iteration, 201);
+  EXPECT_EQ(trainer.statistics().steps, 1u);
+}
+
+TEST(FirstIteration, ExposuresGoOn) {
+  TrainSettings settings = ShortRun(30, 1);
+  settings.exposure = true;
+  SceneSubject subject(TargetImages(TrueScene(1), Ring(4, 2.2f)), 1);
+  Trainer trainer(settings, subject, FirstGaussians(60, 1));
+  ExposureState exposures(4);
+  exposures.value[13] = 0.25f;
+  trainer.SetExposures(exposures);
+  EXPECT_TRUE(SameBits(trainer.state().exposures.value, exposures.value));
+}
+
+}  // namespace
+}  // namespace cosplat
