@@ -16,6 +16,11 @@ namespace {
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
 constexpr size_t kPerPixel = 56;
+// Of an image of the blocks around the one in training, twice and as floats while they are put
+// together.
+constexpr size_t kPerLayerPixel = 48;
+// Of a Gaussian that is only rendered: all of them are, once, in the images of evaluation.
+constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
 constexpr double kGb = 1e9;
@@ -28,7 +33,9 @@ size_t BytesPerGaussian(const SceneTrainOptions& o) {
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(one.width(a));
   const bool in_the_middle = !o.save_iterations.empty() || !o.test_iterations.empty();
-  return (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
+  const size_t trained = (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
+  if (o.blocks == 1) return trained;
+  return std::max(trained / o.blocks, sizeof(float) * numbers + kDrawn);
 }
 
 std::string Gb(double bytes) {
@@ -49,16 +56,18 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
       plan.all_images += ImageBytes(view.camera);
     }
   plan.all_images += plan.all_images / 4;
-  plan.in_work = pixels * kPerPixel;
+  plan.blocks = o.blocks;
+  plan.in_work = pixels * (o.blocks == 1 ? kPerPixel : kPerPixel + kPerLayerPixel);
   plan.per_gaussian = BytesPerGaussian(o);
   plan.gaussians = o.max_gaussians;
-  plan.images = plan.all_images;
-  if (o.memory_gb == 0) return plan;
+  plan.images = o.blocks == 1 ? plan.all_images : 0;
+  if (o.blocks == 1 && o.memory_gb == 0) return plan;
   // Two photographs that are not kept are held at any time, at the file's size while they are read.
   size_t largest = 0;
   for (const SceneView& view : scene.train)
     largest = std::max(largest, ImageBytes(view.file_camera));
   plan.in_work += 2 * largest;
+  if (o.memory_gb == 0) return plan;
   const double rest = double(o.memory_gb) * kGb - double(plan.program + plan.in_work);
   const double at_first = double(scene.points.size() / 3 * plan.per_gaussian);
   if (rest < at_first || rest <= 0)
@@ -77,8 +86,9 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
 std::string ToString(const MemoryPlan& plan) {
   std::string text = "memory: at most " + Gb(double(plan.total())) + ": " +
                      Gb(double(plan.gaussians * plan.per_gaussian)) + " for " +
-                     WithThousands(plan.gaussians) + " Gaussians, " + Gb(double(plan.images)) +
-                     " for photographs";
+                     WithThousands(plan.gaussians) + " Gaussians" +
+                     (plan.blocks > 1 ? " in " + std::to_string(plan.blocks) + " blocks" : "") +
+                     ", " + Gb(double(plan.images)) + " for photographs";
   if (plan.images < plan.all_images)
     text += " (of " + Gb(double(plan.all_images)) + "; the others are read again)";
   return text;

@@ -67,6 +67,7 @@ void RemoveRun(const std::string& folder) {
                                     "export.json",
                                     "exposure.json",
                                     "avatar.glb",
+                                    "blocks",
                                     "report.html",
                                     "orbit.mp4",
                                     "run.json"};
@@ -131,11 +132,15 @@ void RequireSplats(const JsonField& run) {
                   ", which is not spherical harmonics: no splats of this run were saved");
 }
 
-void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
+void SaveShSplats(const std::string& folder, int iteration, const Gaussians& gaussians) {
   const std::string path = SplatPath(folder, iteration);
   MakeDirectories(fs::path(path).parent_path().string());
-  ConvertBasis(gaussians, Basis::kSh);
   WritePly(path, gaussians);
+}
+
+void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
+  ConvertBasis(gaussians, Basis::kSh);
+  SaveShSplats(folder, iteration, gaussians);
 }
 
 int SavedIteration(const std::string& folder, const JsonField& run) {
@@ -163,7 +168,8 @@ void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& sk
 
 void WriteStatistics(const std::string& folder,
                      const TrainingStatistics& s,
-                     size_t skipped_frames) {
+                     size_t skipped_frames,
+                     const Json& blocks) {
   Json phases = Json::object();
   for (size_t i = 0; i < kPhaseNames.size(); ++i)
     phases[kPhaseNames[i]] = s.steps ? 1e3 * s.times.seconds[i] / double(s.steps) : 0.0;
@@ -189,6 +195,7 @@ void WriteStatistics(const std::string& folder,
                      {"groups_assembled", s.exchanged.assembled},
                      {"bytes_sent", s.exchanged.bytes_sent},
                      {"exchange_seconds", s.exchanged.seconds}};
+  if (!blocks.empty()) json["blocks"] = blocks;
   WriteFileAtomically(folder + "/stats.json", json.dump(2) + "\n");
 }
 

@@ -38,6 +38,8 @@ void RequireSplats(const JsonField& run);
 
 // Writes point_cloud/iteration_N/point_cloud.ply with the colours converted to 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
+// The same of colours that are 3DGS's SH, without a copy.
+void SaveShSplats(const std::string& folder, int iteration, const Gaussians& gaussians);
 
 // The run's last saved iteration: the one in run.json, or the highest one on disk if training was
 // interrupted. Throws Error if nothing was saved, except for runs that cannot save splats: these
@@ -48,9 +50,11 @@ std::string SplatPath(const std::string& folder, int iteration);
 // Writes skipped_frames.json with names and reasons, or no file if no frame was skipped.
 void WriteSkipped(const std::string& folder, const std::vector<SkippedFrame>& skipped);
 
+// blocks: what is to be said of each, of a scene trained in blocks.
 void WriteStatistics(const std::string& folder,
                      const TrainingStatistics& statistics,
-                     size_t skipped_frames);
+                     size_t skipped_frames,
+                     const Json& blocks = {});
 
 // Peak resident memory of this process in MB.
 double PeakMegabytes();

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/cosplat/run/block_training.h"
 #include "apps/cosplat/run/memory_plan.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
@@ -25,12 +26,13 @@ namespace {
 void Evaluate(const SceneTrainOptions& o,
               Device device,
               const std::vector<TrainFrame>& test,
-              const Trainer& trainer,
+              int iteration,
+              int degree,
               const Gaussians& g) {
   const auto rasterizer = MakeRasterizer(device);
   const auto tape = rasterizer->MakeTape();
-  const RenderSettings render{o.EvaluationBackground(), trainer.active_degree()};
-  TestImageWriter writer(o.model, "test", trainer.iteration(), render.background);
+  const RenderSettings render{o.EvaluationBackground(), degree};
+  TestImageWriter writer(o.model, "test", iteration, render.background);
   RenderedImage image;
   FrameReader reader;
   for (size_t i = 0; i < test.size(); ++i) {
@@ -105,6 +107,11 @@ void SaveInputs(const SceneTrainOptions& o,
 void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
   if (o.prune == "dcsharp-triangle")
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
+  if (o.blocks > 1 && o.device == "auto") o.device = "cpu";
+  o.CheckBlocks();
+  if (o.blocks > 1 && ranks->size() > 1)
+    throw Error("--blocks " + std::to_string(o.blocks),
+                "is trained by one rank, these are " + std::to_string(ranks->size()));
   const bool writes = ranks->rank() == 0;
   if (!writes) o.quiet = true;
   const RunStart how = ChooseStart(o, config, *ranks);
@@ -114,7 +121,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
   const MemoryPlan plan = PlanMemory(o, scene);
-  o.max_gaussians = plan.gaussians;
+  o.max_gaussians = plan.at_once();
   TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());
   SceneStart start = StartScene(o.random_points, o, loaded);
   start.settings.crop_loss.distance = lpips;
@@ -122,11 +129,6 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   subject.LimitReduced(plan.for_reduced());
   RunCheckpoint checkpoint(o, config, how, ChecksumsOf(o, scene, subject, test, start.first));
-  Trainer trainer(
-      start.settings,
-      subject,
-      std::move(start.first),
-      ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
   if (writes && how == RunStart::kNew) RemoveRun(o.model);
@@ -147,6 +149,25 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   if (!o.quiet && masked > 0) std::printf("%zu views with masks\n", size_t(masked));
   if (!o.quiet) std::printf("%s\n", ToString(plan).c_str());
   if (!o.quiet && ranks->size() > 1) std::printf("%zu ranks\n", ranks->size());
+  if (o.blocks > 1) {
+    BlockHooks hooks;
+    hooks.lpips = lpips.get();
+    hooks.save_exposures = [&](const ExposureState& exposures) {
+      WriteExposures(o.model, scene.train, exposures);
+    };
+    if (!test.empty())
+      hooks.evaluate = [&](const Gaussians& gaussians) {
+        Evaluate(o, device, test, o.iterations, gaussians.degree, gaussians);
+      };
+    TrainInBlocks(o, std::move(start), subject, scene.skipped, hooks, checkpoint);
+    checkpoint.Remove();
+    return RemoveBlocks(o.model);
+  }
+  Trainer trainer(
+      start.settings,
+      subject,
+      std::move(start.first),
+      ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
   RunHooks hooks;
   hooks.ranks = ranks;
   hooks.lpips = lpips.get();
@@ -158,7 +179,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   if (!test.empty())
     hooks.evaluate = [&] {
       const Gaussians gaussians = trainer.CaughtUp();
-      if (writes) Evaluate(o, device, test, trainer, gaussians);
+      if (writes)
+        Evaluate(o, device, test, trainer.iteration(), trainer.active_degree(), gaussians);
     };
   RunTraining(o, trainer, scene.skipped, hooks, checkpoint);
   if (writes) checkpoint.Remove();

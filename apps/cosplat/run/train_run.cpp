@@ -30,26 +30,28 @@ void PrintFinished(const TrainOptions& o) {
   if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
 }
 
+std::string LossLine::operator()(const StepReport& step) {
+  const bool first = step.iteration == 1 || std::isnan(loss_);  // of a run, or since resuming
+  loss_ = first ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
+  char text[96];
+  std::snprintf(
+      text, sizeof text, "loss %.4f  %s Gaussians", loss_, WithThousands(step.gaussians).c_str());
+  return text;
+}
+
 std::shared_ptr<Lpips> LoadLpips(const TrainOptions& o) {
   return o.lpips.empty() ? nullptr : std::make_shared<Lpips>(o.lpips);
 }
 
+void PrintTrained(const TrainingStatistics& s) {
+  std::printf("%d iterations in %.1f s (%.2f ms per step at the end), %s Gaussians\n",
+              s.iterations,
+              s.seconds,
+              s.ms_per_step,
+              WithThousands(s.gaussians).c_str());
+}
+
 namespace {
-
-class LossLine {
- public:
-  std::string operator()(const StepReport& step) {
-    const bool first = step.iteration == 1 || std::isnan(loss_);  // of a run, or since resuming
-    loss_ = first ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
-    char text[96];
-    std::snprintf(
-        text, sizeof text, "loss %.4f  %s Gaussians", loss_, WithThousands(step.gaussians).c_str());
-    return text;
-  }
-
- private:
-  double loss_ = NAN;
-};
 
 void WriteBudget(const TrainOptions& o, const BudgetReport& report) {
   Json trials = Json::array();
@@ -226,12 +228,7 @@ void RunTraining(const TrainOptions& o,
   run.Train();
   run.Finish(skipped.size());
   const TrainingStatistics statistics = trainer.statistics();
-  if (!o.quiet)
-    std::printf("%d iterations in %.1f s (%.2f ms per step at the end), %s Gaussians\n",
-                o.iterations,
-                statistics.seconds,
-                statistics.ms_per_step,
-                WithThousands(statistics.gaussians).c_str());
+  if (!o.quiet) PrintTrained(statistics);
   if (!o.quiet && o.drop_bands > 0)
     std::printf(
         "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients of bands 1 and up; "

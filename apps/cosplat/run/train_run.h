@@ -1,6 +1,7 @@
 // The parts of a run that both trainers share: progress, milestones, statistics.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -16,6 +17,15 @@ namespace cosplat {
 
 // The network of --lpips; null if there is none. Throws Error as Lpips does.
 std::shared_ptr<Lpips> LoadLpips(const TrainOptions& options);
+
+// What a progress bar says of a step: a running mean of the loss, the number of Gaussians.
+class LossLine {
+ public:
+  std::string operator()(const StepReport& step);
+
+ private:
+  double loss_ = NAN;
+};
 
 // All ranks call the hooks; rank 0 alone is to write.
 struct RunHooks {
@@ -38,6 +48,9 @@ void RunTraining(const TrainOptions& options,
 
 // Prints, unless quiet, that the folder holds this run already.
 void PrintFinished(const TrainOptions& options);
+
+// Prints the time it took and the number of Gaussians.
+void PrintTrained(const TrainingStatistics& statistics);
 
 // Prints the number of skipped frames, and up to five of them with their reasons.
 void PrintSkipped(const std::vector<SkippedFrame>& skipped);
