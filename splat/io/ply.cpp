@@ -33,33 +33,70 @@ std::string HeaderOf(size_t count, const char* comment = nullptr) {
          std::to_string(count) + "\n";
 }
 
-}  // namespace
-
-void WritePly(const std::string& path, const Gaussians& gaussians) {
+void CheckForPly(const std::string& path, const Gaussians& gaussians) {
   if (gaussians.basis != Basis::kSh)
     throw Error(path, "basis", "is " + ToString(gaussians.basis) + ", PLY files hold sh");
   if (!gaussians.smoothing.empty()) throw Error(path, "smoothing", "is not part of the scales");
+}
+
+constexpr int kNormals = 3, kNormalsAt = 3;
+
+void WriteSplatHeader(const Gaussians& layout, size_t count, std::ostream& out) {
+  const std::vector<PlyColumn> columns = ColumnsOf(layout.degree);
+  out << HeaderOf(count, layout.antialiased ? kAntialiasedComment : nullptr);
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
+    out << "property float " << columns[i].name << "\n";
+  }
+  out << "end_header\n";
+}
+
+// first: the number of rows before these, for messages.
+void WriteRows(const std::string& path,
+               const Gaussians& gaussians,
+               size_t first,
+               std::ostream& out) {
   const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
-  const size_t count = gaussians.size();
-  for (const PlyColumn& column : columns)
-    for (size_t i = 0; i < count; ++i)
-      if (!std::isfinite(gaussians.at(column.attribute, i)[column.component]))
-        throw Error(path, "vertex " + std::to_string(i) + ", " + column.name, "is not finite");
+  std::vector<float> row(columns.size() + kNormals, 0.0f);
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    for (size_t k = 0; k < columns.size(); ++k) {
+      const float value = gaussians.at(columns[k].attribute, i)[columns[k].component];
+      if (!std::isfinite(value))
+        throw Error(
+            path, "vertex " + std::to_string(first + i) + ", " + columns[k].name, "is not finite");
+      row[k < kNormalsAt ? k : k + kNormals] = value;
+    }
+    out.write(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(float));
+  }
+}
+
+}  // namespace
+
+void WritePly(const std::string& path, const Gaussians& gaussians) {
+  CheckForPly(path, gaussians);
   WriteFileAtomically(path, [&](std::ostream& out) {
-    out << HeaderOf(count, gaussians.antialiased ? kAntialiasedComment : nullptr);
-    constexpr int kNormals = 3, kNormalsAt = 3;
-    for (size_t i = 0; i < columns.size(); ++i) {
-      if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
-      out << "property float " << columns[i].name << "\n";
+    WriteSplatHeader(gaussians, gaussians.size(), out);
+    WriteRows(path, gaussians, 0, out);
+  });
+}
+
+void WritePly(const std::string& path,
+              size_t count,
+              size_t parts,
+              const std::function<Gaussians(size_t)>& part) {
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    size_t written = 0;
+    for (size_t i = 0; i < parts; ++i) {
+      const Gaussians gaussians = part(i);
+      CheckForPly(path, gaussians);
+      if (i == 0) WriteSplatHeader(gaussians, count, out);
+      WriteRows(path, gaussians, written, out);
+      written += gaussians.size();
     }
-    out << "end_header\n";
-    std::vector<float> row(columns.size() + kNormals, 0.0f);
-    for (size_t i = 0; i < count; ++i) {
-      for (size_t k = 0; k < columns.size(); ++k)
-        row[k < kNormalsAt ? k : k + kNormals] =
-            gaussians.at(columns[k].attribute, i)[columns[k].component];
-      out.write(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(float));
-    }
+    if (written != count)
+      throw Error(
+          path,
+          "its parts have " + std::to_string(written) + " vertices, not " + std::to_string(count));
   });
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ namespace cosplat {
 // Binary little-endian, atomic. Throws Error if the basis is not kSh, a value is not finite or the
 // smoothing is not baked in.
 void WritePly(const std::string& path, const Gaussians& gaussians);
+// The same of `count` Gaussians that need not be in memory together: those of part(0) to
+// part(parts - 1), all of one layout. Throws Error also if these are not as many.
+void WritePly(const std::string& path,
+              size_t count,
+              size_t parts,
+              const std::function<Gaussians(size_t)>& part);
 
 // Accepts properties in any order; other properties and elements are ignored. The degree follows
 // from the number of f_rest (0, 9, 24, 45, 72). PlayCanvas's layout is detected by its header.

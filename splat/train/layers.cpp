@@ -1,7 +1,6 @@
 #include "splat/train/layers.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "splat/device/for_each.h"
 #include "splat/train/kernels/layers.h"
@@ -11,7 +10,7 @@ namespace {
 
 const uint8_t* BytesOf(const Image8& layer) { return layer.empty() ? nullptr : layer.data.data(); }
 
-uint8_t ByteOf(float value) { return uint8_t(std::lround(255 * std::clamp(value, 0.0f, 1.0f))); }
+uint8_t ByteOf(float value) { return uint8_t(255 * std::clamp(value, 0.0f, 1.0f) + 0.5f); }
 
 }  // namespace
 

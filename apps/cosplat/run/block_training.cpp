@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,7 +17,7 @@
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/io/ply.h"
 #include "splat/train/blocks.h"
 #include "splat/train/describe_state.h"
 #include "splat/train/layers.h"
@@ -58,8 +59,7 @@ class BlockTraining {
         counts_(o.blocks, 0),
         shown_(o.blocks * scene.frame_count(), 0) {}
 
-  // Returns all Gaussians.
-  Gaussians Run(Gaussians first) {
+  void Run(Gaussians first) {
     MakeDirectories(BlocksFolder(o_.model));
     if (checkpoint_.resumes())
       Resume(std::move(first));
@@ -73,23 +73,45 @@ class BlockTraining {
       BeginStage(ReadGaussians(FileOf(block())));
     }
     bar_.reset();
-    return Together();
+  }
+
+  size_t count() const { return std::accumulate(counts_.begin(), counts_.end(), size_t(0)); }
+  // A block as it is saved, if it can be.
+  Gaussians Finished(size_t b) const {
+    Gaussians own = ReadGaussians(FileOf(b));
+    BakeSmoothing(own);
+    if (IsHarmonic(own.basis, own.degree)) ConvertBasis(own, Basis::kSh);
+    return own;
+  }
+  Gaussians Together() const {
+    Gaussians all;
+    for (size_t b = 0; b < o_.blocks; ++b) {
+      const Gaussians own = Finished(b);
+      all.degree = own.degree;
+      all.basis = own.basis;
+      all.antialiased = own.antialiased;
+      for (int a = 0; a < kAttributeCount; ++a) {
+        all.values[a].reserve(count() * size_t(own.width(a)));
+        all.values[a].append(own.values[a].begin(), own.values[a].end());
+      }
+    }
+    return all;
   }
 
   const ExposureState& exposures() const { return exposures_; }
 
-  TrainingStatistics Statistics(const Gaussians& all) const {
+  TrainingStatistics Statistics() const {
     TrainingStatistics s;
     s.iterations = o_.iterations;
     s.steps = trained_.steps;
     s.seconds = trained_.seconds;
     s.cpu_seconds = trained_.cpu_seconds;
-    s.gaussians = all.size();
+    s.gaussians = count();
     s.ms_per_step = trained_.ms_per_step;
     s.times = trained_.times;
     s.ignored_gradients = trained_.ignored;
-    s.degrees = CountDegrees(all);
-    s.bands = FiguresOf(s.degrees, all.degree);
+    s.degrees[size_t(o_.sh_degree)] = count();
+    s.bands = FiguresOf(s.degrees, o_.sh_degree);
     return s;
   }
 
@@ -276,14 +298,22 @@ class BlockTraining {
   }
   std::string LayerPath(size_t b, size_t view) const {
     return BlocksFolder(o_.model) + "/" + std::to_string(b + 1) + "/" + std::to_string(view) +
-           ".png";
+           ".rgba";
   }
   std::vector<uint32_t> OrderIn(size_t view) const {
     return blocks_.FrontToBack(scene_.camera(view).Center());
   }
   Image8 ReadLayer(size_t b, size_t view) const {
     if (!shown_[b * scene_.frame_count() + view]) return {};
-    return ReadImage(LayerPath(b, view));
+    const std::vector<char> bytes = ReadFile(LayerPath(b, view));
+    const Camera& camera = scene_.camera(view);
+    Image8 layer(camera.width, camera.height, 4);
+    if (bytes.size() != layer.data.size())
+      throw Error(LayerPath(b, view),
+                  "has " + std::to_string(bytes.size()) + " bytes, expected " +
+                      std::to_string(layer.data.size()));
+    std::copy(bytes.begin(), bytes.end(), layer.data.begin());
+    return layer;
   }
 
   void DrawLayers(size_t b) {
@@ -302,7 +332,11 @@ class BlockTraining {
                           *tape);
       const Image8 layer = LayerOf(image);
       shown_[b * scene_.frame_count() + v] = !layer.empty();
-      if (!layer.empty()) WriteImage(LayerPath(b, v), layer);
+      if (layer.empty()) continue;
+      WriteFileAtomically(LayerPath(b, v), [&](std::ostream& out) {
+        out.write(reinterpret_cast<const char*>(layer.data.data()),
+                  std::streamsize(layer.data.size()));
+      });
     }
   }
 
@@ -381,27 +415,6 @@ class BlockTraining {
       Describe(a, "gaussians", count, gaussians);
     });
     return gaussians;
-  }
-
-  Gaussians Together() const {
-    size_t count = 0;
-    for (const uint64_t of_block : counts_) count += of_block;
-    Gaussians all;
-    for (size_t b = 0; b < o_.blocks; ++b) {
-      const Gaussians own = ReadGaussians(FileOf(b));
-      all.degree = own.degree;
-      all.basis = own.basis;
-      all.antialiased = own.antialiased;
-      const auto append = [&](const Buffer<float>& from, size_t width, Buffer<float>& to) {
-        to.reserve(count * width);
-        to.append(from.begin(), from.end());
-      };
-      for (int a = 0; a < kAttributeCount; ++a)
-        append(own.values[a], size_t(own.width(a)), all.values[a]);
-      if (!own.smoothing.empty()) append(own.smoothing, 1, all.smoothing);
-    }
-    BakeSmoothing(all);
-    return all;
   }
 
   // --- Checkpoints -------------------------------------------------------------------------------
@@ -490,17 +503,17 @@ void TrainInBlocks(const SceneTrainOptions& o,
   RemoveTemporaries(o.model);
   WriteSkipped(o.model, skipped);
   BlockTraining training(o, start.settings, scene, checkpoint);
-  Gaussians all = training.Run(std::move(start.first));
-  if (CanSaveSplats(o)) {
-    ConvertBasis(all, Basis::kSh);
-    SaveShSplats(o.model, o.iterations, all);
-  }
+  training.Run(std::move(start.first));
+  if (CanSaveSplats(o))
+    WritePly(MakeSplatPath(o.model, o.iterations), training.count(), o.blocks, [&](size_t block) {
+      return training.Finished(block);
+    });
   if (o.exposure) hooks.save_exposures(training.exposures());
-  const TrainingStatistics statistics = training.Statistics(all);
+  const TrainingStatistics statistics = training.Statistics();
   WriteStatistics(o.model, statistics, skipped.size(), training.Figures());
   if (!o.quiet) PrintTrained(statistics);
   if (!hooks.evaluate) return;
-  hooks.evaluate(all);
+  hooks.evaluate(training.Together());
   const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
   if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
 }

@@ -6,9 +6,10 @@
 // of them see what became of their neighbours. A Gaussian belongs to one block from then on: the
 // scene is all of them together, and has no seams to be cut.
 //
-// The run folder has, while this goes on, blocks/N.bin, a block's Gaussians, and blocks/N/ with its
-// image in every view that shows it. A checkpoint has the block that is in training; it is written
-// before any of these files changes, so that from the last one the same bits follow.
+// The run folder has, while this goes on, blocks/N.bin, a block's Gaussians, and blocks/N/V.rgba,
+// its layer in each view that shows it, without a header: training reads them in every step. A
+// checkpoint has the block that is in training; it is written before any of these files changes, so
+// that from the last one the same bits follow.
 #pragma once
 
 #include <functional>

@@ -19,7 +19,7 @@ constexpr size_t kPerPixel = 56;
 // Of an image of the blocks around the one in training, twice and as floats while they are put
 // together.
 constexpr size_t kPerLayerPixel = 48;
-// Of a Gaussian that is only rendered: all of them are, once, in the images of evaluation.
+// Of a Gaussian that is only rendered, as all are at once in the images of evaluation.
 constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
@@ -27,7 +27,7 @@ constexpr double kGb = 1e9;
 
 // Of parameters, which there are five times: with gradients, two moments, and the copy that is
 // saved. A copy in the middle of a run takes two more (Trainer::CaughtUp).
-size_t BytesPerGaussian(const SceneTrainOptions& o) {
+size_t BytesPerGaussian(const SceneTrainOptions& o, bool evaluates) {
   Gaussians one;
   one.degree = o.sh_degree;
   size_t numbers = 0;
@@ -35,7 +35,7 @@ size_t BytesPerGaussian(const SceneTrainOptions& o) {
   const bool in_the_middle = !o.save_iterations.empty() || !o.test_iterations.empty();
   const size_t trained = (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
   if (o.blocks == 1) return trained;
-  return std::max(trained / o.blocks, sizeof(float) * numbers + kDrawn);
+  return std::max(trained / o.blocks, evaluates ? sizeof(float) * numbers + kDrawn : 0);
 }
 
 std::string Gb(double bytes) {
@@ -58,7 +58,7 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
   plan.all_images += plan.all_images / 4;
   plan.blocks = o.blocks;
   plan.in_work = pixels * (o.blocks == 1 ? kPerPixel : kPerPixel + kPerLayerPixel);
-  plan.per_gaussian = BytesPerGaussian(o);
+  plan.per_gaussian = BytesPerGaussian(o, !scene.test.empty());
   plan.gaussians = o.max_gaussians;
   plan.images = o.blocks == 1 ? plan.all_images : 0;
   if (o.blocks == 1 && o.memory_gb == 0) return plan;

@@ -132,15 +132,15 @@ void RequireSplats(const JsonField& run) {
                   ", which is not spherical harmonics: no splats of this run were saved");
 }
 
-void SaveShSplats(const std::string& folder, int iteration, const Gaussians& gaussians) {
-  const std::string path = SplatPath(folder, iteration);
-  MakeDirectories(fs::path(path).parent_path().string());
-  WritePly(path, gaussians);
-}
-
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians) {
   ConvertBasis(gaussians, Basis::kSh);
-  SaveShSplats(folder, iteration, gaussians);
+  WritePly(MakeSplatPath(folder, iteration), gaussians);
+}
+
+std::string MakeSplatPath(const std::string& folder, int iteration) {
+  const std::string path = SplatPath(folder, iteration);
+  MakeDirectories(fs::path(path).parent_path().string());
+  return path;
 }
 
 int SavedIteration(const std::string& folder, const JsonField& run) {

@@ -38,8 +38,8 @@ void RequireSplats(const JsonField& run);
 
 // Writes point_cloud/iteration_N/point_cloud.ply with the colours converted to 3DGS's SH.
 void SaveSplats(const std::string& folder, int iteration, Gaussians gaussians);
-// The same of colours that are 3DGS's SH, without a copy.
-void SaveShSplats(const std::string& folder, int iteration, const Gaussians& gaussians);
+// The path of that file, in a folder that is made if it is not there.
+std::string MakeSplatPath(const std::string& folder, int iteration);
 
 // The run's last saved iteration: the one in run.json, or the highest one on disk if training was
 // interrupted. Throws Error if nothing was saved, except for runs that cannot save splats: these
