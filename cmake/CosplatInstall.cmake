@@ -61,6 +61,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/train/cpu/
   splat/train/cuda/
   splat/train/kernels/adam.h
+  splat/train/kernels/layers.h
   splat/train/mpi/)
 
 # Call it when every target exists.

@@ -180,5 +180,16 @@ TEST_F(RanksTest, SayOnceWhatIsWrongWithTheInput) {
   EXPECT_NE(errors[0].find("nowhere"), std::string::npos) << errors[0];
 }
 
+TEST_F(RanksTest, DoNotTrainInBlocks) {
+  std::vector<std::string> command = TrainInto(Out("blocks"), 40);
+  command.insert(command.end(), {"--blocks", "2"});
+  const Ended run = Run(2, command);
+  EXPECT_NE(run.status, 0);
+  EXPECT_EQ(ErrorsIn(run.log).size(), 1u) << run.log;
+  EXPECT_NE(run.log.find("--blocks 2: is trained by one rank, these are 2"), std::string::npos)
+      << run.log;
+  EXPECT_FALSE(fs::exists(Out("blocks")));
+}
+
 }  // namespace
 }  // namespace cosplat::test
