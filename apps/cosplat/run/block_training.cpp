@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "apps/cosplat/run/block_files.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/stop_signals.h"
@@ -25,8 +25,6 @@
 namespace cosplat {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Of a run's steps, those on the whole scene: until its images have their full size.
 constexpr double kWholeShare = 0.2;
 // How often each block has its turn (measured: docs/decisions.md).
@@ -36,7 +34,13 @@ constexpr size_t kRounds = 2;
 constexpr float kLeastShare = 0.01f;
 constexpr float kLeastPart = 0.25f;
 
-std::string BlocksFolder(const std::string& folder) { return folder + "/blocks"; }
+Gaussians LayoutOf(const Gaussians& gaussians) {
+  Gaussians layout;
+  layout.degree = gaussians.degree;
+  layout.basis = gaussians.basis;
+  layout.antialiased = gaussians.antialiased;
+  return layout;
+}
 
 // What was trained before, added up.
 struct Trained {
@@ -49,10 +53,12 @@ class BlockTraining {
  public:
   BlockTraining(const SceneTrainOptions& o,
                 const TrainSettings& whole,
+                const Gaussians& layout,
                 SceneSubject& scene,
                 RunCheckpoint& checkpoint)
       : o_(o),
         whole_(whole),
+        files_(o.model, layout),
         scene_(scene),
         checkpoint_(checkpoint),
         views_(o.blocks),
@@ -60,7 +66,7 @@ class BlockTraining {
         shown_(o.blocks * scene.frame_count(), 0) {}
 
   void Run(Gaussians first) {
-    MakeDirectories(BlocksFolder(o_.model));
+    BlockFiles::Make(o_.model);
     if (checkpoint_.resumes())
       Resume(std::move(first));
     else
@@ -70,7 +76,7 @@ class BlockTraining {
       FinishStage();
       if (stage_ == LastStage()) break;
       ++stage_;
-      BeginStage(ReadGaussians(FileOf(block())));
+      BeginStage(files_.ReadBlock(block()));
     }
     bar_.reset();
   }
@@ -78,7 +84,7 @@ class BlockTraining {
   size_t count() const { return std::accumulate(counts_.begin(), counts_.end(), size_t(0)); }
   // A block as it is saved, if it can be.
   Gaussians Finished(size_t b) const {
-    Gaussians own = ReadGaussians(FileOf(b));
+    Gaussians own = files_.ReadBlock(b);
     BakeSmoothing(own);
     if (IsHarmonic(own.basis, own.degree)) ConvertBasis(own, Basis::kSh);
     return own;
@@ -87,9 +93,7 @@ class BlockTraining {
     Gaussians all;
     for (size_t b = 0; b < o_.blocks; ++b) {
       const Gaussians own = Finished(b);
-      all.degree = own.degree;
-      all.basis = own.basis;
-      all.antialiased = own.antialiased;
+      if (b == 0) all = LayoutOf(own);
       for (int a = 0; a < kAttributeCount; ++a) {
         all.values[a].reserve(count() * size_t(own.width(a)));
         all.values[a].append(own.values[a].begin(), own.values[a].end());
@@ -126,7 +130,7 @@ class BlockTraining {
 
   void StopIfAsked() {
     if (const int signal = signals_.received())
-      throw Stopped(signal, "stopped between blocks: the same command with --resume goes on");
+      throw Stopped(signal, "stopped between steps: the same command with --resume goes on");
   }
 
  private:
@@ -233,15 +237,18 @@ class BlockTraining {
     trained_.times += s.times;
     const TrainingState& state = trainer_->state();
     KeepExposures(state.exposures);
-    const std::string file = whole() ? BlocksFolder(o_.model) + "/whole.bin" : FileOf(block());
-    WriteGaussians(file, state.gaussians);
-    if (!whole()) counts_[block()] = state.gaussians.size();
+    if (whole()) {
+      files_.WriteWhole(state.gaussians);
+    } else {
+      files_.WriteBlock(block(), state.gaussians);
+      counts_[block()] = state.gaussians.size();
+    }
     // Its memory is needed for what follows.
     trainer_.reset();
     block_subject_.reset();
     if (whole()) {
-      Split(ReadGaussians(file));
-      RemoveFile(file);
+      Split(files_.ReadWhole());
+      files_.RemoveWhole();
       for (size_t b = 0; b < o_.blocks; ++b) DrawLayers(b);
       ChooseViews();
       if (!o_.quiet) PrintSplit();
@@ -258,7 +265,7 @@ class BlockTraining {
     for (size_t b = 0; b < o_.blocks; ++b) {
       Gaussians own = all;
       own.Gather(of[b]);
-      WriteGaussians(FileOf(b), own);
+      files_.WriteBlock(b, own);
       counts_[b] = own.size();
     }
   }
@@ -293,32 +300,16 @@ class BlockTraining {
 
   // --- Layers ------------------------------------------------------------------------------------
 
-  std::string FileOf(size_t b) const {
-    return BlocksFolder(o_.model) + "/" + std::to_string(b + 1) + ".bin";
-  }
-  std::string LayerPath(size_t b, size_t view) const {
-    return BlocksFolder(o_.model) + "/" + std::to_string(b + 1) + "/" + std::to_string(view) +
-           ".rgba";
-  }
   std::vector<uint32_t> OrderIn(size_t view) const {
     return blocks_.FrontToBack(scene_.camera(view).Center());
   }
   Image8 ReadLayer(size_t b, size_t view) const {
     if (!shown_[b * scene_.frame_count() + view]) return {};
-    const std::vector<char> bytes = ReadFile(LayerPath(b, view));
-    const Camera& camera = scene_.camera(view);
-    Image8 layer(camera.width, camera.height, 4);
-    if (bytes.size() != layer.data.size())
-      throw Error(LayerPath(b, view),
-                  "has " + std::to_string(bytes.size()) + " bytes, expected " +
-                      std::to_string(layer.data.size()));
-    std::copy(bytes.begin(), bytes.end(), layer.data.begin());
-    return layer;
+    return files_.ReadLayer(b, view, scene_.camera(view));
   }
 
   void DrawLayers(size_t b) {
-    const Gaussians gaussians = ReadGaussians(FileOf(b));
-    MakeDirectories(fs::path(LayerPath(b, 0)).parent_path().string());
+    const Gaussians gaussians = files_.ReadBlock(b);
     const auto rasterizer = MakeCpuRasterizer();
     const auto tape = rasterizer->MakeTape(false);
     RenderedImage image;
@@ -332,11 +323,7 @@ class BlockTraining {
                           *tape);
       const Image8 layer = LayerOf(image);
       shown_[b * scene_.frame_count() + v] = !layer.empty();
-      if (layer.empty()) continue;
-      WriteFileAtomically(LayerPath(b, v), [&](std::ostream& out) {
-        out.write(reinterpret_cast<const char*>(layer.data.data()),
-                  std::streamsize(layer.data.size()));
-      });
+      if (!layer.empty()) files_.WriteLayer(b, v, layer);
     }
   }
 
@@ -347,15 +334,14 @@ class BlockTraining {
         TrainFrame scratch;
         const TrainFrame& frame = Loaded(scene_.frames()[view], scratch);
         TrainFrame shown{frame.camera, frame.target, frame.ignored};
-        LayerStack front, behind;
-        LayerStack* stack = &front;
+        LayerStack stack;
         for (const uint32_t other : OrderIn(view)) {
           if (other == b)
-            stack = &behind;
+            shown.layers.front = std::exchange(stack, {}).Together();
           else
-            stack->Add(ReadLayer(other, view));
+            stack.Add(ReadLayer(other, view));
         }
-        shown.layers = {front.Together(), behind.Together()};
+        shown.layers.behind = stack.Together();
         return shown;
       };
       frames.push_back({scene_.camera(view), {}, {}, read});
@@ -395,28 +381,6 @@ class BlockTraining {
     }
   }
 
-  // --- Files -------------------------------------------------------------------------------------
-
-  void WriteGaussians(const std::string& path, const Gaussians& gaussians) const {
-    WriteStateFile(path, "{}", [&](StateArchive& a) {
-      uint64_t count = gaussians.size();
-      a.Value("count", count);
-      Describe(a, "gaussians", count, const_cast<Gaussians&>(gaussians));  // written only
-    });
-  }
-  Gaussians ReadGaussians(const std::string& path) const {
-    Gaussians gaussians;
-    gaussians.degree = whole_.degree;
-    gaussians.basis = BasisFromString(o_.basis);
-    gaussians.antialiased = whole_.antialiasing;
-    StateFile(path).Read([&](StateArchive& a) {
-      uint64_t count = 0;
-      a.Value("count", count);
-      Describe(a, "gaussians", count, gaussians);
-    });
-    return gaussians;
-  }
-
   // --- Checkpoints -------------------------------------------------------------------------------
 
   void DescribeOwn(StateArchive& a) {
@@ -451,7 +415,7 @@ class BlockTraining {
   void Resume(Gaussians first) {
     checkpoint_.Read([&](StateArchive& a) {
       DescribeOwn(a);
-      BeginStage(whole() ? std::move(first) : ReadGaussians(FileOf(block())));
+      BeginStage(whole() ? std::move(first) : files_.ReadBlock(block()));
       trainer_->Describe(a);
     });
     if (o_.quiet) return;
@@ -474,6 +438,7 @@ class BlockTraining {
 
   const SceneTrainOptions& o_;
   const TrainSettings& whole_;
+  BlockFiles files_;
   SceneSubject& scene_;
   RunCheckpoint& checkpoint_;
   // What a checkpoint has, besides the trainer.
@@ -502,7 +467,9 @@ void TrainInBlocks(const SceneTrainOptions& o,
                    RunCheckpoint& checkpoint) {
   RemoveTemporaries(o.model);
   WriteSkipped(o.model, skipped);
-  BlockTraining training(o, start.settings, scene, checkpoint);
+  Gaussians layout = LayoutOf(start.first);
+  layout.antialiased = o.antialiasing;
+  BlockTraining training(o, start.settings, layout, scene, checkpoint);
   training.Run(std::move(start.first));
   if (CanSaveSplats(o))
     WritePly(MakeSplatPath(o.model, o.iterations), training.count(), o.blocks, [&](size_t block) {
@@ -512,16 +479,12 @@ void TrainInBlocks(const SceneTrainOptions& o,
   const TrainingStatistics statistics = training.Statistics();
   WriteStatistics(o.model, statistics, skipped.size(), training.Figures());
   if (!o.quiet) PrintTrained(statistics);
+  training.StopIfAsked();
   if (!hooks.evaluate) return;
   hooks.evaluate(training.Together());
   const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
   if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-}
-
-void RemoveBlocks(const std::string& folder) {
-  std::error_code code;
-  fs::remove_all(BlocksFolder(folder), code);
-  if (code) throw Error(BlocksFolder(folder), "cannot be removed: " + code.message());
+  training.StopIfAsked();
 }
 
 }  // namespace cosplat

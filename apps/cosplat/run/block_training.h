@@ -6,10 +6,9 @@
 // of them see what became of their neighbours. A Gaussian belongs to one block from then on: the
 // scene is all of them together, and has no seams to be cut.
 //
-// The run folder has, while this goes on, blocks/N.bin, a block's Gaussians, and blocks/N/V.rgba,
-// its layer in each view that shows it, without a header: training reads them in every step. A
-// checkpoint has the block that is in training; it is written before any of these files changes, so
-// that from the last one the same bits follow.
+// While this goes on its files are in the run's folder (block_files.h). A checkpoint has the block
+// that is in training; one is written before any of these files changes, so that from the last one
+// the same bits follow.
 #pragma once
 
 #include <functional>
@@ -32,15 +31,13 @@ struct BlockHooks {
 };
 
 // As RunTraining (train_run.h), but for the checkpoint and the milestones that there are none of,
-// and saves the splats itself. options.max_gaussians: of one block. start: of the whole scene.
+// and saves the splats itself. options.max_gaussians: of one block. start: of the whole scene. The
+// checkpoint and the blocks' files are left to the caller.
 void TrainInBlocks(const SceneTrainOptions& options,
                    SceneStart start,
                    SceneSubject& scene,
                    const std::vector<SkippedFrame>& skipped,
                    const BlockHooks& hooks,
                    RunCheckpoint& checkpoint);
-
-// Removes what is only needed until the scene is finished.
-void RemoveBlocks(const std::string& folder);
 
 }  // namespace cosplat

@@ -16,9 +16,8 @@ namespace {
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
 constexpr size_t kPerPixel = 56;
-// Of an image of the blocks around the one in training, twice and as floats while they are put
-// together.
-constexpr size_t kPerLayerPixel = 48;
+// Two layers of two frames; floats while they are put together, and of what is shown.
+constexpr size_t kPerLayerPixel = 56;
 // Of a Gaussian that is only rendered, as all are at once in the images of evaluation.
 constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/cosplat/run/block_files.h"
 #include "apps/cosplat/run/block_training.h"
 #include "apps/cosplat/run/memory_plan.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -161,7 +162,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
       };
     TrainInBlocks(o, std::move(start), subject, scene.skipped, hooks, checkpoint);
     checkpoint.Remove();
-    return RemoveBlocks(o.model);
+    return BlockFiles::Remove(o.model);
   }
   Trainer trainer(
       start.settings,
