@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tests/scale/blocks.sh COSPLAT SCENE [-r N] [--iterations N] [--keep FOLDER] [-- OPTIONS]: what
-# `train-scene --blocks` saves and costs. Trains SCENE in one piece, in 2 and in 4 blocks, and prints
+# `train-scene --blocks` saves and costs. Trains SCENE in one piece and in 4 blocks, and prints
 # as a table: the peak of the process's memory, reading and evaluation included, also as a share of
 # that of one piece; PSNR of the test views; seconds, also of the processor. Needs Debian's `time`.
 #   -r N             images of 1/N of the data's size (8)
@@ -23,7 +23,7 @@ echo "$(basename "$scene"), 1/$divisor of the data's size, $iterations steps"
 echo
 echo "| blocks | Gaussians | peak | share | PSNR | time | of the processor |"
 echo "|---|---|---|---|---|---|---|"
-for blocks in 1 2 4; do
+for blocks in 1 4; do
   run=$work/$blocks
   [[ -f $run/time.txt ]] || {
     rm -rf "$run"
