@@ -101,6 +101,24 @@ TEST(BlocksCommand, GoOnToTheSameBytes) {
   ExpectSameFiles(expected, found, "after " + std::to_string(interrupted) + " interruptions");
 }
 
+TEST(BlocksCommand, NameAFileThatTheyMiss) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const auto arguments = InBlocks(out, {"--quiet", "--resume"}, 20000);
+  BackgroundCommand run(arguments, folder / "log");
+  const auto trains_blocks = [&] { return fs::exists(out + "/blocks/3/5.rgba"); };
+  for (int i = 0; i < 60000 && !trains_blocks(); ++i) usleep(1000);
+  ASSERT_TRUE(trains_blocks());
+  run.Signal(SIGTERM);
+  ASSERT_TRUE(run.EndsWithin(60));
+  fs::remove_all(out + "/blocks");
+  const CommandResult resumed = Cosplat(arguments);
+  EXPECT_EQ(resumed.code, 2);
+  EXPECT_NE(resumed.err.find(out + "/blocks/"), std::string::npos) << resumed.err;
+  EXPECT_EQ(resumed.err.find('\n'), resumed.err.size() - 1) << resumed.err;
+  EXPECT_TRUE(fs::exists(out + "/checkpoint.bin"));
+}
+
 TEST(BlocksCommand, RefuseWhatNeedsTheWholeScene) {
   const TemporaryFolder folder;
   const std::vector<std::vector<std::string>> wrong{{"--prune", "dcsharp"},
