@@ -299,6 +299,8 @@ void AvatarSubject::Act(int, Gaussians& gaussians, AdamState& adam) {
   walk_.Run(surface_, kBoundaryFaceCap, scratch_.by_face, embedding_, gaussians.values[kPosition]);
   Buffer<float>& bases = gaussians.values[kCorrection];
   ForEach(bases.size(), *stream_, ScaleEach{bases.view(), 1 - settings_.correction_decay});
+  Buffer<float>& bands = gaussians.values[kColorRest];
+  if (IsOurs()) ForEach(bands.size(), *stream_, ScaleEach{bands.view(), 1 - settings_.band_decay});
   for (Gaussians* moments : {&adam.m, &adam.v})
     walk_.ResetMoment(moments->values[kPosition], *stream_);
   TrianglesChanged();

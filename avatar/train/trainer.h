@@ -63,6 +63,10 @@ struct AvatarSettings {
   // By how much a walk's time shrinks corrections (decoupled weight decay, Loshchilov & Hutter
   // 2019): a short video shows few expressions, and without it the bases learn its noise.
   float correction_decay = 0.1f;
+  // By how much a walk's time shrinks the colours' bands from 1 on, likewise: seen from where no
+  // frame showed it, a Gaussian then has its base colour, and not what a fit to other directions
+  // happens to be there.
+  float band_decay = 0.05f;
   // Adam's learning rate of the light of the world (avatar/math/light.h), which falls to zero over
   // the run; 0: no light.
   float light_rate = 5e-3f;

@@ -195,6 +195,25 @@ double HighlightPsnr(const AvatarModel& avatar, const TrackedVideo& video) {
 }
 
 // Measured: 25.9 against 21.3 dB there, 33.7 against 31.5 dB on the whole image.
+TEST(AvatarTrainer, BandsThatNothingHoldsFallBack) {
+  float size[2];
+  for (const bool decays : {false, true}) {
+    AvatarSettings avatar = SmallAvatar(1500);
+    avatar.walk_every = 10;
+    avatar.band_decay = decays ? 0.05f : 0;
+    TrainSettings settings = ShortRun(60, 3000);
+    settings.rates.rest = 1e-30f;
+    Training<> run(LoadSmallVideo(4, 2), avatar, settings);
+    Gaussians g = run.gaussians();
+    for (float& x : g.values[kColorRest]) x = 0.1f;
+    Trainer trainer(run.settings, run.subject, g);
+    for (int i = 0; i < 60; ++i) trainer.Step();
+    size[decays] = trainer.state().gaussians.values[kColorRest][0];
+  }
+  EXPECT_FLOAT_EQ(size[0], 0.1f);
+  EXPECT_NEAR(size[1], 0.1f * std::pow(0.95f, 6.0f), 1e-6f);
+}
+
 TEST(AvatarTrainer, DirectionMattersOnHighlights) {
   double highlight[2], whole[2];
   for (const int k : {0, 1}) {
