@@ -130,6 +130,14 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   subject.LimitReduced(plan.for_reduced());
   RunCheckpoint checkpoint(o, config, how, ChecksumsOf(o, scene, subject, test, start.first));
+  // Made before anything is written, since it refuses what does not fit.
+  std::unique_ptr<Trainer> whole;
+  if (o.blocks == 1)
+    whole = std::make_unique<Trainer>(
+        start.settings,
+        subject,
+        std::move(start.first),
+        ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
   if (writes && how == RunStart::kNew) RemoveRun(o.model);
@@ -164,11 +172,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
     checkpoint.Remove();
     return BlockFiles::Remove(o.model);
   }
-  Trainer trainer(
-      start.settings,
-      subject,
-      std::move(start.first),
-      ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
+  Trainer& trainer = *whole;
   RunHooks hooks;
   hooks.ranks = ranks;
   hooks.lpips = lpips.get();
