@@ -1,6 +1,7 @@
 // Where the milliseconds of a playback frame go, and how many frames a second that makes, in order,
 // with the next frame posed meanwhile, and as preview: the made head under Gaussians in its
-// colours, 512 x 512, every FLAME parameter different in every frame.
+// colours, 512 x 512, every FLAME parameter different in every frame. Plain; with a light; with a
+// light and eight corrections.
 //   cosplat_bench_player [COUNT...]      Gaussians; 5000 20000 60000 if not given
 #include <tbb/global_control.h>
 
@@ -15,6 +16,7 @@
 #include "assets/head/motion.h"
 #include "avatar/play/playback.h"
 #include "splat/train/loss.h"
+#include "tests/avatar/with_corrections.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/restless_params.h"
 
@@ -57,13 +59,14 @@ class StagedPlayer {
   Stages Play(const FlameParams& params) {
     Stages s;
     auto start = Clock::now();
-    poser_.Forward(poser_.ParametersFor(params), vertices_);
+    const auto parameters = poser_.ParametersFor(params);
+    poser_.Forward(parameters, vertices_);
     s.pose = MillisecondsSince(start);
     start = Clock::now();
     surface_.Pose(vertices_);
     s.surface = MillisecondsSince(start);
     start = Clock::now();
-    Bind(avatar_, surface_, posed_);
+    Bind(avatar_, surface_, posed_, CorrectionWeights(avatar_.correction_map, parameters));
     s.bind = MillisecondsSince(start);
     rasterizer_->times = {};
     rasterizer_->Forward(PosedView(avatar_.gaussians, posed_, avatar_.color_frame),
@@ -141,13 +144,20 @@ double PreviewPsnr(Player& full, Player& preview, const PlaybackFrame& f) {
   return Psnr(b.color, a.color);
 }
 
-void PrintStages(const AvatarModel& avatar,
+struct BenchAvatar {
+  const char* kind;
+  AvatarModel model;
+  size_t size() const { return model.size(); }
+};
+
+void PrintStages(const BenchAvatar& avatar,
                  const FlameModel& flame,
                  const std::vector<PlaybackFrame>& frames,
                  size_t threads) {
-  StagedPlayer player(avatar, flame, frames[0].camera);
+  StagedPlayer player(avatar.model, flame, frames[0].camera);
   const Stages s = MeasureStages(player, frames);
-  std::printf("%9zu %7zu %6.2f %7.2f %7.2f %7.2f %7.2f %7.2f %7.2f %6.0f%%\n",
+  std::printf("%-9s %9zu %7zu %6.2f %7.2f %7.2f %7.2f %7.2f %7.2f %7.2f %6.0f%%\n",
+              avatar.kind,
               avatar.size(),
               threads,
               s.pose,
@@ -160,11 +170,11 @@ void PrintStages(const AvatarModel& avatar,
               100 * player.Coverage());
 }
 
-void PrintRates(const AvatarModel& avatar,
+void PrintRates(const BenchAvatar& avatar,
                 const FlameModel& flame,
                 const std::vector<PlaybackFrame>& frames,
                 size_t threads) {
-  Player player(avatar, flame), preview(avatar, flame, {true});
+  Player player(avatar.model, flame), preview(avatar.model, flame, {true});
   const double in_order = FramesPerSecond(frames.size(), [&] { PlayInOrder(player, frames); });
   Image8 image;
   const double bytes = FramesPerSecond(frames.size(), [&] {
@@ -172,7 +182,8 @@ void PrintRates(const AvatarModel& avatar,
   });
   const double pipelined = FramesPerSecond(frames.size(), [&] { PlayPipelined(player, frames); });
   const double half = FramesPerSecond(frames.size(), [&] { PlayPipelined(preview, frames); });
-  std::printf("%9zu %7zu %9.0f %10.0f %9.0f %9.0f %8.1f dB\n",
+  std::printf("%-9s %9zu %7zu %9.0f %10.0f %9.0f %9.0f %8.1f dB\n",
+              avatar.kind,
               avatar.size(),
               threads,
               in_order,
@@ -189,20 +200,27 @@ void Run(const std::vector<size_t>& counts) {
     frames.push_back({test::RestlessParams(head.model, f),
                       procedural::OrbitCamera(0, 0, kDistance, kSize),
                       {1, 1, 1}});
-  std::vector<AvatarModel> avatars;
-  for (const size_t count : counts) avatars.push_back(PaintedAvatar(head, count));
+  std::vector<BenchAvatar> avatars;
+  for (const size_t count : counts) {
+    avatars.push_back({"plain", PaintedAvatar(head, count)});
+    avatars.push_back({"lit", avatars.back().model});
+    avatars.back().model.light.emplace().fill(0.05f);
+    avatars.push_back({"corrected", test::WithCorrections(avatars.back().model, head.model, 8)});
+  }
   const auto for_each = [&](const auto& print) {
-    for (const AvatarModel& avatar : avatars)
+    for (const BenchAvatar& avatar : avatars)
       for (const size_t threads : {1, 2}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         print(avatar, head.model, frames, threads);
       }
   };
   std::printf("milliseconds per frame\n");
-  std::printf("gaussians threads   pose surface    bind project    sort   blend   total covered\n");
+  std::printf(
+      "kind      gaussians threads   pose surface    bind project    sort   blend   total "
+      "covered\n");
   for_each(PrintStages);
   std::printf("frames per second\n");
-  std::printf("gaussians threads  in order RGBA bytes pipelined   preview  its PSNR\n");
+  std::printf("kind      gaussians threads  in order RGBA bytes pipelined   preview  its PSNR\n");
   for_each(PrintRates);
 }
 
