@@ -9,18 +9,14 @@
 #   -- OPTIONS       of train-scene, for all of them
 set -euo pipefail
 
-usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2; }
-[[ $# -ge 2 ]] || usage
-cosplat=$1 scene=$2
-shift 2
-divisor=1 iterations=30000
+arguments=(cosplat scene) divisor=1 iterations=30000
 source "$(dirname "${BASH_SOURCE[0]}")/support/measure_options.sh"
 
 # Mean PSNR of the run's test views at 1/$2 of the data's size.
 psnr() {
   "$cosplat" render -m "$1" -r "$2" --quiet || return 1
   "$cosplat" metrics -m "$1" > "$work/metrics.txt" || return 1
-  sed -n 's/^ *"PSNR": \([0-9.]*\),*$/\1/p' "$1/results.json" | head -n 1
+  figure PSNR "$1/results.json"
 }
 
 echo "$(basename "$scene"), largest size 1/$divisor of the data's, $iterations steps, PSNR in dB"

@@ -10,12 +10,9 @@
 #   -- OPTIONS       of train-scene, for all of them
 set -euo pipefail
 
-usage() { sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2; }
-[[ $# -ge 2 ]] || usage
-cosplat=$1/apps/cosplat spoil=$1/tests/photographs/cosplat_spoil_photographs scene=$2
-shift 2
-divisor=8 iterations=2000
+arguments=(build scene) divisor=8 iterations=2000
 source "$(dirname "${BASH_SOURCE[0]}")/../support/measure_options.sh"
+cosplat=$build/apps/cosplat spoil=$build/tests/photographs/cosplat_spoil_photographs
 
 for how in clean gains rectangles; do
   [[ -d $work/$how ]] || "$spoil" "$scene" "$work/$how" "$divisor" "$how"

@@ -9,15 +9,8 @@
 #   -- OPTIONS       of train-scene, for all of them
 set -euo pipefail
 
-usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2; }
-[[ $# -ge 2 ]] || usage
-cosplat=$1 scene=$2
-shift 2
-divisor=8 iterations=3000
+arguments=(cosplat scene) divisor=8 iterations=3000
 source "$(dirname "${BASH_SOURCE[0]}")/../support/measure_options.sh"
-
-# figure NAME RUN: the number in its results.json or stats.json.
-figure() { sed -n "s/^ *\"$1\": \([0-9.]*\),*$/\1/p" "$2"/{results,stats}.json | tail -n 1; }
 
 echo "$(basename "$scene"), 1/$divisor of the data's size, $iterations steps"
 echo
@@ -33,7 +26,7 @@ for blocks in 1 4; do
   }
   read -r kilobytes seconds of_processor <"$run/time.txt"
   [[ $blocks != 1 ]] || whole=$kilobytes
-  awk -v blocks="$blocks" -v n="$(figure gaussians "$run")" -v psnr="$(figure PSNR "$run")" \
+  awk -v blocks="$blocks" -v n="$(figure gaussians "$run/stats.json")" -v psnr="$(figure PSNR "$run/results.json")" \
     -v kb="$kilobytes" -v whole="$whole" -v s="$seconds" -v cpu="$of_processor" 'BEGIN {
       printf "| %d | %d | %.2f GB | %.2f | %.2f dB | %.0f s | %.0f s |\n",
              blocks, n, kb * 1024 / 1e9, kb / whole, psnr, s, cpu }'

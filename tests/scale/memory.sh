@@ -10,15 +10,8 @@
 #   -- OPTIONS       of train-scene, for all of them
 set -euo pipefail
 
-usage() { sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2; }
-[[ $# -ge 2 ]] || usage
-cosplat=$1 scene=$2
-shift 2
-divisor=1 iterations=100
+arguments=(cosplat scene) divisor=1 iterations=100
 source "$(dirname "${BASH_SOURCE[0]}")/../support/measure_options.sh"
-
-# figure NAME RUN: a number of its stats.json.
-figure() { sed -n "s/^ *\"$1\": \([0-9.]*\),*$/\1/p" "$2/stats.json" | tail -n 1; }
 
 echo "$(basename "$scene"), 1/$divisor of the data's size, $iterations steps"
 echo
@@ -31,8 +24,9 @@ for millions in 2 4 8 10; do
       --random-points "${millions}000000" --max-gaussians "${millions}000000" --overwrite \
       "${options[@]}" >"$work/log.txt" 2>"$work/progress.txt"
     foretold=$(sed -n 's/^memory: at most \([0-9.]*\) GB.*/\1/p' "$work/log.txt")
-    echo "$foretold $(figure gaussians "$run") $(figure peak_mb "$run") $(figure ms_per_step "$run")" \
-      >"$run/results.txt"
+    stats=$run/stats.json
+    echo "$foretold $(figure gaussians "$stats") $(figure peak_mb "$stats")" \
+      "$(figure ms_per_step "$stats")" >"$run/results.txt"
     rm -rf "$run/point_cloud" "$run/input.ply" # gigabytes
   fi
   awk '{ printf "| %.2f million | %.2f GB | %.2f GB | %.0f | %.2f s |\n",

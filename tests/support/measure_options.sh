@@ -1,8 +1,19 @@
-# Sourced by scripts that measure trainings of a scene, after they have set `divisor` and `iterations`
-# to their defaults and defined `usage`. Reads `-r N`, `--iterations N`, `--keep FOLDER` and what
-# follows `--` from the arguments, and sets besides those
-#   work      where data and runs go: the folder of --keep, or one that is removed at the end
-#   options   array: of train-scene, for all trainings
+# Sourced by the scripts that measure trainings, with `set -euo pipefail`, once they have set the
+# names of their `arguments` and the defaults of divisor and iterations: reads ARGUMENTS... [-r N]
+# [--iterations N] [--keep FOLDER] [-- OPTIONS] into variables of those names, divisor, iterations
+# and the array options, and makes $work, the folder of the runs, which goes when the script ends
+# unless --keep names it. Anything else prints the comment that the script begins with.
+# shellcheck shell=bash
+usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 2; }
+
+# figure NAME FILE: the last number of that name in a results.json or stats.json.
+figure() { sed -n "s/^ *\"$1\": \([0-9.]*\),*$/\1/p" "$2" | tail -n 1; }
+
+for name in "${arguments[@]}"; do
+  [[ $# -gt 0 ]] || usage
+  printf -v "$name" %s "$1"
+  shift
+done
 keep=
 while [[ $# -gt 0 ]]; do
   case $1 in
