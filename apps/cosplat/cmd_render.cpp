@@ -176,15 +176,17 @@ void RenderDriven(const RenderOptions& o,
   if (player.avatar().blendshapes) options.blendshapes = &*player.avatar().blendshapes;
   const Recording sequence = LoadRecording(o.drive, options);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
-  // As hosts do: another head's motion may go where this one was never seen.
+  // As hosts do: another head's motion may go where this one was never seen. Files that do not say
+  // what training showed are those of other programs, whose heads are played as they are.
+  const auto& trained = player.avatar().trained_range;
   const auto coefficients = size_t(flame.expression_count);
-  const SoftRange range(coefficients, player.avatar().trained_range);
+  const SoftRange range(coefficients, trained);
   std::vector<PlaybackFrame> frames;
   size_t softened = 0;
   for (const RecordedFrame& frame : sequence.frames) {
     FlameParams params = frame.params;
     params.expression.resize(coefficients, 0.0f);
-    softened += range.Bring(params);
+    if (trained) softened += range.Bring(params);
     frames.push_back({params, camera, BackgroundOf(run)});
   }
   PlayInto(frames, player, o);
