@@ -53,7 +53,12 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
     CheckArray(path, "corrections least", map.least, count);
     CheckArray(path, "corrections most", map.most, count);
   }
-  if (model.light) CheckArray(path, "light", *model.light, model.light->size());
+  if (model.light) {
+    CheckArray(path, "light", *model.light, model.light->size());
+    for (const float l : *model.light)
+      if (std::abs(l) > math::kMostLight)
+        throw Error(path, "light", "holds " + std::to_string(l) + ", expected -5 to 5");
+  }
   if (const auto& range = model.trained_range) {
     CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
     CheckArray(path, "trained most", range->expression_most, range->expression_least.size());

@@ -124,6 +124,14 @@ void ReadCorrections(const GlbDocument& document, const JsonField& field, Avatar
       Floats(document, field["bases"], 1, width * model.embedding.triangle.size());
 }
 
+void ReadLight(const JsonField& field, AvatarModel& model) {
+  Light& light = model.light.emplace();
+  FillNumbers(field, light);
+  for (size_t k = 0; k < light.size(); ++k)
+    if (std::abs(light[k]) > math::kMostLight)
+      Fail(field[k], "is " + std::to_string(light[k]) + ", expected -5 to 5");
+}
+
 void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   TrainedRange& range = model.trained_range.emplace();
   range.expression_least = field["expressionLeast"].Numbers();
@@ -282,8 +290,7 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
   ReadColorRest(document, binding, model);
   if (binding["version"].Integer() >= 3 && binding.Has("corrections"))
     ReadCorrections(document, binding["corrections"], model);
-  if (binding["version"].Integer() >= 4 && binding.Has("light"))
-    FillNumbers(binding["light"], model.light.emplace());
+  if (binding["version"].Integer() >= 4 && binding.Has("light")) ReadLight(binding["light"], model);
   if (binding.Has("blendshapes")) ReadBlendshapes(document, binding["blendshapes"], model);
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {

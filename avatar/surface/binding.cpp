@@ -22,6 +22,14 @@ void CheckSize(const char* field, size_t found, size_t expected) {
         std::to_string(found) + " numbers where " + std::to_string(expected) + " are expected");
 }
 
+// Throws Error if the avatar has a part that only avatar/math/embed.h's rule knows, and another
+// one.
+void RequireOurs(const Embedding& embedding, const char* part) {
+  if (embedding.rigid) throw Error("avatar", part, "not supported with GaussianAvatars' rule");
+  if (embedding.released)
+    throw Error("avatar", part, "not supported with the rule of SplattingAvatar's released code");
+}
+
 EmbeddedArrays ArraysOf(const Gaussians& gaussians,
                         const Embedding& embedding,
                         const Surface& surface,
@@ -63,8 +71,7 @@ void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size
   CheckSize("corrections", values[kCorrection].size(), n * gaussians.width(kCorrection));
   CheckSize("triangle", embedding.triangle.size(), n);
   CheckSize("barycentric", embedding.barycentric.size(), n);
-  if (embedding.rigid && gaussians.corrections > 0)
-    throw Error("avatar", "corrections", "are not supported with GaussianAvatars' rule");
+  if (gaussians.corrections > 0) RequireOurs(embedding, "corrections");
   // One maximum instead of a branch per triangle; negative numbers become large unsigned ones.
   uint32_t largest = 0;
   for (const int32_t f : embedding.triangle) largest = std::max(largest, uint32_t(f));
@@ -131,7 +138,15 @@ void Bind(const Gaussians& gaussians,
   Stream& stream = surface.stream();
   if (stream.on_host()) CheckEmbedding(gaussians, embedding, surface.faces().size());
   CheckSize("weights", appearance.weights.size(), size_t(gaussians.corrections));
-  const bool lit = !appearance.light.empty() && !embedding.released && !embedding.rigid;
+  const bool lit = !appearance.light.empty();
+  if (lit) {
+    RequireOurs(embedding, "light");
+    CheckSize("light", appearance.light.size(), kLightNumbers);
+  }
+  if (!appearance.light_mean.empty())
+    CheckSize("light_mean",
+              appearance.light_mean.size(),
+              surface.vertex_count() * size_t(math::kLightTerms));
   out.Refill(gaussians.size(), stream);
   out.opacity_logit.Refill(gaussians.corrections > 0 ? gaussians.size() : 0, stream);
   out.color_dc.Refill(gaussians.corrections > 0 || lit ? 3 * gaussians.size() : 0, stream);

@@ -39,8 +39,8 @@ WorldGaussians PosedView(const Gaussians& gaussians,
                          const PosedGaussians& posed,
                          ColorFrame color_frame);
 
-// Throws Error when an array has a wrong size, a triangle does not exist, or a rigid embedding has
-// corrections. For arrays in the host's memory.
+// Throws Error when an array has a wrong size, a triangle does not exist, or there are corrections
+// under another rule than avatar/math/embed.h. For arrays in the host's memory.
 void CheckEmbedding(const Gaussians& gaussians, const Embedding& embedding, size_t face_count);
 
 // Copies an embedding to a device; `from` must stay unchanged until the stream has been waited for.
@@ -74,7 +74,7 @@ struct Appearance {
 };
 
 // Overwrites `out`. All arrays are in the memory of the surface's stream. On the host, throws as
-// CheckEmbedding does. Only avatar/math/embed.h has a light.
+// CheckEmbedding does, and for a light under another rule than avatar/math/embed.h.
 void Bind(const Gaussians& gaussians,
           const Embedding& embedding,
           const Surface& surface,

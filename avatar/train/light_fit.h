@@ -1,7 +1,8 @@
 // The light of the world (avatar/math/light.h) in training: what all frames have in common of how a
 // surface's colour changes as it turns.
 //
-// Appearance() -> Bind -> ... -> BindBackward -> Advance (Adam); Settle -> AvatarModel.
+// light(), mean() -> Bind -> ... -> BindBackward -> gradient() -> Advance (Adam);
+// Settle -> AvatarModel.
 #pragma once
 
 #include <vector>
@@ -45,7 +46,7 @@ class LightFit {
   Buffer<float> mean_, gradient_;
 };
 
-// The mean of LightTerms at each vertex, [V, kLightTerms], over `frames` of vertices [V, 3].
+// The mean of the light's terms at each vertex, [V, kLightTerms], over the poses that were added.
 class LightMean {
  public:
   explicit LightMean(size_t vertices) : sum_(vertices * size_t(math::kLightTerms), 0.0) {}

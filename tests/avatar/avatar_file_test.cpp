@@ -340,18 +340,23 @@ TEST_F(AvatarFile, LightComesBackInVersion4) {
   const test::GlbBytes valid = test::SplitGlb(Slurp(path_));
   json huge = json::array();
   for (size_t k = 0; k < model.light->size(); ++k) huge.push_back(k == 7 ? 1e300 : 0);
+  json strong = huge;
+  strong[7] = 40;
   const std::vector<std::pair<json, const char*>> cases{
       {json::array({1, 2, 3}), "light: found 3 numbers, expected 24"},
       {7, "light"},
-      {huge, "light: holds"}};
+      {strong, "light[7]: is 40.0"},
+      {huge, "light"}};
   for (const auto& [value, named] : cases) {
     test::GlbBytes changed = valid;
     changed.json[json::json_pointer(kBindingPointer + std::string("/light"))] = value;
     const std::string error = ErrorOf([&, glb = test::JoinGlb(changed)] { Parse(glb); });
     EXPECT_TRUE(Contains(error, named)) << error;
   }
-  (*model.light)[2] = NAN;
-  EXPECT_TRUE(Contains(ErrorOf([&] { WriteAvatarGlb(path_, model, &flame_); }), "light"));
+  for (const float bad : {NAN, 40.0f}) {
+    (*model.light)[2] = bad;
+    EXPECT_TRUE(Contains(ErrorOf([&] { WriteAvatarGlb(path_, model, &flame_); }), "light")) << bad;
+  }
 }
 
 TEST_F(AvatarFile, HostileCorrectionsAreErrorsThatNameTheField) {

@@ -8,6 +8,7 @@
 #include "tests/avatar/meshes.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/avatar/with_corrections.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/gradient_check.h"
 
 namespace cosplat::test {
@@ -155,6 +156,36 @@ TEST(Light, BindBackwardIsTheDerivative) {
   check(model.gaussians.values[kCorrection], d_gaussians.values[kCorrection], "correction ");
   check(*model.light, d_light, "light ");
   check(vertices, d_vertices, "vertex ");
+}
+
+TEST(Light, IsForOneRuleOnly) {
+  const CanonicalMesh mesh = SphereMesh(1);
+  AvatarModel model = LitAvatar(mesh, 5);
+  PosedGaussians out;
+  model.embedding.released = ReleasedRule{};
+  ExpectError([&] { Bind(model, Surface(mesh), out); }, {"light", "released code"});
+  model.embedding.released.reset();
+  model.embedding.rigid = true;
+  ExpectError([&] { Bind(model, Surface(mesh), out); }, {"light", "GaussianAvatars"});
+  model.embedding.rigid = false;
+  const std::vector<float> three{1, 2, 3};
+  ExpectError(
+      [&] {
+        Bind(model.gaussians, model.embedding, Surface(mesh), out, {{}, three, {}});
+      },
+      {"light", "3 numbers"});
+}
+
+// However steep its gradients and its rate.
+TEST(Light, StaysWithinItsBounds) {
+  LightFit fit(MeanTerms(10), 100, 1000);
+  for (const float sign : {1.0f, -1.0f}) {
+    for (int i = 0; i < 20; ++i) {
+      fit.gradient()->assign(kLightNumbers, sign * (i == 3 ? NAN : 1e20f));
+      fit.Advance(nullptr);
+    }
+    for (const float value : fit.States()[0].value) EXPECT_EQ(value, -sign * math::kMostLight);
+  }
 }
 
 // What is trained with the terms less their mean is stored for playing without one.

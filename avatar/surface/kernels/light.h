@@ -73,12 +73,16 @@ struct AdvanceLight {
     ++state->step;
     const float left = math::Max(0.0f, 1 - float(state->step) / float(steps));
     const math::AdamStep step = math::AdamStepAt(rate * left, kLightEps, int64_t(state->step));
-    for (size_t k = 0; k < kLightNumbers; ++k)
+    const float most = math::kMostLight;
+    for (size_t k = 0; k < kLightNumbers; ++k) {
+      float& value = state->value[k];
       math::AdamUpdate(step,
                        math::IsUsableGradient(gradient[k]) ? gradient[k] : 0.0f,
-                       state->value[k],
+                       value,
                        state->m[k],
                        state->v[k]);
+      value = math::Clamp(value, -most, most);
+    }
   }
 };
 
