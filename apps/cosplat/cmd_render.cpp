@@ -1,11 +1,16 @@
 // cosplat render: renders a trained model's test views, an orbit, or an avatar driven by a
-// sequence.
+// sequence or by chance.
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/camera_path.h"
@@ -25,6 +30,7 @@
 #include "flame/io/model_file.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/rng.h"
 #include "splat/gaussians.h"
 #include "splat/io/dataset.h"
 #include "splat/io/splat_file.h"
@@ -36,10 +42,15 @@ namespace {
 constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
 
+// Random faces: the most that they turn, radians about each axis.
+constexpr std::array<float, 3> kRandomNeck{0.1f, 0.3f, 0.05f};
+constexpr float kRandomJaw = 0.25f;  // radians, opened
+
 struct RenderOptions {
   std::string model, source, splats, out, drive, flame, device = "cpu";
   bool orbit = false;
   int resolution = 0;  // 0: as in training
+  int random = 0;      // faces by chance
   bool preview = false;
   bool still_bust = false;
   bool quiet = false;
@@ -98,7 +109,9 @@ void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const Re
 }
 
 void RenderScene(const RenderOptions& o, const JsonField& run) {
-  if (!o.drive.empty()) throw Error(o.model, "--drive", "is for avatars; this is a scene");
+  for (const auto& [given, name] :
+       {std::pair(!o.drive.empty(), "--drive"), {o.random > 0, "--random"}})
+    if (given) throw Error(o.model, name, "is for avatars; this is a scene");
   const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
   const int iteration = SavedIteration(o.model, run);
   Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
@@ -166,15 +179,42 @@ void RenderAvatarOrbit(const RenderOptions& o,
   PlayInto(frames, player, o);
 }
 
-void RenderDriven(const RenderOptions& o,
-                  const JsonField& run,
-                  const FlameModel& flame,
-                  Player& player) {
+// What the sequence says, before it is limited.
+std::vector<FlameParams> DrivenFaces(const RenderOptions& o,
+                                     const FlameParams& rest,
+                                     const FlameModel& flame,
+                                     const AvatarModel& avatar) {
   LiveSourceOptions options;
-  options.rest = ReferenceRoot(run);
+  options.rest = rest;
   options.flame = &flame;
-  if (player.avatar().blendshapes) options.blendshapes = &*player.avatar().blendshapes;
-  const Recording sequence = LoadRecording(o.drive, options);
+  if (avatar.blendshapes) options.blendshapes = &*avatar.blendshapes;
+  std::vector<FlameParams> faces;
+  for (RecordedFrame& frame : LoadRecording(o.drive, options).frames)
+    faces.push_back(std::move(frame.params));
+  return faces;
+}
+
+// Expressions as they are spread over the heads that FLAME was built from, the same ones every
+// time.
+std::vector<FlameParams> RandomFaces(int count, const FlameParams& rest, const FlameModel& flame) {
+  constexpr float kMost = SoftRange::kUsualExpression;
+  Rng rng{3};
+  std::vector<FlameParams> faces(size_t(count), rest);
+  for (FlameParams& face : faces) {
+    face.expression.resize(size_t(flame.expression_count));
+    for (float& e : face.expression) e = std::clamp(rng.Normal(), -kMost, kMost);
+    for (size_t axis = 0; axis < 3; ++axis)
+      face.pose[1][axis] += kRandomNeck[axis] * (2 * rng.Uniform() - 1);
+    face.pose[2][0] += kRandomJaw * rng.Uniform();
+  }
+  return faces;
+}
+
+void RenderFaces(const RenderOptions& o,
+                 const JsonField& run,
+                 const FlameModel& flame,
+                 Player& player) {
+  const FlameParams rest = ReferenceRoot(run);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   // As hosts do: another head's motion may go where this one was never seen. Files that do not say
   // what training showed are those of other programs, whose heads are played as they are.
@@ -183,11 +223,11 @@ void RenderDriven(const RenderOptions& o,
   const SoftRange range(coefficients, trained);
   std::vector<PlaybackFrame> frames;
   size_t softened = 0;
-  for (const RecordedFrame& frame : sequence.frames) {
-    FlameParams params = frame.params;
-    params.expression.resize(coefficients, 0.0f);
-    if (trained) softened += range.Bring(params);
-    frames.push_back({params, camera, BackgroundOf(run)});
+  for (FlameParams& face : o.random > 0 ? RandomFaces(o.random, rest, flame)
+                                        : DrivenFaces(o, rest, flame, player.avatar())) {
+    face.expression.resize(coefficients, 0.0f);
+    if (trained) softened += range.Bring(face);
+    frames.push_back({std::move(face), camera, BackgroundOf(run)});
   }
   PlayInto(frames, player, o);
   if (softened > 0 && !o.quiet)
@@ -230,8 +270,8 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});
   if (o.orbit) {
     RenderAvatarOrbit(o, run, flame, renderer.player());
-  } else if (!o.drive.empty()) {
-    RenderDriven(o, run, flame, renderer.player());
+  } else if (!o.drive.empty() || o.random > 0) {
+    RenderFaces(o, run, flame, renderer.player());
   } else {
     RenderFrames(o, run, flame, renderer);
   }
@@ -240,7 +280,7 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
 void Render(const RenderOptions& o) {
   const Json json = ReadRun(o.model);
   const JsonField run(o.model + "/run.json", json);
-  if (o.out.empty() && (o.orbit || !o.drive.empty()))
+  if (o.out.empty() && (o.orbit || !o.drive.empty() || o.random > 0))
     throw Error("--out", "is needed: a folder or a file that ends in .mp4");
   if (o.out.empty() && o.preview)
     throw Error("--preview", "needs --out: test views are measured at full size");
@@ -281,12 +321,21 @@ void AddRender(CLI::App& app) {
   command->add_option(
       "-o,--out", o->out, "folder or .mp4; test views go into the model's folder if not given");
   auto* orbit = command->add_flag("--orbit", o->orbit, "circle the subject");
+  auto* drive =
+      command
+          ->add_option("--drive",
+                       o->drive,
+                       "play an avatar with the motion of this tracked video, .npz or landmarks "
+                       "file with blendshape scores")
+          ->excludes(orbit);
   command
-      ->add_option("--drive",
-                   o->drive,
-                   "play an avatar with the motion of this tracked video, .npz or landmarks "
-                   "file with blendshape scores")
-      ->excludes(orbit);
+      ->add_option("--random",
+                   o->random,
+                   "show an avatar with this many random expressions: whether it holds where its "
+                   "video did not go")
+      ->check(CLI::Range(1, 100000))
+      ->excludes(orbit)
+      ->excludes(drive);
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("-r,--resolution", o->resolution, "divide the images' size by this")
       ->check(CLI::Range(0, 64));

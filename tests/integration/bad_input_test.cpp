@@ -307,6 +307,9 @@ TEST_F(BadInput, OptionsAreWrong) {
   Expect({"render", "-m", Made().avatar, "--preview"}, {"--preview", "--out"});
   Expect({"render", "-m", Made().avatar, "--orbit", "--drive", "$/head", "-o", "$/o"}, {"--orbit"});
   Expect({"render", "-m", Made().scene, "--drive", "$/head", "-o", "$/o"}, {"--drive"});
+  Expect({"render", "-m", Made().scene, "--random", "3", "-o", "$/o"}, {"--random"});
+  Expect({"render", "-m", Made().avatar, "--random", "0", "-o", "$/o"}, {"--random", "0"});
+  Expect({"render", "-m", Made().avatar, "--random", "3"}, {"--out"});
   Expect({"render", "-m", Made().scene, "--device", "tpu"}, {"--device", "tpu"});
   for (const std::string& made : {Made().scene, Made().avatar})
     Expect({"render", "-m", made, "--device", "cuda"},

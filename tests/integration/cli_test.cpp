@@ -270,6 +270,16 @@ TEST(Cli, DrivingFarBeyondTheTrainedRangeIsLimited) {
   EXPECT_LT(ImageError(ReadImage(out / "50/00000.png"), ReadImage(out / "5000/00000.png")), 2);
 }
 
+TEST(Cli, RandomFacesDifferAndAreTheSameEveryTime) {
+  const TemporaryFolder out;
+  for (const std::string name : {"a", "b"})
+    ExpectQuietSuccess(
+        Cosplat({"render", "-m", Made().avatar, "--random", "3", "-o", out / name, "--quiet"}));
+  ASSERT_EQ(CountFiles(out / "a", ".png"), 3u);
+  EXPECT_EQ(Slurp(out / "a/00001.png"), Slurp(out / "b/00001.png"));
+  EXPECT_GT(ImageError(ReadImage(out / "a/00000.png"), ReadImage(out / "a/00001.png")), 1);
+}
+
 int LargestDifference(const Image8& a, const Image8& b) {
   if (a.data.size() != b.data.size()) return 255;
   int largest = 0;
