@@ -54,6 +54,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/sog_format.h
   splat/io/splat_primitive.h
   splat/io/view_files.h
+  splat/levels/merge.h
   splat/prune/rounds.h
   splat/prune/rules.h
   splat/render/cpu/

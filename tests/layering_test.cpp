@@ -64,6 +64,7 @@ const std::vector<FolderRule>& FolderRules() {
        {"splat/math/", "splat/config.h", "splat/basis.h", "splat/basis_constants.h"}},
       {"splat/device/", {"splat/device/", "splat/base/", "splat/math/"}},
       {"splat/render/", kRender},
+      {"splat/levels/", Join(kRender, {"splat/levels/"})},
       {"splat/io/", Join(kRender, {"splat/io/"})},
       {"splat/train/", kTrain},
       {"splat/prune/", kTrain},

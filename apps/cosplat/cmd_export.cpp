@@ -18,13 +18,14 @@
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/spz.h"
+#include "splat/levels/levels_file.h"
 
 namespace cosplat {
 namespace {
 
 struct ExportOptions {
   ExportSource source;
-  std::string ply, glb, run, spz, sog, html;
+  std::string ply, glb, run, spz, sog, levels, html;
   int spz_version = 3;
   SogSettings sog_settings;
   bool truncate_degree = false;
@@ -32,12 +33,13 @@ struct ExportOptions {
 };
 
 bool WritesSplats(const ExportOptions& o) {
-  return !(o.ply.empty() && o.glb.empty() && o.run.empty() && o.spz.empty() && o.sog.empty());
+  return !(o.ply.empty() && o.glb.empty() && o.run.empty() && o.spz.empty() && o.sog.empty() &&
+           o.levels.empty());
 }
 
 void Check(const ExportOptions& o) {
   if (!WritesSplats(o) && o.html.empty())
-    throw Error("--ply, --glb, --spz, --sog, --run, --html", "give at least one of them");
+    throw Error("--ply, --glb, --spz, --sog, --levels, --run, --html", "give at least one of them");
   if (o.source.model.empty() && o.source.splats.empty())
     throw Error("-m, --splats", "give at least one of them: the model to export");
   if (o.source.measure && (o.source.model.empty() || !o.source.splats.empty()))
@@ -156,6 +158,10 @@ void Export(ExportOptions& o) {
     Say(o, o.ply, subject, ", the avatar at rest");
   }
   WritePacked(o, subject);
+  if (!o.levels.empty()) {
+    WriteLevels(o.levels, BuildLevels(subject.gaussians));
+    Say(o, o.levels, subject, ", the avatar at rest");
+  }
   if (o.source.measure) MeasureFiles(o, subject);
 }
 
@@ -187,6 +193,10 @@ void AddExport(CLI::App& app) {
       o->glb,
       "write glTF with KHR_gaussian_splatting: a scene, or GaussianAvatars' point cloud "
       "as an avatar");
+  command->add_option("--levels",
+                      o->levels,
+                      "write levels of detail for `play`, which reads of them what it draws: for "
+                      "scenes of millions of Gaussians");
   command->add_option("--spz", o->spz, "write Niantic's SPZ; of an avatar, at rest");
   command
       ->add_option("--spz-version",

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/play_content.h"
@@ -86,12 +87,32 @@ void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size si
   if (!o.quiet) std::printf("%d frames: %s\n", sink.count(), o.out.c_str());
 }
 
+// Scenes of more Gaussians than this are drawn by levels of detail, which take a second per two
+// million to make.
+constexpr size_t kLevelsFrom = 1000000;
+
+// On the CPU; a device draws all Gaussians.
+void FindLevels(const PlayOptions& o, Device device, Content& content) {
+  if (device != Device::kCpu) {
+    if (content.levels)
+      throw Error(o.model, "--device", "levels of detail are for the CPU: give the scene itself");
+    return;
+  }
+  if (content.scene.size() <= kLevelsFrom) return;
+  if (!o.quiet)
+    std::fprintf(stderr,
+                 "%s Gaussians: making levels of detail (export --levels keeps them as a file)\n",
+                 WithThousands(content.scene.size()).c_str());
+  content.levels = BuildLevels(std::move(content.scene));
+}
+
 void Play(const PlayOptions& o) {
   if (o.headless && o.out.empty())
     throw Error("--out", "is needed with --headless: a folder or a file that ends in .mp4");
   const Device device = DeviceFromString(o.device);
   Content content = LoadContent(o.model, o.flame);
   if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
+  FindLevels(o, device, content);
   Session session(content);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
   SetLook(o, session);

@@ -13,6 +13,7 @@
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/splat_file.h"
+#include "splat/levels/levels_file.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -104,6 +105,13 @@ Content LoadRunContent(const std::string& folder, const std::string& flame) {
 }
 
 Content LoadFile(const std::string& path, const std::string& flame) {
+  if (IsLevelsFile(path)) {
+    Content content;
+    content.levels = OpenLevels(path);
+    content.background = {0, 0, 0};
+    content.start = viewer::BeforeSplats(path, content.levels->Coarsest());
+    return content;
+  }
   const SplatLayout layout = SplatLayoutOf(path);
   if (layout == SplatLayout::kPly && IsGaussianAvatarPly(path))
     return LoadGaussianAvatar(path, flame);

@@ -1,6 +1,7 @@
 #include "apps/viewer/stage.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "apps/viewer/mesh_view.h"
@@ -12,6 +13,9 @@ namespace cosplat::viewer {
 namespace {
 
 constexpr std::array<float, 3> kNoBackground{0, 0, 0};
+
+// px, of levels' coarseness: nobody sees the difference (docs/large-scenes.md).
+constexpr float kUnseen = 1;
 
 bool SameCamera(const Camera& a, const Camera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
@@ -35,8 +39,9 @@ View ViewFromString(const std::string& text, const std::string& field) {
 
 bool SameShot(const Shot& a, const Shot& b) {
   return a.view == b.view && a.transparent == b.transparent && a.background == b.background &&
-         SameCamera(a.camera, b.camera) && a.face.expression == b.face.expression &&
-         a.face.pose == b.face.pose && a.face.translation == b.face.translation;
+         a.milliseconds == b.milliseconds && SameCamera(a.camera, b.camera) &&
+         a.face.expression == b.face.expression && a.face.pose == b.face.pose &&
+         a.face.translation == b.face.translation;
 }
 
 Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::move(content)) {
@@ -47,6 +52,8 @@ Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::m
     const size_t faces = player_->avatar().mesh.faces.size();
     counts_ = {CountColors(CountPerFace(player_->avatar().embedding.triangle, faces)), false};
     wire_ = {std::vector<Rgb>(faces, kNoneColor), true};
+  } else if (content_.levels) {
+    level_renderer_ = std::make_unique<LevelRenderer>(std::move(*content_.levels));
   } else {
     SortByDegree(content_.scene);
     if (renderers.scene) {
@@ -58,7 +65,12 @@ Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::m
   }
 }
 
-WorldGaussians Stage::Posed() {
+LevelLimits Stage::LimitsOf(const Shot& shot) const {
+  return shot.milliseconds > 0 ? LevelLimits{kUnseen, budget_.most()} : LevelLimits{kUnseen};
+}
+
+WorldGaussians Stage::Posed(const Shot& shot) {
+  if (level_renderer_) return ViewOf(level_renderer_->Select(shot.camera, LimitsOf(shot)));
   if (!player_) return ViewOf(content_.scene);
   const AvatarModel& model = player_->avatar();
   return PosedView(model.gaussians, player_->GaussiansOf(placed_), model.color_frame);
@@ -66,6 +78,15 @@ WorldGaussians Stage::Posed() {
 
 const RenderedImage& Stage::Splats(const Shot& shot) {
   if (player_) return player_->Draw(placed_, shot.camera, BackgroundOf(shot));
+  if (level_renderer_) {
+    const auto start = std::chrono::steady_clock::now();
+    const int degree = level_renderer_->levels().layout.degree;
+    level_renderer_->Draw(shot.camera, {BackgroundOf(shot), degree}, LimitsOf(shot), image_);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    if (shot.milliseconds > 0)
+      budget_.Drawn(level_renderer_->drawn(), took.count(), shot.milliseconds);
+    return image_;
+  }
   const Gaussians& scene = content_.scene;
   const RenderSettings settings{BackgroundOf(shot), scene.degree};
   if (scene_renderer_) {
@@ -79,7 +100,7 @@ const RenderedImage& Stage::Splats(const Shot& shot) {
 void Stage::Surfaces(const Shot& shot, Image8& out) {
   buffer_.Clear(shot.camera.width, shot.camera.height);
   if (shot.view == View::kEllipsoids) {
-    DrawEllipsoids(Posed(), shot.camera, buffer_);
+    DrawEllipsoids(Posed(shot), shot.camera, buffer_);
   } else {
     DrawMesh(player_->VerticesOf(placed_),
              player_->avatar().mesh.faces,

@@ -14,6 +14,8 @@
 #include "apps/viewer/orbit_camera.h"
 #include "apps/viewer/view.h"
 #include "avatar/play/player.h"
+#include "splat/levels/frame_budget.h"
+#include "splat/levels/level_renderer.h"
 #include "splat/render/scene_renderer.h"
 
 namespace cosplat::viewer {
@@ -26,12 +28,15 @@ struct Content {
     FlameParams rest;  // its root if nothing drives it; no expression
   };
   std::string title;                         // displayed name: the file or folder
-  Gaussians scene;                           // empty for an avatar
+  Gaussians scene;                           // empty for an avatar, or with levels
+  std::optional<SceneLevels> levels;         // of a scene that is too large to be drawn whole
   std::optional<Avatar> avatar;              // nullopt for a scene
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in evaluation
   StartView start;
 
-  size_t gaussian_count() const { return avatar ? avatar->model.size() : scene.size(); }
+  size_t gaussian_count() const {
+    return avatar ? avatar->model.size() : levels ? levels->size() : scene.size();
+  }
 };
 
 // All inputs of an image.
@@ -41,6 +46,8 @@ struct Shot {
   Camera camera;
   std::array<float, 3> background{1, 1, 1};
   bool transparent = false;  // no background: the image has alpha
+  // That drawing may take, by leaving out detail of a scene with levels; 0: as long as it takes.
+  double milliseconds = 0;
 };
 bool SameShot(const Shot& a, const Shot& b);
 
@@ -62,6 +69,8 @@ class Stage {
   // shot's parameters are non-finite, its image has no pixels, or its view needs a mesh and there
   // is none. Not thread-safe.
   void Draw(const Shot& shot, Image8& out);
+  // Whether a shot's milliseconds have an effect.
+  bool HasLevels() const { return bool(level_renderer_); }
   // Whether this shot is rendered on a device.
   bool DrawsOnDevice(const Shot& shot) const;
   // Renders the same image but leaves it on the device. Only if DrawsOnDevice; `out`: null, or an
@@ -71,11 +80,14 @@ class Stage {
  private:
   void Prepare(const Shot& shot);
   const RenderedImage& Splats(const Shot& shot);
+  LevelLimits LimitsOf(const Shot& shot) const;
   void Surfaces(const Shot& shot, Image8& out);
-  WorldGaussians Posed();
+  WorldGaussians Posed(const Shot& shot);
 
   Content content_;  // without the avatar's model, which is moved into the player
-  std::unique_ptr<SceneRenderer> scene_renderer_;  // if null, the next two are used
+  std::unique_ptr<LevelRenderer> level_renderer_;  // of a scene with levels
+  FrameBudget budget_;
+  std::unique_ptr<SceneRenderer> scene_renderer_;  // if both are null, the next two are used
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;

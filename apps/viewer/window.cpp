@@ -22,6 +22,9 @@ namespace {
 constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
 constexpr double kNoticeSeconds = 6;
 constexpr int kSmallestSide = 16;
+// ms of an image while dragging, where levels of detail can be left out; below what makes
+// apps/viewer/detail.h lower the resolution.
+constexpr double kMovingImage = 40;
 
 int64_t NowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -37,6 +40,7 @@ struct ViewerWindow::Impl {
         folder(settings.folder),
         gl("CoSplat - " + session.title(), settings.scale),
         texture(settings.make_device_texture),
+        detailed(stage.HasLevels()),
         may_stay(bool(settings.make_device_texture)),
         worker(stage, &GlWindow::Wake) {
     state.scale = gl.scale();
@@ -59,6 +63,7 @@ struct ViewerWindow::Impl {
   std::string folder;
   GlWindow gl;
   ImageTexture texture;
+  bool detailed;  // whether the scene has levels of detail
   bool may_stay;  // whether images may stay on the device that renders them
   ScreenState state;
   ScreenResult last;
@@ -98,7 +103,9 @@ void ViewerWindow::Impl::TakeImage() {
   state.height = picture.job.shot.camera.height;
   state.divisor = picture.job.divisor;
   state.drawing.Add(float(picture.milliseconds));
-  detail.Drawn(picture.job.divisor, picture.milliseconds);
+  // Images that may take as long as they do say nothing of those while dragging.
+  if (!detailed || picture.job.shot.milliseconds > 0)
+    detail.Drawn(picture.job.divisor, picture.milliseconds);
   image_is_new = true;
 }
 
@@ -130,6 +137,7 @@ void ViewerWindow::Impl::Ask(const ScreenResult& result) {
       recorder ? recorder->height() : std::max(kSmallestSide, result.height / divisor);
   RenderJob job{session.ShotFor(width, height), divisor, session.input_ns(), may_stay && !recorder};
   if (recorder) job.shot.transparent = false;
+  if (detailed && result.dragging && !recorder) job.shot.milliseconds = kMovingImage;
   if (SameShot(job.shot, asked.shot)) return;
   asked = job;
   worker.Start(std::move(job));

@@ -1,11 +1,16 @@
 // Splat files of every layout, and points.
+#include <cstring>
+
 #include "splat/base/compression.h"
+#include "splat/base/crc32.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
 #include "splat/io/significance.h"
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/spz.h"
+#include "splat/levels/level_renderer.h"
+#include "splat/levels/levels_file.h"
 #include "tests/fuzz/reader.h"
 #include "tests/splat/ply_packer.h"
 #include "tests/support/glb_bytes.h"
@@ -34,6 +39,27 @@ std::string Written(const char* name, const std::function<void(const std::string
   const TemporaryFolder folder;
   write(folder / name);
   return Slurped(folder / name);
+}
+
+// The checksum of the blocks' table is made right, so that changes of the table are read.
+std::string LevelsProblem(const std::string& folder, std::string bytes) {
+  constexpr size_t kHeader = 32, kBlock = 44;
+  uint64_t blocks = 0;
+  if (bytes.size() >= kHeader) std::memcpy(&blocks, bytes.data() + kHeader - 8, sizeof blocks);
+  if (blocks < bytes.size() / kBlock && kHeader + blocks * kBlock + 4 <= bytes.size()) {
+    const uint32_t crc = Crc32(bytes.data(), kHeader + blocks * kBlock);
+    std::memcpy(bytes.data() + kHeader + blocks * kBlock, &crc, sizeof crc);
+    WriteFileAtomically(folder + "/a.levels", bytes);
+  }
+  LevelRenderer renderer(OpenLevels(folder + "/a.levels"));
+  Camera camera;
+  camera.width = camera.height = 8;
+  camera.fx = camera.fy = 8;
+  camera.cx = camera.cy = 4;
+  camera.translation = {0, 0, 3};
+  RenderedImage image;
+  renderer.Draw(camera, {{0, 0, 0}, renderer.levels().layout.degree}, {}, image);
+  return NotFinite(image.color);
 }
 
 FuzzedReader SplatFile(const char* name,
@@ -158,6 +184,16 @@ std::vector<FuzzedReader> SplatReaders() {
       sog,
       Placing::kZip));
   readers.push_back(SplatFile("splat", "a.splat", RecordSeeds, {}));
+  readers.push_back({"levels",
+                     Placing::kFiles,
+                     {"a.levels"},
+                     LevelsProblem,
+                     [] {
+                       return Strings{Written("a.levels", [](const std::string& path) {
+                         WriteLevels(path, BuildLevels(RandomGaussians(1500, 0, Basis::kSh, 1)));
+                       })};
+                     },
+                     {"COSPLOD\n"}});
   readers.push_back(SplatFile(
       "glb", "a.glb", [] { return Strings{SceneGlb()}; }, glb));
   readers.push_back(SplatFile(

@@ -58,6 +58,25 @@ TEST(Play, EveryViewOfAnAvatarsFile) {
   }
 }
 
+TEST(Play, LevelsOfDetailShowTheScene) {
+  const Workshop& w = Workshop::Get();
+  const TemporaryFolder out;
+  const std::string levels = out / "scene.levels";
+  const CommandResult exported = Cosplat({"export", "-m", w.scene, "--levels", levels});
+  ASSERT_EQ(exported.code, 0) << exported.err;
+  EXPECT_NE(exported.out.find("scene.levels: "), std::string::npos) << exported.out;
+  const std::string ply = w.scene + "/point_cloud/iteration_120/point_cloud.ply";
+  ASSERT_EQ(PlayInto(out / "all", ply, {"--size", "64x64"}).code, 0);
+  const CommandResult played = PlayInto(out / "levels", levels, {"--size", "64x64"});
+  ASSERT_EQ(played.code, 0) << played.err;
+  // Of fewer Gaussians than a block holds, which are all drawn, in another order.
+  EXPECT_LT(MeanDifference(ReadImage(out / "all/00000.png"), ReadImage(out / "levels/00000.png")),
+            0.05);
+  ExpectLine(PlayInto(out / "a", levels, {"--flame", w.model}), {"--flame", "is for avatars"});
+  ExpectLine(Cosplat({"export", "--splats", levels, "--ply", out / "a.ply"}),
+             {"scene.levels", "is not a splat file"});
+}
+
 TEST(Play, AFileAloneIsSeenFromTheFront) {
   const Workshop& w = Workshop::Get();
   const TemporaryFolder out;

@@ -66,6 +66,39 @@ TEST(Stage, ScenesHaveTheRasterizersBits) {
     }
 }
 
+// All that can be seen, unless there is too little time for it.
+TEST(Stage, ScenesWithLevelsKeepTheTimeOfAShot) {
+  Content whole = SceneOf(RandomGaussians(60000, 0, Basis::kSh, 1));
+  for (float& s : whole.scene.values[kScaleLog]) s -= 2.5f;
+  Content leveled = whole;
+  leveled.levels = BuildLevels(std::move(leveled.scene));
+  leveled.scene = {};
+  EXPECT_EQ(leveled.gaussian_count(), 60000u);
+  Shot shot = ShotOf(whole, View::kSplats, 256);
+  shot.camera.fx *= 6;  // close: no level but the finest is fine enough
+  shot.camera.fy *= 6;
+  Stage all{std::move(whole)}, stage{std::move(leveled)};
+  EXPECT_FALSE(all.HasLevels());
+  EXPECT_TRUE(stage.HasLevels());
+  const Image8 expected = Drawn(all, shot);
+  const auto difference = [&](const Image8& image) {
+    double sum = 0;
+    for (size_t i = 0; i < image.data.size(); ++i)
+      sum += std::abs(int(image.data[i]) - int(expected.data[i]));
+    return sum / double(image.data.size());
+  };
+  EXPECT_LT(difference(Drawn(stage, shot)), 0.02);
+  Shot hurried = shot;
+  hurried.milliseconds = 1e-3;
+  EXPECT_FALSE(SameShot(shot, hurried));
+  Image8 image;
+  for (int i = 0; i < 6; ++i) image = Drawn(stage, hurried);
+  EXPECT_GT(difference(image), 0.5);
+  EXPECT_LT(difference(Drawn(stage, shot)), 0.02) << "at rest, all is drawn again";
+  shot.view = View::kEllipsoids;
+  EXPECT_EQ(Drawn(stage, shot).data, Drawn(all, shot).data);
+}
+
 // Whether the ray through a sample meets the surface at one standard deviation, in double.
 bool Meets(const Gaussians& g, size_t i, const Camera& c, double x, double y) {
   const float* q = g.at(kRotation, i);

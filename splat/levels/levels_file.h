@@ -1,0 +1,26 @@
+// Levels of detail as a file: made once, read as far as it is looked at.
+//
+// Layout, little-endian: kLevelsMagic; uint32 format, degree, basis, antialiased; uint64 number of
+// blocks; of each block its LevelBlock and the CRC-32 of its values; the CRC-32 of all that; zeros
+// up to a multiple of 64 bytes; the values (SceneLevels::values). The world frame is that of the
+// scene, the colours are 3DGS's SH as in other splat files.
+#pragma once
+
+#include <string>
+
+#include "splat/levels/scene_levels.h"
+
+namespace cosplat {
+
+// By the first bytes; false if there is no such file.
+bool IsLevelsFile(const std::string& path);
+
+// Atomic. Throws Error if the file cannot be written.
+void WriteLevels(const std::string& path, const SceneLevels& levels);
+
+// Maps the file into memory: values are read when a block is first used, and its CheckValues finds
+// those that are damaged. The file must stay as it is; replacing it by another (WriteLevels does)
+// is no change. Throws Error naming the file and the field.
+SceneLevels OpenLevels(const std::string& path);
+
+}  // namespace cosplat
