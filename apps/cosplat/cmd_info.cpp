@@ -17,6 +17,7 @@
 #include "splat/io/dataset.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
+#include "splat/levels/levels_file.h"
 #include "splat/train/bands.h"
 
 namespace cosplat {
@@ -201,6 +202,14 @@ void FolderInfo(const std::string& path) {
   SceneInfo(path);
 }
 
+void LevelsInfo(const std::string& path) {
+  const SceneLevels levels = OpenLevels(path);
+  std::printf("levels of detail: %s Gaussians, SH degree %d, %s blocks\n",
+              WithThousands(levels.size()).c_str(),
+              levels.layout.degree,
+              WithThousands(levels.blocks.size()).c_str());
+}
+
 void Info(const std::string& path) {
   if (!fs::exists(path)) throw Error(path, "does not exist");
   const std::string extension = fs::path(path).extension().string();
@@ -209,6 +218,8 @@ void Info(const std::string& path) {
     std::printf("%s", ToString(SummarizeGlb(path)).c_str());
   } else if (layout != SplatLayout::kNone) {
     SplatInfo(path, layout);
+  } else if (IsLevelsFile(path)) {
+    LevelsInfo(path);
   } else if (fs::is_directory(path)) {
     FolderInfo(path);
   } else if (extension == ".pkl") {

@@ -14,9 +14,6 @@ namespace {
 
 constexpr std::array<float, 3> kNoBackground{0, 0, 0};
 
-// px, of levels' coarseness: nobody sees the difference (docs/large-scenes.md).
-constexpr float kUnseen = 1;
-
 bool SameCamera(const Camera& a, const Camera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
          a.cx == b.cx && a.cy == b.cy && a.rotation == b.rotation && a.translation == b.translation;
@@ -66,7 +63,9 @@ Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::m
 }
 
 LevelLimits Stage::LimitsOf(const Shot& shot) const {
-  return shot.milliseconds > 0 ? LevelLimits{kUnseen, budget_.most()} : LevelLimits{kUnseen};
+  LevelLimits limits;
+  if (shot.milliseconds > 0) limits.most = budget_.Most(shot.milliseconds);
+  return limits;
 }
 
 WorldGaussians Stage::Posed(const Shot& shot) {
@@ -83,8 +82,7 @@ const RenderedImage& Stage::Splats(const Shot& shot) {
     const int degree = level_renderer_->levels().layout.degree;
     level_renderer_->Draw(shot.camera, {BackgroundOf(shot), degree}, LimitsOf(shot), image_);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    if (shot.milliseconds > 0)
-      budget_.Drawn(level_renderer_->drawn(), took.count(), shot.milliseconds);
+    budget_.Drawn(level_renderer_->drawn(), took.count());
     return image_;
   }
   const Gaussians& scene = content_.scene;

@@ -22,9 +22,9 @@ namespace {
 constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
 constexpr double kNoticeSeconds = 6;
 constexpr int kSmallestSide = 16;
-// ms of an image while dragging, where levels of detail can be left out; below what makes
-// apps/viewer/detail.h lower the resolution.
-constexpr double kMovingImage = 40;
+// ms of an image where levels of detail can be left out: while dragging, below what makes
+// apps/viewer/detail.h lower the resolution; and at rest, as long as the next drag may wait.
+constexpr double kMovingImage = 40, kRestingImage = 500;
 
 int64_t NowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -103,8 +103,8 @@ void ViewerWindow::Impl::TakeImage() {
   state.height = picture.job.shot.camera.height;
   state.divisor = picture.job.divisor;
   state.drawing.Add(float(picture.milliseconds));
-  // Images that may take as long as they do say nothing of those while dragging.
-  if (!detailed || picture.job.shot.milliseconds > 0)
+  // Images that may take longer say nothing of those while dragging.
+  if (!detailed || picture.job.shot.milliseconds == kMovingImage)
     detail.Drawn(picture.job.divisor, picture.milliseconds);
   image_is_new = true;
 }
@@ -137,7 +137,7 @@ void ViewerWindow::Impl::Ask(const ScreenResult& result) {
       recorder ? recorder->height() : std::max(kSmallestSide, result.height / divisor);
   RenderJob job{session.ShotFor(width, height), divisor, session.input_ns(), may_stay && !recorder};
   if (recorder) job.shot.transparent = false;
-  if (detailed && result.dragging && !recorder) job.shot.milliseconds = kMovingImage;
+  if (detailed && !recorder) job.shot.milliseconds = result.dragging ? kMovingImage : kRestingImage;
   if (SameShot(job.shot, asked.shot)) return;
   asked = job;
   worker.Start(std::move(job));

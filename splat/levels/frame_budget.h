@@ -8,26 +8,22 @@ namespace cosplat {
 
 class FrameBudget {
  public:
-  // Limit for the next image.
-  size_t most() const { return size_t(most_); }
+  // Limit for an image that may take this long.
+  size_t Most(double milliseconds) const {
+    return size_t(std::clamp(milliseconds / per_gaussian_, kLeast, kMost));
+  }
 
-  // Reports the image that was drawn last under this limit, and how long it was to take. Falls at
-  // once; rises slowly, and only if the limit was what held the image back.
-  void Drawn(size_t gaussians, double milliseconds, double aim) {
-    if (milliseconds <= 0) return;
-    const double possible = double(gaussians) * aim / milliseconds;
-    if (milliseconds > aim) {
-      most_ = std::max(possible, 0.5 * most_);
-    } else if (double(gaussians) > kHeldBack * most_) {
-      most_ = std::min(possible, kRise * most_);
-    }
-    most_ = std::clamp(most_, kLeast, kMost);
+  // Reports an image. A dearer one counts at once, a cheaper one little by little, so that single
+  // images that happen to be fast do not make the next ones late.
+  void Drawn(size_t gaussians, double milliseconds) {
+    if (double(gaussians) < kLeast) return;  // of few Gaussians, pixels take the time
+    per_gaussian_ = std::max(milliseconds / double(gaussians), kFall * per_gaussian_);
   }
 
  private:
-  static constexpr double kFirst = 200000, kLeast = 20000, kMost = 1e9;
-  static constexpr double kHeldBack = 0.9, kRise = 1.1;
-  double most_ = kFirst;
+  static constexpr double kLeast = 10000, kMost = 1e9;
+  static constexpr double kFall = 0.9;
+  double per_gaussian_ = 2e-4;  // ms; two cores' to begin with
 };
 
 }  // namespace cosplat

@@ -72,6 +72,8 @@ TEST(Play, LevelsOfDetailShowTheScene) {
   // Of fewer Gaussians than a block holds, which are all drawn, in another order.
   EXPECT_LT(MeanDifference(ReadImage(out / "all/00000.png"), ReadImage(out / "levels/00000.png")),
             0.05);
+  const CommandResult info = Cosplat({"info", levels});
+  EXPECT_NE(info.out.find("levels of detail: "), std::string::npos) << info.out << info.err;
   ExpectLine(PlayInto(out / "a", levels, {"--flame", w.model}), {"--flame", "is for avatars"});
   ExpectLine(Cosplat({"export", "--splats", levels, "--ply", out / "a.ply"}),
              {"scene.levels", "is not a splat file"});

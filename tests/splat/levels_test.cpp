@@ -228,15 +228,21 @@ TEST(MergeTwo, StaysFinite) {
 
 TEST(FrameBudget, FollowsTheTimesOfImages) {
   FrameBudget budget;
-  for (int i = 0; i < 60; ++i) budget.Drawn(budget.most(), 1e-4 * double(budget.most()), 40);
-  EXPECT_NEAR(double(budget.most()), 400000, 1000);
-  for (int i = 0; i < 10; ++i) budget.Drawn(budget.most(), 1e-3 * double(budget.most()), 40);
-  EXPECT_NEAR(double(budget.most()), 40000, 1000);
-  const size_t before = budget.most();
-  budget.Drawn(before / 2, 1, 40);
-  EXPECT_EQ(budget.most(), before) << "an image that was not held back says nothing";
-  budget.Drawn(before, 1e9, 40);
-  EXPECT_GE(budget.most(), 10000u);
+  const auto draw = [&](int images, double per_gaussian) {
+    for (int i = 0; i < images; ++i)
+      budget.Drawn(budget.Most(40), per_gaussian * double(budget.Most(40)));
+  };
+  draw(60, 1e-4);
+  EXPECT_NEAR(double(budget.Most(40)), 400000, 1000);
+  EXPECT_NEAR(double(budget.Most(500)), 5000000, 10000);
+  draw(1, 5e-5);
+  EXPECT_NEAR(double(budget.Most(40)), 400000 / 0.9, 1000) << "rises little by little";
+  draw(1, 1e-3);
+  EXPECT_NEAR(double(budget.Most(40)), 40000, 100) << "falls at once";
+  budget.Drawn(100, 1000);
+  EXPECT_NEAR(double(budget.Most(40)), 40000, 100) << "an almost empty image says nothing";
+  draw(1, 1e9);
+  EXPECT_GE(budget.Most(40), 10000u);
 }
 
 class LevelsFile : public testing::Test {
