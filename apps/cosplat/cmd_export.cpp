@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cosplat/commands.h"
@@ -124,6 +125,17 @@ void WritePacked(const ExportOptions& o, const ExportSubject& subject) {
   }
 }
 
+// Takes the subject's Gaussians, of which there may be too many for a copy.
+void WriteLevels(const ExportOptions& o, ExportSubject& subject) {
+  const SceneLevels levels = BuildLevels(std::move(subject.gaussians));
+  WriteLevels(o.levels, levels);
+  if (!o.quiet)
+    std::printf("%s: levels of detail of %s splats, %.2f MB\n",
+                o.levels.c_str(),
+                WithThousands(levels.size()).c_str(),
+                double(std::filesystem::file_size(o.levels)) / 1e6);
+}
+
 void WriteHtml(const ExportOptions& o) {
   const WebModel model =
       FindWebModel(o.source.splats.empty() ? o.source.model : o.source.splats, o.source.flame);
@@ -142,7 +154,7 @@ void Export(ExportOptions& o) {
   if (!o.html.empty()) WriteHtml(o);
   if (!WritesSplats(o)) return;
   o.source.views = !o.sog.empty() || !o.spz.empty();
-  const ExportSubject subject = LoadExportSubject(o.source);
+  ExportSubject subject = LoadExportSubject(o.source);
   CheckDegree(o, subject);
   // First what may be refused.
   if (!o.run.empty()) {
@@ -158,18 +170,15 @@ void Export(ExportOptions& o) {
     Say(o, o.ply, subject, ", the avatar at rest");
   }
   WritePacked(o, subject);
-  if (!o.levels.empty()) {
-    WriteLevels(o.levels, BuildLevels(subject.gaussians));
-    Say(o, o.levels, subject, ", the avatar at rest");
-  }
   if (o.source.measure) MeasureFiles(o, subject);
+  if (!o.levels.empty()) WriteLevels(o, subject);
 }
 
 }  // namespace
 
 void AddExport(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("export", "write a model's splats as .ply, .glb, .spz or .sog");
+  CLI::App* command = app.add_subcommand(
+      "export", "write a model's splats as .ply, .glb, .spz or .sog, or levels of detail");
   const auto o = std::make_shared<ExportOptions>();
   command->add_option("-m,--model_path", o->source.model, "a trained model's folder");
   command->add_option(
@@ -196,7 +205,7 @@ void AddExport(CLI::App& app) {
   command->add_option("--levels",
                       o->levels,
                       "write levels of detail for `play`, which reads of them what it draws: for "
-                      "scenes of millions of Gaussians");
+                      "scenes of millions of Gaussians; of an avatar, at rest");
   command->add_option("--spz", o->spz, "write Niantic's SPZ; of an avatar, at rest");
   command
       ->add_option("--spz-version",

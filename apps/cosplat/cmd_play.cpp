@@ -91,14 +91,11 @@ void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size si
 // million to make.
 constexpr size_t kLevelsFrom = 1000000;
 
-// On the CPU; a device draws all Gaussians.
+// For the window, on the CPU: a device draws all Gaussians, and files are to be exact.
 void FindLevels(const PlayOptions& o, Device device, Content& content) {
-  if (device != Device::kCpu) {
-    if (content.levels)
-      throw Error(o.model, "--device", "levels of detail are for the CPU: give the scene itself");
-    return;
-  }
-  if (content.scene.size() <= kLevelsFrom) return;
+  if (content.levels && o.device == "cuda")
+    throw Error(o.model, "--device", "levels of detail are for the CPU: give the scene itself");
+  if (device != Device::kCpu || o.headless || content.scene.size() <= kLevelsFrom) return;
   if (!o.quiet)
     std::fprintf(stderr,
                  "%s Gaussians: making levels of detail (export --levels keeps them as a file)\n",
@@ -141,7 +138,8 @@ void AddPlay(CLI::App& app) {
       ->add_option(
           "model",
           o->model,
-          "a run's folder, an avatar's .glb, GaussianAvatars' point cloud, or a scene's splats")
+          "a run's folder, an avatar's .glb, GaussianAvatars' point cloud, or a scene's splats or "
+          "levels of detail")
       ->required();
   auto* drive = command->add_option(
       "--drive",

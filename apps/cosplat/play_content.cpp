@@ -109,7 +109,10 @@ Content LoadFile(const std::string& path, const std::string& flame) {
     Content content;
     content.levels = OpenLevels(path);
     content.background = {0, 0, 0};
-    content.start = viewer::BeforeSplats(path, content.levels->Coarsest());
+    Gaussians coarsest = content.levels->Coarsest();
+    // Those that stand for few small ones far apart are faint, but not invisible.
+    coarsest.values[kOpacityLogit].assign(coarsest.size(), 0.0f);
+    content.start = viewer::BeforeSplats(path, coarsest);
     return content;
   }
   const SplatLayout layout = SplatLayoutOf(path);

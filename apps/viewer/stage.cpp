@@ -36,7 +36,7 @@ View ViewFromString(const std::string& text, const std::string& field) {
 
 bool SameShot(const Shot& a, const Shot& b) {
   return a.view == b.view && a.transparent == b.transparent && a.background == b.background &&
-         a.milliseconds == b.milliseconds && SameCamera(a.camera, b.camera) &&
+         a.pace == b.pace && SameCamera(a.camera, b.camera) &&
          a.face.expression == b.face.expression && a.face.pose == b.face.pose &&
          a.face.translation == b.face.translation;
 }
@@ -62,29 +62,34 @@ Stage::Stage(Content content, const SplatRenderers& renderers) : content_(std::m
   }
 }
 
-LevelLimits Stage::LimitsOf(const Shot& shot) const {
-  LevelLimits limits;
-  if (shot.milliseconds > 0) limits.most = budget_.Most(shot.milliseconds);
-  return limits;
-}
-
 WorldGaussians Stage::Posed(const Shot& shot) {
-  if (level_renderer_) return ViewOf(level_renderer_->Select(shot.camera, LimitsOf(shot)));
+  if (level_renderer_) return ViewOf(level_renderer_->Select(shot.camera, {0}));
   if (!player_) return ViewOf(content_.scene);
   const AvatarModel& model = player_->avatar();
   return PosedView(model.gaussians, player_->GaussiansOf(placed_), model.color_frame);
 }
 
+const RenderedImage& Stage::Levels(const Shot& shot) {
+  FrameBudget* const budget = shot.pace == Pace::kMoving    ? &moving_
+                              : shot.pace == Pace::kResting ? &resting_
+                                                            : nullptr;
+  LevelLimits limits;
+  if (budget) {
+    limits.most = budget->most();
+  } else {
+    limits.coarseness = 0;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const int degree = level_renderer_->levels().layout.degree;
+  level_renderer_->Draw(shot.camera, {BackgroundOf(shot), degree}, limits, image_);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  if (budget) budget->Drawn(level_renderer_->drawn(), took.count());
+  return image_;
+}
+
 const RenderedImage& Stage::Splats(const Shot& shot) {
   if (player_) return player_->Draw(placed_, shot.camera, BackgroundOf(shot));
-  if (level_renderer_) {
-    const auto start = std::chrono::steady_clock::now();
-    const int degree = level_renderer_->levels().layout.degree;
-    level_renderer_->Draw(shot.camera, {BackgroundOf(shot), degree}, LimitsOf(shot), image_);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    budget_.Drawn(level_renderer_->drawn(), took.count());
-    return image_;
-  }
+  if (level_renderer_) return Levels(shot);
   const Gaussians& scene = content_.scene;
   const RenderSettings settings{BackgroundOf(shot), scene.degree};
   if (scene_renderer_) {

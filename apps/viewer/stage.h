@@ -39,6 +39,13 @@ struct Content {
   }
 };
 
+// How long drawing may take, by leaving out detail of a scene with levels.
+enum class Pace {
+  kExact,    // as long as it takes
+  kResting,  // half a second, for the next drag may be waiting
+  kMoving    // 40 ms
+};
+
 // All inputs of an image.
 struct Shot {
   View view = View::kSplats;
@@ -46,8 +53,7 @@ struct Shot {
   Camera camera;
   std::array<float, 3> background{1, 1, 1};
   bool transparent = false;  // no background: the image has alpha
-  // That drawing may take, by leaving out detail of a scene with levels; 0: as long as it takes.
-  double milliseconds = 0;
+  Pace pace = Pace::kExact;  // of a scene with levels, in the view kSplats
 };
 bool SameShot(const Shot& a, const Shot& b);
 
@@ -69,8 +75,8 @@ class Stage {
   // shot's parameters are non-finite, its image has no pixels, or its view needs a mesh and there
   // is none. Not thread-safe.
   void Draw(const Shot& shot, Image8& out);
-  // Whether a shot's milliseconds have an effect.
-  bool HasLevels() const { return bool(level_renderer_); }
+  // Whether a shot's pace has an effect in this view.
+  bool KeepsPace(View view) const { return level_renderer_ && view == View::kSplats; }
   // Whether this shot is rendered on a device.
   bool DrawsOnDevice(const Shot& shot) const;
   // Renders the same image but leaves it on the device. Only if DrawsOnDevice; `out`: null, or an
@@ -80,13 +86,13 @@ class Stage {
  private:
   void Prepare(const Shot& shot);
   const RenderedImage& Splats(const Shot& shot);
-  LevelLimits LimitsOf(const Shot& shot) const;
+  const RenderedImage& Levels(const Shot& shot);
   void Surfaces(const Shot& shot, Image8& out);
   WorldGaussians Posed(const Shot& shot);
 
   Content content_;  // without the avatar's model, which is moved into the player
   std::unique_ptr<LevelRenderer> level_renderer_;  // of a scene with levels
-  FrameBudget budget_;
+  FrameBudget resting_{500}, moving_{40};
   std::unique_ptr<SceneRenderer> scene_renderer_;  // if both are null, the next two are used
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;

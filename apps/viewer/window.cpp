@@ -22,9 +22,6 @@ namespace {
 constexpr double kMovingTurn = 1.0 / 60, kRestingTurn = 0.25;
 constexpr double kNoticeSeconds = 6;
 constexpr int kSmallestSide = 16;
-// ms of an image where levels of detail can be left out: while dragging, below what makes
-// apps/viewer/detail.h lower the resolution; and at rest, as long as the next drag may wait.
-constexpr double kMovingImage = 40, kRestingImage = 500;
 
 int64_t NowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -40,7 +37,7 @@ struct ViewerWindow::Impl {
         folder(settings.folder),
         gl("CoSplat - " + session.title(), settings.scale),
         texture(settings.make_device_texture),
-        detailed(stage.HasLevels()),
+        stage(stage),
         may_stay(bool(settings.make_device_texture)),
         worker(stage, &GlWindow::Wake) {
     state.scale = gl.scale();
@@ -49,6 +46,11 @@ struct ViewerWindow::Impl {
   void TakeImage();
   void ShowImage();
   const Image8& Pixels();
+  // Neither smaller nor coarser because something is dragged.
+  bool IsFinal() const {
+    const RenderJob& job = picture.job;
+    return job.divisor == 1 && !(stage.KeepsPace(job.shot.view) && job.shot.pace == Pace::kMoving);
+  }
   bool HasImage() const { return picture.stayed || !picture.image.empty(); }
   void Ask(const ScreenResult& result);
   void Capture(const ScreenResult& result);
@@ -63,8 +65,8 @@ struct ViewerWindow::Impl {
   std::string folder;
   GlWindow gl;
   ImageTexture texture;
-  bool detailed;  // whether the scene has levels of detail
-  bool may_stay;  // whether images may stay on the device that renders them
+  const Stage& stage;  // for what does not change; the worker draws on it
+  bool may_stay;       // whether images may stay on the device that renders them
   ScreenState state;
   ScreenResult last;
   Detail detail;
@@ -103,9 +105,7 @@ void ViewerWindow::Impl::TakeImage() {
   state.height = picture.job.shot.camera.height;
   state.divisor = picture.job.divisor;
   state.drawing.Add(float(picture.milliseconds));
-  // Images that may take longer say nothing of those while dragging.
-  if (!detailed || picture.job.shot.milliseconds == kMovingImage)
-    detail.Drawn(picture.job.divisor, picture.milliseconds);
+  detail.Drawn(picture.job.divisor, picture.milliseconds);
   image_is_new = true;
 }
 
@@ -131,13 +131,15 @@ const Image8& ViewerWindow::Impl::Pixels() {
 
 // Requests the image that the session shows now, unless it equals the last request.
 void ViewerWindow::Impl::Ask(const ScreenResult& result) {
-  const int divisor = recorder ? 1 : detail.Divisor(result.dragging);
+  // Levels of detail keep the time at full resolution.
+  const bool keeps_pace = stage.KeepsPace(session.view());
+  const int divisor = recorder || keeps_pace ? 1 : detail.Divisor(result.dragging);
   const int width = recorder ? recorder->width() : std::max(kSmallestSide, result.width / divisor);
   const int height =
       recorder ? recorder->height() : std::max(kSmallestSide, result.height / divisor);
   RenderJob job{session.ShotFor(width, height), divisor, session.input_ns(), may_stay && !recorder};
   if (recorder) job.shot.transparent = false;
-  if (detailed && !recorder) job.shot.milliseconds = result.dragging ? kMovingImage : kRestingImage;
+  if (keeps_pace) job.shot.pace = result.dragging ? Pace::kMoving : Pace::kResting;
   if (SameShot(job.shot, asked.shot)) return;
   asked = job;
   worker.Start(std::move(job));
@@ -182,7 +184,7 @@ void ViewerWindow::Impl::Capture(const ScreenResult& result) {
       if (action == Action::kQuit) glfwSetWindowShouldClose(gl.handle(), GLFW_TRUE);
     }
     if (recorder) OfferToRecording();
-    if (screenshot_wanted && picture.job.divisor == 1 && HasImage()) {
+    if (screenshot_wanted && IsFinal() && HasImage()) {
       screenshot_wanted = false;
       const std::string path = CapturePath(folder, ".png");
       WriteImage(path, Pixels());

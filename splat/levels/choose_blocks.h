@@ -15,7 +15,7 @@ namespace cosplat {
 struct LevelLimits {
   // px: blocks whose coarseness is smaller in the image, at the point of their box that is nearest
   // to the camera, are not refined. The default cannot be seen (docs/large-scenes.md).
-  float coarseness = 1.5f;
+  float coarseness = 0.5f;
   // Gaussians: the blocks that are coarsest in the image are refined first, until there would be
   // more. One block is drawn at least.
   size_t most = std::numeric_limits<size_t>::max();

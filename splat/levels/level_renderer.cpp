@@ -37,40 +37,46 @@ void LevelRenderer::Draw(const Camera& camera,
 }
 
 void LevelRenderer::Bring(const std::vector<uint32_t>& chosen) {
+  const auto find_missing = [&] {
+    missing_.clear();
+    for (const uint32_t b : chosen)
+      if (!has_slot_[b]) missing_.push_back(b);
+  };
+  find_missing();
+  // What fails comes first, so that the slots stay as they were.
+  tbb::parallel_for(
+      size_t(0), missing_.size(), [&](size_t i) { levels_.CheckValues(missing_[i]); });
   // With more than half of the slots free, projecting them costs more than beginning anew.
   if (block_of_.size() > 2 * chosen.size() + 16) {
     block_of_.clear();
     std::fill(has_slot_.begin(), has_slot_.end(), uint8_t{0});
+    find_missing();
   }
-  missing_.clear();
-  drawn_ = copied_ = 0;
-  for (const uint32_t b : chosen) {
-    drawn_ += levels_.blocks[b].count;
-    if (has_slot_[b]) continue;
-    copied_ += levels_.blocks[b].count;
-    missing_.push_back(b);
-  }
-  // Before anything changes, so that a damaged file leaves the slots as they were.
-  tbb::parallel_for(
-      size_t(0), missing_.size(), [&](size_t i) { levels_.CheckValues(missing_[i]); });
   for (const uint32_t b : chosen) is_chosen_[b] = 1;
   free_.clear();
   for (uint32_t slot = 0; slot < block_of_.size(); ++slot) {
     const uint32_t block = block_of_[slot];
     if (block != kNone && is_chosen_[block]) continue;
     if (block != kNone) has_slot_[block] = 0;
+    block_of_[slot] = kNone;
     free_.push_back(slot);
   }
   for (const uint32_t b : chosen) is_chosen_[b] = 0;
-  for (const uint32_t b : missing_) has_slot_[b] = 1;
-  while (free_.size() < missing_.size()) {
+  const size_t more = missing_.size() - std::min(missing_.size(), free_.size());
+  slots_.Resize((block_of_.size() + more) * kLevelBlock);
+  for (size_t i = 0; i < more; ++i) {
     free_.push_back(uint32_t(block_of_.size()));
     block_of_.push_back(kNone);
   }
-  slots_.Resize(block_of_.size() * kLevelBlock);
   tbb::parallel_for(size_t(0), free_.size(), [&](size_t i) {
     Copy(i < missing_.size() ? missing_[i] : kNone, free_[i]);
   });
+  drawn_ = copied_ = 0;
+  for (const uint32_t b : chosen) drawn_ += levels_.blocks[b].count;
+  for (const uint32_t b : missing_) {
+    copied_ += levels_.blocks[b].count;
+    has_slot_[b] = 1;
+  }
 }
 
 // kNone: nothing to be seen.

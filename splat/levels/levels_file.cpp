@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -23,19 +25,16 @@ constexpr uint64_t kAlignment = 64;
 struct LevelsHeader {
   char magic[8];
   uint32_t format, degree, basis, antialiased;
-  uint64_t blocks;
+  uint64_t gaussians;
 };
 struct StoredBlock {
-  LevelBlock block;
+  std::array<float, 3> least, most;
+  float coarseness;
   uint32_t crc;
 };
-static_assert(sizeof(LevelsHeader) == 32 && sizeof(StoredBlock) == 44);
+static_assert(sizeof(LevelsHeader) == 32 && sizeof(StoredBlock) == 32);
 
 uint64_t RoundedUp(uint64_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
-
-uint64_t TableBytes(uint64_t blocks) {
-  return sizeof(LevelsHeader) + blocks * sizeof(StoredBlock) + sizeof(uint32_t);
-}
 
 // A file in memory, for reading.
 class Mapping {
@@ -65,35 +64,13 @@ class Mapping {
   size_t size_ = 0;
 };
 
-// Blocks of a file, one by one: each a child of one other at most, which comes after it.
-class BlockCheck {
- public:
-  BlockCheck(const std::string& path, size_t blocks) : path_(path), has_parent_(blocks) {}
-
-  void Add(size_t index, const LevelBlock& b) {
-    const std::string name = "blocks[" + std::to_string(index) + "]";
-    if (b.count < 1 || b.count > kLevelBlock)
-      throw Error(
-          path_,
-          name + ".count",
-          "is " + std::to_string(b.count) + ", expected 1 to " + std::to_string(kLevelBlock));
-    if (b.children > 2 || uint64_t(b.first_child) + b.children > index)
-      throw Error(path_, name + ".children", "are not blocks before it");
-    for (uint32_t c = b.first_child; c < b.first_child + b.children; ++c) {
-      if (has_parent_[c]) throw Error(path_, name + ".children", "belong to another block");
-      has_parent_[c] = true;
-    }
-    bool sound = std::isfinite(b.coarseness) && b.coarseness >= 0;
-    for (size_t k = 0; k < 3; ++k)
-      sound =
-          sound && std::isfinite(b.least[k]) && std::isfinite(b.most[k]) && b.least[k] <= b.most[k];
-    if (!sound) throw Error(path_, name, "has no finite bounds");
-  }
-
- private:
-  const std::string& path_;
-  std::vector<bool> has_parent_;
-};
+bool HasFiniteBounds(const StoredBlock& b) {
+  bool finite = std::isfinite(b.coarseness) && b.coarseness >= 0;
+  for (size_t k = 0; k < 3; ++k)
+    finite =
+        finite && std::isfinite(b.least[k]) && std::isfinite(b.most[k]) && b.least[k] <= b.most[k];
+  return finite;
+}
 
 }  // namespace
 
@@ -104,20 +81,23 @@ bool IsLevelsFile(const std::string& path) {
 }
 
 void WriteLevels(const std::string& path, const SceneLevels& levels) {
+  if (levels.blocks.empty()) throw Error(path, "scene", "has no Gaussian that can be seen");
   LevelsHeader header = {};
   std::memcpy(header.magic, kLevelsMagic, sizeof kLevelsMagic);
   header.format = kLevelsFormat;
   header.degree = uint32_t(levels.layout.degree);
   header.basis = uint32_t(levels.layout.basis);
   header.antialiased = levels.layout.antialiased ? 1 : 0;
-  header.blocks = levels.blocks.size();
+  header.gaussians = levels.size();
   std::string table(reinterpret_cast<const char*>(&header), sizeof header);
   uint64_t floats = 0;
   for (size_t b = 0; b < levels.blocks.size(); ++b) {
-    const uint64_t of_block = levels.blocks[b].count * levels.width();
-    StoredBlock stored = {};
-    stored.block = levels.blocks[b];
-    stored.crc = Crc32(levels.ValuesOf(b), of_block * sizeof(float));
+    const LevelBlock& block = levels.blocks[b];
+    const uint64_t of_block = block.count * levels.width();
+    const StoredBlock stored{block.least,
+                             block.most,
+                             block.coarseness,
+                             Crc32(levels.ValuesOf(b), of_block * sizeof(float))};
     table.append(reinterpret_cast<const char*>(&stored), sizeof stored);
     floats += of_block;
   }
@@ -139,39 +119,51 @@ SceneLevels OpenLevels(const std::string& path) {
   if (std::memcmp(header.magic, kLevelsMagic, sizeof kLevelsMagic) != 0)
     throw Error(path, "file", "holds no levels of detail");
   if (header.format != kLevelsFormat)
-    throw Error(path, "format", "is " + std::to_string(header.format) + ", this program reads 1");
-  if (header.blocks < 1 || header.blocks > file->size() / sizeof(StoredBlock) ||
-      TableBytes(header.blocks) > file->size())
-    throw Error(path, "blocks", "do not fit into the file: " + std::to_string(header.blocks));
-  const uint64_t table = TableBytes(header.blocks) - sizeof(uint32_t);
-  uint32_t crc = 0;
-  std::memcpy(&crc, file->bytes() + table, sizeof crc);
-  if (crc != Crc32(file->bytes(), table)) throw Error(path, "blocks", "are damaged");
+    throw Error(path,
+                "format",
+                "is " + std::to_string(header.format) + ", this program reads " +
+                    std::to_string(kLevelsFormat));
   if (header.degree > uint32_t(kMaxTrainedDegree))
-    throw Error(path, "degree", "is " + std::to_string(header.degree) + ", expected 0 to 4");
+    throw Error(path,
+                "degree",
+                "is " + std::to_string(header.degree) + ", expected 0 to " +
+                    std::to_string(kMaxTrainedDegree));
   if (header.basis >= kBasisNames.size())
     throw Error(path, "basis", "is " + std::to_string(header.basis) + ", which is none");
+  if (header.antialiased > 1)
+    throw Error(
+        path, "antialiased", "is " + std::to_string(header.antialiased) + ", expected 0 or 1");
 
   SceneLevels levels;
   levels.layout.degree = int(header.degree);
   levels.layout.basis = Basis(header.basis);
-  levels.layout.antialiased = header.antialiased != 0;
-  BlockCheck check(path, header.blocks);
-  for (size_t b = 0; b < header.blocks; ++b) {
-    StoredBlock stored;
-    std::memcpy(&stored, file->bytes() + sizeof header + b * sizeof stored, sizeof stored);
-    check.Add(b, stored.block);
-    levels.blocks.push_back(stored.block);
-    levels.checksums.push_back(stored.crc);
-  }
-  levels.file = path;
-  const uint64_t begin = RoundedUp(TableBytes(header.blocks));
-  const uint64_t expected = begin + levels.FindOffsets() * sizeof(float);
+  levels.layout.antialiased = header.antialiased == 1;
+  if (header.gaussians < 1 || header.gaussians > file->size() / (levels.width() * sizeof(float)))
+    throw Error(path, "gaussians", "do not fit into the file: " + std::to_string(header.gaussians));
+  const uint64_t floats = levels.LayOut(header.gaussians);
+  const uint64_t table = sizeof header + levels.blocks.size() * sizeof(StoredBlock);
+  const uint64_t begin = RoundedUp(table + sizeof(uint32_t));
+  const uint64_t expected = begin + floats * sizeof(float);
   if (file->size() != expected)
     throw Error(
         path,
         "file",
         "has " + std::to_string(file->size()) + " bytes, expected " + std::to_string(expected));
+  uint32_t crc = 0;
+  std::memcpy(&crc, file->bytes() + table, sizeof crc);
+  if (crc != Crc32(file->bytes(), table)) throw Error(path, "blocks", "are damaged");
+  for (size_t b = 0; b < levels.blocks.size(); ++b) {
+    StoredBlock stored;
+    std::memcpy(&stored, file->bytes() + sizeof header + b * sizeof stored, sizeof stored);
+    if (!HasFiniteBounds(stored))
+      throw Error(path, "blocks[" + std::to_string(b) + "]", "has no finite bounds");
+    LevelBlock& block = levels.blocks[b];
+    block.least = stored.least;
+    block.most = stored.most;
+    block.coarseness = stored.coarseness;
+    levels.checksums.push_back(stored.crc);
+  }
+  levels.file = path;
   levels.values =
       std::shared_ptr<const float>(file, reinterpret_cast<const float*>(file->bytes() + begin));
   return levels;

@@ -1,9 +1,10 @@
 // Levels of detail as a file: made once, read as far as it is looked at.
 //
-// Layout, little-endian: kLevelsMagic; uint32 format, degree, basis, antialiased; uint64 number of
-// blocks; of each block its LevelBlock and the CRC-32 of its values; the CRC-32 of all that; zeros
-// up to a multiple of 64 bytes; the values (SceneLevels::values). The world frame is that of the
-// scene, the colours are 3DGS's SH as in other splat files.
+// Layout, little-endian: "COSPLOD\n"; uint32 format, degree, basis, antialiased; uint64 number of
+// Gaussians, from which the blocks follow (SceneLevels::LayOut); of each block, as floats, the
+// box's least and most corner and the coarseness, and the CRC-32 of its values; the CRC-32 of all
+// that; zeros up to a multiple of 64 bytes; the values (SceneLevels::values). The world frame is
+// that of the scene.
 #pragma once
 
 #include <string>
@@ -15,12 +16,13 @@ namespace cosplat {
 // By the first bytes; false if there is no such file.
 bool IsLevelsFile(const std::string& path);
 
-// Atomic. Throws Error if the file cannot be written.
+// Atomic. Throws Error if the file cannot be written or there is nothing to be seen.
 void WriteLevels(const std::string& path, const SceneLevels& levels);
 
 // Maps the file into memory: values are read when a block is first used, and its CheckValues finds
 // those that are damaged. The file must stay as it is; replacing it by another (WriteLevels does)
-// is no change. Throws Error naming the file and the field.
+// is no change, but shortening it ends the process (SIGBUS), as a disk that fails does. Throws
+// Error naming the file and the field.
 SceneLevels OpenLevels(const std::string& path);
 
 }  // namespace cosplat

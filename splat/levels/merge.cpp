@@ -74,7 +74,7 @@ void WriteShape(const Matrix3d& covariance, double coverage, const OneGaussian<f
 
 double Coverage(const OneGaussian<const float>& g) { return OpacityOf(g) * ShadowOf(ScaleOf(g)); }
 
-double MergeTwo(const OneGaussian<const float>& a,
+Merged MergeTwo(const OneGaussian<const float>& a,
                 const OneGaussian<const float>& b,
                 const size_t (&widths)[kAttributeCount],
                 const OneGaussian<float>& out) {
@@ -92,7 +92,7 @@ double MergeTwo(const OneGaussian<const float>& a,
       (1 - share) * CovarianceOf(a) + share * CovarianceOf(b) + between * apart * apart.transpose(),
       sum,
       out);
-  return between * apart.squaredNorm();
+  return {share, between * apart.squaredNorm()};
 }
 
 }  // namespace cosplat

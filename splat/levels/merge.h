@@ -1,5 +1,6 @@
 // One Gaussian in place of two: the same mean and covariance as the two together, weighted by how
-// much of the image they cover, and as much coverage. Source: Kerbl et al. 2024 (hierarchical
+// much of an image they cover, and as much coverage, unless it would be more opaque than kMaxAlpha.
+// Source: Kerbl et al. 2024 (hierarchical
 // 3DGS), section 4.1. Not differentiated: nothing is trained through it.
 #pragma once
 
@@ -18,9 +19,13 @@ struct OneGaussian {
 // Opacity times the mean area of its shadow: how much of an image it covers, world units^2.
 double Coverage(const OneGaussian<const float>& g);
 
-// `widths`: floats by Attribute; there are no corrections. Returns the squared distance between the
-// means' mean and the two, weighted as they are: what merging loses, world units^2.
-double MergeTwo(const OneGaussian<const float>& a,
+struct Merged {
+  double share;  // of the second in the sum
+  double lost;   // world units^2: mean square distance of the two means from theirs, by coverage
+};
+
+// `widths`: floats by Attribute; there are no corrections.
+Merged MergeTwo(const OneGaussian<const float>& a,
                 const OneGaussian<const float>& b,
                 const size_t (&widths)[kAttributeCount],
                 const OneGaussian<float>& out);

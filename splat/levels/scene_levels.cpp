@@ -11,15 +11,15 @@
 
 #include "splat/base/crc32.h"
 #include "splat/base/error.h"
+#include "splat/config.h"
 #include "splat/levels/merge.h"
+#include "splat/math/scalar.h"
 
 namespace cosplat {
 namespace {
 
 // Standard deviations at which the most opaque Gaussian falls below kMinAlpha, rounded up.
 constexpr float kReach = 3.34f;
-// World units: bounds stay finite.
-constexpr float kFar = 1e30f;
 
 struct Place {
   std::array<float, 3> at;
@@ -58,11 +58,15 @@ void SortIntoCells(Place* places, size_t count) {
   }
 }
 
-bool IsFinite(const Gaussians& g, size_t i) {
+bool IsRendered(const Gaussians& g, size_t i) {
   for (int a = 0; a < kAttributeCount; ++a)
     for (int k = 0; k < g.width(a); ++k)
       if (!std::isfinite(g.values[a][i * size_t(g.width(a)) + size_t(k)])) return false;
-  return true;
+  const float *p = g.at(kPosition, i), *s = g.at(kScaleLog, i), *q = g.at(kRotation, i);
+  return std::max({s[0], s[1], s[2]}) <= kMaxLevelScaleLog &&
+         std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}) <= kMaxLevelPosition &&
+         q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] > kMinQuaternionNorm2 &&
+         *g.at(kOpacityLogit, i) >= math::Logit(kMinAlpha);
 }
 
 // The order of level 0.
@@ -71,11 +75,13 @@ std::vector<Place> PlacesOf(const Gaussians& scene) {
   places.reserve(scene.size());
   for (size_t i = 0; i < scene.size(); ++i) {
     const float* p = scene.at(kPosition, i);
-    if (IsFinite(scene, i)) places.push_back({{p[0], p[1], p[2]}, uint32_t(i)});
+    if (IsRendered(scene, i)) places.push_back({{p[0], p[1], p[2]}, uint32_t(i)});
   }
   SortIntoCells(places.data(), places.size());
   return places;
 }
+
+size_t BlocksOf(size_t count) { return (count + kLevelBlock - 1) / kLevelBlock; }
 
 // Writes the levels one after the other into the values of a SceneLevels.
 class Builder {
@@ -107,28 +113,26 @@ class Builder {
         lost[i] = lost_[2 * i];
         return;
       }
-      const OneGaussian<const float> b = ConstAt(from, 2 * i + 1);
-      const double of_a = Coverage(a), of_b = Coverage(b);
-      const double share = of_a + of_b > 0 ? of_b / (of_a + of_b) : 0.5;
-      lost[i] = float(MergeTwo(a, b, widths_, out) + (1 - share) * double(lost_[2 * i]) +
-                      share * double(lost_[2 * i + 1]));
+      const Merged merged = MergeTwo(a, ConstAt(from, 2 * i + 1), widths_, out);
+      lost[i] = float(merged.lost + (1 - merged.share) * double(lost_[2 * i]) +
+                      merged.share * double(lost_[2 * i + 1]));
     });
     lost_ = std::move(lost);
     Describe(to, lost_.size());
     for (size_t b = to; b < to + BlocksOf(lost_.size()); ++b) {
       LevelBlock& block = levels_.blocks[b];
-      block.first_child = uint32_t(from + 2 * (b - to));
-      block.children = uint32_t(std::min<size_t>(2, to - block.first_child));
-      // A light Gaussian far from a heavy one may lie outside of what stands for both.
-      for (uint32_t c = block.first_child; c < block.first_child + block.children; ++c)
+      // A light Gaussian far from a heavy one may lie outside of what stands for both, and matter
+      // less to the mean.
+      for (uint32_t c = block.first_child; c < block.first_child + block.children; ++c) {
+        const LevelBlock& child = levels_.blocks[c];
+        block.coarseness = std::max(block.coarseness, child.coarseness);
         for (size_t k = 0; k < 3; ++k) {
-          block.least[k] = std::min(block.least[k], levels_.blocks[c].least[k]);
-          block.most[k] = std::max(block.most[k], levels_.blocks[c].most[k]);
+          block.least[k] = std::min(block.least[k], child.least[k]);
+          block.most[k] = std::max(block.most[k], child.most[k]);
         }
+      }
     }
   }
-
-  static size_t BlocksOf(size_t count) { return (count + kLevelBlock - 1) / kLevelBlock; }
 
  private:
   // Gaussian i of the level that begins with a block.
@@ -161,9 +165,8 @@ class Builder {
         const float* log_scale = g.values[kScaleLog];
         const float reach = kReach * std::exp(std::max({log_scale[0], log_scale[1], log_scale[2]}));
         for (size_t k = 0; k < 3; ++k) {
-          const float at = g.values[kPosition][k];
-          block.least[k] = std::min(block.least[k], std::max(at - reach, -kFar));
-          block.most[k] = std::max(block.most[k], std::min(at + reach, kFar));
+          block.least[k] = std::min(block.least[k], g.values[kPosition][k] - reach);
+          block.most[k] = std::max(block.most[k], g.values[kPosition][k] + reach);
         }
         const double weight = Coverage(g);
         lost += weight * double(lost_[i]);
@@ -215,12 +218,25 @@ Gaussians SceneLevels::Coarsest() const {
   return g;
 }
 
-uint64_t SceneLevels::FindOffsets() {
+uint64_t SceneLevels::LayOut(size_t gaussians) {
+  blocks.clear();
   offsets.clear();
   uint64_t at = 0;
-  for (const LevelBlock& block : blocks) {
-    offsets.push_back(at);
-    at += block.count * width();
+  size_t finer = 0;  // the first block of the finer level
+  for (size_t count = gaussians; count > 0; count = (count + 1) / 2) {
+    const size_t begin = blocks.size();
+    for (size_t row = 0; row < count; row += kLevelBlock) {
+      LevelBlock& block = blocks.emplace_back();
+      block.count = uint32_t(std::min(kLevelBlock, count - row));
+      if (begin > 0) {
+        block.first_child = uint32_t(finer + 2 * (row / kLevelBlock));
+        block.children = uint32_t(std::min<size_t>(2, begin - block.first_child));
+      }
+      offsets.push_back(at);
+      at += block.count * width();
+    }
+    finer = begin;
+    if (count <= kLevelBlock) break;
   }
   return at;
 }
@@ -234,17 +250,12 @@ SceneLevels BuildLevels(Gaussians scene) {
   levels.layout.antialiased = scene.antialiased;
   const std::vector<Place> places = PlacesOf(scene);
   if (places.empty()) return levels;
-  for (size_t count = places.size();; count = (count + 1) / 2) {
-    for (size_t at = 0; at < count; at += kLevelBlock)
-      levels.blocks.push_back({.count = uint32_t(std::min(kLevelBlock, count - at))});
-    if (count <= kLevelBlock) break;
-  }
-  const std::shared_ptr<float[]> values(new float[levels.FindOffsets()]);
+  const std::shared_ptr<float[]> values(new float[levels.LayOut(places.size())]);
   Builder builder(levels, values.get());
   builder.CopyFinest(scene, places);
   scene = {};
   for (size_t from = 0, count = places.size(); count > kLevelBlock; count = (count + 1) / 2) {
-    const size_t to = from + Builder::BlocksOf(count);
+    const size_t to = from + BlocksOf(count);
     builder.Halve(from, count, to);
     from = to;
   }

@@ -21,12 +21,14 @@
 namespace cosplat {
 
 constexpr size_t kLevelBlock = 1024;
+// Logarithm of world units, and world units: squares of both stay finite.
+constexpr float kMaxLevelScaleLog = 40, kMaxLevelPosition = 1e18f;
 
 struct LevelBlock {
   // The box of all that is drawn of the block's Gaussians, world units.
   std::array<float, 3> least{}, most{};
   // World units: how far the scene's Gaussians are from those that stand for them here, root of the
-  // mean square. 0 at level 0.
+  // mean square; not less than that of a child. 0 at level 0.
   float coarseness = 0;
   uint32_t count = 0;        // Gaussians, 1 to kLevelBlock
   uint32_t first_child = 0;  // index of the block; its children follow each other
@@ -52,12 +54,15 @@ struct SceneLevels {
   // The Gaussians that stand for all, at most kLevelBlock.
   Gaussians Coarsest() const;
 
-  // Sets `offsets` from the blocks' counts and returns the number of floats of all.
-  uint64_t FindOffsets();
+  // Sets counts, children and offsets of the blocks of a scene of so many Gaussians, which follow
+  // from their number and the layout alone, and returns the number of floats of all levels.
+  uint64_t LayOut(size_t gaussians);
 };
 
 // Takes twice the memory of the scene, which it frees before the coarser levels are made. Gaussians
-// with non-finite parameters are left out, as they are not rendered; an empty scene has no blocks.
+// that are never rendered are left out: with non-finite parameters, an opacity below kMinAlpha, no
+// rotation, or standard deviations beyond kMaxLevelScaleLog; and those farther out than
+// kMaxLevelPosition. An empty scene has no blocks.
 // The same result for any number of threads. Throws Error if the Gaussians have individual
 // smoothing (BakeSmoothing).
 SceneLevels BuildLevels(Gaussians scene);

@@ -41,16 +41,33 @@ std::string Written(const char* name, const std::function<void(const std::string
   return Slurped(folder / name);
 }
 
-// The checksum of the blocks' table is made right, so that changes of the table are read.
-std::string LevelsProblem(const std::string& folder, std::string bytes) {
-  constexpr size_t kHeader = 32, kBlock = 44;
-  uint64_t blocks = 0;
-  if (bytes.size() >= kHeader) std::memcpy(&blocks, bytes.data() + kHeader - 8, sizeof blocks);
-  if (blocks < bytes.size() / kBlock && kHeader + blocks * kBlock + 4 <= bytes.size()) {
-    const uint32_t crc = Crc32(bytes.data(), kHeader + blocks * kBlock);
-    std::memcpy(bytes.data() + kHeader + blocks * kBlock, &crc, sizeof crc);
-    WriteFileAtomically(folder + "/a.levels", bytes);
+// The checksums are made right, so that what they are of is read.
+void MendLevels(std::string& bytes) {
+  constexpr size_t kHeader = 32, kBlock = 32;
+  if (bytes.size() < kHeader) return;
+  uint32_t degree = 0;
+  uint64_t gaussians = 0;
+  std::memcpy(&degree, bytes.data() + 12, sizeof degree);
+  std::memcpy(&gaussians, bytes.data() + kHeader - sizeof gaussians, sizeof gaussians);
+  SceneLevels levels;
+  levels.layout.degree = int(std::min(degree, 4u));
+  if (gaussians > bytes.size() / (levels.width() * sizeof(float))) return;
+  const uint64_t floats = levels.LayOut(gaussians);
+  const size_t table = kHeader + levels.blocks.size() * kBlock;
+  const size_t begin = (table + 4 + 63) / 64 * 64;
+  if (bytes.size() < begin + floats * sizeof(float)) return;
+  for (size_t b = 0; b < levels.blocks.size(); ++b) {
+    const uint32_t crc = Crc32(bytes.data() + begin + levels.offsets[b] * sizeof(float),
+                               levels.blocks[b].count * levels.width() * sizeof(float));
+    std::memcpy(bytes.data() + kHeader + (b + 1) * kBlock - sizeof crc, &crc, sizeof crc);
   }
+  const uint32_t crc = Crc32(bytes.data(), table);
+  std::memcpy(bytes.data() + table, &crc, sizeof crc);
+}
+
+std::string LevelsProblem(const std::string& folder, std::string bytes) {
+  MendLevels(bytes);
+  WriteFileAtomically(folder + "/a.levels", bytes);
   LevelRenderer renderer(OpenLevels(folder + "/a.levels"));
   Camera camera;
   camera.width = camera.height = 8;
@@ -58,8 +75,21 @@ std::string LevelsProblem(const std::string& folder, std::string bytes) {
   camera.cx = camera.cy = 4;
   camera.translation = {0, 0, 3};
   RenderedImage image;
-  renderer.Draw(camera, {{0, 0, 0}, renderer.levels().layout.degree}, {}, image);
-  return NotFinite(image.color);
+  for (const LevelLimits& limits : {LevelLimits{0}, LevelLimits{0, 1}}) {
+    renderer.Draw(camera, {{0, 0, 0}, renderer.levels().layout.degree}, limits, image);
+    if (const std::string problem = NotFinite(image.color); !problem.empty()) return problem;
+  }
+  return "";
+}
+
+Strings LevelsSeeds() {
+  Gaussians antialiased = RandomGaussians(1100, 1, Basis::kSh, 2);
+  antialiased.antialiased = true;
+  Strings seeds;
+  for (const Gaussians& g : {RandomGaussians(1500, 0, Basis::kSh, 1), antialiased})
+    seeds.push_back(
+        Written("a.levels", [&](const std::string& path) { WriteLevels(path, BuildLevels(g)); }));
+  return seeds;
 }
 
 FuzzedReader SplatFile(const char* name,
@@ -184,16 +214,8 @@ std::vector<FuzzedReader> SplatReaders() {
       sog,
       Placing::kZip));
   readers.push_back(SplatFile("splat", "a.splat", RecordSeeds, {}));
-  readers.push_back({"levels",
-                     Placing::kFiles,
-                     {"a.levels"},
-                     LevelsProblem,
-                     [] {
-                       return Strings{Written("a.levels", [](const std::string& path) {
-                         WriteLevels(path, BuildLevels(RandomGaussians(1500, 0, Basis::kSh, 1)));
-                       })};
-                     },
-                     {"COSPLOD\n"}});
+  readers.push_back(
+      {"levels", Placing::kFiles, {"a.levels"}, LevelsProblem, LevelsSeeds, {"COSPLOD\n"}});
   readers.push_back(SplatFile(
       "glb", "a.glb", [] { return Strings{SceneGlb()}; }, glb));
   readers.push_back(SplatFile(

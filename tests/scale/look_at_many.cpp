@@ -126,14 +126,14 @@ void LookAtMany(const std::string& file, int copies) {
   std::printf("| limit | images/s | slowest | Gaussians | copied per image | PSNR |\n");
   std::printf("|---|---|---|---|---|---|\n");
   for (const double limit : {20.0, 40.0, 60.0, 500.0, 1e9}) {
-    FrameBudget budget;
+    FrameBudget budget(limit);
     double moving = 0, slowest = 0, psnr = 0;
     size_t drawn = 0, copied = 0;
     RenderedImage image;
     for (int i = 0; i < kImages; ++i) {
       const Camera camera = CameraAt(crowd, TimeOf(i));
       LevelLimits limits;
-      if (limit < 1e9) limits.most = budget.Most(limit);
+      if (limit < 1e9) limits.most = budget.most();
       const double begun = Now();
       renderer.Draw(camera, settings, limits, image);
       const double took = Now() - begun;
