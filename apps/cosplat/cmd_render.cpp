@@ -215,6 +215,8 @@ void RenderFaces(const RenderOptions& o,
                  const FlameModel& flame,
                  Player& player) {
   const FlameParams rest = ReferenceRoot(run);
+  std::vector<FlameParams> faces = o.random > 0 ? RandomFaces(o.random, rest, flame)
+                                                : DrivenFaces(o, rest, flame, player.avatar());
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   // As hosts do: another head's motion may go where this one was never seen. Files that do not say
   // what training showed are those of other programs, whose heads are played as they are.
@@ -223,8 +225,7 @@ void RenderFaces(const RenderOptions& o,
   const SoftRange range(coefficients, trained);
   std::vector<PlaybackFrame> frames;
   size_t softened = 0;
-  for (FlameParams& face : o.random > 0 ? RandomFaces(o.random, rest, flame)
-                                        : DrivenFaces(o, rest, flame, player.avatar())) {
+  for (FlameParams& face : faces) {
     face.expression.resize(coefficients, 0.0f);
     if (trained) softened += range.Bring(face);
     frames.push_back({std::move(face), camera, BackgroundOf(run)});

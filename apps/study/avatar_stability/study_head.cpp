@@ -76,6 +76,7 @@ float LargestScale(const PosedGaussians& posed, size_t i) {
 BoundBothWays::BoundBothWays(const AvatarModel& avatar, float unit) : surface_(avatar.mesh) {
   naive.model = ours.model = avatar;
   naive.model.embedding.released = ReleasedRule{unit};
+  naive.model.light.reset();  // which that rule does not have
   Pose(avatar.mesh.vertices);
 }
 
