@@ -1,9 +1,9 @@
-// cosplat_look_at_many SPLATS COPIES: how fast and how well a scene of millions of
+// cosplat_look_at_many SPLATS COPIES [FOLDER]: how fast and how well a scene of millions of
 // Gaussians is looked at. Stands COPIES of a file of splats (-y up) on a square, makes levels of
 // detail of them, and flies from far outside to their middle, at 1920 x 1080. Prints, for limits on
 // the time of an image and for none: images per second while moving, the slowest of them, Gaussians
-// per image, and PSNR against all Gaussians. Writes many_near.png, many_far.png and
-// many_far_all.png into the current folder.
+// per image, and PSNR against all Gaussians. Writes the first and the last image at 60 ms and the
+// first one of all Gaussians into FOLDER.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -101,7 +101,10 @@ Camera CameraAt(const Crowd& crowd, float t) {
 
 float TimeOf(int image) { return float(image) / float(kImages - 1); }
 
-void LookAtMany(const std::string& file, int copies) {
+void LookAtMany(const std::string& file, int copies, const std::string& folder) {
+  const auto keep = [&](const char* name, const RenderedImage& image) {
+    if (!folder.empty()) WriteImage(folder + name, ToBytes(image.ToImage()));
+  };
   Crowd crowd = StandOnASquare(ReadSplats(file), copies);
   const RenderSettings settings{{1, 1, 1}, crowd.scene.degree};
   std::printf("%zu Gaussians\n", crowd.scene.size());
@@ -118,7 +121,7 @@ void LookAtMany(const std::string& file, int copies) {
       seconds += Now() - start;
     }
   }
-  WriteImage("many_far_all.png", ToBytes(all[0].ToImage()));
+  keep("/far_all.png", all[0]);
   std::printf("all of them: %.2f images/s\n", kCompared / seconds);
   const double start = Now();
   LevelRenderer renderer(BuildLevels(std::move(crowd.scene)));
@@ -145,9 +148,9 @@ void LookAtMany(const std::string& file, int copies) {
       for (int k = 0; k < kCompared; ++k)
         if (k * (kImages - 1) / (kCompared - 1) == i)
           psnr += Psnr(image.color, all[size_t(k)].color) / kCompared;
-      if (limit == 60 && i == 0) WriteImage("many_far.png", ToBytes(image.ToImage()));
+      if (limit == 60 && i == 0) keep("/far.png", image);
     }
-    if (limit == 60) WriteImage("many_near.png", ToBytes(image.ToImage()));
+    if (limit == 60) keep("/near.png", image);
     std::printf(limit < 1e9 ? "| %.0f ms " : "| none ", limit);
     std::printf("| %.1f | %.0f ms | %zu | %zu | %.2f dB |\n",
                 kImages / moving,
@@ -163,12 +166,12 @@ void LookAtMany(const std::string& file, int copies) {
 }  // namespace cosplat
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: cosplat_look_at_many SPLATS COPIES\n");
+  if (argc < 3 || argc > 4) {
+    std::fprintf(stderr, "usage: cosplat_look_at_many SPLATS COPIES [FOLDER]\n");
     return 2;
   }
   try {
-    cosplat::LookAtMany(argv[1], std::max(1, std::atoi(argv[2])));
+    cosplat::LookAtMany(argv[1], std::max(1, std::atoi(argv[2])), argc > 3 ? argv[3] : "");
   } catch (const std::exception& problem) {
     std::fprintf(stderr, "cosplat_look_at_many: %s\n", problem.what());
     return 1;
