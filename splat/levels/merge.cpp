@@ -23,10 +23,6 @@ Vector3d ScaleOf(const OneGaussian<const float>& g) {
   return {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))};
 }
 
-double OpacityOf(const OneGaussian<const float>& g) {
-  return 1 / (1 + std::exp(-double(*g.values[kOpacityLogit])));
-}
-
 // Mean area of an ellipsoid's shadow over all directions but for a factor, to a few percent: of the
 // three boxes' faces.
 double ShadowOf(const Vector3d& scale) {
@@ -72,7 +68,9 @@ void WriteShape(const Matrix3d& covariance, double coverage, const OneGaussian<f
 
 }  // namespace
 
-double Coverage(const OneGaussian<const float>& g) { return OpacityOf(g) * ShadowOf(ScaleOf(g)); }
+double Coverage(const OneGaussian<const float>& g) {
+  return math::Sigmoid(double(*g.values[kOpacityLogit])) * ShadowOf(ScaleOf(g));
+}
 
 Merged MergeTwo(const OneGaussian<const float>& a,
                 const OneGaussian<const float>& b,
