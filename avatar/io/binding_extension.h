@@ -12,8 +12,9 @@
 namespace cosplat {
 
 inline constexpr const char* kBindingExtension = "COSPLAT_mesh_binding";
-// The newest version. An avatar is written in the oldest that has all its fields: 4 with a light, 3
-// with corrections or a bust that follows the head, 2 with a rule or a canonical frame, else 1.
+// The newest version. An avatar is written in the oldest that has all its fields: 4 with a light
+// or corrections, 3 with a bust that follows the head, added teeth or eyelids, 2 with a rule or a
+// canonical frame, else 1.
 constexpr int kBindingVersion = 4;
 inline constexpr const char* kReleasedRule = "splatting-avatar-released";
 inline constexpr const char* kRigidRule = "gaussian-avatars";

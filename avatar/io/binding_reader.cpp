@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "avatar/io/binding_extension.h"
@@ -105,6 +106,22 @@ void ReadBustFollow(const JsonField& field, BustFollow& follow) {
   CheckRange(field["most"], follow.least, follow.most);
 }
 
+// Bases of N Gaussians in steps: 14 numbers of a basis have a step each.
+Buffer<float> ReadSteps(const GlbDocument& document, const JsonField& field, size_t expected) {
+  const std::vector<float> step = field["step"].Numbers(math::kCorrectionWidth);
+  const std::vector<int16_t> steps =
+      ReadShorts(document, field["bases"].Integer(), field["bases"].path());
+  CheckCount(field["bases"], steps.size(), expected);
+  Buffer<float> bases(expected);
+  for (size_t i = 0; i < expected; ++i) {
+    const size_t k = i % step.size();
+    bases[i] = float(steps[i]) * step[k];
+    if (!std::isfinite(bases[i]))
+      Fail(field["step"][k], "is " + std::to_string(step[k]) + ", too large");
+  }
+  return bases;
+}
+
 // After the embedding has been read.
 void ReadCorrections(const GlbDocument& document, const JsonField& field, AvatarModel& model) {
   CorrectionMap& map = model.correction_map;
@@ -119,9 +136,13 @@ void ReadCorrections(const GlbDocument& document, const JsonField& field, Avatar
     Fail(field["mean"],
          "has " + std::to_string(map.mean.size()) + " numbers, expected at least " +
              std::to_string(kMinCorrectionInputs));
-  const size_t width = size_t(model.gaussians.width(kCorrection));
-  model.gaussians.values[kCorrection] =
-      Floats(document, field["bases"], 1, width * model.embedding.triangle.size());
+  const size_t expected =
+      size_t(model.gaussians.width(kCorrection)) * model.embedding.triangle.size();
+  Buffer<float>& bases = model.gaussians.values[kCorrection];
+  if (field.Has("step"))  // since version 4
+    bases = ReadSteps(document, field, expected);
+  else
+    bases = Floats(document, field["bases"], 1, expected);
 }
 
 void ReadLight(const JsonField& field, AvatarModel& model) {

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 
 #include "avatar/io/binding_extension.h"
+#include "avatar/math/correct.h"
 #include "flame/eyelids.h"
 #include "flame/mouth.h"
 #include "flame/vhap_teeth.h"
@@ -8,6 +10,10 @@
 
 namespace cosplat {
 namespace {
+
+// Of a basis's numbers, as steps of 16 bits; below the least, they change nothing that is seen.
+constexpr float kMostSteps = 32767;
+constexpr float kLeastCorrection = 1e-9f;
 
 int AddArray(GlbDocument& document, View<const float> values, int width) {
   return AddFloats(document, values, width, GlbUse::kData);
@@ -74,8 +80,30 @@ void AddVersion2(const AvatarModel& model, Json& binding) {
   }
 }
 
+// The bases as multiples of a step for each of a basis's 14 numbers: half the bytes of floats.
+// Steps are powers of two, so that an avatar that is read and written again stays the same.
+Json CorrectionsOf(GlbDocument& document, const AvatarModel& model) {
+  const CorrectionMap& map = model.correction_map;
+  const Buffer<float>& bases = model.gaussians.values[kCorrection];
+  std::array<float, math::kCorrectionWidth> step{};
+  for (size_t i = 0; i < bases.size(); ++i)
+    step[i % step.size()] = std::max(step[i % step.size()], std::abs(bases[i]));
+  for (float& s : step)
+    s = std::exp2(std::ceil(std::log2(std::max(s, kLeastCorrection) / kMostSteps)));
+  std::vector<int16_t> steps(bases.size());
+  for (size_t i = 0; i < bases.size(); ++i)
+    steps[i] = int16_t(std::lround(bases[i] / step[i % step.size()]));
+  return {{"count", model.gaussians.corrections},
+          {"mean", Numbers(map.mean)},
+          {"matrix", Numbers(map.matrix)},
+          {"least", Numbers(map.least)},
+          {"most", Numbers(map.most)},
+          {"step", Numbers(step)},
+          {"bases", AddShorts(document, steps, GlbUse::kData)}};
+}
+
 // Adds the fields that version 2 lacks.
-void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding) {
+void AddVersion3(const AvatarModel& model, Json& binding) {
   if (model.bust && model.bust->follow) {
     const BustFollow& follow = *model.bust->follow;
     binding["bust"]["follow"] = {{"headMean", Numbers(follow.head_mean)},
@@ -84,14 +112,6 @@ void AddVersion3(GlbDocument& document, const AvatarModel& model, Json& binding)
                                  {"least", Numbers(follow.least)},
                                  {"most", Numbers(follow.most)}};
   }
-  if (model.gaussians.corrections == 0) return;
-  const CorrectionMap& map = model.correction_map;
-  binding["corrections"] = {{"count", model.gaussians.corrections},
-                            {"mean", Numbers(map.mean)},
-                            {"matrix", Numbers(map.matrix)},
-                            {"least", Numbers(map.least)},
-                            {"most", Numbers(map.most)},
-                            {"bases", AddArray(document, model.gaussians.values[kCorrection], 1)}};
 }
 
 // Readers that do not know the field play the avatar as well, so that it needs no newer version.
@@ -110,9 +130,9 @@ Json BlendshapesOf(GlbDocument& document, const BlendshapeMap& map) {
 }
 
 int VersionOf(const AvatarModel& model) {
-  if (model.light) return 4;
-  if (model.gaussians.corrections > 0 || (model.bust && model.bust->follow) || model.has_mouth ||
-      model.has_vhap_teeth || model.has_eyelids)
+  if (model.light || model.gaussians.corrections > 0) return 4;
+  if ((model.bust && model.bust->follow) || model.has_mouth || model.has_vhap_teeth ||
+      model.has_eyelids)
     return 3;
   const Embedding& embedding = model.embedding;
   return embedding.released || embedding.rigid || model.canonical_frame ? 2 : 1;
@@ -157,7 +177,8 @@ Json AddBinding(GlbDocument& document,
   if (model.bust)
     binding["bust"] = {{"rotation", Numbers(model.bust->rotation)},
                        {"translation", Numbers(model.bust->translation)}};
-  AddVersion3(document, model, binding);
+  AddVersion3(model, binding);
+  if (model.gaussians.corrections > 0) binding["corrections"] = CorrectionsOf(document, model);
   if (model.light) binding["light"] = Numbers(*model.light);
   if (model.trained_range)
     binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},

@@ -11,22 +11,22 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as glTF has them");
 
-int AddValues(GlbDocument& document,
-              const void* values,
-              size_t numbers,
-              const GlbAccessor& accessor) {
+// Begins at a multiple of 4 bytes, which the largest component type needs.
+template <class T>
+int AddValues(GlbDocument& document, View<const T> values, const GlbAccessor& accessor) {
+  const size_t numbers = values.size();
   if (numbers == 0 || numbers % accessor.width != 0)
     throw Error(document.path,
                 "accessors[" + std::to_string(document.accessors.size()) + "]",
                 "has " + std::to_string(numbers) + " numbers, expected a positive multiple of " +
                     std::to_string(accessor.width));
-  constexpr size_t kBytes = 4;  // size of both component types
+  document.binary.resize((document.binary.size() + 3) / 4 * 4);
   GlbAccessor added = accessor;
   added.count = numbers / accessor.width;
   added.offset = document.binary.size();
-  added.stride = kBytes * accessor.width;
-  const auto* bytes = static_cast<const unsigned char*>(values);
-  document.binary.insert(document.binary.end(), bytes, bytes + kBytes * numbers);
+  added.stride = sizeof(T) * accessor.width;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data);
+  document.binary.insert(document.binary.end(), bytes, bytes + sizeof(T) * numbers);
   document.accessors.push_back(added);
   return int(document.accessors.size()) - 1;
 }
@@ -63,11 +63,15 @@ std::vector<T> Copy(const GlbDocument& document, const GlbAccessor& accessor) {
 }  // namespace
 
 int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use) {
-  return AddValues(document, values.data, values.size(), {kGlbFloat, width, 0, 0, 0, use});
+  return AddValues(document, values, {kGlbFloat, width, 0, 0, 0, use});
+}
+
+int AddShorts(GlbDocument& document, View<const int16_t> values, GlbUse use) {
+  return AddValues(document, values, {kGlbInt16, 1, 0, 0, 0, use});
 }
 
 int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use) {
-  return AddValues(document, values.data, values.size(), {kGlbUint32, 1, 0, 0, 0, use});
+  return AddValues(document, values, {kGlbUint32, 1, 0, 0, 0, use});
 }
 
 std::vector<float> ReadFloats(const GlbDocument& document,
@@ -82,6 +86,12 @@ std::vector<float> ReadFloats(const GlbDocument& document,
                   "element " + std::to_string(i / width) + " is not finite (" +
                       std::to_string(values[i]) + ")");
   return values;
+}
+
+std::vector<int16_t> ReadShorts(const GlbDocument& document,
+                                int accessor,
+                                const std::string& field) {
+  return Copy<int16_t>(document, Find(document, accessor, kGlbInt16, 1, field));
 }
 
 std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,

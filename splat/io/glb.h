@@ -1,8 +1,8 @@
 // Binary glTF 2.0 files, to the extent that splats and meshes need: accessors over one binary
 // chunk, meshes, and extensions as JSON.
 //
-// writer: AddFloats, AddUnsigned -> GlbDocument -> WriteGlb;
-// reader: ReadGlb -> GlbDocument -> ReadFloats, ReadUnsigned.
+// writer: AddFloats, AddShorts, AddUnsigned -> GlbDocument -> WriteGlb;
+// reader: ReadGlb -> GlbDocument -> ReadFloats, ReadShorts, ReadUnsigned.
 // The bytes go through tinygltf (only glb_tinygltf.cpp includes it); since tinygltf validates
 // nothing, CheckGlb runs first.
 // Source: Khronos, glTF 2.0 specification, sections 3.6 (accessors) and 4 (GLB).
@@ -19,7 +19,7 @@
 namespace cosplat {
 
 // Numeric values of the glTF specification.
-enum GlbComponent { kGlbUint32 = 5125, kGlbFloat = 5126 };
+enum GlbComponent { kGlbInt16 = 5122, kGlbUint32 = 5125, kGlbFloat = 5126 };
 enum GlbMode { kGlbPoints = 0, kGlbTriangles = 4 };
 
 // What an accessor is for. Positions get bounds; indices and attributes get a buffer view target.
@@ -66,6 +66,7 @@ struct GlbDocument {
 // Append values, tightly packed, and return the accessor's index. values: [count, width]. Throws
 // Error if count is 0, since an accessor cannot be empty.
 int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use);
+int AddShorts(GlbDocument& document, View<const int16_t> values, GlbUse use);
 int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use);
 
 // [count, width] of an accessor; `field` names the reference to it in errors. Throws Error if there
@@ -74,6 +75,9 @@ std::vector<float> ReadFloats(const GlbDocument& document,
                               int accessor,
                               int width,
                               const std::string& field);
+std::vector<int16_t> ReadShorts(const GlbDocument& document,
+                                int accessor,
+                                const std::string& field);
 std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
                                    int accessor,
                                    const std::string& field);

@@ -66,7 +66,7 @@ void PackGroups(View<const uint32_t> header,
     for (size_t a = 0; a < arrays.size(); ++a) {
       const size_t width = arrays[a].width;
       float* to = packed.arrays[a].data + k * kGaussianGroup * width;
-      std::memcpy(to, arrays[a].data + row * width, rows * width * sizeof(float));
+      std::copy_n(arrays[a].data + row * width, rows * width, to);
       std::fill(to + rows * width, to + kGaussianGroup * width, 0.0f);
     }
   });

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <cstring>
 #include <limits>
 
 #include "apps/study/avatar_stability/painted_avatar.h"
@@ -13,6 +12,7 @@
 #include "splat/base/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/restless_params.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat::test {
 namespace {
@@ -38,11 +38,8 @@ PlaybackFrame FrameAt(int i) {
 }
 
 bool SameImage(const RenderedImage& a, const RenderedImage& b) {
-  const auto same = [](const Buffer<float>& x, const Buffer<float>& y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), 4 * x.size()) == 0;
-  };
-  return a.width == b.width && a.height == b.height && same(a.color, b.color) &&
-         same(a.transmittance, b.transmittance);
+  return a.width == b.width && a.height == b.height && SameBits(a.color, b.color) &&
+         SameBits(a.transmittance, b.transmittance);
 }
 
 RenderedImage FreshImage(const PlaybackFrame& f, PlayerSettings settings = {}) {

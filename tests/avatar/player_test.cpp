@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "avatar/surface/silhouette.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat::test {
 namespace {
@@ -44,10 +44,6 @@ double MeanAlpha(const RenderedImage& image) {
   double sum = 0;
   for (const float t : image.transmittance) sum += 1 - t;
   return sum / double(image.transmittance.size());
-}
-
-bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 // Posed Gaussians of the trained avatar, as the player binds them.

@@ -6,7 +6,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <random>
 
@@ -16,14 +15,10 @@
 #include "tests/avatar/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat::test {
 namespace {
-
-bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
-}
 
 // Measured: 37.6 dB.
 TEST(AvatarTrainer, OverfitsItsFrames) {

@@ -1,6 +1,6 @@
 // What libcosplat.so costs a host, through its C interface alone: the made head with 100
 // expressions under 20,000 Gaussians of degree 3 (soak: 5,000), every parameter different in every
-// frame.
+// frame. Latency also with a light and eight corrections.
 //   cosplat_bench_plugin [PART...]
 // Parts: open, latency, memory, many, soak (docs/plugin.md, "What it costs"); all if none is given.
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/plugin/cosplat.h"
 #include "flame/io/model_file.h"
+#include "tests/avatar/with_corrections.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/soak.h"
 #include "tests/support/temporary_folder.h"
@@ -46,11 +47,15 @@ struct Files {
   std::string avatar = folder / "avatar.glb", flame = folder / "head.npz";
   FlameModel model;
 
-  explicit Files(size_t gaussians = kGaussians) {
+  explicit Files(size_t gaussians = kGaussians, bool lit_and_corrected = false) {
     ProceduralHead head = BenchHead();
     WriteFlameModelNpz(flame, head.model);
     model = LoadFlameModel(flame);
     AvatarModel painted = PaintedAvatar(head, gaussians, 3);
+    if (lit_and_corrected) {
+      painted.light.emplace().fill(0.05f);
+      painted = test::WithCorrections(std::move(painted), model, 8);
+    }
     painted.flame_name = model.name;
     painted.flame_sha256 = model.sha256;
     WriteAvatarGlb(avatar, painted, nullptr);
@@ -124,7 +129,7 @@ void Open(const Files& files) {
               first);
 }
 
-void Latency(const Files& files) {
+void PrintLatency(const char* kind, const Files& files) {
   constexpr int kFrames = 10000, kFewer = 500;
   Show show(files);
   std::vector<float> times, again, deep;
@@ -133,16 +138,23 @@ void Latency(const Files& files) {
   Show deep_show(files, true);
   for (int f = 0; f < kFewer; ++f) deep.push_back(deep_show.TimedDraw(f));
   std::printf(
-      "parameters to pixels, %d frames of %ux%u: median %.1f ms, 99 %% %.1f, slowest %.1f\n",
+      "%s: parameters to pixels, %d frames of %ux%u: median %.1f ms, 99 %% %.1f, slowest %.1f\n",
+      kind,
       kFrames,
       kSide,
       kSide,
       Quantile(times, 0.5),
       Quantile(times, 0.99),
       Quantile(times, 1));
-  std::printf("with depth: median %.1f ms; the same frame again: %.1f ms\n",
+  std::printf("%s: with depth: median %.1f ms; the same frame again: %.1f ms\n",
+              kind,
               Quantile(deep, 0.5),
               Quantile(again, 0.5));
+}
+
+void Latency(const Files& files) {
+  PrintLatency("plain", files);
+  PrintLatency("light and corrections", Files(kGaussians, true));
 }
 
 void Memory(const Files& files) {

@@ -1,16 +1,17 @@
 // The device's rasteriser against the CPU's: images, gradients, contributions.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "splat/base/rng.h"
 #include "splat/render/cuda/rasterizer.h"
 #include "splat/render/rasterizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat {
 namespace {
+
+using test::SameBits;
 
 using cuda::SumOrder;
 using test::ParityCase;
@@ -95,10 +96,6 @@ void ExpectParity(SumOrder order) {
 
 TEST_F(RasterizerParity, InAnyOrder) { ExpectParity(SumOrder::kAny); }
 TEST_F(RasterizerParity, InAFixedOrder) { ExpectParity(SumOrder::kFixed); }
-
-bool SameBits(View<const float> a, View<const float> b) {
-  return a.size() == b.size() && std::memcmp(a.data, b.data, a.size() * sizeof(float)) == 0;
-}
 
 // Another order of blocks and threads, each time: by nature on a device, drawn where it is
 // emulated.

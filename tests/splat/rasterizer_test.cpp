@@ -15,9 +15,12 @@
 #include "splat/math/pinhole.h"
 #include "splat/render/kernels/project.h"
 #include "splat/render/view_splats.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat {
 namespace {
+
+using test::SameBits;
 
 Camera TestCamera(int width, int height) {
   Camera c;
@@ -246,10 +249,6 @@ TEST(Rasterizer, BakedSmoothingShowsTheSameImage) {
     flips += error > 2e-5f;
   }
   EXPECT_LT(flips, int(baked.image.color.size() / 200));
-}
-
-bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 TEST(Rasterizer, BitsDoNotDependOnThreads) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "splat/base/image_io.h"
@@ -11,6 +10,7 @@
 #include "splat/train/initialize.h"
 #include "splat/train/trainer.h"
 #include "tests/support/looking_at.h"
+#include "tests/support/same_bits.h"
 
 namespace cosplat::test {
 
@@ -129,9 +129,6 @@ inline double MeanPsnr(const Gaussians& g, const std::vector<TrainFrame>& frames
   return sum / double(frames.size());
 }
 
-inline bool SameBits(const Buffer<float>& a, const Buffer<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
 inline bool SameBits(const Gaussians& a, const Gaussians& b) {
   for (int i = 0; i < kAttributeCount; ++i)
     if (!SameBits(a.values[i], b.values[i])) return false;
