@@ -46,7 +46,7 @@ void Evaluate(const AvatarOptions& o,
 }
 
 DataSplit SplitOf(const AvatarOptions& o) {
-  return {o.resolution, o.eval, o.fold, o.test_frames, o.fold_by_turn};
+  return {o.resolution, o.eval, o.fold, o.test_frames, o.fold_by_turn, o.focal_scale};
 }
 
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {

@@ -80,7 +80,7 @@ PointsOnFlame::PointsOnFlame(const FlameModel& model,
       for (size_t i = 0; i < 3; ++i) {
         rest_joints_[3 * j + i] += w * model.template_vertices[3 * v + i];
         shape_and_expression(3 * v + i, at.data());
-        AddScaled(w, at.data(), blends, &joint_directions_[(3 * j + i) * blends]);
+        AddScaled(w, at.data(), blends, joint_directions_.data() + (3 * j + i) * blends);
       }
     }
 }
@@ -96,7 +96,7 @@ void PointsOnFlame::Pose(const double* shape, const double* frame, Tape& tape) c
     for (size_t i = 0; i < 3; ++i)
       tape.joints[j][i] =
           rest_joints_[3 * j + i] +
-          DotOf(&joint_directions_[(3 * j + i) * blends], coefficients.data(), blends);
+          DotOf(joint_directions_.data() + (3 * j + i) * blends, coefficients.data(), blends);
     for (size_t i = 0; j > 0 && i < 9; ++i)
       coefficients[blends + 9 * (j - 1) + i] = tape.local[j][i] - (i % 4 == 0 ? 1 : 0);
   }
@@ -150,8 +150,10 @@ void PointsOnFlame::Backward(const Tape& tape,
     const Vector3<double> d_pose = flame_math::RodriguesVjp(tape.pose[j], d_local[j]);
     AddScaled(1, d_pose.data(), 3, d_frame + kFitPose + 3 * j);
     for (size_t i = 0; i < 3; ++i)
-      AddScaled(
-          d_joints[j][i], &joint_directions_[(3 * j + i) * blends], blends, d_coefficients.data());
+      AddScaled(d_joints[j][i],
+                joint_directions_.data() + (3 * j + i) * blends,
+                blends,
+                d_coefficients.data());
   }
   AddScaled(1, d_point.data(), 3, d_frame + kFitTranslation);
   AddScaled(1, d_coefficients.data(), size_t(shape_count_), d_shape);

@@ -49,10 +49,12 @@ class NoMoment : public Moment {
 class OwnStream : public Stream {
  public:
   Memory& memory() const override { return Own(); }
-  void Upload(void* to, const void* from, size_t bytes) override { std::memcpy(to, from, bytes); }
-  void Download(void* to, const void* from, size_t bytes) override { std::memcpy(to, from, bytes); }
-  void Send(void* to, const void* from, size_t bytes) override { std::memcpy(to, from, bytes); }
-  void FillWithZeros(void* data, size_t bytes) override { std::memset(data, 0, bytes); }
+  void Upload(void* to, const void* from, size_t bytes) override { Copy(to, from, bytes); }
+  void Download(void* to, const void* from, size_t bytes) override { Copy(to, from, bytes); }
+  void Send(void* to, const void* from, size_t bytes) override { Copy(to, from, bytes); }
+  void FillWithZeros(void* data, size_t bytes) override {
+    if (bytes > 0) std::memset(data, 0, bytes);
+  }
   void Wait() override {}
   Memory& readback_memory() const override { return Own(); }
   std::unique_ptr<Moment> MakeMoment() override { return std::make_unique<NoMoment>(); }
@@ -67,6 +69,10 @@ class OwnStream : public Stream {
   }
 
  private:
+  // An empty array may be null, which memcpy must not get.
+  static void Copy(void* to, const void* from, size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+  }
   // Never destroyed, since buffers of threads may outlive static objects.
   static Memory& Own() {
     static OwnMemory& memory = *new OwnMemory;

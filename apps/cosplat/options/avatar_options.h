@@ -21,6 +21,7 @@ struct AvatarOptions : TrainOptions {
   std::string flame, landmarks;
   int test_frames = -1;
   bool fold_by_turn = false;  // implies `fold`
+  double focal_scale = 1;     // of the track's focal length (flame/focal.h)
   std::string color_frame = "surface";
   std::string bust = "auto", mouth = "yes";
   bool embed_flame = false;

@@ -5,6 +5,7 @@
 
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/model/avatar_mesh.h"
+#include "flame/focal.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 
@@ -34,7 +35,8 @@ Json ToJson(const DataSplit& split) {
           {"eval", split.eval},
           {"fold", split.fold},
           {"fold_by_turn", split.fold_by_turn},
-          {"test_frames", split.test_frames}};
+          {"test_frames", split.test_frames},
+          {"focal_scale", split.focal_scale}};
 }
 
 DataSplit SplitFromJson(const JsonField& run) {
@@ -45,6 +47,7 @@ DataSplit SplitFromJson(const JsonField& run) {
   split.fold = json.raw().value("fold", false);
   split.fold_by_turn = json.raw().value("fold_by_turn", false);
   split.test_frames = json["test_frames"].Integer();
+  if (json.Has("focal_scale")) split.focal_scale = json["focal_scale"].Number();
   return split;
 }
 
@@ -69,6 +72,7 @@ TrackedVideo LoadSplitVideo(const std::string& source,
   }
   if ((split.fold || split.eval) && video.test.empty())
     throw Error(source, "test frames", "there is none to evaluate on");
+  if (split.focal_scale != 1) ScaleFocal(flame, split.focal_scale, video);
   return video;
 }
 

@@ -19,6 +19,7 @@ struct DataSplit {
   // Tracked videos only.
   int test_frames = -1;
   bool fold_by_turn = false;
+  double focal_scale = 1;  // of the track's focal length (flame/focal.h)
 };
 
 Json ToJson(const DataSplit& split);
@@ -28,7 +29,7 @@ SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 
 // Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
 // frames is held out in place of the test frames; with `fold_by_turn` the fifth in which the head
-// is turned furthest from its mean. flame: the avatar's.
+// is turned furthest from its mean. flame: the avatar's. Throws Error as ScaleFocal does.
 TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame);
