@@ -18,8 +18,6 @@ struct Camera {
   std::array<float, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major, orthonormal
   std::array<float, 3> translation{0, 0, 0};                 // world units
 
-  bool operator==(const Camera&) const = default;
-
   // The camera's centre in the world: -R^T t.
   std::array<float, 3> Center() const {
     std::array<float, 3> c{};

@@ -1,4 +1,4 @@
-// apps/python/render_png.py as a user runs it: the file has the library's picture.
+// What is in apps/python as a user runs it: it shows the library's pictures.
 #include <cstdlib>
 
 #include "splat/base/files.h"
@@ -50,6 +50,18 @@ TEST(Python, FailsInOneLine) {
 
 TEST(Python, OpensAThousandAndDrawsFromThreads) {
   EXPECT_EQ(std::system(("python3 " COSPLAT_PYTHON_MANY " " + AvatarAnd("")).c_str()), 0);
+}
+
+TEST(Python, ShowsAnAvatarInBlender) {
+  if (std::system("blender --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs Blender";
+  const TemporaryFolder out;
+  const std::string said = out / "said.txt";
+  const std::string command =
+      "blender -b --factory-startup -noaudio --python-exit-code 1 --python " COSPLAT_BLENDER_TEST
+      " -- " +
+      AvatarAnd(out.path());
+  EXPECT_EQ(std::system((command + " >" + said + " 2>&1 || { cat " + said + "; false; }").c_str()),
+            0);
 }
 
 }  // namespace
