@@ -55,8 +55,8 @@ bool HasOneStillCamera(const TrackedVideo& video) {
 void ScaleFocal(const FlameModel& flame, double scale, TrackedVideo& video) {
   if (!HasOneStillCamera(video))
     throw Error(video.source,
-                "camera",
-                "moves, or is one of several, which have a focal length that was measured");
+                "--focal-scale",
+                "is for one camera that stands still; this track has several, or one that moves");
   const std::vector<Head> heads = HeadsOf(flame, video);
   double mean = 0;
   for (const Head& head : heads) mean += head.depth / double(heads.size());

@@ -3,7 +3,7 @@
 # Builds everything under the address and undefined-behaviour sanitizers, or the thread sanitizer, in
 # build/asan or build/tsan, and runs the test suite. What the thread sanitizer must see into is built
 # with it: oneTBB, from Debian's source, in build/tsan-tbb. Takes hours on two cores; `-R REGEX` runs a
-# part. docs/faults.md says what was found.
+# part. docs/fuzzing.md says what was found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 2; }
@@ -36,7 +36,6 @@ case $kind in
   address)
     cmake --preset asan
     cmake --build build/asan
-    # Of GoogleTest's death tests and the like, only what is the program's own counts.
     export ASAN_OPTIONS=strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
     ctest --test-dir build/asan --output-on-failure --timeout 3000 "$@"
     ;;
@@ -47,7 +46,7 @@ case $kind in
     cmake --build build/tsan
     # OpenCV loads the system's oneTBB otherwise, beside ours.
     export LD_LIBRARY_PATH=$tbb/installed/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
-    export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$PWD/tests/support/tsan.txt
+    export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
     ctest --test-dir build/tsan --output-on-failure --timeout 3000 "$@"
     ;;
   *) usage ;;

@@ -1,19 +1,22 @@
-"""CoSplat avatars in Blender (3.0 or newer; made and tested with Debian's 3.4).
+"""CoSplat avatars in Blender 3.0 to 4.x (tested with Debian's 3.4).
 
-    blender --python blender_avatar.py                 then Add > CoSplat Avatar
+    blender [FILE.blend] --python blender_avatar.py        then Add > CoSplat Avatar
 
 An avatar is an empty whose custom properties can be animated: "jaw", "neck", "root", "left_eye" and
-"right_eye" (axis-angle, radians) and "expression" (the first coefficients). The scene's camera sees
-the avatar where the empty stands: an image "NAME.image" of the render's size follows each frame, is
+"right_eye" (axis-angle, radians) and "expression_0" on (coefficients). The scene's camera sees the
+avatar where the empty stands, through an image of the render's size that follows each frame: it is
 shown in front in the camera's view, and lies over what Blender renders (by the compositor). Colours
 are as in training under the view transform "Standard", which is set where there was no compositing.
 
-The avatar's front is Blender's front view, its metres are Blender's units. The empty may be scaled
-uniformly. It casts no shadows, and lies over all that Blender renders: it has no depth there.
+The avatar's front is Blender's front view, its metres are Blender's units; the empty may be scaled
+uniformly. It casts no shadows and has no depth: it lies over all that Blender renders, a later
+avatar over an earlier one. A hidden or deleted avatar is not shown. Needs cosplat.py beside it, and
+to be run with each start of Blender, also where a file is only rendered.
 """
 
 import os
 import sys
+import threading
 
 import bpy
 import numpy
@@ -23,41 +26,52 @@ from mathutils import Matrix
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cosplat  # noqa: E402
 
-bl_info = {
-    "name": "CoSplat avatars",
-    "blender": (3, 0, 0),
-    "category": "Object",
-    "description": "Head avatars of Gaussian splats in front of the scene's camera",
-}
-
 EXPRESSIONS = 10  # coefficients that can be animated
 FROM_AVATAR = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))  # its y is up
 CV = Matrix.Diagonal((1, -1, -1, 1))  # Blender's camera looks along -z, cosplat.h's along +z
 
+# A render runs in a thread of its own, and calls the same handlers.
+lock = threading.Lock()
 opened = {}  # (file, FLAME file) -> cosplat.Avatar
+drawn = {}  # an image's name -> what it shows
 
 
 def avatars(scene):
     return [o for o in scene.objects if "cosplat_avatar" in o]
 
 
-def open_avatar(empty):
-    key = tuple(bpy.path.abspath(empty[k]) for k in ("cosplat_avatar", "cosplat_flame"))
+def open_avatar(path, flame):
+    key = bpy.path.abspath(path), bpy.path.abspath(flame)
     if key not in opened:
         opened[key] = cosplat.Avatar(key[0], flame=key[1] or None)
     return opened[key]
 
 
+def size_of(render):
+    percent = render.resolution_percentage
+    sides = render.resolution_x * percent // 100, render.resolution_y * percent // 100
+    return max(1, sides[0]), max(1, sides[1])
+
+
 def camera_of(scene, empty, depsgraph, width, height):
     """The scene's camera as the avatar's, at this size."""
-    camera = scene.camera.evaluated_get(depsgraph)
-    pixel_x, pixel_y = scene.render.pixel_aspect_x, scene.render.pixel_aspect_y
+    camera, render = scene.camera.evaluated_get(depsgraph), scene.render
+    if camera.data.type != "PERSP":
+        raise ValueError("needs a perspective camera, not %s" % camera.data.type)
+    if render.use_border and render.use_crop_to_border:
+        raise ValueError("cannot be cropped to the render region")
     p = camera.calc_matrix_camera(
-        depsgraph, x=width, y=height, scale_x=pixel_x, scale_y=pixel_y
+        depsgraph,
+        x=width,
+        y=height,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
     )
     view = CV @ camera.matrix_world.normalized().inverted()
     from_avatar = view @ empty.matrix_world @ FROM_AVATAR
     scale = from_avatar.to_scale()[0]
+    if not scale > 0:
+        raise ValueError("has the scale %g" % scale)
     rows = [v for row in from_avatar.normalized()[:3] for v in row[:3]]
     to = [v / scale for v in from_avatar.to_translation()]
     out = cosplat.Camera(
@@ -73,57 +87,72 @@ def camera_of(scene, empty, depsgraph, width, height):
 
 
 def draw(scene, empty, depsgraph):
-    """Brings the avatar's image to the current frame."""
-    width, height = (
-        max(1, side * scene.render.resolution_percentage // 100)
-        for side in (scene.render.resolution_x, scene.render.resolution_y)
-    )
-    avatar, now = open_avatar(empty), empty.evaluated_get(depsgraph)
+    """Brings the avatar's image to the current frame, if it shows something else."""
+    width, height = size_of(scene.render)
+    now, image = empty.evaluated_get(depsgraph), empty["cosplat_image"]
+    camera = camera_of(scene, now, depsgraph, width, height)
     joints = {joint: tuple(now[joint]) for joint in cosplat.JOINTS}
-    avatar.set_parameters(expression=list(now["expression"]), **joints)
-    avatar.set_camera(camera_of(scene, now, depsgraph, width, height))
+    names = ["expression_%d" % k for k in range(EXPRESSIONS)]
+    expression = [now[name] for name in names if name in now]
+    shows = (bytes(camera), tuple(joints.values()), tuple(expression))
+    if drawn.get(image.name) == shows and tuple(image.size) == (width, height):
+        return
+    avatar = open_avatar(empty["cosplat_avatar"], empty["cosplat_flame"])
+    avatar.set_parameters(expression=expression, **joints)
+    avatar.set_camera(camera)
     rgba = avatar.render(width, height, alpha=cosplat.STRAIGHT)
-    image = image_of(empty, width, height)
-    rows = numpy.frombuffer(rgba, numpy.uint8).reshape(height, -1)[::-1]  # Blender's first is below
-    image.pixels.foreach_set((rows.astype(numpy.float32) / 255).ravel())
-    image.update()
-    return image
-
-
-def image_of(empty, width, height):
-    name = empty.name + ".image"
-    image = bpy.data.images.get(name)
-    if image is None:
-        image = bpy.data.images.new(name, width, height, alpha=True)
-        image.alpha_mode = "STRAIGHT"
     if tuple(image.size) != (width, height):
         image.scale(width, height)
+    rows = numpy.frombuffer(rgba, numpy.uint8).reshape(height, -1)[::-1]  # Blender's first is below
+    fill(image, (rows.astype(numpy.float32) / 255).ravel())
+    drawn[image.name] = shows
+
+
+def fill(image, pixels):
+    image.pixels.foreach_set(pixels)
+    image.update()
+
+
+def clear(image):
+    if drawn.get(image.name) != "nothing":
+        fill(image, numpy.zeros(4 * image.size[0] * image.size[1], numpy.float32))
+        drawn[image.name] = "nothing"
+
+
+def new_image(name, scene):
+    image = bpy.data.images.new(name, *size_of(scene.render), alpha=True)
+    image.alpha_mode, image.generated_color = "STRAIGHT", (0, 0, 0, 0)  # as it is loaded again
+    image["cosplat"] = True
     return image
 
 
 def draw_all(scene, depsgraph=None):
-    if scene.camera is None:
-        return
-    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
-    for empty in avatars(scene):
-        try:
-            draw(scene, empty, depsgraph)
-        except (cosplat.Error, OSError) as error:
-            print("%s: %s" % (empty.name, error), file=sys.stderr)
-
-
-@persistent
-def frame_changed(scene, depsgraph=None):
-    draw_all(scene, depsgraph)
-
-
-@persistent
-def file_loaded(*_):
-    opened.clear()
+    with lock:
+        depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+        shown = set()
+        for empty in avatars(scene):
+            try:
+                # A copy of an avatar has its image until now.
+                if empty["cosplat_image"] is None or empty["cosplat_image"].name in shown:
+                    empty["cosplat_image"] = new_image(empty.name, scene)
+                    compose(scene, empty["cosplat_image"])
+                image = empty["cosplat_image"]
+                if scene.camera is None or empty.hide_render:
+                    continue
+                show_in_camera(scene.camera.data, image)
+                draw(scene, empty, depsgraph)
+                shown.add(image.name)
+            except Exception as error:  # of one avatar; the others are drawn, and the render goes on
+                print("%s: %s" % (empty.name, error), file=sys.stderr)
+        for image in bpy.data.images:
+            if "cosplat" in image and image.name not in shown:
+                clear(image)
 
 
 def show_in_camera(camera, image):
     """In front of what the camera's view shows."""
+    if any(shown.image == image for shown in camera.background_images):
+        return
     camera.show_background_images = True
     shown = camera.background_images.new()
     shown.image, shown.display_depth, shown.alpha = image, "FRONT", 1
@@ -131,41 +160,42 @@ def show_in_camera(camera, image):
 
 def compose(scene, image):
     """Lays the image over what the scene's compositor puts out."""
-    first = not scene.use_nodes
-    scene.use_nodes = True
-    tree = scene.node_tree
-    out = next(n for n in tree.nodes if n.bl_idname == "CompositorNodeComposite")
-    link = next((k for k in tree.links if k.to_node == out and k.to_socket.name == "Image"), None)
-    over, node = tree.nodes.new("CompositorNodeAlphaOver"), tree.nodes.new("CompositorNodeImage")
-    node.image = image
-    over.use_premultiply = False
-    if link:
-        tree.links.new(link.from_socket, over.inputs[1])
-    tree.links.new(node.outputs["Image"], over.inputs[2])
-    tree.links.new(over.outputs["Image"], out.inputs["Image"])
-    if first:
+    if not scene.use_nodes:
+        scene.use_nodes = True
         scene.view_settings.view_transform = "Standard"
+    nodes, links = scene.node_tree.nodes, scene.node_tree.links
+    out = next((n for n in nodes if n.bl_idname == "CompositorNodeComposite"), None)
+    out = out or nodes.new("CompositorNodeComposite")
+    link = next((k for k in links if k.to_node == out and k.to_socket.name == "Image"), None)
+    over, node = nodes.new("CompositorNodeAlphaOver"), nodes.new("CompositorNodeImage")
+    node.image, over.use_premultiply = image, True
+    if link:
+        links.new(link.from_socket, over.inputs[1])
+    links.new(node.outputs["Image"], over.inputs[2])
+    links.new(over.outputs["Image"], out.inputs["Image"])
 
 
 def add_avatar(scene, path, flame=""):
     """An empty that shows the avatar in the scene's camera; a camera is added if there is none."""
+    avatar = open_avatar(path, flame)  # a file that cannot be opened leaves no trace
     empty = bpy.data.objects.new(os.path.splitext(os.path.basename(path))[0], None)
     empty["cosplat_avatar"], empty["cosplat_flame"] = path, flame
-    open_avatar(empty)  # before anything is added: a file that cannot be opened leaves no trace
     for joint in cosplat.JOINTS:
         empty[joint] = (0.0, 0.0, 0.0)
-    count = min(EXPRESSIONS, open_avatar(empty).info().expression_count)
-    empty["expression"] = (0.0,) * max(1, count)
+    for k in range(min(EXPRESSIONS, avatar.info().expression_count)):
+        empty["expression_%d" % k] = 0.0
     scene.collection.objects.link(empty)
     if scene.camera is None:
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.location, camera.rotation_euler = (0, -1, 0), (1.5707963, 0, 0)
         scene.collection.objects.link(camera)
         scene.camera = camera
+    empty["cosplat_image"] = new_image(empty.name, scene)
+    compose(scene, empty["cosplat_image"])
+    # Images must not change in the window while a render's thread changes them.
+    scene.render.use_lock_interface = True
     bpy.context.view_layer.update()
-    image = draw(scene, empty, bpy.context.evaluated_depsgraph_get())
-    show_in_camera(scene.camera.data, image)
-    compose(scene, image)
+    draw_all(scene)
     return empty
 
 
@@ -199,10 +229,22 @@ def menu(self, context):
     self.layout.operator(OBJECT_OT_cosplat_avatar.bl_idname, icon="USER")
 
 
+@persistent
+def changed(scene, depsgraph=None):
+    draw_all(scene, depsgraph)
+
+
+@persistent
+def loaded(*_):
+    opened.clear()
+    drawn.clear()
+    draw_all(bpy.context.scene)
+
+
 HANDLERS = (
-    (bpy.app.handlers.frame_change_post, frame_changed),
-    (bpy.app.handlers.render_init, frame_changed),
-    (bpy.app.handlers.load_post, file_loaded),
+    (bpy.app.handlers.frame_change_post, changed),
+    (bpy.app.handlers.depsgraph_update_post, changed),
+    (bpy.app.handlers.load_post, loaded),
 )
 
 
@@ -211,6 +253,7 @@ def register():
     bpy.types.VIEW3D_MT_add.append(menu)
     for handlers, handler in HANDLERS:
         handlers.append(handler)
+    loaded()
 
 
 def unregister():
@@ -218,7 +261,7 @@ def unregister():
         handlers.remove(handler)
     bpy.types.VIEW3D_MT_add.remove(menu)
     bpy.utils.unregister_class(OBJECT_OT_cosplat_avatar)
-    file_loaded()
+    opened.clear()
 
 
 if __name__ == "__main__":

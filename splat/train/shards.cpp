@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace cosplat {
 namespace {
@@ -77,9 +76,9 @@ void UnpackGroups(const std::vector<RowArray>& arrays, size_t count, View<uint32
   ForEachGroup(packed.groups, count, [&](size_t k, size_t rows, size_t row) {
     for (size_t a = 0; a < arrays.size(); ++a) {
       const size_t width = arrays[a].width;
-      std::memcpy(arrays[a].data + row * width,
-                  packed.arrays[a].data + k * kGaussianGroup * width,
-                  rows * width * sizeof(float));
+      std::copy_n(packed.arrays[a].data + k * kGaussianGroup * width,
+                  rows * width,
+                  arrays[a].data + row * width);
     }
   });
 }

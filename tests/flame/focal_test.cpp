@@ -86,7 +86,7 @@ TEST(Focal, OfMovingOrSeveralCamerasIsAnError) {
   TrackedVideo video = Video();
   video.test.back().camera.translation[0] += 0.01f;
   EXPECT_FALSE(HasOneStillCamera(video));
-  ExpectError([&] { ScaleFocal(model, 0.8, video); }, {"head", "camera", "moves"});
+  ExpectError([&] { ScaleFocal(model, 0.8, video); }, {"head", "--focal-scale", "moves"});
   video = Video();
   video.head_is_fixed = true;
   EXPECT_FALSE(HasOneStillCamera(video));

@@ -33,48 +33,106 @@ def empty_scene():
     return scene
 
 
-def rendered(scene, frame):
-    """[height, width, 3] levels, the top row first."""
-    scene.frame_set(frame)
-    scene.render.filepath = os.path.join(FOLDER, "blender%d.png" % frame)
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(scene.render.filepath)
+def levels_of(image):
+    """[height, width, 4], the top row first."""
     width, height = image.size
     pixels = numpy.empty(4 * width * height, numpy.float32)
     image.pixels.foreach_get(pixels)
-    return 255 * pixels.reshape(height, width, 4)[::-1, :, :3]
+    return 255 * pixels.reshape(height, width, 4)[::-1]
+
+
+def rendered(scene, first, last=None, step=1):
+    """Frames as Blender writes them, as an animation: levels [height, width, 3] of each."""
+    scene.frame_start, scene.frame_end, scene.frame_step = first, last or first, step
+    scene.render.filepath = os.path.join(FOLDER, "blender")
+    bpy.ops.render.render(animation=True)
+    found = []
+    for frame in range(first, (last or first) + 1, step):
+        image = bpy.data.images.load(scene.render.frame_path(frame=frame))
+        found.append(levels_of(image)[..., :3])
+        bpy.data.images.remove(image)
+    return found
+
+
+def linear(levels):
+    x = levels / 255
+    return numpy.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def over_black(rgba):
+    """Blender mixes in linear light."""
+    x = linear(rgba[..., :3].astype(float)) * rgba[..., 3:] / 255
+    return 255 * numpy.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
 
 
 def a_file_that_is_not_there_leaves_no_trace(scene):
-    before = len(scene.objects), len(bpy.data.images)
+    before = len(bpy.data.objects), len(bpy.data.images)
     try:
         blender_avatar.add_avatar(scene, "/nowhere/a.glb", FLAME)
         raise AssertionError("no error")
     except cosplat.Error as error:
         assert "/nowhere/a.glb" in str(error), error
-    assert (len(scene.objects), len(bpy.data.images)) == before
-    blender_avatar.file_loaded()
+    assert (len(bpy.data.objects), len(bpy.data.images)) == before
 
 
 def the_render_shows_each_frame(scene, empty):
     for frame, jaw in ((1, 0.0), (9, 0.4)):
         empty["jaw"] = (jaw, 0.0, 0.0)
         empty.keyframe_insert('["jaw"]', frame=frame)
-    seen = []
-    for frame, jaw in ((1, 0.0), (5, 0.2), (9, 0.4)):
-        shown = rendered(scene, frame)
+    frames = rendered(scene, 1, 9, 4)
+    for shown, jaw in zip(frames, (0.0, 0.2, 0.4)):
         with cosplat.Avatar(AVATAR, flame=FLAME) as alone:
             alone.set_parameters(jaw=(jaw, 0, 0), expression=[0])
             depsgraph = bpy.context.evaluated_depsgraph_get()
             alone.set_camera(blender_avatar.camera_of(scene, empty, depsgraph, 96, 72))
             rgba = numpy.frombuffer(alone.render(96, 72), numpy.uint8).reshape(72, 96, 4)
-        opaque = rgba[..., 3] == 255
-        assert opaque.mean() > 0.05, opaque.mean()
-        assert shown[rgba[..., 3] == 0].max() < 1  # the world is black
-        error = numpy.abs(shown[opaque] - rgba[opaque][:, :3]).max()
-        assert error < 1.5, (jaw, error)
-        seen.append(shown)
-    assert numpy.abs(seen[0] - seen[2]).max() > 20
+        assert (rgba[..., 3] == 255).mean() > 0.05
+        error = numpy.abs(shown - over_black(rgba)).max()
+        assert error < 1, (jaw, error)
+    assert numpy.abs(frames[0] - frames[2]).max() > 20
+
+
+def what_changes_is_drawn(scene, empty):
+    def seen():
+        bpy.context.view_layer.update()
+        return levels_of(empty["cosplat_image"])
+
+    scene.frame_set(1)
+    first = seen()
+    assert first[..., 3].max() == 255
+    empty.location.x += 0.05
+    assert numpy.abs(seen() - first).max() > 20
+    empty.location.x -= 0.05
+    empty.name = "renamed"
+    assert numpy.abs(seen() - first).max() == 0
+    other = bpy.data.objects.new("other", bpy.data.cameras.new("other"))
+    scene.collection.objects.link(other)
+    mine, scene.camera = scene.camera, other
+    other.location, other.rotation_euler = (0, -2, 0), (1.5707963, 0, 0)
+    seen()
+    assert len(other.data.background_images) == 1
+    scene.camera = mine
+    copy = empty.copy()
+    scene.collection.objects.link(copy)
+    copy.location.x += 0.3
+    seen()
+    assert copy["cosplat_image"] != empty["cosplat_image"]
+    image = copy["cosplat_image"]
+    bpy.data.objects.remove(copy)
+    assert numpy.abs(seen() - first).max() == 0
+    assert levels_of(image).max() == 0  # nothing of what is gone stays
+    empty.hide_render = True
+    assert seen().max() == 0
+    empty.hide_render = False
+    mine.data.type = "ORTHO"
+    assert seen().max() == 0
+    mine.data.type = "PERSP"
+    assert numpy.abs(seen() - first).max() == 0
+    path = os.path.join(FOLDER, "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    again = bpy.data.objects["renamed"]["cosplat_image"]
+    assert numpy.abs(levels_of(again) - first).max() == 0
 
 
 def points_lie_where_blender_has_them(scene, empty):
@@ -114,4 +172,5 @@ a_file_that_is_not_there_leaves_no_trace(scene)
 empty = blender_avatar.add_avatar(scene, AVATAR, FLAME)
 assert scene.camera and len(scene.camera.data.background_images) == 1
 the_render_shows_each_frame(scene, empty)
-points_lie_where_blender_has_them(scene, empty)
+what_changes_is_drawn(scene, empty)
+points_lie_where_blender_has_them(bpy.context.scene, bpy.data.objects["renamed"])

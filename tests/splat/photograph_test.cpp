@@ -124,25 +124,6 @@ struct UnevenScene {
 TEST(Photograph, TrainingFindsExposuresWhoseMeanIsTheIdentity) {
   const UnevenScene scene;
   SceneSubject subject(scene.frames, 1);
-  TrainSettings settings = ShortRun(600, 0);
-  const TrainingState even = Train(settings, subject, FirstGaussians(200, 0), 600);
-  settings.exposure = true;
-  const TrainingState state = Train(settings, subject, FirstGaussians(200, 0), 600);
-  const Buffer<float>& e = state.exposures.value;
-  ASSERT_EQ(e.size(), scene.frames.size() * kIdentityExposure.size());
-  for (size_t k = 0; k < kIdentityExposure.size(); ++k) {
-    double mean = 0;
-    for (size_t i = k; i < e.size(); i += kIdentityExposure.size())
-      mean += double(e[i]) / double(scene.frames.size());
-    EXPECT_NEAR(mean, kIdentityExposure[k], 1e-4) << k;
-  }
-  // The mean gain is 0.775. What grey becomes, since channels that go together can share it.
-  for (size_t f = 0; f < scene.frames.size(); ++f) {
-    const math::Vec3<float> grey =
-        math::Exposed(&e[f * kIdentityExposure.size()], {0.5f, 0.5f, 0.5f});
-    for (const float value : {grey.x, grey.y, grey.z})
-      EXPECT_NEAR(value, 0.5f * scene.gains[f] / 0.775f, 0.03f) << f;
-  }
   const auto psnr = [&](const TrainingState& of) {
     std::vector<uint32_t> all;
     for (uint32_t f = 0; f < scene.frames.size(); ++f) all.push_back(f);
@@ -151,7 +132,32 @@ TEST(Photograph, TrainingFindsExposuresWhoseMeanIsTheIdentity) {
     return MeanPsnrOfFrames(
         subject, of.gaussians, {all, 0, {0, 0, 0}, all.size()}, true, *rasterizer, *tape);
   };
-  EXPECT_GT(psnr(state), psnr(even) + 1);
+  double gain = 0;
+  constexpr uint64_t kSeeds = 2;  // a run scatters by a decibel
+  for (uint64_t seed = 0; seed < kSeeds; ++seed) {
+    TrainSettings settings = ShortRun(600, 0);
+    settings.seed = seed;
+    const TrainingState even = Train(settings, subject, FirstGaussians(200, 0), 600);
+    settings.exposure = true;
+    const TrainingState state = Train(settings, subject, FirstGaussians(200, 0), 600);
+    gain += (psnr(state) - psnr(even)) / double(kSeeds);
+    const Buffer<float>& e = state.exposures.value;
+    ASSERT_EQ(e.size(), scene.frames.size() * kIdentityExposure.size());
+    for (size_t k = 0; k < kIdentityExposure.size(); ++k) {
+      double mean = 0;
+      for (size_t i = k; i < e.size(); i += kIdentityExposure.size())
+        mean += double(e[i]) / double(scene.frames.size());
+      EXPECT_NEAR(mean, kIdentityExposure[k], 1e-4) << k;
+    }
+    // The mean gain is 0.775. What grey becomes, since channels that go together can share it.
+    for (size_t f = 0; f < scene.frames.size(); ++f) {
+      const math::Vec3<float> grey =
+          math::Exposed(&e[f * kIdentityExposure.size()], {0.5f, 0.5f, 0.5f});
+      for (const float value : {grey.x, grey.y, grey.z})
+        EXPECT_NEAR(value, 0.5f * scene.gains[f] / 0.775f, 0.03f) << f;
+    }
+  }
+  EXPECT_GT(gain, 1);
 }
 
 // With a loss that looks at single pixels, what is painted over does not change a bit.

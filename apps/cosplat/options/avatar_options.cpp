@@ -99,11 +99,10 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
           "--test-frames", test_frames, "hold the last N frames out; -1: the video's own split")
       ->check(CLI::Range(-1, 1000000000));
   command
-      .add_option(
-          "--focal-scale",
-          focal_scale,
-          "the camera's focal length as a multiple of the track's, which may be a guess; to "
-          "be chosen by --fold")
+      .add_option("--focal-scale",
+                  focal_scale,
+                  "the camera's focal length as a multiple of the track's, which may be a guess; "
+                  "compare values by what they reach with --fold")
       ->check(CLI::Range(0.01, 100.0));
   command.add_option("--gaussians", avatar.initial_gaussians, "Gaussians to start with")
       ->check(CLI::Range(size_t(1), kMaxGaussians));
