@@ -76,21 +76,29 @@ double ErrorOfBlock(
   return (predicted - y.segment(begin, count)).squaredNorm();
 }
 
-double ChooseDamping(const Inputs& x, const Eigen::VectorXd& y) {
+// The maps of all dampings, each weighted by how likely the other blocks' errors make it:
+// exp(-kBlocks / 2 (E / E_best - 1)), a block counting as one observation, since its instants are
+// alike. The best one alone changes from seed to seed, and can miss a motion that it takes for
+// noise.
+LinearMap FitWeighted(const Inputs& x, const Eigen::VectorXd& y) {
+  LinearMap mean = FitRidge(x, y, HUGE_VAL);
   const long n = x.rows();
-  double least = HUGE_VAL, chosen = HUGE_VAL;
-  if (n < 2 * kBlocks) return chosen;
-  for (const double damping : kDampings) {
-    double error = 0;
+  if (n < 2 * kBlocks) return mean;
+  std::array<double, kDampings.size()> error{};
+  for (size_t d = 0; d < kDampings.size(); ++d)
     for (long b = 0; b < kBlocks; ++b) {
       const long begin = b * n / kBlocks;
-      error += ErrorOfBlock(x, y, damping, begin, (b + 1) * n / kBlocks - begin);
+      error[d] += ErrorOfBlock(x, y, kDampings[d], begin, (b + 1) * n / kBlocks - begin);
     }
-    if (!(error < least)) continue;
-    least = error;
-    chosen = damping;
+  const double best = std::max(*std::min_element(error.begin(), error.end()), 1e-30);
+  double sum = 0;
+  for (size_t d = 0; d < kDampings.size(); ++d) {
+    const double weight = std::exp(-0.5 * double(kBlocks) * (error[d] / best - 1));
+    mean.slope += weight * FitRidge(x, y, kDampings[d]).slope;
+    sum += weight;
   }
-  return chosen;
+  mean.slope /= sum;
+  return mean;
 }
 
 }  // namespace
@@ -130,7 +138,7 @@ BustFollow FitBustFollow(const Bust& bust,
   BustFollow follow;
   for (size_t r = 0; r < kBustOutputs; ++r) {
     const Eigen::VectorXd output = y.col(long(r));
-    const LinearMap map = FitRidge(x, output, ChooseDamping(x, output));
+    const LinearMap map = FitWeighted(x, output);
     for (size_t c = 0; c < kBustInputs; ++c) {
       follow.head_mean[c] = float(map.input_mean[long(c)]);
       follow.matrix[kBustInputs * r + c] = float(map.slope[long(c)]);

@@ -21,9 +21,9 @@ BustPose PoseOfBust(const Bust& bust, const FlameParams& params);
 void HoldBustStill(AvatarModel& avatar);
 
 // Learns how the bust follows the head, from at least two instants in the order of time: a linear
-// map by ridge regression, damped as predicts blocks of consecutive instants best from the others,
-// so that a motion of the shoulders that the head does not explain is not followed. The outputs are
-// limited to the range of `busts`.
+// map by ridge regression, a mean over dampings that are weighted by how well each predicts blocks
+// of consecutive instants from the others, so that a motion of the shoulders that the head does not
+// explain is hardly followed. The outputs are limited to the range of `busts`.
 BustFollow FitBustFollow(const Bust& bust,
                          const std::vector<FlameParams>& heads,
                          const std::vector<BustPose>& busts);
