@@ -16,6 +16,8 @@ using Inputs = Eigen::Matrix<double, Eigen::Dynamic, kInputs>;
 using Outputs = Eigen::Matrix<double, Eigen::Dynamic, kOutputs>;
 
 constexpr long kBlocks = 5;
+// Neighbouring instants are alike: those of a block count as four.
+constexpr double kObservations = 4 * kBlocks;
 constexpr std::array<double, 5> kDampings{HUGE_VAL, 10, 1, 0.1, 0.01};
 // The most that an output can exceed its range, as a fraction of the range's width.
 constexpr float kBustMargin = 0.25f;
@@ -77,9 +79,9 @@ double ErrorOfBlock(
 }
 
 // The maps of all dampings, each weighted by how likely the other blocks' errors make it:
-// exp(-kBlocks / 2 (E / E_best - 1)), a block counting as one observation, since its instants are
-// alike. The best one alone changes from seed to seed, and can miss a motion that it takes for
-// noise.
+// exp(-n / 2 (E / E_best - 1)), with n independent observations. The best one alone changes from
+// seed to seed, and can take a motion for noise; equal weights follow shoulders that move on their
+// own.
 LinearMap FitWeighted(const Inputs& x, const Eigen::VectorXd& y) {
   LinearMap mean = FitRidge(x, y, HUGE_VAL);
   const long n = x.rows();
@@ -93,7 +95,7 @@ LinearMap FitWeighted(const Inputs& x, const Eigen::VectorXd& y) {
   const double best = std::max(*std::min_element(error.begin(), error.end()), 1e-30);
   double sum = 0;
   for (size_t d = 0; d < kDampings.size(); ++d) {
-    const double weight = std::exp(-0.5 * double(kBlocks) * (error[d] / best - 1));
+    const double weight = std::exp(-0.5 * kObservations * (error[d] / best - 1));
     mean.slope += weight * FitRidge(x, y, kDampings[d]).slope;
     sum += weight;
   }
