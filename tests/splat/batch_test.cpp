@@ -117,7 +117,7 @@ TEST(Batch, TrainsAsWellInAsManyViews) {
     while (trainer.iteration() < settings.iterations) trainer.Step();
     psnr[batch > 1] = MeanPsnr(trainer.state().gaussians, frames);
   }
-  EXPECT_GT(psnr[1], psnr[0] - 2) << psnr[0] << " dB with steps of one view";
+  EXPECT_GT(psnr[1], psnr[0] - 1) << psnr[0] << " dB with steps of one view";
 }
 
 // Interrupted on some number of ranks, and resumed on another.

@@ -31,8 +31,7 @@ TEST(Trainer, OverfitsASceneFromRandomPoints) {
 
 // A rule that counts in pixels can be right at one size only. With removal above 20 px the larger
 // images end at 46.4 dB with 2,480 Gaussians, without it at 50.3 dB with 5,000; the smaller ones at
-// 48.7 dB with 5,000 either way. Another compiler's sums move each by a dB (sanitizers' build: 49.4
-// and 50.8).
+// 48.7 dB with 5,000 either way. In the sanitizers' build, whose sums differ, it fails by 0.3 dB.
 TEST(Trainer, LargerImagesEndNoWorse) {
   double psnr[2], count[2];
   const int sides[2] = {48, 384};
@@ -45,7 +44,7 @@ TEST(Trainer, LargerImagesEndNoWorse) {
     psnr[i] = MeanPsnr(state.gaussians, frames);
     count[i] = double(state.gaussians.size());
   }
-  EXPECT_GT(psnr[1], psnr[0] - 1.8);
+  EXPECT_GT(psnr[1], psnr[0] - 1);
   EXPECT_GT(count[1], 0.7 * count[0]);
 }
 
