@@ -128,6 +128,14 @@ PoseProblem SetFramePose(const JsonField& field, Camera& camera) {
   return SetPoseFromOpenGlWorldFromCam(matrix, camera);
 }
 
+// The points that a file of cameras names, if it does.
+void LoadPoints(const JsonField& file, SceneData& scene) {
+  if (!file.Has("ply_file_path")) return;
+  const fs::path folder = fs::path(file.file()).parent_path();
+  ReadPointsPly(
+      (folder / file["ply_file_path"].String()).string(), scene.points, scene.point_colors);
+}
+
 // Adds the frames of one file to `views`, or to `skipped`.
 void LoadFrames(const JsonField& file,
                 const SceneOptions& options,
@@ -185,6 +193,7 @@ void LoadBlenderScene(const std::string& path, const SceneOptions& options, Scen
     if (!train && !fs::exists(file)) continue;
     const Json json = ReadJson(file);
     LoadFrames(JsonField(file, json), options, train ? scene.train : scene.test, scene.skipped);
+    if (train) LoadPoints(JsonField(file, json), scene);
   }
   scene.white_background_hint =
       !scene.train.empty() && ReadImageInfo(scene.train[0].image_path).channels == 4;
@@ -200,10 +209,7 @@ void LoadNerfstudioScene(const std::string& path, const SceneOptions& options, S
   const Json json = ReadJson(path_of_json);
   const JsonField file(path_of_json, json);
   LoadFrames(file, options, scene.train, scene.skipped);
-  if (file.Has("ply_file_path"))
-    ReadPointsPly((fs::path(path) / file["ply_file_path"].String()).string(),
-                  scene.points,
-                  scene.point_colors);
+  LoadPoints(file, scene);
 }
 
 }  // namespace cosplat

@@ -275,5 +275,15 @@ TEST(BlenderScene, KeepsItsOwnSplit) {
   EXPECT_TRUE(LoadScene(blender.folder.path(), {}).test.empty());
 }
 
+TEST(BlenderScene, PointsAreReadWhereNamed) {
+  const Blender blender;
+  const std::string path = blender.folder / "transforms_train.json";
+  WritePointsPly(blender.folder / "p.ply", {1, 2, 3}, {4, 5, 6});
+  Json json = Json::parse(ReadFile(path));
+  json["ply_file_path"] = "p.ply";
+  WriteFileAtomically(path, json.dump());
+  EXPECT_EQ(LoadScene(blender.folder.path(), {}).points, (std::vector<float>{1, 2, 3}));
+}
+
 }  // namespace
 }  // namespace cosplat
