@@ -158,4 +158,17 @@ FlameModel WithEyelids(FlameModel model) {
   return model;
 }
 
+void EyelidsToExpression(const FlameModel& model, FlameParams& params) {
+  if (!model.has_eyelids) return;
+  params.expression.resize(size_t(model.expression_count) - 2);
+  params.expression.insert(params.expression.end(), params.eyelids.begin(), params.eyelids.end());
+  params.eyelids = {};
+}
+
+void EyelidsFromExpression(const FlameModel& model, FlameParams& params) {
+  if (!model.has_eyelids) return;
+  std::copy_n(params.expression.end() - 2, 2, params.eyelids.begin());
+  params.expression.resize(params.expression.size() - 2);
+}
+
 }  // namespace cosplat

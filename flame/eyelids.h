@@ -22,4 +22,10 @@ constexpr int kEyelidGeometry = 1;
 // Throws Error if an eye is not open at rest.
 FlameModel WithEyelids(FlameModel model);
 
+// If `model` has eyelids: appends params.eyelids to the expression, after the model's other
+// coefficients (missing ones become zero, further ones are dropped), and zeroes them.
+void EyelidsToExpression(const FlameModel& model, FlameParams& params);
+// The reverse.
+void EyelidsFromExpression(const FlameModel& model, FlameParams& params);
+
 }  // namespace cosplat

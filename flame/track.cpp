@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "flame/eyelids.h"
 #include "flame/io/track_layouts.h"
 #include "flame/math/rotation.h"
 #include "flame/pose.h"
@@ -155,15 +156,13 @@ bool TracksEyelids(const TrackedVideo& video) {
 }
 
 void EyelidsToExpression(const FlameModel& model, TrackedVideo& video) {
-  if (!model.has_eyelids) return;
   for (auto* list : {&video.train, &video.test})
-    for (TrackedFrame& frame : *list) {
-      FlameParams& params = frame.params;
-      params.expression.resize(size_t(model.expression_count) - 2);
-      params.expression.insert(
-          params.expression.end(), params.eyelids.begin(), params.eyelids.end());
-      params.eyelids = {};
-    }
+    for (TrackedFrame& frame : *list) EyelidsToExpression(model, frame.params);
+}
+
+void EyelidsFromExpression(const FlameModel& model, TrackedVideo& video) {
+  for (auto* list : {&video.train, &video.test})
+    for (TrackedFrame& frame : *list) EyelidsFromExpression(model, frame.params);
 }
 
 namespace {

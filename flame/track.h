@@ -82,10 +82,11 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video);
 // Whether any frame's eyelids are moved.
 bool TracksEyelids(const TrackedVideo& video);
 
-// If `model` has eyelids (flame/eyelids.h): appends each frame's to its expression, after the
-// model's other coefficients (missing ones become zero, further ones are dropped), and zeroes
-// FlameParams::eyelids. Tracks loaded with such a model have it done.
+// EyelidsToExpression of flame/eyelids.h for every frame. Tracks loaded with a model that has
+// eyelids have it done.
 void EyelidsToExpression(const FlameModel& model, TrackedVideo& video);
+// The reverse.
+void EyelidsFromExpression(const FlameModel& model, TrackedVideo& video);
 
 // The frames of both sets in order of time, as pointers into `video`. If several cameras show a
 // moment, only the frame of the first camera is included.

@@ -18,6 +18,11 @@ void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
   command.add_flag("--silhouette",
                    o.silhouette,
                    "draw the mesh's outline to the rims of the mattes, and offset it by the hair");
+  command
+      .add_option("--avatar-rounds",
+                  o.avatar_rounds,
+                  "at most so many rounds in which small avatars refine the track")
+      ->check(CLI::Range(0, 20));
 }
 
 namespace {
@@ -30,7 +35,7 @@ void Track(const TrackRunOptions& o) {
                     "' is not a tracked video that could be refined: see `cosplat landmarks`");
   if (o.focal > 0 || !o.overlay.empty() || !o.embedding.empty() || o.silhouette)
     throw Error("--focal, --overlay, --landmark-embedding and --silhouette", "need --landmarks");
-  RunRefinement({o.source, o.flame, o.out, o.quiet});
+  RunRefinement({o.source, o.flame, o.out, o.avatar_rounds, o.quiet});
 }
 
 }  // namespace

@@ -10,11 +10,14 @@
 #include <limits>
 #include <mutex>
 
+#include "flame/eyelids.h"
 #include "flame/fit/face_texture.h"
 #include "flame/fit/frame_priors.h"
 #include "flame/fit/hair_offset.h"
 #include "flame/fit/landmark_cost.h"
 #include "flame/fit/silhouette.h"
+#include "flame/math/rodrigues.h"
+#include "flame/pose.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -125,7 +128,6 @@ class LandmarkFitter {
   void AddFrame(ceres::Problem& problem, size_t f, const Blocks& blocks) const;
   std::vector<size_t> SubjectFrames() const;
   double Sigma(size_t f) const { return kLandmarkSigma * faces_[f]->size; }
-  void MeasureFrame(size_t f, const PointsOnFlame::Tape& tape, FittedFrame& out) const;
   FittedFrame FrameResult(size_t f) const;
 
   FlameModel model_;  // with the subject's hair, once it is known
@@ -367,41 +369,54 @@ void LandmarkFitter::FitToImages() {
   spread_ = texture_->Refine(shape_, log_focal_, frames_, [&] { FitFrames(true); });
 }
 
-void LandmarkFitter::MeasureFrame(size_t f,
-                                  const PointsOnFlame::Tape& tape,
-                                  FittedFrame& out) const {
-  const double focal = std::exp(log_focal_);
-  double sum = 0, weights = 0;
-  for (size_t p = 0; p < embedding_.size(); ++p) {
-    const auto& [x, y, z] = tape.points[p];
-    const size_t landmark = size_t(embedding_[p].landmark);
-    const auto& seen = faces_[f]->points[landmark];
-    out.points.push_back({lens_.cx + focal * x / -z, lens_.cy - focal * y / -z});
-    const double weight = faces_[f]->weights[landmark];
-    sum += weight * std::hypot(out.points[p][0] - seen[0], out.points[p][1] - seen[1]);
-    weights += weight;
-  }
-  out.error = sum / weights;
-}
-
 FittedFrame LandmarkFitter::FrameResult(size_t f) const {
   const std::vector<double>& frame = frames_[f];
-  PointsOnFlame::Tape tape;
-  points_.Pose(shape_.data(), frame.data(), tape);
+  for (double x : frame)
+    if (!std::isfinite(x)) throw Error("landmarks", "no face of this model fits them");
   FittedFrame out;
-  MeasureFrame(f, tape, out);
-  // The head's own forward direction is FLAME's z, turned by root and neck.
-  const double forward = tape.transforms.rotation[1][8];
-  out.turned = std::acos(std::clamp(forward, -1.0, 1.0)) * 180 / M_PI;
   for (size_t i = 0; i < 3; ++i) out.params.translation[i] = float(frame[kFitTranslation + i]);
   for (size_t j = 0; j < kFlameJoints; ++j)
     for (size_t i = 0; i < 3; ++i) out.params.pose[j][i] = float(frame[kFitPose + 3 * j + i]);
   out.params.expression.assign(frame.begin() + kFitExpression, frame.end());
-  if (model_.has_eyelids) {
-    std::copy_n(out.params.expression.end() - 2, 2, out.params.eyelids.begin());
-    out.params.expression.resize(out.params.expression.size() - 2);
-  }
+  EyelidsFromExpression(model_, out.params);
   return out;
+}
+
+// The mean distance of the model's landmarks from those seen, weighted as in the fit.
+void MeasureFrame(const FlamePoser<float>& poser,
+                  const LandmarkEmbedding& embedding,
+                  const ObservedFace& face,
+                  const Camera& camera,
+                  FittedFrame& frame) {
+  FlameParams params = frame.params;
+  EyelidsToExpression(poser.model(), params);
+  std::vector<float> vertices;
+  poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
+  frame.points.clear();
+  double sum = 0, weights = 0;
+  for (const EmbeddedLandmark& landmark : embedding) {
+    double at[3];
+    for (size_t r = 0; r < 3; ++r) {
+      at[r] = camera.translation[r];
+      for (size_t k = 0; k < 3; ++k)
+        for (size_t i = 0; i < 3; ++i)
+          at[r] += camera.rotation[3 * r + k] * landmark.barycentric[i] *
+                   vertices[3 * size_t(landmark.vertices[i]) + k];
+    }
+    const double x = camera.cx + camera.fx * at[0] / at[2];
+    const double y = camera.cy + camera.fy * at[1] / at[2];
+    frame.points.push_back({x, y});
+    const auto& seen = face.points[size_t(landmark.landmark)];
+    const double weight = face.weights[size_t(landmark.landmark)];
+    sum += weight * std::hypot(x - seen[0], y - seen[1]);
+    weights += weight;
+  }
+  frame.error = sum / weights;
+  // The head's own forward direction is FLAME's z, turned by root and neck.
+  const auto& pose = frame.params.pose;
+  const double forward =
+      flame_math::Times(flame_math::Rodrigues(pose[0]), flame_math::Rodrigues(pose[1]))[8];
+  frame.turned = std::acos(std::clamp(forward, -1.0, 1.0)) * 180 / M_PI;
 }
 
 LandmarkFit LandmarkFitter::Result() const {
@@ -416,18 +431,10 @@ LandmarkFit LandmarkFitter::Result() const {
   fit.camera.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
   fit.shape.assign(shape_.begin(), shape_.end());
   fit.static_offset = static_offset_;
-  double sum = 0;
-  int count = 0;
   for (size_t f = 0; f < faces_.size(); ++f) {
     fit.frames.emplace_back();
-    if (!faces_[f]) continue;
-    fit.frames[f] = FrameResult(f);
-    sum += fit.frames[f]->error;
-    ++count;
+    if (faces_[f]) fit.frames[f] = FrameResult(f);
   }
-  fit.error = sum / count;
-  if (!std::isfinite(fit.error) || !std::isfinite(focal))
-    throw Error("landmarks", "no face of this model fits them");
   return fit;
 }
 
@@ -473,7 +480,26 @@ LandmarkFit FitLandmarks(const FlameModel& model,
   if (mattes) fitter.FitHair();
   if (options.image) fitter.FitToImages();
   if (progress && done < total) progress(total, total);
-  return fitter.Result();
+  LandmarkFit fit = fitter.Result();
+  MeasureFit(model, embedding, faces, fit);
+  if (!std::isfinite(fit.error)) throw Error("landmarks", "no face of this model fits them");
+  return fit;
+}
+
+void MeasureFit(const FlameModel& model,
+                const LandmarkEmbedding& embedding,
+                const std::vector<std::optional<ObservedFace>>& faces,
+                LandmarkFit& fit) {
+  const FlamePoser<float> poser(model, fit.shape, fit.static_offset);
+  double sum = 0;
+  int count = 0;
+  for (size_t f = 0; f < faces.size(); ++f) {
+    if (!fit.frames[f]) continue;
+    MeasureFrame(poser, embedding, *faces[f], fit.camera, *fit.frames[f]);
+    sum += fit.frames[f]->error;
+    ++count;
+  }
+  fit.error = sum / count;
 }
 
 }  // namespace cosplat

@@ -59,4 +59,11 @@ LandmarkFit FitLandmarks(const FlameModel& model,
                          const LandmarkFitOptions& options,
                          const std::function<void(int done, int total)>& progress = {});
 
+// Measures what the frames' parameters are now against the landmarks that they were fitted to:
+// points, error and turned of each, and the mean error.
+void MeasureFit(const FlameModel& model,
+                const LandmarkEmbedding& embedding,
+                const std::vector<std::optional<ObservedFace>>& faces,
+                LandmarkFit& fit);
+
 }  // namespace cosplat

@@ -349,6 +349,8 @@ TEST_F(Faults, MakingAndTrackingAHead) {
                             head + "/landmarks.json",
                             "--landmark-embedding",
                             head + "/landmark_embedding.npz",
+                            "--avatar-rounds",
+                            "0",
                             "-o",
                             out,
                             "--quiet"};

@@ -39,8 +39,9 @@ struct Filmed {
     video = ReadLandmarks(marks);
   }
 
-  CommandResult Track(const std::vector<std::string>& more = {}) const {
+  CommandResult Track(const std::vector<std::string>& more = {}, const char* rounds = "0") const {
     std::vector<std::string> arguments{"track", images, "--landmarks", marks, "-o", track};
+    arguments.insert(arguments.end(), {"--avatar-rounds", rounds});
     arguments.insert(arguments.end(), {"--flame", head + "/model.npz"});
     arguments.insert(arguments.end(), {"--landmark-embedding", head + "/landmark_embedding.npz"});
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -69,7 +70,7 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   Filmed filmed;
   filmed.Change([](LandmarkVideo& video) { video.frames[5].faces.clear(); });
   const std::string overlay = filmed.folder / "overlay.mp4";
-  const CommandResult result = filmed.Track({"--overlay", overlay});
+  const CommandResult result = filmed.Track({"--overlay", overlay}, "1");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.out.find("23 of 24 frames"), std::string::npos) << result.out;
   EXPECT_NE((result.out + result.err).find("6: has no face"), std::string::npos)
@@ -88,6 +89,8 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   const Json figures = ReadJson(filmed.track + "/track.json");
   EXPECT_LT(figures["error_px"].get<double>(), 0.6);
   EXPECT_GE(figures["brightness_spread"].size(), 1u);
+  EXPECT_EQ(figures["left_out_psnr"].size(), 2u);
+  EXPECT_NE(result.out.find("small avatars had not seen"), std::string::npos) << result.out;
   EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
   EXPECT_NE(test::Slurp(filmed.track + "/track.html").find("data:image/jpeg"), std::string::npos);
 
@@ -156,7 +159,7 @@ TEST(Track, RefinesATrackThatThereIs) {
   const Filmed filmed;
   const std::string model = filmed.head + "/model.npz";
   const CommandResult result =
-      Cosplat({"track", filmed.head, "--flame", model, "-o", filmed.track});
+      Cosplat({"track", filmed.head, "--flame", model, "-o", filmed.track, "--avatar-rounds", "1"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.out.find("24 frames refined"), std::string::npos) << result.out;
   const TrackedVideo refined = LoadTrackedVideo(filmed.track, {});
@@ -206,6 +209,8 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
                                         filmed.marks,
                                         "--landmark-embedding",
                                         filmed.head + "/landmark_embedding.npz",
+                                        "--avatar-rounds",
+                                        "0",
                                         "--iterations",
                                         "60",
                                         "--gaussians",

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/cosplat/run/avatar_rounds.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
@@ -60,8 +61,8 @@ std::array<float, 4> WriteFrame(const RefineRunOptions& o, const std::string& na
 }
 
 void WriteRefined(const RefineRunOptions& o,
-                  const FlameModel& model,
                   const std::vector<double>& spread,
+                  const std::vector<double>& left_out_psnr,
                   TrackedVideo& video) {
   MakeDirectories(o.out + "/image");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
@@ -73,18 +74,14 @@ void WriteRefined(const RefineRunOptions& o,
   ProgressBar bar("write", int(frames.size()), o.quiet);
   for (TrackedFrame* frame : frames) {
     track.boxes.push_back(WriteFrame(o, frame->name, LoadTrackedImage(video, *frame)));
-    if (model.has_eyelids) {
-      std::vector<float>& expression = frame->params.expression;
-      std::copy_n(expression.end() - 2, 2, frame->params.eyelids.begin());
-      expression.resize(expression.size() - 2);
-    }
     track.frames.push_back(*frame);
     bar.Update(int(track.frames.size()), "frames");
   }
   const Json figures = {{"source", o.source},
                         {"flame", o.flame},
                         {"frames", frames.size()},
-                        {"brightness_spread", spread}};
+                        {"brightness_spread", spread},
+                        {"left_out_psnr", left_out_psnr}};
   WriteFileAtomically(o.out + "/track.json", figures.dump(1) + "\n");
   WriteImavatarTrack(o.out, track);
 }
@@ -97,15 +94,14 @@ void RunRefinement(const RefineRunOptions& o) {
   FlameModel model = LoadFlameModel(o.flame);
   TrackedVideo video = LoadVideo(o, model);
   std::unique_ptr<ProgressBar> bar;
-  const std::vector<double> spread = RefineTrack(
-      model,
-      video,
-      [&](const TrackedFrame& frame) { return LoadTrackedImage(video, frame); },
-      [&](int done, int total) {
-        if (!bar) bar = std::make_unique<ProgressBar>("refine", total, o.quiet);
-        bar->Update(done, "fits");
-      });
-  WriteRefined(o, model, spread, video);
+  const auto image = [&](const TrackedFrame& frame) { return LoadTrackedImage(video, frame); };
+  const std::vector<double> spread = RefineTrack(model, video, image, [&](int done, int total) {
+    if (!bar) bar = std::make_unique<ProgressBar>("refine", total, o.quiet);
+    bar->Update(done, "fits");
+  });
+  EyelidsFromExpression(model, video);
+  const std::vector<double> psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
+  WriteRefined(o, spread, psnr, video);
   if (o.quiet) return;
   std::printf(
       "%zu frames refined in %zu rounds: points differ in brightness from frame to frame by %.2f "
@@ -115,6 +111,8 @@ void RunRefinement(const RefineRunOptions& o) {
       spread.back(),
       spread.front(),
       o.out.c_str());
+  if (!psnr.empty())
+    std::printf("frames that small avatars had not seen: %s\n", AvatarRoundsText(psnr).c_str());
   PrintSkipped(video.skipped);
 }
 

@@ -1,9 +1,12 @@
 // From a tracked video to a more exact track of it on disk, by what its images show.
 //
-// LoadTrackedVideo -> RefineTrack -> a folder in IMavatar's layout with track.json.
+// LoadTrackedVideo -> RefineTrack -> RefineByAvatars -> a folder in IMavatar's layout with
+// track.json.
 #pragma once
 
 #include <string>
+
+#include "apps/cosplat/run/avatar_rounds.h"
 
 namespace cosplat {
 
@@ -11,6 +14,7 @@ struct RefineRunOptions {
   std::string source;  // a tracked video in any layout that has images
   std::string flame;   // model file
   std::string out;     // folder
+  int avatar_rounds = kAvatarRounds;
   bool quiet = false;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cosplat/run/avatar_rounds.h"
 #include "apps/cosplat/run/data_uri.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/html_page.h"
@@ -11,6 +12,7 @@
 #include "apps/study/charts/svg_chart.h"
 #include "apps/study/charts/svg_drawing.h"
 #include "apps/viewer/mesh_view.h"
+#include "flame/eyelids.h"
 #include "flame/pose.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
@@ -36,10 +38,7 @@ void Dot(double x, double y, const viewer::Rgb& color, Image8& image) {
 
 std::vector<float> VerticesOf(const TrackRun& run, size_t f) {
   FlameParams params = run.fit.frames[f]->params;
-  if (run.model.has_eyelids) {
-    params.expression.resize(size_t(run.model.expression_count) - 2, 0);
-    params.expression.insert(params.expression.end(), params.eyelids.begin(), params.eyelids.end());
-  }
+  EyelidsToExpression(run.model, params);
   std::vector<float> vertices;
   FlamePoser<float>(run.model, run.fit.shape, run.fit.static_offset)
       .Forward(FlamePoser<float>::ParametersOf(params), vertices);
@@ -72,6 +71,7 @@ Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
           {"error_px", run.fit.error},
           {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
           {"brightness_spread", run.fit.brightness_spread},
+          {"left_out_psnr", run.left_out_psnr},
           {"cuts", run.chosen.cuts},
           {"frames", frames}};
 }
@@ -105,6 +105,7 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
        {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
        {"Points differ in brightness from frame to frame by (of 255), refining by the images",
         SpreadText(run.fit.brightness_spread)},
+       {"Frames that small avatars had not seen, PSNR", AvatarRoundsText(run.left_out_psnr)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
         FormatNumber(run.fit.camera.fx, "%.0f px")},

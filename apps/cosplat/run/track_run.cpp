@@ -137,11 +137,30 @@ TrackedFrame TrackedFrameOf(const TrackRun& run, size_t f) {
   return frame;
 }
 
+// Small avatars of the kept frames make their parameters more exact.
+void RefineKept(const TrackRunOptions& o, const FrameSource& frames, TrackRun& run) {
+  TrackedVideo video;
+  video.source = o.source;
+  video.shape = run.fit.shape;
+  video.static_offset = run.fit.static_offset;
+  for (size_t i = 0; i < run.kept.size(); ++i) {
+    video.train.push_back(TrackedFrameOf(run, run.kept[i]));
+    video.train.back().timestep = int(i);
+  }
+  const auto image = [&](const TrackedFrame& frame) {
+    return ImageOf(frames, run.marks.frames[run.kept[size_t(frame.timestep)]], run.marks);
+  };
+  run.left_out_psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
+  if (run.left_out_psnr.empty()) return;
+  for (size_t i = 0; i < run.kept.size(); ++i)
+    run.fit.frames[run.kept[i]]->params = video.train[i].params;
+  MeasureFit(run.model, run.embedding, run.chosen.faces, run.fit);
+}
+
 // Copies images and masks; returns each mask's extent.
 std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
                                               const TrackRun& run,
-                                              const FrameSource& frames,
-                                              bool mattes) {
+                                              const FrameSource& frames) {
   std::vector<std::array<float, 4>> boxes(run.kept.size(), {-1, -1, 1, 1});
   ProgressBar bar("write", int(run.kept.size()), o.quiet);
   // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
@@ -154,7 +173,7 @@ std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
     tbb::parallel_for(begin, end, [&](size_t i) {
       const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
       WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
-      if (!mattes) return;
+      if (!run.mattes) return;
       const Image8 matte = MatteOf(frame, run.marks);
       WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
       boxes[i] = ImavatarBox(matte);
@@ -173,6 +192,9 @@ void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
       run.fit.error,
       run.fit.camera.fx,
       o.out.c_str());
+  if (!run.left_out_psnr.empty())
+    std::printf("frames that small avatars had not seen: %s\n",
+                AvatarRoundsText(run.left_out_psnr).c_str());
   if (run.chosen.cuts > 0) std::printf("%d cuts, or changes to another face\n", run.chosen.cuts);
   PrintSkipped(run.skipped);
 }
@@ -206,20 +228,21 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
                            bar->Update(done, "fits");
                          });
   Keep(run);
+  run.mattes = HasMattes(run);
+  RefineKept(o, frames, run);
   return run;
 }
 
 void RunTracking(const TrackRunOptions& o) {
   const FrameSource frames(o.source);
   const TrackRun run = FitTrack(o, frames);
-  const bool mattes = HasMattes(run);
   MakeDirectories(o.out + "/image");
-  if (mattes) MakeDirectories(o.out + "/mask");
+  if (run.mattes) MakeDirectories(o.out + "/mask");
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = run.fit.shape;
   track.static_offset = run.fit.static_offset;
-  track.boxes = WriteImages(o, run, frames, mattes);
+  track.boxes = WriteImages(o, run, frames);
   for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
   WriteImavatarTrack(o.out, track);

@@ -1,12 +1,14 @@
 // From a video and its landmarks to a tracked video on disk.
 //
-// FrameSource, ReadLandmarks -> ChooseFaces -> FitLandmarks -> a folder in IMavatar's layout, which
-// train-avatar and every host's drive read, with track.json and track.html about it.
+// FrameSource, ReadLandmarks -> ChooseFaces -> FitLandmarks -> RefineByAvatars -> a folder in
+// IMavatar's layout, which train-avatar and every host's drive read, with track.json and track.html
+// about it.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "apps/cosplat/run/avatar_rounds.h"
 #include "apps/cosplat/run/frame_source.h"
 #include "flame/fit/fit_landmarks.h"
 #include "splat/base/skipped.h"
@@ -22,6 +24,7 @@ struct TrackRunOptions {
   std::string overlay;    // .mp4 or folder, or empty
   double focal = 0;       // px; 0: found
   bool silhouette = false;
+  int avatar_rounds = kAvatarRounds;
   bool quiet = false;
 };
 
@@ -33,7 +36,9 @@ struct TrackRun {
   ChosenFaces chosen;
   LandmarkFit fit;
   std::vector<size_t> kept;           // frames of `fit` that are written, in order
+  bool mattes = false;                // whether they have mattes
   std::vector<SkippedFrame> skipped;  // the others, each with the reason
+  std::vector<double> left_out_psnr;  // RefineByAvatars'
 };
 
 // Fits without writing anything. Throws Error naming the file if the landmarks are of another

@@ -1,0 +1,71 @@
+#include "apps/cosplat/run/avatar_rounds.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/run/html_page.h"
+#include "apps/cosplat/run/progress_bar.h"
+#include "avatar/train/refine_by_avatar.h"
+#include "flame/eyelids.h"
+#include "flame/io/model_file.h"
+#include "flame/mouth.h"
+
+namespace cosplat {
+namespace {
+
+// Train-avatar's, as if its command line had these.
+std::shared_ptr<AvatarOptions> SmallAvatarOptions(const std::string& flame) {
+  const auto options = std::make_shared<AvatarOptions>();
+  CLI::App command;
+  options->DeclareTraining(command);
+  std::vector<std::string> arguments{"--flame", flame, "--preset", "quick", "--iterations", "800"};
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  command.parse(arguments);
+  options->ApplyPreset(command);
+  options->ResolveBackground("random");
+  return options;
+}
+
+}  // namespace
+
+std::vector<double> RefineByAvatars(const std::string& flame_file,
+                                    TrackedVideo& video,
+                                    const std::function<Image8(const TrackedFrame&)>& image,
+                                    int rounds,
+                                    bool quiet) {
+  if (rounds == 0) return {};
+  const auto options = SmallAvatarOptions(flame_file);
+  FlameModel flame = WithMouth(LoadFlameModel(flame_file));
+  TrackedVideo track = video;
+  if (TracksEyelids(track)) {
+    flame = WithEyelids(std::move(flame));
+    EyelidsToExpression(flame, track);
+  }
+  AvatarRefinement settings;
+  settings.avatar = options->avatar;
+  settings.train = [&](float unit) { return options->ToSettings(unit); };
+  settings.fit.steps = 40;
+  settings.rounds = rounds;
+  std::unique_ptr<ProgressBar> bar;
+  const std::vector<double> psnr =
+      RefineByAvatar(flame, track, image, settings, [&](int done, int total) {
+        if (!bar) bar = std::make_unique<ProgressBar>("avatars", total, quiet);
+        bar->Update(done, "steps");
+      });
+  EyelidsFromExpression(flame, track);
+  video = std::move(track);
+  return psnr;
+}
+
+std::string AvatarRoundsText(const std::vector<double>& psnr) {
+  if (psnr.empty()) return "not refined by avatars";
+  std::string text = FormatNumber(psnr[0], "%.2f dB");
+  for (size_t round = 1; round < psnr.size(); ++round)
+    text += FormatNumber(psnr[round], ", %.2f dB") + " after round " + std::to_string(round);
+  if (psnr.back() <= psnr[psnr.size() - 2]) text += ", which is undone";
+  return text;
+}
+
+}  // namespace cosplat

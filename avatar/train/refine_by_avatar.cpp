@@ -1,0 +1,162 @@
+#include "avatar/train/refine_by_avatar.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "splat/base/image_io.h"
+
+namespace cosplat {
+namespace {
+
+// Left out are eight frames of every 32: neighbours are so alike that single ones would be known.
+constexpr size_t kBlock = 8, kBlocksPerHeldOut = 4;
+// dB. Less is no gain.
+constexpr double kLeastGain = 0.02;
+constexpr float kFaceWidth = 0.14f;  // metres
+// Frames are fitted in so many lots, each by one fitter; the lots do not depend on the threads.
+constexpr size_t kLots = 32;
+
+// px
+double FaceSizeIn(const TrackedFrame& frame) {
+  const Camera& c = frame.camera;
+  double depth = c.translation[2];
+  for (size_t k = 0; k < 3; ++k) depth += c.rotation[6 + k] * frame.params.translation[k];
+  return depth > 0 ? kFaceWidth * c.fx / depth : 0;
+}
+
+double MedianFaceSize(const std::vector<TrackedFrame*>& frames) {
+  std::vector<double> sizes;
+  for (const TrackedFrame* frame : frames) sizes.push_back(FaceSizeIn(*frame));
+  std::nth_element(sizes.begin(), sizes.begin() + long(sizes.size() / 2), sizes.end());
+  return sizes[sizes.size() / 2];
+}
+
+// All frames to train on, with reduced images in memory.
+TrackedVideo SmallCopy(const TrackedVideo& video,
+                       const std::vector<TrackedFrame*>& frames,
+                       const std::function<Image8(const TrackedFrame&)>& image,
+                       double face_size) {
+  const double scale = std::min(1.0, face_size / std::max(MedianFaceSize(frames), 1e-6));
+  TrackedVideo small;
+  small.source = video.source;
+  small.layout = video.layout;
+  small.shape = video.shape;
+  small.static_offset = video.static_offset;
+  const auto reduced = [&](int size) { return std::max(1, int(std::lround(scale * size))); };
+  for (const TrackedFrame* frame : frames) {
+    TrackedFrame copy = *frame;
+    const Camera& camera = frame->camera;
+    copy.camera = camera.Resized(reduced(camera.width), reduced(camera.height));
+    copy.image = std::make_shared<const Image8>(
+        ResizeByArea(image(*frame), copy.camera.width, copy.camera.height));
+    small.train.push_back(std::move(copy));
+  }
+  return small;
+}
+
+std::vector<uint32_t> HeldOut(size_t frames) {
+  std::vector<uint32_t> out;
+  for (size_t f = 0; f < frames; ++f)
+    if (f / kBlock % kBlocksPerHeldOut == kBlocksPerHeldOut / 2) out.push_back(uint32_t(f));
+  if (out.empty()) out.push_back(uint32_t(frames / 2));
+  return out;
+}
+
+class AvatarRefiner {
+ public:
+  AvatarRefiner(const FlameModel& flame, TrackedVideo small, const AvatarRefinement& settings)
+      : flame_(flame), settings_(settings), video_(std::move(small)) {}
+
+  std::vector<double> Run();
+  const std::vector<TrackedFrame>& frames() const { return video_.train; }
+
+  std::function<void(int steps)> tick;
+
+ private:
+  // Trains an avatar of the track; appends how well it shows the frames that it has not seen.
+  AvatarModel Train();
+  void Fit(const AvatarModel& avatar);
+
+  const FlameModel& flame_;
+  const AvatarRefinement& settings_;
+  TrackedVideo video_;
+  std::vector<double> psnr_;
+};
+
+AvatarModel AvatarRefiner::Train() {
+  AvatarSubject subject(flame_, video_, settings_.avatar);
+  const TrainSettings train = settings_.train(subject.extent());
+  Trainer trainer(train, subject, subject.InitialGaussians(train.degree, Basis::kDcsh, train.seed));
+  const std::vector<uint32_t> held_out = HeldOut(video_.train.size());
+  trainer.HoldOut(held_out);
+  for (int before = 0; before < train.iterations; before = trainer.iteration()) {
+    trainer.Step();
+    tick(trainer.iteration() - before);
+  }
+  psnr_.push_back(trainer.PsnrOf(View<const uint32_t>(held_out.data(), held_out.size())));
+  AvatarModel avatar = subject.Model(trainer.CaughtUp());
+  avatar.background = {1, 1, 1};
+  return avatar;
+}
+
+void AvatarRefiner::Fit(const AvatarModel& avatar) {
+  const size_t count = video_.train.size(), lots = std::min(kLots, count);
+  tbb::parallel_for(size_t(0), lots, [&](size_t lot) {
+    TrackFitter fitter(avatar, flame_);
+    for (size_t f = count * lot / lots; f < count * (lot + 1) / lots; ++f) {
+      TrackedFrame& frame = video_.train[f];
+      fitter.Fit(frame, *frame.image, avatar.background, settings_.fit);
+      frame.params.expression = fitter.parameters().expression;
+      frame.params.pose = fitter.parameters().pose;
+      frame.params.translation = fitter.parameters().translation;
+      tick(settings_.fit.steps);
+    }
+  });
+}
+
+std::vector<double> AvatarRefiner::Run() {
+  std::vector<TrackedFrame> before;
+  for (int round = 0;; ++round) {
+    const AvatarModel avatar = Train();
+    if (round > 0 && psnr_[size_t(round)] < psnr_[size_t(round) - 1] + kLeastGain) {
+      video_.train = std::move(before);
+      return psnr_;
+    }
+    if (round == settings_.rounds) return psnr_;
+    before = video_.train;
+    Fit(avatar);
+  }
+}
+
+}  // namespace
+
+std::vector<double> RefineByAvatar(const FlameModel& flame,
+                                   TrackedVideo& video,
+                                   const std::function<Image8(const TrackedFrame&)>& image,
+                                   const AvatarRefinement& settings,
+                                   const std::function<void(int done, int total)>& progress) {
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video);
+  TrackedVideo small = SmallCopy(video, frames, image, settings.face_size);
+  // Without a matte an avatar would have to show what is behind the head, too.
+  for (const TrackedFrame& frame : small.train)
+    if (frame.image->channels == 3) return {};
+  AvatarRefiner refiner(flame, std::move(small), settings);
+  const int total = (settings.rounds + 1) * settings.avatar.iterations +
+                    settings.rounds * int(frames.size()) * settings.fit.steps;
+  std::mutex mutex;
+  int done = 0;
+  refiner.tick = [&](int steps) {
+    const std::lock_guard lock(mutex);
+    done += steps;
+    if (progress) progress(done, total);
+  };
+  const std::vector<double> psnr = refiner.Run();
+  for (size_t f = 0; f < frames.size(); ++f) frames[f]->params = refiner.frames()[f].params;
+  if (progress && done < total) progress(total, total);
+  return psnr;
+}
+
+}  // namespace cosplat

@@ -1,0 +1,39 @@
+// Makes a track more exact by avatars of it: analysis by synthesis.
+//
+// TrackedVideo -> a small avatar, trained on three quarters of the frames -> TrackFitter on all of
+// them -> the same video with other parameters; and again, for as long as the quarter that was left
+// out is shown better as tracked. An error that differs from frame to frame blurs the avatar of all
+// frames, and each frame then differs from it the way its parameters are wrong.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "avatar/train/fit_track.h"
+#include "avatar/train/trainer.h"
+
+namespace cosplat {
+
+struct AvatarRefinement {
+  AvatarSettings avatar;
+  std::function<TrainSettings(float unit)> train;  // unit: AvatarSubject::extent
+  FitSettings fit;
+  int rounds = 3;         // at most
+  double face_size = 64;  // px: images are reduced until a face is about that wide
+};
+
+// Refines pose, translation and expression of all frames; shape and cameras stay. flame: the model
+// that `video` was loaded with, and that avatars are trained on (with a mouth, with eyelids).
+// image: RGB, or RGBA with a matte, of the camera's size; called once per frame, in order of time.
+// progress, if given, is called with increasing `done`. Returns the mean PSNR, in dB, of the frames
+// that were left out, as tracked: at the start, and after each round that was tried. If the last is
+// no higher than the one before, its round has been undone. Images without a matte refine nothing,
+// and nothing is returned. Throws Error as AvatarSubject and
+// TrackFitter do. Bit-identical for any number of threads.
+std::vector<double> RefineByAvatar(const FlameModel& flame,
+                                   TrackedVideo& video,
+                                   const std::function<Image8(const TrackedFrame&)>& image,
+                                   const AvatarRefinement& settings,
+                                   const std::function<void(int done, int total)>& progress = {});
+
+}  // namespace cosplat

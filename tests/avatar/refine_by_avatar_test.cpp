@@ -1,0 +1,99 @@
+#include "avatar/train/refine_by_avatar.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/avatar/track_errors.h"
+#include "tests/avatar/training_fixture.h"
+
+namespace cosplat::test {
+namespace {
+
+AvatarRefinement Settings(int rounds) {
+  AvatarRefinement settings;
+  settings.avatar = SmallAvatar(1500);
+  settings.avatar.iterations = 150;
+  settings.train = [](float unit) {
+    TrainSettings train = ShortRun(150, 2000);
+    ScaleToUnit(unit, train);
+    return train;
+  };
+  settings.fit.steps = 20;
+  settings.rounds = rounds;
+  return settings;
+}
+
+std::vector<FlameParams> ParamsOf(const TrackedVideo& video) {
+  std::vector<FlameParams> params;
+  for (const auto* list : {&video.train, &video.test})
+    for (const TrackedFrame& frame : *list) params.push_back(frame.params);
+  return params;
+}
+
+Image8 ImageOf(const TrackedFrame& frame) { return *frame.image; }
+
+bool Same(const std::vector<FlameParams>& a, const std::vector<FlameParams>& b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(), [](const FlameParams& x, const FlameParams& y) {
+        return x.expression == y.expression && x.pose == y.pose && x.translation == y.translation;
+      });
+}
+
+// Frames that are to test are refined, too. Expressions are not compared: at this size most of the
+// coefficients do not show. The same bits with one thread.
+TEST(RefineByAvatar, BringsATrackCloserToTheTruth) {
+  const TrackedVideo truth = MakeSmallVideo(20, 1);
+  TrackedVideo video = truth;
+  Perturb(video);
+  const auto before = Distance(ParamsOf(video), truth.train);
+  video.test.assign(video.train.end() - 3, video.train.end());
+  video.train.resize(17);
+  TrackedVideo alone = video;
+
+  int done = 0, total = 0;
+  const std::vector<double> psnr =
+      RefineByAvatar(MadeHead().model, video, ImageOf, Settings(2), [&](int d, int t) {
+        EXPECT_GE(d, done);
+        done = d;
+        total = t;
+      });
+  ASSERT_EQ(psnr.size(), 3u);
+  EXPECT_GT(psnr[1], psnr[0] + 0.5);
+  EXPECT_EQ(done, total);
+  const auto after = Distance(ParamsOf(video), truth.train);
+  EXPECT_LT(after[1], 0.9 * before[1]);
+  EXPECT_LT(after[2], 0.8 * before[2]);
+
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(RefineByAvatar(MadeHead().model, alone, ImageOf, Settings(2)), psnr);
+  EXPECT_TRUE(Same(ParamsOf(alone), ParamsOf(video)));
+}
+
+// An avatar that has hardly been trained.
+TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
+  TrackedVideo video = MakeSmallVideo(12, 2);
+  const std::vector<FlameParams> given = ParamsOf(video);
+  AvatarRefinement settings = Settings(3);
+  settings.train = [](float unit) {
+    TrainSettings train = ShortRun(8, 2000);
+    ScaleToUnit(unit, train);
+    return train;
+  };
+  const std::vector<double> psnr = RefineByAvatar(MadeHead().model, video, ImageOf, settings);
+  ASSERT_EQ(psnr.size(), 2u);
+  EXPECT_LT(psnr[1], psnr[0]);
+  EXPECT_TRUE(Same(ParamsOf(video), given));
+}
+
+TEST(RefineByAvatar, WithoutMattesThereIsNothingToCompare) {
+  TrackedVideo video = MakeSmallVideo(4, 2);
+  const std::vector<FlameParams> given = ParamsOf(video);
+  const auto opaque = [](const TrackedFrame& frame) {
+    return Image8(frame.camera.width, frame.camera.height, 3);
+  };
+  EXPECT_TRUE(RefineByAvatar(MadeHead().model, video, opaque, Settings(1)).empty());
+  EXPECT_TRUE(Same(ParamsOf(video), given));
+}
+
+}  // namespace
+}  // namespace cosplat::test
