@@ -25,7 +25,7 @@ FlameModel WithEyelids(FlameModel model);
 // If `model` has eyelids: appends params.eyelids to the expression, after the model's other
 // coefficients (missing ones become zero, further ones are dropped), and zeroes them.
 void EyelidsToExpression(const FlameModel& model, FlameParams& params);
-// The reverse.
+// The reverse, of an expression that the former has made.
 void EyelidsFromExpression(const FlameModel& model, FlameParams& params);
 
 }  // namespace cosplat

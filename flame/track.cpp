@@ -147,6 +147,14 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video) {
   video.head_is_fixed = false;
 }
 
+double FaceSizeIn(const TrackedFrame& frame) {
+  constexpr double kFaceSize = 0.14, kMinDistance = 0.01;  // metres
+  const Camera& camera = frame.camera;
+  double depth = camera.translation[2];
+  for (size_t k = 0; k < 3; ++k) depth += camera.rotation[6 + k] * frame.params.translation[k];
+  return kFaceSize * camera.fx / std::max(depth, kMinDistance);
+}
+
 bool TracksEyelids(const TrackedVideo& video) {
   const auto moved = [](const TrackedFrame& frame) {
     return frame.params.eyelids != std::array<float, 2>{};

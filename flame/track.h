@@ -79,6 +79,9 @@ TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flam
 // Throws Error as FlamePoser does.
 void MoveHead(const FlameModel& flame, TrackedVideo& video);
 
+// How wide a face, 0.14 m, is in the frame's image, in px; at most as from a centimetre's distance.
+double FaceSizeIn(const TrackedFrame& frame);
+
 // Whether any frame's eyelids are moved.
 bool TracksEyelids(const TrackedVideo& video);
 

@@ -1,11 +1,13 @@
 #include "avatar/train/refine_by_avatar.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
+#include "splat/base/error.h"
 #include "splat/base/image_io.h"
 
 namespace cosplat {
@@ -13,19 +15,12 @@ namespace {
 
 // Left out are eight frames of every 32: neighbours are so alike that single ones would be known.
 constexpr size_t kBlock = 8, kBlocksPerHeldOut = 4;
-// dB. Less is no gain.
-constexpr double kLeastGain = 0.02;
-constexpr float kFaceWidth = 0.14f;  // metres
+constexpr size_t kMinFrames = 2 * kBlock;
+// A face that is small in the picture is not brought to its size if that takes more: a long video
+// of reduced pictures is held in memory.
+constexpr double kMaxPixels = 512 * 512;
 // Frames are fitted in so many lots, each by one fitter; the lots do not depend on the threads.
 constexpr size_t kLots = 32;
-
-// px
-double FaceSizeIn(const TrackedFrame& frame) {
-  const Camera& c = frame.camera;
-  double depth = c.translation[2];
-  for (size_t k = 0; k < 3; ++k) depth += c.rotation[6 + k] * frame.params.translation[k];
-  return depth > 0 ? kFaceWidth * c.fx / depth : 0;
-}
 
 double MedianFaceSize(const std::vector<TrackedFrame*>& frames) {
   std::vector<double> sizes;
@@ -34,12 +29,20 @@ double MedianFaceSize(const std::vector<TrackedFrame*>& frames) {
   return sizes[sizes.size() / 2];
 }
 
-// All frames to train on, with reduced images in memory.
+double ScaleFor(const std::vector<TrackedFrame*>& frames, double face_size) {
+  const Camera& camera = frames[0]->camera;
+  return std::min({1.0,
+                   face_size / std::max(MedianFaceSize(frames), 1e-6),
+                   std::sqrt(kMaxPixels / (double(camera.width) * camera.height))});
+}
+
+// All frames to train on, with reduced images in memory; none if one has no matte, without which an
+// avatar would have to show what is behind the head, too.
 TrackedVideo SmallCopy(const TrackedVideo& video,
                        const std::vector<TrackedFrame*>& frames,
                        const std::function<Image8(const TrackedFrame&)>& image,
                        double face_size) {
-  const double scale = std::min(1.0, face_size / std::max(MedianFaceSize(frames), 1e-6));
+  const double scale = ScaleFor(frames, face_size);
   TrackedVideo small;
   small.source = video.source;
   small.layout = video.layout;
@@ -52,6 +55,10 @@ TrackedVideo SmallCopy(const TrackedVideo& video,
     copy.camera = camera.Resized(reduced(camera.width), reduced(camera.height));
     copy.image = std::make_shared<const Image8>(
         ResizeByArea(image(*frame), copy.camera.width, copy.camera.height));
+    if (copy.image->channels == 3) {
+      small.train.clear();
+      return small;
+    }
     small.train.push_back(std::move(copy));
   }
   return small;
@@ -61,7 +68,6 @@ std::vector<uint32_t> HeldOut(size_t frames) {
   std::vector<uint32_t> out;
   for (size_t f = 0; f < frames; ++f)
     if (f / kBlock % kBlocksPerHeldOut == kBlocksPerHeldOut / 2) out.push_back(uint32_t(f));
-  if (out.empty()) out.push_back(uint32_t(frames / 2));
   return out;
 }
 
@@ -92,7 +98,7 @@ AvatarModel AvatarRefiner::Train() {
   Trainer trainer(train, subject, subject.InitialGaussians(train.degree, Basis::kDcsh, train.seed));
   const std::vector<uint32_t> held_out = HeldOut(video_.train.size());
   trainer.HoldOut(held_out);
-  for (int before = 0; before < train.iterations; before = trainer.iteration()) {
+  for (int before = 0; before < settings_.avatar.iterations; before = trainer.iteration()) {
     trainer.Step();
     tick(trainer.iteration() - before);
   }
@@ -108,7 +114,9 @@ void AvatarRefiner::Fit(const AvatarModel& avatar) {
     TrackFitter fitter(avatar, flame_);
     for (size_t f = count * lot / lots; f < count * (lot + 1) / lots; ++f) {
       TrackedFrame& frame = video_.train[f];
-      fitter.Fit(frame, *frame.image, avatar.background, settings_.fit);
+      // Or a thread that waits for its part of an image would begin with another lot.
+      tbb::this_task_arena::isolate(
+          [&] { fitter.Fit(frame, *frame.image, avatar.background, settings_.fit); });
       frame.params.expression = fitter.parameters().expression;
       frame.params.pose = fitter.parameters().pose;
       frame.params.translation = fitter.parameters().translation;
@@ -121,7 +129,7 @@ std::vector<double> AvatarRefiner::Run() {
   std::vector<TrackedFrame> before;
   for (int round = 0;; ++round) {
     const AvatarModel avatar = Train();
-    if (round > 0 && psnr_[size_t(round)] < psnr_[size_t(round) - 1] + kLeastGain) {
+    if (round > 0 && psnr_[size_t(round)] <= psnr_[size_t(round) - 1]) {
       video_.train = std::move(before);
       return psnr_;
     }
@@ -139,10 +147,15 @@ std::vector<double> RefineByAvatar(const FlameModel& flame,
                                    const AvatarRefinement& settings,
                                    const std::function<void(int done, int total)>& progress) {
   const std::vector<TrackedFrame*> frames = FramesInOrder(video);
+  if (frames.size() < kMinFrames) return {};
+  for (size_t f = 1; f < frames.size(); ++f)
+    if (frames[f]->timestep == frames[f - 1]->timestep)
+      throw Error(video.source,
+                  "frames",
+                  "'" + frames[f - 1]->name + "' and '" + frames[f]->name +
+                      "' show one moment; expected one camera");
   TrackedVideo small = SmallCopy(video, frames, image, settings.face_size);
-  // Without a matte an avatar would have to show what is behind the head, too.
-  for (const TrackedFrame& frame : small.train)
-    if (frame.image->channels == 3) return {};
+  if (small.train.empty()) return {};
   AvatarRefiner refiner(flame, std::move(small), settings);
   const int total = (settings.rounds + 1) * settings.avatar.iterations +
                     settings.rounds * int(frames.size()) * settings.fit.steps;

@@ -15,8 +15,8 @@
 namespace cosplat {
 
 struct AvatarRefinement {
-  AvatarSettings avatar;
-  std::function<TrainSettings(float unit)> train;  // unit: AvatarSubject::extent
+  AvatarSettings avatar;                           // iterations: of every training
+  std::function<TrainSettings(float unit)> train;  // the same length; unit: AvatarSubject::extent
   FitSettings fit;
   int rounds = 3;         // at most
   double face_size = 64;  // px: images are reduced until a face is about that wide
@@ -27,9 +27,10 @@ struct AvatarRefinement {
 // image: RGB, or RGBA with a matte, of the camera's size; called once per frame, in order of time.
 // progress, if given, is called with increasing `done`. Returns the mean PSNR, in dB, of the frames
 // that were left out, as tracked: at the start, and after each round that was tried. If the last is
-// no higher than the one before, its round has been undone. Images without a matte refine nothing,
-// and nothing is returned. Throws Error as AvatarSubject and
-// TrackFitter do. Bit-identical for any number of threads.
+// no higher than the one before, its round has been undone. Fewer than 16 frames, and images
+// without a matte, refine nothing, and nothing is returned. Throws Error if several frames show one
+// moment, and as AvatarSubject, Trainer and TrackFitter do. Bit-identical for any number of
+// threads.
 std::vector<double> RefineByAvatar(const FlameModel& flame,
                                    TrackedVideo& video,
                                    const std::function<Image8(const TrackedFrame&)>& image,

@@ -23,8 +23,8 @@ using internal::FrameView;
 // FLAME's coefficients.
 constexpr double kGivenTranslation = 0.01, kGivenHead = 0.05, kGivenJawAndEyes = 0.1,
                  kGivenExpression = 0.5;
-// Of a head: a square of its face's area, and the height of the part that is compared.
-constexpr double kFaceSize = 0.14, kHeadReach = 0.22;  // metres
+// Of a head: the height of the part that is compared.
+constexpr double kHeadReach = 0.22;  // metres
 
 class TrackRefiner {
  public:
@@ -95,7 +95,7 @@ FrameView TrackRefiner::ViewOf(const TrackedFrame& frame) const {
   const double x = camera.cx + scale * at[0], y = camera.cy + scale * at[1];
   const double reach = scale * kHeadReach;
   view.box = {x - reach, y - reach, x + reach, y + reach};
-  view.face_size = scale * kFaceSize;
+  view.face_size = FaceSizeIn(frame);
   return view;
 }
 

@@ -102,7 +102,7 @@ void WriteViews(const Village& village,
   WriteFileAtomically(out + "/transforms_" + split + ".json", file.dump(1) + "\n");
 }
 
-// Random points of random faces; the ground's are few where no camera comes near.
+// Random points of random faces.
 void WritePoints(const Village& village, const std::string& path) {
   Rng rng{3};
   std::vector<float> points;

@@ -17,7 +17,7 @@ echo
 echo "| pictures per height | options | 1 m | 5 m | 25 m | mean | Gaussians |"
 echo "|---|---|---|---|---|---|---|"
 for pictures in 10 60; do
-  [[ -d $work/$pictures ]] || "$make" "$work/$pictures" "$pictures"
+  [[ -f $work/$pictures/transforms_test.json ]] || "$make" "$work/$pictures" "$pictures"
   for option in "--basis sh" "" --antialiasing; do
     run=$work/run-$pictures${option// /-}
     # shellcheck disable=SC2086 # no option is no argument, and a basis is two

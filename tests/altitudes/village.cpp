@@ -213,7 +213,7 @@ Vec Bricks(float u, float v, int seed, float footprint) {
   const Vec brick = Mix(Vec{0.62f, 0.30f, 0.22f}, Vec{0.80f, 0.72f, 0.58f}, tone);
   const float seen = Visible(8, footprint);
   const Vec own = brick * (1 + 0.35f * seen * (HashUnit(row, column, seed) - 0.5f));
-  return from_joint < 0.04f ? Mix(own, {0.75f, 0.73f, 0.70f}, 0.8f * seen) : own;
+  return from_joint < 0.04f ? Mix(own, {0.75f, 0.73f, 0.70f}, 0.8f * Visible(40, footprint)) : own;
 }
 
 // Bricks with a row of windows, whose panes mirror the sky.
@@ -223,10 +223,10 @@ Vec Wall(float u, float v, const Vec& mirrored, int seed, float footprint) {
   if (across < 0.42f && above > -0.1f && above < 1) {
     const bool frame = across > 0.36f || across < 0.025f || above < 0 || above > 0.93f ||
                        std::abs(above - 0.6f) < 0.025f;
-    if (frame) return {0.92f, 0.90f, 0.86f};
-    return Mix(Vec{0.12f, 0.14f, 0.18f},
-               Vec{0.75f, 0.85f, 0.97f},
-               std::clamp(0.5f + mirrored.z, 0.0f, 1.0f));
+    const Vec pane = Mix(Vec{0.12f, 0.14f, 0.18f},
+                         Vec{0.75f, 0.85f, 0.97f},
+                         std::clamp(0.5f + mirrored.z, 0.0f, 1.0f));
+    return frame ? Mix(pane, {0.92f, 0.90f, 0.86f}, Mix(0.3f, 1, Visible(17, footprint))) : pane;
   }
   return Bricks(u, v, seed, footprint);
 }
@@ -237,7 +237,7 @@ Vec Roof(float u, float v, int seed, float footprint) {
   const Vec tile =
       HashUnit(seed, 9, 9) < 0.5f ? Vec{0.55f, 0.25f, 0.18f} : Vec{0.33f, 0.34f, 0.38f};
   return tile * (1 + seen * (0.4f * (HashUnit(row, column, seed + 50) - 0.5f) -
-                             0.35f * (within < 0.15f) + 0.05f));
+                             0.35f * Visible(27, footprint) * (within < 0.15f) + 0.05f));
 }
 
 }  // namespace

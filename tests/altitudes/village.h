@@ -1,7 +1,7 @@
 // A made village: houses around a square, trees, a fence and hills, in metres with z up.
 //
-// MakeVillage -> DrawVillage, for pictures whose truth is known at every height: its textures hold
-// no detail finer than a pixel of the camera that looks.
+// MakeVillage -> DrawVillage, for pictures whose truth is known at every height: patterns of its
+// textures fade where they become finer than a pixel of the camera that looks.
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 
 #include "tests/avatar/track_errors.h"
 #include "tests/avatar/training_fixture.h"
+#include "tests/support/expect_error.h"
 
 namespace cosplat::test {
 namespace {
@@ -71,9 +72,10 @@ TEST(RefineByAvatar, BringsATrackCloserToTheTruth) {
 
 // An avatar that has hardly been trained.
 TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
-  TrackedVideo video = MakeSmallVideo(12, 2);
+  TrackedVideo video = MakeSmallVideo(20, 2);
   const std::vector<FlameParams> given = ParamsOf(video);
   AvatarRefinement settings = Settings(3);
+  settings.avatar.iterations = 8;
   settings.train = [](float unit) {
     TrainSettings train = ShortRun(8, 2000);
     ScaleToUnit(unit, train);
@@ -85,8 +87,17 @@ TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
   EXPECT_TRUE(Same(ParamsOf(video), given));
 }
 
+TEST(RefineByAvatar, FramesThatItCannotCompare) {
+  TrackedVideo video = MakeSmallVideo(20, 2);
+  video.train[7].timestep = 6;
+  ExpectError([&] { RefineByAvatar(MadeHead().model, video, ImageOf, Settings(1)); },
+              {"made", "'6'", "'7'", "one camera"});
+  TrackedVideo few = MakeSmallVideo(3, 2);
+  EXPECT_TRUE(RefineByAvatar(MadeHead().model, few, ImageOf, Settings(1)).empty());
+}
+
 TEST(RefineByAvatar, WithoutMattesThereIsNothingToCompare) {
-  TrackedVideo video = MakeSmallVideo(4, 2);
+  TrackedVideo video = MakeSmallVideo(20, 2);
   const std::vector<FlameParams> given = ParamsOf(video);
   const auto opaque = [](const TrackedFrame& frame) {
     return Image8(frame.camera.width, frame.camera.height, 3);

@@ -118,6 +118,9 @@ TEST(Eyelids, OfATrackBecomeExpression) {
   EXPECT_EQ(video.train[1].params.expression[own], 0) << "a coefficient that the model lacks";
   EXPECT_EQ(video.test[0].params.expression[own], 0.25f);
   EXPECT_EQ(video.test[0].params.expression[own + 1], 0.5f);
+  EyelidsFromExpression(Lidded(), video);
+  EXPECT_EQ(video.test[0].params.expression.size(), own);
+  EXPECT_EQ(video.test[0].params.eyelids, (std::array<float, 2>{0.25f, 0.5f}));
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ std::vector<double> RefineByAvatars(const std::string& flame,
                                     int rounds,
                                     bool quiet);
 
-// "24.31 dB, 25.50 dB after round 1, 25.45 dB after round 2, which is undone".
+// "frames that small avatars had not seen: 24.31 dB, 25.50 dB after round 1, 25.45 dB after round
+// 2, which is undone".
 std::string AvatarRoundsText(const std::vector<double>& psnr);
 
 }  // namespace cosplat

@@ -111,8 +111,7 @@ void RunRefinement(const RefineRunOptions& o) {
       spread.back(),
       spread.front(),
       o.out.c_str());
-  if (!psnr.empty())
-    std::printf("frames that small avatars had not seen: %s\n", AvatarRoundsText(psnr).c_str());
+  if (o.avatar_rounds > 0) std::printf("%s\n", AvatarRoundsText(psnr).c_str());
   PrintSkipped(video.skipped);
 }
 

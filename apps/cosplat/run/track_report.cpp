@@ -105,7 +105,7 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
        {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
        {"Points differ in brightness from frame to frame by (of 255), refining by the images",
         SpreadText(run.fit.brightness_spread)},
-       {"Frames that small avatars had not seen, PSNR", AvatarRoundsText(run.left_out_psnr)},
+       {"Refining by avatars", AvatarRoundsText(run.left_out_psnr)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
         FormatNumber(run.fit.camera.fx, "%.0f px")},

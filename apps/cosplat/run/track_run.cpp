@@ -192,9 +192,7 @@ void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
       run.fit.error,
       run.fit.camera.fx,
       o.out.c_str());
-  if (!run.left_out_psnr.empty())
-    std::printf("frames that small avatars had not seen: %s\n",
-                AvatarRoundsText(run.left_out_psnr).c_str());
+  if (o.avatar_rounds > 0) std::printf("%s\n", AvatarRoundsText(run.left_out_psnr).c_str());
   if (run.chosen.cuts > 0) std::printf("%d cuts, or changes to another face\n", run.chosen.cuts);
   PrintSkipped(run.skipped);
 }
@@ -229,7 +227,7 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
                          });
   Keep(run);
   run.mattes = HasMattes(run);
-  RefineKept(o, frames, run);
+  if (run.mattes) RefineKept(o, frames, run);
   return run;
 }
 
