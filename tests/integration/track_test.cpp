@@ -89,7 +89,7 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   const Json figures = ReadJson(filmed.track + "/track.json");
   EXPECT_LT(figures["error_px"].get<double>(), 0.6);
   EXPECT_GE(figures["brightness_spread"].size(), 1u);
-  EXPECT_EQ(figures["left_out_psnr"].size(), 2u);
+  EXPECT_EQ(figures["held_out_psnr"].size(), 2u);
   EXPECT_NE(result.out.find("small avatars had not seen"), std::string::npos) << result.out;
   EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
   EXPECT_NE(test::Slurp(filmed.track + "/track.html").find("data:image/jpeg"), std::string::npos);

@@ -62,7 +62,7 @@ std::array<float, 4> WriteFrame(const RefineRunOptions& o, const std::string& na
 
 void WriteRefined(const RefineRunOptions& o,
                   const std::vector<double>& spread,
-                  const std::vector<double>& left_out_psnr,
+                  const std::vector<double>& held_out_psnr,
                   TrackedVideo& video) {
   MakeDirectories(o.out + "/image");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
@@ -81,7 +81,7 @@ void WriteRefined(const RefineRunOptions& o,
                         {"flame", o.flame},
                         {"frames", frames.size()},
                         {"brightness_spread", spread},
-                        {"left_out_psnr", left_out_psnr}};
+                        {"held_out_psnr", held_out_psnr}};
   WriteFileAtomically(o.out + "/track.json", figures.dump(1) + "\n");
   WriteImavatarTrack(o.out, track);
 }

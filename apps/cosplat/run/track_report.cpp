@@ -71,7 +71,7 @@ Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
           {"error_px", run.fit.error},
           {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
           {"brightness_spread", run.fit.brightness_spread},
-          {"left_out_psnr", run.left_out_psnr},
+          {"held_out_psnr", run.held_out_psnr},
           {"cuts", run.chosen.cuts},
           {"frames", frames}};
 }
@@ -105,7 +105,7 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
        {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
        {"Points differ in brightness from frame to frame by (of 255), refining by the images",
         SpreadText(run.fit.brightness_spread)},
-       {"Refining by avatars", AvatarRoundsText(run.left_out_psnr)},
+       {"Refining by avatars", AvatarRoundsText(run.held_out_psnr)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
         FormatNumber(run.fit.camera.fx, "%.0f px")},

@@ -150,8 +150,8 @@ void RefineKept(const TrackRunOptions& o, const FrameSource& frames, TrackRun& r
   const auto image = [&](const TrackedFrame& frame) {
     return ImageOf(frames, run.marks.frames[run.kept[size_t(frame.timestep)]], run.marks);
   };
-  run.left_out_psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
-  if (run.left_out_psnr.empty()) return;
+  run.held_out_psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
+  if (run.held_out_psnr.empty()) return;
   for (size_t i = 0; i < run.kept.size(); ++i)
     run.fit.frames[run.kept[i]]->params = video.train[i].params;
   MeasureFit(run.model, run.embedding, run.chosen.faces, run.fit);
@@ -192,7 +192,7 @@ void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
       run.fit.error,
       run.fit.camera.fx,
       o.out.c_str());
-  if (o.avatar_rounds > 0) std::printf("%s\n", AvatarRoundsText(run.left_out_psnr).c_str());
+  if (o.avatar_rounds > 0) std::printf("%s\n", AvatarRoundsText(run.held_out_psnr).c_str());
   if (run.chosen.cuts > 0) std::printf("%d cuts, or changes to another face\n", run.chosen.cuts);
   PrintSkipped(run.skipped);
 }

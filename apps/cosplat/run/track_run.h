@@ -38,7 +38,7 @@ struct TrackRun {
   std::vector<size_t> kept;           // frames of `fit` that are written, in order
   bool mattes = false;                // whether they have mattes
   std::vector<SkippedFrame> skipped;  // the others, each with the reason
-  std::vector<double> left_out_psnr;  // RefineByAvatars'
+  std::vector<double> held_out_psnr;  // RefineByAvatars'
 };
 
 // Fits without writing anything. Throws Error naming the file if the landmarks are of another
