@@ -103,10 +103,14 @@ void Announce(const SceneCommand& o, const Photographs& photographs) {
 void PrintRegistration(const JsonField& json, const std::string& note) {
   const size_t registered = json["registered"].size(), missing = json["not_registered"].size();
   const size_t total = registered + missing;
-  std::printf("cameras of %zu of %zu photographs, %s points%s\n",
+  const double error = json.NumberOr("mean_error", 0);
+  char error_text[48] = "";
+  if (error > 0) std::snprintf(error_text, sizeof error_text, " with an error of %.2f px", error);
+  std::printf("cameras of %zu of %zu photographs, %s points%s%s\n",
               registered,
               total,
               WithThousands(size_t(json["points"].Number())).c_str(),
+              error_text,
               note.c_str());
   std::string names;
   for (size_t i = 0; i < missing; ++i) names += " " + json["not_registered"][i].String();
@@ -131,7 +135,8 @@ void WriteRegistration(const std::string& file,
                   {"registered", found.registered},
                   {"not_registered", found.not_registered},
                   {"skipped", skipped},
-                  {"points", found.points}};
+                  {"points", found.points},
+                  {"mean_error", found.mean_error}};
   WriteFileAtomically(file, json.dump(2) + "\n");
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -31,6 +32,7 @@ struct ColmapModel {
   std::vector<ColmapImage> images;
   std::vector<float> points;          // [P, 3]
   std::vector<uint8_t> point_colors;  // [P, 3]
+  double mean_error = 0;              // px: of the points' reprojection; 0 where none is stored
 };
 
 // Reads cameras, images and points3D (.bin, or .txt if there is no .bin) from a folder; points3D is
@@ -57,6 +59,22 @@ namespace colmap {
 // One function per format; ReadColmapModel calls it if its camera file exists.
 void ReadBinary(const std::string& folder, ColmapModel& model);
 void ReadText(const std::string& folder, ColmapModel& model);
+
+// The mean of the points' errors as COLMAP's model_analyzer computes it: of those that have one.
+class MeanError {
+ public:
+  // error: px; of a point without one -1.
+  void Add(double error) {
+    if (!(error >= 0 && std::isfinite(error))) return;
+    sum_ += error;
+    ++count_;
+  }
+  double Mean() const { return count_ == 0 ? 0 : sum_ / double(count_); }
+
+ private:
+  double sum_ = 0;
+  size_t count_ = 0;
+};
 }  // namespace colmap
 
 }  // namespace cosplat

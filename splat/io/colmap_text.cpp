@@ -115,6 +115,7 @@ void ReadImagesText(const std::string& path, ColmapModel& model) {
 
 void ReadPointsText(const std::string& path, ColmapModel& model) {
   Lines in(path);
+  MeanError mean;
   while (in.NextRecord()) {
     in.Integer("a point id");
     for (int k = 0; k < 3; ++k) model.points.push_back(float(in.Number("a position")));
@@ -124,7 +125,9 @@ void ReadPointsText(const std::string& path, ColmapModel& model) {
         throw Error(path, in.Field(), "colour " + std::to_string(color) + " is not in 0..255");
       model.point_colors.push_back(uint8_t(color));
     }
+    if (!in.AtEnd()) mean.Add(in.Number("an error"));
   }
+  model.mean_error = mean.Mean();
 }
 
 }  // namespace

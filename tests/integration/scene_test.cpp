@@ -98,8 +98,9 @@ void WritePhotographs(const std::string& folder, int width, int count = kViews) 
   for (int i = 0; i < count; ++i) WriteImage(folder + "/" + NameOf(i), Photograph(i, width));
 }
 
-// A model in COLMAP's text format of the first `count` photographs.
-void WriteModel(const std::string& folder, int width, int count) {
+// A model in COLMAP's text format of the first `count` photographs, whose points have the error
+// (px).
+void WriteModel(const std::string& folder, int width, int count, const char* error = "0.5") {
   fs::create_directories(folder);
   const Camera c = CameraOf(0, width);
   std::ofstream(folder + "/cameras.txt")
@@ -115,7 +116,7 @@ void WriteModel(const std::string& folder, int width, int count) {
   }
   for (int i = 0; i < 200; ++i)
     points << i + 1 << " " << 4 * Hash(i, 1, 0) - 2 << " " << 4 * Hash(i, 2, 0) - 2
-           << " 2 128 128 128 0.5\n";
+           << " 2 128 128 128 " << error << "\n";
 }
 
 // Photographs, and a program that takes COLMAP's arguments, writes them to `calls` and the model to
@@ -297,6 +298,27 @@ TEST(Scene, TrainsOnAllWithoutEval) {
   EXPECT_EQ(result.out + result.err, "");
   EXPECT_TRUE(fake.Has("orbit.mp4"));
   EXPECT_FALSE(fake.Has("report.html"));
+}
+
+// What a wrong focal length looks like from outside.
+TEST(Scene, StartsFromACloserPairWhereTheErrorIsLarge) {
+  const FakeColmap fake;
+  WriteModel(fake.folder / "wrong", FakeColmap::kWidth, kViews, "1.1");
+  const auto wrong_where = [&](const std::string& condition) {
+    fake.WriteProgram("[ $command = mapper ] && " + condition + " && { mkdir $output/0; cp '" +
+                      fake.folder / "wrong" + "'/* $output/0; exit 0; }");
+  };
+  const std::string closer =
+      "tail -n 1 '" + fake.calls + "' | grep -q -- '--Mapper.init_min_tri_angle 8'";
+  wrong_where("! " + closer);
+  const CommandResult mended = fake.Run({"--cameras-only"});
+  EXPECT_TRUE(Contains(mended.out, "200 points with an error of 0.50 px")) << mended.out;
+  EXPECT_EQ(fake.TakeCalls().size(), 5u);
+  fs::remove_all(fake.out);
+  wrong_where("true");
+  const CommandResult still = fake.Run({"--cameras-only"});
+  EXPECT_TRUE(Contains(still.out, "with an error of 1.10 px")) << still.out;
+  EXPECT_EQ(still.code, 0) << still.err;
 }
 
 TEST(Scene, TakesTheSharpestFramesOfAVideo) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "splat/base/files.h"
+#include "splat/io/colmap_model.h"
 #include "splat/io/dataset.h"
 #include "splat/io/view_files.h"
 #include "tests/splat/scene_fixture.h"
@@ -84,6 +85,19 @@ TEST(Colmap, ReadsABinaryModel) {
   EXPECT_EQ(scene.point_colors, (std::vector<uint8_t>{10, 20, 30, 10, 20, 31}));
   EXPECT_FALSE(scene.white_background_hint);
   ExpectSpots(scene.train, 0.05);
+}
+
+// Points of which COLMAP knows no error have -1, and text of other programs may lack it.
+TEST(Colmap, TheMeanErrorIsOfThePointsThatHaveOne) {
+  const TemporaryFolder binary, text;
+  WriteScene(binary, PinholeFixture());
+  EXPECT_DOUBLE_EQ(ReadColmapModel(binary / "sparse/0").mean_error, 0.5);
+  WriteTextModel(text, PinholeFixture());
+  const std::string points = text / "sparse/points3D.txt";
+  WriteFileAtomically(points, "5 0 0 0 1 2 3 0.5\n6 0 0 1 1 2 3 -1\n7 0 1 0 1 2 3 1.5 1 0\n");
+  EXPECT_DOUBLE_EQ(ReadColmapModel(text / "sparse").mean_error, 1.0);
+  WriteFileAtomically(points, "5 0 0 0 1 2 3\n");
+  EXPECT_DOUBLE_EQ(ReadColmapModel(text / "sparse").mean_error, 0.0);
 }
 
 TEST(Colmap, TextAndBinaryGiveTheSame) {

@@ -23,6 +23,7 @@ std::string ResolveMatching(const std::string& matching, const Photographs& phot
 struct Registration {
   std::vector<std::string> registered, not_registered;  // names of photographs, sorted
   size_t points = 0;
+  double mean_error = 0;  // px of the photographs: of the points' reprojection
 };
 
 // Finds the cameras of workspace/photographs (as GatherPhotographs fills it) and writes the
