@@ -96,7 +96,10 @@ void AddServe(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "show a model in the browser, from a server on this machine");
   const auto o = std::make_shared<ServeOptions>();
-  command->add_option("model", o->model, "a run's folder, an avatar (.glb) or splats (.ply, .zip)")
+  command
+      ->add_option("model",
+                   o->model,
+                   "a run's folder, an avatar (.glb) or splats (.ply, .splat, .spz, .sog)")
       ->required();
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("--page", o->page, "the page to open")

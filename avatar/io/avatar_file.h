@@ -5,7 +5,8 @@
 //
 // The file stores the splats at rest in KHR_gaussian_splatting (3DGS's SH up to degree 3) and, in
 // the project's own extension COSPLAT_mesh_binding, every trained array bit for bit: the embedding
-// on the triangles and the coefficients in their own basis and degree.
+// on the triangles and the coefficients in their own basis and degree. (Of corrections, if there
+// are any, the bases are rounded to 16 bits.)
 //
 // Coordinates: the canonical mesh is in FLAME's frame: metres, y up, the face towards +z. This is
 // glTF's frame, so avatars are written unchanged; only scenes, whose world is OpenCV's, are rotated

@@ -15,7 +15,7 @@ namespace {
 
 // Left out are eight frames of every 32: neighbours are so alike that single ones would be known.
 constexpr size_t kBlock = 8, kBlocksPerHeldOut = 4;
-constexpr size_t kMinFrames = 2 * kBlock;
+constexpr size_t kMinFrames = 2 * kBlock + kBlock / 2;  // half a block to judge by
 // A face that is small in the picture is not brought to its size if that takes more: a long video
 // of reduced pictures is held in memory.
 constexpr double kMaxPixels = 512 * 512;

@@ -27,7 +27,7 @@ struct AvatarRefinement {
 // image: RGB, or RGBA with a matte, of the camera's size; called once per frame, in order of time.
 // progress, if given, is called with increasing `done`. Returns the mean PSNR, in dB, of the frames
 // that were left out, as tracked: at the start, and after each round that was tried. If the last is
-// no higher than the one before, its round has been undone. Fewer than 16 frames, and images
+// no higher than the one before, its round has been undone. Fewer than 20 frames, and images
 // without a matte, refine nothing, and nothing is returned. Throws Error if several frames show one
 // moment, and as AvatarSubject, Trainer and TrackFitter do. Bit-identical for any number of
 // threads.

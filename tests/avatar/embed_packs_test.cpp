@@ -1,4 +1,4 @@
-// avatar/surface/embed_packs.h through Surface and Bind: on every instruction set of this machine,
+// avatar/surface/packs.cpp through Surface and Bind: on every instruction set of this machine,
 // and for numbers of faces and Gaussians that no pack divides, what the formulas give on floats.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>

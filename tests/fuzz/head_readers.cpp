@@ -1,26 +1,21 @@
-// FLAME's model files, tracked videos, avatars and live faces.
-#include <unistd.h>
-
+// FLAME's model files, tracked videos and avatars.
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "avatar/io/avatar_file.h"
-#include "avatar/live/blendshape_matrix.h"
-#include "avatar/live/json_frame.h"
-#include "avatar/live/osc.h"
+#include "avatar/io/gaussian_avatars.h"
 #include "avatar/live/score_recording.h"
+#include "flame/fit/landmark_embedding.h"
 #include "flame/io/imavatar_writer.h"
 #include "flame/io/landmarks.h"
 #include "flame/io/model_file.h"
 #include "flame/io/pickle.h"
 #include "flame/io/track_layouts.h"
 #include "tests/avatar/gaussian_avatars_fixture.h"
-#include "tests/avatar/live/osc_builder.h"
 #include "tests/avatar/meshes.h"
 #include "tests/flame/metrical_fixture.h"
 #include "tests/flame/random_model.h"
-#include "tests/fuzz/live_check.h"
 #include "tests/fuzz/reader.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/random_gaussians.h"
@@ -30,26 +25,7 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-constexpr int64_t kLiveStepNs = 600'000'000;  // beyond the pause after which any sequence is taken
-
-const Strings kNpyWords = {"\x93NUMPY\x01",
-                           "'descr': '<f4'",
-                           "'<f2'",
-                           "'|u1'",
-                           "'<i8'",
-                           "'>f4'",
-                           "'fortran_order': True",
-                           "'shape': (1, 3), ",
-                           "(99999999999,)",
-                           ".npy"};
-
 // Archives of arrays.
-
-Strings NpzSeeds(const Npz& npz) {
-  const TemporaryFolder folder;
-  npz.Write(folder / "a.npz");
-  return {PartsOfZip(folder / "a.npz")};
-}
 
 std::string ReadAnyNpz(const std::string& folder, const std::string&) {
   const Npz npz = Npz::Read(folder + "/a.npz");
@@ -66,17 +42,6 @@ Npz SomeArrays() {
   npz.Add("a", {2, 3}, std::vector<float>{1, 2, 3, 4, 5, 6});
   npz.Add("b", {4}, std::vector<int32_t>{1, 2, 3, 4});
   return npz;
-}
-
-Npz Matrix() {
-  Npz npz("matrix.npz");
-  npz.Add("expression", {52, 3}, std::vector<float>(52 * 3, 1.5f));
-  npz.Add("jaw", {52, 3}, std::vector<float>(52 * 3, 0.01f));
-  return npz;
-}
-
-std::string ReadMatrix(const std::string& folder, const std::string&) {
-  return NotFinite(ReadBlendshapeMatrix(folder + "/matrix.npz").matrix);
 }
 
 // FLAME.
@@ -295,7 +260,55 @@ std::string ReadMarks(const std::string& folder, const std::string&) {
   return "";
 }
 
+FlameModel SmallModel() { return RandomModel(6, 1, 2); }
+constexpr int kEmbeddedPoints = 5;
+
+Npz Embedding() {
+  Npz npz("e.npz");
+  npz.Add("lmk_face_idx", {2}, std::vector<int32_t>{0, 1});
+  npz.Add("lmk_b_coords", {2, 3}, std::vector<float>{0.5f, 0.25f, 0.25f, 1, 0, 0});
+  npz.Add("landmark_indices", {2}, std::vector<int32_t>{1, 4});
+  return npz;
+}
+
+std::string ReadEmbedding(const std::string& folder, const std::string&) {
+  const FlameModel model = SmallModel();
+  ReadLandmarkEmbedding(folder + "/e.npz", model, kEmbeddedPoints);
+  return "";
+}
+
 // Avatars.
+
+FuzzedReader BoundPly() {
+  FuzzedReader reader{"bound_ply", Placing::kFiles, {"point_cloud.ply"}, nullptr, nullptr, {}};
+  reader.read = [](const std::string& folder, const std::string&) -> std::string {
+    const std::string ply = folder + "/point_cloud.ply";
+    if (!IsGaussianAvatarPly(ply)) return "";
+    SummarizeGaussianAvatar(ply);
+    const AvatarModel model = ReadGaussianAvatar(ply, SmallModel());
+    for (const auto& values : model.gaussians.values)
+      if (const std::string problem = NotFinite(values); !problem.empty()) return problem;
+    for (const int32_t triangle : model.embedding.triangle)
+      if (triangle < 0 || size_t(triangle) >= model.mesh.faces.size()) return "no such triangle";
+    return "";
+  };
+  reader.seeds = [] {
+    const TemporaryFolder folder;
+    WriteBoundPly(folder / "a.ply", RandomRows(3, SmallModel().faces.size(), 1, 1));
+    return Strings{Slurped(folder / "a.ply")};
+  };
+  reader.words = {
+      "property float binding_0\n", "element vertex 3\n", "f_rest_44", "nan", "end_header\n"};
+  reader.prepare = [](const std::string& folder) {
+    const FlameModel model = SmallModel();
+    FlameParamOf(SomeFrames(3, size_t(model.expression_count), 1),
+                 std::vector<float>(size_t(model.shape_count), 0.3f),
+                 size_t(model.expression_count),
+                 size_t(model.vertex_count))
+        .Write(folder + "/flame_param.npz");
+  };
+  return reader;
+}
 
 AvatarModel SmallAvatar() {
   AvatarModel model = RandomAvatar(SphereMesh(0, 0.1f), 3, 3);
@@ -335,117 +348,9 @@ std::string ReadAvatar(const std::string& folder, const std::string&) {
   return model.embedding.triangle.size() == model.gaussians.size() ? "" : "Gaussians without place";
 }
 
-// Live faces.
-
-// A source that lives as long as the process, as a drive does.
-struct Drive {
-  std::string packet;
-  std::unique_ptr<LiveSource> source;
-  int64_t now_ns = 0;
-
-  std::string Problem(const std::string& bytes) {
-    packet = bytes;
-    bool good = false;
-    const uint64_t malformed = source->Counts().malformed;
-    const std::string problem = PollProblem(*source, now_ns += kLiveStepNs, good);
-    if (problem.empty() && !good && source->Counts().malformed > malformed)
-      throw Error("packet", source->Counts().last_problem);
-    return problem;
-  }
-};
-
-std::string ReadJsonPacket(const std::string&, const std::string& bytes) {
-  static Drive drive;
-  if (!drive.source)
-    drive.source = OpenJsonSource(
-        std::make_unique<MemoryInput>(&drive.packet), ChooseBlendshapeMap("", {}), {});
-  return drive.Problem(bytes);
-}
-
-Strings JsonPackets() {
-  JsonFrame frame;
-  frame.sequence = 41;
-  frame.time = 2.5;
-  frame.params.expression = {0.5f, -1, 2, 0.25f};
-  frame.params.pose[2] = {0.1f, 0, 0};
-  return {WriteJsonFrame(frame),
-          R"({"seq": 7})",
-          R"({"seq": 8, "blendshapes": {"jawOpen": 0.5, "eyeBlinkLeft": 1, "other": -3}})",
-          R"({"seq": 9, "time": 1e3, "eyes": [0.1, 0.2, 0.3], "jaw": [0, 0, 0]})"};
-}
-
-// What a pipe brings: lines of any length, cut anywhere.
-std::string ReadLines(const std::string&, const std::string& bytes) {
-  int ends[2];
-  if (pipe(ends) != 0) return "no pipe";
-  std::string problem;
-  const auto source =
-      OpenJsonSource(OpenLineInput(ends[0], "pipe"), ChooseBlendshapeMap("", {}), {});
-  bool good = false;
-  for (size_t at = 0; at < bytes.size() && problem.empty();) {
-    const size_t part = std::min<size_t>(bytes.size() - at, 1 + uint8_t(bytes[at]) * size_t(7));
-    if (write(ends[1], bytes.data() + at, part) != ssize_t(part)) problem = "a full pipe";
-    at += part;
-    if (problem.empty()) problem = PollProblem(*source, 0, good);
-  }
-  close(ends[1]);
-  if (problem.empty()) problem = PollProblem(*source, 0, good);
-  if (problem.empty() && !source->Ended()) problem = "no end";
-  close(ends[0]);
-  const LiveCounts counts = source->Counts();
-  if (problem.empty() && counts.malformed + counts.oversize > 0)
-    throw Error("pipe", counts.last_problem);
-  return problem;
-}
-
-Strings JsonLines() {
-  std::string lines;
-  for (const std::string& packet : JsonPackets()) lines += packet + "\n";
-  return {lines};
-}
-
-std::string ReadVmcPacket(const std::string& folder, const std::string& bytes) {
-  static Drive drive;
-  if (!drive.source)
-    drive.source = OpenVmcSource(std::make_unique<MemoryInput>(&drive.packet),
-                                 ChooseBlendshapeMap(folder + "/matrix.npz", {}),
-                                 {});
-  return drive.Problem(bytes);
-}
-
-std::string ReadOsc(const std::string&, const std::string& bytes) {
-  std::vector<OscMessage> messages;
-  const std::string problem = ParseOsc(bytes, messages);
-  if (!problem.empty()) throw Error("packet", problem);
-  for (const OscMessage& message : messages)
-    if (message.arguments.size() > kMaxOscArguments) return "too many arguments";
-  return "";
-}
-
-Strings OscPackets() {
-  const std::string value = VmcValue("jawOpen", 0.5f);
-  const std::string bone = VmcBone("Head", {0, 0.6f, 0, 0.8f});
-  return {value,
-          bone,
-          VmcApply(),
-          OscBundle({value, bone, VmcApply()}),
-          OscBundle({OscBundle({value}), OscText("/VMC/Ext/OK"), VmcApply()})};
-}
-
 }  // namespace
 
 std::vector<FuzzedReader> HeadReaders() {
-  const Strings osc = {
-      "#bundle", "/VMC/Ext/Blend/Val", "/VMC/Ext/Bone/Pos", ",sf", ",b", "jawOpen"};
-  const Strings json = {"\"seq\":",
-                        "\"blendshapes\":",
-                        "\"expression\":",
-                        "NaN",
-                        "1e999",
-                        "null",
-                        "\\u0000",
-                        "[[[[",
-                        "{\"a\":"};
   const Strings pickle = {"cnumpy.core.multiarray\n_reconstruct\n",
                           "cnumpy\nndarray\n",
                           "ctorch._utils\n_rebuild_tensor_v2\n",
@@ -472,7 +377,6 @@ std::vector<FuzzedReader> HeadReaders() {
                            "accessors",
                            "byteOffset",
                            "componentType"};
-  const auto vmc_matrix = [](const std::string& folder) { Matrix().Write(folder + "/matrix.npz"); };
   const auto zip = Placing::kZip;
   const auto files = Placing::kFiles;
   return {
@@ -486,13 +390,12 @@ std::vector<FuzzedReader> HeadReaders() {
          return Strings{Slurped(folder / "a.npz")};
        },
        {"PK\1\2", "PK\3\4", "PK\5\6"}},
-      {"npz_members", zip, {"a.npz"}, ReadAnyNpz, [] { return NpzSeeds(SomeArrays()); }, kNpyWords},
-      {"blendshape_matrix",
+      {"npz_members",
        zip,
-       {"matrix.npz"},
-       ReadMatrix,
-       [] { return NpzSeeds(Matrix()); },
-       kNpyWords},
+       {"a.npz"},
+       ReadAnyNpz,
+       [] { return NpzSeeds(SomeArrays()); },
+       NpyWords()},
       {"flame_npz",
        zip,
        {"m.npz"},
@@ -500,7 +403,7 @@ std::vector<FuzzedReader> HeadReaders() {
          return ModelProblem(LoadFlameModel(folder + "/m.npz"));
        },
        FlameNpzSeeds,
-       kNpyWords},
+       NpyWords()},
       {"flame_pickle",
        files,
        {"m.pkl"},
@@ -519,19 +422,22 @@ std::vector<FuzzedReader> HeadReaders() {
        {"intrinsics", "world_mat", "expression", "eyelids", "shape_params", "null", "1e999"}},
       Vhap(),
       Insta(),
-      {"driving_npz", zip, {"drive.npz"}, ReadDrivingNpz, DrivingSeeds, kNpyWords},
+      {"driving_npz", zip, {"drive.npz"}, ReadDrivingNpz, DrivingSeeds, NpyWords()},
       {"landmarks",
        files,
        {"marks.json"},
        ReadMarks,
        LandmarkSeeds,
        {"mediapipe-478", "ibug-68", "other", "blendshapes", "points", "score", "matte", "1e999"}},
+      {"landmark_embedding",
+       zip,
+       {"e.npz"},
+       ReadEmbedding,
+       [] { return NpzSeeds(Embedding()); },
+       NpyWords()},
+      BoundPly(),
       {"avatar_glb", files, {"a.glb"}, ReadAvatar, [] { return Strings{AvatarGlb()}; }, binding},
-      {"avatar_glb_chunks", Placing::kGlb, {"a.glb"}, ReadAvatar, AvatarChunks, binding},
-      {"json_packet", files, {}, ReadJsonPacket, JsonPackets, json},
-      {"json_lines", files, {}, ReadLines, JsonLines, json},
-      {"vmc_packet", files, {}, ReadVmcPacket, OscPackets, osc, vmc_matrix},
-      {"osc", files, {}, ReadOsc, OscPackets, osc}};
+      {"avatar_glb_chunks", Placing::kGlb, {"a.glb"}, ReadAvatar, AvatarChunks, binding}};
 }
 
 }  // namespace cosplat::test

@@ -11,6 +11,7 @@
 #include "splat/base/zip_reader.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/stored_zip.h"
+#include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
 namespace {
@@ -42,7 +43,7 @@ const char* const kPartMark = "\n%%%%\n";
 const std::vector<FuzzedReader>& FuzzedReaders() {
   static const std::vector<FuzzedReader> all = [] {
     std::vector<FuzzedReader> readers;
-    for (auto part : {SplatReaders(), HeadReaders(), RunReaders()})
+    for (auto part : {SplatReaders(), HeadReaders(), LiveReaders(), RunReaders()})
       readers.insert(readers.end(), part.begin(), part.end());
     return readers;
   }();
@@ -79,6 +80,25 @@ std::string PartsOfZip(const std::string& path) {
 std::string Slurped(const std::string& path) {
   const std::vector<char> bytes = ReadFile(path);
   return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::string> NpzSeeds(const Npz& npz) {
+  const TemporaryFolder folder;
+  npz.Write(folder / "a.npz");
+  return {PartsOfZip(folder / "a.npz")};
+}
+
+std::vector<std::string> NpyWords() {
+  return {"\x93NUMPY\x01",
+          "'descr': '<f4'",
+          "'<f2'",
+          "'|u1'",
+          "'<i8'",
+          "'>f4'",
+          "'fortran_order': True",
+          "'shape': (1, 3), ",
+          "(99999999999,)",
+          ".npy"};
 }
 
 ReaderRun::ReaderRun(const FuzzedReader& reader, std::string folder)

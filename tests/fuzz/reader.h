@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/npz.h"
+
 namespace cosplat::test {
 
 // What becomes of an input on its way to the reader. Where there are several parts, kPartMark is
@@ -44,7 +46,8 @@ const std::vector<FuzzedReader>& FuzzedReaders();
 
 // Their parts, each in a file of its own.
 std::vector<FuzzedReader> SplatReaders();  // of Gaussians
-std::vector<FuzzedReader> HeadReaders();   // of FLAME, tracks, avatars and live faces
+std::vector<FuzzedReader> HeadReaders();   // of FLAME, tracks and avatars
+std::vector<FuzzedReader> LiveReaders();   // of live faces
 std::vector<FuzzedReader> RunReaders();    // of scenes, settings and checkpoints
 
 // Inputs of several parts, and the parts of one.
@@ -54,6 +57,10 @@ std::vector<std::string> SplitParts(const std::string& bytes);
 // The members of a ZIP archive as an input for Placing::kZip.
 std::string PartsOfZip(const std::string& path);
 std::string Slurped(const std::string& path);
+
+// Of an archive of arrays: the input for Placing::kZip, and what a dictionary has.
+std::vector<std::string> NpzSeeds(const Npz& npz);
+std::vector<std::string> NpyWords();
 
 // Whether a number is finite, of anything that can be iterated over.
 template <class Numbers>

@@ -9,6 +9,7 @@
 #include "splat/base/image_io.h"
 #include "splat/base/json.h"
 #include "splat/base/state_file.h"
+#include "splat/eval/lpips.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/colmap_model.h"
 #include "splat/io/dataset.h"
@@ -18,6 +19,7 @@
 #include "tests/splat/training_fixture.h"
 #include "tests/study/good_study_list.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_onnx.h"
 
 namespace cosplat::test {
 namespace {
@@ -196,6 +198,20 @@ std::string ReadAnyJson(const std::string& folder, const std::string&) {
   return "";
 }
 
+// A network of LPIPS with its weights.
+Strings LpipsSeeds() {
+  const TemporaryFolder folder;
+  WriteReluLpips(folder.path(), "net");
+  Strings parts;
+  for (const char* name : {"net_backbone.onnx", "net_taps.txt", "net_lin.npz"})
+    parts.push_back(Slurped(folder / name));
+  return {JoinParts(parts)};
+}
+
+std::string ReadLpips(const std::string& folder, const std::string&) {
+  return Lpips(folder).least_side() > 0 ? "" : "no image is large enough";
+}
+
 }  // namespace
 
 std::vector<FuzzedReader> RunReaders() {
@@ -266,6 +282,12 @@ std::vector<FuzzedReader> RunReaders() {
         "WEBPVP8L",
         "II*",
         "P6\n"}},
+      {"lpips",
+       files,
+       {"net_backbone.onnx", "net_taps.txt", "net_lin.npz"},
+       ReadLpips,
+       LpipsSeeds,
+       {"Conv", "Relu", "MaxPool", "Concat", "pads", "kernel_shape", "dilations", "group", "w0"}},
       {"study_list",
        files,
        {"list.json"},

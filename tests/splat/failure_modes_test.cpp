@@ -25,9 +25,9 @@
 //                                  Rasterizer.NanGaussiansAreNotDrawn; Trainer.ABrokenGaussian-
 //                                  IsRemovedAndTheRestTrains; Adam.BrokenGradientsCount...;
 //                                  DensityStatistics.StayFinite; InitializeFromPoints.BadPoints...
+//   disappearing when small        Rasterizer.AnAntialiasedGaussianKeepsItsSumAtAnyDistance
 //
-// Disappearing under anti-aliasing does not apply (none is built), nor does a per-pixel sort
-// against popping.
+// There is no sort per pixel against popping.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -25,8 +25,9 @@ constexpr size_t kMaxExhaustive = 150;
 // images at the size of training.
 constexpr int kFeatureSize = 1600;  // px, longer side
 constexpr int kMaxFeatures = 4096;  // per photograph
-// From this many on, four distortion coefficients and two focal lengths are found, else one of
-// each: of fewer, taken at the same height with a level camera, COLMAP then registers only some.
+// From this many per lens on, four distortion coefficients and two focal lengths are found, else
+// one of each: of fewer, taken at the same height with a level camera, COLMAP then registers only
+// some.
 constexpr size_t kMinForOpencvModel = 30;
 // px at the features' size. Few photographs can be explained by a wrong focal length, a half of the
 // true one or less; what gives that away is the error: 1.1 px in place of 0.2 for ten photographs

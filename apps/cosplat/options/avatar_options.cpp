@@ -39,7 +39,7 @@ const PresetValues& SplattingAvatarValues() {
 // Where there is a network; SplattingAvatar's is AlexNet.
 constexpr const char* kSplattingAvatarLpips = "0.01";
 
-// Half the steps, the first of them on small images, and more Gaussians sooner: about the quality
+// Half the steps, and more Gaussians sooner: about the quality
 // of the defaults on videos of some 200 frames, in less than half the time (docs/results.md).
 const PresetValues& QuickValues() {
   static const PresetValues values{
@@ -147,12 +147,13 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
       truncate_degree,
       "with --sh_degree 4: leave band 4 out of what other programs read of avatar.glb");
   command
-      .add_option("--preset",
-                  preset,
-                  "quick: half the steps, small images first; splatting-avatar: as published, with "
-                  "its LPIPS loss if --lpips has a network; "
-                  "splatting-avatar-released: as its code was released, faults included; 3dgs: "
-                  "absolute schedule steps; explicitly given options take precedence")
+      .add_option(
+          "--preset",
+          preset,
+          "quick: half the steps, and more Gaussians sooner; splatting-avatar: as published, with "
+          "its LPIPS loss if --lpips has a network; "
+          "splatting-avatar-released: as its code was released, faults included; 3dgs: "
+          "absolute schedule steps; explicitly given options take precedence")
       ->check(CLI::IsMember(
           {"cosplat", "quick", "splatting-avatar", "splatting-avatar-released", "3dgs"}));
 }

@@ -60,7 +60,7 @@ std::vector<double> RefineByAvatars(const std::string& flame_file,
 }
 
 std::string AvatarRoundsText(const std::vector<double>& psnr) {
-  if (psnr.empty()) return "not refined by small avatars, which takes mattes and 16 frames";
+  if (psnr.empty()) return "not refined by small avatars, which takes mattes and 20 frames";
   std::string text = FormatNumber(psnr[0], "frames that small avatars had not seen: %.2f dB");
   for (size_t round = 1; round < psnr.size(); ++round)
     text += FormatNumber(psnr[round], ", %.2f dB") + " after round " + std::to_string(round);

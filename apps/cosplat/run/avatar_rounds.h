@@ -1,7 +1,7 @@
 // The rounds of `cosplat track` in which small avatars make a track more exact.
 //
 // A track in memory -> RefineByAvatars (avatar/train/refine_by_avatar.h, with the settings of
-// train-avatar's quick preset) -> the same with other parameters.
+// train-avatar's quick preset, but 800 steps) -> the same with other parameters.
 #pragma once
 
 #include <functional>

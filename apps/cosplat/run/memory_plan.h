@@ -36,7 +36,7 @@ struct MemoryPlan {
 // if not even those that training begins with fit.
 MemoryPlan PlanMemory(const SceneTrainOptions& options, const SceneData& scene);
 
-// "memory: at most 2.95 GB: 2.60 for 2,000,000 Gaussians, 0.20 for photographs, 0.15 else".
+// "memory: at most 3.49 GB: 3.06 GB for 2,000,000 Gaussians, 0.25 GB for photographs".
 std::string ToString(const MemoryPlan& plan);
 
 }  // namespace cosplat

@@ -11,7 +11,7 @@
 namespace cosplat {
 
 struct RefineRunOptions {
-  std::string source;  // a tracked video in any layout that has images
+  std::string source;  // a tracked video in any layout that has images, of one camera
   std::string flame;   // model file
   std::string out;     // folder
   int avatar_rounds = kAvatarRounds;

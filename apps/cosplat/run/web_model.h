@@ -10,14 +10,14 @@ namespace cosplat {
 struct WebModel {
   std::string title;
   std::string avatar, flame;           // paths of an avatar's .glb and of its FLAME model, or
-  std::string splats;                  // of a scene's .ply, .splat, .glb or .zip
+  std::string splats;                  // of a scene's .ply, .splat, .glb, .spz or .sog
   std::string flame_name;              // the avatar's name of its FLAME model
   bool flame_redistributable = false;  // whether it may be passed on with the page
 };
 
 // model: a run's folder, a .glb, a splat file; flame: the FLAME model, or empty for
 // the one trained with. Reads everything once, so that what the page cannot open is refused here:
-// throws Error as LoadContent, for GaussianAvatars' point clouds, and for SPZ and SOG files.
+// throws Error as LoadContent, for GaussianAvatars' point clouds, and for SOG that is not one file.
 WebModel FindWebModel(const std::string& model, const std::string& flame);
 
 // The folder of the player's npm package: installed beside this program, or of the source tree.
