@@ -92,7 +92,7 @@ TEST(RefineByAvatar, FramesThatItCannotCompare) {
   video.train[7].timestep = 6;
   ExpectError([&] { RefineByAvatar(MadeHead().model, video, ImageOf, Settings(1)); },
               {"made", "'6'", "'7'", "one camera"});
-  TrackedVideo few = MakeSmallVideo(3, 2);
+  TrackedVideo few = MakeSmallVideo(19, 2);
   EXPECT_TRUE(RefineByAvatar(MadeHead().model, few, ImageOf, Settings(1)).empty());
 }
 
