@@ -1,6 +1,7 @@
 #include "splat/train/photograph.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 #include "splat/device/sum_tree.h"
 
@@ -41,6 +42,40 @@ void ExposureState::Download(ExposureState& to, Stream& stream) const {
   m.Download(to.m.data(), stream);
   v.Download(to.v.data(), stream);
   updates.Download(to.updates.data(), stream);
+}
+
+ExposureState ExposureState::Of(const std::vector<uint32_t>& frames) const {
+  constexpr size_t kNumbers = math::kExposureNumbers;
+  ExposureState own(frames.size());
+  for (size_t i = 0; i < own.value.size(); ++i) {
+    const size_t from = frames[i / kNumbers] * kNumbers + i % kNumbers;
+    own.value[i] = value[from];
+    own.m[i] = m[from];
+    own.v[i] = v[from];
+    own.updates[i] = updates[from];
+  }
+  return own;
+}
+
+void ExposureState::SetToMeans(const std::vector<std::vector<uint32_t>>& frames,
+                               const std::vector<ExposureState>& found) {
+  constexpr size_t kNumbers = math::kExposureNumbers;
+  std::vector<float> parts(value.size(), 0);
+  const auto for_each = [&](const auto& action) {
+    for (size_t p = 0; p < found.size(); ++p)
+      for (size_t i = 0; i < found[p].value.size(); ++i)
+        action(frames[p][i / kNumbers] * kNumbers + i % kNumbers, found[p], i);
+  };
+  for_each([&](size_t to, const ExposureState&, size_t) {
+    parts[to] += 1;
+    value[to] = m[to] = v[to] = 0;
+  });
+  for_each([&](size_t to, const ExposureState& of, size_t i) {
+    value[to] += of.value[i] / parts[to];
+    m[to] += of.m[i] / parts[to];
+    v[to] += of.v[i] / parts[to];
+    updates[to] = std::max(updates[to], of.updates[i]);
+  });
 }
 
 const Buffer<float>& PhotographModel::Show(View<const float> rendered,

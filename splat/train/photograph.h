@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "splat/device/buffer.h"
 #include "splat/math/exposure.h"
@@ -27,6 +28,13 @@ struct ExposureState {
   // Same as those of Gaussians (splat/gaussians.h).
   void Upload(const ExposureState& from, Stream& stream);
   void Download(ExposureState& to, Stream& stream) const;
+
+  // Of these frames, in host memory as what follows.
+  ExposureState Of(const std::vector<uint32_t>& frames) const;
+  // Of frames that several trainings had a part of: each is set to the mean of what those that
+  // trained it have found, by frames[part]; a part may have found nothing. A frame of none stays.
+  void SetToMeans(const std::vector<std::vector<uint32_t>>& frames,
+                  const std::vector<ExposureState>& found);
 };
 
 // Between a rendered image and its target, in a stream's memory.

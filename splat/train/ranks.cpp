@@ -14,6 +14,7 @@ class LoneRank : public Ranks {
     from.resize(1);
   }
   bool EndTogether() override { return true; }
+  std::shared_ptr<Ranks> Part(size_t) override { return OneRank(); }
   uint64_t bytes_sent() const override { return 0; }
   double seconds() const override { return 0; }
 };

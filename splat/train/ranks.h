@@ -30,6 +30,8 @@ class Ranks {
                         std::vector<Message>& from) = 0;
   // Whether all ranks call this within a second, as those do that fail alike.
   virtual bool EndTogether() = 0;
+  // Those that call this with the same number, in the same order. All ranks call it.
+  virtual std::shared_ptr<Ranks> Part(size_t part) = 0;
 
   // Of this rank so far: the contents of its messages, and seconds in Exchange, waiting included.
   virtual uint64_t bytes_sent() const = 0;

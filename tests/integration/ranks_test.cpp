@@ -1,9 +1,12 @@
-// train-scene on several ranks: the same bytes on 1, 2 and 4; a rank that dies ends the run with a
-// line on every other; a run goes on with another number of ranks.
+// train-scene on several ranks: the same bytes on 1, 2 and 4, in one piece and in blocks; a rank
+// that dies ends the run with a line on every other; a run goes on with another number of ranks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "splat/base/rng.h"
+#include "splat/io/ply.h"
 #include "splat/train/traffic.h"
 #include "tests/integration/background_command.h"
 
@@ -36,6 +39,12 @@ class RanksTest : public ::testing::Test {
             std::to_string(iterations),
             "--batch",
             std::to_string(batch)};
+  }
+  // The same of the two places, whose points are in a file.
+  std::vector<std::string> InPlaces(std::vector<std::string> command) const {
+    command[2] = Out("places");
+    command.erase(command.begin() + 6, command.begin() + 8);
+    return command;
   }
   // mpirun's arguments, to run as root, and with more ranks than cores.
   static std::vector<std::string> Mpirun(size_t ranks, const std::vector<std::string>& command) {
@@ -91,6 +100,46 @@ void WaitForFile(const std::string& path) {
   for (const double end = Seconds() + kPatience; !fs::exists(path) && Seconds() < end;)
     usleep(1000);
   ASSERT_TRUE(fs::exists(path)) << path;
+}
+
+// Two discs far from each other, each with views that show it alone, so that blocks of them are
+// trained at the same time.
+void WriteTwoPlaces(const std::string& folder) {
+  constexpr int kSide = 32, kViews = 4;
+  constexpr double kAngle = 0.7, kDistance = 1;
+  for (const std::string split : {"train", "test"}) {
+    fs::create_directories(folder + "/" + split);
+    Json frames = Json::array();
+    for (int i = 0; i < 2 * kViews; ++i) {
+      const double place = i < kViews ? -2 : 2;
+      const double a = 0.1 * (i % kViews) + (split == "test" ? 0.05 : 0);
+      const double c = std::cos(a), s = std::sin(a);
+      const std::string name = split + "/r_" + std::to_string(i);
+      frames.push_back({{"file_path", "./" + name},
+                        {"transform_matrix",
+                         {{c, 0, s, place + kDistance * s},
+                          {0, 1, 0, 0},
+                          {-s, 0, c, kDistance * c},
+                          {0, 0, 0, 1}}}});
+      Image8 image(kSide, kSide, 4);
+      for (int row = 0; row < kSide; ++row)
+        for (int column = 0; column < kSide; ++column) {
+          const double x = column + 0.5 - kSide / 2.0, y = row + 0.5 - kSide / 2.0;
+          if (std::hypot(x, y) > 10) continue;
+          image.at(column, row, i < kViews ? 0 : 2) = 220;
+          image.at(column, row, 3) = 255;
+        }
+      WriteImage(folder + "/" + name + ".png", image);
+    }
+    std::ofstream(folder + "/transforms_" + split + ".json")
+        << Json{{"camera_angle_x", kAngle}, {"ply_file_path", "points.ply"}, {"frames", frames}};
+  }
+  Rng rng{1};
+  std::vector<float> points;
+  for (int i = 0; i < 1200; ++i)
+    for (int k = 0; k < 3; ++k)
+      points.push_back((k > 0 ? 0 : i % 2 == 0 ? -2.0f : 2.0f) + 0.1f * rng.Normal());
+  WritePointsPly(folder + "/points.ply", points, std::vector<uint8_t>(points.size(), 128));
 }
 
 TEST_F(RanksTest, LeaveTheSameBytesOnOneTwoAndFour) {
@@ -180,15 +229,71 @@ TEST_F(RanksTest, SayOnceWhatIsWrongWithTheInput) {
   EXPECT_NE(errors[0].find("nowhere"), std::string::npos) << errors[0];
 }
 
-TEST_F(RanksTest, DoNotTrainInBlocks) {
-  std::vector<std::string> command = TrainInto(Out("blocks"), 40);
-  command.insert(command.end(), {"--blocks", "2"});
-  const Ended run = Run(2, command);
-  EXPECT_NE(run.status, 0);
-  EXPECT_EQ(ErrorsIn(run.log).size(), 1u) << run.log;
-  EXPECT_NE(run.log.find("--blocks 2: is trained by one rank, these are 2"), std::string::npos)
-      << run.log;
-  EXPECT_FALSE(fs::exists(Out("blocks")));
+// A group of ranks per block: of three ranks two share one block, one has the other. Where all
+// views show all blocks these have their turns one after another, and all ranks share each.
+TEST_F(RanksTest, TrainBlocksInGroups) {
+  constexpr int kIterations = 400;
+  WriteTwoPlaces(Out("places"));
+  const auto in_blocks = [&](const std::string& out, bool apart) {
+    std::vector<std::string> command = TrainInto(out, kIterations, 2);
+    if (apart) command = InPlaces(command);
+    command.insert(command.end(), {"--blocks", "2", "--exposure"});
+    return command;
+  };
+  for (const bool apart : {true, false}) {
+    const std::string alone = Out(apart ? "alone" : "together");
+    ASSERT_EQ(Cosplat(in_blocks(alone, apart)).code, 0);
+    const std::string expected = Splats(alone, kIterations);
+    ASSERT_FALSE(expected.empty());
+    for (const size_t ranks : {2, 3}) {
+      const std::string out = alone + std::to_string(ranks);
+      const Ended run = Run(ranks, in_blocks(out, apart));
+      ASSERT_EQ(run.status, 0) << run.log;
+      EXPECT_EQ(run.log.find("2 blocks at once") != std::string::npos, apart) << run.log;
+      EXPECT_EQ(run.log.find("1 of 3 ranks have no work") != std::string::npos,
+                ranks == 3 && !apart)
+          << run.log;
+      EXPECT_TRUE(Splats(out, kIterations) == expected) << ranks << " ranks";
+      for (const char* file : {"/per_view.json", "/exposure.json"})
+        EXPECT_EQ(Slurp(out + file), Slurp(alone + file)) << ranks << " ranks";
+      EXPECT_FALSE(fs::exists(out + "/checkpoint.bin"));
+      EXPECT_FALSE(fs::exists(out + "/blocks"));
+    }
+  }
+  const Ended many = Run(5, in_blocks(Out("many"), true));
+  EXPECT_NE(many.status, 0);
+  EXPECT_EQ(ErrorsIn(many.log).size(), 1u) << many.log;
+  EXPECT_NE(many.log.find("--blocks 2 --batch 2: is trained by at most 4 ranks, these are 5"),
+            std::string::npos)
+      << many.log;
+  EXPECT_FALSE(fs::exists(Out("many")));
+}
+
+// Each group has a checkpoint of its own block.
+TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
+  constexpr int kIterations = 6000;
+  WriteTwoPlaces(Out("places"));
+  const auto in_blocks = [&](const std::string& out) {
+    std::vector<std::string> command = InPlaces(TrainInto(out, kIterations, 1));
+    command.insert(command.end(), {"--blocks", "2"});
+    return command;
+  };
+  ASSERT_EQ(Cosplat(in_blocks(Out("undisturbed"))).code, 0);
+  std::vector<std::string> command = in_blocks(Out("killed"));
+  command.insert(command.end(), {"--checkpoint-every", "0.005"});
+  BackgroundCommand run(Mpirun(2, command), Out("log"), {}, COSPLAT_MPIRUN);
+  WaitForFile(Out("killed") + "/blocks/2.turn-1.bin");
+  const std::vector<pid_t> ranks = RanksOf(run.pid());
+  ASSERT_EQ(ranks.size(), 2u);
+  kill(ranks[1], SIGKILL);
+  ASSERT_TRUE(run.EndsWithin(kPatience));
+  EXPECT_NE(run.status(), 0);
+  EXPECT_FALSE(ErrorsIn(Slurp(Out("log"))).empty());
+  command.push_back("--resume");
+  const CommandResult resumed = Cosplat(command);  // without mpirun
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_NE(resumed.out.find("resumed at step"), std::string::npos) << resumed.out;
+  EXPECT_TRUE(Splats(Out("killed"), kIterations) == Splats(Out("undisturbed"), kIterations));
 }
 
 }  // namespace

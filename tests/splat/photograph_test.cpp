@@ -161,6 +161,27 @@ TEST(Photograph, TrainingFindsExposuresWhoseMeanIsTheIdentity) {
 }
 
 // With a loss that looks at single pixels, what is painted over does not change a bit.
+TEST(Photograph, ExposuresFoundInPartsAreMeans) {
+  constexpr size_t kNumbers = math::kExposureNumbers;
+  ExposureState all(4);
+  all.value[3 * kNumbers] = 5;
+  const std::vector<std::vector<uint32_t>> frames{{0, 2}, {2}, {3}};
+  std::vector<ExposureState> found{all.Of(frames[0]), all.Of(frames[1]), {}};
+  found[0].value[0] = 2;                           // frame 0
+  found[0].value[kNumbers + 1] = 4;                // frame 2
+  found[0].m[kNumbers] = 1;                        //
+  found[0].updates[kNumbers] = 7;                  //
+  found[1].value[1] = 1, found[1].updates[0] = 9;  // frame 2
+  all.SetToMeans(frames, found);
+  EXPECT_EQ(all.value[0], 2);
+  EXPECT_EQ(all.value[kNumbers], 1);  // of no part
+  EXPECT_EQ(all.value[2 * kNumbers + 1], 2.5f);
+  EXPECT_EQ(all.m[2 * kNumbers], 0.5f);
+  EXPECT_EQ(all.updates[2 * kNumbers], 9u);
+  EXPECT_EQ(all.value[3 * kNumbers], 5);  // its part has found nothing
+  EXPECT_EQ(all.Of({3}).value[0], 5);
+}
+
 TEST(Photograph, IgnoredPixelsDoNotMatter) {
   const auto train = [](uint8_t paint, int num_downscales) {
     std::vector<TrainFrame> frames = TargetImages(TrueScene(1), Ring(4, 2.2f, 208));

@@ -4,6 +4,7 @@
 #include <barrier>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -39,6 +40,7 @@ class ThreadRanks : public Ranks {
     mailbox_->all.arrive_and_wait();
     return true;
   }
+  std::shared_ptr<Ranks> Part(size_t) override { throw std::logic_error("threads have no parts"); }
   uint64_t bytes_sent() const override { return bytes_sent_; }
   double seconds() const override { return 0; }
 

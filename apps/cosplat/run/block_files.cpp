@@ -11,21 +11,44 @@
 namespace cosplat {
 namespace {
 
+constexpr const char* kGaussians = ".bin";
+constexpr const char* kRecord = ".record.bin";
+
 std::string BlocksFolder(const std::string& run_folder) { return run_folder + "/blocks"; }
+
+void Describe(StateArchive& a, BlockRecord& record) {
+  a.Value("turn", record.turn);
+  a.Value("gaussians", record.gaussians);
+  a.Value("cost", record.cost);
+  ExposureState& e = record.exposures;
+  uint64_t numbers = e.value.size();
+  a.Value("exposures", numbers);
+  a.Array("exposures.value", e.value, numbers);
+  a.Array("exposures.m", e.m, numbers);
+  a.Array("exposures.v", e.v, numbers);
+  a.Array("exposures.updates", e.updates, numbers);
+}
 
 }  // namespace
 
 BlockFiles::BlockFiles(const std::string& run_folder, const Gaussians& layout)
     : folder_(BlocksFolder(run_folder)), layout_(layout) {}
 
-void BlockFiles::RemoveWhole() const { RemoveFile(folder_ + "/whole.bin"); }
+std::string BlockFiles::PathOf(size_t block, const std::string& suffix) const {
+  const std::string name = block == kWholeScene ? "whole" : std::to_string(block + 1);
+  return folder_ + "/" + name + suffix;
+}
 
 std::string BlockFiles::LayerPath(size_t block, size_t view) const {
-  return folder_ + "/" + NameOf(block) + "/" + std::to_string(view) + ".rgba";
+  return PathOf(block, "/" + std::to_string(view) + ".rgba");
+}
+
+std::string BlockFiles::CheckpointPath(size_t block, uint32_t turn) const {
+  return PathOf(block, ".turn-" + std::to_string(turn) + ".bin");
 }
 
 void BlockFiles::WriteLayer(size_t block, size_t view, const Image8& layer) const {
-  MakeDirectories(folder_ + "/" + NameOf(block));
+  MakeDirectories(PathOf(block, ""));
   WriteFileAtomically(LayerPath(block, view), [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(layer.data.data()), std::streamsize(layer.data.size()));
   });
@@ -34,6 +57,7 @@ void BlockFiles::WriteLayer(size_t block, size_t view, const Image8& layer) cons
 Image8 BlockFiles::ReadLayer(size_t block, size_t view, const Camera& camera) const {
   const std::string path = LayerPath(block, view);
   const std::vector<char> bytes = ReadFile(path);
+  if (bytes.empty()) return {};
   Image8 layer(camera.width, camera.height, 4);
   if (bytes.size() != layer.data.size())
     throw Error(path,
@@ -43,22 +67,38 @@ Image8 BlockFiles::ReadLayer(size_t block, size_t view, const Camera& camera) co
   return layer;
 }
 
-void BlockFiles::Write(const std::string& name, const Gaussians& gaussians) const {
-  WriteStateFile(folder_ + "/" + name + ".bin", "", [&](StateArchive& a) {
+void BlockFiles::WriteBlock(size_t block,
+                            const Gaussians& gaussians,
+                            const BlockRecord& record) const {
+  WriteStateFile(PathOf(block, kGaussians), "", [&](StateArchive& a) {
     uint64_t count = gaussians.size();
     a.Value("count", count);
     Describe(a, "gaussians", count, const_cast<Gaussians&>(gaussians));  // only written
   });
+  WriteStateFile(PathOf(block, kRecord), "", [&](StateArchive& a) {
+    Describe(a, const_cast<BlockRecord&>(record));  // only written
+  });
 }
 
-Gaussians BlockFiles::Read(const std::string& name) const {
+Gaussians BlockFiles::ReadBlock(size_t block) const {
   Gaussians gaussians = layout_;
-  StateFile(folder_ + "/" + name + ".bin").Read([&](StateArchive& a) {
+  StateFile(PathOf(block, kGaussians)).Read([&](StateArchive& a) {
     uint64_t count = 0;
     a.Value("count", count);
     Describe(a, "gaussians", count, gaussians);
   });
   return gaussians;
+}
+
+BlockRecord BlockFiles::ReadRecord(size_t block) const {
+  BlockRecord record;
+  StateFile(PathOf(block, kRecord)).Read([&](StateArchive& a) { Describe(a, record); });
+  return record;
+}
+
+void BlockFiles::RemoveWhole() const {
+  RemoveFile(PathOf(kWholeScene, kGaussians));
+  RemoveFile(PathOf(kWholeScene, kRecord));
 }
 
 void BlockFiles::Make(const std::string& run_folder) { MakeDirectories(BlocksFolder(run_folder)); }

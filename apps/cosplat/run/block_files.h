@@ -1,8 +1,12 @@
-// What a training in blocks (block_training.h) keeps on disk, in the run's folder:
-//   blocks/whole.bin      the whole scene, until it is split
-//   blocks/N.bin          a block's Gaussians, from 1
-//   blocks/N/V.rgba       its layer in training view V (splat/train/layers.h), [height, width, 4]
-//                         without a header: training reads them in every step
+// What a training in blocks (block_training.h) keeps on disk, in the run's folder, where all ranks
+// find it:
+//   blocks/whole.bin              the whole scene, until it is split
+//   blocks/N.bin                  a block's Gaussians after its last turn, from 1
+//   blocks/N.record.bin           what that turn came to; blocks/whole.record.bin likewise
+//   blocks/N.turn-T.bin           checkpoint of its training in turn T
+//   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
+//                                 width, 4] without a header: training reads them in every step;
+//                                 no byte: it shows nothing there
 #pragma once
 
 #include <string>
@@ -10,34 +14,49 @@
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/gaussians.h"
+#include "splat/train/photograph.h"
+#include "splat/train/trainer.h"
 
 namespace cosplat {
+
+constexpr size_t kWholeScene = size_t(-1);  // in place of a block
+
+struct TurnCost {
+  uint64_t steps = 0, ignored = 0;
+  double seconds = 0, cpu_seconds = 0, ms_per_step = 0;
+  PhaseTimes times;
+};
+
+// What a block's last turn came to.
+struct BlockRecord {
+  uint32_t turn = 0;  // the last one; 0: none
+  uint64_t gaussians = 0;
+  TurnCost cost;
+  ExposureState exposures;  // of the views that it trains on; empty unless they are trained
+};
 
 class BlockFiles {
  public:
   // layout: of all Gaussians, with none of them.
   BlockFiles(const std::string& run_folder, const Gaussians& layout);
 
-  // All functions throw Error if a file cannot be written, is missing or is damaged.
-  void WriteWhole(const Gaussians& gaussians) const { Write("whole", gaussians); }
-  Gaussians ReadWhole() const { return Read("whole"); }
+  // All functions throw Error if a file cannot be written, is missing or is damaged. The record is
+  // written last.
+  void WriteBlock(size_t block, const Gaussians& gaussians, const BlockRecord& record) const;
+  Gaussians ReadBlock(size_t block) const;
+  BlockRecord ReadRecord(size_t block) const;
   void RemoveWhole() const;
-  void WriteBlock(size_t block, const Gaussians& gaussians) const {
-    Write(NameOf(block), gaussians);
-  }
-  Gaussians ReadBlock(size_t block) const { return Read(NameOf(block)); }
   void WriteLayer(size_t block, size_t view, const Image8& layer) const;
   Image8 ReadLayer(size_t block, size_t view, const Camera& camera) const;
+  std::string CheckpointPath(size_t block, uint32_t turn) const;
 
   // Makes the folder; removes it with all that is in it.
   static void Make(const std::string& run_folder);
   static void Remove(const std::string& run_folder);
 
  private:
-  static std::string NameOf(size_t block) { return std::to_string(block + 1); }
+  std::string PathOf(size_t block, const std::string& suffix) const;
   std::string LayerPath(size_t block, size_t view) const;
-  void Write(const std::string& name, const Gaussians& gaussians) const;
-  Gaussians Read(const std::string& name) const;
 
   std::string folder_;
   Gaussians layout_;

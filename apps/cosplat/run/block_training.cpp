@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "apps/cosplat/run/block_files.h"
+#include "apps/cosplat/run/block_layers.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/stop_signals.h"
@@ -18,21 +20,12 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
+#include "splat/train/block_schedule.h"
 #include "splat/train/blocks.h"
 #include "splat/train/describe_state.h"
-#include "splat/train/layers.h"
 
 namespace cosplat {
 namespace {
-
-// Of a run's steps, those on the whole scene: until its images have their full size.
-constexpr double kWholeShare = 0.2;
-// How often each block has its turn (measured: docs/decisions.md).
-constexpr size_t kRounds = 2;
-// A block trains on the views of which it covers at least this share, or this part of its largest
-// share if that is less: so early, a block may be hardly opaque.
-constexpr float kLeastShare = 0.01f;
-constexpr float kLeastPart = 0.25f;
 
 Gaussians LayoutOf(const Gaussians& gaussians) {
   Gaussians layout;
@@ -42,41 +35,68 @@ Gaussians LayoutOf(const Gaussians& gaussians) {
   return layout;
 }
 
-// What was trained before, added up.
-struct Trained {
-  uint64_t steps = 0, ignored = 0;
-  double seconds = 0, cpu_seconds = 0, ms_per_step = 0;
-  PhaseTimes times;
-};
+TurnCost CostOf(const TrainingStatistics& s) {
+  return {s.steps, s.ignored_gradients, s.seconds, s.cpu_seconds, s.ms_per_step, s.times};
+}
 
+void Add(const TurnCost& cost, TurnCost& sum) {
+  sum.steps += cost.steps;
+  sum.ignored += cost.ignored;
+  sum.seconds += cost.seconds;
+  sum.cpu_seconds += cost.cpu_seconds;
+  sum.ms_per_step = cost.ms_per_step;
+  sum.times += cost.times;
+}
+
+// One rank's part in it. All ranks go through the same turns, and meet at their ends; in between
+// each works on the blocks of its group, whose first rank writes their files.
 class BlockTraining {
  public:
   BlockTraining(const SceneTrainOptions& o,
                 const TrainSettings& whole,
                 const Gaussians& layout,
                 SceneSubject& scene,
-                RunCheckpoint& checkpoint)
+                RunCheckpoint& checkpoint,
+                Ranks& ranks)
       : o_(o),
         whole_(whole),
         files_(o.model, layout),
         scene_(scene),
+        layers_(files_, scene, blocks_),
         checkpoint_(checkpoint),
+        ranks_(ranks),
+        // A step of the whole scene has work for as many ranks as it has views.
+        group_(ranks.Part(TrainsWhole() ? 0 : ranks.rank())),
         views_(o.blocks),
-        counts_(o.blocks, 0),
-        shown_(o.blocks * scene.frame_count(), 0) {}
+        counts_(o.blocks, 0) {}
 
   void Run(Gaussians first) {
-    BlockFiles::Make(o_.model);
-    if (checkpoint_.resumes())
-      Resume(std::move(first));
-    else
-      BeginStage(std::move(first));
+    if (writes()) BlockFiles::Make(o_.model);
+    const int reached = checkpoint_.resumes() ? Resume(first) : 0;
+    if (checkpoint_.resumes() && !o_.quiet) PrintResumed(reached);
+    if (turn_ == 0) {
+      if (TrainsWhole()) TrainWhole(std::move(first));
+      ReleaseTrainer();
+      Meet();
+      Split();
+    }
+    ShareOut();
+    if (turn_ == 0) BeginTurn();
+    bar_.reset();  // terminates its line
+    bar_ = std::make_unique<ProgressBar>("blocks",
+                                         StepsBefore(schedule_.last_turn() + 1, 0),
+                                         o_.quiet,
+                                         OffTerminal::kLines,
+                                         StepsDone());
     while (true) {
-      TrainStage();
-      FinishStage();
-      if (stage_ == LastStage()) break;
-      ++stage_;
-      BeginStage(files_.ReadBlock(block()));
+      for (const uint32_t b : OwnBlocks(turn_))
+        if (files_.ReadRecord(b).turn < turn_) TrainBlock(b);
+      Meet();
+      FinishTurn();
+      if (turn_ == schedule_.last_turn()) break;
+      DrawLayers(schedule_.BlocksOf(turn_));
+      Meet();
+      BeginTurn();
     }
     bar_.reset();
   }
@@ -107,13 +127,13 @@ class BlockTraining {
   TrainingStatistics Statistics() const {
     TrainingStatistics s;
     s.iterations = o_.iterations;
-    s.steps = trained_.steps;
-    s.seconds = trained_.seconds;
-    s.cpu_seconds = trained_.cpu_seconds;
+    s.steps = cost_.steps;
+    s.seconds = cost_.seconds;
+    s.cpu_seconds = cost_.cpu_seconds;
     s.gaussians = count();
-    s.ms_per_step = trained_.ms_per_step;
-    s.times = trained_.times;
-    s.ignored_gradients = trained_.ignored;
+    s.ms_per_step = cost_.ms_per_step;
+    s.times = cost_.times;
+    s.ignored_gradients = cost_.ignored;
     s.degrees[size_t(o_.sh_degree)] = count();
     s.bands = FiguresOf(s.degrees, o_.sh_degree);
     return s;
@@ -128,17 +148,25 @@ class BlockTraining {
     return blocks;
   }
 
-  void StopIfAsked() {
-    if (const int signal = signals_.received())
-      throw Stopped(signal, "stopped between steps: the same command with --resume goes on");
+  // All ranks get here, and stop if one of them was asked to.
+  void Meet() {
+    if (const uint32_t signal = Largest(uint32_t(signals_.received()), ranks_))
+      throw Stopped(int(signal), "stopped between steps: the same command with --resume goes on");
   }
 
  private:
-  // Stage 0 is the whole scene's; then all blocks have their turns.
-  bool whole() const { return stage_ == 0; }
-  size_t block() const { return (stage_ - 1) % o_.blocks; }
-  size_t round() const { return (stage_ - 1) / o_.blocks; }
-  uint32_t LastStage() const { return uint32_t(kRounds * o_.blocks); }
+  // Turn 0 is the whole scene's.
+  bool whole() const { return turn_ == 0; }
+  bool writes() const { return ranks_.rank() == 0; }
+  bool TrainsWhole() const { return ranks_.rank() < size_t(o_.batch); }
+  bool leads() const { return group_->rank() == 0; }
+  std::vector<uint32_t> OwnBlocks(uint32_t turn) const {
+    std::vector<uint32_t> own;
+    if (ranks_.rank() >= groups_.working_ranks()) return own;
+    for (const uint32_t b : schedule_.BlocksOf(turn))
+      if (groups_.OfBlock(b) == groups_.GroupOf(ranks_.rank())) own.push_back(b);
+    return own;
+  }
 
   // --- Steps -------------------------------------------------------------------------------------
 
@@ -147,144 +175,171 @@ class BlockTraining {
     const double share = double(views_[b].size()) / double(scene_.frame_count());
     return std::max(1, int(std::ceil(o_.iterations * share)));
   }
-  // Of a training of that length, where a round begins, which is a multiple of the batch.
-  int BeginOf(int iterations, size_t round) const {
-    if (round == kRounds) return iterations;
-    const double share = kWholeShare + (1 - kWholeShare) * double(round) / kRounds;
-    const int steps = int(std::ceil(iterations * share / o_.batch));
-    return std::min(iterations, steps * o_.batch);
-  }
-  TrainSettings SettingsOfStage() const {
+  uint32_t Round() const { return schedule_.RoundOf(turn_); }
+  int EndOf(uint32_t round, size_t b) const { return EndOfRound(round, IterationsOf(b), o_.batch); }
+  TrainSettings SettingsOfTurn() const {
     TrainOptions options = o_;
-    if (!whole()) options.iterations = IterationsOf(block());
+    if (!whole()) options.iterations = IterationsOf(block_);
     TrainSettings s = options.ToSettings(scene_.extent());
     s.crop_loss.distance = whole_.crop_loss.distance;
     s.schedule.opacity_reset_share = whole_.schedule.opacity_reset_share;
-    if (whole()) {
-      s.iterations = BeginOf(o_.iterations, 0);
-      return s;
-    }
-    s.first_iteration = BeginOf(options.iterations, round());
-    s.iterations = BeginOf(options.iterations, round() + 1);
-    s.seed = o_.seed + stage_ * 0x9e3779b97f4a7c15u;  // Rng's own increment
-    s.schedule.num_downscales = 0;                    // layers are of the full size
+    s.iterations = EndOfRound(Round(), options.iterations, o_.batch);
+    if (whole()) return s;
+    s.first_iteration = EndOf(Round() - 1, block_);
+    const uint64_t trained = (Round() - 1) * o_.blocks + block_ + 1;
+    s.seed = o_.seed + trained * 0x9e3779b97f4a7c15u;  // Rng's own increment
+    s.schedule.num_downscales = 0;                     // layers are of the full size
     return s;
   }
-  // Steps of all turns before this one, and of all.
-  int StepsBefore(uint32_t stage) const {
+  // Of this group: before block b has its turn.
+  int StepsBefore(uint32_t turn, size_t b) const {
     int steps = 0;
-    for (uint32_t s = 1; s < stage; ++s) {
-      const int all = IterationsOf((s - 1) % o_.blocks);
-      const size_t r = (s - 1) / o_.blocks;
-      steps += BeginOf(all, r + 1) - BeginOf(all, r);
-    }
+    for (uint32_t t = 1; t <= std::min(turn, schedule_.last_turn()); ++t)
+      for (const uint32_t own : OwnBlocks(t))
+        if (t < turn || own < b) {
+          const uint32_t round = schedule_.RoundOf(t);
+          steps += EndOf(round, own) - EndOf(round - 1, own);
+        }
     return steps;
   }
   int StepsDone() const {
-    return StepsBefore(stage_) + trainer_->iteration() - trainer_->settings().first_iteration;
+    if (!trainer_) return StepsBefore(turn_, 0);
+    return StepsBefore(turn_, block_) + trainer_->iteration() -
+           trainer_->settings().first_iteration;
   }
-  // For messages, in steps of the run.
+  // For messages, in steps of the run, of which this group has had a share.
   int Iteration() const {
     if (whole()) return trainer_->iteration();
-    const int first = BeginOf(o_.iterations, 0);
-    const double share = double(StepsDone()) / double(StepsBefore(LastStage() + 1));
-    return first + int((o_.iterations - first) * share);
+    const int first = EndOfRound(0, o_.iterations, o_.batch);
+    const int all = std::max(1, StepsBefore(schedule_.last_turn() + 1, 0));
+    return first + int((o_.iterations - first) * (double(StepsDone()) / all));
   }
 
-  // --- Stages ------------------------------------------------------------------------------------
+  // Steps of trainer_ to its end, and a checkpoint of that, since an earlier one would go on with
+  // files that change now.
+  void TakeSteps(const std::function<void(const StepReport&)>& show) {
+    while (trainer_->iteration() < trainer_->settings().iterations) {
+      show(trainer_->Step());
+      const Agreement agreed = AgreeAfterStep(signals_.received(), checkpoint_, *group_);
+      if (agreed.signal != 0) Stop(agreed.signal);
+      if (agreed.checkpoint) checkpoint_.Try([&] { WriteCheckpoint(); });
+    }
+    WriteCheckpoint();
+  }
 
-  void BeginStage(Gaussians first) {
-    if (!whole()) MakeBlockSubject();
-    trainer_ = std::make_unique<Trainer>(
-        SettingsOfStage(), whole() ? scene_ : *block_subject_, std::move(first));
-    if (o_.exposure && !whole()) trainer_->SetExposures(OwnExposures());
+  // --- Turns -------------------------------------------------------------------------------------
+
+  void MakeTrainer(Gaussians first) {
+    trainer_ = std::make_unique<Trainer>(SettingsOfTurn(),
+                                         whole() ? scene_ : *block_subject_,
+                                         std::move(first),
+                                         HostStepEngineOn(group_));
     line_ = LossLine();
   }
-
-  void TrainStage() {
-    const bool blocks = !whole();
-    if (!bar_ || stage_ == 1) {
-      bar_.reset();  // terminates its line
-      bar_ = std::make_unique<ProgressBar>(
-          blocks ? "blocks" : "whole scene",
-          blocks ? StepsBefore(LastStage() + 1) : trainer_->settings().iterations,
-          o_.quiet,
-          OffTerminal::kLines,
-          blocks ? StepsDone() : trainer_->iteration());
-    }
-    while (trainer_->iteration() < trainer_->settings().iterations) {
-      const StepReport step = trainer_->Step();
-      if (blocks)
-        bar_->Update(StepsDone(),
-                     "block " + std::to_string(block() + 1) + " of " + std::to_string(o_.blocks) +
-                         "  " + line_(step));
-      else
-        bar_->Update(step.iteration, line_(step));
-      if (const int signal = signals_.received()) Stop(signal);
-      if (checkpoint_.IsDue()) checkpoint_.TryToWrite(Iteration(), Description());
-    }
-    // Before the files of the block change, which an earlier one would go on with.
-    checkpoint_.Write(Iteration(), Description());
-  }
-
-  void FinishStage() {
-    const TrainingStatistics s = trainer_->statistics();
-    trained_.steps += s.steps;
-    trained_.ignored += s.ignored_gradients;
-    trained_.seconds += s.seconds;
-    trained_.cpu_seconds += s.cpu_seconds;
-    trained_.ms_per_step = s.ms_per_step;
-    trained_.times += s.times;
-    const TrainingState& state = trainer_->state();
-    KeepExposures(state.exposures);
-    if (whole()) {
-      files_.WriteWhole(state.gaussians);
-    } else {
-      files_.WriteBlock(block(), state.gaussians);
-      counts_[block()] = state.gaussians.size();
-    }
-    // Its memory is needed for what follows.
+  // Its memory is needed for what follows.
+  void ReleaseTrainer() {
     trainer_.reset();
     block_subject_.reset();
-    if (whole()) {
-      Split(files_.ReadWhole());
-      files_.RemoveWhole();
-      for (size_t b = 0; b < o_.blocks; ++b) DrawLayers(b);
-      ChooseViews();
-      if (!o_.quiet) PrintSplit();
-    } else if (stage_ != LastStage()) {
-      DrawLayers(block());
-    }
   }
 
-  void Split(const Gaussians& all) {
+  void TrainWhole(Gaussians first) {
+    if (!trainer_) MakeTrainer(std::move(first));
+    bar_ = std::make_unique<ProgressBar>("whole scene",
+                                         trainer_->settings().iterations,
+                                         o_.quiet,
+                                         OffTerminal::kLines,
+                                         trainer_->iteration());
+    TakeSteps([&](const StepReport& step) { bar_->Update(step.iteration, line_(step)); });
+    const TurnCost cost = CostOf(trainer_->statistics());
+    const TrainingState& state = trainer_->state();
+    if (leads())
+      files_.WriteBlock(
+          kWholeScene, state.gaussians, {0, state.gaussians.size(), cost, state.exposures});
+  }
+
+  void TrainBlock(uint32_t b) {
+    block_ = b;
+    block_subject_.emplace(layers_.FramesOf(b, views_[b]), scene_.extent());
+    MakeTrainer(files_.ReadBlock(b));
+    if (o_.exposure) trainer_->SetExposures(exposures_.Of(views_[b]));
+    const std::string path = files_.CheckpointPath(b, turn_);
+    if (std::filesystem::exists(path))
+      StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
+    const std::string title =
+        "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
+    TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
+    const TurnCost cost = CostOf(trainer_->statistics());
+    const TrainingState& state = trainer_->state();
+    if (leads()) {
+      files_.WriteBlock(b, state.gaussians, {turn_, state.gaussians.size(), cost, state.exposures});
+      RemoveFile(path);
+    }
+    ReleaseTrainer();
+  }
+
+  void Split() {
+    const BlockRecord record = files_.ReadRecord(kWholeScene);
+    const Gaussians all = files_.ReadBlock(kWholeScene);
+    Add(record.cost, cost_);
+    exposures_ = record.exposures;
     blocks_ = SplitByPlace(all.values[kPosition].view(), o_.blocks);
     std::vector<std::vector<uint32_t>> of(o_.blocks);
     for (size_t i = 0; i < all.size(); ++i)
       of[blocks_.BlockOf(all.at(kPosition, i))].push_back(uint32_t(i));
     for (size_t b = 0; b < o_.blocks; ++b) {
+      counts_[b] = of[b].size();
+      if (!writes()) continue;
       Gaussians own = all;
       own.Gather(of[b]);
-      files_.WriteBlock(b, own);
-      counts_[b] = own.size();
+      files_.WriteBlock(b, own, {0, own.size(), {}, {}});
     }
+    Meet();
+    std::vector<uint32_t> blocks(o_.blocks);
+    std::iota(blocks.begin(), blocks.end(), 0u);
+    DrawLayers(blocks);
+    Meet();
+    views_ = layers_.ChooseViews();
+    if (!o_.quiet) PrintSplit();
   }
 
-  void ChooseViews() {
-    const size_t count = scene_.frame_count();
-    std::vector<float> share(o_.blocks * count), largest(o_.blocks, 0.0f);
-    for (size_t v = 0; v < count; ++v) {
-      LayerStack stack;
-      for (const uint32_t b : OrderIn(v)) {
-        share[b * count + v] = stack.Add(ReadLayer(b, v));
-        largest[b] = std::max(largest[b], share[b * count + v]);
-      }
+  // From here on group_ is of those that train a block.
+  void ShareOut() {
+    schedule_ = BlockSchedule(views_);
+    std::vector<int> work;
+    for (size_t b = 0; b < o_.blocks; ++b) work.push_back(IterationsOf(b));
+    groups_ = BlockGroups(schedule_, work, ranks_.size(), o_.batch);
+    const bool idle = ranks_.rank() >= groups_.working_ranks();
+    group_ = ranks_.Part(idle ? ranks_.rank() : groups_.GroupOf(ranks_.rank()));
+    if (!o_.quiet && ranks_.size() > 1) PrintGroups();
+  }
+
+  // Until all have got here nobody changes a file that an earlier checkpoint would need.
+  void BeginTurn() {
+    ++turn_;
+    if (writes()) checkpoint_.Write(Iteration(), Description());
+    if (writes() && turn_ == 1) files_.RemoveWhole();
+    Meet();
+  }
+
+  void FinishTurn() {
+    const double before = cost_.seconds;
+    std::vector<double> seconds(groups_.count(), 0);  // which work at the same time
+    std::vector<ExposureState> exposures(o_.blocks);
+    for (const uint32_t b : schedule_.BlocksOf(turn_)) {
+      BlockRecord record = files_.ReadRecord(b);
+      counts_[b] = record.gaussians;
+      Add(record.cost, cost_);
+      seconds[groups_.OfBlock(b)] += record.cost.seconds;
+      exposures[b] = std::move(record.exposures);
     }
-    for (size_t b = 0; b < o_.blocks; ++b) {
-      const float least = std::min(kLeastShare, kLeastPart * largest[b]);
-      for (size_t v = 0; v < count; ++v)
-        if (share[b * count + v] >= least) views_[b].push_back(uint32_t(v));
-    }
+    cost_.seconds = before + *std::max_element(seconds.begin(), seconds.end());
+    if (o_.exposure) exposures_.SetToMeans(views_, exposures);
+  }
+
+  // Of these blocks. The ranks share the views.
+  void DrawLayers(const std::vector<uint32_t>& blocks) {
+    for (const uint32_t b : blocks)
+      layers_.Draw(b, ranks_.rank(), ranks_.size(), [this] { StopIfAsked(); });
   }
 
   void PrintSplit() {
@@ -298,95 +353,23 @@ class BlockTraining {
     std::fflush(stdout);
   }
 
-  // --- Layers ------------------------------------------------------------------------------------
-
-  std::vector<uint32_t> OrderIn(size_t view) const {
-    return blocks_.FrontToBack(scene_.camera(view).Center());
-  }
-  Image8 ReadLayer(size_t b, size_t view) const {
-    if (!shown_[b * scene_.frame_count() + view]) return {};
-    return files_.ReadLayer(b, view, scene_.camera(view));
-  }
-
-  void DrawLayers(size_t b) {
-    const Gaussians gaussians = files_.ReadBlock(b);
-    const auto rasterizer = MakeCpuRasterizer();
-    const auto tape = rasterizer->MakeTape(false);
-    RenderedImage image;
-    for (size_t v = 0; v < scene_.frame_count(); ++v) {
-      StopIfAsked();
-      rasterizer->Forward(ViewOf(gaussians),
-                          gaussians.basis,
-                          scene_.camera(v),
-                          {{0, 0, 0}, gaussians.degree},
-                          image,
-                          *tape);
-      const Image8 layer = LayerOf(image);
-      shown_[b * scene_.frame_count() + v] = !layer.empty();
-      if (!layer.empty()) files_.WriteLayer(b, v, layer);
-    }
-  }
-
-  void MakeBlockSubject() {
-    std::vector<TrainFrame> frames;
-    for (const uint32_t view : views_[block()]) {
-      const auto read = [this, view, b = uint32_t(block())] {
-        TrainFrame scratch;
-        const TrainFrame& frame = Loaded(scene_.frames()[view], scratch);
-        TrainFrame shown{frame.camera, frame.target, frame.ignored};
-        LayerStack stack;
-        for (const uint32_t other : OrderIn(view)) {
-          if (other == b)
-            shown.layers.front = std::exchange(stack, {}).Together();
-          else
-            stack.Add(ReadLayer(other, view));
-        }
-        shown.layers.behind = stack.Together();
-        return shown;
-      };
-      frames.push_back({scene_.camera(view), {}, {}, read});
-    }
-    block_subject_.emplace(std::move(frames), scene_.extent());
-  }
-
-  // --- Exposures of a block's views, of those of all ---------------------------------------------
-
-  template <class Copy>
-  void ForOwnExposures(const Copy& copy) const {
-    constexpr size_t kNumbers = kIdentityExposure.size();
-    for (size_t i = 0; i < views_[block()].size(); ++i)
-      for (size_t k = 0; k < kNumbers; ++k)
-        copy(i * kNumbers + k, views_[block()][i] * kNumbers + k);
-  }
-  ExposureState OwnExposures() const {
-    ExposureState own(views_[block()].size());
-    ForOwnExposures([&](size_t to, size_t from) {
-      own.value[to] = exposures_.value[from];
-      own.m[to] = exposures_.m[from];
-      own.v[to] = exposures_.v[from];
-      own.updates[to] = exposures_.updates[from];
-    });
-    return own;
-  }
-  void KeepExposures(const ExposureState& own) {
-    if (whole()) {
-      exposures_ = own;
-    } else if (o_.exposure) {
-      ForOwnExposures([&](size_t from, size_t to) {
-        exposures_.value[to] = own.value[from];
-        exposures_.m[to] = own.m[from];
-        exposures_.v[to] = own.v[from];
-        exposures_.updates[to] = own.updates[from];
-      });
-    }
+  void PrintGroups() const {
+    std::printf("%zu blocks at once, by as many groups of ranks\n", groups_.count());
+    if (const size_t idle = ranks_.size() - groups_.working_ranks())
+      std::printf("%zu of %zu ranks have no work: --batch gives a group views to share\n",
+                  idle,
+                  ranks_.size());
+    std::fflush(stdout);
   }
 
   // --- Checkpoints -------------------------------------------------------------------------------
 
-  void DescribeOwn(StateArchive& a) {
-    a.Value("stage", stage_);
-    a.Require(stage_ <= LastStage(), "stage", "is beyond the run's end");
-    a.Value("trained", trained_);
+  // The run's own has the whole scene's trainer or, later, what all blocks have in common; each
+  // block in training has another, written by its group.
+  void DescribeCommon(StateArchive& a) {
+    a.Value("turn", turn_);
+    a.Require(turn_ <= kBlockRounds * o_.blocks, "turn", "is beyond the run's end");
+    a.Value("cost", cost_);
     if (whole()) return;
     const size_t views = scene_.frame_count();
     Describe(a, o_.blocks, blocks_);
@@ -396,7 +379,6 @@ class BlockTraining {
         a.Require(view < views, "views", "names one that is not there");
     }
     a.Array("counts", counts_, o_.blocks);
-    a.Array("shown", shown_, shown_.size());
     if (!o_.exposure) return;
     const size_t numbers = views * kIdentityExposure.size();
     a.Array("exposures.value", exposures_.value, numbers);
@@ -407,27 +389,39 @@ class BlockTraining {
 
   StateDescription Description() {
     return [this](StateArchive& a) {
-      DescribeOwn(a);
-      trainer_->Describe(a);
+      DescribeCommon(a);
+      if (whole()) trainer_->Describe(a);
     };
   }
 
-  void Resume(Gaussians first) {
-    checkpoint_.Read([&](StateArchive& a) {
-      DescribeOwn(a);
-      BeginStage(whole() ? std::move(first) : files_.ReadBlock(block()));
+  // All ranks of the group call it: each has a part of the state.
+  void WriteCheckpoint() {
+    trainer_->state();
+    if (leads() && !whole())
+      checkpoint_.WritePart(files_.CheckpointPath(block_, turn_),
+                            [this](StateArchive& a) { trainer_->Describe(a); });
+    if (writes()) checkpoint_.Write(Iteration(), Description());  // says how far the run is
+  }
+
+  // Returns the iteration that the run had reached.
+  int Resume(Gaussians& first) {
+    return checkpoint_.Read([&](StateArchive& a) {
+      DescribeCommon(a);
+      if (!whole()) return;
+      MakeTrainer(std::move(first));
       trainer_->Describe(a);
     });
-    if (o_.quiet) return;
+  }
+  void PrintResumed(int iteration) const {
     std::printf("resumed at step %s of %s\n",
-                WithThousands(size_t(Iteration())).c_str(),
+                WithThousands(size_t(iteration)).c_str(),
                 WithThousands(size_t(o_.iterations)).c_str());
     std::fflush(stdout);
   }
 
   void Stop(int signal) {
     try {
-      checkpoint_.Write(Iteration(), Description());
+      WriteCheckpoint();
     } catch (const Error& error) {
       throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
     }
@@ -435,21 +429,32 @@ class BlockTraining {
                   "stopped at step " + WithThousands(size_t(Iteration())) +
                       ": the same command with --resume goes on");
   }
+  // This rank alone, where the others are not waited for.
+  void StopIfAsked() const {
+    if (const int signal = signals_.received())
+      throw Stopped(signal, "stopped between steps: the same command with --resume goes on");
+  }
 
   const SceneTrainOptions& o_;
   const TrainSettings& whole_;
   BlockFiles files_;
   SceneSubject& scene_;
+  BlockLayers layers_;
   RunCheckpoint& checkpoint_;
-  // What a checkpoint has, besides the trainer.
-  uint32_t stage_ = 0;
-  Trained trained_;
+  Ranks& ranks_;
+  std::shared_ptr<Ranks> group_;  // those that train what this rank trains
+  // What the run's checkpoint has, alike on all ranks.
+  uint32_t turn_ = 0;
+  TurnCost cost_;  // of all turns before this one
   SceneBlocks blocks_;
   std::vector<std::vector<uint32_t>> views_;  // of each block
   std::vector<uint64_t> counts_;              // Gaussians of each block
-  std::vector<uint8_t> shown_;                // [blocks, views] whether it has a layer
   ExposureState exposures_;                   // of all views; empty unless trained
-  // This stage's.
+  // What follows from that.
+  BlockSchedule schedule_;
+  BlockGroups groups_;
+  // This rank's.
+  uint32_t block_ = 0;  // in training
   std::optional<SceneSubject> block_subject_;
   std::unique_ptr<Trainer> trainer_;
   std::unique_ptr<ProgressBar> bar_;
@@ -464,27 +469,33 @@ void TrainInBlocks(const SceneTrainOptions& o,
                    SceneSubject& scene,
                    const std::vector<SkippedFrame>& skipped,
                    const BlockHooks& hooks,
-                   RunCheckpoint& checkpoint) {
-  RemoveTemporaries(o.model);
-  WriteSkipped(o.model, skipped);
+                   RunCheckpoint& checkpoint,
+                   Ranks& ranks) {
+  const bool writes = ranks.rank() == 0;
+  if (writes) RemoveTemporaries(o.model);
+  if (writes) WriteSkipped(o.model, skipped);
   Gaussians layout = LayoutOf(start.first);
   layout.antialiased = o.antialiasing;
-  BlockTraining training(o, start.settings, layout, scene, checkpoint);
+  BlockTraining training(o, start.settings, layout, scene, checkpoint, ranks);
   training.Run(std::move(start.first));
-  if (CanSaveSplats(o))
-    WritePly(MakeSplatPath(o.model, o.iterations), training.count(), o.blocks, [&](size_t block) {
-      return training.Finished(block);
-    });
-  if (o.exposure) hooks.save_exposures(training.exposures());
-  const TrainingStatistics statistics = training.Statistics();
-  WriteStatistics(o.model, statistics, skipped.size(), training.Figures());
-  if (!o.quiet) PrintTrained(statistics);
-  training.StopIfAsked();
+  if (writes) {
+    if (CanSaveSplats(o))
+      WritePly(MakeSplatPath(o.model, o.iterations), training.count(), o.blocks, [&](size_t block) {
+        return training.Finished(block);
+      });
+    if (o.exposure) hooks.save_exposures(training.exposures());
+    const TrainingStatistics statistics = training.Statistics();
+    WriteStatistics(o.model, statistics, skipped.size(), training.Figures());
+    if (!o.quiet) PrintTrained(statistics);
+    if (hooks.evaluate) hooks.evaluate(training.Together());
+  }
+  training.Meet();
   if (!hooks.evaluate) return;
-  hooks.evaluate(training.Together());
-  const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
-  if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-  training.StopIfAsked();
+  if (writes) {
+    const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
+    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
+  }
+  training.Meet();
 }
 
 }  // namespace cosplat

@@ -180,9 +180,10 @@ RunCheckpoint::RunCheckpoint(const TrainOptions& o,
       data_(std::move(data)),
       last_(std::chrono::steady_clock::now()) {}
 
-void RunCheckpoint::Read(const StateDescription& describe) const {
+int RunCheckpoint::Read(const StateDescription& describe) const {
   const StateFile file(path_);
-  const DataChecksums then = HeaderOf(file).data;
+  const CheckpointHeader header = HeaderOf(file);
+  const DataChecksums& then = header.data;
   for (size_t i = 0; i < std::max(then.size(), data_.size()); ++i) {
     if (i < then.size() && i < data_.size() && then[i] == data_[i]) continue;
     const std::string name = i < data_.size() ? data_[i].first : then[i].first;
@@ -190,6 +191,7 @@ void RunCheckpoint::Read(const StateDescription& describe) const {
                 "holds an interrupted run on other data, first " + name + ": " + kStartsAgain);
   }
   file.Read(describe);
+  return header.iteration;
 }
 
 bool RunCheckpoint::IsDue() const {
@@ -209,15 +211,28 @@ void RunCheckpoint::Write(int iteration, const StateDescription& describe) {
   last_ = std::chrono::steady_clock::now();
 }
 
-void RunCheckpoint::TryToWrite(int iteration, const StateDescription& describe) {
+void RunCheckpoint::WritePart(const std::string& path, const StateDescription& describe) {
+  last_ = std::chrono::steady_clock::now();
+  WriteStateFile(path, "", describe);
+  last_ = std::chrono::steady_clock::now();
+}
+
+void RunCheckpoint::Try(const std::function<void()>& write) const {
   if (interval_.count() == 0) return;
   try {
-    Write(iteration, describe);
+    write();
   } catch (const Error& error) {
     std::fprintf(stderr, "cosplat: warning: no checkpoint: %s\n", error.what());
   }
 }
 
 void RunCheckpoint::Remove() const { RemoveFile(path_); }
+
+Agreement AgreeAfterStep(int signal, const RunCheckpoint& checkpoint, Ranks& ranks) {
+  constexpr uint32_t kDue = 256;  // above any signal
+  const uint32_t own = uint32_t(signal) + (ranks.rank() == 0 && checkpoint.IsDue() ? kDue : 0);
+  const uint32_t agreed = Largest(own, ranks);
+  return {int(agreed % kDue), agreed >= kDue};
+}
 
 }  // namespace cosplat

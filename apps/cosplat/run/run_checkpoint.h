@@ -9,6 +9,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "apps/cosplat/options/train_options.h"
@@ -39,15 +40,18 @@ class RunCheckpoint {
   RunCheckpoint(const TrainOptions& o, std::string config, RunStart start, DataChecksums data);
 
   bool resumes() const { return start_ == RunStart::kResumed; }
-  // Throws Error if the data has changed, or as StateFile::Read does.
-  void Read(const StateDescription& describe) const;
+  // Returns the iteration that the run had reached. Throws Error if the data has changed, or as
+  // StateFile::Read does.
+  int Read(const StateDescription& describe) const;
   // Whether the interval has passed since the start or the last checkpoint.
   bool IsDue() const;
   // iteration: that the run has reached, for messages. Throws Error as WriteStateFile does; an
   // earlier checkpoint is then still there.
   void Write(int iteration, const StateDescription& describe);
-  // The same, but a failure is only a warning: training goes on.
-  void TryToWrite(int iteration, const StateDescription& describe);
+  // A part of the run's state in a file of its own, without a header. Throws Error likewise.
+  void WritePart(const std::string& path, const StateDescription& describe);
+  // Writes either, unless no checkpoints are wanted; a failure is only a warning: training goes on.
+  void Try(const std::function<void()>& write) const;
   // Once everything is written. Throws Error if it cannot be removed, since the run would then be
   // taken for an interrupted one.
   void Remove() const;
@@ -60,5 +64,13 @@ class RunCheckpoint {
   DataChecksums data_;
   std::chrono::steady_clock::time_point last_;
 };
+
+// What ranks do after a step: they agree in one exchange, on a signal that one of them got (0:
+// none) and on the clock of the first of them, which writes.
+struct Agreement {
+  int signal = 0;
+  bool checkpoint = false;
+};
+Agreement AgreeAfterStep(int signal, const RunCheckpoint& checkpoint, Ranks& ranks);
 
 }  // namespace cosplat

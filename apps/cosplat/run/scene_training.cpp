@@ -110,9 +110,10 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
   if (o.blocks > 1 && o.device == "auto") o.device = "cpu";
   o.CheckBlocks();
-  if (o.blocks > 1 && ranks->size() > 1)
-    throw Error("--blocks " + std::to_string(o.blocks),
-                "is trained by one rank, these are " + std::to_string(ranks->size()));
+  if (o.blocks > 1 && ranks->size() > o.blocks * size_t(o.batch))
+    throw Error("--blocks " + std::to_string(o.blocks) + " --batch " + std::to_string(o.batch),
+                "is trained by at most " + std::to_string(o.blocks * size_t(o.batch)) +
+                    " ranks, these are " + std::to_string(ranks->size()));
   const bool writes = ranks->rank() == 0;
   if (!writes) o.quiet = true;
   const RunStart how = ChooseStart(o, config, *ranks);
@@ -168,7 +169,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
       hooks.evaluate = [&](const Gaussians& gaussians) {
         Evaluate(o, device, test, o.iterations, gaussians.degree, gaussians);
       };
-    TrainInBlocks(o, std::move(start), subject, scene.skipped, hooks, checkpoint);
+    TrainInBlocks(o, std::move(start), subject, scene.skipped, hooks, checkpoint, *ranks);
+    if (!writes) return;
     checkpoint.Remove();
     return BlockFiles::Remove(o.model);
   }

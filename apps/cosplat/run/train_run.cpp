@@ -161,7 +161,7 @@ class TrainingRun {
 
   void TryToWriteCheckpoint() {
     trainer_.state();  // as above
-    if (writes()) checkpoint_.TryToWrite(trainer_.iteration(), Description());
+    if (writes()) checkpoint_.Try([&] { checkpoint_.Write(trainer_.iteration(), Description()); });
   }
 
   void BeginSearch() {
@@ -194,14 +194,10 @@ class TrainingRun {
     };
   }
 
-  // The ranks agree in one exchange: on a signal that one of them got, and on rank 0's clock.
   void AfterStep() {
-    constexpr uint32_t kDue = 256;  // above any signal
-    const uint32_t own =
-        uint32_t(signals_.received()) + (writes() && checkpoint_.IsDue() ? kDue : 0);
-    const uint32_t agreed = Largest(own, *hooks_.ranks);
-    StopFor(int(agreed % kDue));
-    if (agreed >= kDue) TryToWriteCheckpoint();
+    const Agreement agreed = AgreeAfterStep(signals_.received(), checkpoint_, *hooks_.ranks);
+    StopFor(agreed.signal);
+    if (agreed.checkpoint) TryToWriteCheckpoint();
   }
 
   const TrainOptions& o_;

@@ -40,26 +40,23 @@ struct Place {
   pid_t process = 0;
 };
 
+// The ranks of a communicator.
 class MpiRanks : public Ranks {
  public:
-  MpiRanks() {
-    int provided = 0, rank = 0, size = 0;
-    Check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided));
-    Check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN));
-    Check(MPI_Comm_dup(MPI_COMM_WORLD, &ending_));
-    Check(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
-    Check(MPI_Comm_size(MPI_COMM_WORLD, &size));
+  // Frees the communicator no earlier than MPI_Finalize does: there are two of them in a run.
+  explicit MpiRanks(MPI_Comm ranks) : ranks_(ranks) {
+    int rank = 0, size = 0;
+    Check(MPI_Comm_set_errhandler(ranks_, MPI_ERRORS_RETURN));
+    Check(MPI_Comm_dup(ranks_, &ending_));
+    Check(MPI_Comm_rank(ranks_, &rank));
+    Check(MPI_Comm_size(ranks_, &size));
     rank_ = size_t(rank);
     places_.resize(size_t(size));
     Place here;
     gethostname(here.host.data(), here.host.size() - 1);
     here.process = getpid();
-    Check(MPI_Allgather(
-        &here, sizeof here, MPI_BYTE, places_.data(), sizeof here, MPI_BYTE, MPI_COMM_WORLD));
-  }
-  // A rank that fails alone ends without finalising, which would wait for the others.
-  ~MpiRanks() override {
-    if (std::uncaught_exceptions() == 0 || ended_together_) MPI_Finalize();
+    Check(
+        MPI_Allgather(&here, sizeof here, MPI_BYTE, places_.data(), sizeof here, MPI_BYTE, ranks_));
   }
 
   size_t rank() const override { return rank_; }
@@ -73,8 +70,8 @@ class MpiRanks : public Ranks {
     for (size_t r = 0; r < size(); ++r) {
       if (r == rank_) continue;
       own[r] = to[r].size();
-      Check(MPI_Irecv(&sizes[r], 1, MPI_UINT64_T, int(r), 0, MPI_COMM_WORLD, &New(requests)));
-      Check(MPI_Isend(&own[r], 1, MPI_UINT64_T, int(r), 0, MPI_COMM_WORLD, &New(requests)));
+      Check(MPI_Irecv(&sizes[r], 1, MPI_UINT64_T, int(r), 0, ranks_, &New(requests)));
+      Check(MPI_Isend(&own[r], 1, MPI_UINT64_T, int(r), 0, ranks_, &New(requests)));
     }
     Await(requests);
     for (size_t r = 0; r < size(); ++r) {
@@ -85,7 +82,7 @@ class MpiRanks : public Ranks {
                         MPI_UINT32_T,
                         int(r),
                         1,
-                        MPI_COMM_WORLD,
+                        ranks_,
                         &New(requests)));
       for (size_t at = 0; at < own[r]; at += kMaxWords)
         Check(MPI_Isend(to[r].data + at,
@@ -93,7 +90,7 @@ class MpiRanks : public Ranks {
                         MPI_UINT32_T,
                         int(r),
                         1,
-                        MPI_COMM_WORLD,
+                        ranks_,
                         &New(requests)));
       bytes_sent_ += own[r] * sizeof(uint32_t);
     }
@@ -113,8 +110,17 @@ class MpiRanks : public Ranks {
     return false;
   }
 
+  std::shared_ptr<Ranks> Part(size_t part) override {
+    MPI_Comm ranks{};
+    Check(MPI_Comm_split(ranks_, int(part), int(rank_), &ranks));
+    return std::make_shared<MpiRanks>(ranks);
+  }
+
   uint64_t bytes_sent() const override { return bytes_sent_; }
   double seconds() const override { return seconds_; }
+
+ protected:
+  bool ended_together() const { return ended_together_; }
 
  private:
   static MPI_Request& New(std::vector<MPI_Request>& requests) {
@@ -152,7 +158,7 @@ class MpiRanks : public Ranks {
     }
   }
 
-  MPI_Comm ending_{};
+  MPI_Comm ranks_{}, ending_{};
   size_t rank_ = 0;
   std::vector<Place> places_;
   uint64_t bytes_sent_ = 0;
@@ -160,8 +166,23 @@ class MpiRanks : public Ranks {
   bool ended_together_ = false;
 };
 
+MPI_Comm World() {
+  int provided = 0;
+  Check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided));
+  return MPI_COMM_WORLD;
+}
+
+class AllRanks : public MpiRanks {
+ public:
+  AllRanks() : MpiRanks(World()) {}
+  // A rank that fails alone ends without finalising, which would wait for the others.
+  ~AllRanks() override {
+    if (std::uncaught_exceptions() == 0 || ended_together()) MPI_Finalize();
+  }
+};
+
 }  // namespace
 
-std::shared_ptr<Ranks> JoinMpi() { return std::make_shared<MpiRanks>(); }
+std::shared_ptr<Ranks> JoinMpi() { return std::make_shared<AllRanks>(); }
 
 }  // namespace cosplat

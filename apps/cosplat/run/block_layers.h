@@ -1,0 +1,40 @@
+// What the blocks of a scene show in its training views, on disk (block_files.h), and the views as
+// a block is trained on them: between the layers of the others (splat/train/layers.h).
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "apps/cosplat/run/block_files.h"
+#include "splat/train/blocks.h"
+#include "splat/train/scene_subject.h"
+
+namespace cosplat {
+
+class BlockLayers {
+ public:
+  // All three must outlive it. blocks may be set later.
+  BlockLayers(const BlockFiles& files, SceneSubject& scene, const SceneBlocks& blocks)
+      : files_(files), scene_(scene), blocks_(blocks) {}
+
+  // Those of a block, of every `step`-th view from `first` on. before: called before each.
+  void Draw(size_t block, size_t first, size_t step, const std::function<void()>& before) const;
+  // For each block the views of which it covers enough to be trained on them.
+  std::vector<std::vector<uint32_t>> ChooseViews() const;
+  // Read from disk when they are trained on.
+  std::vector<TrainFrame> FramesOf(size_t block, const std::vector<uint32_t>& views) const;
+
+ private:
+  std::vector<uint32_t> OrderIn(size_t view) const {
+    return blocks_.FrontToBack(scene_.camera(view).Center());
+  }
+  Image8 Read(size_t block, size_t view) const {
+    return files_.ReadLayer(block, view, scene_.camera(view));
+  }
+
+  const BlockFiles& files_;
+  SceneSubject& scene_;
+  const SceneBlocks& blocks_;
+};
+
+}  // namespace cosplat
