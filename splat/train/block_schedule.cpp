@@ -10,6 +10,8 @@ namespace {
 constexpr int64_t kShares = 5;
 // Of the views of the block with fewer, that two blocks of one turn have in common.
 constexpr double kMaxSharedViews = 0.1;
+// Where blocks are trained at once, which takes them longer to agree.
+constexpr uint32_t kRoundsAtOnce = 4;
 
 bool ShareViews(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
   std::vector<uint32_t> both;
@@ -18,12 +20,6 @@ bool ShareViews(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) 
 }
 
 }  // namespace
-
-int EndOfRound(uint32_t round, int iterations, int batch) {
-  const int64_t parts = iterations * (kBlockRounds + (kShares - 1) * round);
-  const int64_t part = kShares * kBlockRounds * batch;
-  return int(std::min<int64_t>(iterations, (parts + part - 1) / part * batch));
-}
 
 // The least crowded of the turns that a block can have, or a new one (greedy graph colouring).
 BlockSchedule::BlockSchedule(const std::vector<std::vector<uint32_t>>& views) {
@@ -38,6 +34,13 @@ BlockSchedule::BlockSchedule(const std::vector<std::vector<uint32_t>>& views) {
     if (!best) best = &blocks_.emplace_back();
     best->push_back(block);
   }
+  if (at_once() > 1) rounds_ = kRoundsAtOnce;
+}
+
+int BlockSchedule::EndOfRound(uint32_t round, int iterations, int batch) const {
+  const int64_t parts = iterations * int64_t(rounds_ + (kShares - 1) * round);
+  const int64_t part = kShares * rounds_ * batch;
+  return int(std::min<int64_t>(iterations, (parts + part - 1) / part * batch));
 }
 
 uint32_t BlockSchedule::RoundOf(uint32_t turn) const {

@@ -12,12 +12,6 @@
 
 namespace cosplat {
 
-constexpr uint32_t kBlockRounds = 2;  // measured: docs/decisions.md
-
-// The iteration, of a training of `iterations`, with which round 0 to kBlockRounds ends: a multiple
-// of the batch, or `iterations`.
-int EndOfRound(uint32_t round, int iterations, int batch);
-
 class BlockSchedule {
  public:
   BlockSchedule() = default;
@@ -26,16 +20,22 @@ class BlockSchedule {
   explicit BlockSchedule(const std::vector<std::vector<uint32_t>>& views);
 
   uint32_t turns_of_round() const { return uint32_t(blocks_.size()); }
-  uint32_t last_turn() const { return kBlockRounds * turns_of_round(); }
+  // Two or, where some blocks are trained at once, four (measured: docs/decisions.md).
+  uint32_t rounds() const { return rounds_; }
+  uint32_t last_turn() const { return rounds_ * turns_of_round(); }
   // The round of a turn, from 1; 0: the whole scene's turn.
   uint32_t RoundOf(uint32_t turn) const;
   // From turn 1 on: the blocks that are trained in it, ascending.
   const std::vector<uint32_t>& BlocksOf(uint32_t turn) const;
+  // The iteration, of a training of `iterations`, with which a round ends (0: the whole scene's
+  // turn): a multiple of the batch or, of the last one, `iterations`.
+  int EndOfRound(uint32_t round, int iterations, int batch) const;
   // The most blocks of a turn.
   size_t at_once() const;
 
  private:
   std::vector<std::vector<uint32_t>> blocks_;  // of a round's turns
+  uint32_t rounds_ = 2;
 };
 
 // Ranks that train a block together: as many groups as there are blocks at once, if there are as

@@ -231,12 +231,19 @@ TEST(FirstIteration, ExposuresGoOn) {
 }
 
 TEST(BlockSchedule, RoundsEndAtBatchesAndTheLastOneWithTheRun) {
-  EXPECT_EQ(EndOfRound(0, 1000, 1), 200);
-  EXPECT_EQ(EndOfRound(1, 1000, 1), 600);
-  EXPECT_EQ(EndOfRound(2, 1000, 1), 1000);
-  EXPECT_EQ(EndOfRound(0, 1000, 7), 203);
-  EXPECT_EQ(EndOfRound(2, 1000, 7), 1000);
-  EXPECT_EQ(EndOfRound(0, 1, 1), 1);  // all of a very short one
+  const BlockSchedule in_turn({{0, 1}, {0, 1}}), at_once({{0}, {1}});
+  ASSERT_EQ(in_turn.rounds(), 2u);
+  EXPECT_EQ(in_turn.EndOfRound(0, 1000, 1), 200);
+  EXPECT_EQ(in_turn.EndOfRound(1, 1000, 1), 600);
+  EXPECT_EQ(in_turn.EndOfRound(2, 1000, 1), 1000);
+  EXPECT_EQ(in_turn.EndOfRound(0, 1000, 7), 203);
+  EXPECT_EQ(in_turn.EndOfRound(2, 1000, 7), 1000);
+  EXPECT_EQ(in_turn.EndOfRound(0, 1, 1), 1);  // all of a very short one
+  ASSERT_EQ(at_once.rounds(), 4u);
+  EXPECT_EQ(at_once.EndOfRound(0, 1000, 1), 200);
+  EXPECT_EQ(at_once.EndOfRound(1, 1000, 1), 400);
+  EXPECT_EQ(at_once.EndOfRound(4, 1000, 1), 1000);
+  EXPECT_EQ(BlockSchedule().EndOfRound(0, 1000, 1), 200);  // of the whole scene
 }
 
 // A row of blocks, of which each shares half of its views with the next one and one in twenty with
@@ -262,7 +269,7 @@ TEST(BlockSchedule, EveryBlockHasOneTurnInARound) {
         EXPECT_EQ(block % 2, (turn - 1) % 2);  // neighbours share views
         EXPECT_EQ(schedule.RoundOf(turn), ++rounds[block]);
       }
-    EXPECT_EQ(rounds, std::vector<uint32_t>(blocks, kBlockRounds));
+    EXPECT_EQ(rounds, std::vector<uint32_t>(blocks, schedule.rounds()));
   }
   const BlockSchedule alike(std::vector<std::vector<uint32_t>>(3, {0, 1, 2}));
   EXPECT_EQ(alike.turns_of_round(), 3u);
@@ -295,7 +302,7 @@ TEST(BlockSchedule, RanksFormGroups) {
 
 TEST(BlockSchedule, GroupsHaveLikeWork) {
   const BlockSchedule schedule({{0}, {1}, {2}, {3}});  // nothing in common
-  ASSERT_EQ(schedule.last_turn(), kBlockRounds);
+  ASSERT_EQ(schedule.last_turn(), schedule.rounds());
   const BlockGroups groups(schedule, {5, 1, 4, 2}, 2, 1);
   EXPECT_EQ(groups.OfBlock(0), 0u);
   EXPECT_EQ(groups.OfBlock(1), 0u);  // 5 + 1, 4 + 2

@@ -39,23 +39,31 @@ std::string BlockFiles::PathOf(size_t block, const std::string& suffix) const {
   return folder_ + "/" + name + suffix;
 }
 
-std::string BlockFiles::LayerPath(size_t block, size_t view) const {
-  return PathOf(block, "/" + std::to_string(view) + ".rgba");
+std::string BlockFiles::LayerPath(size_t block, size_t view, LayerKind kind) const {
+  constexpr const char* kSuffixes[] = {".rgba", ".front.rgba", ".behind.rgba"};
+  return PathOf(block, "/" + std::to_string(view) + kSuffixes[size_t(kind)]);
 }
 
 std::string BlockFiles::CheckpointPath(size_t block, uint32_t turn) const {
   return PathOf(block, ".turn-" + std::to_string(turn) + ".bin");
 }
 
-void BlockFiles::WriteLayer(size_t block, size_t view, const Image8& layer) const {
+void BlockFiles::WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const {
   MakeDirectories(PathOf(block, ""));
-  WriteFileAtomically(LayerPath(block, view), [&](std::ostream& out) {
+  WriteFileAtomically(LayerPath(block, view, kind), [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(layer.data.data()), std::streamsize(layer.data.size()));
   });
 }
 
-Image8 BlockFiles::ReadLayer(size_t block, size_t view, const Camera& camera) const {
-  const std::string path = LayerPath(block, view);
+void BlockFiles::RemoveLayer(size_t block, size_t view, LayerKind kind) const {
+  RemoveFile(LayerPath(block, view, kind));
+}
+
+Image8 BlockFiles::ReadLayer(size_t block,
+                             size_t view,
+                             LayerKind kind,
+                             const Camera& camera) const {
+  const std::string path = LayerPath(block, view, kind);
   const std::vector<char> bytes = ReadFile(path);
   if (bytes.empty()) return {};
   Image8 layer(camera.width, camera.height, 4);

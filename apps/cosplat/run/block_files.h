@@ -5,8 +5,10 @@
 //   blocks/N.record.bin           what that turn came to; blocks/whole.record.bin likewise
 //   blocks/N.turn-T.bin           checkpoint of its training in turn T
 //   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
-//                                 width, 4] without a header: training reads them in every step;
-//                                 no byte: it shows nothing there
+//                                 width, 4] without a header; no byte: it shows nothing there
+//   blocks/N/V.front.rgba         likewise what others show in front of it, and V.behind.rgba
+//   behind
+//                                 it, during its turn: training reads them in every step
 #pragma once
 
 #include <string>
@@ -27,6 +29,9 @@ struct TurnCost {
   PhaseTimes times;
 };
 
+// Of a block in a view: what it shows itself, or all others in front of it and behind it.
+enum class LayerKind { kOwn, kFront, kBehind };
+
 // What a block's last turn came to.
 struct BlockRecord {
   uint32_t turn = 0;  // the last one; 0: none
@@ -46,8 +51,9 @@ class BlockFiles {
   Gaussians ReadBlock(size_t block) const;
   BlockRecord ReadRecord(size_t block) const;
   void RemoveWhole() const;
-  void WriteLayer(size_t block, size_t view, const Image8& layer) const;
-  Image8 ReadLayer(size_t block, size_t view, const Camera& camera) const;
+  void WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const;
+  Image8 ReadLayer(size_t block, size_t view, LayerKind kind, const Camera& camera) const;
+  void RemoveLayer(size_t block, size_t view, LayerKind kind) const;
   std::string CheckpointPath(size_t block, uint32_t turn) const;
 
   // Makes the folder; removes it with all that is in it.
@@ -56,7 +62,7 @@ class BlockFiles {
 
  private:
   std::string PathOf(size_t block, const std::string& suffix) const;
-  std::string LayerPath(size_t block, size_t view) const;
+  std::string LayerPath(size_t block, size_t view, LayerKind kind) const;
 
   std::string folder_;
   Gaussians layout_;

@@ -32,7 +32,7 @@ void BlockLayers::Draw(size_t block,
                         {{0, 0, 0}, gaussians.degree},
                         image,
                         *tape);
-    files_.WriteLayer(block, v, LayerOf(image));
+    files_.WriteLayer(block, v, LayerKind::kOwn, LayerOf(image));
   }
 }
 
@@ -55,6 +55,24 @@ std::vector<std::vector<uint32_t>> BlockLayers::ChooseViews() const {
   return views;
 }
 
+void BlockLayers::PutTogether(size_t block,
+                              const std::vector<uint32_t>& views,
+                              size_t first,
+                              size_t step,
+                              const std::function<void()>& before) const {
+  for (size_t i = first; i < views.size(); i += step) {
+    before();
+    LayerStack stack;
+    for (const uint32_t other : OrderIn(views[i])) {
+      if (other == block)
+        files_.WriteLayer(block, views[i], LayerKind::kFront, std::exchange(stack, {}).Together());
+      else
+        stack.Add(Read(other, views[i]));
+    }
+    files_.WriteLayer(block, views[i], LayerKind::kBehind, stack.Together());
+  }
+}
+
 std::vector<TrainFrame> BlockLayers::FramesOf(size_t block,
                                               const std::vector<uint32_t>& views) const {
   std::vector<TrainFrame> frames;
@@ -63,19 +81,18 @@ std::vector<TrainFrame> BlockLayers::FramesOf(size_t block,
       TrainFrame scratch;
       const TrainFrame& frame = Loaded(scene_.frames()[view], scratch);
       TrainFrame shown{frame.camera, frame.target, frame.ignored};
-      LayerStack stack;
-      for (const uint32_t other : OrderIn(view)) {
-        if (other == block)
-          shown.layers.front = std::exchange(stack, {}).Together();
-        else
-          stack.Add(Read(other, view));
-      }
-      shown.layers.behind = stack.Together();
+      shown.layers = {Read(block, view, LayerKind::kFront), Read(block, view, LayerKind::kBehind)};
       return shown;
     };
     frames.push_back({scene_.camera(view), {}, {}, read});
   }
   return frames;
+}
+
+void BlockLayers::RemoveTogether(size_t block, const std::vector<uint32_t>& views) const {
+  for (const uint32_t view : views)
+    for (const LayerKind kind : {LayerKind::kFront, LayerKind::kBehind})
+      files_.RemoveLayer(block, view, kind);
 }
 
 }  // namespace cosplat

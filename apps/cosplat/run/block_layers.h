@@ -17,19 +17,29 @@ class BlockLayers {
   BlockLayers(const BlockFiles& files, SceneSubject& scene, const SceneBlocks& blocks)
       : files_(files), scene_(scene), blocks_(blocks) {}
 
-  // Those of a block, of every `step`-th view from `first` on. before: called before each.
+  // Draws those of a block, of every `step`-th view from `first` on. before: called before each.
   void Draw(size_t block, size_t first, size_t step, const std::function<void()>& before) const;
   // For each block the views of which it covers enough to be trained on them.
   std::vector<std::vector<uint32_t>> ChooseViews() const;
-  // Read from disk when they are trained on.
+
+  // For a block's turn, during which the others do not change: puts together what is in front of it
+  // and behind it in every `step`-th of these views from the `first` on.
+  void PutTogether(size_t block,
+                   const std::vector<uint32_t>& views,
+                   size_t first,
+                   size_t step,
+                   const std::function<void()>& before) const;
+  // The views between these, read from disk when they are trained on.
   std::vector<TrainFrame> FramesOf(size_t block, const std::vector<uint32_t>& views) const;
+  // After the turn.
+  void RemoveTogether(size_t block, const std::vector<uint32_t>& views) const;
 
  private:
   std::vector<uint32_t> OrderIn(size_t view) const {
     return blocks_.FrontToBack(scene_.camera(view).Center());
   }
-  Image8 Read(size_t block, size_t view) const {
-    return files_.ReadLayer(block, view, scene_.camera(view));
+  Image8 Read(size_t block, size_t view, LayerKind kind = LayerKind::kOwn) const {
+    return files_.ReadLayer(block, view, kind, scene_.camera(view));
   }
 
   const BlockFiles& files_;

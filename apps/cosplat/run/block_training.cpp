@@ -176,14 +176,16 @@ class BlockTraining {
     return std::max(1, int(std::ceil(o_.iterations * share)));
   }
   uint32_t Round() const { return schedule_.RoundOf(turn_); }
-  int EndOf(uint32_t round, size_t b) const { return EndOfRound(round, IterationsOf(b), o_.batch); }
+  int EndOf(uint32_t round, size_t b) const {
+    return schedule_.EndOfRound(round, IterationsOf(b), o_.batch);
+  }
   TrainSettings SettingsOfTurn() const {
     TrainOptions options = o_;
     if (!whole()) options.iterations = IterationsOf(block_);
     TrainSettings s = options.ToSettings(scene_.extent());
     s.crop_loss.distance = whole_.crop_loss.distance;
     s.schedule.opacity_reset_share = whole_.schedule.opacity_reset_share;
-    s.iterations = EndOfRound(Round(), options.iterations, o_.batch);
+    s.iterations = schedule_.EndOfRound(Round(), options.iterations, o_.batch);
     if (whole()) return s;
     s.first_iteration = EndOf(Round() - 1, block_);
     const uint64_t trained = (Round() - 1) * o_.blocks + block_ + 1;
@@ -210,7 +212,7 @@ class BlockTraining {
   // For messages, in steps of the run, of which this group has had a share.
   int Iteration() const {
     if (whole()) return trainer_->iteration();
-    const int first = EndOfRound(0, o_.iterations, o_.batch);
+    const int first = schedule_.EndOfRound(0, o_.iterations, o_.batch);
     const int all = std::max(1, StepsBefore(schedule_.last_turn() + 1, 0));
     return first + int((o_.iterations - first) * (double(StepsDone()) / all));
   }
@@ -259,6 +261,8 @@ class BlockTraining {
 
   void TrainBlock(uint32_t b) {
     block_ = b;
+    layers_.PutTogether(b, views_[b], group_->rank(), group_->size(), [this] { StopIfAsked(); });
+    Largest(0, *group_);  // all have got here
     block_subject_.emplace(layers_.FramesOf(b, views_[b]), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
     if (o_.exposure) trainer_->SetExposures(exposures_.Of(views_[b]));
@@ -271,6 +275,7 @@ class BlockTraining {
     const TurnCost cost = CostOf(trainer_->statistics());
     const TrainingState& state = trainer_->state();
     if (leads()) {
+      layers_.RemoveTogether(b, views_[b]);
       files_.WriteBlock(b, state.gaussians, {turn_, state.gaussians.size(), cost, state.exposures});
       RemoveFile(path);
     }
@@ -299,12 +304,12 @@ class BlockTraining {
     DrawLayers(blocks);
     Meet();
     views_ = layers_.ChooseViews();
+    schedule_ = BlockSchedule(views_);
     if (!o_.quiet) PrintSplit();
   }
 
   // From here on group_ is of those that train a block.
   void ShareOut() {
-    schedule_ = BlockSchedule(views_);
     std::vector<int> work;
     for (size_t b = 0; b < o_.blocks; ++b) work.push_back(IterationsOf(b));
     groups_ = BlockGroups(schedule_, work, ranks_.size(), o_.batch);
@@ -368,7 +373,6 @@ class BlockTraining {
   // block in training has another, written by its group.
   void DescribeCommon(StateArchive& a) {
     a.Value("turn", turn_);
-    a.Require(turn_ <= kBlockRounds * o_.blocks, "turn", "is beyond the run's end");
     a.Value("cost", cost_);
     if (whole()) return;
     const size_t views = scene_.frame_count();
@@ -378,6 +382,8 @@ class BlockTraining {
       for (const uint32_t view : views_[b])
         a.Require(view < views, "views", "names one that is not there");
     }
+    schedule_ = BlockSchedule(views_);
+    a.Require(turn_ <= schedule_.last_turn(), "turn", "is beyond the run's end");
     a.Array("counts", counts_, o_.blocks);
     if (!o_.exposure) return;
     const size_t numbers = views * kIdentityExposure.size();
