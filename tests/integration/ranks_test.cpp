@@ -249,7 +249,9 @@ TEST_F(RanksTest, TrainBlocksInGroups) {
       const std::string out = alone + std::to_string(ranks);
       const Ended run = Run(ranks, in_blocks(out, apart));
       ASSERT_EQ(run.status, 0) << run.log;
-      EXPECT_EQ(run.log.find("2 blocks at once") != std::string::npos, apart) << run.log;
+      EXPECT_EQ(run.log.find("turns per round: 1, of up to 2 blocks at once") != std::string::npos,
+                apart)
+          << run.log;
       EXPECT_EQ(run.log.find("1 of 3 ranks have no work") != std::string::npos,
                 ranks == 3 && !apart)
           << run.log;

@@ -359,7 +359,10 @@ class BlockTraining {
   }
 
   void PrintGroups() const {
-    std::printf("%zu blocks at once, by as many groups of ranks\n", groups_.count());
+    std::printf("turns per round: %u, of up to %zu blocks at once; %zu groups of ranks\n",
+                schedule_.turns_of_round(),
+                schedule_.at_once(),
+                groups_.count());
     if (const size_t idle = ranks_.size() - groups_.working_ranks())
       std::printf("%zu of %zu ranks have no work: --batch gives a group views to share\n",
                   idle,
