@@ -32,8 +32,8 @@ void SceneTrainOptions::DeclareTraining(CLI::App& command) {
   command
       .add_option("--blocks",
                   blocks,
-                  "blocks that the scene is split into by place and trained in one after another, "
-                  "for 1/N of the memory (docs/large-scenes.md)")
+                  "blocks that the scene is split into by place and trained in, for 1/N of the "
+                  "memory: one after another, or by mpirun's ranks (docs/large-scenes.md)")
       ->check(CLI::Range(1, 1024));
   command.add_flag("--exposure",
                    exposure,
