@@ -1,4 +1,4 @@
-// Splits a static scene by place into blocks that are trained one after another.
+// Splits a static scene by place into blocks that are trained by themselves.
 //
 // Planes divide space in two again and again, as a BSP tree (Fuchs et al. 1980, *On visible surface
 // generation by a priori tree structures*): its leaves are the blocks, convex, without a bound

@@ -51,6 +51,8 @@ std::string BlockFiles::CheckpointPath(size_t block, uint32_t turn) const {
 void BlockFiles::WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const {
   MakeDirectories(PathOf(block, ""));
   WriteFileAtomically(LayerPath(block, view, kind), [&](std::ostream& out) {
+    // A file without a byte is one that was lost, with the machine's power.
+    if (layer.empty()) out.put(0);
     out.write(reinterpret_cast<const char*>(layer.data.data()), std::streamsize(layer.data.size()));
   });
 }
@@ -65,7 +67,7 @@ Image8 BlockFiles::ReadLayer(size_t block,
                              const Camera& camera) const {
   const std::string path = LayerPath(block, view, kind);
   const std::vector<char> bytes = ReadFile(path);
-  if (bytes.empty()) return {};
+  if (bytes.size() == 1) return {};
   Image8 layer(camera.width, camera.height, 4);
   if (bytes.size() != layer.data.size())
     throw Error(path,

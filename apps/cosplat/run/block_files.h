@@ -5,10 +5,9 @@
 //   blocks/N.record.bin           what that turn came to; blocks/whole.record.bin likewise
 //   blocks/N.turn-T.bin           checkpoint of its training in turn T
 //   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
-//                                 width, 4] without a header; no byte: it shows nothing there
-//   blocks/N/V.front.rgba         likewise what others show in front of it, and V.behind.rgba
-//   behind
-//                                 it, during its turn: training reads them in every step
+//                                 width, 4] without a header; one byte: it shows nothing there
+//   blocks/N/V.front.rgba         during its turn: what others show in front of it
+//   blocks/N/V.behind.rgba        and behind it; training reads both in every step
 #pragma once
 
 #include <string>

@@ -224,7 +224,9 @@ class BlockTraining {
       show(trainer_->Step());
       const Agreement agreed = AgreeAfterStep(signals_.received(), checkpoint_, *group_);
       if (agreed.signal != 0) Stop(agreed.signal);
-      if (agreed.checkpoint) checkpoint_.Try([&] { WriteCheckpoint(); });
+      if (!agreed.checkpoint) continue;
+      trainer_->state();  // an exchange, whose failure is not the checkpoint's
+      checkpoint_.Try([&] { WriteCheckpoint(); });
     }
     WriteCheckpoint();
   }
@@ -262,13 +264,14 @@ class BlockTraining {
   void TrainBlock(uint32_t b) {
     block_ = b;
     layers_.PutTogether(b, views_[b], group_->rank(), group_->size(), [this] { StopIfAsked(); });
-    Largest(0, *group_);  // all have got here
+    // All have got here; the first of them says whether there is a checkpoint, since a network's
+    // file system may show it to the others later.
+    const std::string path = files_.CheckpointPath(b, turn_);
+    const bool resumes = Largest(leads() && std::filesystem::exists(path) ? 1 : 0, *group_) != 0;
     block_subject_.emplace(layers_.FramesOf(b, views_[b]), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
     if (o_.exposure) trainer_->SetExposures(exposures_.Of(views_[b]));
-    const std::string path = files_.CheckpointPath(b, turn_);
-    if (std::filesystem::exists(path))
-      StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
+    if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
     const std::string title =
         "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
     TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
@@ -385,7 +388,7 @@ class BlockTraining {
       for (const uint32_t view : views_[b])
         a.Require(view < views, "views", "names one that is not there");
     }
-    schedule_ = BlockSchedule(views_);
+    if (a.reads()) schedule_ = BlockSchedule(views_);
     a.Require(turn_ <= schedule_.last_turn(), "turn", "is beyond the run's end");
     a.Array("counts", counts_, o_.blocks);
     if (!o_.exposure) return;
