@@ -117,7 +117,10 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const bool writes = ranks->rank() == 0;
   if (!writes) o.quiet = true;
   const RunStart how = ChooseStart(o, config, *ranks);
-  if (how == RunStart::kFinished) return PrintFinished(o);
+  if (how == RunStart::kFinished) {
+    if (writes && o.blocks > 1) BlockFiles::Remove(o.model);  // it may have been stopped before
+    return PrintFinished(o);
+  }
   const Device device = o.ResolveDevice();
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
