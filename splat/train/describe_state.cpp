@@ -59,11 +59,8 @@ void Describe(StateArchive& a, size_t frames, TrainingState& s) {
   a.Array("statistics.screen_gradient", s.statistics.screen_gradient, count);
   a.Array("statistics.plasticity", s.statistics.plasticity, count);
   a.Array("statistics.visible", s.statistics.visible, count);
-  const size_t exposed = s.exposures.value.size();  // as the run's settings have it
-  a.Array("exposures.value", s.exposures.value, exposed);
-  a.Array("exposures.m", s.exposures.m, exposed);
-  a.Array("exposures.v", s.exposures.v, exposed);
-  a.Array("exposures.updates", s.exposures.updates, exposed);
+  // Of as many frames as the run's settings have it.
+  Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }
 
 void Describe(StateArchive& a, const std::string& name, size_t count, LearnedMask& mask) {
@@ -71,6 +68,14 @@ void Describe(StateArchive& a, const std::string& name, size_t count, LearnedMas
   a.Array(name + ".m", mask.m, count);
   a.Array(name + ".v", mask.v, count);
   a.Value(name + ".step", mask.step);
+}
+
+void Describe(StateArchive& a, size_t frames, ExposureState& exposures) {
+  const size_t numbers = frames * math::kExposureNumbers;
+  a.Array("exposures.value", exposures.value, numbers);
+  a.Array("exposures.m", exposures.m, numbers);
+  a.Array("exposures.v", exposures.v, numbers);
+  a.Array("exposures.updates", exposures.updates, numbers);
 }
 
 }  // namespace cosplat

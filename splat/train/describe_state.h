@@ -20,5 +20,7 @@ void Describe(StateArchive& archive, const std::string& name, size_t count, Gaus
 // In host memory. frames: of the subject.
 void Describe(StateArchive& archive, size_t frames, TrainingState& state);
 void Describe(StateArchive& archive, const std::string& name, size_t count, LearnedMask& mask);
+// Of so many frames, or none; in host memory.
+void Describe(StateArchive& archive, size_t frames, ExposureState& exposures);
 
 }  // namespace cosplat

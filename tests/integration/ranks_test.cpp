@@ -17,6 +17,29 @@ namespace fs = std::filesystem;
 
 constexpr double kPatience = 300;  // seconds
 
+// The processes of the ranks: children of mpirun that run `cosplat`.
+std::vector<pid_t> RanksOf(pid_t mpirun) {
+  std::vector<pid_t> ranks;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string stat = Slurp(entry.path() / "stat");
+    const size_t name = stat.find("(cosplat) ");
+    if (name == std::string::npos) continue;
+    std::istringstream rest(stat.substr(name + 10));
+    char state = 0;
+    pid_t parent = 0;
+    rest >> state >> parent;
+    if (parent == mpirun) ranks.push_back(pid_t(std::stoi(entry.path().filename())));
+  }
+  std::sort(ranks.begin(), ranks.end());
+  return ranks;
+}
+
+void WaitForFile(const std::string& path) {
+  for (const double end = Seconds() + kPatience; !fs::exists(path) && Seconds() < end;)
+    usleep(1000);
+  ASSERT_TRUE(fs::exists(path)) << path;
+}
+
 class RanksTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -63,6 +86,19 @@ class RanksTest : public ::testing::Test {
     EXPECT_TRUE(run.EndsWithin(kPatience));
     return {run.status(), Slurp(Out("log"))};
   }
+  // Runs it until the file is there, and sends the signal to the second of the ranks.
+  void SignalTheSecondOf(size_t count,
+                         const std::vector<std::string>& command,
+                         int signal,
+                         const std::string& once_there) const {
+    BackgroundCommand run(Mpirun(count, command), Out("log"), {}, COSPLAT_MPIRUN);
+    WaitForFile(once_there);
+    const std::vector<pid_t> ranks = RanksOf(run.pid());
+    ASSERT_EQ(ranks.size(), count);
+    kill(ranks[1], signal);
+    ASSERT_TRUE(run.EndsWithin(kPatience));
+    EXPECT_NE(run.status(), 0);
+  }
   static std::string Splats(const std::string& out, int iterations) {
     return Slurp(out + "/point_cloud/iteration_" + std::to_string(iterations) + "/point_cloud.ply");
   }
@@ -78,29 +114,6 @@ class RanksTest : public ::testing::Test {
   TemporaryFolder folder_;
   std::string photos_ = folder_ / "photos";
 };
-
-// The processes of the ranks: children of mpirun that run `cosplat`.
-std::vector<pid_t> RanksOf(pid_t mpirun) {
-  std::vector<pid_t> ranks;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string stat = Slurp(entry.path() / "stat");
-    const size_t name = stat.find("(cosplat) ");
-    if (name == std::string::npos) continue;
-    std::istringstream rest(stat.substr(name + 10));
-    char state = 0;
-    pid_t parent = 0;
-    rest >> state >> parent;
-    if (parent == mpirun) ranks.push_back(pid_t(std::stoi(entry.path().filename())));
-  }
-  std::sort(ranks.begin(), ranks.end());
-  return ranks;
-}
-
-void WaitForFile(const std::string& path) {
-  for (const double end = Seconds() + kPatience; !fs::exists(path) && Seconds() < end;)
-    usleep(1000);
-  ASSERT_TRUE(fs::exists(path)) << path;
-}
 
 // Two discs far from each other, each with views that show it alone, so that blocks of them are
 // trained at the same time.
@@ -174,13 +187,7 @@ TEST_F(RanksTest, EndWithALineWhenOneIsKilledAndResumeOnAnotherNumber) {
   ASSERT_EQ(Cosplat(TrainInto(Out("undisturbed"), kIterations)).code, 0);
   std::vector<std::string> command = TrainInto(Out("killed"), kIterations);
   command.insert(command.end(), {"--checkpoint-every", "0.005"});
-  BackgroundCommand run(Mpirun(4, command), Out("log"), {}, COSPLAT_MPIRUN);
-  WaitForFile(Out("killed") + "/checkpoint.bin");
-  const std::vector<pid_t> ranks = RanksOf(run.pid());
-  ASSERT_EQ(ranks.size(), 4u);
-  kill(ranks[1], SIGKILL);
-  ASSERT_TRUE(run.EndsWithin(kPatience));
-  EXPECT_NE(run.status(), 0);
+  SignalTheSecondOf(4, command, SIGKILL, Out("killed") + "/checkpoint.bin");
   const std::vector<std::string> errors = ErrorsIn(Slurp(Out("log")));
   EXPECT_EQ(errors.size(), 3u) << Slurp(Out("log"));
   for (const std::string& line : errors)
@@ -197,12 +204,7 @@ TEST_F(RanksTest, StopTogetherWhenOneIsAskedTo) {
   const std::vector<std::string> command = TrainInto(Out("stopped"), kIterations);
   std::vector<std::string> first = command;
   first.insert(first.end(), {"--checkpoint-every", "0.005"});
-  BackgroundCommand run(Mpirun(2, first), Out("log"), {}, COSPLAT_MPIRUN);
-  WaitForFile(Out("stopped") + "/checkpoint.bin");
-  const std::vector<pid_t> ranks = RanksOf(run.pid());
-  ASSERT_EQ(ranks.size(), 2u);
-  kill(ranks[1], SIGTERM);
-  ASSERT_TRUE(run.EndsWithin(kPatience));
+  SignalTheSecondOf(2, first, SIGTERM, Out("stopped") + "/checkpoint.bin");
   const std::vector<std::string> errors = ErrorsIn(Slurp(Out("log")));
   ASSERT_EQ(errors.size(), 1u) << Slurp(Out("log"));
   EXPECT_NE(errors[0].find("--resume goes on"), std::string::npos) << errors[0];
@@ -283,13 +285,7 @@ TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
   ASSERT_EQ(Cosplat(in_blocks(Out("undisturbed"))).code, 0);
   std::vector<std::string> command = in_blocks(Out("killed"));
   command.insert(command.end(), {"--checkpoint-every", "0.005"});
-  BackgroundCommand run(Mpirun(2, command), Out("log"), {}, COSPLAT_MPIRUN);
-  WaitForFile(Out("killed") + "/blocks/2.turn-1.bin");
-  const std::vector<pid_t> ranks = RanksOf(run.pid());
-  ASSERT_EQ(ranks.size(), 2u);
-  kill(ranks[1], SIGKILL);
-  ASSERT_TRUE(run.EndsWithin(kPatience));
-  EXPECT_NE(run.status(), 0);
+  SignalTheSecondOf(2, command, SIGKILL, Out("killed") + "/blocks/2.turn-1.bin");
   EXPECT_FALSE(ErrorsIn(Slurp(Out("log"))).empty());
   command.push_back("--resume");
   const CommandResult resumed = Cosplat(command);  // without mpirun

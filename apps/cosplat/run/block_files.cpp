@@ -20,16 +20,22 @@ void Describe(StateArchive& a, BlockRecord& record) {
   a.Value("turn", record.turn);
   a.Value("gaussians", record.gaussians);
   a.Value("cost", record.cost);
-  ExposureState& e = record.exposures;
-  uint64_t numbers = e.value.size();
-  a.Value("exposures", numbers);
-  a.Array("exposures.value", e.value, numbers);
-  a.Array("exposures.m", e.m, numbers);
-  a.Array("exposures.v", e.v, numbers);
-  a.Array("exposures.updates", e.updates, numbers);
+  uint64_t exposed = record.exposures.value.size() / math::kExposureNumbers;
+  a.Value("exposed", exposed);
+  Describe(a, exposed, record.exposures);
 }
 
 }  // namespace
+
+TurnCost& TurnCost::operator+=(const TurnCost& other) {
+  steps += other.steps;
+  ignored += other.ignored;
+  seconds += other.seconds;
+  cpu_seconds += other.cpu_seconds;
+  ms_per_step = other.ms_per_step;
+  times += other.times;
+  return *this;
+}
 
 BlockFiles::BlockFiles(const std::string& run_folder, const Gaussians& layout)
     : folder_(BlocksFolder(run_folder)), layout_(layout) {}

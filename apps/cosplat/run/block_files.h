@@ -24,8 +24,10 @@ constexpr size_t kWholeScene = size_t(-1);  // in place of a block
 
 struct TurnCost {
   uint64_t steps = 0, ignored = 0;
-  double seconds = 0, cpu_seconds = 0, ms_per_step = 0;
+  double seconds = 0, cpu_seconds = 0;
+  double ms_per_step = 0;  // at the end; of a sum, of what was added last
   PhaseTimes times;
+  TurnCost& operator+=(const TurnCost& other);
 };
 
 // Of a block in a view: what it shows itself, or all others in front of it and behind it.

@@ -19,13 +19,12 @@ constexpr float kLeastPart = 0.25f;
 void BlockLayers::Draw(size_t block,
                        size_t first,
                        size_t step,
-                       const std::function<void()>& before) const {
+                       const std::function<bool()>& goes_on) const {
   const Gaussians gaussians = files_.ReadBlock(block);
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape(false);
   RenderedImage image;
-  for (size_t v = first; v < scene_.frame_count(); v += step) {
-    before();
+  for (size_t v = first; v < scene_.frame_count() && goes_on(); v += step) {
     rasterizer->Forward(ViewOf(gaussians),
                         gaussians.basis,
                         scene_.camera(v),
@@ -59,9 +58,8 @@ void BlockLayers::PutTogether(size_t block,
                               const std::vector<uint32_t>& views,
                               size_t first,
                               size_t step,
-                              const std::function<void()>& before) const {
-  for (size_t i = first; i < views.size(); i += step) {
-    before();
+                              const std::function<bool()>& goes_on) const {
+  for (size_t i = first; i < views.size() && goes_on(); i += step) {
     LayerStack stack;
     for (const uint32_t other : OrderIn(views[i])) {
       if (other == block)

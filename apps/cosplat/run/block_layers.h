@@ -17,8 +17,8 @@ class BlockLayers {
   BlockLayers(const BlockFiles& files, SceneSubject& scene, const SceneBlocks& blocks)
       : files_(files), scene_(scene), blocks_(blocks) {}
 
-  // Draws those of a block, of every `step`-th view from `first` on. before: called before each.
-  void Draw(size_t block, size_t first, size_t step, const std::function<void()>& before) const;
+  // Draws those of a block, of every `step`-th view from `first` on, while goes_on says so.
+  void Draw(size_t block, size_t first, size_t step, const std::function<bool()>& goes_on) const;
   // For each block the views of which it covers enough to be trained on them.
   std::vector<std::vector<uint32_t>> ChooseViews() const;
 
@@ -28,7 +28,7 @@ class BlockLayers {
                    const std::vector<uint32_t>& views,
                    size_t first,
                    size_t step,
-                   const std::function<void()>& before) const;
+                   const std::function<bool()>& goes_on) const;
   // The views between these, read from disk when they are trained on.
   std::vector<TrainFrame> FramesOf(size_t block, const std::vector<uint32_t>& views) const;
   // After the turn.

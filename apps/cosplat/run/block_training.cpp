@@ -12,6 +12,7 @@
 
 #include "apps/cosplat/run/block_files.h"
 #include "apps/cosplat/run/block_layers.h"
+#include "apps/cosplat/run/block_state.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/stop_signals.h"
@@ -39,15 +40,6 @@ TurnCost CostOf(const TrainingStatistics& s) {
   return {s.steps, s.ignored_gradients, s.seconds, s.cpu_seconds, s.ms_per_step, s.times};
 }
 
-void Add(const TurnCost& cost, TurnCost& sum) {
-  sum.steps += cost.steps;
-  sum.ignored += cost.ignored;
-  sum.seconds += cost.seconds;
-  sum.cpu_seconds += cost.cpu_seconds;
-  sum.ms_per_step = cost.ms_per_step;
-  sum.times += cost.times;
-}
-
 // One rank's part in it. All ranks go through the same turns, and meet at their ends; in between
 // each works on the blocks of its group, whose first rank writes their files.
 class BlockTraining {
@@ -62,46 +54,48 @@ class BlockTraining {
         whole_(whole),
         files_(o.model, layout),
         scene_(scene),
-        layers_(files_, scene, blocks_),
+        state_(o.blocks),
+        layers_(files_, scene, state_.blocks),
         checkpoint_(checkpoint),
         ranks_(ranks),
         // A step of the whole scene has work for as many ranks as it has views.
-        group_(ranks.Part(TrainsWhole() ? 0 : ranks.rank())),
-        views_(o.blocks),
-        counts_(o.blocks, 0) {}
+        group_(ranks.Part(TrainsWhole() ? 0 : ranks.rank())) {}
 
   void Run(Gaussians first) {
     if (writes()) BlockFiles::Make(o_.model);
     const int reached = checkpoint_.resumes() ? Resume(first) : 0;
     if (checkpoint_.resumes() && !o_.quiet) PrintResumed(reached);
-    if (turn_ == 0) {
+    if (state_.turn == 0) {
       if (TrainsWhole()) TrainWhole(std::move(first));
       ReleaseTrainer();
       Meet();
       Split();
     }
+    first = {};  // its memory is needed for blocks
     ShareOut();
-    if (turn_ == 0) BeginTurn();
+    if (state_.turn == 0) BeginTurn();
     bar_.reset();  // terminates its line
     bar_ = std::make_unique<ProgressBar>("blocks",
-                                         StepsBefore(schedule_.last_turn() + 1, 0),
+                                         StepsBefore(state_.schedule.last_turn() + 1, 0),
                                          o_.quiet,
                                          OffTerminal::kLines,
                                          StepsDone());
     while (true) {
-      for (const uint32_t b : OwnBlocks(turn_))
-        if (files_.ReadRecord(b).turn < turn_) TrainBlock(b);
+      for (const uint32_t b : OwnBlocks(state_.turn))
+        if (files_.ReadRecord(b).turn < state_.turn) TrainBlock(b);
       Meet();
       FinishTurn();
-      if (turn_ == schedule_.last_turn()) break;
-      DrawLayers(schedule_.BlocksOf(turn_));
+      if (state_.turn == state_.schedule.last_turn()) break;
+      DrawLayers(state_.schedule.BlocksOf(state_.turn));
       Meet();
       BeginTurn();
     }
     bar_.reset();
   }
 
-  size_t count() const { return std::accumulate(counts_.begin(), counts_.end(), size_t(0)); }
+  size_t count() const {
+    return std::accumulate(state_.counts.begin(), state_.counts.end(), size_t(0));
+  }
   // A block as it is saved, if it can be.
   Gaussians Finished(size_t b) const {
     Gaussians own = files_.ReadBlock(b);
@@ -122,18 +116,18 @@ class BlockTraining {
     return all;
   }
 
-  const ExposureState& exposures() const { return exposures_; }
+  const ExposureState& exposures() const { return state_.exposures; }
 
   TrainingStatistics Statistics() const {
     TrainingStatistics s;
     s.iterations = o_.iterations;
-    s.steps = cost_.steps;
-    s.seconds = cost_.seconds;
-    s.cpu_seconds = cost_.cpu_seconds;
+    s.steps = state_.cost.steps;
+    s.seconds = state_.cost.seconds;
+    s.cpu_seconds = state_.cost.cpu_seconds;
     s.gaussians = count();
-    s.ms_per_step = cost_.ms_per_step;
-    s.times = cost_.times;
-    s.ignored_gradients = cost_.ignored;
+    s.ms_per_step = state_.cost.ms_per_step;
+    s.times = state_.cost.times;
+    s.ignored_gradients = state_.cost.ignored;
     s.degrees[size_t(o_.sh_degree)] = count();
     s.bands = FiguresOf(s.degrees, o_.sh_degree);
     return s;
@@ -142,28 +136,31 @@ class BlockTraining {
   Json Figures() const {
     Json blocks = Json::array();
     for (size_t b = 0; b < o_.blocks; ++b)
-      blocks.push_back({{"gaussians", counts_[b]},
-                        {"views", views_[b].size()},
+      blocks.push_back({{"gaussians", state_.counts[b]},
+                        {"views", state_.views[b].size()},
                         {"iterations", IterationsOf(b)}});
     return blocks;
   }
 
-  // All ranks get here, and stop if one of them was asked to.
-  void Meet() {
-    if (const uint32_t signal = Largest(uint32_t(signals_.received()), ranks_))
-      throw Stopped(int(signal), "stopped between steps: the same command with --resume goes on");
-  }
+  void Meet() { Meet(ranks_); }
 
  private:
+  // All of these ranks get here, and stop if one of them was asked to.
+  void Meet(Ranks& ranks) {
+    if (const uint32_t signal = Largest(uint32_t(signals_.received()), ranks))
+      throw Stopped(int(signal), "stopped between steps: the same command with --resume goes on");
+  }
+  bool IsAsked() const { return signals_.received() != 0; }
+
   // Turn 0 is the whole scene's.
-  bool whole() const { return turn_ == 0; }
+  bool whole() const { return state_.turn == 0; }
   bool writes() const { return ranks_.rank() == 0; }
   bool TrainsWhole() const { return ranks_.rank() < size_t(o_.batch); }
   bool leads() const { return group_->rank() == 0; }
   std::vector<uint32_t> OwnBlocks(uint32_t turn) const {
     std::vector<uint32_t> own;
     if (ranks_.rank() >= groups_.working_ranks()) return own;
-    for (const uint32_t b : schedule_.BlocksOf(turn))
+    for (const uint32_t b : state_.schedule.BlocksOf(turn))
       if (groups_.OfBlock(b) == groups_.GroupOf(ranks_.rank())) own.push_back(b);
     return own;
   }
@@ -172,12 +169,12 @@ class BlockTraining {
 
   // As many passes over its views as the whole scene would make over all.
   int IterationsOf(size_t b) const {
-    const double share = double(views_[b].size()) / double(scene_.frame_count());
+    const double share = double(state_.views[b].size()) / double(scene_.frame_count());
     return std::max(1, int(std::ceil(o_.iterations * share)));
   }
-  uint32_t Round() const { return schedule_.RoundOf(turn_); }
+  uint32_t Round() const { return state_.schedule.RoundOf(state_.turn); }
   int EndOf(uint32_t round, size_t b) const {
-    return schedule_.EndOfRound(round, IterationsOf(b), o_.batch);
+    return state_.schedule.EndOfRound(round, IterationsOf(b), o_.batch);
   }
   TrainSettings SettingsOfTurn() const {
     TrainOptions options = o_;
@@ -185,7 +182,7 @@ class BlockTraining {
     TrainSettings s = options.ToSettings(scene_.extent());
     s.crop_loss.distance = whole_.crop_loss.distance;
     s.schedule.opacity_reset_share = whole_.schedule.opacity_reset_share;
-    s.iterations = schedule_.EndOfRound(Round(), options.iterations, o_.batch);
+    s.iterations = state_.schedule.EndOfRound(Round(), options.iterations, o_.batch);
     if (whole()) return s;
     s.first_iteration = EndOf(Round() - 1, block_);
     const uint64_t trained = (Round() - 1) * o_.blocks + block_ + 1;
@@ -196,24 +193,24 @@ class BlockTraining {
   // Of this group: before block b has its turn.
   int StepsBefore(uint32_t turn, size_t b) const {
     int steps = 0;
-    for (uint32_t t = 1; t <= std::min(turn, schedule_.last_turn()); ++t)
+    for (uint32_t t = 1; t <= std::min(turn, state_.schedule.last_turn()); ++t)
       for (const uint32_t own : OwnBlocks(t))
         if (t < turn || own < b) {
-          const uint32_t round = schedule_.RoundOf(t);
+          const uint32_t round = state_.schedule.RoundOf(t);
           steps += EndOf(round, own) - EndOf(round - 1, own);
         }
     return steps;
   }
   int StepsDone() const {
-    if (!trainer_) return StepsBefore(turn_, 0);
-    return StepsBefore(turn_, block_) + trainer_->iteration() -
+    if (!trainer_) return StepsBefore(state_.turn, 0);
+    return StepsBefore(state_.turn, block_) + trainer_->iteration() -
            trainer_->settings().first_iteration;
   }
   // For messages, in steps of the run, of which this group has had a share.
   int Iteration() const {
     if (whole()) return trainer_->iteration();
-    const int first = schedule_.EndOfRound(0, o_.iterations, o_.batch);
-    const int all = std::max(1, StepsBefore(schedule_.last_turn() + 1, 0));
+    const int first = state_.schedule.EndOfRound(0, o_.iterations, o_.batch);
+    const int all = std::max(1, StepsBefore(state_.schedule.last_turn() + 1, 0));
     return first + int((o_.iterations - first) * (double(StepsDone()) / all));
   }
 
@@ -263,14 +260,16 @@ class BlockTraining {
 
   void TrainBlock(uint32_t b) {
     block_ = b;
-    layers_.PutTogether(b, views_[b], group_->rank(), group_->size(), [this] { StopIfAsked(); });
-    // All have got here; the first of them says whether there is a checkpoint, since a network's
-    // file system may show it to the others later.
-    const std::string path = files_.CheckpointPath(b, turn_);
+    layers_.PutTogether(
+        b, state_.views[b], group_->rank(), group_->size(), [this] { return !IsAsked(); });
+    Meet(*group_);
+    // The first of them says whether there is a checkpoint, since a network's file system may show
+    // it to the others later.
+    const std::string path = files_.CheckpointPath(b, state_.turn);
     const bool resumes = Largest(leads() && std::filesystem::exists(path) ? 1 : 0, *group_) != 0;
-    block_subject_.emplace(layers_.FramesOf(b, views_[b]), scene_.extent());
+    block_subject_.emplace(layers_.FramesOf(b, state_.views[b]), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
-    if (o_.exposure) trainer_->SetExposures(exposures_.Of(views_[b]));
+    if (o_.exposure) trainer_->SetExposures(state_.exposures.Of(state_.views[b]));
     if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
     const std::string title =
         "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
@@ -278,44 +277,49 @@ class BlockTraining {
     const TurnCost cost = CostOf(trainer_->statistics());
     const TrainingState& state = trainer_->state();
     if (leads()) {
-      layers_.RemoveTogether(b, views_[b]);
-      files_.WriteBlock(b, state.gaussians, {turn_, state.gaussians.size(), cost, state.exposures});
+      layers_.RemoveTogether(b, state_.views[b]);
+      files_.WriteBlock(
+          b, state.gaussians, {state_.turn, state.gaussians.size(), cost, state.exposures});
       RemoveFile(path);
     }
     ReleaseTrainer();
   }
 
   void Split() {
-    const BlockRecord record = files_.ReadRecord(kWholeScene);
-    const Gaussians all = files_.ReadBlock(kWholeScene);
-    Add(record.cost, cost_);
-    exposures_ = record.exposures;
-    blocks_ = SplitByPlace(all.values[kPosition].view(), o_.blocks);
-    std::vector<std::vector<uint32_t>> of(o_.blocks);
-    for (size_t i = 0; i < all.size(); ++i)
-      of[blocks_.BlockOf(all.at(kPosition, i))].push_back(uint32_t(i));
-    for (size_t b = 0; b < o_.blocks; ++b) {
-      counts_[b] = of[b].size();
-      if (!writes()) continue;
-      Gaussians own = all;
-      own.Gather(of[b]);
-      files_.WriteBlock(b, own, {0, own.size(), {}, {}});
-    }
+    SplitWhole();
     Meet();
     std::vector<uint32_t> blocks(o_.blocks);
     std::iota(blocks.begin(), blocks.end(), 0u);
     DrawLayers(blocks);
     Meet();
-    views_ = layers_.ChooseViews();
-    schedule_ = BlockSchedule(views_);
+    state_.views = layers_.ChooseViews();
+    state_.schedule = BlockSchedule(state_.views);
     if (!o_.quiet) PrintSplit();
+  }
+
+  void SplitWhole() {
+    BlockRecord record = files_.ReadRecord(kWholeScene);
+    const Gaussians all = files_.ReadBlock(kWholeScene);
+    state_.cost += record.cost;
+    state_.exposures = std::move(record.exposures);
+    state_.blocks = SplitByPlace(all.values[kPosition].view(), o_.blocks);
+    std::vector<std::vector<uint32_t>> of(o_.blocks);
+    for (size_t i = 0; i < all.size(); ++i)
+      of[state_.blocks.BlockOf(all.at(kPosition, i))].push_back(uint32_t(i));
+    for (size_t b = 0; b < o_.blocks; ++b) {
+      state_.counts[b] = of[b].size();
+      if (!writes()) continue;
+      Gaussians own = all;
+      own.Gather(of[b]);
+      files_.WriteBlock(b, own, {0, own.size(), {}, {}});
+    }
   }
 
   // From here on group_ is of those that train a block.
   void ShareOut() {
     std::vector<int> work;
     for (size_t b = 0; b < o_.blocks; ++b) work.push_back(IterationsOf(b));
-    groups_ = BlockGroups(schedule_, work, ranks_.size(), o_.batch);
+    groups_ = BlockGroups(state_.schedule, work, ranks_.size(), o_.batch);
     const bool idle = ranks_.rank() >= groups_.working_ranks();
     group_ = ranks_.Part(idle ? ranks_.rank() : groups_.GroupOf(ranks_.rank()));
     if (!o_.quiet && ranks_.size() > 1) PrintGroups();
@@ -323,31 +327,31 @@ class BlockTraining {
 
   // Until all have got here nobody changes a file that an earlier checkpoint would need.
   void BeginTurn() {
-    ++turn_;
+    ++state_.turn;
     if (writes()) checkpoint_.Write(Iteration(), Description());
-    if (writes() && turn_ == 1) files_.RemoveWhole();
+    if (writes() && state_.turn == 1) files_.RemoveWhole();
     Meet();
   }
 
   void FinishTurn() {
-    const double before = cost_.seconds;
+    const double before = state_.cost.seconds;
     std::vector<double> seconds(groups_.count(), 0);  // which work at the same time
     std::vector<ExposureState> exposures(o_.blocks);
-    for (const uint32_t b : schedule_.BlocksOf(turn_)) {
+    for (const uint32_t b : state_.schedule.BlocksOf(state_.turn)) {
       BlockRecord record = files_.ReadRecord(b);
-      counts_[b] = record.gaussians;
-      Add(record.cost, cost_);
+      state_.counts[b] = record.gaussians;
+      state_.cost += record.cost;
       seconds[groups_.OfBlock(b)] += record.cost.seconds;
       exposures[b] = std::move(record.exposures);
     }
-    cost_.seconds = before + *std::max_element(seconds.begin(), seconds.end());
-    if (o_.exposure) exposures_.SetToMeans(views_, exposures);
+    state_.cost.seconds = before + *std::max_element(seconds.begin(), seconds.end());
+    if (o_.exposure) state_.exposures.SetToMeans(state_.views, exposures);
   }
 
   // Of these blocks. The ranks share the views.
   void DrawLayers(const std::vector<uint32_t>& blocks) {
     for (const uint32_t b : blocks)
-      layers_.Draw(b, ranks_.rank(), ranks_.size(), [this] { StopIfAsked(); });
+      layers_.Draw(b, ranks_.rank(), ranks_.size(), [this] { return !IsAsked(); });
   }
 
   void PrintSplit() {
@@ -355,16 +359,16 @@ class BlockTraining {
     for (size_t b = 0; b < o_.blocks; ++b)
       std::printf("block %zu: %s Gaussians, %zu of %zu views\n",
                   b + 1,
-                  WithThousands(counts_[b]).c_str(),
-                  views_[b].size(),
+                  WithThousands(state_.counts[b]).c_str(),
+                  state_.views[b].size(),
                   scene_.frame_count());
     std::fflush(stdout);
   }
 
   void PrintGroups() const {
     std::printf("turns per round: %u, of up to %zu blocks at once; %zu groups of ranks\n",
-                schedule_.turns_of_round(),
-                schedule_.at_once(),
+                state_.schedule.turns_of_round(),
+                state_.schedule.at_once(),
                 groups_.count());
     if (const size_t idle = ranks_.size() - groups_.working_ranks())
       std::printf("%zu of %zu ranks have no work: --batch gives a group views to share\n",
@@ -377,27 +381,7 @@ class BlockTraining {
 
   // The run's own has the whole scene's trainer or, later, what all blocks have in common; each
   // block in training has another, written by its group.
-  void DescribeCommon(StateArchive& a) {
-    a.Value("turn", turn_);
-    a.Value("cost", cost_);
-    if (whole()) return;
-    const size_t views = scene_.frame_count();
-    Describe(a, o_.blocks, blocks_);
-    for (size_t b = 0; b < o_.blocks; ++b) {
-      a.ArrayUpTo("views", views_[b], views);
-      for (const uint32_t view : views_[b])
-        a.Require(view < views, "views", "names one that is not there");
-    }
-    if (a.reads()) schedule_ = BlockSchedule(views_);
-    a.Require(turn_ <= schedule_.last_turn(), "turn", "is beyond the run's end");
-    a.Array("counts", counts_, o_.blocks);
-    if (!o_.exposure) return;
-    const size_t numbers = views * kIdentityExposure.size();
-    a.Array("exposures.value", exposures_.value, numbers);
-    a.Array("exposures.m", exposures_.m, numbers);
-    a.Array("exposures.v", exposures_.v, numbers);
-    a.Array("exposures.updates", exposures_.updates, numbers);
-  }
+  void DescribeCommon(StateArchive& a) { state_.Describe(a, scene_.frame_count(), o_.exposure); }
 
   StateDescription Description() {
     return [this](StateArchive& a) {
@@ -410,7 +394,7 @@ class BlockTraining {
   void WriteCheckpoint() {
     trainer_->state();
     if (leads() && !whole())
-      checkpoint_.WritePart(files_.CheckpointPath(block_, turn_),
+      checkpoint_.WritePart(files_.CheckpointPath(block_, state_.turn),
                             [this](StateArchive& a) { trainer_->Describe(a); });
     if (writes()) checkpoint_.Write(Iteration(), Description());  // says how far the run is
   }
@@ -441,29 +425,16 @@ class BlockTraining {
                   "stopped at step " + WithThousands(size_t(Iteration())) +
                       ": the same command with --resume goes on");
   }
-  // This rank alone, where the others are not waited for.
-  void StopIfAsked() const {
-    if (const int signal = signals_.received())
-      throw Stopped(signal, "stopped between steps: the same command with --resume goes on");
-  }
 
   const SceneTrainOptions& o_;
   const TrainSettings& whole_;
   BlockFiles files_;
   SceneSubject& scene_;
+  BlockState state_;  // alike on all ranks
   BlockLayers layers_;
   RunCheckpoint& checkpoint_;
   Ranks& ranks_;
   std::shared_ptr<Ranks> group_;  // those that train what this rank trains
-  // What the run's checkpoint has, alike on all ranks.
-  uint32_t turn_ = 0;
-  TurnCost cost_;  // of all turns before this one
-  SceneBlocks blocks_;
-  std::vector<std::vector<uint32_t>> views_;  // of each block
-  std::vector<uint64_t> counts_;              // Gaussians of each block
-  ExposureState exposures_;                   // of all views; empty unless trained
-  // What follows from that.
-  BlockSchedule schedule_;
   BlockGroups groups_;
   // This rank's.
   uint32_t block_ = 0;  // in training
