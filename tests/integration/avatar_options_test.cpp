@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -245,6 +246,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   const TrainSettings ours = o.ToSettings(1);
   EXPECT_FLOAT_EQ(ours.rates.scale, 1e-2f);
   EXPECT_TRUE(ours.density.shares_opacity);
+  EXPECT_TRUE(std::isinf(ours.density.max_scale));
   EXPECT_TRUE(ours.schedule.ResetsOpacityAt(3000));
   EXPECT_FALSE(ours.schedule.ResetsOpacityAt(6000));
   EXPECT_EQ(ours.schedule.DownscaleAt(1), 4);
@@ -265,6 +267,7 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
   EXPECT_FALSE(s.density.shares_opacity);
+  EXPECT_FLOAT_EQ(s.density.max_scale, 0.1f);
   EXPECT_TRUE(s.schedule.ResetsOpacityAt(12000));
   EXPECT_EQ(s.schedule.DownscaleAt(1), 1);
   EXPECT_EQ(s.schedule.RateShare(30000), 1);

@@ -1,6 +1,7 @@
 #include "apps/cosplat/options/train_options.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "splat/base/error.h"
 
@@ -13,6 +14,8 @@ namespace {
 void ImproveOn3dgs(TrainSettings& s) {
   s.rates.scale = 1e-2f;
   s.density.shares_opacity = true;
+  // What is large beside the distance between the cameras is the background, not a fault.
+  s.density.max_scale = std::numeric_limits<float>::infinity();
   s.schedule.opacity_reset_share = 0.25f;
   s.schedule.num_downscales = 2;
   s.schedule.last_rate_share = 0.2f;
@@ -39,6 +42,10 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
     s.rates.position_lr_final = position_lr_final;
   else if (preset != "3dgs")
     s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
+  s.density.gradient_threshold = densify_grad_threshold;
+  s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
+  s.density.max_scale = 0.1f * extent;     // 3DGS
+  s.density.max_count = max_gaussians;
   if (preset == "default") ImproveOn3dgs(s);
   if (scaling_lr > 0) s.rates.scale = scaling_lr;
   const auto override_with = [](int value, int& steps) {
@@ -51,10 +58,6 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
   if (opacity_reset_every >= 0) s.schedule.opacity_reset_share = 1;
   override_with(num_downscales, s.schedule.num_downscales);
   override_with(resolution_schedule, s.schedule.downscale_every);
-  s.density.gradient_threshold = densify_grad_threshold;
-  s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
-  s.density.max_scale = 0.1f * extent;     // 3DGS
-  s.density.max_count = max_gaussians;
   if (budget == "auto" && prune_to > 0)
     throw Error("--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
   if (budget == "auto" && prune != "none" && prune != "leave-one-out")
