@@ -50,6 +50,22 @@ struct Schedule {
     return s;
   }
 
+  // That of a part of a scene which `share` of the scene's views show, trained on these alone: a
+  // Gaussian of it is seen as often between two events as in a training of the whole scene.
+  Schedule OfPart(double share) const {
+    Schedule s = *this;
+    for (int* steps : {&s.densify_from,
+                       &s.densify_until,
+                       &s.densify_every,
+                       &s.opacity_reset_every,
+                       &s.degree_every,
+                       &s.size_prune_after,
+                       &s.position_rate_steps,
+                       &s.downscale_every})
+      *steps = std::max(1, int(std::lround(share * *steps)));
+    return s;
+  }
+
   bool DensifiesAt(int iteration) const {
     return iteration > densify_from && iteration < densify_until && iteration % densify_every == 0;
   }

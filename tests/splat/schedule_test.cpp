@@ -35,6 +35,18 @@ TEST(Schedule, IsATenthOfItAtThreeThousand) {
   EXPECT_EQ(s.position_rate_steps, 3000);
 }
 
+// Density control looks at a Gaussian after as many views of it, however few show the part.
+TEST(Schedule, OfAPartHasAsManyPassesBetweenEvents) {
+  const Schedule s = Schedule::Fractions(3000).OfPart(0.25);
+  EXPECT_EQ(s.densify_from, 13);  // 12.5
+  EXPECT_EQ(s.densify_until, 375);
+  EXPECT_EQ(s.densify_every, 50);
+  EXPECT_EQ(s.opacity_reset_every, 125);
+  EXPECT_EQ(s.position_rate_steps, 750);
+  EXPECT_EQ(Schedule::Fractions(3000).OfPart(1e-6).densify_every, 1);
+  EXPECT_FALSE(Schedule::Fractions(10).OfPart(0.01).DensifiesAt(1));
+}
+
 TEST(Schedule, ImagesDoubleTheirSides) {
   Schedule s = Schedule::Fractions(3000);
   for (const int i : {1, 300, 3000}) EXPECT_EQ(s.DownscaleAt(i), 1);

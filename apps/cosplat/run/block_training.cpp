@@ -167,23 +167,25 @@ class BlockTraining {
 
   // --- Steps -------------------------------------------------------------------------------------
 
+  double ShareOfViews(size_t b) const {
+    return double(state_.views[b].size()) / double(scene_.frame_count());
+  }
   // As many passes over its views as the whole scene would make over all.
   int IterationsOf(size_t b) const {
-    const double share = double(state_.views[b].size()) / double(scene_.frame_count());
-    return std::max(1, int(std::ceil(o_.iterations * share)));
+    return std::max(1, int(std::ceil(o_.iterations * ShareOfViews(b))));
   }
   uint32_t Round() const { return state_.schedule.RoundOf(state_.turn); }
   int EndOf(uint32_t round, size_t b) const {
     return state_.schedule.EndOfRound(round, IterationsOf(b), o_.batch);
   }
   TrainSettings SettingsOfTurn() const {
-    TrainOptions options = o_;
-    if (!whole()) options.iterations = IterationsOf(block_);
-    TrainSettings s = options.ToSettings(scene_.extent());
+    TrainSettings s = o_.ToSettings(scene_.extent());
     s.crop_loss.distance = whole_.crop_loss.distance;
     s.schedule.opacity_reset_share = whole_.schedule.opacity_reset_share;
-    s.iterations = state_.schedule.EndOfRound(Round(), options.iterations, o_.batch);
+    const int iterations = whole() ? o_.iterations : IterationsOf(block_);
+    s.iterations = state_.schedule.EndOfRound(Round(), iterations, o_.batch);
     if (whole()) return s;
+    s.schedule = s.schedule.OfPart(ShareOfViews(block_));
     s.first_iteration = EndOf(Round() - 1, block_);
     const uint64_t trained = (Round() - 1) * o_.blocks + block_ + 1;
     s.seed = o_.seed + trained * 0x9e3779b97f4a7c15u;  // Rng's own increment
