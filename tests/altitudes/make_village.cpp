@@ -1,11 +1,14 @@
-// cosplat_make_village OUT PICTURES [WIDTH]: the made village seen from 1, 5 and 25 metres, as a
-// scene in Blender's layout: PICTURES training views per height, spread as a person with a camera
-// and a drone would, and 8 test views per height, which do not depend on PICTURES; names begin with
-// the height. Points are on the surfaces, with 2 cm of noise, as a reconstruction finds them.
+// cosplat_make_village OUT PICTURES [HEIGHTS [PLACES]]: the made village seen from the first
+// HEIGHTS (3) of 1, 5 and 25 metres, as a scene in Blender's layout: PICTURES training views per
+// height, spread as a person with a camera and a drone would, and 8 test views per height, which do
+// not depend on PICTURES; names begin with the height. Points are on the surfaces, with 2 cm of
+// noise, as a reconstruction finds them. PLACES (1) such villages stand in a row, too far from each
+// other to be seen, each with views of its own.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -23,7 +26,9 @@ namespace {
 using procedural::Vec;
 
 constexpr float kPi = 3.14159265f;
-constexpr int kTestViews = 8;  // per height
+constexpr int kWidth = 400, kHeight = 300;  // px
+constexpr int kTestViews = 8;               // per height
+constexpr float kBetweenPlaces = 200;       // m, along x
 constexpr int kPoints = 6000;
 constexpr float kPointNoise = 0.02f;  // m
 
@@ -67,30 +72,52 @@ std::array<float, 16> PoseAt(const Height& h, float share, Rng& rng) {
   return MatrixOf(eye, yaw, h.look_down + jitter(0.08f));
 }
 
-void WriteViews(const Village& village,
-                const std::string& out,
-                const std::string& split,
-                int views,
-                const Camera& lens,
-                uint64_t seed) {
-  Json frames = Json::array();
-  for (const Height& height : kHeights) {
-    Rng rng{seed};
-    for (int i = 0; i < views; ++i) {
-      const auto matrix = PoseAt(height, (float(i) + 0.5f * float(seed % 2)) / float(views), rng);
-      Camera camera = lens;
-      std::array<double, 12> pose;
-      std::copy(matrix.begin(), matrix.begin() + 12, pose.begin());
-      SetPoseFromOpenGlWorldFromCam(pose, camera);
-      char name[40];
-      std::snprintf(name, sizeof name, "%s/%s_%03d.png", split.c_str(), height.name, i);
-      WriteImage(out + "/" + name, DrawVillage(village, camera));
-      Json rows = Json::array();
-      for (size_t r = 0; r < 4; ++r)
-        rows.push_back({matrix[4 * r], matrix[4 * r + 1], matrix[4 * r + 2], matrix[4 * r + 3]});
-      frames.push_back({{"file_path", name}, {"transform_matrix", rows}});
-    }
+struct Scene {
+  Village village;
+  Camera lens;
+  std::string out;
+  size_t heights = 3;
+  int places = 1;
+
+  // Of a place's files.
+  std::string NamePrefix(int place) const {
+    return places == 1 ? "" : std::to_string(place + 1) + "_";
   }
+};
+
+// Draws the views of a height and place, and adds them to `frames`.
+void DrawViews(const Scene& scene,
+               const std::string& split,
+               const Height& height,
+               int place,
+               int views,
+               uint64_t seed,
+               Json& frames) {
+  Rng rng{seed + 2 * uint64_t(place)};
+  for (int i = 0; i < views; ++i) {
+    auto matrix = PoseAt(height, (float(i) + 0.5f * float(seed % 2)) / float(views), rng);
+    Camera camera = scene.lens;
+    std::array<double, 12> pose;
+    std::copy(matrix.begin(), matrix.begin() + 12, pose.begin());
+    SetPoseFromOpenGlWorldFromCam(pose, camera);
+    char number[8];
+    std::snprintf(number, sizeof number, "_%03d", i);
+    const std::string name = split + "/" + scene.NamePrefix(place) + height.name + number + ".png";
+    WriteImage(scene.out + "/" + name, DrawVillage(scene.village, camera));
+    matrix[3] += kBetweenPlaces * float(place);
+    Json rows = Json::array();
+    for (size_t r = 0; r < 4; ++r)
+      rows.push_back({matrix[4 * r], matrix[4 * r + 1], matrix[4 * r + 2], matrix[4 * r + 3]});
+    frames.push_back({{"file_path", name}, {"transform_matrix", rows}});
+  }
+}
+
+void WriteViews(const Scene& scene, const std::string& split, int views, uint64_t seed) {
+  Json frames = Json::array();
+  for (int place = 0; place < scene.places; ++place)
+    for (size_t h = 0; h < scene.heights; ++h)
+      DrawViews(scene, split, kHeights[h], place, views, seed, frames);
+  const Camera& lens = scene.lens;
   const Json file = {{"fl_x", lens.fx},
                      {"fl_y", lens.fy},
                      {"cx", lens.cx},
@@ -99,19 +126,22 @@ void WriteViews(const Village& village,
                      {"h", lens.height},
                      {"ply_file_path", "points.ply"},
                      {"frames", frames}};
-  WriteFileAtomically(out + "/transforms_" + split + ".json", file.dump(1) + "\n");
+  WriteFileAtomically(scene.out + "/transforms_" + split + ".json", file.dump(1) + "\n");
 }
 
-// Random points of random faces.
-void WritePoints(const Village& village, const std::string& path) {
+// Random points of random faces, of all places.
+void WritePoints(const Scene& scene) {
+  const Village& village = scene.village;
   Rng rng{3};
   std::vector<float> points;
   std::vector<uint8_t> colors;
-  while (points.size() < 3 * size_t(kPoints)) {
+  const size_t count = size_t(kPoints) * size_t(scene.places);
+  while (points.size() < 3 * count) {
+    const size_t place = points.size() / (3 * size_t(kPoints));
     const size_t face = rng.Below(village.faces.size());
     const float a = std::sqrt(rng.Uniform()), b = rng.Uniform();
     const std::array<float, 3> at{1 - a, a * (1 - b), a * b};
-    std::array<float, 3> p{};
+    std::array<float, 3> p{kBetweenPlaces * float(place), 0, 0};
     for (size_t i = 0; i < 3; ++i)
       for (size_t k = 0; k < 3; ++k)
         p[i] += at[k] * village.vertices[3 * size_t(village.faces[face][k]) + i];
@@ -121,35 +151,45 @@ void WritePoints(const Village& village, const std::string& path) {
       colors.push_back(uint8_t(255 * rgb[i] + 0.5f));
     }
   }
-  WritePointsPly(path, points, colors);
+  WritePointsPly(scene.out + "/points.ply", points, colors);
 }
 
-void Make(const std::string& out, int pictures, int width) {
-  if (pictures < 1) throw Error("PICTURES", "is less than 1");
-  if (width < 16) throw Error("WIDTH", "is less than 16");
-  Camera lens;
-  lens.width = width;
-  lens.height = width * 3 / 4;
-  lens.fx = lens.fy = 0.8f * float(width);
-  lens.cx = 0.5f * float(lens.width);
-  lens.cy = 0.5f * float(lens.height);
-  const Village village = MakeVillage();
-  for (const char* split : {"train", "test"}) MakeDirectories(out + "/" + split);
-  WritePoints(village, out + "/points.ply");
-  WriteViews(village, out, "train", pictures, lens, 1);
-  WriteViews(village, out, "test", kTestViews, lens, 2);
+int Number(const char* text, const char* name, int most) {
+  const int number = std::atoi(text);
+  if (number < 1 || number > most)
+    throw Error(name, std::string(text) + " is not from 1 to " + std::to_string(most));
+  return number;
+}
+
+void Make(int argc, char** argv) {
+  const int pictures = Number(argv[2], "PICTURES", 1000);
+  Scene scene;
+  scene.out = argv[1];
+  if (argc > 3) scene.heights = size_t(Number(argv[3], "HEIGHTS", int(std::size(kHeights))));
+  if (argc > 4) scene.places = Number(argv[4], "PLACES", 100);
+  scene.village = MakeVillage();
+  Camera& lens = scene.lens;
+  lens.width = kWidth;
+  lens.height = kHeight;
+  lens.fx = lens.fy = 0.8f * float(kWidth);
+  lens.cx = 0.5f * float(kWidth);
+  lens.cy = 0.5f * float(kHeight);
+  for (const char* split : {"train", "test"}) MakeDirectories(scene.out + "/" + split);
+  WritePoints(scene);
+  WriteViews(scene, "train", pictures, 1);
+  WriteViews(scene, "test", kTestViews, 2);
 }
 
 }  // namespace
 }  // namespace cosplat
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) {
-    std::fprintf(stderr, "usage: cosplat_make_village OUT PICTURES [WIDTH]\n");
+  if (argc < 3 || argc > 5) {
+    std::fprintf(stderr, "usage: cosplat_make_village OUT PICTURES [HEIGHTS [PLACES]]\n");
     return 2;
   }
   try {
-    cosplat::Make(argv[1], std::atoi(argv[2]), argc == 4 ? std::atoi(argv[3]) : 400);
+    cosplat::Make(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
