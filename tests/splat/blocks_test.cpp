@@ -9,6 +9,7 @@
 #include <set>
 
 #include "splat/train/block_schedule.h"
+#include "splat/train/block_target.h"
 #include "splat/train/layers.h"
 #include "splat/train/scene_subject.h"
 #include "tests/splat/training_fixture.h"
@@ -207,6 +208,55 @@ TEST(Layers, WhatIsHiddenIsNotTrained) {
 
 // --- Trainings that go on
 // -------------------------------------------------------------------------
+
+Image8 Pixel(std::vector<uint8_t> bytes) {
+  Image8 image(1, 1, int(bytes.size()));
+  std::copy(bytes.begin(), bytes.end(), image.data.begin());
+  return image;
+}
+
+TEST(BlockTarget, IsThePhotographWhereNothingElseIs) {
+  const Image8 photo = Pixel({200, 100, 50});
+  const std::vector<uint8_t> expected{200, 100, 50, 255};
+  // Nothing at all, the block alone, the block before others; from grey and with alpha.
+  EXPECT_EQ(TargetOfBlock(photo, {}, {}, kIdentityExposure).data, expected);
+  EXPECT_EQ(TargetOfBlock(photo, {}, Pixel({9, 9, 9, 100}), kIdentityExposure).data, expected);
+  const FrameLayers behind{{}, Pixel({0, 0, 255, 255})};
+  EXPECT_EQ(TargetOfBlock(photo, behind, Pixel({9, 9, 9, 255}), kIdentityExposure).data, expected);
+  EXPECT_EQ(TargetOfBlock(Pixel({70}), {}, {}, kIdentityExposure).data,
+            (std::vector<uint8_t>{70, 70, 70, 255}));
+  EXPECT_EQ(TargetOfBlock(Pixel({70, 80, 90, 51}), {}, {}, kIdentityExposure).data,
+            (std::vector<uint8_t>{70, 80, 90, 51}));
+}
+
+TEST(BlockTarget, IsWhatIsShownWhereOthersAreInTheWay) {
+  const FrameLayers front{Pixel({10, 20, 30, 255}), {}};
+  EXPECT_EQ(
+      TargetOfBlock(Pixel({200, 100, 50}), front, Pixel({9, 9, 9, 255}), kIdentityExposure).data,
+      (std::vector<uint8_t>{10, 20, 30, 255}));
+  // As the photograph would show it.
+  Exposure brighter = kIdentityExposure;
+  brighter[0] = 2, brighter[7] = 0.1f;
+  EXPECT_EQ(TargetOfBlock(Pixel({200, 100, 50}), front, {}, brighter).data,
+            (std::vector<uint8_t>{20, 46, 30, 255}));
+}
+
+// Two blocks that cover a pixel: what each is to change adds up to what is missing.
+TEST(BlockTarget, SharesAddUp) {
+  const Image8 photo = Pixel({200, 100, 50});
+  const Image8 near = Pixel({60, 0, 30, 120}), far = Pixel({10, 90, 20, 255});
+  LayerStack stack;
+  stack.Add(near);
+  stack.Add(far);
+  const Image8 shown = stack.Together();
+  const Image8 of_near = TargetOfBlock(photo, {{}, far}, near, kIdentityExposure);
+  const Image8 of_far = TargetOfBlock(photo, {near, {}}, far, kIdentityExposure);
+  for (size_t c = 0; c < 3; ++c) {
+    const auto missing = [&](const Image8& target) { return target.data[c] - shown.data[c]; };
+    EXPECT_NEAR(missing(of_near) + missing(of_far), missing(photo), 2);
+    EXPECT_NEAR(missing(of_near), missing(photo) * 120 / 255.0, 1);
+  }
+}
 
 TEST(FirstIteration, TheScheduleGoesOn) {
   TrainSettings settings = ShortRun(300, 1);

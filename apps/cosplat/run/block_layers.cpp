@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "splat/render/rasterizer.h"
+#include "splat/train/block_target.h"
 #include "splat/train/layers.h"
 
 namespace cosplat {
@@ -72,14 +73,20 @@ void BlockLayers::PutTogether(size_t block,
 }
 
 std::vector<TrainFrame> BlockLayers::FramesOf(size_t block,
-                                              const std::vector<uint32_t>& views) const {
+                                              const std::vector<uint32_t>& views,
+                                              const ExposureState& exposures) const {
   std::vector<TrainFrame> frames;
-  for (const uint32_t view : views) {
-    const auto read = [this, view, block] {
+  for (size_t i = 0; i < views.size(); ++i) {
+    const uint32_t view = views[i];
+    Exposure exposure = kIdentityExposure;
+    if (exposures.value.size() > 0)
+      std::copy_n(exposures.value.data() + i * exposure.size(), exposure.size(), exposure.data());
+    const auto read = [this, view, block, exposure] {
       TrainFrame scratch;
       const TrainFrame& frame = Loaded(scene_.frames()[view], scratch);
-      TrainFrame shown{frame.camera, frame.target, frame.ignored};
+      TrainFrame shown{frame.camera, {}, frame.ignored};
       shown.layers = {Read(block, view, LayerKind::kFront), Read(block, view, LayerKind::kBehind)};
+      shown.target = TargetOfBlock(frame.target, shown.layers, Read(block, view), exposure);
       return shown;
     };
     frames.push_back({scene_.camera(view), {}, {}, read});

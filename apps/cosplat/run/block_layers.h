@@ -29,8 +29,11 @@ class BlockLayers {
                    size_t first,
                    size_t step,
                    const std::function<bool()>& goes_on) const;
-  // The views between these, read from disk when they are trained on.
-  std::vector<TrainFrame> FramesOf(size_t block, const std::vector<uint32_t>& views) const;
+  // The views between these, read from disk when they are trained on, towards what the block has to
+  // make up for (splat/train/block_target.h). exposures: of these views; empty: identities.
+  std::vector<TrainFrame> FramesOf(size_t block,
+                                   const std::vector<uint32_t>& views,
+                                   const ExposureState& exposures) const;
   // After the turn.
   void RemoveTogether(size_t block, const std::vector<uint32_t>& views) const;
 

@@ -269,9 +269,11 @@ class BlockTraining {
     // it to the others later.
     const std::string path = files_.CheckpointPath(b, state_.turn);
     const bool resumes = Largest(leads() && std::filesystem::exists(path) ? 1 : 0, *group_) != 0;
-    block_subject_.emplace(layers_.FramesOf(b, state_.views[b]), scene_.extent());
+    ExposureState exposures;
+    if (o_.exposure) exposures = state_.exposures.Of(state_.views[b]);
+    block_subject_.emplace(layers_.FramesOf(b, state_.views[b], exposures), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
-    if (o_.exposure) trainer_->SetExposures(state_.exposures.Of(state_.views[b]));
+    if (o_.exposure) trainer_->SetExposures(std::move(exposures));
     if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
     const std::string title =
         "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";

@@ -16,8 +16,9 @@ namespace {
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
 constexpr size_t kPerPixel = 56;
-// Two layers of two frames; floats while they are put together, and of what is shown.
-constexpr size_t kPerLayerPixel = 56;
+// Two layers and the target of two frames, the photograph and the own layer of one; floats while
+// layers are put together, and of what is shown.
+constexpr size_t kPerLayerPixel = 64;
 // Of a Gaussian that is only rendered, as all are at once in the images of evaluation.
 constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;

@@ -1,0 +1,26 @@
+// What a block of a scene is trained towards in a view, where the other blocks are in the image as
+// they were before (splat/train/layers.h): not the photograph itself, since each of several blocks
+// would then make up for the same error, and all of them together for more than that (measured:
+// docs/decisions.md).
+#pragma once
+
+#include "splat/base/image.h"
+#include "splat/train/layers.h"
+#include "splat/train/photograph.h"
+
+namespace cosplat {
+
+// What all blocks show together and, of what is missing from there to the photograph, the share of
+// the pixel that is not covered by the others: a block makes up for what it shows, and for what
+// nothing shows. Shares of blocks that cover a pixel add up to 1.
+//
+// photograph: of any number of channels (1, 3, or 4 with straight alpha). own: the block's layer as
+// it was when `others` were made; empty, as those may be: nothing. exposure: of the view, from the
+// scene's colours to the photograph's. Returns RGBA of the photograph's size, alpha straight; what
+// is covered by neither keeps the background.
+Image8 TargetOfBlock(const Image8& photograph,
+                     const FrameLayers& others,
+                     const Image8& own,
+                     const Exposure& exposure);
+
+}  // namespace cosplat
