@@ -32,12 +32,11 @@ Rgba Over(const Rgba& front, const Rgba& behind) {
   return all;
 }
 
+// Over black, as exact as straight alpha can say it.
 Rgba Exposed(const Exposure& exposure, const Rgba& pixel) {
-  const float alpha = pixel[3];
-  if (alpha <= 0) return pixel;
-  const math::Vec3<float> color{pixel[0] / alpha, pixel[1] / alpha, pixel[2] / alpha};
-  const math::Vec3<float> shown = math::Exposed(exposure.data(), color);
-  return {alpha * shown.x, alpha * shown.y, alpha * shown.z, alpha};
+  const math::Vec3<float> shown =
+      math::Exposed(exposure.data(), math::Vec3<float>{pixel[0], pixel[1], pixel[2]});
+  return {shown.x, shown.y, shown.z, pixel[3]};
 }
 
 uint8_t ByteOf(float value) { return uint8_t(255 * std::clamp(value, 0.0f, 1.0f) + 0.5f); }

@@ -12,7 +12,8 @@ namespace cosplat {
 
 // What all blocks show together and, of what is missing from there to the photograph, the share of
 // the pixel that is not covered by the others: a block makes up for what it shows, and for what
-// nothing shows. Shares of blocks that cover a pixel add up to 1.
+// nothing shows. Shares of a pixel add up to 1 where the blocks
+// together are opaque, to more where they are not: what nothing shows any of them may fill.
 //
 // photograph: of any number of channels (1, 3, or 4 with straight alpha). own: the block's layer as
 // it was when `others` were made; empty, as those may be: nothing. exposure: of the view, from the

@@ -3,7 +3,7 @@
 // height, spread as a person with a camera and a drone would, and 8 test views per height, which do
 // not depend on PICTURES; names begin with the height. Points are on the surfaces, with 2 cm of
 // noise, as a reconstruction finds them. PLACES (1) such villages stand in a row, too far from each
-// other to be seen, each with views of its own.
+// other to be seen, each with views of its own, whose names then begin with the place's number.
 #include <array>
 #include <cmath>
 #include <cstdio>

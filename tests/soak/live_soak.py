@@ -92,7 +92,7 @@ class Tracker:
             return
         if self.process:
             self.stop()
-            self.change = now + self.chance.uniform(0.2, 4) * 30 / self.fps
+            self.change = now + self.chance.uniform(0.2, 4)
         else:
             self.starts += 1
             numbers = [str(n) for n in (self.port, self.starts, self.fps)]

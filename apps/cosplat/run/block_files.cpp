@@ -17,7 +17,7 @@ constexpr const char* kRecord = ".record.bin";
 std::string BlocksFolder(const std::string& run_folder) { return run_folder + "/blocks"; }
 
 void Describe(StateArchive& a, BlockRecord& record) {
-  a.Value("turn", record.turn);
+  a.Value("round", record.round);
   a.Value("gaussians", record.gaussians);
   a.Value("cost", record.cost);
   uint64_t exposed = record.exposures.value.size() / math::kExposureNumbers;
@@ -27,7 +27,7 @@ void Describe(StateArchive& a, BlockRecord& record) {
 
 }  // namespace
 
-TurnCost& TurnCost::operator+=(const TurnCost& other) {
+RoundCost& RoundCost::operator+=(const RoundCost& other) {
   steps += other.steps;
   ignored += other.ignored;
   seconds += other.seconds;
@@ -50,8 +50,8 @@ std::string BlockFiles::LayerPath(size_t block, size_t view, LayerKind kind) con
   return PathOf(block, "/" + std::to_string(view) + kSuffixes[size_t(kind)]);
 }
 
-std::string BlockFiles::CheckpointPath(size_t block, uint32_t turn) const {
-  return PathOf(block, ".turn-" + std::to_string(turn) + ".bin");
+std::string BlockFiles::CheckpointPath(size_t block, uint32_t round) const {
+  return PathOf(block, ".round-" + std::to_string(round) + ".bin");
 }
 
 void BlockFiles::WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const {

@@ -1,12 +1,12 @@
 // What a training in blocks (block_training.h) keeps on disk, in the run's folder, where all ranks
 // find it:
 //   blocks/whole.bin              the whole scene, until it is split
-//   blocks/N.bin                  a block's Gaussians after its last turn, from 1
-//   blocks/N.record.bin           what that turn came to; blocks/whole.record.bin likewise
-//   blocks/N.turn-T.bin           checkpoint of its training in turn T
+//   blocks/N.bin                  a block's Gaussians after its last round, from 1
+//   blocks/N.record.bin           what that round came to; blocks/whole.record.bin likewise
+//   blocks/N.round-R.bin           checkpoint of its training in round R
 //   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
 //                                 width, 4] without a header; one byte: it shows nothing there
-//   blocks/N/V.front.rgba         during its turn: what others show in front of it
+//   blocks/N/V.front.rgba         during a round: what others show in front of it
 //   blocks/N/V.behind.rgba        and behind it; training reads both in every step
 #pragma once
 
@@ -22,22 +22,22 @@ namespace cosplat {
 
 constexpr size_t kWholeScene = size_t(-1);  // in place of a block
 
-struct TurnCost {
+struct RoundCost {
   uint64_t steps = 0, ignored = 0;
   double seconds = 0, cpu_seconds = 0;
   double ms_per_step = 0;  // at the end; of a sum, of what was added last
   PhaseTimes times;
-  TurnCost& operator+=(const TurnCost& other);
+  RoundCost& operator+=(const RoundCost& other);
 };
 
 // Of a block in a view: what it shows itself, or all others in front of it and behind it.
 enum class LayerKind { kOwn, kFront, kBehind };
 
-// What a block's last turn came to.
+// What a block's last round came to.
 struct BlockRecord {
-  uint32_t turn = 0;  // the last one; 0: none
+  uint32_t round = 0;  // the last one; 0: none
   uint64_t gaussians = 0;
-  TurnCost cost;
+  RoundCost cost;
   ExposureState exposures;  // of the views that it trains on; empty unless they are trained
 };
 
@@ -55,7 +55,7 @@ class BlockFiles {
   void WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const;
   Image8 ReadLayer(size_t block, size_t view, LayerKind kind, const Camera& camera) const;
   void RemoveLayer(size_t block, size_t view, LayerKind kind) const;
-  std::string CheckpointPath(size_t block, uint32_t turn) const;
+  std::string CheckpointPath(size_t block, uint32_t round) const;
 
   // Makes the folder; removes it with all that is in it.
   static void Make(const std::string& run_folder);

@@ -22,8 +22,8 @@ class BlockLayers {
   // For each block the views of which it covers enough to be trained on them.
   std::vector<std::vector<uint32_t>> ChooseViews() const;
 
-  // For a block's turn, during which the others do not change: puts together what is in front of it
-  // and behind it in every `step`-th of these views from the `first` on.
+  // For a round of a block, during which the others do not change: puts together what is in front
+  // of it and behind it in every `step`-th of these views from the `first` on.
   void PutTogether(size_t block,
                    const std::vector<uint32_t>& views,
                    size_t first,
@@ -34,7 +34,7 @@ class BlockLayers {
   std::vector<TrainFrame> FramesOf(size_t block,
                                    const std::vector<uint32_t>& views,
                                    const ExposureState& exposures) const;
-  // After the turn.
+  // After the round.
   void RemoveTogether(size_t block, const std::vector<uint32_t>& views) const;
 
  private:

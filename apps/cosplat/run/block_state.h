@@ -7,7 +7,6 @@
 
 #include "apps/cosplat/run/block_files.h"
 #include "splat/base/state_file.h"
-#include "splat/train/block_schedule.h"
 #include "splat/train/blocks.h"
 #include "splat/train/photograph.h"
 
@@ -16,11 +15,10 @@ namespace cosplat {
 struct BlockState {
   explicit BlockState(size_t count) : views(count), counts(count, 0) {}
 
-  uint32_t turn = 0;  // 0: the whole scene's, in which there is nothing else yet
-  TurnCost cost;      // of all turns before this one
+  uint32_t round = 0;  // 0: the whole scene's, in which there is nothing else yet
+  RoundCost cost;      // of all rounds before this one
   SceneBlocks blocks;
   std::vector<std::vector<uint32_t>> views;  // that each block is trained on
-  BlockSchedule schedule;                    // follows from the views
   std::vector<uint64_t> counts;              // Gaussians of each block
   ExposureState exposures;                   // of all frames; empty unless they are trained
 

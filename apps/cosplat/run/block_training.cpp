@@ -36,11 +36,11 @@ Gaussians LayoutOf(const Gaussians& gaussians) {
   return layout;
 }
 
-TurnCost CostOf(const TrainingStatistics& s) {
+RoundCost CostOf(const TrainingStatistics& s) {
   return {s.steps, s.ignored_gradients, s.seconds, s.cpu_seconds, s.ms_per_step, s.times};
 }
 
-// One rank's part in it. All ranks go through the same turns, and meet at their ends; in between
+// One rank's part in it. All ranks go through the same rounds, and meet at their ends; in between
 // each works on the blocks of its group, whose first rank writes their files.
 class BlockTraining {
  public:
@@ -65,7 +65,7 @@ class BlockTraining {
     if (writes()) BlockFiles::Make(o_.model);
     const int reached = checkpoint_.resumes() ? Resume(first) : 0;
     if (checkpoint_.resumes() && !o_.quiet) PrintResumed(reached);
-    if (state_.turn == 0) {
+    if (state_.round == 0) {
       if (TrainsWhole()) TrainWhole(std::move(first));
       ReleaseTrainer();
       Meet();
@@ -73,22 +73,19 @@ class BlockTraining {
     }
     first = {};  // its memory is needed for blocks
     ShareOut();
-    if (state_.turn == 0) BeginTurn();
+    if (state_.round == 0) BeginRound();
     bar_.reset();  // terminates its line
-    bar_ = std::make_unique<ProgressBar>("blocks",
-                                         StepsBefore(state_.schedule.last_turn() + 1, 0),
-                                         o_.quiet,
-                                         OffTerminal::kLines,
-                                         StepsDone());
+    bar_ = std::make_unique<ProgressBar>(
+        "blocks", StepsBefore(kBlockRounds + 1, 0), o_.quiet, OffTerminal::kLines, StepsDone());
     while (true) {
-      for (const uint32_t b : OwnBlocks(state_.turn))
-        if (files_.ReadRecord(b).turn < state_.turn) TrainBlock(b);
+      for (const uint32_t b : OwnBlocks())
+        if (files_.ReadRecord(b).round < state_.round) TrainBlock(b);
       Meet();
-      FinishTurn();
-      if (state_.turn == state_.schedule.last_turn()) break;
-      DrawLayers(state_.schedule.BlocksOf(state_.turn));
+      FinishRound();
+      if (state_.round == kBlockRounds) break;
+      DrawLayers();
       Meet();
-      BeginTurn();
+      BeginRound();
     }
     bar_.reset();
   }
@@ -152,15 +149,14 @@ class BlockTraining {
   }
   bool IsAsked() const { return signals_.received() != 0; }
 
-  // Turn 0 is the whole scene's.
-  bool whole() const { return state_.turn == 0; }
+  // Round 0 is the whole scene's.
+  bool whole() const { return state_.round == 0; }
   bool writes() const { return ranks_.rank() == 0; }
   bool TrainsWhole() const { return ranks_.rank() < size_t(o_.batch); }
   bool leads() const { return group_->rank() == 0; }
-  std::vector<uint32_t> OwnBlocks(uint32_t turn) const {
+  std::vector<uint32_t> OwnBlocks() const {
     std::vector<uint32_t> own;
-    if (ranks_.rank() >= groups_.working_ranks()) return own;
-    for (const uint32_t b : state_.schedule.BlocksOf(turn))
+    for (uint32_t b = 0; b < o_.blocks; ++b)
       if (groups_.OfBlock(b) == groups_.GroupOf(ranks_.rank())) own.push_back(b);
     return own;
   }
@@ -174,45 +170,41 @@ class BlockTraining {
   int IterationsOf(size_t b) const {
     return std::max(1, int(std::ceil(o_.iterations * ShareOfViews(b))));
   }
-  uint32_t Round() const { return state_.schedule.RoundOf(state_.turn); }
   int EndOf(uint32_t round, size_t b) const {
-    return state_.schedule.EndOfRound(round, IterationsOf(b), o_.batch);
+    return EndOfBlockRound(round, IterationsOf(b), o_.batch);
   }
-  TrainSettings SettingsOfTurn() const {
+  TrainSettings SettingsOfRound() const {
     TrainSettings s = o_.ToSettings(scene_.extent());
     s.crop_loss.distance = whole_.crop_loss.distance;
     s.schedule.opacity_reset_share = whole_.schedule.opacity_reset_share;
     const int iterations = whole() ? o_.iterations : IterationsOf(block_);
-    s.iterations = state_.schedule.EndOfRound(Round(), iterations, o_.batch);
+    s.iterations = EndOfBlockRound(state_.round, iterations, o_.batch);
     if (whole()) return s;
     s.schedule = s.schedule.OfPart(ShareOfViews(block_));
-    s.first_iteration = EndOf(Round() - 1, block_);
-    const uint64_t trained = (Round() - 1) * o_.blocks + block_ + 1;
+    s.first_iteration = EndOf(state_.round - 1, block_);
+    const uint64_t trained = (state_.round - 1) * o_.blocks + block_ + 1;
     s.seed = o_.seed + trained * 0x9e3779b97f4a7c15u;  // Rng's own increment
     s.schedule.num_downscales = 0;                     // layers are of the full size
     return s;
   }
-  // Of this group: before block b has its turn.
-  int StepsBefore(uint32_t turn, size_t b) const {
+  // Of this group: before it trains block b in a round.
+  int StepsBefore(uint32_t round, size_t b) const {
     int steps = 0;
-    for (uint32_t t = 1; t <= std::min(turn, state_.schedule.last_turn()); ++t)
-      for (const uint32_t own : OwnBlocks(t))
-        if (t < turn || own < b) {
-          const uint32_t round = state_.schedule.RoundOf(t);
-          steps += EndOf(round, own) - EndOf(round - 1, own);
-        }
+    for (uint32_t r = 1; r <= std::min(round, kBlockRounds); ++r)
+      for (const uint32_t own : OwnBlocks())
+        if (r < round || own < b) steps += EndOf(r, own) - EndOf(r - 1, own);
     return steps;
   }
   int StepsDone() const {
-    if (!trainer_) return StepsBefore(state_.turn, 0);
-    return StepsBefore(state_.turn, block_) + trainer_->iteration() -
+    if (!trainer_) return StepsBefore(state_.round, 0);
+    return StepsBefore(state_.round, block_) + trainer_->iteration() -
            trainer_->settings().first_iteration;
   }
   // For messages, in steps of the run, of which this group has had a share.
   int Iteration() const {
     if (whole()) return trainer_->iteration();
-    const int first = state_.schedule.EndOfRound(0, o_.iterations, o_.batch);
-    const int all = std::max(1, StepsBefore(state_.schedule.last_turn() + 1, 0));
+    const int first = EndOfBlockRound(0, o_.iterations, o_.batch);
+    const int all = std::max(1, StepsBefore(kBlockRounds + 1, 0));
     return first + int((o_.iterations - first) * (double(StepsDone()) / all));
   }
 
@@ -230,10 +222,10 @@ class BlockTraining {
     WriteCheckpoint();
   }
 
-  // --- Turns -------------------------------------------------------------------------------------
+  // --- Rounds ------------------------------------------------------------------------------------
 
   void MakeTrainer(Gaussians first) {
-    trainer_ = std::make_unique<Trainer>(SettingsOfTurn(),
+    trainer_ = std::make_unique<Trainer>(SettingsOfRound(),
                                          whole() ? scene_ : *block_subject_,
                                          std::move(first),
                                          HostStepEngineOn(group_));
@@ -253,7 +245,7 @@ class BlockTraining {
                                          OffTerminal::kLines,
                                          trainer_->iteration());
     TakeSteps([&](const StepReport& step) { bar_->Update(step.iteration, line_(step)); });
-    const TurnCost cost = CostOf(trainer_->statistics());
+    const RoundCost cost = CostOf(trainer_->statistics());
     const TrainingState& state = trainer_->state();
     if (leads())
       files_.WriteBlock(
@@ -267,7 +259,7 @@ class BlockTraining {
     Meet(*group_);
     // The first of them says whether there is a checkpoint, since a network's file system may show
     // it to the others later.
-    const std::string path = files_.CheckpointPath(b, state_.turn);
+    const std::string path = files_.CheckpointPath(b, state_.round);
     const bool resumes = Largest(leads() && std::filesystem::exists(path) ? 1 : 0, *group_) != 0;
     ExposureState exposures;
     if (o_.exposure) exposures = state_.exposures.Of(state_.views[b]);
@@ -278,12 +270,12 @@ class BlockTraining {
     const std::string title =
         "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
     TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
-    const TurnCost cost = CostOf(trainer_->statistics());
+    const RoundCost cost = CostOf(trainer_->statistics());
     const TrainingState& state = trainer_->state();
     if (leads()) {
       layers_.RemoveTogether(b, state_.views[b]);
       files_.WriteBlock(
-          b, state.gaussians, {state_.turn, state.gaussians.size(), cost, state.exposures});
+          b, state.gaussians, {state_.round, state.gaussians.size(), cost, state.exposures});
       RemoveFile(path);
     }
     ReleaseTrainer();
@@ -292,12 +284,9 @@ class BlockTraining {
   void Split() {
     SplitWhole();
     Meet();
-    std::vector<uint32_t> blocks(o_.blocks);
-    std::iota(blocks.begin(), blocks.end(), 0u);
-    DrawLayers(blocks);
+    DrawLayers();
     Meet();
     state_.views = layers_.ChooseViews();
-    state_.schedule = BlockSchedule(state_.views);
     if (!o_.quiet) PrintSplit();
   }
 
@@ -323,25 +312,24 @@ class BlockTraining {
   void ShareOut() {
     std::vector<int> work;
     for (size_t b = 0; b < o_.blocks; ++b) work.push_back(IterationsOf(b));
-    groups_ = BlockGroups(state_.schedule, work, ranks_.size(), o_.batch);
-    const bool idle = ranks_.rank() >= groups_.working_ranks();
-    group_ = ranks_.Part(idle ? ranks_.rank() : groups_.GroupOf(ranks_.rank()));
+    groups_ = BlockGroups(work, ranks_.size());
+    group_ = ranks_.Part(groups_.GroupOf(ranks_.rank()));
     if (!o_.quiet && ranks_.size() > 1) PrintGroups();
   }
 
   // Until all have got here nobody changes a file that an earlier checkpoint would need.
-  void BeginTurn() {
-    ++state_.turn;
+  void BeginRound() {
+    ++state_.round;
     if (writes()) checkpoint_.Write(Iteration(), Description());
-    if (writes() && state_.turn == 1) files_.RemoveWhole();
+    if (writes() && state_.round == 1) files_.RemoveWhole();
     Meet();
   }
 
-  void FinishTurn() {
+  void FinishRound() {
     const double before = state_.cost.seconds;
     std::vector<double> seconds(groups_.count(), 0);  // which work at the same time
     std::vector<ExposureState> exposures(o_.blocks);
-    for (const uint32_t b : state_.schedule.BlocksOf(state_.turn)) {
+    for (size_t b = 0; b < o_.blocks; ++b) {
       BlockRecord record = files_.ReadRecord(b);
       state_.counts[b] = record.gaussians;
       state_.cost += record.cost;
@@ -352,9 +340,9 @@ class BlockTraining {
     if (o_.exposure) state_.exposures.SetToMeans(state_.views, exposures);
   }
 
-  // Of these blocks. The ranks share the views.
-  void DrawLayers(const std::vector<uint32_t>& blocks) {
-    for (const uint32_t b : blocks)
+  // The ranks share the views.
+  void DrawLayers() {
+    for (size_t b = 0; b < o_.blocks; ++b)
       layers_.Draw(b, ranks_.rank(), ranks_.size(), [this] { return !IsAsked(); });
   }
 
@@ -370,14 +358,7 @@ class BlockTraining {
   }
 
   void PrintGroups() const {
-    std::printf("turns per round: %u, of up to %zu blocks at once; %zu groups of ranks\n",
-                state_.schedule.turns_of_round(),
-                state_.schedule.at_once(),
-                groups_.count());
-    if (const size_t idle = ranks_.size() - groups_.working_ranks())
-      std::printf("%zu of %zu ranks have no work: --batch gives a group views to share\n",
-                  idle,
-                  ranks_.size());
+    std::printf("blocks are shared by %zu groups of ranks\n", groups_.count());
     std::fflush(stdout);
   }
 
@@ -398,7 +379,7 @@ class BlockTraining {
   void WriteCheckpoint() {
     trainer_->state();
     if (leads() && !whole())
-      checkpoint_.WritePart(files_.CheckpointPath(block_, state_.turn),
+      checkpoint_.WritePart(files_.CheckpointPath(block_, state_.round),
                             [this](StateArchive& a) { trainer_->Describe(a); });
     if (writes()) checkpoint_.Write(Iteration(), Description());  // says how far the run is
   }

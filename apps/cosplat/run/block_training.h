@@ -3,13 +3,13 @@
 //
 // First the whole scene is trained with as many Gaussians as a block may have, on the small images
 // that training begins with; by their places it is split (splat/train/blocks.h). Each block is then
-// trained between what the others show in each view (splat/train/layers.h), in turns
+// trained between what the others show in each view (splat/train/layers.h), in rounds
 // (splat/train/block_schedule.h), so that all of them see what became of their neighbours. A
 // Gaussian belongs to one block from then on: the scene is all of them together, and has no seams
 // to be cut.
 //
 // While this goes on its files are in the run's folder (block_files.h), which is also how ranks
-// hand each other what they have trained. A checkpoint has the turn, and each block that is in
+// hand each other what they have trained. A checkpoint has the round, and each block that is in
 // training its own; one is written before any of these files changes, so that from the last ones
 // the same bits follow, on any number of ranks.
 #pragma once
