@@ -1,9 +1,10 @@
 #include "splat/train/block_target.h"
 
-#include <algorithm>
+#include <array>
 
 #include "splat/device/for_each.h"
 #include "splat/math/photometric.h"
+#include "splat/render/kernels/pixel_bytes.h"
 
 namespace cosplat {
 namespace {
@@ -39,8 +40,6 @@ Rgba Exposed(const Exposure& exposure, const Rgba& pixel) {
   return {shown.x, shown.y, shown.z, pixel[3]};
 }
 
-uint8_t ByteOf(float value) { return uint8_t(255 * std::clamp(value, 0.0f, 1.0f) + 0.5f); }
-
 }  // namespace
 
 Image8 TargetOfBlock(const Image8& photograph,
@@ -57,8 +56,8 @@ Image8 TargetOfBlock(const Image8& photograph,
     Rgba mixed;
     for (size_t c = 0; c < 4; ++c) mixed[c] = shown[c] + (1 - of_others) * (photo[c] - shown[c]);
     uint8_t* p = &target.data[4 * i];
-    for (size_t c = 0; c < 3; ++c) p[c] = mixed[3] > 0 ? ByteOf(mixed[c] / mixed[3]) : 0;
-    p[3] = ByteOf(mixed[3]);
+    for (size_t c = 0; c < 3; ++c) p[c] = mixed[3] > 0 ? math::ToByte(mixed[c] / mixed[3]) : 0;
+    p[3] = math::ToByte(mixed[3]);
   });
   return target;
 }

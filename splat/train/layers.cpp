@@ -3,14 +3,13 @@
 #include <algorithm>
 
 #include "splat/device/for_each.h"
+#include "splat/render/kernels/pixel_bytes.h"
 #include "splat/train/kernels/layers.h"
 
 namespace cosplat {
 namespace {
 
 const uint8_t* BytesOf(const Image8& layer) { return layer.empty() ? nullptr : layer.data.data(); }
-
-uint8_t ByteOf(float value) { return uint8_t(255 * std::clamp(value, 0.0f, 1.0f) + 0.5f); }
 
 }  // namespace
 
@@ -19,8 +18,8 @@ Image8 LayerOf(const RenderedImage& rendered) {
   const size_t plane = layer.pixels();
   ParallelFor(plane, [&](size_t i) {
     uint8_t* p = &layer.data[4 * i];
-    for (size_t c = 0; c < 3; ++c) p[c] = ByteOf(rendered.color[c * plane + i]);
-    p[3] = ByteOf(1 - rendered.transmittance[i]);
+    for (size_t c = 0; c < 3; ++c) p[c] = math::ToByte(rendered.color[c * plane + i]);
+    p[3] = math::ToByte(1 - rendered.transmittance[i]);
   });
   const bool visible =
       std::any_of(layer.data.begin(), layer.data.end(), [](uint8_t byte) { return byte != 0; });
@@ -52,8 +51,8 @@ Image8 LayerStack::Together() const {
   if (pixels_.empty()) return all;
   all = Image8(width_, height_, 4);
   for (size_t i = 0; i < pixels_.size(); ++i) {
-    for (size_t c = 0; c < 3; ++c) all.data[4 * i + c] = ByteOf(pixels_[i][c]);
-    all.data[4 * i + 3] = ByteOf(1 - pixels_[i][3]);
+    for (size_t c = 0; c < 3; ++c) all.data[4 * i + c] = math::ToByte(pixels_[i][c]);
+    all.data[4 * i + 3] = math::ToByte(1 - pixels_[i][3]);
   }
   return all;
 }
