@@ -45,16 +45,19 @@ Rgba Exposed(const Exposure& exposure, const Rgba& pixel) {
 Image8 TargetOfBlock(const Image8& photograph,
                      const FrameLayers& others,
                      const Image8& own,
+                     const Image8& whole,
                      const Exposure& exposure) {
   Image8 target(photograph.width, photograph.height, 4);
   ParallelFor(target.pixels(), [&](size_t i) {
     const Rgba front = LayerAt(others.front, i), behind = LayerAt(others.behind, i);
     const Rgba block = LayerAt(own, i);
     const float of_others = front[3] + (1 - front[3]) * (1 - block[3]) * behind[3];
-    const Rgba shown = Exposed(exposure, Over(front, Over(block, behind)));
+    const Rgba layers = Exposed(exposure, Over(front, Over(block, behind)));
+    const Rgba finished = Exposed(exposure, LayerAt(whole, i));
     const Rgba photo = PhotographAt(photograph, i);
     Rgba mixed;
-    for (size_t c = 0; c < 4; ++c) mixed[c] = shown[c] + (1 - of_others) * (photo[c] - shown[c]);
+    for (size_t c = 0; c < 4; ++c)
+      mixed[c] = layers[c] + (1 - of_others) * (photo[c] - finished[c]);
     uint8_t* p = &target.data[4 * i];
     for (size_t c = 0; c < 3; ++c) p[c] = mixed[3] > 0 ? math::ToByte(mixed[c] / mixed[3]) : 0;
     p[3] = math::ToByte(mixed[3]);

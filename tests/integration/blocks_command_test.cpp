@@ -107,7 +107,7 @@ TEST(BlocksCommand, NameAFileThatTheyMiss) {
   const std::string out = folder / "out";
   const auto arguments = InBlocks(out, {"--quiet", "--resume"}, 20000);
   BackgroundCommand run(arguments, folder / "log");
-  const auto trains_blocks = [&] { return fs::exists(out + "/blocks/3/5.rgba"); };
+  const auto trains_blocks = [&] { return fs::exists(out + "/blocks/1/5.target.rgba"); };
   for (int i = 0; i < 300000 && !trains_blocks(); ++i) usleep(1000);  // a sanitizer's build is slow
   ASSERT_TRUE(trains_blocks());
   run.Signal(SIGTERM);

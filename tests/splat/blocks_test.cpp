@@ -215,29 +215,37 @@ Image8 Pixel(std::vector<uint8_t> bytes) {
   return image;
 }
 
+// Where the finished scene draws what the layers show.
+Image8 TargetInOrder(const Image8& photograph,
+                     const FrameLayers& others,
+                     const Image8& own,
+                     const Exposure& exposure = kIdentityExposure) {
+  LayerStack stack;
+  for (const Image8* layer : {&others.front, &own, &others.behind}) stack.Add(*layer);
+  return TargetOfBlock(photograph, others, own, stack.Together(), exposure);
+}
+
 TEST(BlockTarget, IsThePhotographWhereNothingElseIs) {
   const Image8 photo = Pixel({200, 100, 50});
   const std::vector<uint8_t> expected{200, 100, 50, 255};
   // Nothing at all, the block alone, the block before others; from grey and with alpha.
-  EXPECT_EQ(TargetOfBlock(photo, {}, {}, kIdentityExposure).data, expected);
-  EXPECT_EQ(TargetOfBlock(photo, {}, Pixel({9, 9, 9, 100}), kIdentityExposure).data, expected);
+  EXPECT_EQ(TargetInOrder(photo, {}, {}).data, expected);
+  EXPECT_EQ(TargetInOrder(photo, {}, Pixel({9, 9, 9, 100})).data, expected);
   const FrameLayers behind{{}, Pixel({0, 0, 255, 255})};
-  EXPECT_EQ(TargetOfBlock(photo, behind, Pixel({9, 9, 9, 255}), kIdentityExposure).data, expected);
-  EXPECT_EQ(TargetOfBlock(Pixel({70}), {}, {}, kIdentityExposure).data,
-            (std::vector<uint8_t>{70, 70, 70, 255}));
-  EXPECT_EQ(TargetOfBlock(Pixel({70, 80, 90, 51}), {}, {}, kIdentityExposure).data,
+  EXPECT_EQ(TargetInOrder(photo, behind, Pixel({9, 9, 9, 255})).data, expected);
+  EXPECT_EQ(TargetInOrder(Pixel({70}), {}, {}).data, (std::vector<uint8_t>{70, 70, 70, 255}));
+  EXPECT_EQ(TargetInOrder(Pixel({70, 80, 90, 51}), {}, {}).data,
             (std::vector<uint8_t>{70, 80, 90, 51}));
 }
 
 TEST(BlockTarget, IsWhatIsShownWhereOthersAreInTheWay) {
   const FrameLayers front{Pixel({10, 20, 30, 255}), {}};
-  EXPECT_EQ(
-      TargetOfBlock(Pixel({200, 100, 50}), front, Pixel({9, 9, 9, 255}), kIdentityExposure).data,
-      (std::vector<uint8_t>{10, 20, 30, 255}));
+  EXPECT_EQ(TargetInOrder(Pixel({200, 100, 50}), front, Pixel({9, 9, 9, 255})).data,
+            (std::vector<uint8_t>{10, 20, 30, 255}));
   // As the photograph would show it.
   Exposure brighter = kIdentityExposure;
   brighter[0] = 2, brighter[7] = 0.1f;
-  EXPECT_EQ(TargetOfBlock(Pixel({200, 100, 50}), front, {}, brighter).data,
+  EXPECT_EQ(TargetInOrder(Pixel({200, 100, 50}), front, {}, brighter).data,
             (std::vector<uint8_t>{20, 46, 30, 255}));
 }
 
@@ -249,13 +257,24 @@ TEST(BlockTarget, SharesAddUp) {
   stack.Add(near);
   stack.Add(far);
   const Image8 shown = stack.Together();
-  const Image8 of_near = TargetOfBlock(photo, {{}, far}, near, kIdentityExposure);
-  const Image8 of_far = TargetOfBlock(photo, {near, {}}, far, kIdentityExposure);
+  const Image8 of_near = TargetInOrder(photo, {{}, far}, near);
+  const Image8 of_far = TargetInOrder(photo, {near, {}}, far);
   for (size_t c = 0; c < 3; ++c) {
     const auto missing = [&](const Image8& target) { return target.data[c] - shown.data[c]; };
     EXPECT_NEAR(missing(of_near) + missing(of_far), missing(photo), 2);
     EXPECT_NEAR(missing(of_near), missing(photo) * 120 / 255.0, 1);
   }
+}
+
+// What the finished scene draws otherwise than the layers do is left as it is, in any exposure.
+TEST(BlockTarget, MakesUpForWhatTheFinishedSceneLacks) {
+  const Image8 own = Pixel({100, 100, 100, 255}), whole = Pixel({110, 90, 100, 255});
+  EXPECT_EQ(TargetOfBlock(Pixel({150, 150, 150}), {}, own, whole, kIdentityExposure).data,
+            (std::vector<uint8_t>{140, 160, 150, 255}));
+  Exposure darker = kIdentityExposure;
+  darker[0] = 0.5f;
+  EXPECT_EQ(TargetOfBlock(Pixel({150, 150, 150}), {}, own, whole, darker).data,
+            (std::vector<uint8_t>{145, 160, 150, 255}));
 }
 
 TEST(FirstIteration, TheScheduleGoesOn) {

@@ -46,7 +46,8 @@ std::string BlockFiles::PathOf(size_t block, const std::string& suffix) const {
 }
 
 std::string BlockFiles::LayerPath(size_t block, size_t view, LayerKind kind) const {
-  constexpr const char* kSuffixes[] = {".rgba", ".front.rgba", ".behind.rgba"};
+  constexpr const char* kSuffixes[] = {
+      ".rgba", ".front.rgba", ".behind.rgba", ".target.rgba", ".ignored"};
   return PathOf(block, "/" + std::to_string(view) + kSuffixes[size_t(kind)]);
 }
 
@@ -74,7 +75,7 @@ Image8 BlockFiles::ReadLayer(size_t block,
   const std::string path = LayerPath(block, view, kind);
   const std::vector<char> bytes = ReadFile(path);
   if (bytes.size() == 1) return {};
-  Image8 layer(camera.width, camera.height, 4);
+  Image8 layer(camera.width, camera.height, kind == LayerKind::kIgnored ? 1 : 4);
   if (bytes.size() != layer.data.size())
     throw Error(path,
                 "has " + std::to_string(bytes.size()) + " bytes, expected " +
@@ -104,6 +105,19 @@ Gaussians BlockFiles::ReadBlock(size_t block) const {
     Describe(a, "gaussians", count, gaussians);
   });
   return gaussians;
+}
+
+Gaussians BlockFiles::ReadBlocks(const std::vector<uint32_t>& blocks) const {
+  size_t count = 0;
+  for (const uint32_t b : blocks) count += ReadRecord(b).gaussians;
+  Gaussians all = layout_;
+  for (int a = 0; a < kAttributeCount; ++a) all.values[a].reserve(count * size_t(all.width(a)));
+  for (const uint32_t b : blocks) {
+    const Gaussians own = ReadBlock(b);
+    for (int a = 0; a < kAttributeCount; ++a)
+      all.values[a].append(own.values[a].begin(), own.values[a].end());
+  }
+  return all;
 }
 
 BlockRecord BlockFiles::ReadRecord(size_t block) const {

@@ -3,14 +3,19 @@
 //   blocks/whole.bin              the whole scene, until it is split
 //   blocks/N.bin                  a block's Gaussians after its last round, from 1
 //   blocks/N.record.bin           what that round came to; blocks/whole.record.bin likewise
-//   blocks/N.round-R.bin           checkpoint of its training in round R
+//   blocks/N.round-R.bin          checkpoint of its training in round R
 //   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
-//                                 width, 4] without a header; one byte: it shows nothing there
-//   blocks/N/V.front.rgba         during a round: what others show in front of it
-//   blocks/N/V.behind.rgba        and behind it; training reads both in every step
+//                                 width, 4] without a header; one byte: nothing is there
+//   blocks/whole/V.rgba           all blocks there, as the finished scene draws them
+// and while block N is in training, read in every step:
+//   blocks/N/V.front.rgba         what others show in front of it
+//   blocks/N/V.behind.rgba        and behind it
+//   blocks/N/V.target.rgba        what it is trained towards (splat/train/block_target.h)
+//   blocks/N/V.ignored            [height, width]: not 0 where it is not
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
@@ -30,8 +35,8 @@ struct RoundCost {
   RoundCost& operator+=(const RoundCost& other);
 };
 
-// Of a block in a view: what it shows itself, or all others in front of it and behind it.
-enum class LayerKind { kOwn, kFront, kBehind };
+// Of a block in a view.
+enum class LayerKind { kOwn, kFront, kBehind, kTarget, kIgnored };
 
 // What a block's last round came to.
 struct BlockRecord {
@@ -50,6 +55,7 @@ class BlockFiles {
   // written last.
   void WriteBlock(size_t block, const Gaussians& gaussians, const BlockRecord& record) const;
   Gaussians ReadBlock(size_t block) const;
+  Gaussians ReadBlocks(const std::vector<uint32_t>& blocks) const;  // one after another
   BlockRecord ReadRecord(size_t block) const;
   void RemoveWhole() const;
   void WriteLayer(size_t block, size_t view, LayerKind kind, const Image8& layer) const;

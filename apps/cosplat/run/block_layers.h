@@ -17,23 +17,23 @@ class BlockLayers {
   BlockLayers(const BlockFiles& files, SceneSubject& scene, const SceneBlocks& blocks)
       : files_(files), scene_(scene), blocks_(blocks) {}
 
-  // Draws those of a block, of every `step`-th view from `first` on, while goes_on says so.
-  void Draw(size_t block, size_t first, size_t step, const std::function<bool()>& goes_on) const;
+  // Draws those of all blocks, and all of them together, in every `step`-th view from `first` on,
+  // while goes_on says so. In memory at a time: the blocks that a view shows.
+  void Draw(size_t first, size_t step, const std::function<bool()>& goes_on) const;
   // For each block the views of which it covers enough to be trained on them.
   std::vector<std::vector<uint32_t>> ChooseViews() const;
 
   // For a round of a block, during which the others do not change: puts together what is in front
-  // of it and behind it in every `step`-th of these views from the `first` on.
+  // of it and behind it, and what it is trained towards (splat/train/block_target.h), in every
+  // `step`-th of these views from the `first` on. exposures: of these views; empty: identities.
   void PutTogether(size_t block,
                    const std::vector<uint32_t>& views,
+                   const ExposureState& exposures,
                    size_t first,
                    size_t step,
                    const std::function<bool()>& goes_on) const;
-  // The views between these, read from disk when they are trained on, towards what the block has to
-  // make up for (splat/train/block_target.h). exposures: of these views; empty: identities.
-  std::vector<TrainFrame> FramesOf(size_t block,
-                                   const std::vector<uint32_t>& views,
-                                   const ExposureState& exposures) const;
+  // That, read from disk when it is trained on.
+  std::vector<TrainFrame> FramesOf(size_t block, const std::vector<uint32_t>& views) const;
   // After the round.
   void RemoveTogether(size_t block, const std::vector<uint32_t>& views) const;
 

@@ -93,24 +93,17 @@ class BlockTraining {
   size_t count() const {
     return std::accumulate(state_.counts.begin(), state_.counts.end(), size_t(0));
   }
-  // A block as it is saved, if it can be.
-  Gaussians Finished(size_t b) const {
-    Gaussians own = files_.ReadBlock(b);
-    BakeSmoothing(own);
-    if (IsHarmonic(own.basis, own.degree)) ConvertBasis(own, Basis::kSh);
-    return own;
+  // Blocks as they are saved, if they can be.
+  Gaussians Finished(const std::vector<uint32_t>& blocks) const {
+    Gaussians gaussians = files_.ReadBlocks(blocks);
+    BakeSmoothing(gaussians);
+    if (IsHarmonic(gaussians.basis, gaussians.degree)) ConvertBasis(gaussians, Basis::kSh);
+    return gaussians;
   }
   Gaussians Together() const {
-    Gaussians all;
-    for (size_t b = 0; b < o_.blocks; ++b) {
-      const Gaussians own = Finished(b);
-      if (b == 0) all = LayoutOf(own);
-      for (int a = 0; a < kAttributeCount; ++a) {
-        all.values[a].reserve(count() * size_t(own.width(a)));
-        all.values[a].append(own.values[a].begin(), own.values[a].end());
-      }
-    }
-    return all;
+    std::vector<uint32_t> all(o_.blocks);
+    std::iota(all.begin(), all.end(), 0u);
+    return Finished(all);
   }
 
   const ExposureState& exposures() const { return state_.exposures; }
@@ -254,16 +247,17 @@ class BlockTraining {
 
   void TrainBlock(uint32_t b) {
     block_ = b;
-    layers_.PutTogether(
-        b, state_.views[b], group_->rank(), group_->size(), [this] { return !IsAsked(); });
+    ExposureState exposures;
+    if (o_.exposure) exposures = state_.exposures.Of(state_.views[b]);
+    layers_.PutTogether(b, state_.views[b], exposures, group_->rank(), group_->size(), [this] {
+      return !IsAsked();
+    });
     Meet(*group_);
     // The first of them says whether there is a checkpoint, since a network's file system may show
     // it to the others later.
     const std::string path = files_.CheckpointPath(b, state_.round);
     const bool resumes = Largest(leads() && std::filesystem::exists(path) ? 1 : 0, *group_) != 0;
-    ExposureState exposures;
-    if (o_.exposure) exposures = state_.exposures.Of(state_.views[b]);
-    block_subject_.emplace(layers_.FramesOf(b, state_.views[b], exposures), scene_.extent());
+    block_subject_.emplace(layers_.FramesOf(b, state_.views[b]), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
     if (o_.exposure) trainer_->SetExposures(std::move(exposures));
     if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
@@ -342,8 +336,7 @@ class BlockTraining {
 
   // The ranks share the views.
   void DrawLayers() {
-    for (size_t b = 0; b < o_.blocks; ++b)
-      layers_.Draw(b, ranks_.rank(), ranks_.size(), [this] { return !IsAsked(); });
+    layers_.Draw(ranks_.rank(), ranks_.size(), [this] { return !IsAsked(); });
   }
 
   void PrintSplit() {
@@ -449,7 +442,7 @@ void TrainInBlocks(const SceneTrainOptions& o,
   if (writes) {
     if (CanSaveSplats(o))
       WritePly(MakeSplatPath(o.model, o.iterations), training.count(), o.blocks, [&](size_t block) {
-        return training.Finished(block);
+        return training.Finished({uint32_t(block)});
       });
     if (o.exposure) hooks.save_exposures(training.exposures());
     const TrainingStatistics statistics = training.Statistics();

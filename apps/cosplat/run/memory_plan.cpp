@@ -16,10 +16,11 @@ namespace {
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
 constexpr size_t kPerPixel = 56;
-// Two layers and the target of two frames, the photograph and the own layer of one; floats while
-// layers are put together, and of what is shown.
+// Two layers and the target of two frames; floats while layers are put together, and of what is
+// shown.
 constexpr size_t kPerLayerPixel = 64;
-// Of a Gaussian that is only rendered, as all are at once in the images of evaluation.
+// Of a Gaussian that is only rendered, as all are at once in the images of evaluation and, of
+// blocks, all that a view shows between rounds.
 constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
@@ -27,7 +28,7 @@ constexpr double kGb = 1e9;
 
 // Of parameters, which there are five times: with gradients, two moments, and the copy that is
 // saved. A copy in the middle of a run takes two more (Trainer::CaughtUp).
-size_t BytesPerGaussian(const SceneTrainOptions& o, bool evaluates) {
+size_t BytesPerGaussian(const SceneTrainOptions& o) {
   Gaussians one;
   one.degree = o.sh_degree;
   size_t numbers = 0;
@@ -35,7 +36,7 @@ size_t BytesPerGaussian(const SceneTrainOptions& o, bool evaluates) {
   const bool in_the_middle = !o.save_iterations.empty() || !o.test_iterations.empty();
   const size_t trained = (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
   if (o.blocks == 1) return trained;
-  return std::max(trained / o.blocks, evaluates ? sizeof(float) * numbers + kDrawn : 0);
+  return std::max(trained / o.blocks, sizeof(float) * numbers + kDrawn);
 }
 
 std::string Gb(double bytes) {
@@ -58,7 +59,7 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
   plan.all_images += plan.all_images / 4;
   plan.blocks = o.blocks;
   plan.in_work = pixels * (o.blocks == 1 ? kPerPixel : kPerPixel + kPerLayerPixel);
-  plan.per_gaussian = BytesPerGaussian(o, !scene.test.empty());
+  plan.per_gaussian = BytesPerGaussian(o);
   plan.gaussians = o.max_gaussians;
   plan.images = o.blocks == 1 ? plan.all_images : 0;
   if (o.blocks == 1 && o.memory_gb == 0) return plan;
