@@ -51,6 +51,13 @@ void Gaussians::Gather(const std::vector<uint32_t>& source) {
   gather(smoothing);
 }
 
+void Gaussians::Append(const Gaussians& more) {
+  const auto append = [](auto& to, const auto& from) { to.append(from.begin(), from.end()); };
+  for (int a = 0; a < kAttributeCount; ++a) append(values[a], more.values[a]);
+  append(degrees, more.degrees);
+  append(smoothing, more.smoothing);
+}
+
 Gaussians Gaussians::ZerosLike() const {
   Gaussians zeros;
   zeros.degree = degree;

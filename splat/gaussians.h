@@ -59,6 +59,8 @@ struct Gaussians {
   void Resize(size_t n);
   // Makes old Gaussian source[i] the new Gaussian i; a source may appear more than once.
   void Gather(const std::vector<uint32_t>& source);
+  // Adds Gaussians of the same layout, with degrees and smoothing if these have them.
+  void Append(const Gaussians& more);
   // The same layout, all zero.
   Gaussians ZerosLike() const;
 

@@ -1,5 +1,6 @@
 #include "splat/train/block_target.h"
 
+#include <algorithm>
 #include <array>
 
 #include "splat/device/for_each.h"
@@ -58,9 +59,10 @@ Image8 TargetOfBlock(const Image8& photograph,
     Rgba mixed;
     for (size_t c = 0; c < 4; ++c)
       mixed[c] = layers[c] + (1 - of_others) * (photo[c] - finished[c]);
+    const float alpha = std::min(mixed[3], 1.0f);
     uint8_t* p = &target.data[4 * i];
-    for (size_t c = 0; c < 3; ++c) p[c] = mixed[3] > 0 ? math::ToByte(mixed[c] / mixed[3]) : 0;
-    p[3] = math::ToByte(mixed[3]);
+    for (size_t c = 0; c < 3; ++c) p[c] = alpha > 0 ? math::ToByte(mixed[c] / alpha) : 0;
+    p[3] = math::ToByte(alpha);
   });
   return target;
 }

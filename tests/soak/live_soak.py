@@ -191,7 +191,7 @@ def run(options):
     print("packets sent %d, counted %d" % (sent, arrived))
     print("memory since the first minute: %+.2f MB" % grown)
     print(
-        "frames drawn %d, late by more than %d ms %d, the latest %.1f ms, drawn in %.1f ms of the processor"
+        "frames drawn %d, late by more than %d ms %d, the latest %.1f ms, %.1f ms of the processor"
         % ((frames, LATE_MS, late) + worst)
     )
     return 0 if arrived == sent and grown <= MEMORY_MB else 1

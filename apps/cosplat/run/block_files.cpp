@@ -112,11 +112,7 @@ Gaussians BlockFiles::ReadBlocks(const std::vector<uint32_t>& blocks) const {
   for (const uint32_t b : blocks) count += ReadRecord(b).gaussians;
   Gaussians all = layout_;
   for (int a = 0; a < kAttributeCount; ++a) all.values[a].reserve(count * size_t(all.width(a)));
-  for (const uint32_t b : blocks) {
-    const Gaussians own = ReadBlock(b);
-    for (int a = 0; a < kAttributeCount; ++a)
-      all.values[a].append(own.values[a].begin(), own.values[a].end());
-  }
+  for (const uint32_t b : blocks) all.Append(ReadBlock(b));
   return all;
 }
 

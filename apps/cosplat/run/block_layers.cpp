@@ -32,7 +32,7 @@ void BlockLayers::Draw(size_t first, size_t step, const std::function<bool()>& g
     return LayerOf(image);
   };
   std::vector<std::vector<uint32_t>> shown(scene_.frame_count());
-  for (uint32_t b = 0; b < blocks_.count(); ++b) {
+  for (uint32_t b = 0; b < blocks_.count() && goes_on(); ++b) {
     const Gaussians gaussians = files_.ReadBlock(b);
     for (size_t v = first; v < shown.size() && goes_on(); v += step) {
       const Image8 layer = layer_of(gaussians, v);
@@ -43,6 +43,7 @@ void BlockLayers::Draw(size_t first, size_t step, const std::function<bool()>& g
   std::map<std::vector<uint32_t>, std::vector<size_t>> views;  // by the blocks that they show
   for (size_t v = first; v < shown.size(); v += step) views[shown[v]].push_back(v);
   for (const auto& [blocks, own] : views) {
+    if (!goes_on()) return;
     const Gaussians gaussians = files_.ReadBlocks(blocks);
     for (size_t i = 0; i < own.size() && goes_on(); ++i)
       files_.WriteLayer(kWholeScene, own[i], LayerKind::kOwn, layer_of(gaussians, own[i]));

@@ -16,8 +16,8 @@ namespace {
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
 constexpr size_t kPerPixel = 56;
-// Two layers and the target of two frames; floats while layers are put together, and of what is
-// shown.
+// Two layers, the target and the mask of two frames; floats while layers are put together, and of
+// what is shown.
 constexpr size_t kPerLayerPixel = 64;
 // Of a Gaussian that is only rendered, as all are at once in the images of evaluation and, of
 // blocks, all that a view shows between rounds.
@@ -77,7 +77,9 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
                     " is too little: the program, an image and the first Gaussians take " +
                     Gb(double(plan.program + plan.in_work) + at_first));
   const double wanted = double(plan.gaussians * plan.per_gaussian);
-  const double images = std::max(kPhotographShare * rest, rest - wanted);
+  // Blocks read a photograph once a round.
+  const double least = o.blocks == 1 ? kPhotographShare * rest : 0;
+  const double images = std::max(least, rest - wanted);
   plan.images = std::min(plan.all_images, size_t(std::min(images, rest - at_first)));
   plan.gaussians =
       std::min(plan.gaussians, size_t((rest - double(plan.images)) / double(plan.per_gaussian)));

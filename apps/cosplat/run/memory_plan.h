@@ -16,7 +16,7 @@ struct MemoryPlan {
   size_t in_work = 0;       // of the pixels of the image that is trained on
   size_t images = 0;        // photographs kept in memory, and reduced copies of them
   size_t all_images = 0;    // if all are
-  size_t per_gaussian = 0;  // of the scene; of one that is trained in blocks, as a mean
+  size_t per_gaussian = 0;  // of the scene; in blocks, as a mean or when all are drawn
   size_t gaussians = 0;     // at most: a number
   size_t blocks = 1;
 
@@ -30,9 +30,9 @@ struct MemoryPlan {
 };
 
 // Without a limit (options.memory_gb 0), for options.max_gaussians and all images, or, of a scene
-// that is trained in blocks, no image. With one,
-// photographs beyond what is left are read again in every step, at worst all but a quarter of it;
-// then there are fewer Gaussians, as many with any number of threads on any machine. Throws Error
+// that is trained in blocks, no image. With one, photographs beyond what is left are read again in
+// every step, at worst all but a quarter of it; of blocks, at worst all, once a round. Then there
+// are fewer Gaussians, as many with any number of threads on any machine. Throws Error
 // if not even those that training begins with fit.
 MemoryPlan PlanMemory(const SceneTrainOptions& options, const SceneData& scene);
 
