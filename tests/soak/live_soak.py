@@ -5,11 +5,11 @@
       tests/soak/live_soak.py avatar.glb model.npz --minutes 480
 
 The tracker, a process of its own, sends JSON frames by UDP, 30 a second. A tenth of them are not
-sent, a twentieth are garbage, and it is killed and started again, with numbers that begin anew, some
-times a minute. The host draws 512 x 512 (--side) at 30 frames a second. --fps 150 has the packets and
-frames of eight hours, and as many restarts per frame, in 96 minutes. Prints a row per minute (milliseconds
-from when a frame was due to when it was drawn, resident memory, what the library counted), and at the
-end what must hold:
+sent, a twentieth are garbage, and it is killed and started again, with numbers that begin anew,
+some times a minute. The host draws 512 x 512 (--side) at 30 frames a second. --fps 150 has the
+packets and frames of eight hours, and as many restarts per frame, in 96 minutes. Prints a row per
+minute (milliseconds from when a frame was due to when it was drawn, resident memory, what the
+library counted), and at the end what must hold:
 
 - memory: none gained after the first minute but 2 MB;
 - every packet that was sent is counted as a frame or as a loss of one kind;

@@ -102,6 +102,29 @@ TEST(Blocks, AreReadAsWrittenOrNotAtAll) {
   ExpectError([&] { StateFile(folder / "blocks").Read(describe); }, {"blocks.planes", "tree"});
 }
 
+// All that a Gaussian has, its smoothing filter and its degree too.
+TEST(Blocks, PutTogetherAreWhatTheyWere) {
+  Gaussians all = FirstGaussians(60, 2);
+  all.antialiased = true;
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    all.smoothing.push_back(0.01f * float(i));
+    all.degrees.push_back(uint8_t(i % 3));
+  }
+  std::vector<uint32_t> odd, even, order;
+  for (uint32_t i = 0; i < all.size(); ++i) (i % 2 == 0 ? even : odd).push_back(i);
+  for (const auto* part : {&odd, &even}) order.insert(order.end(), part->begin(), part->end());
+  Gaussians first = all, second = all;
+  first.Gather(odd);
+  second.Gather(even);
+  first.Append(second);
+  all.Gather(order);
+  for (int a = 0; a < kAttributeCount; ++a)
+    EXPECT_TRUE(SameBits(first.values[a], all.values[a])) << a;
+  EXPECT_TRUE(SameBits(first.smoothing, all.smoothing));
+  EXPECT_TRUE(std::equal(
+      first.degrees.begin(), first.degrees.end(), all.degrees.begin(), all.degrees.end()));
+}
+
 // --- Layers
 // ---------------------------------------------------------------------------------------
 
@@ -207,29 +230,6 @@ TEST(Layers, WhatIsHiddenIsNotTrained) {
 }
 
 // --- Trainings that go on
-// All that a Gaussian has, its smoothing filter and its degree too.
-TEST(Blocks, PutTogetherAreWhatTheyWere) {
-  Gaussians all = FirstGaussians(60, 2);
-  all.antialiased = true;
-  for (uint32_t i = 0; i < all.size(); ++i) {
-    all.smoothing.push_back(0.01f * float(i));
-    all.degrees.push_back(uint8_t(i % 3));
-  }
-  std::vector<uint32_t> odd, even, order;
-  for (uint32_t i = 0; i < all.size(); ++i) (i % 2 == 0 ? even : odd).push_back(i);
-  for (const auto* part : {&odd, &even}) order.insert(order.end(), part->begin(), part->end());
-  Gaussians first = all, second = all;
-  first.Gather(odd);
-  second.Gather(even);
-  first.Append(second);
-  all.Gather(order);
-  for (int a = 0; a < kAttributeCount; ++a)
-    EXPECT_TRUE(SameBits(first.values[a], all.values[a])) << a;
-  EXPECT_TRUE(SameBits(first.smoothing, all.smoothing));
-  EXPECT_TRUE(std::equal(
-      first.degrees.begin(), first.degrees.end(), all.degrees.begin(), all.degrees.end()));
-}
-
 // -------------------------------------------------------------------------
 
 Image8 Pixel(std::vector<uint8_t> bytes) {
