@@ -58,12 +58,12 @@ void Gaussians::Append(const Gaussians& more) {
   append(smoothing, more.smoothing);
 }
 
-Gaussians Gaussians::ZerosLike() const {
+Gaussians Gaussians::ZerosLike(size_t n) const {
   Gaussians zeros;
   zeros.degree = degree;
   zeros.basis = basis;
   zeros.corrections = corrections;
-  zeros.Resize(size());
+  zeros.Resize(n);
   return zeros;
 }
 

@@ -61,8 +61,9 @@ struct Gaussians {
   void Gather(const std::vector<uint32_t>& source);
   // Adds Gaussians of the same layout, with degrees and smoothing if these have them.
   void Append(const Gaussians& more);
-  // The same layout, all zero.
-  Gaussians ZerosLike() const;
+  // The same layout, all zero; n: of them.
+  Gaussians ZerosLike() const { return ZerosLike(size()); }
+  Gaussians ZerosLike(size_t n) const;
 
   // In a stream's memory; everything above is for host memory only.
 

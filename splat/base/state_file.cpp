@@ -48,6 +48,18 @@ class StateWriter : public StateArchive {
   uint32_t crc_ = 0;
 };
 
+class StateDiscarder : public StateArchive {
+ public:
+  bool reads() const override { return false; }
+  void Fail(const std::string& name, const std::string& problem) const override {
+    throw Error("state", name, problem);
+  }
+
+ private:
+  void Bytes(const std::string&, void*, size_t) override {}
+  void CheckSize(const std::string&, size_t, size_t) const override {}
+};
+
 // The fields of [begin, end) in order.
 class StateReader : public StateArchive {
  public:
@@ -124,6 +136,11 @@ void WriteStateFile(const std::string& path,
     const uint32_t crc = writer.crc();
     writer.Put(&crc, sizeof crc);
   });
+}
+
+void DiscardState(const StateDescription& describe) {
+  StateDiscarder archive;
+  describe(archive);
 }
 
 StateFile::StateFile(const std::string& path) : path_(path), bytes_(ReadFile(path)) {

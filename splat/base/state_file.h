@@ -20,7 +20,7 @@
 namespace cosplat {
 
 // To be raised with every change of what is described, anywhere.
-constexpr uint32_t kStateFormat = 6;
+constexpr uint32_t kStateFormat = 7;
 
 class StateArchive {
  public:
@@ -80,6 +80,10 @@ using StateDescription = std::function<void(StateArchive&)>;
 void WriteStateFile(const std::string& path,
                     const std::string& header,
                     const StateDescription& describe);
+
+// Visits all fields and writes nothing: for processes that have a part of a state that another one
+// writes.
+void DiscardState(const StateDescription& describe);
 
 class StateFile {
  public:

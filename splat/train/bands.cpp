@@ -84,10 +84,11 @@ void DropBands(const Weights& weights, float threshold, Gaussians& g) {
   ZeroAbove(g.degrees, g);
 }
 
-void ZeroAbove(View<const uint8_t> degrees, Gaussians& of) {
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of, const RowShare& share) {
   const int width = of.width(kColorRest);
   for (size_t i = 0; i < degrees.size(); ++i) {
-    float* rest = of.at(kColorRest, i);
+    if (!share.Owns(i)) continue;
+    float* rest = of.at(kColorRest, share.PlaceOf(i));
     std::fill(rest + 3 * (CoefficientCount(degrees[i]) - 1), rest + width, 0.0f);
   }
 }
@@ -131,8 +132,8 @@ double DropBandsInTraining(float threshold,
   for (const Contribution& c : images.Contributions(weighed)) weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
-  ZeroAbove(gaussians.degrees, adam.m);
-  ZeroAbove(gaussians.degrees, adam.v);
+  ZeroAbove(gaussians.degrees, adam.m, adam.share);
+  ZeroAbove(gaussians.degrees, adam.v, adam.share);
   changed();
   return images.MeanPsnr(judged) - before;
 }

@@ -10,6 +10,7 @@
 
 #include "splat/gaussians.h"
 #include "splat/train/importance.h"
+#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -27,8 +28,9 @@ using Weights = std::vector<float>;
 // kept. Removed bands are never restored.
 void DropBands(const Weights& weights, float threshold, Gaussians& gaussians);
 
-// Zeroes the coefficients above each Gaussian's own degree, also in arrays laid out like Gaussians.
-void ZeroAbove(View<const uint8_t> degrees, Gaussians& of);
+// Zeroes the coefficients above each Gaussian's own degree, also in arrays laid out like Gaussians;
+// of: the rows of `share`.
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of, const RowShare& share = {});
 
 // Number of Gaussians of each degree.
 using DegreeCounts = std::array<size_t, kMaxTrainedDegree + 1>;

@@ -10,6 +10,7 @@
 #include "splat/train/kernels/control.h"
 #include "splat/train/kernels/step.h"
 #include "splat/train/mask_learner.h"
+#include "splat/train/shards.h"
 
 namespace cosplat {
 namespace {
@@ -101,8 +102,12 @@ void Population::Gather(const Reordering& order) const {
   const View<const uint32_t> source = order.source;
   const size_t n = source.count;
   GatherGaussians(gaussians, gradients, source, n, stream);
-  GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
-  GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);
+  if (adam.share.ranks > 1) {
+    shards->Gather(order, adam);
+  } else {
+    GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
+    GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);
+  }
   for (Buffer<float>* b : statistics.all())
     GatherRows(*b, gradients.values[kOpacityLogit], 1, source, order.first_fresh, stream);
   placement.Gather(source, stream);

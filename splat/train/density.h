@@ -19,6 +19,7 @@ namespace cosplat {
 
 class MaskLearner;
 class Pruner;
+class Shards;
 struct PruneRound;
 
 // How density control reorders Gaussians: entry i was source[i] before. Entries from first_fresh on
@@ -121,6 +122,7 @@ struct Population {
   const Canvas* canvas = nullptr;
   Pruner* pruner = nullptr;     // null: no pruner with data of its own
   MaskLearner* mask = nullptr;  // likewise
+  Shards* shards = nullptr;     // null: `adam` has all moments
 
   void Gather(const Reordering& order) const;
 };

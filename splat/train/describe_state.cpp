@@ -11,18 +11,31 @@ constexpr std::array<const char*, kAttributeCount> kNames{
 // Gaussians at most: what indices of 32 bits can count.
 constexpr uint64_t kMaxCount = 0x7fffffff;
 
-void DescribeMoments(StateArchive& a, const std::string& name, const Gaussians& of, Gaussians& m) {
+// In parts, so that the rank that writes them need not have all of them at once.
+void DescribeMoments(
+    StateArchive& a, const std::string& name, const Gaussians& of, Shards& shards, Gaussians& m) {
   if (a.reads()) {
     m.degree = of.degree;
     m.basis = of.basis;
     m.corrections = of.corrections;
+    m.Resize(shards.share().CountOf(of.size()));
   }
-  Describe(a, name, of.size(), m);
+  for (int k = 0; k < kAttributeCount; ++k) {
+    const size_t width = size_t(m.width(k));
+    for (size_t begin = 0; begin < of.size(); begin += kRowsPerExchange) {
+      const size_t end = std::min(begin + kRowsPerExchange, of.size());
+      Buffer<float> rows;
+      if (!a.reads()) rows = shards.Assembled(m.values[k], width, begin, end);
+      if (a.reads() || shards.share().rank == 0)
+        a.Array(name + "." + kNames[k] + "." + std::to_string(begin), rows, (end - begin) * width);
+      if (a.reads()) shards.TakeOwn(rows, width, begin, end, m.values[k]);
+    }
+  }
 }
 
-void Describe(StateArchive& a, const Gaussians& of, AdamState& adam) {
-  DescribeMoments(a, "adam.m", of, adam.m);
-  DescribeMoments(a, "adam.v", of, adam.v);
+void Describe(StateArchive& a, const Gaussians& of, Shards& shards, AdamState& adam) {
+  DescribeMoments(a, "adam.m", of, shards, adam.m);
+  DescribeMoments(a, "adam.v", of, shards, adam.v);
   a.Value("adam.step", adam.step);
   a.Array("adam.updated", adam.updated, AdamGroupCount(of.size()));
   a.Array("adam.ignored", adam.ignored, 1);
@@ -44,7 +57,7 @@ void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians&
     a.Require(degree <= g.degree, name + ".degrees", "exceed the run's degree");
 }
 
-void Describe(StateArchive& a, size_t frames, TrainingState& s) {
+void Describe(StateArchive& a, size_t frames, Shards& shards, TrainingState& s) {
   a.Value("iteration", s.iteration);
   a.Require(s.iteration >= 0, "iteration", "is negative");
   a.Value("rng", s.rng.state);
@@ -55,7 +68,7 @@ void Describe(StateArchive& a, size_t frames, TrainingState& s) {
   a.Value("count", count);
   a.Require(count > 0 && count <= kMaxCount, "count", "is " + std::to_string(count));
   Describe(a, "gaussians", count, s.gaussians);
-  Describe(a, s.gaussians, s.adam);
+  Describe(a, s.gaussians, shards, s.adam);
   a.Array("statistics.screen_gradient", s.statistics.screen_gradient, count);
   a.Array("statistics.plasticity", s.statistics.plasticity, count);
   a.Array("statistics.visible", s.statistics.visible, count);

@@ -3,15 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
+#include <cstring>
 
 #include "splat/train/kernels/adam.h"
 #include "splat/train/kernels/step.h"
 
 namespace cosplat {
 namespace {
-
-constexpr size_t kHeaderWords = 4;  // loss, width, height
 
 // After the attributes.
 enum { kScreenRows = kAttributeCount, kRadiusRows };
@@ -30,60 +28,68 @@ struct GradientSum::Rows {
   View<const uint32_t> groups;
   std::vector<RowArray> arrays;
   bool packed = false;  // row kGaussianGroup * k is the first of groups[k]; else of group k
-  int width = 0, height = 0;
+  ViewLoss of;
 };
 
 void GradientSum::Begin(const Gaussians& gaussians, size_t views) {
   const size_t groups = AdamGroupCount(gaussians.size());
-  if (sum_.size() != gaussians.size()) sum_.RefillLike(gaussians, HostStream());
+  const size_t own = share_.CountOf(gaussians.size());
+  if (sum_.size() != own) sum_ = gaussians.ZerosLike(own);
   moves_.Refill(gaussians.size());
   moves_.FillWithZeros(HostStream());
   seen_.Refill(groups);
   seen_.FillWithZeros(HostStream());
-  share_ = 1 / float(views);
+  of_view_ = 1 / float(views);
   losses_.clear();
+}
+
+// Of the round's views, by rank; none of a rank without a view.
+std::vector<std::optional<ViewLoss>> GradientSum::ExchangeLosses(const ViewGradients* mine) {
+  static_assert(sizeof(ViewLoss) % sizeof(uint32_t) == 0);
+  Message message(mine ? sizeof(ViewLoss) / sizeof(uint32_t) : 0);
+  if (mine) std::memcpy(message.data(), &mine->of, sizeof mine->of);
+  std::vector<Message> messages = ExchangeWithAll(message, ranks_);
+  messages[ranks_.rank()] = std::move(message);
+  std::vector<std::optional<ViewLoss>> views(messages.size());
+  for (size_t r = 0; r < views.size(); ++r)
+    if (!messages[r].empty())
+      std::memcpy(&views[r].emplace(), messages[r].data(), sizeof(ViewLoss));
+  return views;
 }
 
 void GradientSum::Add(const ViewGradients* mine,
                       const Gaussians& gaussians,
                       DensityStatistics* statistics) {
-  groups_.resize(ranks_.size());
-  to_.resize(ranks_.size());
-  for (auto& groups : groups_) groups.clear();
-  for (Message& message : to_) message.clear();
-  std::vector<RowArray> rows;
-  if (mine) {
-    for (size_t g = 0; g < seen_.size(); ++g)
-      if (AnyPositive(mine->radii, g)) groups_[shards_.OwnerOf(g)].push_back(uint32_t(g));
-    rows = RowsOfView(*mine);
-    const uint64_t loss = std::bit_cast<uint64_t>(mine->loss);
-    const uint32_t header[kHeaderWords] = {
-        uint32_t(loss), uint32_t(loss >> 32), uint32_t(mine->width), uint32_t(mine->height)};
-    for (size_t r = 0; r < ranks_.size(); ++r) {
-      groups_drawn_ += groups_[r].size();
-      if (r != ranks_.rank())
-        PackGroups({header, kHeaderWords}, rows, groups_[r], gaussians.size(), to_[r]);
-    }
-  }
-  ranks_.Exchange({to_.begin(), to_.end()}, from_);
+  const std::vector<std::optional<ViewLoss>> views = ExchangeLosses(mine);
+  for (const std::optional<ViewLoss>& view : views)
+    if (view) losses_.push_back(view->loss);
   Gaussians layout;  // of the rows in messages: their widths alone
   layout.degree = gaussians.degree;
   layout.corrections = gaussians.corrections;
   Buffer<float> none;
-  const std::vector<RowArray> widths = RowsOfView({layout, none, {}});
-  for (size_t r = 0; r < ranks_.size(); ++r) {
-    if (r == ranks_.rank()) {
-      if (!mine) continue;
-      losses_.push_back(mine->loss);
-      AddView({groups_[r], rows, false, mine->width, mine->height}, gaussians, statistics);
-    } else if (!from_[r].empty()) {
-      Message& message = from_[r];
-      losses_.push_back(std::bit_cast<double>(message[0] + (uint64_t(message[1]) << 32)));
-      const PackedGroups packed =
-          FindPacked(widths, {message.data() + kHeaderWords, message.size() - kHeaderWords});
-      AddView({packed.groups, packed.arrays, true, int(message[2]), int(message[3])},
-              gaussians,
-              statistics);
+  const std::vector<RowArray> widths = RowsOfView({layout, none, {}, {}});
+  const std::vector<RowArray> rows = mine ? RowsOfView(*mine) : widths;
+  groups_.resize(ranks_.size());
+  to_.resize(ranks_.size());
+  for (size_t begin = 0; begin < seen_.size(); begin += kGroupsPerExchange) {
+    for (auto& groups : groups_) groups.clear();
+    if (mine)
+      for (size_t g = begin; g < std::min(begin + kGroupsPerExchange, seen_.size()); ++g)
+        if (AnyPositive(mine->radii, g))
+          groups_[share_.OwnerOf(g * kGaussianGroup)].push_back(uint32_t(g));
+    for (size_t r = 0; r < ranks_.size(); ++r) {
+      groups_drawn_ += groups_[r].size();
+      if (r != ranks_.rank()) PackGroups({}, rows, groups_[r], gaussians.size(), to_[r]);
+    }
+    ranks_.Exchange({to_.begin(), to_.end()}, from_);
+    for (size_t r = 0; r < ranks_.size(); ++r) {
+      if (!views[r]) continue;
+      if (r == ranks_.rank()) {
+        AddView({groups_[r], rows, false, *views[r]}, gaussians, statistics);
+      } else {
+        const PackedGroups packed = FindPacked(widths, from_[r].view());
+        AddView({packed.groups, packed.arrays, true, *views[r]}, gaussians, statistics);
+      }
     }
   }
 }
@@ -98,8 +104,8 @@ void GradientSum::AddView(const Rows& view,
                             {view.arrays[kScreenRows].data, 2 * rows},
                             {view.arrays[kScaleLog].data, 3 * rows},
                             gaussians.values[kScaleLog].view(),
-                            view.width,
-                            view.height,
+                            view.of.width,
+                            view.of.height,
                             {},
                             {},
                             {},
@@ -113,16 +119,17 @@ void GradientSum::AddView(const Rows& view,
                     [&](const auto& range) {
                       for (size_t k = range.begin(); k < range.end(); ++k) {
                         const size_t g = view.groups[k], first = g * kGaussianGroup;
+                        const size_t place = share_.PlaceOf(first);
                         const size_t row = view.packed ? k * kGaussianGroup : first;
                         const size_t size = std::min(kGaussianGroup, count - first);
                         for (int a = 0; a < kAttributeCount; ++a) {
                           const size_t width = view.arrays[a].width;
                           const float* from = view.arrays[a].data + row * width;
-                          float* sum = sum_.values[a].data() + first * width;
+                          float* sum = sum_.values[a].data() + place * width;
                           if (seen_[g])
-                            for (size_t n = 0; n < size * width; ++n) sum[n] += share_ * from[n];
+                            for (size_t n = 0; n < size * width; ++n) sum[n] += of_view_ * from[n];
                           else
-                            for (size_t n = 0; n < size * width; ++n) sum[n] = share_ * from[n];
+                            for (size_t n = 0; n < size * width; ++n) sum[n] = of_view_ * from[n];
                         }
                         seen_[g] = 1;
                         for (size_t i = 0; i < size; ++i) {
@@ -133,25 +140,16 @@ void GradientSum::AddView(const Rows& view,
                     });
 }
 
-void GradientSum::MoveAll() {
-  std::fill(moves_.begin(), moves_.end(), 1.0f);
-  KeepOwn(moves_);
-}
-
 void GradientSum::ZeroUnseen() {
   for (size_t g = 0; g < seen_.size(); ++g) {
-    if (seen_[g] || !shards_.Owns(g)) continue;
-    const size_t first = g * kGaussianGroup, last = std::min(first + kGaussianGroup, sum_.size());
+    if (seen_[g] || !share_.Owns(g * kGaussianGroup)) continue;
+    const size_t first = share_.PlaceOf(g * kGaussianGroup);
+    const size_t last = std::min(first + kGaussianGroup, sum_.size());
     for (int a = 0; a < kAttributeCount; ++a) {
       const size_t width = size_t(sum_.width(a));
       std::fill(sum_.values[a].data() + first * width, sum_.values[a].data() + last * width, 0.0f);
     }
   }
-}
-
-void GradientSum::KeepOwn(View<float> moves) const {
-  for (size_t i = 0; i < moves.size(); ++i)
-    if (!shards_.Owns(i / kGaussianGroup)) moves[i] = 0;
 }
 
 double GradientSum::MeanLoss() const {
@@ -168,8 +166,8 @@ void GradientSum::Release() {
   from_.clear();
 }
 
-size_t GradientSum::held() const {
-  size_t bytes = HeldBy(sum_) + HeldBy(moves_, seen_);
+size_t GradientSum::HeldByMessages() const {
+  size_t bytes = 0;
   for (const auto* messages : {&to_, &from_})
     for (const Message& message : *messages) bytes += HeldBy(message);
   return bytes;

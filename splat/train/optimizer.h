@@ -8,6 +8,7 @@
 #include "splat/gaussians.h"
 #include "splat/math/adam.h"
 #include "splat/render/kernels/world_gaussians.h"
+#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -25,18 +26,20 @@ inline size_t AdamGroupCount(size_t gaussians) {
   return (gaussians + kGaussianGroup - 1) / kGaussianGroup;
 }
 
-// First and second moments, laid out like the Gaussians they belong to and in the same memory.
+// First and second moments, laid out like the Gaussians they belong to and in the same memory. Of
+// several ranks each has those of its own Gaussians.
 struct AdamState {
   AdamState() = default;
   // Zero moments for these Gaussians, on the host.
-  explicit AdamState(const Gaussians& gaussians);
+  explicit AdamState(const Gaussians& gaussians, RowShare share = {});
 
-  Gaussians m;
+  RowShare share;
+  Gaussians m;  // [own rows]
   Gaussians v;
   uint32_t step = 0;
   Buffer<uint32_t> updated;  // [groups] step up to which each group has been updated
   Buffer<uint32_t> ignored;  // [1] number of non-finite gradients so far
-  Buffer<uint32_t> behind;   // [groups] scratch of the functions below
+  Buffer<uint32_t> behind;   // [groups] what the last of the functions below did (kernels/adam.h)
 
   // Same as those of Gaussians (splat/gaussians.h).
   void Upload(const AdamState& from, Stream& stream);
@@ -49,7 +52,8 @@ struct AdamState {
 // applied at once (lazy Adam; math/adam.h), so that the optimiser reads and writes only what is
 // visible in a view. `position_rate_scale` ([N, 3] or empty) multiplies the learning rate of each
 // component of kPosition. Non-finite gradients count as zero and are counted in state.ignored. If
-// `overflowed` is given and *overflowed is not 0, only `step` changes.
+// `overflowed` is given and *overflowed is not 0, only `step` changes. A rank updates its own
+// Gaussians; `gradients`: of those.
 void AdamStepAll(const AdamSettings& settings,
                  const Gaussians& gradients,
                  View<const float> position_rate_scale,

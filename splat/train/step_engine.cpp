@@ -79,12 +79,13 @@ StepEngine::StepEngine(const TrainSettings& settings,
       now_(stream_.on_host() ? &state_ : &on_device_),
       targets_(subject, TargetBytes(stream_)),
       shards_(*device_.ranks),
-      sum_(*device_.ranks, shards_),
+      sum_(*device_.ranks),
       tape_(device_.rasterizer->MakeTape()),
       forecast_(forecast),
       steps_{Submitted(stream_), Submitted(stream_)} {
   if (!on_host()) CheckRule(settings.prune.rule);
   CheckBatch();
+  if (state_.adam.updated.empty()) state_.adam = AdamState(state_.gaussians, shards_.share());
   subject_.WorkIn(stream_);
   try {
     Store();
@@ -126,7 +127,8 @@ Population StepEngine::Everyone() {
           stream_,
           &*canvas_,
           pruner_,
-          mask_.learns() ? &mask_ : nullptr};
+          mask_.learns() ? &mask_ : nullptr,
+          &shards_};
 }
 
 // On the host, releases what is sized by the number of Gaussians: it is not needed while they are
@@ -212,6 +214,7 @@ Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
   if (!scale.empty()) stream_.Download(of_host.data(), scale.data, scale.count * sizeof(float));
   stream_.Wait();
   AdamCatchUpAll(rates, of_host, gaussians, adam);
+  exchanged_.groups_updated += shards_.ShareUpdated(gaussians, adam);
   return gaussians;
 }
 
@@ -219,6 +222,7 @@ void StepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
   Assemble();
   AdamCatchUpAll(rates, subject_.PositionRateScale(), now_->gaussians, now_->adam, stream_);
+  if (on_host()) exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
   fetched_ = false;
 }
 
@@ -493,7 +497,8 @@ View<const float> StepEngine::RegularizeScale(Submitted& step,
                        needles_.data()});
   ForEach(n,
           stream_,
-          PullNeedles{rule,
+          PullNeedles{shards_.share(),
+                      rule,
                       scale_log,
                       visible,
                       needles_.data(),
@@ -523,9 +528,7 @@ ViewGradients StepEngine::GradientsOf(Submitted& step, const StepPlan& plan) {
   return {gradients_,
           screen_,
           tape_->radii(),
-          image_.width,
-          image_.height,
-          step.photometric.Last() + step.of_crop};
+          {step.photometric.Last() + step.of_crop, image_.width, image_.height}};
 }
 
 double StepEngine::StepBatch(std::vector<StepPlan> views) {
@@ -557,11 +560,8 @@ double StepEngine::StepBatch(std::vector<StepPlan> views) {
   const bool regularizes = settings_.scale_regularizer.weight != 0;
   const bool moves_all = settings_.adam_on == AdamOn::kAll;
   if (regularizes || moves_all) sum_.ZeroUnseen();
-  View<const float> moves = RegularizeScale(step, sum_.moves(), sum_.gradients());
-  if (regularizes) sum_.KeepOwn(moves_);
-  if (moves_all) sum_.MoveAll();
-  if (moves_all) moves = sum_.moves();
-  Update(plan, moves, sum_.gradients());
+  const View<const float> moves = RegularizeScale(step, sum_.moves(), sum_.gradients());
+  Update(plan, moves_all ? View<const float>() : moves, sum_.gradients());
   if (settings_.exposure) UpdateExposures(views, exposures);
   exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
   exchanged_.views += views.size();
@@ -607,6 +607,7 @@ ExchangeStatistics StepEngine::Exchanged() const {
   all.bytes_sent = Sum(bytes, ranks);
   all.seconds = 1e-6 * double(Sum(microseconds, ranks)) / double(ranks.size());
   all.groups_drawn = Sum(sum_.groups_drawn(), ranks);
+  all.moments = Sum(shards_.moments_sent(), ranks);
   return all;
 }
 
@@ -658,6 +659,7 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"parameters", HeldBy(now_->gaussians)},
       {"gradients", HeldBy(gradients_)},
       {"gradients summed over views", sum_.held()},
+      {"messages between ranks", sum_.HeldByMessages(), MemoryOf::kFixed},
       {"first moments", HeldBy(now_->adam.m)},
       {"second moments", HeldBy(now_->adam.v)},
       {"Adam group state", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},

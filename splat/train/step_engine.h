@@ -74,9 +74,10 @@ struct ExchangeStatistics {
   size_t ranks = 1;
   uint64_t steps = 0;           // of several views
   uint64_t views = 0;           // of those
-  uint64_t assembled = 0;       // groups, summed over the times that the moments were assembled
+  uint64_t assembled = 0;       // groups, summed over the times that statistics were assembled
   uint64_t groups_drawn = 0;    // summed over views: with a visible Gaussian
-  uint64_t groups_updated = 0;  // summed over steps
+  uint64_t groups_updated = 0;  // summed over steps and times that Adam caught up
+  uint64_t moments = 0;         // numbers, of Gaussians that changed hands and for checkpoints
   uint64_t bytes_sent = 0;
   double seconds = 0;  // mean over the ranks, waiting included
 };
@@ -91,7 +92,8 @@ struct ExchangeStatistics {
 // that always knew them.
 class StepEngine : public FrameImages {
  public:
-  // Starts from `state`, in host memory; the first three arguments must outlive the engine. Throws
+  // Starts from `state`, in host memory, and makes zero moments if it has none, of this rank's own
+  // Gaussians; the first three arguments must outlive the engine. Throws
   // Error if the pruning rule works in every step on the host and the steps run on a device, and if
   // a step has several views (settings.batch) and the steps run on a device, the rule works in
   // every step or learns a mask, or there are more ranks than views.
@@ -113,6 +115,7 @@ class StepEngine : public FrameImages {
   void AfterStep(int iteration);
 
   size_t count() const { return now_->gaussians.size(); }
+  Shards& shards() { return shards_; }
   // Same as AdamCatchUpAll; needed before any of what follows.
   void CatchUp(const AdamSettings& rates);
   // Same as those of DensityControl (splat/train/density.h). Stays below the settings' limit if the
@@ -182,8 +185,8 @@ class StepEngine : public FrameImages {
   void CheckBatch() const;
   // Draws a view of a step and returns its gradients.
   ViewGradients GradientsOf(Submitted& step, const StepPlan& plan);
-  // After steps of several views, other ranks have parts of the moments and statistics: takes them
-  // over. All ranks do.
+  // After steps of several views, other ranks have parts of the statistics: takes them over. All
+  // ranks do.
   void Assemble();
   // The frame's exposure; null if none are trained.
   const float* ExposureOf(size_t frame) const;

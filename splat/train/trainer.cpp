@@ -36,7 +36,6 @@ Trainer::Trainer(const TrainSettings& settings,
   CheckCropLoss();
   state_.gaussians = std::move(first);
   state_.gaussians.antialiased = settings.antialiasing;
-  state_.adam = AdamState(state_.gaussians);
   state_.statistics.Reset(state_.gaussians.size());
   state_.rng.state = settings.seed;
   state_.iteration = settings.first_iteration;
@@ -195,7 +194,7 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
     checkpoint.state.exposures = state_.exposures;
     checkpoint.subject = subject_.SaveState();
   }
-  cosplat::Describe(a, subject_.frame_count(), checkpoint.state);
+  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), checkpoint.state);
   CheckIsOfRun(a, checkpoint.state);
   if (checkpoint.subject) checkpoint.subject->Describe(a, checkpoint.state.gaussians.size());
   a.Value("drop_psnr", checkpoint.drop_psnr);
@@ -203,7 +202,7 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
 
 void Trainer::Describe(StateArchive& a) {
   if (!a.reads()) engine_->Fetch();
-  cosplat::Describe(a, subject_.frame_count(), state_);
+  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), state_);
   CheckIsOfRun(a, state_);
   const std::shared_ptr<SubjectState> subject = subject_.SaveState();
   if (subject) subject->Describe(a, state_.gaussians.size());

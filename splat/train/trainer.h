@@ -58,7 +58,8 @@ class Trainer {
   // A step covers as many iterations as it has views: TrainSettings::batch, fewer at the end.
   StepReport Step();
 
-  // Fetches everything from where it is trained; iteration() and count() do not.
+  // Fetches everything from where it is trained; iteration() and count() do not. All ranks call it;
+  // each then has the moments of its own Gaussians.
   const TrainingState& state() const;
   int iteration() const { return state_.iteration; }
   size_t count() const { return engine_->count(); }
@@ -84,7 +85,8 @@ class Trainer {
   // Writes all that this run is to a checkpoint, or reads it: the same steps follow, bit for bit,
   // with any number of threads. Settings and data must be those that it was written with, and are
   // not in it, except for the rule and the target of pruning, which Restore changes. Throws Error
-  // if what is read does not fit them; the trainer is then not to be used.
+  // if what is read does not fit them; the trainer is then not to be used. Of several ranks all
+  // call it (splat/train/describe_state.h).
   void Describe(StateArchive& archive);
   // The same for a state to return to.
   void Describe(StateArchive& archive, Checkpoint& checkpoint) const;

@@ -177,6 +177,7 @@ TEST_F(RanksTest, LeaveTheSameBytesOnOneTwoAndFour) {
     counts.groups_drawn = sent["groups_drawn"];
     counts.groups_updated = sent["groups_updated"];
     counts.assembled = sent["groups_assembled"];
+    counts.moments = sent["moments"];
     const double calculated = TrafficOf(counts, 59);
     EXPECT_NEAR(double(sent["bytes_sent"]), calculated, 0.05 * calculated) << ranks << " ranks";
   }

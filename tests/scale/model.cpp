@@ -12,6 +12,9 @@ namespace cosplat::scale {
 namespace {
 
 constexpr size_t kNumbers = 59;  // floats per Gaussian at degree 3
+// Of a density control: children are added, Gaussians removed, all sorted. A Gaussian then has
+// another owner, as if drawn at random, at most.
+constexpr double kReorderings = 3;
 
 double GroupsOf(double gaussians) { return gaussians / double(kGaussianGroup); }
 
@@ -67,8 +70,13 @@ StepTime TimeOf(const Measured& m, const Training& t, const Machine& machine) {
   counts.views = uint64_t(t.batch);
   counts.groups_drawn = uint64_t(t.batch * GroupsOf(t.drawn));
   counts.groups_updated = uint64_t(GroupsOf(t.updated));
-  if (t.steps_between_controls > 0)
-    counts.assembled = uint64_t(GroupsOf(t.gaussians) / t.steps_between_controls);
+  if (t.steps_between_controls > 0) {
+    const double controls = 1 / t.steps_between_controls;
+    const double elsewhere = 1 - 1 / machine.ranks;
+    counts.assembled = uint64_t(GroupsOf(t.gaussians) * controls);
+    counts.groups_updated += uint64_t(GroupsOf(t.gaussians - t.updated) * controls);
+    counts.moments = uint64_t(2 * kNumbers * t.gaussians * kReorderings * elsewhere * controls);
+  }
   time.bytes = TrafficOf(counts, kNumbers);
   // A rank's share of it; and per exchange a message for the length and one for the content.
   if (machine.ranks > 1)

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
 
 #include "splat/base/state_file.h"
 #include "splat/train/scene_subject.h"
@@ -49,16 +51,41 @@ struct BatchRun {
   void Until(int iteration) {
     while (trainer.iteration() < iteration) trainer.Step();
   }
+  // All ranks call it.
+  void Write(const std::string& path, const Ranks& ranks) {
+    const auto describe = [&](StateArchive& a) { trainer.Describe(a); };
+    ranks.rank() == 0 ? WriteStateFile(path, "a run", describe) : DiscardState(describe);
+  }
+  void Read(const std::string& path) {
+    StateFile(path).Read([&](StateArchive& a) { trainer.Describe(a); });
+  }
 };
 
-// The state that every rank ends with.
+TrainingState StateIn(const std::string& path, const TrainSettings& settings) {
+  BatchRun run(settings, OneRank());
+  run.Read(path);
+  return run.trainer.state();
+}
+
+// The state that every rank ends with; the moments, of which each has its share, from the
+// checkpoint that they write.
 std::vector<TrainingState> TrainOn(size_t ranks, const TrainSettings& settings) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "checkpoint";
   std::vector<TrainingState> ends(ranks);
   OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
     BatchRun run(settings, rank);
     run.Until(settings.iterations);
+    run.Write(path, *rank);
     ends[rank->rank()] = run.trainer.state();
   });
+  const TrainingState written = StateIn(path, settings);
+  for (TrainingState& end : ends) {
+    const RowShare share = end.adam.share;
+    EXPECT_EQ(end.adam.m.size(), share.CountOf(end.gaussians.size()));
+    end.adam.m = written.adam.m;
+    end.adam.v = written.adam.v;
+  }
   return ends;
 }
 
@@ -134,17 +161,34 @@ TEST(Batch, GoesOnWithAnotherNumberOfRanks) {
   for (int part = 0; part < 4; ++part) {
     OnThreads(ranks[part], [&](std::shared_ptr<Ranks> rank) {
       BatchRun run(settings, rank);
-      const auto describe = [&](StateArchive& a) { run.trainer.Describe(a); };
-      if (part > 0) StateFile(path).Read(describe);
+      if (part > 0) run.Read(path);
       run.Until(until[part]);
       Sum(0, *rank);  // all have read it
-      if (rank->rank() == 0)
-        WriteStateFile(path, "a run", describe);
-      else
-        run.trainer.state();
-      if (part == 3) EXPECT_TRUE(SameBits(undisturbed, run.trainer.state()));
+      run.Write(path, *rank);
     });
   }
+  EXPECT_TRUE(SameBits(undisturbed, StateIn(path, settings)));
+}
+
+// Blocks of 512 of 3,000 and more Gaussians: no rank has more than two of six.
+TEST(Batch, DividesMomentsAndSums) {
+  TrainSettings settings = BusyBatch();
+  settings.density.max_count = 3000;
+  const auto held = [&](size_t ranks) {
+    std::map<std::string, size_t> most;
+    std::mutex guard;
+    OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
+      BatchRun run(settings, rank);
+      run.Until(30);
+      const std::lock_guard lock(guard);
+      for (const MemoryPart& part : run.trainer.Memory())
+        most[part.name] = std::max(most[part.name], part.bytes);
+    });
+    return most;
+  };
+  auto alone = held(1), shared = held(4);
+  for (const char* part : {"first moments", "second moments", "gradients summed over views"})
+    EXPECT_LT(double(shared[part]), 0.45 * double(alone[part])) << part;
 }
 
 // Within 5 %: a rank owns only about its share of what a view draws. Measured 0.9 % on three ranks.

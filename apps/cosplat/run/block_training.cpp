@@ -209,7 +209,6 @@ class BlockTraining {
       const Agreement agreed = AgreeAfterStep(signals_.received(), checkpoint_, *group_);
       if (agreed.signal != 0) Stop(agreed.signal);
       if (!agreed.checkpoint) continue;
-      trainer_->state();  // an exchange, whose failure is not the checkpoint's
       checkpoint_.Try([&] { WriteCheckpoint(); });
     }
     WriteCheckpoint();
@@ -314,7 +313,7 @@ class BlockTraining {
   // Until all have got here nobody changes a file that an earlier checkpoint would need.
   void BeginRound() {
     ++state_.round;
-    if (writes()) checkpoint_.Write(Iteration(), Description());
+    if (writes()) checkpoint_.Write(Iteration(), Description(), *OneRank());
     if (writes() && state_.round == 1) files_.RemoveWhole();
     Meet();
   }
@@ -370,11 +369,12 @@ class BlockTraining {
 
   // All ranks of the group call it: each has a part of the state.
   void WriteCheckpoint() {
-    trainer_->state();
-    if (leads() && !whole())
-      checkpoint_.WritePart(files_.CheckpointPath(block_, state_.round),
-                            [this](StateArchive& a) { trainer_->Describe(a); });
-    if (writes()) checkpoint_.Write(Iteration(), Description());  // says how far the run is
+    if (whole()) return checkpoint_.Write(Iteration(), Description(), *group_);
+    checkpoint_.WritePart(
+        files_.CheckpointPath(block_, state_.round),
+        [this](StateArchive& a) { trainer_->Describe(a); },
+        *group_);
+    if (writes()) checkpoint_.Write(Iteration(), Description(), *OneRank());  // how far the run is
   }
 
   // Returns the iteration that the run had reached.

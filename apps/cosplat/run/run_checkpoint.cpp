@@ -194,12 +194,34 @@ int RunCheckpoint::Read(const StateDescription& describe) const {
   return header.iteration;
 }
 
+// What the description exchanges with the other ranks takes place even if the first of them cannot
+// write.
+void RunCheckpoint::WriteTogether(const std::string& path,
+                                  const std::string& header,
+                                  const StateDescription& describe,
+                                  const Ranks& ranks) {
+  last_ = std::chrono::steady_clock::now();  // also after a failure: not again at every step
+  lost_ = true;                              // until the description has come to its end
+  bool begun = false;
+  const auto visit = [&](StateArchive& archive) {
+    begun = true;
+    describe(archive);
+    lost_ = false;
+  };
+  try {
+    ranks.rank() == 0 ? WriteStateFile(path, header, visit) : DiscardState(visit);
+  } catch (const Error&) {
+    if (!begun) DiscardState(visit);
+    throw;
+  }
+  last_ = std::chrono::steady_clock::now();
+}
+
 bool RunCheckpoint::IsDue() const {
   return interval_.count() > 0 && std::chrono::steady_clock::now() - last_ >= interval_;
 }
 
-void RunCheckpoint::Write(int iteration, const StateDescription& describe) {
-  last_ = std::chrono::steady_clock::now();  // also after a failure: not again at every step
+void RunCheckpoint::Write(int iteration, const StateDescription& describe, const Ranks& ranks) {
   Json data = Json::array();
   for (const auto& [name, checksum] : data_) data.push_back({name, checksum});
   const Json header{{"version", COSPLAT_VERSION},
@@ -207,14 +229,13 @@ void RunCheckpoint::Write(int iteration, const StateDescription& describe) {
                     {"iteration", iteration},
                     {"iterations", iterations_},
                     {"data", data}};
-  WriteStateFile(path_, header.dump(), describe);
-  last_ = std::chrono::steady_clock::now();
+  WriteTogether(path_, header.dump(), describe, ranks);
 }
 
-void RunCheckpoint::WritePart(const std::string& path, const StateDescription& describe) {
-  last_ = std::chrono::steady_clock::now();
-  WriteStateFile(path, "", describe);
-  last_ = std::chrono::steady_clock::now();
+void RunCheckpoint::WritePart(const std::string& path,
+                              const StateDescription& describe,
+                              const Ranks& ranks) {
+  WriteTogether(path, "", describe, ranks);
 }
 
 void RunCheckpoint::Try(const std::function<void()>& write) const {
@@ -222,6 +243,7 @@ void RunCheckpoint::Try(const std::function<void()>& write) const {
   try {
     write();
   } catch (const Error& error) {
+    if (lost_) throw;
     std::fprintf(stderr, "cosplat: warning: no checkpoint: %s\n", error.what());
   }
 }

@@ -45,24 +45,32 @@ class RunCheckpoint {
   int Read(const StateDescription& describe) const;
   // Whether the interval has passed since the start or the last checkpoint.
   bool IsDue() const;
-  // iteration: that the run has reached, for messages. Throws Error as WriteStateFile does; an
-  // earlier checkpoint is then still there.
-  void Write(int iteration, const StateDescription& describe);
-  // A part of the run's state in a file of its own, without a header. Throws Error likewise.
-  void WritePart(const std::string& path, const StateDescription& describe);
-  // Writes either, unless no checkpoints are wanted; a failure is only a warning: training goes on.
+  // iteration: that the run has reached, for messages. All of the ranks that share the state call
+  // it; the first of them writes, and throws Error as WriteStateFile does; an earlier checkpoint is
+  // then still there.
+  void Write(int iteration, const StateDescription& describe, const Ranks& ranks);
+  // A part of the run's state in a file of its own, without a header. Likewise.
+  void WritePart(const std::string& path, const StateDescription& describe, const Ranks& ranks);
+  // Writes either, unless no checkpoints are wanted; a failure to write is only a warning: training
+  // goes on.
   void Try(const std::function<void()>& write) const;
   // Once everything is written. Throws Error if it cannot be removed, since the run would then be
   // taken for an interrupted one.
   void Remove() const;
 
  private:
+  void WriteTogether(const std::string& path,
+                     const std::string& header,
+                     const StateDescription& describe,
+                     const Ranks& ranks);
+
   std::string folder_, path_, config_;
   int iterations_;
   std::chrono::duration<double> interval_;
   RunStart start_;
   DataChecksums data_;
   std::chrono::steady_clock::time_point last_;
+  bool lost_ = false;  // the last one for what another rank has of the state
 };
 
 // What ranks do after a step: they agree in one exchange, on a signal that one of them got (0:

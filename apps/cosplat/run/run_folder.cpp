@@ -193,6 +193,7 @@ void WriteStatistics(const std::string& folder,
                      {"groups_drawn", s.exchanged.groups_drawn},
                      {"groups_updated", s.exchanged.groups_updated},
                      {"groups_assembled", s.exchanged.assembled},
+                     {"moments", s.exchanged.moments},
                      {"bytes_sent", s.exchanged.bytes_sent},
                      {"exchange_seconds", s.exchanged.seconds}};
   if (!blocks.empty()) json["blocks"] = blocks;

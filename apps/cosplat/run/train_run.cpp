@@ -148,9 +148,8 @@ class TrainingRun {
 
   void StopFor(int signal) {
     if (signal == 0) return;
-    trainer_.state();  // all ranks have a part of it
     try {
-      if (writes()) checkpoint_.Write(trainer_.iteration(), Description());
+      WriteCheckpoint();
     } catch (const Error& error) {
       throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
     }
@@ -160,9 +159,9 @@ class TrainingRun {
   }
 
   void TryToWriteCheckpoint() {
-    trainer_.state();  // as above
-    if (writes()) checkpoint_.Try([&] { checkpoint_.Write(trainer_.iteration(), Description()); });
+    checkpoint_.Try([&] { WriteCheckpoint(); });
   }
+  void WriteCheckpoint() { checkpoint_.Write(trainer_.iteration(), Description(), *hooks_.ranks); }
 
   void BeginSearch() {
     const BudgetSettings settings{o_.tolerance,
