@@ -203,6 +203,7 @@ void StepEngine::FetchForRanking() {
 
 Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
   Fetch();
+  ReleaseScratch();
   Gaussians gaussians = state_.gaussians;
   const Buffer<uint32_t>& updated = state_.adam.updated;
   const bool up_to_date = std::all_of(

@@ -15,6 +15,7 @@ namespace {
 // (docs/performance.md, *Memory*), and a pixel in work takes 28 bytes of rendering, 12 of exposure
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
+constexpr size_t kBesideCopies = 50;
 constexpr size_t kPerPixel = 56;
 // Two layers, the target and the mask of two frames; floats while layers are put together, and of
 // what is shown.
@@ -26,17 +27,20 @@ constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
 constexpr double kGb = 1e9;
 
-// Of parameters, which there are five times: with gradients, two moments, and the copy that is
-// saved. A copy in the middle of a run takes two more (Trainer::CaughtUp).
+// Of parameters, which there are four times in a step: with gradients and two moments; the
+// gradients of several views are summed in a fifth. Six times, without gradients and what drawing
+// takes, while a copy is made in the middle of a run, which has moments of its own
+// (StepEngine::CaughtUp), and while a checkpoint is read, beside the bytes of its file.
 size_t BytesPerGaussian(const SceneTrainOptions& o) {
   Gaussians one;
   one.degree = o.sh_degree;
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(one.width(a));
-  const bool in_the_middle = !o.save_iterations.empty() || !o.test_iterations.empty();
-  const size_t trained = (in_the_middle ? 7 : 5) * sizeof(float) * numbers + kBesideParameters;
+  const size_t parameters = sizeof(float) * numbers;
+  const size_t trained = std::max((o.batch > 1 ? 5 : 4) * parameters + kBesideParameters,
+                                  6 * parameters + kBesideCopies);
   if (o.blocks == 1) return trained;
-  return std::max(trained / o.blocks, sizeof(float) * numbers + kDrawn);
+  return std::max(trained / o.blocks, parameters + kDrawn);
 }
 
 std::string Gb(double bytes) {
