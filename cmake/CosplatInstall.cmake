@@ -63,6 +63,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/train/cuda/
   splat/train/kernels/adam.h
   splat/train/kernels/layers.h
+  splat/train/kernels/shards.h
   splat/train/mpi/)
 
 # Call it when every target exists.

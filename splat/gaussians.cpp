@@ -93,12 +93,12 @@ void Gaussians::Download(Gaussians& to, Stream& stream) const {
   }
 }
 
-void Gaussians::RefillLike(const Gaussians& other, Stream& stream) {
+void Gaussians::RefillLike(const Gaussians& other, Stream& stream, size_t n) {
   degree = other.degree;
   basis = other.basis;
   corrections = other.corrections;
   degrees.clear();
-  for (int a = 0; a < kAttributeCount; ++a) values[a].Refill(other.values[a].size(), stream);
+  for (int a = 0; a < kAttributeCount; ++a) values[a].Refill(n * size_t(width(a)), stream);
 }
 
 void Gaussians::FillWithZeros(Stream& stream) {

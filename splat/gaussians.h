@@ -72,8 +72,12 @@ struct Gaussians {
   // Copies to Gaussians in host memory, which get this layout; their values are valid once the
   // stream has been waited for.
   void Download(Gaussians& to, Stream& stream) const;
-  // Resizes to the layout of `other`, with unspecified values.
-  void RefillLike(const Gaussians& other, Stream& stream);
+  // Resizes to n Gaussians of the layout of `other`, or as many as that has, with unspecified
+  // values.
+  void RefillLike(const Gaussians& other, Stream& stream, size_t n);
+  void RefillLike(const Gaussians& other, Stream& stream) {
+    RefillLike(other, stream, other.size());
+  }
   void FillWithZeros(Stream& stream);
 };
 

@@ -103,7 +103,7 @@ void Population::Gather(const Reordering& order) const {
   const size_t n = source.count;
   GatherGaussians(gaussians, gradients, source, n, stream);
   if (adam.share.ranks > 1) {
-    shards->Gather(order, adam);
+    shards->Gather(order, adam, stream);
   } else {
     GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
     GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);

@@ -1,12 +1,12 @@
 #include "splat/train/gradient_sum.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
-#include "splat/train/kernels/adam.h"
-#include "splat/train/kernels/step.h"
+#include "splat/device/for_each.h"
+#include "splat/train/kernels/shards.h"
+#include "splat/train/shards.h"
 
 namespace cosplat {
 namespace {
@@ -14,11 +14,22 @@ namespace {
 // After the attributes.
 enum { kScreenRows = kAttributeCount, kRadiusRows };
 
-std::vector<RowArray> RowsOfView(const ViewGradients& view) {
-  std::vector<RowArray> rows = RowsOf(view.gradients);
-  rows.push_back({view.screen.data(), 2});
-  rows.push_back({const_cast<float*>(view.radii.data), 1});  // only read
+RowArrays RowsOfView(const ViewGradients& view) {
+  RowArrays rows = RowsOf(view.gradients);
+  rows.Add({view.screen.data(), 2});
+  rows.Add({const_cast<float*>(view.radii.data), 1});  // only read
   return rows;
+}
+
+// gaussians: of all ranks.
+OwnSums SumsOf(const RowShare& share,
+               Gaussians& sum,
+               const Buffer<uint8_t>& seen,
+               size_t gaussians) {
+  OwnSums sums{share, {}, gaussians, seen.view()};
+  const RowArrays rows = RowsOf(sum);
+  std::copy_n(rows.array, rows.count, sums.sum);
+  return sums;
 }
 
 }  // namespace
@@ -26,19 +37,26 @@ std::vector<RowArray> RowsOfView(const ViewGradients& view) {
 // A view's groups that this rank owns: where they are drawn, or in a message.
 struct GradientSum::Rows {
   View<const uint32_t> groups;
-  std::vector<RowArray> arrays;
-  bool packed = false;  // row kGaussianGroup * k is the first of groups[k]; else of group k
+  RowArrays arrays;
+  bool packed = false;  // AddGroup::packed
   ViewLoss of;
 };
 
+GradientSum::GradientSum(Ranks& ranks, Stream& stream)
+    : ranks_(ranks), stream_(stream), share_(ShareOf(ranks)), messages_(ranks) {}
+
 void GradientSum::Begin(const Gaussians& gaussians, size_t views) {
   const size_t groups = AdamGroupCount(gaussians.size());
-  const size_t own = share_.CountOf(gaussians.size());
-  if (sum_.size() != own) sum_ = gaussians.ZerosLike(own);
-  moves_.Refill(gaussians.size());
-  moves_.FillWithZeros(HostStream());
-  seen_.Refill(groups);
-  seen_.FillWithZeros(HostStream());
+  sum_.RefillLike(gaussians, stream_, share_.CountOf(gaussians.size()));
+  moves_.Refill(gaussians.size(), stream_);
+  moves_.FillWithZeros(stream_);
+  seen_.Refill(groups, stream_);
+  seen_.FillWithZeros(stream_);
+  drawn_.Refill(groups, stream_);
+  never_.Refill(1, stream_);
+  never_.FillWithZeros(stream_);
+  groups_.resize(ranks_.size());
+  lists_.resize(ranks_.size());
   of_view_ = 1 / float(views);
   losses_.clear();
 }
@@ -53,8 +71,16 @@ std::vector<std::optional<ViewLoss>> GradientSum::ExchangeLosses(const ViewGradi
   std::vector<std::optional<ViewLoss>> views(messages.size());
   for (size_t r = 0; r < views.size(); ++r)
     if (!messages[r].empty())
-      std::memcpy(&views[r].emplace(), messages[r].data(), sizeof(ViewLoss));
+      std::memcpy(static_cast<void*>(&views[r].emplace()), messages[r].data(), sizeof(ViewLoss));
   return views;
+}
+
+std::vector<uint8_t> GradientSum::DrawnGroups(const ViewGradients& mine) {
+  ForEach(drawn_.size(), stream_, FindDrawn{mine.radii, drawn_.view()});
+  std::vector<uint8_t> drawn(drawn_.size());
+  drawn_.Download(drawn.data(), stream_);
+  stream_.Wait();
+  return drawn;
 }
 
 void GradientSum::Add(const ViewGradients* mine,
@@ -67,27 +93,26 @@ void GradientSum::Add(const ViewGradients* mine,
   layout.degree = gaussians.degree;
   layout.corrections = gaussians.corrections;
   Buffer<float> none;
-  const std::vector<RowArray> widths = RowsOfView({layout, none, {}, {}});
-  const std::vector<RowArray> rows = mine ? RowsOfView(*mine) : widths;
-  groups_.resize(ranks_.size());
-  to_.resize(ranks_.size());
+  const RowArrays widths = RowsOfView({layout, none, {}, {}});
+  const RowArrays rows = mine ? RowsOfView(*mine) : widths;
+  const std::vector<uint8_t> drawn = mine ? DrawnGroups(*mine) : std::vector<uint8_t>();
   for (size_t begin = 0; begin < seen_.size(); begin += kGroupsPerExchange) {
     for (auto& groups : groups_) groups.clear();
-    if (mine)
-      for (size_t g = begin; g < std::min(begin + kGroupsPerExchange, seen_.size()); ++g)
-        if (AnyPositive(mine->radii, g))
-          groups_[share_.OwnerOf(g * kGaussianGroup)].push_back(uint32_t(g));
+    for (size_t g = begin; g < std::min(begin + kGroupsPerExchange, drawn.size()); ++g)
+      if (drawn[g] != 0) groups_[share_.OwnerOf(g * kGaussianGroup)].push_back(uint32_t(g));
     for (size_t r = 0; r < ranks_.size(); ++r) {
       groups_drawn_ += groups_[r].size();
-      if (r != ranks_.rank()) PackGroups({}, rows, groups_[r], gaussians.size(), to_[r]);
+      lists_[r].Upload(groups_[r].data(), groups_[r].size(), stream_);
+      if (r != ranks_.rank())
+        PackGroups(rows, lists_[r], gaussians.size(), messages_.To(r), stream_);
     }
-    ranks_.Exchange({to_.begin(), to_.end()}, from_);
+    messages_.Exchange(stream_);
     for (size_t r = 0; r < ranks_.size(); ++r) {
       if (!views[r]) continue;
       if (r == ranks_.rank()) {
-        AddView({groups_[r], rows, false, *views[r]}, gaussians, statistics);
+        AddView({lists_[r], rows, false, *views[r]}, gaussians, statistics);
       } else {
-        const PackedGroups packed = FindPacked(widths, from_[r].view());
+        const PackedGroups packed = FindPacked(widths, messages_.From(r).view());
         AddView({packed.groups, packed.arrays, true, *views[r]}, gaussians, statistics);
       }
     }
@@ -99,57 +124,36 @@ void GradientSum::AddView(const Rows& view,
                           DensityStatistics* statistics) {
   const size_t count = gaussians.size();
   const size_t rows = view.packed ? view.groups.size() * kGaussianGroup : count;
-  const uint32_t never = 0;
-  AccumulateStep accumulate{{view.arrays[kRadiusRows].data, rows},
-                            {view.arrays[kScreenRows].data, 2 * rows},
-                            {view.arrays[kScaleLog].data, 3 * rows},
+  AccumulateStep accumulate{{view.arrays.array[kRadiusRows].data, rows},
+                            {view.arrays.array[kScreenRows].data, 2 * rows},
+                            {view.arrays.array[kScaleLog].data, 3 * rows},
                             gaussians.values[kScaleLog].view(),
                             view.of.width,
                             view.of.height,
                             {},
                             {},
                             {},
-                            &never};
+                            never_.data()};
   if (statistics) {
     accumulate.screen_gradient = statistics->screen_gradient.view();
     accumulate.plasticity = statistics->plasticity.view();
     accumulate.visible = statistics->visible.view();
   }
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, view.groups.size(), kGroupsPerBlock),
-                    [&](const auto& range) {
-                      for (size_t k = range.begin(); k < range.end(); ++k) {
-                        const size_t g = view.groups[k], first = g * kGaussianGroup;
-                        const size_t place = share_.PlaceOf(first);
-                        const size_t row = view.packed ? k * kGaussianGroup : first;
-                        const size_t size = std::min(kGaussianGroup, count - first);
-                        for (int a = 0; a < kAttributeCount; ++a) {
-                          const size_t width = view.arrays[a].width;
-                          const float* from = view.arrays[a].data + row * width;
-                          float* sum = sum_.values[a].data() + place * width;
-                          if (seen_[g])
-                            for (size_t n = 0; n < size * width; ++n) sum[n] += of_view_ * from[n];
-                          else
-                            for (size_t n = 0; n < size * width; ++n) sum[n] = of_view_ * from[n];
-                        }
-                        seen_[g] = 1;
-                        for (size_t i = 0; i < size; ++i) {
-                          if (accumulate.radii[row + i] > 0) moves_[first + i] = 1;
-                          if (statistics) accumulate.Add(first + i, row + i);
-                        }
-                      }
-                    });
+  ForEach(view.groups.size(),
+          stream_,
+          AddGroup{SumsOf(share_, sum_, seen_, count),
+                   view.arrays,
+                   view.packed,
+                   view.groups,
+                   of_view_,
+                   moves_.view(),
+                   statistics != nullptr,
+                   accumulate});
+  ForEach(view.groups.size(), stream_, MarkGroups{view.groups, seen_.view()});
 }
 
 void GradientSum::ZeroUnseen() {
-  for (size_t g = 0; g < seen_.size(); ++g) {
-    if (seen_[g] || !share_.Owns(g * kGaussianGroup)) continue;
-    const size_t first = share_.PlaceOf(g * kGaussianGroup);
-    const size_t last = std::min(first + kGaussianGroup, sum_.size());
-    for (int a = 0; a < kAttributeCount; ++a) {
-      const size_t width = size_t(sum_.width(a));
-      std::fill(sum_.values[a].data() + first * width, sum_.values[a].data() + last * width, 0.0f);
-    }
-  }
+  ForEach(seen_.size(), stream_, ZeroUnseenGroup{SumsOf(share_, sum_, seen_, moves_.size())});
 }
 
 double GradientSum::MeanLoss() const {
@@ -162,15 +166,9 @@ void GradientSum::Release() {
   sum_ = {};
   moves_ = {};
   seen_ = {};
-  to_.clear();
-  from_.clear();
-}
-
-size_t GradientSum::HeldByMessages() const {
-  size_t bytes = 0;
-  for (const auto* messages : {&to_, &from_})
-    for (const Message& message : *messages) bytes += HeldBy(message);
-  return bytes;
+  drawn_ = {};
+  lists_.clear();
+  messages_.Release();
 }
 
 }  // namespace cosplat

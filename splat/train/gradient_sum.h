@@ -12,7 +12,8 @@
 
 #include "splat/gaussians.h"
 #include "splat/train/density.h"
-#include "splat/train/shards.h"
+#include "splat/train/rank_messages.h"
+#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -21,7 +22,7 @@ struct ViewLoss {
   int width = 0, height = 0;  // px, of the image
 };
 
-// Of one view, for all Gaussians.
+// Of one view, for all Gaussians, in the stream's memory.
 struct ViewGradients {
   Gaussians& gradients;     // valid in groups with a visible Gaussian
   Buffer<float>& screen;    // [N, 2] as in WorldGradients
@@ -31,7 +32,8 @@ struct ViewGradients {
 
 class GradientSum {
  public:
-  explicit GradientSum(Ranks& ranks) : ranks_(ranks), share_(ShareOf(ranks)) {}
+  // In the memory of `stream`, on which everything runs.
+  GradientSum(Ranks& ranks, Stream& stream);
 
   // views: of the step, whose mean is taken.
   void Begin(const Gaussians& gaussians, size_t views);
@@ -52,23 +54,29 @@ class GradientSum {
 
   void Release();
   // Bytes.
-  size_t held() const { return HeldBy(sum_) + HeldBy(moves_, seen_); }
-  size_t HeldByMessages() const;
+  size_t held() const { return HeldBy(sum_) + HeldBy(moves_, seen_, drawn_); }
+  size_t HeldByMessages() const { return messages_.held(); }
 
  private:
   struct Rows;
   std::vector<std::optional<ViewLoss>> ExchangeLosses(const ViewGradients* mine);
+  // Whether this rank's view shows something of each group.
+  std::vector<uint8_t> DrawnGroups(const ViewGradients& mine);
   void AddView(const Rows& view, const Gaussians& gaussians, DensityStatistics* statistics);
 
   Ranks& ranks_;
+  Stream& stream_;
   RowShare share_;
   Gaussians sum_;
   Buffer<float> moves_;
-  Buffer<uint8_t> seen_;  // [groups] whether `sum_` is set
-  float of_view_ = 1;     // one over the number of views
+  Buffer<uint8_t> seen_;   // [groups] whether `sum_` is set
+  Buffer<uint8_t> drawn_;  // [groups]
+  float of_view_ = 1;      // one over the number of views
   std::vector<double> losses_;
   std::vector<std::vector<uint32_t>> groups_;  // drawn, of those in exchange, by owner
-  std::vector<Message> to_, from_;
+  std::vector<Buffer<uint32_t>> lists_;        // the same in the stream's memory
+  RankMessages messages_;
+  Buffer<uint32_t> never_;  // [1] 0: no step of several views overflows
   size_t groups_drawn_ = 0;
 };
 

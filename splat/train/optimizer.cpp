@@ -87,6 +87,7 @@ AdamState::AdamState(const Gaussians& gaussians, RowShare share_)
       ignored(1, 0) {}
 
 void AdamState::Upload(const AdamState& from, Stream& stream) {
+  share = from.share;
   m.Upload(from.m, stream);
   v.Upload(from.v, stream);
   step = from.step;
@@ -95,6 +96,7 @@ void AdamState::Upload(const AdamState& from, Stream& stream) {
 }
 
 void AdamState::Download(AdamState& to, Stream& stream) const {
+  to.share = share;
   m.Download(to.m, stream);
   v.Download(to.v, stream);
   to.step = step;

@@ -10,6 +10,7 @@ class LoneRank : public Ranks {
  public:
   size_t rank() const override { return 0; }
   size_t size() const override { return 1; }
+  size_t local_rank() const override { return 0; }
   void Exchange(const std::vector<View<const uint32_t>>&, std::vector<Message>& from) override {
     from.resize(1);
   }
@@ -42,6 +43,8 @@ uint32_t Largest(uint32_t number, Ranks& ranks) {
     if (!other.empty()) number = std::max(number, other[0]);
   return number;
 }
+
+uint32_t Smallest(uint32_t number, Ranks& ranks) { return ~Largest(~number, ranks); }
 
 std::string TextOfRankZero(const std::string& text, Ranks& ranks) {
   // A character a word: it is short, and words are what messages are of.

@@ -1,4 +1,5 @@
-// Which rank has which rows of a per-Gaussian array that is divided between ranks.
+// Which rank has which rows of a per-Gaussian array that is divided between ranks, and several such
+// arrays together.
 //
 // The ranks' shares are blocks of neighbouring rows in turn: a view sees one region, and neighbours
 // in the arrays are neighbours in space, so that every rank has its part of what a view moves. A
@@ -8,7 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/gaussians.h"
 #include "splat/math/namespace.h"
+#include "splat/render/kernels/world_gaussians.h"
 
 namespace cosplat {
 
@@ -29,6 +32,27 @@ struct RowShare {
     const size_t blocks = rows / kRowsPerBlock, rest = rows % kRowsPerBlock;
     return (blocks / ranks + (rank < blocks % ranks ? 1 : 0)) * kRowsPerBlock +
            (rank == blocks % ranks ? rest : 0);
+  }
+};
+
+// An array with `width` numbers per Gaussian.
+struct RowArray {
+  float* data = nullptr;
+  size_t width = 0;
+};
+
+// What is sent of a Gaussian: at most its attributes, the gradient of its centre and its radius.
+struct RowArrays {
+  static constexpr size_t kMax = kAttributeCount + 2;
+  RowArray array[kMax];
+  size_t count = 0;
+
+  void Add(RowArray more) { array[count++] = more; }
+  // Numbers of a group.
+  size_t numbers() const {
+    size_t sum = 0;
+    for (size_t a = 0; a < count; ++a) sum += kGaussianGroup * array[a].width;
+    return sum;
   }
 };
 

@@ -1,25 +1,13 @@
 #include "splat/train/shards.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
-#include "splat/train/kernels/adam.h"
+#include "splat/device/for_each.h"
+#include "splat/device/gather.h"
+#include "splat/train/kernels/shards.h"
 
 namespace cosplat {
 namespace {
-
-// Calls copy(k, rows, row): `rows` Gaussians from `row` on belong to groups[k].
-template <class Copy>
-void ForEachGroup(View<const uint32_t> groups, size_t count, const Copy& copy) {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, groups.size(), kGroupsPerBlock),
-                    [&](const auto& range) {
-                      for (size_t k = range.begin(); k < range.end(); ++k) {
-                        const size_t row = kGaussianGroup * groups[k];
-                        copy(k, std::min(kGaussianGroup, count - row), row);
-                      }
-                    });
-}
 
 // Calls copy(row, place, rows) for the blocks of a share in [begin, end), where a block begins.
 template <class Copy>
@@ -33,161 +21,163 @@ struct Transfers {
   std::vector<std::vector<uint32_t>> sent, received;  // places in the old and in the new share
 };
 
-Transfers TransfersOf(const Reordering& order, const RowShare& share) {
+Transfers TransfersOf(View<const uint32_t> source, size_t first_fresh, const RowShare& share) {
   Transfers all;
   all.sent.resize(share.ranks);
   all.received.resize(share.ranks);
-  for (size_t row = 0; row < order.first_fresh; ++row) {
-    const size_t source = order.source[row];
-    const size_t from = share.OwnerOf(source), to = share.OwnerOf(row);
-    if (from == share.rank) all.sent[to].push_back(uint32_t(share.PlaceOf(source)));
+  for (size_t row = 0; row < first_fresh; ++row) {
+    const size_t from = share.OwnerOf(source[row]), to = share.OwnerOf(row);
+    if (from == share.rank) all.sent[to].push_back(uint32_t(share.PlaceOf(source[row])));
     if (to == share.rank) all.received[from].push_back(uint32_t(share.PlaceOf(row)));
   }
   return all;
 }
 
-// Rows of `width` numbers one after another.
-void PackRows(const Buffer<float>& from,
-              size_t width,
-              const std::vector<uint32_t>& rows,
-              Message& message) {
-  message.Refill(rows.size() * width);
-  float* to = reinterpret_cast<float*>(message.data());
-  for (size_t k = 0; k < rows.size(); ++k)
-    std::copy_n(from.data() + rows[k] * width, width, to + k * width);
+// In a stream's memory.
+std::vector<Buffer<uint32_t>> Uploaded(const std::vector<std::vector<uint32_t>>& lists,
+                                       Stream& stream) {
+  std::vector<Buffer<uint32_t>> copies(lists.size());
+  for (size_t r = 0; r < lists.size(); ++r)
+    copies[r].Upload(lists[r].data(), lists[r].size(), stream);
+  return copies;
 }
 
-void UnpackRows(const Message& message,
-                size_t width,
-                const std::vector<uint32_t>& rows,
-                Buffer<float>& to) {
-  const float* from = reinterpret_cast<const float*>(message.data());
-  for (size_t k = 0; k < rows.size(); ++k)
-    std::copy_n(from + k * width, width, to.data() + rows[k] * width);
+std::vector<uint32_t> Downloaded(View<const uint32_t> numbers, Stream& stream) {
+  std::vector<uint32_t> copy(numbers.count);
+  if (!copy.empty()) stream.Download(copy.data(), numbers.data, copy.size() * sizeof(uint32_t));
+  stream.Wait();
+  return copy;
+}
+
+View<float> Floats(Message& message) {
+  return {reinterpret_cast<float*>(message.data()), message.size()};
 }
 
 }  // namespace
 
 RowShare ShareOf(const Ranks& ranks) { return {uint32_t(ranks.rank()), uint32_t(ranks.size())}; }
 
-std::vector<RowArray> RowsOf(Gaussians& gaussians) {
-  std::vector<RowArray> arrays;
+RowArrays RowsOf(Gaussians& gaussians) {
+  RowArrays arrays;
   for (int a = 0; a < kAttributeCount; ++a)
-    arrays.push_back({gaussians.values[a].data(), size_t(gaussians.width(a))});
+    arrays.Add({gaussians.values[a].data(), size_t(gaussians.width(a))});
   return arrays;
 }
 
-size_t WordsPerGroup(const std::vector<RowArray>& arrays) {
-  size_t words = 1;
-  for (const RowArray& array : arrays) words += kGaussianGroup * array.width;
-  return words;
-}
+size_t WordsPerGroup(const RowArrays& arrays) { return 1 + arrays.numbers(); }
 
-PackedGroups FindPacked(const std::vector<RowArray>& arrays, View<uint32_t> words) {
+PackedGroups FindPacked(const RowArrays& arrays, View<uint32_t> words) {
   const size_t groups = words.size() / WordsPerGroup(arrays);
   PackedGroups packed{{words.data, groups}, {}};
   float* next = reinterpret_cast<float*>(words.data + groups);
-  for (const RowArray& array : arrays) {
-    packed.arrays.push_back({next, array.width});
-    next += groups * kGaussianGroup * array.width;
+  for (size_t a = 0; a < arrays.count; ++a) {
+    packed.arrays.Add({next, arrays.array[a].width});
+    next += groups * kGaussianGroup * arrays.array[a].width;
   }
   return packed;
 }
 
-void PackGroups(View<const uint32_t> header,
-                const std::vector<RowArray>& arrays,
+void PackGroups(const RowArrays& arrays,
                 View<const uint32_t> groups,
-                size_t count,
-                Message& message) {
-  const size_t before = header.size();
-  message.Refill(before + groups.size() * WordsPerGroup(arrays));
-  std::copy(header.begin(), header.end(), message.data());
-  std::copy(groups.begin(), groups.end(), message.data() + before);
-  const PackedGroups packed =
-      FindPacked(arrays, {message.data() + before, message.size() - before});
-  ForEachGroup(groups, count, [&](size_t k, size_t rows, size_t row) {
-    for (size_t a = 0; a < arrays.size(); ++a) {
-      const size_t width = arrays[a].width;
-      float* to = packed.arrays[a].data + k * kGaussianGroup * width;
-      std::copy_n(arrays[a].data + row * width, rows * width, to);
-      std::fill(to + rows * width, to + kGaussianGroup * width, 0.0f);
-    }
-  });
+                size_t gaussians,
+                Message& message,
+                Stream& stream) {
+  message.Refill(groups.size() * WordsPerGroup(arrays), stream);
+  const PackedGroups packed = FindPacked(arrays, message.view());
+  ForEach(groups.size(),
+          stream,
+          PackGroup{arrays, packed.arrays, groups, packed.groups.data, gaussians});
 }
 
-void UnpackGroups(const std::vector<RowArray>& arrays, size_t count, View<uint32_t> words) {
-  const PackedGroups packed = FindPacked(arrays, words);
-  ForEachGroup(packed.groups, count, [&](size_t k, size_t rows, size_t row) {
-    for (size_t a = 0; a < arrays.size(); ++a) {
-      const size_t width = arrays[a].width;
-      std::copy_n(packed.arrays[a].data + k * kGaussianGroup * width,
-                  rows * width,
-                  arrays[a].data + row * width);
-    }
-  });
+void UnpackGroups(const RowArrays& arrays,
+                  size_t gaussians,
+                  const PackedGroups& packed,
+                  Stream& stream) {
+  ForEach(
+      packed.groups.size(), stream, UnpackGroup{packed.arrays, arrays, packed.groups, gaussians});
 }
 
-size_t Shards::ShareUpdated(Gaussians& gaussians, AdamState& adam) {
-  const std::vector<RowArray> rows = RowsOf(gaussians);
+size_t Shards::ShareUpdated(Gaussians& gaussians, AdamState& adam, Stream& stream) {
+  const RowArrays rows = RowsOf(gaussians);
+  const std::vector<uint32_t> behind = Downloaded(adam.behind, stream);
   std::vector<uint32_t> updated;
-  Message message;
-  std::vector<Message> from;
   size_t groups = 0;
-  for (size_t begin = 0; begin < adam.behind.size(); begin += kGroupsPerExchange) {
-    const size_t end = std::min(begin + kGroupsPerExchange, adam.behind.size());
+  for (size_t begin = 0; begin < behind.size(); begin += kGroupsPerExchange) {
+    const size_t end = std::min(begin + kGroupsPerExchange, behind.size());
     updated.clear();
     for (size_t g = begin; g < end; ++g)
-      if (adam.behind[g] != kNotNow) updated.push_back(uint32_t(g));
+      if (behind[g] != kNotNow) updated.push_back(uint32_t(g));
     groups += updated.size();
     if (share_.ranks == 1) continue;
-    PackGroups({}, rows, updated, gaussians.size(), message);
-    ranks_.Exchange(std::vector<View<const uint32_t>>(share_.ranks, message), from);
-    for (Message& other : from) {
-      UnpackGroups(rows, gaussians.size(), other.view());
-      for (const uint32_t g : FindPacked(rows, other.view()).groups) adam.updated[g] = adam.step;
-      groups += other.size() / WordsPerGroup(rows);
+    groups_.Upload(updated.data(), updated.size(), stream);
+    PackGroups(rows, groups_, gaussians.size(), messages_.To(share_.rank), stream);
+    messages_.ExchangeWithAll(stream);
+    for (size_t r = 0; r < share_.ranks; ++r) {
+      if (r == share_.rank) continue;
+      const PackedGroups packed = FindPacked(rows, messages_.From(r).view());
+      UnpackGroups(rows, gaussians.size(), packed, stream);
+      ForEach(
+          packed.groups.size(), stream, SetOfGroups{packed.groups, adam.step, adam.updated.view()});
+      groups += packed.groups.size();
     }
   }
   return groups;
 }
 
-void Shards::Assemble(AdamState& adam, DensityStatistics& statistics, uint32_t& ignored) {
-  if (ranks_.size() == 1) return;
+void Shards::Assemble(AdamState& adam,
+                      DensityStatistics& statistics,
+                      uint32_t& ignored,
+                      Stream& stream) {
+  if (share_.ranks == 1) return;
   const size_t count = statistics.visible.size();
-  std::vector<RowArray> rows;
-  for (Buffer<float>* of_all : statistics.all()) rows.push_back({of_all->data(), 1});
+  RowArrays rows;
+  for (Buffer<float>* of_all : statistics.all()) rows.Add({of_all->data(), 1});
   std::vector<uint32_t> own;
   for (size_t g = 0; g < AdamGroupCount(count); ++g)
     if (share_.Owns(g * kGaussianGroup)) own.push_back(uint32_t(g));
-  const uint32_t newly_ignored = adam.ignored[0] - ignored;
-  Message message;
-  PackGroups({&newly_ignored, 1}, rows, own, count, message);
-  for (Message& other : ExchangeWithAll(message, ranks_)) {
-    if (other.empty()) continue;
-    UnpackGroups(rows, count, {other.data() + 1, other.size() - 1});
-    adam.ignored[0] += other[0];
-  }
-  ignored = adam.ignored[0];
+  groups_.Upload(own.data(), own.size(), stream);
+  PackGroups(rows, groups_, count, messages_.To(share_.rank), stream);
+  messages_.ExchangeWithAll(stream);
+  for (size_t r = 0; r < share_.ranks; ++r)
+    if (r != share_.rank)
+      UnpackGroups(rows, count, FindPacked(rows, messages_.From(r).view()), stream);
+  const uint32_t now = Downloaded(adam.ignored, stream)[0];
+  ignored += uint32_t(Sum(now - ignored, ranks_));
+  stream.Send(adam.ignored.data(), &ignored, sizeof ignored);
 }
 
-void Shards::Gather(const Reordering& order, AdamState& adam) {
-  const Transfers rows = TransfersOf(order, share_);
-  const size_t own = share_.CountOf(order.source.size());
-  std::vector<Message> to(share_.ranks), from;
+void Shards::Gather(const Reordering& order, AdamState& adam, Stream& stream) {
+  const std::vector<uint32_t> source = Downloaded(order.source, stream);
+  const Transfers rows = TransfersOf(source, order.first_fresh, share_);
+  const std::vector<Buffer<uint32_t>> sent = Uploaded(rows.sent, stream);
+  const std::vector<Buffer<uint32_t>> received = Uploaded(rows.received, stream);
+  const size_t own = share_.CountOf(source.size());
   Message kept;
   for (Gaussians* moments : {&adam.m, &adam.v})
     for (int a = 0; a < kAttributeCount; ++a) {
+      Buffer<float>& values = moments->values[a];
       const size_t width = size_t(moments->width(a));
       for (size_t r = 0; r < share_.ranks; ++r) {
-        const bool here = r == share_.rank;
-        PackRows(moments->values[a], width, rows.sent[r], here ? kept : to[r]);
-        if (!here) moments_sent_ += to[r].size();
+        Message& message = r == share_.rank ? kept : messages_.To(r);
+        message.Refill(sent[r].size() * width, stream);
+        ForEach(sent[r].size(),
+                stream,
+                GatherRow<float>{values.view(), sent[r], width, sent[r].size(), Floats(message)});
+        if (r != share_.rank) moments_sent_ += message.size();
       }
-      ranks_.Exchange({to.begin(), to.end()}, from);
-      moments->values[a] = Buffer<float>(own * width, 0.0f);
+      messages_.Exchange(stream);
+      values.Refill(own * width, stream);
+      values.FillWithZeros(stream);
       for (size_t r = 0; r < share_.ranks; ++r)
-        UnpackRows(r == share_.rank ? kept : from[r], width, rows.received[r], moments->values[a]);
+        ForEach(received[r].size(),
+                stream,
+                ScatterRow{Floats(r == share_.rank ? kept : messages_.From(r)).data,
+                           received[r],
+                           width,
+                           values.view()});
     }
+  stream.Wait();        // the lists are uploaded from this function's own
+  messages_.Release();  // which grow with the scene
 }
 
 Buffer<float> Shards::Assembled(const Buffer<float>& own, size_t width, size_t begin, size_t end) {
@@ -220,6 +210,11 @@ void Shards::TakeOwn(
   ForEachBlock(share_, begin, end, [&](size_t row, size_t place, size_t n) {
     std::copy_n(rows.data() + (row - begin) * width, n * width, own.data() + place * width);
   });
+}
+
+void Shards::Release() {
+  messages_.Release();
+  groups_ = {};
 }
 
 }  // namespace cosplat

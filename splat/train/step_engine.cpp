@@ -79,7 +79,7 @@ StepEngine::StepEngine(const TrainSettings& settings,
       now_(stream_.on_host() ? &state_ : &on_device_),
       targets_(subject, TargetBytes(stream_)),
       shards_(*device_.ranks),
-      sum_(*device_.ranks),
+      sum_(*device_.ranks, stream_),
       tape_(device_.rasterizer->MakeTape()),
       forecast_(forecast),
       steps_{Submitted(stream_), Submitted(stream_)} {
@@ -102,7 +102,6 @@ void StepEngine::CheckBatch() const {
                 "has fewer views than the " + std::to_string(device_.ranks->size()) +
                     " ranks that would share them");
   if (settings_.batch == 1) return;
-  if (!on_host()) throw Error(option, "steps of several views run on the CPU: use --device cpu");
   if (WorksOnProcessorOnly(settings_.prune.rule) || LearnsMask(settings_.prune.rule))
     throw Error("--prune " + ToString(settings_.prune.rule),
                 "works in steps of one view: use --batch 1 or another rule");
@@ -139,6 +138,7 @@ void StepEngine::ReleaseScratch() {
   screen_ = {};
   moves_ = {};
   sum_.Release();
+  shards_.Release();
   density_.Release();
   tape_ = device_.rasterizer->MakeTape();
 }
@@ -215,7 +215,7 @@ Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
   if (!scale.empty()) stream_.Download(of_host.data(), scale.data, scale.count * sizeof(float));
   stream_.Wait();
   AdamCatchUpAll(rates, of_host, gaussians, adam);
-  exchanged_.groups_updated += shards_.ShareUpdated(gaussians, adam);
+  exchanged_.groups_updated += shards_.ShareUpdated(gaussians, adam, HostStream());
   return gaussians;
 }
 
@@ -223,7 +223,8 @@ void StepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
   Assemble();
   AdamCatchUpAll(rates, subject_.PositionRateScale(), now_->gaussians, now_->adam, stream_);
-  if (on_host()) exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
+  if (settings_.batch > 1)
+    exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam, stream_);
   fetched_ = false;
 }
 
@@ -234,7 +235,7 @@ void StepEngine::AfterStep(int iteration) {
   fetched_ = false;
 }
 
-size_t StepEngine::MostThatFit() const {
+size_t StepEngine::MostThatFit() {
   if (on_host()) return size_t(-1);
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(now_->gaussians.width(a));
@@ -244,8 +245,9 @@ size_t StepEngine::MostThatFit() const {
   size_t held = 0;
   for (const MemoryPart& part : Memory())
     if (part.of == MemoryOf::kGaussians) held += part.bytes;
-  return size_t((double(held) + kUsableMemory * double(stream_.FreeMemory())) /
-                (kGrowth * per_gaussian));
+  const double most =
+      (double(held) + kUsableMemory * double(stream_.FreeMemory())) / (kGrowth * per_gaussian);
+  return Smallest(uint32_t(std::min(most, double(UINT32_MAX))), *device_.ranks);
 }
 
 void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
@@ -526,6 +528,7 @@ ViewGradients StepEngine::GradientsOf(Submitted& step, const StepPlan& plan) {
   step.masked = false;
   Draw(step, true);
   Differentiate(step);
+  stream_.Wait();
   return {gradients_,
           screen_,
           tape_->radii(),
@@ -546,10 +549,10 @@ double StepEngine::StepBatch(std::vector<StepPlan> views) {
     const size_t own = first + ranks.rank();
     std::optional<ViewGradients> mine;
     if (own < views.size()) mine.emplace(GradientsOf(step, views[own]));
-    if (mine && settings_.exposure)
-      std::copy_n(photograph_.gradient().begin(),
-                  kIdentityExposure.size(),
-                  exposures.emplace_back().begin());
+    if (mine && settings_.exposure) {
+      photograph_.gradient().Download(exposures.emplace_back().data(), stream_);
+      stream_.Wait();
+    }
     ScopedPhase phase(times_, Phase::kDensity);
     sum_.Add(mine ? &*mine : nullptr,
              now_->gaussians,
@@ -564,9 +567,10 @@ double StepEngine::StepBatch(std::vector<StepPlan> views) {
   const View<const float> moves = RegularizeScale(step, sum_.moves(), sum_.gradients());
   Update(plan, moves_all ? View<const float>() : moves, sum_.gradients());
   if (settings_.exposure) UpdateExposures(views, exposures);
-  exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam);
+  exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam, stream_);
   exchanged_.views += views.size();
   ++exchanged_.steps;
+  stream_.Wait();
   return sum_.MeanLoss() + (regularizes ? step.of_needles.Last() : 0);
 }
 
@@ -583,9 +587,11 @@ void StepEngine::UpdateExposures(const std::vector<StepPlan>& views,
     std::memcpy(gradient.data(),
                 of_ranks[k % ranks.size()].data() + k / ranks.size() * kNumbers,
                 sizeof gradient);
+    exposure_gradient_.Refill(kNumbers, stream_);
+    stream_.Send(exposure_gradient_.data(), gradient.data(), sizeof gradient);
     photograph_.Update(views[k].frame,
                        views[k].exposure_rate,
-                       gradient,
+                       exposure_gradient_,
                        overflowed_.data(),
                        now_->exposures,
                        stream_);
@@ -594,7 +600,7 @@ void StepEngine::UpdateExposures(const std::vector<StepPlan>& views,
 
 void StepEngine::Assemble() {
   if (assembled_) return;
-  shards_.Assemble(now_->adam, now_->statistics, ignored_);
+  shards_.Assemble(now_->adam, now_->statistics, ignored_, stream_);
   exchanged_.assembled += AdamGroupCount(count());
   assembled_ = true;
 }
@@ -660,7 +666,9 @@ std::vector<MemoryPart> StepEngine::Memory() const {
       {"parameters", HeldBy(now_->gaussians)},
       {"gradients", HeldBy(gradients_)},
       {"gradients summed over views", sum_.held()},
-      {"messages between ranks", sum_.HeldByMessages(), MemoryOf::kFixed},
+      {"messages between ranks",
+       sum_.HeldByMessages() + shards_.HeldByMessages(),
+       MemoryOf::kFixed},
       {"first moments", HeldBy(now_->adam.m)},
       {"second moments", HeldBy(now_->adam.v)},
       {"Adam group state", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},

@@ -95,8 +95,8 @@ class StepEngine : public FrameImages {
   // Starts from `state`, in host memory, and makes zero moments if it has none, of this rank's own
   // Gaussians; the first three arguments must outlive the engine. Throws
   // Error if the pruning rule works in every step on the host and the steps run on a device, and if
-  // a step has several views (settings.batch) and the steps run on a device, the rule works in
-  // every step or learns a mask, or there are more ranks than views.
+  // a step has several views (settings.batch) and the rule works in every step or learns a mask, or
+  // there are more ranks than views.
   StepEngine(const TrainSettings& settings,
              Subject& subject,
              TrainingState& state,
@@ -107,9 +107,9 @@ class StepEngine : public FrameImages {
   // Executes one step. Returns its loss or, if that would mean waiting for a device, the loss of
   // the previous step. Throws Error if one is not finite.
   double Step(const StepPlan& plan);
-  // One step of several views, of the mean of their losses, on the host. The plans differ in frame
-  // and background alone. Returns the mean loss. Every rank is given the same views, and draws its
-  // own. Throws Error, on all ranks, if a loss is not finite.
+  // One step of several views, of the mean of their losses; complete when it returns. The plans
+  // differ in frame and background alone. Returns the mean loss. Every rank is given the same
+  // views, and draws its own. Throws Error, on all ranks, if a loss is not finite.
   double StepBatch(std::vector<StepPlan> views);
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
@@ -174,8 +174,8 @@ class StepEngine : public FrameImages {
   Population Everyone();
   void ReleaseScratch();
   void StoreMask();
-  // How many Gaussians fit in memory, given the most instances per Gaussian so far.
-  size_t MostThatFit() const;
+  // How many Gaussians fit in memory, given the most instances per Gaussian so far: of all ranks.
+  size_t MostThatFit();
   // Submits all of a step to the stream. waits: for the number of instances, ruling out overflow.
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
@@ -236,6 +236,7 @@ class StepEngine : public FrameImages {
   WorldGaussians world_;  // this step's
   LayerModel layers_;
   PhotographModel photograph_;
+  Buffer<float> exposure_gradient_;  // of one view, of several
   Buffer<float> d_color_, screen_;
   Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
   std::vector<float> d_crop_;
@@ -267,11 +268,13 @@ void CheckLoss(double loss, int iteration);
 
 // Makes the engines that `--device` and `--deterministic` choose (splat/render/device.h), for a
 // Trainer of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums are computed
-// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU.
+// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU, and as
+// those of several ranks always are: what these do not share must come out alike.
 StepEngineMaker StepEngineOn(Device device,
                              bool deterministic,
-                             const InstanceForecast& forecast = InstanceForecast());
-// The same, of one of several ranks, on the host.
+                             const InstanceForecast& forecast = InstanceForecast(),
+                             std::shared_ptr<Ranks> ranks = OneRank());
+// The same on the host, in programs that have no other back end.
 StepEngineMaker HostStepEngineOn(std::shared_ptr<Ranks> ranks);
 
 }  // namespace cosplat

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "splat/base/state_file.h"
 #include "splat/device/cuda/stream.h"
 #include "splat/train/target_store.h"
 #include "tests/parity/device_fixture.h"
@@ -11,6 +12,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/memory_archive.h"
 #include "tests/support/squared_distance.h"
+#include "tests/support/thread_ranks.h"
 
 namespace cosplat {
 namespace {
@@ -240,6 +242,67 @@ TEST_F(TrainingParity, StepsDoneAgainGiveTheSameBits) {
   const test::Training room = RunOn(run, with(8), 16), scant = RunOn(run, with(0.5), 16);
   EXPECT_EQ(scant.losses, room.losses);
   EXPECT_TRUE(SameBits(scant.state, room.state));
+}
+
+// Steps of several views, with all that they have: photographs' exposures, needles, density
+// control, a checkpoint. Enough Gaussians that each of three ranks owns some.
+TrainingRun BatchedRun() {
+  TrainingRun run;
+  run.first = test::RandomGaussians(1600, 1, Basis::kDcsh, 5);
+  run.settings.iterations = 40;
+  run.settings.batch = 4;
+  run.settings.exposure = true;
+  run.settings.scale_regularizer = {0.1f, 0.02f, 2};
+  run.settings.density.max_count = 1700;
+  run.settings.schedule.densify_from = 8;
+  run.settings.schedule.densify_every = 12;
+  run.settings.schedule.opacity_reset_every = 24;
+  return run;
+}
+
+TEST_F(TrainingParity, StepsOfSeveralViews) {
+  TrainingRun run = BatchedRun();
+  run.settings.schedule.densify_until = 0;
+  const test::Training cpu = RunOn(run, MakeHostStepEngine, 10);
+  const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 10);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_NEAR(device.losses[i], cpu.losses[i], 1e-3 * cpu.losses[i]) << i;
+  for (size_t i = 0; i < cpu.state.exposures.value.size(); ++i)
+    EXPECT_NEAR(device.state.exposures.value[i], cpu.state.exposures.value[i], 2e-3f) << i;
+}
+
+// What several ranks do without being told, and one rank with --deterministic: the same bits, also
+// where another number of ranks goes on from a checkpoint.
+TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
+  const TrainingRun run = BatchedRun();
+  const auto until = [](Trainer& trainer, int iteration) {
+    while (trainer.iteration() < iteration) trainer.Step();
+  };
+  SceneSubject subject(run.frames, 1), other(run.frames, 1);
+  Trainer alone(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
+  until(alone, run.settings.iterations);
+  EXPECT_NE(alone.count(), run.first.size());
+  test::MemoryArchive checkpoint;
+  test::OnThreads(3, [&](std::shared_ptr<Ranks> ranks) {
+    SceneSubject own(run.frames, 1);
+    Trainer trainer(run.settings,
+                    own,
+                    run.first,
+                    StepEngineOn(Device::kCuda, false, InstanceForecast(), ranks));
+    until(trainer, 20);
+    const auto describe = [&](StateArchive& archive) { trainer.Describe(archive); };
+    ranks->rank() == 0 ? describe(checkpoint) : DiscardState(describe);
+    until(trainer, run.settings.iterations);
+    const TrainingState& end = trainer.state();
+    EXPECT_EQ(end.adam.m.size(), end.adam.share.CountOf(end.gaussians.size()));
+    EXPECT_TRUE(test::SameBits(end.gaussians, alone.state().gaussians)) << ranks->rank();
+    EXPECT_EQ(end.adam.ignored[0], alone.state().adam.ignored[0]);
+  });
+  checkpoint.Rewind();
+  Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kFixed));
+  resumed.Describe(checkpoint);
+  until(resumed, run.settings.iterations);
+  EXPECT_TRUE(SameBits(resumed.state(), alone.state()));
 }
 
 TEST_F(TrainingParity, ARuleThatIsTheProcessorsAloneIsRefused) {

@@ -24,6 +24,7 @@ class ThreadRanks : public Ranks {
   ThreadRanks(std::shared_ptr<Mailbox> mailbox, size_t rank) : mailbox_(mailbox), rank_(rank) {}
   size_t rank() const override { return rank_; }
   size_t size() const override { return mailbox_->sent.size(); }
+  size_t local_rank() const override { return rank_; }
   void Exchange(const std::vector<View<const uint32_t>>& to, std::vector<Message>& from) override {
     from.resize(size());
     for (size_t r = 0; r < size(); ++r) {

@@ -76,7 +76,7 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
 }
 
 Device TrainOptions::ResolveDevice() const {
-  const bool processor_only = batch > 1 || WorksOnProcessorOnly(PruneRuleFromString(prune));
+  const bool processor_only = WorksOnProcessorOnly(PruneRuleFromString(prune));
   return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
 }
 

@@ -68,8 +68,7 @@ struct TrainOptions {
   // `extent`: scene size in world units; size limits are proportional to it. Leaves the network of
   // the crop loss to the caller. Throws Error if options contradict each other.
   TrainSettings ToSettings(float extent) const;
-  // Resolves --device. "auto" is the CPU for what is only implemented there: some pruning rules,
-  // steps of several views.
+  // Resolves --device. "auto" is the CPU for what is only implemented there: some pruning rules.
   Device ResolveDevice() const;
   // Resolves --background auto and -w.
   void ResolveBackground(const std::string& automatic);

@@ -137,11 +137,11 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   // Made before anything is written, since it refuses what does not fit.
   std::unique_ptr<Trainer> whole;
   if (o.blocks == 1)
-    whole = std::make_unique<Trainer>(
-        start.settings,
-        subject,
-        std::move(start.first),
-        ranks->size() > 1 ? HostStepEngineOn(ranks) : StepEngineOn(device, o.deterministic));
+    whole =
+        std::make_unique<Trainer>(start.settings,
+                                  subject,
+                                  std::move(start.first),
+                                  StepEngineOn(device, o.deterministic, InstanceForecast(), ranks));
   scene.points = std::move(loaded.points);  // the initial points of the run
   scene.point_colors = std::move(loaded.point_colors);
   if (writes && how == RunStart::kNew) RemoveRun(o.model);

@@ -1,4 +1,5 @@
-// The GPU in use: the first that CUDA lists (select it by CUDA_VISIBLE_DEVICES).
+// The GPU in use: the first that CUDA lists (select it by CUDA_VISIBLE_DEVICES), or, of several
+// processes that train together, one each.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +17,9 @@ struct DeviceInfo {
 
 // std::nullopt if there is no GPU or no driver.
 std::optional<DeviceInfo> FindDevice();
+
+// From now on this thread uses GPU number `index`, counted in a circle.
+void UseDevice(size_t index);
 
 // Why FindDevice finds none: no GPU, no driver, a driver older than this program's CUDA runtime, or
 // another error of the runtime. Empty if it finds one.

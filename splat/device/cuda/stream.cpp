@@ -117,9 +117,17 @@ void CudaStream::Wait() { Check(cudaStreamSynchronize(stream_), "cudaStreamSynch
 
 std::optional<DeviceInfo> FindDevice() {
   if (!WhyNoDevice().empty()) return std::nullopt;
+  int device = 0;
   cudaDeviceProp p{};
-  Check(cudaGetDeviceProperties(&p, 0), "cudaGetDeviceProperties");
+  Check(cudaGetDevice(&device), "cudaGetDevice");
+  Check(cudaGetDeviceProperties(&p, device), "cudaGetDeviceProperties");
   return DeviceInfo{p.name, p.major, p.minor, p.multiProcessorCount, p.totalGlobalMem};
+}
+
+void UseDevice(size_t index) {
+  int count = 0;
+  Check(cudaGetDeviceCount(&count), "cudaGetDeviceCount");
+  Check(cudaSetDevice(int(index % size_t(count))), "cudaSetDevice");
 }
 
 std::string WhyNoDevice() {

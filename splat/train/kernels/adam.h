@@ -38,8 +38,7 @@ struct FindBehind {
 };
 
 // Updates element i of every attribute that has that many. On the host, processes runs of groups;
-// on a device, one element per thread, whose process has no other ranks
-// (splat/train/cuda/kernels.cu).
+// on a device, one element per thread (splat/train/cuda/kernels.cu).
 struct UpdateNumbers {
   RowShare share;
   AdamArray attributes[kAttributeCount];

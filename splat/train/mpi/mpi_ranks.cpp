@@ -61,6 +61,11 @@ class MpiRanks : public Ranks {
 
   size_t rank() const override { return rank_; }
   size_t size() const override { return places_.size(); }
+  size_t local_rank() const override {
+    const auto own = places_.begin() + ptrdiff_t(rank_);
+    return size_t(std::count_if(
+        places_.begin(), own, [&](const Place& place) { return place.host == own->host; }));
+  }
 
   void Exchange(const std::vector<View<const uint32_t>>& to, std::vector<Message>& from) override {
     const Clock::time_point start = Clock::now();

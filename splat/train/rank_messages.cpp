@@ -1,0 +1,54 @@
+#include "splat/train/rank_messages.h"
+
+namespace cosplat {
+
+void RankMessages::Exchange(Stream& stream) {
+  to_.resize(ranks_.size());
+  if (stream.on_host()) return Send({to_.begin(), to_.end()}, stream);
+  host_to_.resize(ranks_.size());
+  for (size_t r = 0; r < to_.size(); ++r) {
+    if (r == ranks_.rank()) continue;
+    host_to_[r].RefillForReadback(to_[r].size(), stream);
+    to_[r].Download(host_to_[r].data(), stream);
+  }
+  stream.Wait();
+  Send({host_to_.begin(), host_to_.end()}, stream);
+}
+
+void RankMessages::ExchangeWithAll(Stream& stream) {
+  const Message& message = To(ranks_.rank());
+  View<const uint32_t> sent = message;
+  if (!stream.on_host()) {
+    host_to_.resize(ranks_.size());
+    Message& of_host = host_to_[ranks_.rank()];
+    of_host.RefillForReadback(message.size(), stream);
+    message.Download(of_host.data(), stream);
+    stream.Wait();
+    sent = of_host;
+  }
+  Send(std::vector<View<const uint32_t>>(ranks_.size(), sent), stream);
+}
+
+void RankMessages::Send(const std::vector<View<const uint32_t>>& to, Stream& stream) {
+  if (stream.on_host()) return ranks_.Exchange(to, from_);
+  ranks_.Exchange(to, host_from_);
+  from_.resize(ranks_.size());
+  for (size_t r = 0; r < from_.size(); ++r) {
+    from_[r].Refill(r == ranks_.rank() ? 0 : host_from_[r].size(), stream);
+    if (!from_[r].empty())
+      stream.Send(from_[r].data(), host_from_[r].data(), from_[r].size() * sizeof(uint32_t));
+  }
+}
+
+void RankMessages::Release() {
+  for (auto* messages : {&to_, &from_, &host_to_, &host_from_}) messages->clear();
+}
+
+size_t RankMessages::held() const {
+  size_t bytes = 0;
+  for (const auto* messages : {&to_, &from_, &host_to_, &host_from_})
+    for (const Message& message : *messages) bytes += HeldBy(message);
+  return bytes;
+}
+
+}  // namespace cosplat
