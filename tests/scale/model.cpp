@@ -49,14 +49,22 @@ Measured MeasuredIn(const std::string& stats_json, double pixels) {
 }
 
 Training TrainingOf(const Measured& m) {
-  return {m.gaussians, m.pixels, m.batch, m.drawn * m.gaussians, m.updated * m.gaussians, 0};
+  return {m.gaussians, m.pixels, m.batch, m.drawn * m.gaussians, m.updated * m.gaussians};
 }
 
 Training LargeTraining(const Measured& m, double gaussians, double batch) {
   constexpr double kControlEvery = 100;  // views
   const double drawn = std::min(m.drawn * gaussians, kMostDrawn);
   const double updated = gaussians * (1 - std::pow(1 - drawn / gaussians, batch));
-  return {gaussians, m.pixels, batch, drawn, updated, std::max(1.0, kControlEvery / batch)};
+  // Adam has caught up before a density control.
+  const double controlled = gaussians / std::max(1.0, kControlEvery / batch);
+  return {gaussians,
+          m.pixels,
+          batch,
+          drawn,
+          updated + (1 - updated / gaussians) * controlled,
+          controlled,
+          2 * kNumbers * kReorderings * controlled};
 }
 
 StepTime TimeOf(const Measured& m, const Training& t, const Machine& machine) {
@@ -70,13 +78,8 @@ StepTime TimeOf(const Measured& m, const Training& t, const Machine& machine) {
   counts.views = uint64_t(t.batch);
   counts.groups_drawn = uint64_t(t.batch * GroupsOf(t.drawn));
   counts.groups_updated = uint64_t(GroupsOf(t.updated));
-  if (t.steps_between_controls > 0) {
-    const double controls = 1 / t.steps_between_controls;
-    const double elsewhere = 1 - 1 / machine.ranks;
-    counts.assembled = uint64_t(GroupsOf(t.gaussians) * controls);
-    counts.groups_updated += uint64_t(GroupsOf(t.gaussians - t.updated) * controls);
-    counts.moments = uint64_t(2 * kNumbers * t.gaussians * kReorderings * elsewhere * controls);
-  }
+  counts.assembled = uint64_t(GroupsOf(t.assembled));
+  counts.moments = uint64_t(t.moved * (1 - 1 / machine.ranks));
   time.bytes = TrafficOf(counts, kNumbers);
   // A rank's share of it; and per exchange a message for the length and one for the content.
   if (machine.ranks > 1)

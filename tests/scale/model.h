@@ -32,8 +32,8 @@ struct Measured {
 Measured MeasuredIn(const std::string& stats_json, double pixels);
 
 // Bytes per second that a rank packs, copies, and that others unpack: on the machine of
-// docs/large-scenes.md 46 MB in 44 ms.
-constexpr double kCopying = 1e9;
+// docs/large-scenes.md 45 MB in 17 ms.
+constexpr double kCopying = 2.7e9;
 
 struct Machine {
   double ranks = 1;
@@ -45,8 +45,9 @@ struct Training {
   double gaussians = 0;
   double pixels = 0;
   double batch = 0;
-  double drawn = 0, updated = 0;      // Gaussians, as above
-  double steps_between_controls = 0;  // 0: no density control
+  double drawn = 0, updated = 0;  // Gaussians, as above
+  double assembled = 0;           // Gaussians a step whose statistics all ranks are told
+  double moved = 0;               // moments a step that change places; of one rank none is sent
 };
 // The training of a run as measured.
 Training TrainingOf(const Measured& measured);

@@ -37,6 +37,17 @@ TEST(ScaleModel, OfManyViewsUpdatesMoreButNotAll) {
   EXPECT_LT(small.updated, 4 * small.drawn);
 }
 
+// Every 100 views: 25 steps of four.
+TEST(ScaleModel, HandsMomentsOverInDensityControl) {
+  const Training t = LargeTraining(Example(), 1e6, 4);
+  EXPECT_DOUBLE_EQ(t.assembled, 1e6 / 25);
+  Training still = t;
+  still.moved = 0;
+  const Machine two{2, 1e9, 0};
+  const double of_moments = TimeOf(Example(), t, two).bytes - TimeOf(Example(), still, two).bytes;
+  EXPECT_NEAR(of_moments, 3 * 1e6 / 25 * (2 * 4 * 59) / 2, 1e3);
+}
+
 TEST(ScaleModel, ReadsTheStatisticsOfOneRank) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "stats.json";

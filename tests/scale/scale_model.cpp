@@ -61,12 +61,11 @@ void Compare(const Measured& measured, const std::string& stats_json) {
   const Json json = ParseJson(stats_json, std::string(bytes.begin(), bytes.end()));
   const JsonField stats(stats_json, json);
   const JsonField batch = stats["batch"];
-  const double steps = batch["steps"].Number(), assembled = batch["groups_assembled"].Number();
+  const double steps = batch["steps"].Number(), ranks = batch["ranks"].Number();
   Training training = TrainingOf(measured);
-  if (assembled > 0)
-    training.steps_between_controls =
-        steps * training.gaussians / double(kGaussianGroup) / assembled;
-  const StepTime time = TimeOf(measured, training, {batch["ranks"].Number(), HUGE_VAL, 0});
+  training.assembled = batch["groups_assembled"].Number() * double(kGaussianGroup) / steps;
+  training.moved = batch["moments"].Number() / steps / (ranks > 1 ? 1 - 1 / ranks : 1);
+  const StepTime time = TimeOf(measured, training, {ranks, HUGE_VAL, 0});
   std::printf(
       "%d ranks, processor seconds of one for a step: %.3f calculated (drawing %.3f, own share "
       "%.3f, "
