@@ -6,8 +6,9 @@ root=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../..
 
 usage() {
   cat <<'TEXT'
-tests/fuzz/run.sh [--minutes N] [--out DIR] [READER...]
+tests/fuzz/run.sh [--minutes N] [--jobs N] [--out DIR] [READER...]
   --minutes N  in all, shared by the readers; 5 (at least a second each)
+  --jobs N     readers at the same time; as many as there are cores
   --out DIR    DIR/READER/ keeps the inputs that reach new code, so that the next run goes on from
                them; DIR/counts.txt the inputs read so far; DIR/found/ what was found. build/fuzz/out
 READER: of those that tests/fuzz/*_readers.cpp list; all of them
@@ -16,10 +17,11 @@ that is not finite, more than 4 GB of memory, more than ten seconds for an input
 TEXT
 }
 
-minutes=5 out=$root/build/fuzz/out readers=()
+minutes=5 jobs=$(nproc) out=$root/build/fuzz/out readers=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --minutes) minutes=$2; shift 2 ;;
+    --jobs) jobs=$2; shift 2 ;;
     --out) out=$2; shift 2 ;;
     -h | --help) usage; exit 0 ;;
     -*) usage >&2; exit 2 ;;
@@ -35,7 +37,8 @@ COSPLAT_SEEDS=$out/seeds "$fuzzer"
 if [[ ${#readers[@]} -eq 0 ]]; then
   for dictionary in "$out"/seeds/*.dict; do readers+=("$(basename "$dictionary" .dict)"); done
 fi
-seconds=$((minutes * 60 / ${#readers[@]}))
+[[ $jobs -le ${#readers[@]} ]] || jobs=${#readers[@]}
+seconds=$((minutes * 60 * jobs / ${#readers[@]}))
 [[ $seconds -gt 0 ]] || seconds=1
 
 # Inputs are written to memory.
@@ -44,19 +47,21 @@ export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 # Short stacks of allocations and no weighing of inputs by how rare what they reach is: a third more
 # inputs per second.
 export ASAN_OPTIONS=malloc_context_size=2:quarantine_size_mb=4
-failed=0
-for reader in "${readers[@]}"; do
+
+# fuzz READER: fails if anything was found.
+fuzz() {
+  local reader=$1 log=$out/$1.log result=ok count
   mkdir -p "$out/$reader"
-  log=$out/$reader.log
-  result=ok
   COSPLAT_READER=$reader "$fuzzer" "$out/$reader" "$out/seeds/$reader" \
     -dict="$out/seeds/$reader.dict" -artifact_prefix="$out/found/$reader-" -max_len=20000 \
     -max_total_time="$seconds" -entropic=0 -timeout=10 -rss_limit_mb=4000 -malloc_limit_mb=2000 \
     -print_final_stats=1 -print_funcs=0 -verbosity=0 >"$log" 2>&1 || result="FOUND, see $log"
-  [[ $result == ok ]] || failed=1
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   echo "$reader ${count:-0}" >>"$out/counts.txt"
   awk -v reader="$reader" -v now="${count:-0}" -v result="$result" '$1 == reader { sum += $2 }
     END { printf "%-20s %10d inputs, %11d in all  %s\n", reader, now, sum, result }' "$out/counts.txt"
-done
-exit $failed
+  [[ $result == ok ]]
+}
+export -f fuzz
+export fuzzer out seconds
+printf '%s\0' "${readers[@]}" | xargs -0 -n 1 -P "$jobs" bash -c 'fuzz "$1" || exit 1' fuzz || exit 1

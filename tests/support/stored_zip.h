@@ -6,19 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "splat/base/crc32.h"
+
 namespace cosplat::test {
 
 inline void AppendLittleEndian(std::string& out, uint32_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out += char(value >> (8 * i) & 255);
-}
-
-inline uint32_t Crc32(const std::string& bytes) {
-  uint32_t crc = ~0u;
-  for (const char c : bytes) {
-    crc ^= uint8_t(c);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320u : 0);
-  }
-  return ~crc;
 }
 
 // Members as (name, bytes). PKWARE's APPNOTE, 4.3.
@@ -29,7 +22,7 @@ inline std::string StoredZip(const std::vector<std::pair<std::string, std::strin
     AppendLittleEndian(common, 20, 2);
     AppendLittleEndian(common, 0, 4);           // flags, method: stored
     AppendLittleEndian(common, 0x00210000, 4);  // 1980-01-01
-    AppendLittleEndian(common, Crc32(bytes), 4);
+    AppendLittleEndian(common, Crc32(bytes.data(), bytes.size()), 4);
     AppendLittleEndian(common, uint32_t(bytes.size()), 4);
     AppendLittleEndian(common, uint32_t(bytes.size()), 4);
     AppendLittleEndian(common, uint32_t(name.size()), 4);  // and no extra field
