@@ -102,7 +102,7 @@ TEST(BlocksCommand, GoOnToTheSameBytes) {
   ExpectSameFiles(expected, found, "after " + std::to_string(interrupted) + " interruptions");
 }
 
-TEST(BlocksCommand, NameAFileThatTheyMiss) {
+TEST(BlocksCommand, NameAFileThatTheyMissOrThatIsEmpty) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const auto arguments = InBlocks(out, {"--quiet", "--resume"}, 20000);
@@ -112,12 +112,17 @@ TEST(BlocksCommand, NameAFileThatTheyMiss) {
   ASSERT_TRUE(trains_blocks());
   run.Signal(SIGTERM);
   ASSERT_TRUE(run.EndsWithin(60));
+  const auto expect_error = [&](const std::string& part) {
+    const CommandResult resumed = Cosplat(arguments);
+    EXPECT_EQ(resumed.code, 2);
+    EXPECT_NE(resumed.err.find(part), std::string::npos) << resumed.err;
+    EXPECT_EQ(resumed.err.find('\n'), resumed.err.size() - 1) << resumed.err;
+    EXPECT_TRUE(fs::exists(out + "/checkpoint.bin"));
+  };
+  fs::resize_file(out + "/blocks/2/5.rgba", 0);  // another block's layer
+  expect_error(out + "/blocks/2/5.rgba: has 0 bytes");
   fs::remove_all(out + "/blocks");
-  const CommandResult resumed = Cosplat(arguments);
-  EXPECT_EQ(resumed.code, 2);
-  EXPECT_NE(resumed.err.find(out + "/blocks/"), std::string::npos) << resumed.err;
-  EXPECT_EQ(resumed.err.find('\n'), resumed.err.size() - 1) << resumed.err;
-  EXPECT_TRUE(fs::exists(out + "/checkpoint.bin"));
+  expect_error(out + "/blocks/");
 }
 
 TEST(BlocksCommand, RefuseWhatNeedsTheWholeScene) {
