@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cstring>
 #include <ostream>
 
@@ -37,8 +38,11 @@ class StateWriter : public StateArchive {
   void Put(const void* bytes, size_t size) {
     crc_ = Crc32(bytes, size, crc_);
     out_.write(static_cast<const char*>(bytes), std::streamsize(size));
+    if (!out_ && problem_ == 0) problem_ = errno;
   }
   uint32_t crc() const { return crc_; }
+  // errno of the first write that failed; what is done between writes has others.
+  int problem() const { return problem_; }
 
  private:
   void CheckSize(const std::string&, size_t, size_t) const override {}
@@ -46,6 +50,7 @@ class StateWriter : public StateArchive {
   const std::string& path_;
   std::ostream& out_;
   uint32_t crc_ = 0;
+  int problem_ = 0;
 };
 
 class StateDiscarder : public StateArchive {
@@ -135,6 +140,7 @@ void WriteStateFile(const std::string& path,
     describe(writer);
     const uint32_t crc = writer.crc();
     writer.Put(&crc, sizeof crc);
+    if (writer.problem() != 0) errno = writer.problem();
   });
 }
 

@@ -139,21 +139,21 @@ void GradientSum::AddView(const Rows& view,
     accumulate.plasticity = statistics->plasticity.view();
     accumulate.visible = statistics->visible.view();
   }
-  ForEach(view.groups.size(),
-          stream_,
-          AddGroup{SumsOf(share_, sum_, seen_, count),
-                   view.arrays,
-                   view.packed,
-                   view.groups,
-                   of_view_,
-                   moves_.view(),
-                   statistics != nullptr,
-                   accumulate});
+  ForEachGroup(view.groups.size(),
+               stream_,
+               AddGroup{SumsOf(share_, sum_, seen_, count),
+                        view.arrays,
+                        view.packed,
+                        view.groups,
+                        of_view_,
+                        moves_.view(),
+                        statistics != nullptr,
+                        accumulate});
   ForEach(view.groups.size(), stream_, MarkGroups{view.groups, seen_.view()});
 }
 
 void GradientSum::ZeroUnseen() {
-  ForEach(seen_.size(), stream_, ZeroUnseenGroup{SumsOf(share_, sum_, seen_, moves_.size())});
+  ForEachGroup(seen_.size(), stream_, ZeroUnseenGroup{SumsOf(share_, sum_, seen_, moves_.size())});
 }
 
 double GradientSum::MeanLoss() const {
@@ -168,7 +168,7 @@ void GradientSum::Release() {
   seen_ = {};
   drawn_ = {};
   lists_.clear();
-  messages_.Release();
+  messages_.Release(stream_);
 }
 
 }  // namespace cosplat

@@ -63,7 +63,8 @@ void AdamStepAll(const AdamSettings& settings,
                  Stream& stream = HostStream(),
                  const uint32_t* overflowed = nullptr);
 
-// Catch-up: applies the deferred updates of all Gaussians. Needed before they are reordered,
+// Catch-up: applies the deferred updates of all Gaussians; a rank's, of its own
+// (Shards::ShareUpdated then has those of all). Needed before they are reordered,
 // evaluated or saved (in the middle of a run on a copy: Trainer::CaughtUp).
 void AdamCatchUpAll(const AdamSettings& settings,
                     View<const float> position_rate_scale,

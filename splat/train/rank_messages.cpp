@@ -35,12 +35,14 @@ void RankMessages::Send(const std::vector<View<const uint32_t>>& to, Stream& str
   from_.resize(ranks_.size());
   for (size_t r = 0; r < from_.size(); ++r) {
     from_[r].Refill(r == ranks_.rank() ? 0 : host_from_[r].size(), stream);
+    // What it is copied from stays until the next exchange, which waits first.
     if (!from_[r].empty())
-      stream.Send(from_[r].data(), host_from_[r].data(), from_[r].size() * sizeof(uint32_t));
+      stream.Upload(from_[r].data(), host_from_[r].data(), from_[r].size() * sizeof(uint32_t));
   }
 }
 
-void RankMessages::Release() {
+void RankMessages::Release(Stream& stream) {
+  stream.Wait();
   for (auto* messages : {&to_, &from_, &host_to_, &host_from_}) messages->clear();
 }
 

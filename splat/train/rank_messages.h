@@ -24,7 +24,7 @@ class RankMessages {
   // In the stream's memory; the own one is empty.
   Message& From(size_t rank) { return from_[rank]; }
 
-  void Release();
+  void Release(Stream& stream);
   size_t held() const;  // bytes
 
  private:

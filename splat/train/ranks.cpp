@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "splat/base/error.h"
+
 namespace cosplat {
 namespace {
 
@@ -11,6 +13,7 @@ class LoneRank : public Ranks {
   size_t rank() const override { return 0; }
   size_t size() const override { return 1; }
   size_t local_rank() const override { return 0; }
+  size_t local_size() const override { return 1; }
   void Exchange(const std::vector<View<const uint32_t>>&, std::vector<Message>& from) override {
     from.resize(1);
   }
@@ -45,6 +48,16 @@ uint32_t Largest(uint32_t number, Ranks& ranks) {
 }
 
 uint32_t Smallest(uint32_t number, Ranks& ranks) { return ~Largest(~number, ranks); }
+
+void CheckAlike(size_t gaussians, Ranks& ranks) {
+  if (ranks.size() == 1) return;
+  const uint32_t most = Largest(uint32_t(gaussians), ranks);
+  const uint32_t fewest = Smallest(uint32_t(gaussians), ranks);
+  if (most != fewest)
+    throw Error("ranks",
+                "have come to different numbers of Gaussians, " + std::to_string(fewest) + " to " +
+                    std::to_string(most) + ": their machines and GPUs must be of one kind");
+}
 
 std::string TextOfRankZero(const std::string& text, Ranks& ranks) {
   // A character a word: it is short, and words are what messages are of.

@@ -3,7 +3,7 @@
 // All ranks run the same program on the same data. What they do not share, all of them compute,
 // from the same bits and with the same result: the order of the views, random numbers, density
 // control. They share the views of a step, the sums of its gradients (splat/train/gradient_sum.h)
-// and Adam (splat/train/shards.h). Each has a GPU of its own, where there are as many.
+// and Adam (splat/train/shards.h).
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,9 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual size_t rank() const = 0;
   virtual size_t size() const = 0;
-  // Among those of this machine.
+  // Among those of this machine, and how many these are.
   virtual size_t local_rank() const = 0;
+  virtual size_t local_size() const = 0;
 
   // Sends to[r] to rank r and receives from[r] from it, for every r but this rank, whose message is
   // left empty. All ranks make the same calls in the same order. to: [size()]. Throws Error if
@@ -50,6 +51,9 @@ std::vector<Message> ExchangeWithAll(View<const uint32_t> message, Ranks& ranks)
 uint64_t Sum(uint64_t number, Ranks& ranks);
 uint32_t Largest(uint32_t number, Ranks& ranks);
 uint32_t Smallest(uint32_t number, Ranks& ranks);
+// Throws Error on all ranks if they have not computed the same number of Gaussians, as machines or
+// GPUs of different kinds may.
+void CheckAlike(size_t gaussians, Ranks& ranks);
 
 // What rank 0 passes to it.
 std::string TextOfRankZero(const std::string& text, Ranks& ranks);

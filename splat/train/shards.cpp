@@ -84,16 +84,16 @@ void PackGroups(const RowArrays& arrays,
                 Stream& stream) {
   message.Refill(groups.size() * WordsPerGroup(arrays), stream);
   const PackedGroups packed = FindPacked(arrays, message.view());
-  ForEach(groups.size(),
-          stream,
-          PackGroup{arrays, packed.arrays, groups, packed.groups.data, gaussians});
+  ForEachGroup(groups.size(),
+               stream,
+               PackGroup{arrays, packed.arrays, groups, packed.groups.data, gaussians});
 }
 
 void UnpackGroups(const RowArrays& arrays,
                   size_t gaussians,
                   const PackedGroups& packed,
                   Stream& stream) {
-  ForEach(
+  ForEachGroup(
       packed.groups.size(), stream, UnpackGroup{packed.arrays, arrays, packed.groups, gaussians});
 }
 
@@ -129,18 +129,20 @@ void Shards::Assemble(AdamState& adam,
                       uint32_t& ignored,
                       Stream& stream) {
   if (share_.ranks == 1) return;
-  const size_t count = statistics.visible.size();
+  const size_t count = statistics.visible.size(), groups = AdamGroupCount(count);
   RowArrays rows;
   for (Buffer<float>* of_all : statistics.all()) rows.Add({of_all->data(), 1});
-  std::vector<uint32_t> own;
-  for (size_t g = 0; g < AdamGroupCount(count); ++g)
-    if (share_.Owns(g * kGaussianGroup)) own.push_back(uint32_t(g));
-  groups_.Upload(own.data(), own.size(), stream);
-  PackGroups(rows, groups_, count, messages_.To(share_.rank), stream);
-  messages_.ExchangeWithAll(stream);
-  for (size_t r = 0; r < share_.ranks; ++r)
-    if (r != share_.rank)
-      UnpackGroups(rows, count, FindPacked(rows, messages_.From(r).view()), stream);
+  for (size_t begin = 0; begin < groups; begin += kGroupsPerExchange) {
+    std::vector<uint32_t> own;
+    for (size_t g = begin; g < std::min(begin + kGroupsPerExchange, groups); ++g)
+      if (share_.Owns(g * kGaussianGroup)) own.push_back(uint32_t(g));
+    groups_.Upload(own.data(), own.size(), stream);
+    PackGroups(rows, groups_, count, messages_.To(share_.rank), stream);
+    messages_.ExchangeWithAll(stream);
+    for (size_t r = 0; r < share_.ranks; ++r)
+      if (r != share_.rank)
+        UnpackGroups(rows, count, FindPacked(rows, messages_.From(r).view()), stream);
+  }
   const uint32_t now = Downloaded(adam.ignored, stream)[0];
   ignored += uint32_t(Sum(now - ignored, ranks_));
   stream.Send(adam.ignored.data(), &ignored, sizeof ignored);
@@ -176,8 +178,7 @@ void Shards::Gather(const Reordering& order, AdamState& adam, Stream& stream) {
                            width,
                            values.view()});
     }
-  stream.Wait();        // the lists are uploaded from this function's own
-  messages_.Release();  // which grow with the scene
+  messages_.Release(stream);  // which grow with the scene
 }
 
 Buffer<float> Shards::Assembled(const Buffer<float>& own, size_t width, size_t begin, size_t end) {
@@ -210,11 +211,6 @@ void Shards::TakeOwn(
   ForEachBlock(share_, begin, end, [&](size_t row, size_t place, size_t n) {
     std::copy_n(rows.data() + (row - begin) * width, n * width, own.data() + place * width);
   });
-}
-
-void Shards::Release() {
-  messages_.Release();
-  groups_ = {};
 }
 
 }  // namespace cosplat

@@ -18,9 +18,9 @@
 
 namespace cosplat {
 
-constexpr size_t kGroupsPerBlock = kRowsPerBlock / kGaussianGroup;
 // What is sent of many Gaussians goes in parts of so many, so that the memory that messages take
-// does not grow with the scene. 17 MB at degree 3.
+// does not grow with the scene: 17 MB at degree 3. Only moments that change hands go by whole
+// attributes.
 constexpr size_t kRowsPerExchange = size_t(1) << 16;
 constexpr size_t kGroupsPerExchange = kRowsPerExchange / kGaussianGroup;
 
@@ -78,7 +78,7 @@ class Shards {
   // Numbers that this rank has sent of its moments.
   uint64_t moments_sent() const { return moments_sent_; }
   size_t HeldByMessages() const { return messages_.held() + HeldBy(groups_); }
-  void Release();
+  void Release() { messages_.Release(HostStream()); }
 
  private:
   Ranks& ranks_;

@@ -18,9 +18,9 @@ constexpr double kTargetShare = 0.25;            // of the initially free memory
 constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // growth of a Buffer
 
 // Bytes per Gaussian besides parameters, gradients and moments: three statistics and their swap
-// memory, the regulariser's moves, the screen gradient, and density control.
+// memory, which of them move, of one view and of several, the screen gradient, and density control.
 constexpr double kBesideParameters = 5 * sizeof(float) + 2 * sizeof(float) + 4 * sizeof(uint64_t) +
-                                     6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 3 * sizeof(float);
+                                     6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 4 * sizeof(float);
 
 void CheckRule(PruneRule rule) {
   if (WorksOnProcessorOnly(rule))
@@ -28,17 +28,17 @@ void CheckRule(PruneRule rule) {
                 "runs on the CPU in every step: use --device cpu or another rule");
 }
 
-size_t TargetBytes(const Stream& stream) {
-  return stream.on_host() ? 0 : size_t(kTargetShare * double(stream.FreeMemory()));
+size_t TargetBytes(const Stream& stream, double share) {
+  return stream.on_host() ? 0 : size_t(kTargetShare * share * double(stream.FreeMemory()));
 }
 
-std::string NoticeOfMemory(const Stream& stream, size_t gaussians) {
+std::string NoticeOfMemory(double free, size_t gaussians) {
   char text[160];
   std::snprintf(text,
                 sizeof text,
                 "GPU memory is nearly full (%.2f GB free): training continues with about %zu "
                 "Gaussians",
-                1e-9 * double(stream.FreeMemory()),
+                1e-9 * free,
                 gaussians);
   return text;
 }
@@ -55,7 +55,7 @@ StepDevice HostStepDevice() { return {MakeCpuRasterizer(), std::make_unique<Phot
 std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
                                                Subject& subject,
                                                TrainingState& state) {
-  return std::make_unique<StepEngine>(settings, subject, state, HostStepDevice());
+  return HostStepEngineOn(OneRank())(settings, subject, state);
 }
 
 StepEngineMaker HostStepEngineOn(std::shared_ptr<Ranks> ranks) {
@@ -77,7 +77,7 @@ StepEngine::StepEngine(const TrainSettings& settings,
       device_(std::move(device)),
       stream_(device_.rasterizer->stream()),
       now_(stream_.on_host() ? &state_ : &on_device_),
-      targets_(subject, TargetBytes(stream_)),
+      targets_(subject, TargetBytes(stream_, device_.memory_share)),
       shards_(*device_.ranks),
       sum_(*device_.ranks, stream_),
       tape_(device_.rasterizer->MakeTape()),
@@ -239,14 +239,15 @@ size_t StepEngine::MostThatFit() {
   if (on_host()) return size_t(-1);
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(now_->gaussians.width(a));
-  const double per_gaussian = 4 * sizeof(float) * double(numbers) + kBesideParameters +
+  // Parameters and gradients; of the ranks' share moments and, over several views, sums.
+  const double copies = 2 + (settings_.batch > 1 ? 3.0 : 2.0) / double(shards_.share().ranks);
+  const double per_gaussian = copies * sizeof(float) * double(numbers) + kBesideParameters +
                               device_.rasterizer->BytesPerGaussian(instances_per_gaussian_) +
                               double(subject_.BytesPerGaussian());
   size_t held = 0;
   for (const MemoryPart& part : Memory())
     if (part.of == MemoryOf::kGaussians) held += part.bytes;
-  const double most =
-      (double(held) + kUsableMemory * double(stream_.FreeMemory())) / (kGrowth * per_gaussian);
+  const double most = (double(held) + kUsableMemory * FreeMemory()) / (kGrowth * per_gaussian);
   return Smallest(uint32_t(std::min(most, double(UINT32_MAX))), *device_.ranks);
 }
 
@@ -256,16 +257,18 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
   ReleaseScratch();
   const DensityReport report = density_.Control(limited, remove_oversized, Everyone(), state_.rng);
   fetched_ = false;
+  CheckAlike(count(), *device_.ranks);
   instances_per_gaussian_ = 0;
   if (!report.held_back || limited.max_count == settings.max_count || told_of_memory_) return;
   told_of_memory_ = true;
-  notice_ = NoticeOfMemory(stream_, count());
+  notice_ = NoticeOfMemory(FreeMemory(), count());
 }
 
 void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
   StoreMask();  // ranking may have started or ended mask learning
   density_.Prune(round, group_cap, group_floor, Everyone());
   fetched_ = false;
+  CheckAlike(count(), *device_.ranks);
 }
 
 void StepEngine::SortInSpace() {

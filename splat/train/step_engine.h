@@ -65,6 +65,7 @@ struct StepDevice {
   std::unique_ptr<Rasterizer> rasterizer;  // its stream is used for everything
   std::unique_ptr<StepLoss> loss;
   std::shared_ptr<Ranks> ranks = OneRank();
+  double memory_share = 1;  // of what is free: less where several ranks have one GPU
 };
 StepDevice HostStepDevice();
 
@@ -171,6 +172,8 @@ class StepEngine : public FrameImages {
   };
 
   bool on_host() const { return now_ == &state_; }
+  // Bytes; not determined on the host.
+  double FreeMemory() const { return device_.memory_share * double(stream_.FreeMemory()); }
   Population Everyone();
   void ReleaseScratch();
   void StoreMask();
@@ -268,13 +271,13 @@ void CheckLoss(double loss, int iteration);
 
 // Makes the engines that `--device` and `--deterministic` choose (splat/render/device.h), for a
 // Trainer of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums are computed
-// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU, and as
-// those of several ranks always are: what these do not share must come out alike.
+// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU, and in
+// steps of several views: what ranks do not share must come out alike, on any number of them.
 StepEngineMaker StepEngineOn(Device device,
                              bool deterministic,
                              const InstanceForecast& forecast = InstanceForecast(),
                              std::shared_ptr<Ranks> ranks = OneRank());
-// The same on the host, in programs that have no other back end.
+// The same on the host.
 StepEngineMaker HostStepEngineOn(std::shared_ptr<Ranks> ranks);
 
 }  // namespace cosplat

@@ -15,11 +15,16 @@ StepEngineMaker StepEngineOn(Device device,
   if (device == Device::kCpu) return HostStepEngineOn(ranks);
 #if defined(COSPLAT_HAS_CUDA)
   cuda::ProvideTrainKernels();
-  const bool several = ranks->size() > 1;
-  if (several) cuda::UseDevice(ranks->local_rank());
+  double memory_share = 1;
+  if (ranks->size() > 1) {
+    const size_t devices = cuda::DeviceCount();
+    cuda::UseDevice(ranks->local_rank());
+    memory_share /= double((ranks->local_size() + devices - 1) / devices);
+  }
   return [=](const TrainSettings& settings, Subject& subject, TrainingState& state) {
+    const bool fixed_order = deterministic || settings.batch > 1;
     StepDevice parts{
-        MakeRasterizerOn(device, deterministic || several), cuda::MakeCudaLoss(), ranks};
+        MakeRasterizerOn(device, fixed_order), cuda::MakeCudaLoss(), ranks, memory_share};
     return std::make_unique<StepEngine>(settings, subject, state, std::move(parts), forecast);
   };
 #else

@@ -271,15 +271,17 @@ TEST_F(TrainingParity, StepsOfSeveralViews) {
     EXPECT_NEAR(device.state.exposures.value[i], cpu.state.exposures.value[i], 2e-3f) << i;
 }
 
-// What several ranks do without being told, and one rank with --deterministic: the same bits, also
-// where another number of ranks goes on from a checkpoint.
+// The same bits, without being told to (--deterministic), also after what is saved in the middle of
+// a run and where another number of ranks goes on from a checkpoint.
 TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
   const TrainingRun run = BatchedRun();
   const auto until = [](Trainer& trainer, int iteration) {
     while (trainer.iteration() < iteration) trainer.Step();
   };
   SceneSubject subject(run.frames, 1), other(run.frames, 1);
-  Trainer alone(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
+  Trainer alone(run.settings, subject, run.first, OnDevice(SumOrder::kAny));
+  until(alone, 16);
+  const Gaussians saved = alone.CaughtUp();
   until(alone, run.settings.iterations);
   EXPECT_NE(alone.count(), run.first.size());
   test::MemoryArchive checkpoint;
@@ -289,6 +291,8 @@ TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
                     own,
                     run.first,
                     StepEngineOn(Device::kCuda, false, InstanceForecast(), ranks));
+    until(trainer, 16);
+    EXPECT_TRUE(test::SameBits(trainer.CaughtUp(), saved));
     until(trainer, 20);
     const auto describe = [&](StateArchive& archive) { trainer.Describe(archive); };
     ranks->rank() == 0 ? describe(checkpoint) : DiscardState(describe);
@@ -299,7 +303,7 @@ TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
     EXPECT_EQ(end.adam.ignored[0], alone.state().adam.ignored[0]);
   });
   checkpoint.Rewind();
-  Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kFixed));
+  Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kAny));
   resumed.Describe(checkpoint);
   until(resumed, run.settings.iterations);
   EXPECT_TRUE(SameBits(resumed.state(), alone.state()));

@@ -25,6 +25,7 @@ class ThreadRanks : public Ranks {
   size_t rank() const override { return rank_; }
   size_t size() const override { return mailbox_->sent.size(); }
   size_t local_rank() const override { return rank_; }
+  size_t local_size() const override { return size(); }
   void Exchange(const std::vector<View<const uint32_t>>& to, std::vector<Message>& from) override {
     from.resize(size());
     for (size_t r = 0; r < size(); ++r) {

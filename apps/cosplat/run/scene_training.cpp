@@ -121,7 +121,9 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
     if (writes && o.blocks > 1) BlockFiles::Remove(o.model);  // it may have been stopped before
     return PrintFinished(o);
   }
-  const Device device = o.ResolveDevice();
+  // "auto" is the CPU for all ranks if it is for one of them.
+  const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
+  if (device == Device::kCpu) o.device = "cpu";
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   const DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);

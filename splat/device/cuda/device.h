@@ -18,6 +18,7 @@ struct DeviceInfo {
 // std::nullopt if there is no GPU or no driver.
 std::optional<DeviceInfo> FindDevice();
 
+size_t DeviceCount();
 // From now on this thread uses GPU number `index`, counted in a circle.
 void UseDevice(size_t index);
 

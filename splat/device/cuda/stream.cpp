@@ -124,11 +124,13 @@ std::optional<DeviceInfo> FindDevice() {
   return DeviceInfo{p.name, p.major, p.minor, p.multiProcessorCount, p.totalGlobalMem};
 }
 
-void UseDevice(size_t index) {
+size_t DeviceCount() {
   int count = 0;
   Check(cudaGetDeviceCount(&count), "cudaGetDeviceCount");
-  Check(cudaSetDevice(int(index % size_t(count))), "cudaSetDevice");
+  return size_t(count);
 }
+
+void UseDevice(size_t index) { Check(cudaSetDevice(int(index % DeviceCount())), "cudaSetDevice"); }
 
 std::string WhyNoDevice() {
   int count = 0;

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "splat/device/buffer.h"
+#include "splat/device/for_each.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/kernels/adam.h"
 #include "splat/train/kernels/step.h"
@@ -18,6 +19,14 @@ namespace cosplat {
 
 // Threads of a device for a group: their numbers lie next to each other.
 constexpr size_t kGroupParts = 16;
+constexpr size_t kGroupsPerBlock = kRowsPerBlock / kGaussianGroup;
+
+// kernel(k) for k < n groups.
+template <class Kernel>
+void ForEachGroup(size_t n, Stream& stream, const Kernel& kernel) {
+  if (!stream.on_host()) return KernelLaunch<Kernel>::Run(n, stream, kernel);
+  ParallelFor(n, kernel, kGroupsPerBlock);
+}
 
 // The Gaussians of a group, of which the last may be smaller.
 COSPLAT_HD size_t RowsOfGroup(size_t group, size_t gaussians) {

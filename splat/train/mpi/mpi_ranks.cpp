@@ -61,11 +61,8 @@ class MpiRanks : public Ranks {
 
   size_t rank() const override { return rank_; }
   size_t size() const override { return places_.size(); }
-  size_t local_rank() const override {
-    const auto own = places_.begin() + ptrdiff_t(rank_);
-    return size_t(std::count_if(
-        places_.begin(), own, [&](const Place& place) { return place.host == own->host; }));
-  }
+  size_t local_rank() const override { return CountOfThisMachine(rank_); }
+  size_t local_size() const override { return CountOfThisMachine(size()); }
 
   void Exchange(const std::vector<View<const uint32_t>>& to, std::vector<Message>& from) override {
     const Clock::time_point start = Clock::now();
@@ -130,6 +127,12 @@ class MpiRanks : public Ranks {
  private:
   static MPI_Request& New(std::vector<MPI_Request>& requests) {
     return requests.emplace_back(MPI_REQUEST_NULL);
+  }
+
+  // Of the first ranks.
+  size_t CountOfThisMachine(size_t first) const {
+    const auto here = [&](const Place& place) { return place.host == places_[rank_].host; };
+    return size_t(std::count_if(places_.begin(), places_.begin() + ptrdiff_t(first), here));
   }
 
   // A rank of this machine whose process is gone, or size(). Of other machines mpirun knows.
