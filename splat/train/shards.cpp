@@ -149,6 +149,8 @@ void Shards::Assemble(AdamState& adam,
 }
 
 void Shards::Gather(const Reordering& order, AdamState& adam, Stream& stream) {
+  CheckAlike(order.source.size(), ranks_);
+  CheckAlike(order.first_fresh, ranks_);
   const std::vector<uint32_t> source = Downloaded(order.source, stream);
   const Transfers rows = TransfersOf(source, order.first_fresh, share_);
   const std::vector<Buffer<uint32_t>> sent = Uploaded(rows.sent, stream);

@@ -64,7 +64,7 @@ class Shards {
   // of them. ignored: gradients, of all ranks, as of the previous call, and updated.
   void Assemble(AdamState& adam, DensityStatistics& statistics, uint32_t& ignored, Stream& stream);
   // When density control reorders the Gaussians: hands their moments over to those who now own
-  // them.
+  // them. Throws Error as CheckAlike does.
   void Gather(const Reordering& order, AdamState& adam, Stream& stream);
 
   // For checkpoints, in host memory. [begin, end): rows of an array of `width` numbers each that is

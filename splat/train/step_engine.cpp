@@ -257,7 +257,6 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
   ReleaseScratch();
   const DensityReport report = density_.Control(limited, remove_oversized, Everyone(), state_.rng);
   fetched_ = false;
-  CheckAlike(count(), *device_.ranks);
   instances_per_gaussian_ = 0;
   if (!report.held_back || limited.max_count == settings.max_count || told_of_memory_) return;
   told_of_memory_ = true;
@@ -268,7 +267,6 @@ void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) 
   StoreMask();  // ranking may have started or ended mask learning
   density_.Prune(round, group_cap, group_floor, Everyone());
   fetched_ = false;
-  CheckAlike(count(), *device_.ranks);
 }
 
 void StepEngine::SortInSpace() {
