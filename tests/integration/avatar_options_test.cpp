@@ -257,6 +257,11 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   const TrainSettings given = o.ToSettings(1);
   EXPECT_FLOAT_EQ(given.rates.scale, 3e-3f);
   EXPECT_EQ(given.schedule.DownscaleAt(1), 1);
+  EXPECT_FLOAT_EQ(given.density.gradient_threshold, 2e-4f);
+  o.antialiasing = true;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.6e-4f);
+  o.densify_grad_threshold = 3e-4f;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
       << "an interval that is given holds throughout";
 }
@@ -266,6 +271,7 @@ TEST(ScenePreset, The3dgsOneIs3dgs) {
   o.preset = "3dgs";
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
+  EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
   EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_FLOAT_EQ(s.density.max_scale, 0.1f);
   EXPECT_TRUE(s.schedule.ResetsOpacityAt(12000));

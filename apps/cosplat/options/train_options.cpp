@@ -19,6 +19,8 @@ void ImproveOn3dgs(TrainSettings& s) {
   s.schedule.opacity_reset_share = 0.25f;
   s.schedule.num_downscales = 2;
   s.schedule.last_rate_share = 0.2f;
+  // With its filters fewer Gaussians would be added (docs/scenes.md).
+  if (s.antialiasing) s.density.gradient_threshold = 1.6e-4f;
 }
 
 }  // namespace
@@ -42,12 +44,12 @@ TrainSettings TrainOptions::ToSettings(float extent) const {
     s.rates.position_lr_final = position_lr_final;
   else if (preset != "3dgs")
     s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
-  s.density.gradient_threshold = densify_grad_threshold;
   s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
   s.density.max_scale = 0.1f * extent;     // 3DGS
   s.density.max_count = max_gaussians;
   if (preset == "default") ImproveOn3dgs(s);
   if (scaling_lr > 0) s.rates.scale = scaling_lr;
+  if (densify_grad_threshold > 0) s.density.gradient_threshold = densify_grad_threshold;
   const auto override_with = [](int value, int& steps) {
     if (value >= 0) steps = value;
   };

@@ -48,9 +48,9 @@ struct TrainOptions {
   float tolerance = 0.2f;  // dB
   float lambda_dssim = 0.2f;
   float lambda_lpips = 0;
-  int lpips_crop = 128;  // px
-  std::string lpips;     // a network's folder; empty: none
-  float densify_grad_threshold = 2e-4f;
+  int lpips_crop = 128;              // px
+  std::string lpips;                 // a network's folder; empty: none
+  float densify_grad_threshold = 0;  // 0: the preset's
   // In steps; -1: as in the schedule.
   int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
   int num_downscales = -1, resolution_schedule = -1;

@@ -125,9 +125,10 @@ void TrainOptions::DeclareTraining(CLI::App& command) {
                   "NET_taps.txt (docs/lpips.md); also of the held-out images")
       ->default_str("");
   command
-      .add_option("--densify_grad_threshold",
-                  densify_grad_threshold,
-                  "mean screen gradient from which Gaussians are added")
+      .add_option(
+          "--densify_grad_threshold",
+          densify_grad_threshold,
+          "mean screen gradient from which Gaussians are added; 0: as the preset says (2e-4)")
       ->check(kRate);
   command.add_option("--densify_from_iter", densify_from, "first step that adds Gaussians")
       ->check(CLI::Range(-1, 1000000000));
