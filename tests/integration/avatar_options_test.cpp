@@ -288,6 +288,7 @@ TEST(AvatarOptions, AFoldByTurnIsAFold) {
   const Parsed off({"--fold-by-turn=false"});  // as in the configuration of a run without it
   EXPECT_FALSE(off.options.fold);
   EXPECT_FALSE(off.options.fold_by_turn);
+  EXPECT_THROW(Parsed({"--fold-by-turn=abc"}), CLI::ConversionError);
 }
 
 }  // namespace

@@ -89,9 +89,7 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                      "face trackers drive the avatar");
   command.add_flag(
       "--fold-by-turn",
-      [this](int64_t given) {
-        if (given > 0) fold = fold_by_turn = true;
-      },
+      fold_by_turn,
       "hold the fifth of the training frames out in which the head is turned furthest, "
       "instead of the test frames: for choosing what has to hold in poses not seen");
   command
@@ -159,6 +157,7 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
 }
 
 void AvatarOptions::ApplyPreset(CLI::App& command) {
+  fold = fold || fold_by_turn;
   avatar.system = SystemOf(preset);
   const auto set = [&](const std::string& name, const std::string& value) {
     CLI::Option* option = command.get_option(name);
