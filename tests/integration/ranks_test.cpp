@@ -69,6 +69,12 @@ class RanksTest : public ::testing::Test {
     command.erase(command.begin() + 6, command.begin() + 8);
     return command;
   }
+  // The two places in a block each.
+  std::vector<std::string> InBlocks(const std::string& out, int iterations, int batch) const {
+    std::vector<std::string> command = InPlaces(TrainInto(out, iterations, batch));
+    command.insert(command.end(), {"--blocks", "2"});
+    return command;
+  }
   // mpirun's arguments, to run as root, with more ranks than cores, and on a busy machine: a rank
   // has five seconds, not one, to say that another has ended.
   static std::vector<std::string> Mpirun(size_t ranks, const std::vector<std::string>& command) {
@@ -302,13 +308,8 @@ TEST_F(RanksTest, TrainBlocksInGroups) {
 TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
   constexpr int kIterations = 6000;
   WriteTwoPlaces(Out("places"));
-  const auto in_blocks = [&](const std::string& out) {
-    std::vector<std::string> command = InPlaces(TrainInto(out, kIterations, 1));
-    command.insert(command.end(), {"--blocks", "2"});
-    return command;
-  };
-  ASSERT_EQ(Cosplat(in_blocks(Out("undisturbed"))).code, 0);
-  std::vector<std::string> command = in_blocks(Out("killed"));
+  ASSERT_EQ(Cosplat(InBlocks(Out("undisturbed"), kIterations, 1)).code, 0);
+  std::vector<std::string> command = InBlocks(Out("killed"), kIterations, 1);
   command.insert(command.end(), {"--checkpoint-every", "0.005"});
   SignalTheSecondOf(2, command, SIGKILL, Out("killed") + "/blocks/2.round-1.bin");
   EXPECT_FALSE(ErrorsIn(Slurp(Out("log"))).empty());
@@ -323,13 +324,8 @@ TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
 TEST_F(RanksTest, StopBlocksAndResumeThemOnMore) {
   constexpr int kIterations = 6000;
   WriteTwoPlaces(Out("places"));
-  const auto in_blocks = [&](const std::string& out) {
-    std::vector<std::string> command = InPlaces(TrainInto(out, kIterations, 2));
-    command.insert(command.end(), {"--blocks", "2"});
-    return command;
-  };
-  ASSERT_EQ(Cosplat(in_blocks(Out("undisturbed"))).code, 0);
-  std::vector<std::string> command = in_blocks(Out("stopped"));
+  ASSERT_EQ(Cosplat(InBlocks(Out("undisturbed"), kIterations, 2)).code, 0);
+  std::vector<std::string> command = InBlocks(Out("stopped"), kIterations, 2);
   command.insert(command.end(), {"--checkpoint-every", "0.005", "--resume"});
   {
     BackgroundCommand alone(command, Out("log"));
