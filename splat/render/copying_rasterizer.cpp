@@ -8,7 +8,6 @@ namespace {
 
 struct CopyingTape : RenderTape {
   explicit CopyingTape(std::unique_ptr<RenderTape> on_device) : on_device(std::move(on_device)) {}
-  View<const float> radii() const override { return radius; }
   const InstanceCounts* counts() const override { return &drawn; }
   size_t capacity() const override { return on_device->capacity(); }
   std::vector<MemoryPart> Memory() const override {
@@ -18,7 +17,6 @@ struct CopyingTape : RenderTape {
   }
 
   std::unique_ptr<RenderTape> on_device;
-  Buffer<float> radius;
   InstanceCounts drawn;
 };
 

@@ -32,7 +32,7 @@ Device DeviceFromString(const std::string& name, const std::string& field) {
   return Device::kCpu;
 }
 
-std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic) {
+std::unique_ptr<StagedRasterizer> MakeRasterizerOn(Device device, bool deterministic) {
   if (device == Device::kCpu) return MakeCpuRasterizer();
 #if defined(COSPLAT_HAS_CUDA)
   cuda::ProvideRenderKernels();
@@ -45,7 +45,7 @@ std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic) 
 }
 
 std::unique_ptr<Rasterizer> MakeRasterizer(Device device) {
-  auto rasterizer = MakeRasterizerOn(device, true);
+  std::unique_ptr<Rasterizer> rasterizer = MakeRasterizerOn(device, true);
   return device == Device::kCpu ? std::move(rasterizer)
                                 : MakeCopyingRasterizer(std::move(rasterizer));
 }

@@ -20,7 +20,7 @@ std::string NameOf(Device device);
 
 // Rasteriser of arrays in the device's memory. deterministic: gradients are summed in a fixed
 // order, as they always are on the CPU.
-std::unique_ptr<Rasterizer> MakeRasterizerOn(Device device, bool deterministic);
+std::unique_ptr<StagedRasterizer> MakeRasterizerOn(Device device, bool deterministic);
 
 // Rasteriser of arrays in host memory, for single images: with a CUDA device, every call copies
 // everything. Deterministic.

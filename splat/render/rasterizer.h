@@ -17,6 +17,7 @@
 #include "splat/device/buffer.h"
 #include "splat/gaussians.h"
 #include "splat/render/contribution.h"
+#include "splat/render/kernels/projected_splat.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/render/phase_times.h"
 
@@ -54,7 +55,7 @@ class RenderTape {
  public:
   virtual ~RenderTape() = default;
   // [count] radius in px (3 standard deviations), 0 for invisible Gaussians.
-  virtual View<const float> radii() const = 0;
+  View<const float> radii() const { return radius.view(); }
   // [1] counts of the last Forward, in the stream's memory.
   virtual const InstanceCounts* counts() const = 0;
   virtual std::vector<MemoryPart> Memory() const = 0;
@@ -70,6 +71,11 @@ class RenderTape {
   }
   // Number of instances that the last Forward had capacity for.
   virtual size_t capacity() const = 0;
+
+  // In the stream's memory, [count].
+  Buffer<float> radius;
+  Buffer<ProjectedSplat> splats;   // any values where invisible
+  Buffer<SplatGradient> d_splats;  // of DrawBackward; likewise
 };
 
 class Rasterizer {
@@ -117,7 +123,39 @@ class Rasterizer {
   virtual void AddBackwardTimes() {}
 };
 
-std::unique_ptr<Rasterizer> MakeCpuRasterizer();
+// A rasteriser whose stages can be run apart, as where Gaussians are projected by one process and
+// drawn by another. Forward is Project, then Draw; Backward is DrawBackward, then ProjectBackward.
+// Arguments are those of Forward, already checked by Draw's caller (CheckArguments).
+class StagedRasterizer : public Rasterizer {
+ public:
+  // radii: [count], 0 for invisible Gaussians; splats: [count], any values for these.
+  virtual void Project(const WorldGaussians& gaussians,
+                       Basis basis,
+                       const Camera& camera,
+                       int degree,
+                       ProjectedSplat* splats,
+                       float* radii) = 0;
+  // Draws tape.splats where tape.radius is positive.
+  virtual void Draw(const Camera& camera,
+                    const RenderSettings& settings,
+                    RenderedImage& image,
+                    RenderTape& tape) = 0;
+  // Fills tape.d_splats.
+  virtual void DrawBackward(const RenderedImage& image,
+                            const Buffer<float>& d_color,
+                            RenderTape& tape) = 0;
+  // splats, radii: of Project with the same arguments. gradients: as those of Backward.
+  virtual void ProjectBackward(const WorldGaussians& gaussians,
+                               Basis basis,
+                               const Camera& camera,
+                               int degree,
+                               const ProjectedSplat* splats,
+                               const float* radii,
+                               const SplatGradient* d_splats,
+                               const WorldGradients& gradients) = 0;
+};
+
+std::unique_ptr<StagedRasterizer> MakeCpuRasterizer();
 
 // Non-owning views; kPosition must be a point in the world (for avatars: see
 // avatar/surface/binding.h).

@@ -40,8 +40,7 @@ TEST_F(DeviceLimits, AMillionGaussiansAgree) {
   test::ParityCase c = test::RandomCase("many", 1000000, 1024, 768, Basis::kDcsh, 1);
   for (size_t i = 0; i < c.gaussians.size(); ++i)
     for (int k = 0; k < 3; ++k) c.gaussians.at(kScaleLog, i)[k] -= 3;
-  const auto cpu = MakeCpuRasterizer();
-  const auto device = OnDevice();
+  const std::unique_ptr<Rasterizer> cpu = MakeCpuRasterizer(), device = OnDevice();
   RenderedImage images[2];
   size_t instances[2], k = 0;
   for (Rasterizer* r : {cpu.get(), device.get()}) {

@@ -13,7 +13,6 @@ namespace {
 
 class CpuTape : public RenderTape {
  public:
-  View<const float> radii() const override { return radius; }
   const InstanceCounts* counts() const override { return &drawn; }
   size_t capacity() const override { return lists.entries.size(); }
   std::vector<MemoryPart> Memory() const override {
@@ -26,17 +25,14 @@ class CpuTape : public RenderTape {
 
   ViewParameters view{};
   RenderSettings settings;
-  Buffer<ProjectedSplat> splats;  // [count]
-  Buffer<float> radius;           // [count]
   TileLists lists;
   InstanceCounts drawn;
   Buffer<uint32_t> n_contrib;          // [tiles] entries processed before the tile was opaque
   Buffer<SplatGradient> records;       // [instances]
-  Buffer<SplatGradient> d_splats;      // [count]
   Buffer<Contribution> contributions;  // [instances]; allocated on first use
 };
 
-class CpuRasterizer : public Rasterizer {
+class CpuRasterizer : public StagedRasterizer {
  public:
   Stream& stream() override { return HostStream(); }
   std::unique_ptr<RenderTape> MakeTape(bool) const override { return std::make_unique<CpuTape>(); }
@@ -50,13 +46,31 @@ class CpuRasterizer : public Rasterizer {
     auto& tape = static_cast<CpuTape&>(base_tape);
     CheckArguments(gaussians, camera, settings);
     tape.view = ViewOfCamera(camera, basis, settings.degree);
-    tape.settings = settings;
+    tape.splats.resize(gaussians.count);
+    tape.radius.resize(gaussians.count);
     {
       ScopedPhase phase(times, Phase::kProject);
-      tape.splats.resize(gaussians.count);
-      tape.radius.resize(gaussians.count);
       LaunchProject(gaussians, tape.view, tape.splats.data(), tape.radius.data());
     }
+    Draw(camera, settings, image, tape);
+  }
+
+  void Project(const WorldGaussians& gaussians,
+               Basis basis,
+               const Camera& camera,
+               int degree,
+               ProjectedSplat* splats,
+               float* radii) override {
+    ScopedPhase phase(times, Phase::kProject);
+    LaunchProject(gaussians, ViewOfCamera(camera, basis, degree), splats, radii);
+  }
+
+  void Draw(const Camera& camera,
+            const RenderSettings& settings,
+            RenderedImage& image,
+            RenderTape& base_tape) override {
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    tape.settings = settings;
     {
       ScopedPhase phase(times, Phase::kSort);
       tape.lists.Build(tape.splats, tape.radius, camera.width, camera.height);
@@ -82,6 +96,20 @@ class CpuRasterizer : public Rasterizer {
                 const Buffer<float>& d_color,
                 RenderTape& base_tape,
                 const WorldGradients& gradients) override {
+    DrawBackward(image, d_color, base_tape);
+    ScopedPhase phase(times, Phase::kBackward);
+    auto& tape = static_cast<CpuTape&>(base_tape);
+    LaunchProjectVjp(gaussians,
+                     tape.view,
+                     tape.splats.data(),
+                     tape.radius.data(),
+                     tape.d_splats.data(),
+                     gradients);
+  }
+
+  void DrawBackward(const RenderedImage& image,
+                    const Buffer<float>& d_color,
+                    RenderTape& base_tape) override {
     ScopedPhase phase(times, Phase::kBackward);
     auto& tape = static_cast<CpuTape&>(base_tape);
     tape.records.Refill(tape.lists.entries.size());
@@ -95,12 +123,19 @@ class CpuRasterizer : public Rasterizer {
       BlendTileBackward(job, d_color.data(), tape.records.data());
     });
     SumRecords(tape);
-    LaunchProjectVjp(gaussians,
-                     tape.view,
-                     tape.splats.data(),
-                     tape.radius.data(),
-                     tape.d_splats.data(),
-                     gradients);
+  }
+
+  void ProjectBackward(const WorldGaussians& gaussians,
+                       Basis basis,
+                       const Camera& camera,
+                       int degree,
+                       const ProjectedSplat* splats,
+                       const float* radii,
+                       const SplatGradient* d_splats,
+                       const WorldGradients& gradients) override {
+    ScopedPhase phase(times, Phase::kBackward);
+    LaunchProjectVjp(
+        gaussians, ViewOfCamera(camera, basis, degree), splats, radii, d_splats, gradients);
   }
 
   void Contributions(const RenderedImage& image,
@@ -153,6 +188,6 @@ class CpuRasterizer : public Rasterizer {
 
 }  // namespace
 
-std::unique_ptr<Rasterizer> MakeCpuRasterizer() { return std::make_unique<CpuRasterizer>(); }
+std::unique_ptr<StagedRasterizer> MakeCpuRasterizer() { return std::make_unique<CpuRasterizer>(); }
 
 }  // namespace cosplat

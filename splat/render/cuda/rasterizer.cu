@@ -40,7 +40,7 @@ struct Project : StagedBlock {
     math::ProjectKernel<kAntialiased> staged = kernel;
     staged.gaussians.color_rest = rest.rows();
     staged.template Run<float>(math::Rows{i, 1});
-    depth.Set(i, kernel.radii[i], kernel.splats[i]);
+    if (depth.keys.count != 0) depth.Set(i, kernel.radii[i], kernel.splats[i]);
   }
 };
 
@@ -72,6 +72,45 @@ struct ProjectBack : StagedBlock {
   }
 };
 
+struct SetDepthKeys {
+  DepthKeys depth;
+  View<const float> radii;
+  View<const ProjectedSplat> splats;
+  __device__ void operator()(size_t i) const { depth.Set(i, radii[i], splats[i]); }
+};
+
+// depth: empty if nothing will be sorted.
+void LaunchProject(const WorldGaussians& gaussians,
+                   const ViewParameters& view,
+                   ProjectedSplat* splats,
+                   float* radii,
+                   const DepthKeys& depth,
+                   Stream& stream) {
+  const auto project = [&](auto antialiased) {
+    ForStagedBlocks(
+        gaussians,
+        stream,
+        Project<decltype(antialiased)::value>{{}, {gaussians, view, splats, radii}, depth});
+  };
+  gaussians.antialiased ? project(std::true_type()) : project(std::false_type());
+}
+
+void LaunchProjectBack(const WorldGaussians& gaussians,
+                       const ViewParameters& view,
+                       const ProjectedSplat* splats,
+                       const float* radii,
+                       const SplatGradient* d_splats,
+                       const WorldGradients& gradients,
+                       Stream& stream) {
+  const auto project_back = [&](auto antialiased) {
+    ForStagedBlocks(gaussians,
+                    stream,
+                    ProjectBack<decltype(antialiased)::value>{
+                        {}, {gaussians, view, splats, radii, d_splats, gradients}});
+  };
+  gaussians.antialiased ? project_back(std::true_type()) : project_back(std::false_type());
+}
+
 }  // namespace
 
 // Uploads the constants of every basis once: copying from pageable memory makes the host wait for
@@ -85,6 +124,12 @@ CudaRasterizer::CudaRasterizer(SumOrder order) : order_(order) {
   basis_constants_.Upload(constants.data(), constants.size(), stream_);
 }
 
+ViewParameters CudaRasterizer::ViewIn(const Camera& camera, Basis basis, int degree) const {
+  ViewParameters view = ViewOfCamera(camera, basis, degree);
+  view.basis_constants = basis_constants_.data() + size_t(basis) * kMaxCoefficients;
+  return view;
+}
+
 void CudaRasterizer::Forward(const WorldGaussians& gaussians,
                              Basis basis,
                              const Camera& camera,
@@ -93,28 +138,48 @@ void CudaRasterizer::Forward(const WorldGaussians& gaussians,
                              RenderTape& base_tape) {
   CheckArguments(gaussians, camera, settings);
   auto& tape = static_cast<CudaTape&>(base_tape);
-  Stream& stream = stream_;
-  tape.view = ViewOfCamera(camera, basis, settings.degree);
-  tape.view.basis_constants = basis_constants_.data() + size_t(basis) * kMaxCoefficients;
+  tape.view = ViewIn(camera, basis, settings.degree);
+  tape.splats.Refill(gaussians.count, stream_);
+  tape.radius.Refill(gaussians.count, stream_);
+  marks_[kStart].Record(stream_);
+  const DepthKeys depth = tape.lists.Begin(gaussians.count, stream_);
+  LaunchProject(gaussians, tape.view, tape.splats.data(), tape.radius.data(), depth, stream_);
+  DrawLists(camera, settings, image, tape);
+}
+
+void CudaRasterizer::Project(const WorldGaussians& gaussians,
+                             Basis basis,
+                             const Camera& camera,
+                             int degree,
+                             ProjectedSplat* splats,
+                             float* radii) {
+  LaunchProject(gaussians, ViewIn(camera, basis, degree), splats, radii, {}, stream_);
+}
+
+void CudaRasterizer::Draw(const Camera& camera,
+                          const RenderSettings& settings,
+                          RenderedImage& image,
+                          RenderTape& base_tape) {
+  auto& tape = static_cast<CudaTape&>(base_tape);
+  marks_[kStart].Record(stream_);
+  const DepthKeys depth = tape.lists.Begin(tape.splats.size(), stream_);
+  ForEachThread(tape.splats.size(), stream_, SetDepthKeys{depth, tape.radii(), tape.splats.view()});
+  DrawLists(camera, settings, image, tape);
+}
+
+// From tape.splats and their depths on.
+void CudaRasterizer::DrawLists(const Camera& camera,
+                               const RenderSettings& settings,
+                               RenderedImage& image,
+                               CudaTape& tape) {
   tape.settings = settings;
   image.width = camera.width;
   image.height = camera.height;
-  tape.splats.Refill(gaussians.count, stream);
-  tape.radius.Refill(gaussians.count, stream);
-  marks_[kStart].Record(stream);
-  const DepthKeys depth = tape.lists.Begin(gaussians.count, stream);
-  const auto project = [&](auto antialiased) {
-    ForStagedBlocks(gaussians,
-                    stream,
-                    Project<decltype(antialiased)::value>{
-                        {}, {gaussians, tape.view, tape.splats.data(), tape.radius.data()}, depth});
-  };
-  gaussians.antialiased ? project(std::true_type()) : project(std::false_type());
-  marks_[kProjected].Record(stream);
-  tape.lists.Build(std::as_const(tape.splats).view(), camera.width, camera.height, stream);
-  marks_[kSorted].Record(stream);
-  BlendForward(tape, image, stream);
-  marks_[kBlended].Record(stream);
+  marks_[kProjected].Record(stream_);
+  tape.lists.Build(std::as_const(tape.splats).view(), camera.width, camera.height, stream_);
+  marks_[kSorted].Record(stream_);
+  BlendForward(tape, image, stream_);
+  marks_[kBlended].Record(stream_);
 }
 
 void CudaRasterizer::Backward(const WorldGaussians& gaussians,
@@ -123,23 +188,36 @@ void CudaRasterizer::Backward(const WorldGaussians& gaussians,
                               RenderTape& base_tape,
                               const WorldGradients& gradients) {
   auto& tape = static_cast<CudaTape&>(base_tape);
-  Stream& stream = stream_;
-  marks_[kBackStart].Record(stream);
-  BlendBackward(tape, image, d_color.data(), stream);
-  marks_[kBlendedBack].Record(stream);
-  const auto project_back = [&](auto antialiased) {
-    ForStagedBlocks(gaussians,
-                    stream,
-                    ProjectBack<decltype(antialiased)::value>{{},
-                                                              {gaussians,
-                                                               tape.view,
-                                                               tape.splats.data(),
-                                                               tape.radius.data(),
-                                                               tape.d_splats.data(),
-                                                               gradients}});
-  };
-  gaussians.antialiased ? project_back(std::true_type()) : project_back(std::false_type());
-  marks_[kBack].Record(stream);
+  DrawBackward(image, d_color, tape);
+  LaunchProjectBack(gaussians,
+                    tape.view,
+                    tape.splats.data(),
+                    tape.radius.data(),
+                    tape.d_splats.data(),
+                    gradients,
+                    stream_);
+  marks_[kBack].Record(stream_);
+}
+
+void CudaRasterizer::DrawBackward(const RenderedImage& image,
+                                  const Buffer<float>& d_color,
+                                  RenderTape& base_tape) {
+  marks_[kBackStart].Record(stream_);
+  BlendBackward(static_cast<CudaTape&>(base_tape), image, d_color.data(), stream_);
+  marks_[kBlendedBack].Record(stream_);
+  marks_[kBack].Record(stream_);
+}
+
+void CudaRasterizer::ProjectBackward(const WorldGaussians& gaussians,
+                                     Basis basis,
+                                     const Camera& camera,
+                                     int degree,
+                                     const ProjectedSplat* splats,
+                                     const float* radii,
+                                     const SplatGradient* d_splats,
+                                     const WorldGradients& gradients) {
+  const ViewParameters view = ViewIn(camera, basis, degree);
+  LaunchProjectBack(gaussians, view, splats, radii, d_splats, gradients, stream_);
 }
 
 void CudaRasterizer::Contributions(const RenderedImage& image,

@@ -10,7 +10,7 @@
 
 namespace cosplat::cuda {
 
-class CudaRasterizer : public Rasterizer {
+class CudaRasterizer : public StagedRasterizer {
  public:
   explicit CudaRasterizer(SumOrder order);
 
@@ -29,6 +29,27 @@ class CudaRasterizer : public Rasterizer {
                 const Buffer<float>& d_color,
                 RenderTape& tape,
                 const WorldGradients& gradients) override;
+  void Project(const WorldGaussians& gaussians,
+               Basis basis,
+               const Camera& camera,
+               int degree,
+               ProjectedSplat* splats,
+               float* radii) override;
+  void Draw(const Camera& camera,
+            const RenderSettings& settings,
+            RenderedImage& image,
+            RenderTape& tape) override;
+  void DrawBackward(const RenderedImage& image,
+                    const Buffer<float>& d_color,
+                    RenderTape& tape) override;
+  void ProjectBackward(const WorldGaussians& gaussians,
+                       Basis basis,
+                       const Camera& camera,
+                       int degree,
+                       const ProjectedSplat* splats,
+                       const float* radii,
+                       const SplatGradient* d_splats,
+                       const WorldGradients& gradients) override;
   void Contributions(const RenderedImage& image,
                      RenderTape& tape,
                      Buffer<Contribution>& contributions) override;
@@ -44,6 +65,12 @@ class CudaRasterizer : public Rasterizer {
   }
 
  private:
+  ViewParameters ViewIn(const Camera& camera, Basis basis, int degree) const;
+  void DrawLists(const Camera& camera,
+                 const RenderSettings& settings,
+                 RenderedImage& image,
+                 CudaTape& tape);
+
   SumOrder order_;
   CudaStream stream_;
   TimedEvent marks_[kMarks];

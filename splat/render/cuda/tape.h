@@ -21,7 +21,6 @@ using PixelCheckpoint = float4;
 struct CudaTape : RenderTape {
   CudaTape(bool kept, SumOrder order) : kept(kept), order(order) {}
 
-  View<const float> radii() const override { return radius.view(); }
   const InstanceCounts* counts() const override { return lists.counts(); }
   std::vector<MemoryPart> Memory() const override;
   // Queries the driver for free memory only if the tape would have to grow.
@@ -32,13 +31,10 @@ struct CudaTape : RenderTape {
   SumOrder order;
   ViewParameters view{};
   RenderSettings settings;
-  Buffer<ProjectedSplat> splats;  // [count]
-  Buffer<float> radius;           // [count]
   TileLists lists;
   Buffer<uint32_t> n_contrib;           // [tiles] instances processed before the tile was opaque
   Buffer<PixelCheckpoint> checkpoints;  // [buckets, pixels of a tile]
   Buffer<SplatGradient> records;        // [capacity of the lists]; only with SumOrder::kFixed
-  Buffer<SplatGradient> d_splats;       // [count]
   Buffer<Contribution> contributions;   // [capacity]; allocated on first use
 };
 
