@@ -20,7 +20,7 @@
 namespace cosplat {
 
 // To be raised with every change of what is described, anywhere.
-constexpr uint32_t kStateFormat = 7;
+constexpr uint32_t kStateFormat = 8;
 
 class StateArchive {
  public:

@@ -84,11 +84,10 @@ void DropBands(const Weights& weights, float threshold, Gaussians& g) {
   ZeroAbove(g.degrees, g);
 }
 
-void ZeroAbove(View<const uint8_t> degrees, Gaussians& of, const RowShare& share) {
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of) {
   const int width = of.width(kColorRest);
   for (size_t i = 0; i < degrees.size(); ++i) {
-    if (!share.Owns(i)) continue;
-    float* rest = of.at(kColorRest, share.PlaceOf(i));
+    float* rest = of.at(kColorRest, i);
     std::fill(rest + 3 * (CoefficientCount(degrees[i]) - 1), rest + width, 0.0f);
   }
 }
@@ -123,7 +122,6 @@ double DropBandsInTraining(float threshold,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
-                           AdamState& adam,
                            const std::function<void()>& changed) {
   const FrameChoice judged{frames, gaussians.degree, background, kFramesJudged};
   const FrameChoice weighed{frames, gaussians.degree, background, kFramesWeighed};
@@ -132,8 +130,6 @@ double DropBandsInTraining(float threshold,
   for (const Contribution& c : images.Contributions(weighed)) weights.push_back(c.weight);
   // The squares of independent changes add up.
   DropBands(weights, threshold / std::sqrt(float(BandSchedule::kRounds)), gaussians);
-  ZeroAbove(gaussians.degrees, adam.m, adam.share);
-  ZeroAbove(gaussians.degrees, adam.v, adam.share);
   changed();
   return images.MeanPsnr(judged) - before;
 }

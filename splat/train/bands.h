@@ -10,7 +10,6 @@
 
 #include "splat/gaussians.h"
 #include "splat/train/importance.h"
-#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -28,9 +27,8 @@ using Weights = std::vector<float>;
 // kept. Removed bands are never restored.
 void DropBands(const Weights& weights, float threshold, Gaussians& gaussians);
 
-// Zeroes the coefficients above each Gaussian's own degree, also in arrays laid out like Gaussians;
-// of: the rows of `share`.
-void ZeroAbove(View<const uint8_t> degrees, Gaussians& of, const RowShare& share = {});
+// Zeroes the coefficients above each Gaussian's own degree, also in arrays laid out like Gaussians.
+void ZeroAbove(View<const uint8_t> degrees, Gaussians& of);
 
 // Number of Gaussians of each degree.
 using DegreeCounts = std::array<size_t, kMaxTrainedDegree + 1>;
@@ -52,16 +50,15 @@ struct BandSchedule {
 };
 
 // Performs one such round, with weights from training images (of `frames`) over `background`.
-// Dropped coefficients stay zero since they get neither momentum nor gradients. Adam must have
-// caught up (splat/train/optimizer.h). threshold: for all rounds together. `changed` is called
-// after the bands are dropped and before `images` is queried again. Returns the change in dB of the
-// mean PSNR of up to 20 training images.
+// Dropped coefficients stay zero since they get neither momentum nor gradients: their moments are
+// the caller's to zero (ZeroAbove). Adam must have caught up (splat/train/optimizer.h). threshold:
+// for all rounds together. `changed` is called after the bands are dropped and before `images` is
+// queried again. Returns the change in dB of the mean PSNR of up to 20 training images.
 double DropBandsInTraining(float threshold,
                            FrameImages& images,
                            View<const uint32_t> frames,
                            const std::array<float, 3>& background,
                            Gaussians& gaussians,
-                           AdamState& adam,
                            const std::function<void()>& changed);
 
 }  // namespace cosplat

@@ -36,6 +36,17 @@ void GatherGaussians(Gaussians& gaussians,
     GatherRows(gaussians.smoothing, spare.smoothing, 1, source, first_zero, stream);
 }
 
+// Own coefficients of bands >= 1 and moments.
+void HandOver(
+    Shards& shards, const Reordering& order, Gaussians& own, AdamState& adam, Stream& stream) {
+  std::vector<HandedOver> arrays{
+      {&own.values[kColorRest], size_t(own.width(kColorRest)), order.source.count}};
+  for (Gaussians* moments : {&adam.m, &adam.v})
+    for (int a = 0; a < kAttributeCount; ++a)
+      arrays.push_back({&moments->values[a], size_t(moments->width(a)), order.first_fresh});
+  shards.Gather(order, arrays, stream);
+}
+
 void CheckCaughtUp(const AdamState& adam, const Stream& stream) {
   if (!stream.on_host()) return;
   for (const uint32_t step : adam.updated)
@@ -102,8 +113,8 @@ void Population::Gather(const Reordering& order) const {
   const View<const uint32_t> source = order.source;
   const size_t n = source.count;
   GatherGaussians(gaussians, gradients, source, n, stream);
-  if (adam.share.ranks > 1) {
-    shards->Gather(order, adam, stream);
+  if (shards) {
+    HandOver(*shards, order, *own, adam, stream);
   } else {
     GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
     GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);
@@ -113,8 +124,8 @@ void Population::Gather(const Reordering& order) const {
   placement.Gather(source, stream);
   if (pruner && stream.on_host()) pruner->Gather(order);
   if (mask) mask->Gather(source, order.first_fresh, stream);
-  gradients.RefillLike(gaussians, stream);
-  adam.updated.Refill(AdamGroupCount(n), stream);
+  if (!shards) gradients.RefillLike(gaussians, stream);
+  adam.updated.Refill(AdamGroupCount(shards ? shards->share().CountOf(n) : n), stream);
   ForEach(adam.updated.size(), stream, FillNumbers{adam.updated.view(), adam.step});
 }
 

@@ -122,7 +122,10 @@ struct Population {
   const Canvas* canvas = nullptr;
   Pruner* pruner = nullptr;     // null: no pruner with data of its own
   MaskLearner* mask = nullptr;  // likewise
-  Shards* shards = nullptr;     // null: `adam` has all moments
+  // Where Gaussians are divided between ranks: `adam` has the moments of this rank's own, and
+  // kColorRest of `own` replaces that of `gaussians`. Null: they are not.
+  Shards* shards = nullptr;
+  Gaussians* own = nullptr;
 
   void Gather(const Reordering& order) const;
 };

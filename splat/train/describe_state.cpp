@@ -1,6 +1,7 @@
 #include "splat/train/describe_state.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace cosplat {
 namespace {
@@ -11,36 +12,95 @@ constexpr std::array<const char*, kAttributeCount> kNames{
 // Gaussians at most: what indices of 32 bits can count.
 constexpr uint64_t kMaxCount = 0x7fffffff;
 
-// In parts, so that the rank that writes them need not have all of them at once.
-void DescribeMoments(
-    StateArchive& a, const std::string& name, const Gaussians& of, Shards& shards, Gaussians& m) {
-  if (a.reads()) {
-    m.degree = of.degree;
-    m.basis = of.basis;
-    m.corrections = of.corrections;
-    m.Resize(shards.share().CountOf(of.size()));
-  }
-  for (int k = 0; k < kAttributeCount; ++k) {
-    const size_t width = size_t(m.width(k));
-    for (size_t begin = 0; begin < of.size(); begin += kRowsPerExchange) {
-      const size_t end = std::min(begin + kRowsPerExchange, of.size());
-      Buffer<float> rows;
-      if (!a.reads()) rows = shards.Assembled(m.values[k], width, begin, end);
+// An array that ranks divide: `width` numbers for every `rows_per_entry` Gaussians. In parts, so
+// that the rank that writes it need not have all of it. check: of what is read, which all ranks
+// call with the same.
+template <class T>
+struct Divided {
+  StateArchive& a;
+  Shards& shards;
+  std::string name;
+  size_t count;  // Gaussians of all
+  size_t width = 1;
+  size_t rows_per_entry = 1;
+  bool counted = true;  // another array was read, and has so many
+  std::function<void(const Buffer<T>&)> check = [](const Buffer<T>&) {};
+
+  size_t Entries(size_t rows) const { return (rows + rows_per_entry - 1) / rows_per_entry; }
+  size_t OwnNumbers(size_t rows) const { return Entries(shards.share().CountOf(rows)) * width; }
+  void Describe(Buffer<T>& own) const {
+    if (a.reads()) own = {};
+    if (a.reads() && counted) own.reserve(OwnNumbers(count));
+    for (size_t begin = 0; begin < count; begin += kRowsPerExchange) {
+      const Stretch rows{begin, std::min(begin + kRowsPerExchange, count), width, rows_per_entry};
+      Buffer<T> part;
+      if (!a.reads()) part = shards.Assembled(own, rows, ForWhom::kFirstRank);
       if (a.reads() || shards.share().rank == 0)
-        a.Array(name + "." + kNames[k] + "." + std::to_string(begin), rows, (end - begin) * width);
-      if (a.reads()) shards.TakeOwn(rows, width, begin, end, m.values[k]);
+        a.Array(name + "." + std::to_string(begin), part, Entries(rows.end - begin) * width);
+      if (!a.reads()) continue;
+      check(part);
+      // As far as it was read: no more than what is in the file.
+      own.resize(OwnNumbers(rows.end));
+      shards.TakeOwn(part, rows, own);
     }
+    if (a.reads() && !counted) own = Buffer<T>(own.begin(), own.end());  // without room for more
+  }
+};
+
+// The same where it may be missing.
+template <class T>
+void DescribeOptional(const Divided<T>& array, Buffer<T>& own) {
+  uint8_t has = 0;
+  if (!array.a.reads()) has = array.shards.AnyHas(own) ? 1 : 0;
+  array.a.Value(array.name, has);
+  array.a.Require(has <= 1, array.name, "is neither there nor missing");
+  if (has != 0)
+    array.Describe(own);
+  else
+    own.clear();
+}
+
+// counted: as above.
+void DescribeDivided(StateArchive& a,
+                     const std::string& name,
+                     size_t count,
+                     bool counted,
+                     Shards& shards,
+                     Gaussians& own) {
+  for (int k = 0; k < kAttributeCount; ++k) {
+    const bool is_known = counted || k > 0;
+    const Divided<float> array{
+        a, shards, name + "." + kNames[k], count, size_t(own.width(k)), 1, is_known};
+    array.Describe(own.values[k]);
   }
 }
 
-void Describe(StateArchive& a, const Gaussians& of, Shards& shards, AdamState& adam) {
-  DescribeMoments(a, "adam.m", of, shards, adam.m);
-  DescribeMoments(a, "adam.v", of, shards, adam.v);
+// That no Gaussian has a higher degree than all may have.
+std::function<void(const Buffer<uint8_t>&)> CheckDegrees(const StateArchive& a,
+                                                         const std::string& name,
+                                                         int highest) {
+  return [&a, name, highest](const Buffer<uint8_t>& degrees) {
+    for (const uint8_t degree : degrees)
+      a.Require(degree <= highest, name, "exceed the run's degree");
+  };
+}
+
+void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards, AdamState& adam) {
+  for (Gaussians* moments : {&adam.m, &adam.v}) {
+    if (a.reads()) *moments = of.ZerosLike(0);
+    DescribeDivided(a, moments == &adam.m ? "adam.m" : "adam.v", count, true, shards, *moments);
+  }
   a.Value("adam.step", adam.step);
-  a.Array("adam.updated", adam.updated, AdamGroupCount(of.size()));
-  a.Array("adam.ignored", adam.ignored, 1);
-  for (const uint32_t step : adam.updated)
-    a.Require(step <= adam.step, "adam.updated", "is ahead of the run");
+  const auto check = [&](const Buffer<uint32_t>& updated) {
+    for (const uint32_t step : updated)
+      a.Require(step <= adam.step, "adam.updated", "is ahead of the run");
+  };
+  const Divided<uint32_t> updated{a, shards, "adam.updated", count, 1, kGaussianGroup, true, check};
+  updated.Describe(adam.updated);
+  // Of all ranks; the first goes on counting.
+  uint64_t ignored = a.reads() ? 0 : shards.SumOver(adam.ignored[0]);
+  a.Value("adam.ignored", ignored);
+  if (a.reads()) adam.ignored.assign(1, shards.share().rank == 0 ? uint32_t(ignored) : 0);
 }
 
 }  // namespace
@@ -53,25 +113,32 @@ void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians&
   a.ArrayUpTo(name + ".smoothing", g.smoothing, count);
   a.Require(
       g.smoothing.empty() || g.smoothing.size() == count, name + ".smoothing", "are not all there");
-  for (const uint8_t degree : g.degrees)
-    a.Require(degree <= g.degree, name + ".degrees", "exceed the run's degree");
+  CheckDegrees(a, name + ".degrees", g.degree)(g.degrees);
 }
 
-void Describe(StateArchive& a, size_t frames, Shards& shards, TrainingState& s) {
+void Describe(
+    StateArchive& a, size_t frames, Shards& shards, uint64_t& gaussians, TrainingState& s) {
   a.Value("iteration", s.iteration);
   a.Require(s.iteration >= 0, "iteration", "is negative");
   a.Value("rng", s.rng.state);
   a.ArrayUpTo("frames_left", s.frames_left, frames);
   for (const uint32_t frame : s.frames_left)
     a.Require(frame < frames, "frames_left", "names a frame that is not there");
-  uint64_t count = s.gaussians.size();
-  a.Value("count", count);
-  a.Require(count > 0 && count <= kMaxCount, "count", "is " + std::to_string(count));
-  Describe(a, "gaussians", count, s.gaussians);
-  Describe(a, s.gaussians, shards, s.adam);
-  a.Array("statistics.screen_gradient", s.statistics.screen_gradient, count);
-  a.Array("statistics.plasticity", s.statistics.plasticity, count);
-  a.Array("statistics.visible", s.statistics.visible, count);
+  a.Value("count", gaussians);
+  a.Require(gaussians > 0 && gaussians <= kMaxCount, "count", "is " + std::to_string(gaussians));
+  DescribeDivided(a, "gaussians", gaussians, false, shards, s.gaussians);
+  const auto check = CheckDegrees(a, "gaussians.degrees", s.gaussians.degree);
+  DescribeOptional<uint8_t>({a, shards, "gaussians.degrees", gaussians, 1, 1, true, check},
+                            s.gaussians.degrees);
+  DescribeOptional<float>({a, shards, "gaussians.smoothing", gaussians}, s.gaussians.smoothing);
+  Describe(a, s.gaussians, gaussians, shards, s.adam);
+  const auto statistics = [&](const char* name, Buffer<float>& own) {
+    const Divided<float> array{a, shards, std::string("statistics.") + name, gaussians};
+    array.Describe(own);
+  };
+  statistics("screen_gradient", s.statistics.screen_gradient);
+  statistics("plasticity", s.statistics.plasticity);
+  statistics("visible", s.statistics.visible);
   // Of as many frames as the run's settings have it.
   Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }

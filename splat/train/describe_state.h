@@ -17,9 +17,14 @@ namespace cosplat {
 // Arrays of `count` Gaussians with this layout: degree, basis and number of corrections are a run's
 // settings, not its state.
 void Describe(StateArchive& archive, const std::string& name, size_t count, Gaussians& gaussians);
-// In host memory. frames: of the subject. All ranks that share the state call it: the first writes
-// what the others only pass on (DiscardState), each reads.
-void Describe(StateArchive& archive, size_t frames, Shards& shards, TrainingState& state);
+// In host memory. frames: of the subject; gaussians: of all ranks, given or read. All ranks that
+// divide the state call it: the first writes what the others only pass on (DiscardState), each
+// reads, and keeps its share.
+void Describe(StateArchive& archive,
+              size_t frames,
+              Shards& shards,
+              uint64_t& gaussians,
+              TrainingState& state);
 void Describe(StateArchive& archive, const std::string& name, size_t count, LearnedMask& mask);
 // Of so many frames, or none; in host memory.
 void Describe(StateArchive& archive, size_t frames, ExposureState& exposures);

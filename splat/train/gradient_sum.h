@@ -1,83 +1,55 @@
-// The gradients of a step of several views, summed in the order of the views, whichever rank drew
-// them: the bits do not depend on the number of ranks.
+// The gradients of a step of several views, summed in the order of the views.
 //
-//   Begin -> Add, once per round of as many views as there are ranks -> gradients, moves -> Adam
-//
-// A view has gradients in the groups (kGaussianGroup) that it shows something of. Each rank sends
-// those of its view to the groups' owners (splat/train/row_share.h), who sum them.
+//   Begin -> Add, for each part of the Gaussians once per view -> gradients, moves -> Adam
 #pragma once
-
-#include <optional>
-#include <vector>
 
 #include "splat/gaussians.h"
 #include "splat/train/density.h"
-#include "splat/train/rank_messages.h"
-#include "splat/train/row_share.h"
 
 namespace cosplat {
 
-struct ViewLoss {
-  double loss = 0;
-  int width = 0, height = 0;  // px, of the image
-};
-
-// Of one view, for all Gaussians, in the stream's memory.
+// Of one view, for a part of the Gaussians, in the stream's memory.
 struct ViewGradients {
-  Gaussians& gradients;     // valid in groups with a visible Gaussian
-  Buffer<float>& screen;    // [N, 2] as in WorldGradients
-  View<const float> radii;  // [N] 0: not visible
-  ViewLoss of;
+  Gaussians& gradients;       // valid in groups (kGaussianGroup) with a visible Gaussian
+  View<const float> screen;   // [part, 2] as in WorldGradients
+  View<const float> radii;    // [part] 0: not visible
+  int width = 0, height = 0;  // px, of the image
 };
 
 class GradientSum {
  public:
   // In the memory of `stream`, on which everything runs.
-  GradientSum(Ranks& ranks, Stream& stream);
+  explicit GradientSum(Stream& stream) : stream_(stream) {}
 
   // views: of the step, whose mean is taken.
   void Begin(const Gaussians& gaussians, size_t views);
-  // Adds a round's views, view r of which rank r has drawn. mine: null if this rank has none, in
-  // the last round. statistics: null if they are not gathered.
-  void Add(const ViewGradients* mine, const Gaussians& gaussians, DensityStatistics* statistics);
+  // first: Gaussian that the part begins with, a multiple of kGaussianGroup. Of one part, views are
+  // added in their order. statistics: null if they are not gathered.
+  void Add(const ViewGradients& view,
+           size_t first,
+           const Gaussians& gaussians,
+           DensityStatistics* statistics);
 
-  // [own rows] mean over the views, in the groups that `moves` names; elsewhere any values.
+  // Mean over the views, in the groups that `moves` names; elsewhere any values.
   Gaussians& gradients() { return sum_; }
-  // [N] positive for Gaussians of the own groups that are visible in a view.
+  // [N] positive for Gaussians that are visible in a view.
   const Buffer<float>& moves() const { return moves_; }
-  // Sets the gradients of own groups without a visible Gaussian to 0, for those who move them too.
+  // Sets the gradients of groups without a visible Gaussian to 0, for those who move them too.
   void ZeroUnseen();
-  // Of the views in their order. Not finite if one is not.
-  double MeanLoss() const;
-  // Groups that this rank's views showed something of, since the start.
-  size_t groups_drawn() const { return groups_drawn_; }
+
+  // Groups with a Gaussian that is visible in a view.
+  size_t CountSeen() const;
 
   void Release();
-  // Bytes.
-  size_t held() const { return HeldBy(sum_) + HeldBy(moves_, seen_, drawn_); }
-  size_t HeldByMessages() const { return messages_.held(); }
+  size_t held() const { return HeldBy(sum_) + HeldBy(moves_, seen_); }  // bytes
 
  private:
-  struct Rows;
-  std::vector<std::optional<ViewLoss>> ExchangeLosses(const ViewGradients* mine);
-  // Whether this rank's view shows something of each group.
-  std::vector<uint8_t> DrawnGroups(const ViewGradients& mine);
-  void AddView(const Rows& view, const Gaussians& gaussians, DensityStatistics* statistics);
-
-  Ranks& ranks_;
   Stream& stream_;
-  RowShare share_;
   Gaussians sum_;
   Buffer<float> moves_;
-  Buffer<uint8_t> seen_;   // [groups] whether `sum_` is set
-  Buffer<uint8_t> drawn_;  // [groups]
-  float of_view_ = 1;      // one over the number of views
-  std::vector<double> losses_;
-  std::vector<std::vector<uint32_t>> groups_;  // drawn, of those in exchange, by owner
-  std::vector<Buffer<uint32_t>> lists_;        // the same in the stream's memory
-  RankMessages messages_;
+  Buffer<uint8_t> seen_;    // [groups] whether `sum_` is set
+  float of_view_ = 1;       // one over the number of views
   Buffer<uint32_t> never_;  // [1] 0: no step of several views overflows
-  size_t groups_drawn_ = 0;
 };
 
 }  // namespace cosplat

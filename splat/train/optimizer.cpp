@@ -15,6 +15,7 @@ namespace cosplat {
 
 namespace {
 
+constexpr size_t kRowsPerRun = 512;
 constexpr size_t kRunsPerTask = 4;  // at least
 
 void Update(const AdamSettings& settings,
@@ -23,7 +24,7 @@ void Update(const AdamSettings& settings,
             Gaussians& values,
             AdamState& state,
             Stream& stream) {
-  UpdateNumbers kernel{state.share, {}, std::as_const(state.behind).view(), state.ignored.data()};
+  UpdateNumbers kernel{{}, std::as_const(state.behind).view(), state.ignored.data()};
   size_t most = 0;
   for (int a = 0; a < kAttributeCount; ++a) {
     AdamArray& array = kernel.attributes[a];
@@ -46,14 +47,13 @@ void Update(const AdamSettings& settings,
   ForEachRow(most, stream, kernel);
 }
 
-// Appends own group g, which is `behind` steps behind, to the last run or to a new one. Neighbours
-// that are of one share are neighbours in it.
-void Append(size_t g, int behind, size_t count, const RowShare& share, std::vector<AdamRun>& runs) {
+// Appends group g, which is `behind` steps behind, to the last run or to a new one.
+void Append(size_t g, int behind, size_t count, std::vector<AdamRun>& runs) {
   const uint32_t begin = uint32_t(g * kGaussianGroup);
   const uint32_t end = uint32_t(std::min((g + 1) * kGaussianGroup, count));
   if (runs.empty() || runs.back().end != begin || runs.back().behind != behind ||
-      end - runs.back().begin > kRowsPerBlock)
-    runs.push_back({begin, begin, uint32_t(share.PlaceOf(begin)), behind});
+      end - runs.back().begin > kRowsPerRun)
+    runs.push_back({begin, begin, behind});
   runs.back().end = end;
 }
 
@@ -65,7 +65,7 @@ void RunOnHost(size_t, const UpdateNumbers& kernel) {
   const size_t count = kernel.attributes[kOpacityLogit].numbers;
   for (size_t g = 0; g < kernel.behind.size(); ++g) {
     const uint32_t behind = kernel.behind[g];
-    if (behind != kNotNow) Append(g, int(behind), count, kernel.share, runs);
+    if (behind != kNotNow) Append(g, int(behind), count, runs);
   }
   std::atomic<uint32_t> bad{0};  // a count: the order of adding does not matter
   const auto update = [&, all = runs.data()](const auto& task) {
@@ -79,15 +79,13 @@ void RunOnHost(size_t, const UpdateNumbers& kernel) {
   *kernel.ignored += bad;
 }
 
-AdamState::AdamState(const Gaussians& gaussians, RowShare share_)
-    : share(share_),
-      m(gaussians.ZerosLike(share.CountOf(gaussians.size()))),
+AdamState::AdamState(const Gaussians& gaussians)
+    : m(gaussians.ZerosLike()),
       v(m.ZerosLike()),
       updated(AdamGroupCount(gaussians.size()), 0),
       ignored(1, 0) {}
 
 void AdamState::Upload(const AdamState& from, Stream& stream) {
-  share = from.share;
   m.Upload(from.m, stream);
   v.Upload(from.v, stream);
   step = from.step;
@@ -96,7 +94,6 @@ void AdamState::Upload(const AdamState& from, Stream& stream) {
 }
 
 void AdamState::Download(AdamState& to, Stream& stream) const {
-  to.share = share;
   m.Download(to.m, stream);
   v.Download(to.v, stream);
   to.step = step;
@@ -118,8 +115,7 @@ void AdamStepAll(const AdamSettings& settings,
   state.behind.Refill(groups, stream);
   ForEach(groups,
           stream,
-          FindBehind{state.share,
-                     moves,
+          FindBehind{moves,
                      state.step,
                      state.step + 1,
                      state.updated.view(),
@@ -136,15 +132,10 @@ void AdamCatchUpAll(const AdamSettings& settings,
                     Stream& stream) {
   const size_t groups = state.updated.size();
   state.behind.Refill(groups, stream);
-  ForEach(groups,
-          stream,
-          FindBehind{state.share,
-                     {},
-                     state.step,
-                     state.step,
-                     state.updated.view(),
-                     state.behind.view(),
-                     nullptr});
+  ForEach(
+      groups,
+      stream,
+      FindBehind{{}, state.step, state.step, state.updated.view(), state.behind.view(), nullptr});
   Update(settings, nullptr, position_rate_scale, values, state, stream);
 }
 

@@ -8,7 +8,6 @@
 #include "splat/gaussians.h"
 #include "splat/math/adam.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -26,15 +25,13 @@ inline size_t AdamGroupCount(size_t gaussians) {
   return (gaussians + kGaussianGroup - 1) / kGaussianGroup;
 }
 
-// First and second moments, laid out like the Gaussians they belong to and in the same memory. Of
-// several ranks each has those of its own Gaussians.
+// First and second moments, laid out like the Gaussians they belong to and in the same memory.
 struct AdamState {
   AdamState() = default;
   // Zero moments for these Gaussians, on the host.
-  explicit AdamState(const Gaussians& gaussians, RowShare share = {});
+  explicit AdamState(const Gaussians& gaussians);
 
-  RowShare share;
-  Gaussians m;  // [own rows]
+  Gaussians m;
   Gaussians v;
   uint32_t step = 0;
   Buffer<uint32_t> updated;  // [groups] step up to which each group has been updated
@@ -52,8 +49,7 @@ struct AdamState {
 // applied at once (lazy Adam; math/adam.h), so that the optimiser reads and writes only what is
 // visible in a view. `position_rate_scale` ([N, 3] or empty) multiplies the learning rate of each
 // component of kPosition. Non-finite gradients count as zero and are counted in state.ignored. If
-// `overflowed` is given and *overflowed is not 0, only `step` changes. A rank updates its own
-// Gaussians; `gradients`: of those.
+// `overflowed` is given and *overflowed is not 0, only `step` changes.
 void AdamStepAll(const AdamSettings& settings,
                  const Gaussians& gradients,
                  View<const float> position_rate_scale,
@@ -63,8 +59,7 @@ void AdamStepAll(const AdamSettings& settings,
                  Stream& stream = HostStream(),
                  const uint32_t* overflowed = nullptr);
 
-// Catch-up: applies the deferred updates of all Gaussians; a rank's, of its own
-// (Shards::ShareUpdated then has those of all). Needed before they are reordered,
+// Catch-up: applies the deferred updates of all Gaussians. Needed before they are reordered,
 // evaluated or saved (in the middle of a run on a copy: Trainer::CaughtUp).
 void AdamCatchUpAll(const AdamSettings& settings,
                     View<const float> position_rate_scale,

@@ -2,21 +2,19 @@
 
 namespace cosplat {
 
-void RankMessages::Exchange(Stream& stream) {
-  to_.resize(ranks_.size());
-  if (stream.on_host()) return Send({to_.begin(), to_.end()}, stream);
-  host_to_.resize(ranks_.size());
-  for (size_t r = 0; r < to_.size(); ++r) {
+void RankMessages::Exchange(const std::vector<Message>& to, Stream& stream) {
+  if (stream.on_host()) return Send({to.begin(), to.end()}, stream);
+  host_to_.resize(to.size());
+  for (size_t r = 0; r < to.size(); ++r) {
     if (r == ranks_.rank()) continue;
-    host_to_[r].RefillForReadback(to_[r].size(), stream);
-    to_[r].Download(host_to_[r].data(), stream);
+    host_to_[r].RefillForReadback(to[r].size(), stream);
+    to[r].Download(host_to_[r].data(), stream);
   }
   stream.Wait();
   Send({host_to_.begin(), host_to_.end()}, stream);
 }
 
-void RankMessages::ExchangeWithAll(Stream& stream) {
-  const Message& message = To(ranks_.rank());
+void RankMessages::ExchangeWithAll(const Message& message, Stream& stream) {
   View<const uint32_t> sent = message;
   if (!stream.on_host()) {
     host_to_.resize(ranks_.size());
@@ -43,13 +41,12 @@ void RankMessages::Send(const std::vector<View<const uint32_t>>& to, Stream& str
 
 void RankMessages::Release(Stream& stream) {
   stream.Wait();
-  for (auto* messages : {&to_, &from_, &host_to_, &host_from_}) messages->clear();
+  for (auto* messages : {&from_, &host_to_, &host_from_}) messages->clear();
 }
 
 size_t RankMessages::held() const {
   size_t bytes = 0;
-  for (const auto* messages : {&to_, &from_, &host_to_, &host_from_})
-    for (const Message& message : *messages) bytes += HeldBy(message);
+  for (const Message& message : from_) bytes += HeldBy(message);
   return bytes;
 }
 

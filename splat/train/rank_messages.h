@@ -12,26 +12,22 @@ class RankMessages {
  public:
   explicit RankMessages(Ranks& ranks) : ranks_(ranks) {}
 
-  // In the memory of the stream that fills it; the own one is not sent.
-  Message& To(size_t rank) {
-    to_.resize(ranks_.size());
-    return to_[rank];
-  }
-  // Sends what is for each rank, and receives. All ranks call it.
-  void Exchange(Stream& stream);
-  // The same, with this rank's own message for all.
-  void ExchangeWithAll(Stream& stream);
-  // In the stream's memory; the own one is empty.
-  Message& From(size_t rank) { return from_[rank]; }
+  // Sends to[r], which is in the stream's memory, to rank r, and receives; what is for this rank is
+  // not sent. All ranks call it.
+  void Exchange(const std::vector<Message>& to, Stream& stream);
+  // The same, with one message for all others.
+  void ExchangeWithAll(const Message& message, Stream& stream);
+  // Of the last exchange, in the stream's memory; the own one is empty.
+  const Message& From(size_t rank) const { return from_[rank]; }
 
   void Release(Stream& stream);
-  size_t held() const;  // bytes
+  size_t held() const;  // bytes of the stream's memory
 
  private:
   void Send(const std::vector<View<const uint32_t>>& to, Stream& stream);
 
   Ranks& ranks_;
-  std::vector<Message> to_, from_;
+  std::vector<Message> from_;
   std::vector<Message> host_to_, host_from_;  // of a device's
 };
 

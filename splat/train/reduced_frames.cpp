@@ -19,14 +19,19 @@ void CheckSize(const TrainFrame& frame, size_t index) {
 
 }  // namespace
 
+Camera Reduced(Camera camera, int downscale) {
+  camera.width /= downscale;
+  camera.height /= downscale;
+  for (float* length : {&camera.fx, &camera.fy, &camera.cx, &camera.cy})
+    *length /= float(downscale);
+  return camera;
+}
+
 TrainFrame Reduced(const TrainFrame& frame, int downscale) {
   const Image8& from = frame.target;
   const int channels = from.channels, d = downscale;
-  TrainFrame reduced{frame.camera, Image8(from.width / d, from.height / d, channels), {}};
-  Camera& camera = reduced.camera;
-  camera.width = reduced.target.width;
-  camera.height = reduced.target.height;
-  for (float* length : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *length /= float(d);
+  const Camera camera = Reduced(frame.camera, d);
+  TrainFrame reduced{camera, Image8(camera.width, camera.height, channels), {}};
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       uint64_t sum[4] = {}, weights = 0;

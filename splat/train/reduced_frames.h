@@ -8,6 +8,9 @@
 
 namespace cosplat {
 
+// The camera of a frame whose sides are divided by `downscale`.
+Camera Reduced(Camera camera, int downscale);
+
 // Divides the sides of a frame by `downscale`: averages blocks of pixels, weighted by alpha if
 // present. Leftover pixels at the right and the bottom are cropped, so that the camera is exact. A
 // block with an ignored pixel is ignored.

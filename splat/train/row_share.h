@@ -9,13 +9,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/device/buffer.h"
 #include "splat/gaussians.h"
 #include "splat/math/namespace.h"
 #include "splat/render/kernels/world_gaussians.h"
 
 namespace cosplat {
 
-// As many Gaussians as Adam updates in one run of its inner loop; whole groups (kGaussianGroup).
+// Whole groups (kGaussianGroup); few enough that ranks have equal parts of what a view shows, and
+// so many that Adam's inner loop has long runs.
 constexpr size_t kRowsPerBlock = 512;
 
 struct RowShare {
@@ -26,6 +28,10 @@ struct RowShare {
   // Where its owner keeps a row.
   COSPLAT_HD size_t PlaceOf(size_t row) const {
     return row / kRowsPerBlock / ranks * kRowsPerBlock + row % kRowsPerBlock;
+  }
+  // The row that its owner keeps there.
+  COSPLAT_HD size_t RowAt(size_t place) const {
+    return (place / kRowsPerBlock * ranks + rank) * kRowsPerBlock + place % kRowsPerBlock;
   }
   // Own rows among the first `rows`.
   COSPLAT_HD size_t CountOf(size_t rows) const {
@@ -41,9 +47,9 @@ struct RowArray {
   size_t width = 0;
 };
 
-// What is sent of a Gaussian: at most its attributes, the gradient of its centre and its radius.
+// What is sent of a Gaussian: at most its attributes, its smoothing and three statistics.
 struct RowArrays {
-  static constexpr size_t kMax = kAttributeCount + 2;
+  static constexpr size_t kMax = kAttributeCount + 4;
   RowArray array[kMax];
   size_t count = 0;
 
@@ -54,6 +60,17 @@ struct RowArrays {
     for (size_t a = 0; a < count; ++a) sum += kGaussianGroup * array[a].width;
     return sum;
   }
+};
+
+// Where groups are: in an array of so many rows, from the row of group `first` on; the last of all
+// may be smaller. Without a list, group k is the kth.
+struct GroupPlaces {
+  RowArrays arrays;
+  size_t rows = 0;
+  View<const uint32_t> list = {};
+  size_t first = 0;
+
+  COSPLAT_HD size_t At(size_t k) const { return (list.count == 0 ? k : list[k]) - first; }
 };
 
 }  // namespace cosplat

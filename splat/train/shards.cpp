@@ -9,23 +9,16 @@
 namespace cosplat {
 namespace {
 
-// Calls copy(row, place, rows) for the blocks of a share in [begin, end), where a block begins.
-template <class Copy>
-void ForEachBlock(const RowShare& share, size_t begin, size_t end, const Copy& copy) {
-  for (size_t row = begin; row < end; row += kRowsPerBlock)
-    if (share.Owns(row)) copy(row, share.PlaceOf(row), std::min(kRowsPerBlock, end - row));
-}
-
-// Rows of own moments, by the rank that they go to or come from.
+// Rows of own arrays, by the rank that they go to or come from.
 struct Transfers {
   std::vector<std::vector<uint32_t>> sent, received;  // places in the old and in the new share
 };
 
-Transfers TransfersOf(View<const uint32_t> source, size_t first_fresh, const RowShare& share) {
+Transfers TransfersOf(View<const uint32_t> source, size_t first_zero, const RowShare& share) {
   Transfers all;
   all.sent.resize(share.ranks);
   all.received.resize(share.ranks);
-  for (size_t row = 0; row < first_fresh; ++row) {
+  for (size_t row = 0; row < first_zero; ++row) {
     const size_t from = share.OwnerOf(source[row]), to = share.OwnerOf(row);
     if (from == share.rank) all.sent[to].push_back(uint32_t(share.PlaceOf(source[row])));
     if (to == share.rank) all.received[from].push_back(uint32_t(share.PlaceOf(row)));
@@ -49,8 +42,8 @@ std::vector<uint32_t> Downloaded(View<const uint32_t> numbers, Stream& stream) {
   return copy;
 }
 
-View<float> Floats(Message& message) {
-  return {reinterpret_cast<float*>(message.data()), message.size()};
+const float* Floats(const Message& message) {
+  return reinterpret_cast<const float*>(message.data());
 }
 
 }  // namespace
@@ -64,155 +57,160 @@ RowArrays RowsOf(Gaussians& gaussians) {
   return arrays;
 }
 
-size_t WordsPerGroup(const RowArrays& arrays) { return 1 + arrays.numbers(); }
+RowArrays RowsFrom(const RowArrays& arrays, size_t row) {
+  RowArrays rest;
+  for (size_t a = 0; a < arrays.count; ++a)
+    rest.Add({arrays.array[a].data + row * arrays.array[a].width, arrays.array[a].width});
+  return rest;
+}
 
-PackedGroups FindPacked(const RowArrays& arrays, View<uint32_t> words) {
-  const size_t groups = words.size() / WordsPerGroup(arrays);
-  PackedGroups packed{{words.data, groups}, {}};
-  float* next = reinterpret_cast<float*>(words.data + groups);
+RowArrays PackedIn(const RowArrays& arrays, View<uint32_t> message) {
+  const size_t groups = arrays.numbers() == 0 ? 0 : message.size() / arrays.numbers();
+  RowArrays packed;
+  float* next = reinterpret_cast<float*>(message.data);
   for (size_t a = 0; a < arrays.count; ++a) {
-    packed.arrays.Add({next, arrays.array[a].width});
+    packed.Add({next, arrays.array[a].width});
     next += groups * kGaussianGroup * arrays.array[a].width;
   }
   return packed;
 }
 
-void PackGroups(const RowArrays& arrays,
-                View<const uint32_t> groups,
-                size_t gaussians,
-                Message& message,
-                Stream& stream) {
-  message.Refill(groups.size() * WordsPerGroup(arrays), stream);
-  const PackedGroups packed = FindPacked(arrays, message.view());
-  ForEachGroup(groups.size(),
-               stream,
-               PackGroup{arrays, packed.arrays, groups, packed.groups.data, gaussians});
+void PackGroups(const GroupPlaces& from, size_t groups, Message& message, Stream& stream) {
+  message.Refill(groups * from.arrays.numbers(), stream);
+  const RowArrays packed = PackedIn(from.arrays, message.view());
+  ForEachGroup(groups, stream, CopyGroup{from, {packed, groups * kGaussianGroup}});
 }
 
-void UnpackGroups(const RowArrays& arrays,
-                  size_t gaussians,
-                  const PackedGroups& packed,
-                  Stream& stream) {
+void UnpackGroups(const Message& message, size_t groups, const GroupPlaces& to, Stream& stream) {
+  // Only read.
+  const View<uint32_t> words(const_cast<uint32_t*>(message.data()), message.size());
   ForEachGroup(
-      packed.groups.size(), stream, UnpackGroup{packed.arrays, arrays, packed.groups, gaussians});
+      groups, stream, CopyGroup{{PackedIn(to.arrays, words), groups * kGaussianGroup}, to});
 }
 
-size_t Shards::ShareUpdated(Gaussians& gaussians, AdamState& adam, Stream& stream) {
-  const RowArrays rows = RowsOf(gaussians);
-  const std::vector<uint32_t> behind = Downloaded(adam.behind, stream);
-  std::vector<uint32_t> updated;
-  size_t groups = 0;
-  for (size_t begin = 0; begin < behind.size(); begin += kGroupsPerExchange) {
-    const size_t end = std::min(begin + kGroupsPerExchange, behind.size());
-    updated.clear();
-    for (size_t g = begin; g < end; ++g)
-      if (behind[g] != kNotNow) updated.push_back(uint32_t(g));
-    groups += updated.size();
-    if (share_.ranks == 1) continue;
-    groups_.Upload(updated.data(), updated.size(), stream);
-    PackGroups(rows, groups_, gaussians.size(), messages_.To(share_.rank), stream);
-    messages_.ExchangeWithAll(stream);
-    for (size_t r = 0; r < share_.ranks; ++r) {
-      if (r == share_.rank) continue;
-      const PackedGroups packed = FindPacked(rows, messages_.From(r).view());
-      UnpackGroups(rows, gaussians.size(), packed, stream);
-      ForEach(
-          packed.groups.size(), stream, SetOfGroups{packed.groups, adam.step, adam.updated.view()});
-      groups += packed.groups.size();
+View<const uint32_t> Shards::GroupsOf(const RowShare& share,
+                                      size_t place,
+                                      size_t rows,
+                                      Stream& stream) {
+  std::vector<uint32_t> groups;
+  for (size_t p = place; p < place + rows; p += kGaussianGroup)
+    groups.push_back(uint32_t(share.RowAt(p) / kGaussianGroup));
+  groups_.Upload(groups.data(), groups.size(), stream);
+  stream.Wait();
+  return std::as_const(groups_).view();
+}
+
+void Shards::Assemble(const RowArrays& own, const RowArrays& all, size_t count, Stream& stream) {
+  // Of all ranks together.
+  const size_t blocks = kRowsPerExchange / kRowsPerBlock / share_.ranks;
+  const size_t part = std::max(blocks, size_t(1)) * kRowsPerBlock;
+  const auto rows_from = [&](const RowShare& share, size_t place) {
+    const size_t rows = share.CountOf(count);
+    return rows > place ? std::min(rows - place, part) : 0;
+  };
+  // Rank 0 has the most.
+  const size_t most = RowShare{0, share_.ranks}.CountOf(count);
+  for (size_t place = 0; place < most; place += part) {
+    const size_t rows = rows_from(share_, place);
+    PackGroups({RowsFrom(own, place), rows}, GroupCount(rows), message_, stream);
+    messages_.ExchangeWithAll(message_, stream);
+    for (uint32_t r = 0; r < share_.ranks; ++r) {
+      const RowShare share{r, share_.ranks};
+      const size_t theirs = rows_from(share, place);
+      UnpackGroups(r == share_.rank ? message_ : messages_.From(r),
+                   GroupCount(theirs),
+                   {all, count, GroupsOf(share, place, theirs, stream)},
+                   stream);
     }
   }
-  return groups;
 }
 
-void Shards::Assemble(AdamState& adam,
-                      DensityStatistics& statistics,
-                      uint32_t& ignored,
-                      Stream& stream) {
-  if (share_.ranks == 1) return;
-  const size_t count = statistics.visible.size(), groups = AdamGroupCount(count);
-  RowArrays rows;
-  for (Buffer<float>* of_all : statistics.all()) rows.Add({of_all->data(), 1});
-  for (size_t begin = 0; begin < groups; begin += kGroupsPerExchange) {
-    std::vector<uint32_t> own;
-    for (size_t g = begin; g < std::min(begin + kGroupsPerExchange, groups); ++g)
-      if (share_.Owns(g * kGaussianGroup)) own.push_back(uint32_t(g));
-    groups_.Upload(own.data(), own.size(), stream);
-    PackGroups(rows, groups_, count, messages_.To(share_.rank), stream);
-    messages_.ExchangeWithAll(stream);
-    for (size_t r = 0; r < share_.ranks; ++r)
-      if (r != share_.rank)
-        UnpackGroups(rows, count, FindPacked(rows, messages_.From(r).view()), stream);
-  }
-  const uint32_t now = Downloaded(adam.ignored, stream)[0];
-  ignored += uint32_t(Sum(now - ignored, ranks_));
-  stream.Send(adam.ignored.data(), &ignored, sizeof ignored);
+void Shards::TakeOwn(const RowArrays& all, const RowArrays& own, size_t count, Stream& stream) {
+  const size_t rows = share_.CountOf(count);
+  ForEachGroup(GroupCount(rows),
+               stream,
+               CopyGroup{{all, count, GroupsOf(share_, 0, rows, stream)}, {own, rows}});
 }
 
-void Shards::Gather(const Reordering& order, AdamState& adam, Stream& stream) {
+void Shards::Gather(const Reordering& order,
+                    const std::vector<HandedOver>& arrays,
+                    Stream& stream) {
   CheckAlike(order.source.size(), ranks_);
-  CheckAlike(order.first_fresh, ranks_);
   const std::vector<uint32_t> source = Downloaded(order.source, stream);
-  const Transfers rows = TransfersOf(source, order.first_fresh, share_);
-  const std::vector<Buffer<uint32_t>> sent = Uploaded(rows.sent, stream);
-  const std::vector<Buffer<uint32_t>> received = Uploaded(rows.received, stream);
   const size_t own = share_.CountOf(source.size());
-  Message kept;
-  for (Gaussians* moments : {&adam.m, &adam.v})
-    for (int a = 0; a < kAttributeCount; ++a) {
-      Buffer<float>& values = moments->values[a];
-      const size_t width = size_t(moments->width(a));
-      for (size_t r = 0; r < share_.ranks; ++r) {
-        Message& message = r == share_.rank ? kept : messages_.To(r);
-        message.Refill(sent[r].size() * width, stream);
-        ForEach(sent[r].size(),
-                stream,
-                GatherRow<float>{values.view(), sent[r], width, sent[r].size(), Floats(message)});
-        if (r != share_.rank) moments_sent_ += message.size();
-      }
-      messages_.Exchange(stream);
-      values.Refill(own * width, stream);
-      values.FillWithZeros(stream);
-      for (size_t r = 0; r < share_.ranks; ++r)
-        ForEach(received[r].size(),
-                stream,
-                ScatterRow{Floats(r == share_.rank ? kept : messages_.From(r)).data,
-                           received[r],
-                           width,
-                           values.view()});
+  std::vector<Message> to(share_.ranks);
+  size_t first_zero = 0;
+  std::vector<Buffer<uint32_t>> sent, received;
+  for (const HandedOver& array : arrays) {
+    CheckAlike(array.first_zero, ranks_);
+    if (sent.empty() || array.first_zero != first_zero) {
+      first_zero = array.first_zero;
+      const Transfers rows = TransfersOf(source, first_zero, share_);
+      sent = Uploaded(rows.sent, stream);
+      received = Uploaded(rows.received, stream);
+      stream.Wait();
     }
+    Buffer<float>& values = *array.values;
+    const size_t width = array.width;
+    for (size_t r = 0; r < share_.ranks; ++r) {
+      to[r].Refill(sent[r].size() * width, stream);
+      const View<float> floats(reinterpret_cast<float*>(to[r].data()), to[r].size());
+      ForEach(
+          sent[r].size(),
+          stream,
+          GatherRow<float>{std::as_const(values).view(), sent[r], width, sent[r].size(), floats});
+      if (r != share_.rank) numbers_sent_ += to[r].size();
+    }
+    messages_.Exchange(to, stream);
+    values.Refill(own * width, stream);
+    values.FillWithZeros(stream);
+    for (size_t r = 0; r < share_.ranks; ++r)
+      ForEach(received[r].size(),
+              stream,
+              ScatterRow{Floats(r == share_.rank ? to[r] : messages_.From(r)),
+                         received[r],
+                         width,
+                         values.view()});
+  }
   messages_.Release(stream);  // which grow with the scene
 }
 
-Buffer<float> Shards::Assembled(const Buffer<float>& own, size_t width, size_t begin, size_t end) {
-  std::vector<View<const uint32_t>> to(share_.ranks);
-  std::vector<Message> from;
-  const auto part_of = [&](const RowShare& share) { return share.CountOf(begin) * width; };
-  if (share_.rank != 0) {
-    to[0] = {reinterpret_cast<const uint32_t*>(own.data() + part_of(share_)),
-             share_.CountOf(end) * width - part_of(share_)};
-    moments_sent_ += to[0].size();
-  }
-  ranks_.Exchange(to, from);
-  Buffer<float> all;
-  if (share_.rank != 0) return all;
-  all.resize((end - begin) * width);
-  for (uint32_t r = 0; r < share_.ranks; ++r) {
-    const RowShare share{r, share_.ranks};
-    const float* part =
-        r == 0 ? own.data() + part_of(share) : reinterpret_cast<const float*>(from[r].data());
-    ForEachBlock(share, begin, end, [&](size_t row, size_t place, size_t n) {
-      std::copy_n(
-          part + (place * width - part_of(share)), n * width, all.data() + (row - begin) * width);
-    });
-  }
+Gaussians Shards::OwnOf(const Gaussians& all) {
+  if (!divides()) return all;
+  Gaussians own = all.ZerosLike(share_.CountOf(all.size()));
+  const Stretch rows{0, all.size()};
+  TakeOwn(RowsOf(const_cast<Gaussians&>(all)), RowsOf(own), all.size(), HostStream());  // only read
+  own.antialiased = all.antialiased;
+  own.degrees.resize(all.degrees.empty() ? 0 : own.size());
+  if (!all.degrees.empty()) TakeOwn(all.degrees, rows, own.degrees);
+  own.smoothing.resize(all.smoothing.empty() ? 0 : own.size());
+  if (!all.smoothing.empty()) TakeOwn(all.smoothing, rows, own.smoothing);
+  return own;
+}
+
+Gaussians Shards::AllOf(const Gaussians& own, size_t count) {
+  if (!divides()) return own;
+  Gaussians all = own.ZerosLike(0);
+  all.antialiased = own.antialiased;
+  const auto assemble = [&](const auto& from, size_t width, auto& to) {
+    if (share_.rank == 0) to.reserve(count * width);
+    for (size_t begin = 0; begin < count; begin += kRowsPerExchange) {
+      const Stretch rows{begin, std::min(begin + kRowsPerExchange, count), width};
+      const auto part = Assembled(from, rows, ForWhom::kFirstRank);
+      to.append(part.begin(), part.end());
+    }
+  };
+  for (int a = 0; a < kAttributeCount; ++a)
+    assemble(own.values[a], size_t(own.width(a)), all.values[a]);
+  if (AnyHas(own.degrees)) assemble(own.degrees, 1, all.degrees);
+  if (AnyHas(own.smoothing)) assemble(own.smoothing, 1, all.smoothing);
   return all;
 }
 
-void Shards::TakeOwn(
-    const Buffer<float>& rows, size_t width, size_t begin, size_t end, Buffer<float>& own) const {
-  ForEachBlock(share_, begin, end, [&](size_t row, size_t place, size_t n) {
-    std::copy_n(rows.data() + (row - begin) * width, n * width, own.data() + place * width);
-  });
+void Shards::Release() {
+  messages_.Release(HostStream());
+  message_ = {};
+  groups_ = {};
 }
 
 }  // namespace cosplat

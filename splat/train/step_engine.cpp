@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
 #include "splat/device/sum_tree.h"
 #include "splat/render/kernels/project.h"
+#include "splat/train/bands.h"
+#include "splat/train/kernels/shards.h"
 #include "splat/train/kernels/smoothing.h"
 
 namespace cosplat {
@@ -21,6 +22,12 @@ constexpr double kGrowth = 1 + 1.0 / kHeadRoom;  // growth of a Buffer
 // memory, which of them move, of one view and of several, the screen gradient, and density control.
 constexpr double kBesideParameters = 5 * sizeof(float) + 2 * sizeof(float) + 4 * sizeof(uint64_t) +
                                      6 * sizeof(uint32_t) + 2 * sizeof(uint8_t) + 4 * sizeof(float);
+
+// Likewise, where ranks divide the Gaussians: what density control needs of all of them (position,
+// rotation, scale, opacity, colour, smoothing), twice while they are reordered, and what is sent of
+// a view.
+constexpr double kOfOtherRanks =
+    30 * sizeof(float) + 3 * (sizeof(ProjectedSplat) + sizeof(float)) + 2 * sizeof(SplatGradient);
 
 void CheckRule(PruneRule rule) {
   if (WorksOnProcessorOnly(rule))
@@ -79,13 +86,19 @@ StepEngine::StepEngine(const TrainSettings& settings,
       now_(stream_.on_host() ? &state_ : &on_device_),
       targets_(subject, TargetBytes(stream_, device_.memory_share)),
       shards_(*device_.ranks),
-      sum_(*device_.ranks, stream_),
+      exchange_(*device_.ranks, *device_.rasterizer),
+      all_(shards_, stream_),
+      sum_(stream_),
       tape_(device_.rasterizer->MakeTape()),
       forecast_(forecast),
       steps_{Submitted(stream_), Submitted(stream_)} {
   if (!on_host()) CheckRule(settings.prune.rule);
   CheckBatch();
-  if (state_.adam.updated.empty()) state_.adam = AdamState(state_.gaussians, shards_.share());
+  if (shards_.divides()) {
+    state_.gaussians = shards_.OwnOf(state_.gaussians);
+    state_.statistics.Reset(state_.gaussians.size());
+  }
+  if (state_.adam.updated.empty()) state_.adam = AdamState(state_.gaussians);
   subject_.WorkIn(stream_);
   try {
     Store();
@@ -105,6 +118,7 @@ void StepEngine::CheckBatch() const {
   if (WorksOnProcessorOnly(settings_.prune.rule) || LearnsMask(settings_.prune.rule))
     throw Error("--prune " + ToString(settings_.prune.rule),
                 "works in steps of one view: use --batch 1 or another rule");
+  if (!subject_.is_static()) throw Error(option, "needs a scene that does not move");
 }
 
 StepEngine::~StepEngine() {
@@ -117,27 +131,39 @@ StepEngine::~StepEngine() {
 }
 
 Population StepEngine::Everyone() {
+  Assemble(AllGaussians::Extent::kGeometry);
+  const bool divides = shards_.divides();
+  if (divides) all_.ForgetBands();
   canvas_.emplace(Canvas{*device_.rasterizer, image_, *tape_});
   return {subject_,
-          now_->gaussians,
+          divides ? all_.gaussians() : now_->gaussians,
           now_->adam,
-          now_->statistics,
+          divides ? all_.statistics() : now_->statistics,
           gradients_,
           stream_,
           &*canvas_,
           pruner_,
           mask_.learns() ? &mask_ : nullptr,
-          &shards_};
+          divides ? &shards_ : nullptr,
+          divides ? &now_->gaussians : nullptr};
 }
 
-// On the host, releases what is sized by the number of Gaussians: it is not needed while they are
-// copied and is allocated again afterwards, for the new number.
+// Releases what is sized by the number of Gaussians: it is not needed while they are copied and is
+// allocated again afterwards, for the new number. On a device, where that waits, only what density
+// control makes larger than steps need it, and what it needs the room of.
 void StepEngine::ReleaseScratch() {
-  if (!on_host()) return;
+  if (!on_host()) {
+    if (settings_.batch == 1 || FitsInOnePart()) return;
+    gradients_ = {};
+    sum_.Release();
+    exchange_.Release();
+    return;
+  }
   gradients_ = {};
   screen_ = {};
   moves_ = {};
   sum_.Release();
+  exchange_.Release();
   shards_.Release();
   density_.Release();
   tape_ = device_.rasterizer->MakeTape();
@@ -158,21 +184,20 @@ void StepEngine::Store() {
     on_device_.exposures.Upload(state_.exposures, stream_);
   }
   ReleaseScratch();
-  gradients_.RefillLike(now_->gaussians, stream_);
+  if (settings_.batch == 1) gradients_.RefillLike(now_->gaussians, stream_);
   overflowed_.Refill(1, stream_);
   overflowed_.FillWithZeros(stream_);
   StoreMask();
   stream_.Wait();  // the copies read the state's memory
   in_flight_ = 0;  // those steps belong to another state
   fetched_ = true;
-  assembled_ = true;  // it is the state of all ranks
-  ignored_ = state_.adam.ignored[0];
+  count_ = size_t(Sum(now_->gaussians.size(), *device_.ranks));
+  all_.Release();
 }
 
 void StepEngine::Fetch() {
   if (fetched_) return;
   Settle(0);
-  Assemble();
   if (!on_host()) {
     on_device_.gaussians.Download(state_.gaussians, stream_);
     on_device_.adam.Download(state_.adam, stream_);
@@ -184,47 +209,57 @@ void StepEngine::Fetch() {
   fetched_ = true;
 }
 
-void StepEngine::FetchForRanking() {
-  if (!on_host()) {
-    const Gaussians& from = on_device_.gaussians;
-    state_.gaussians.Resize(count());
-    for (int a = 0; a < kAttributeCount; ++a)
-      if (a != kColorRest && a != kCorrection)
-        from.values[a].Download(state_.gaussians.values[a].data(), stream_);
-    state_.gaussians.degrees.resize(from.degrees.size());
-    from.degrees.Download(state_.gaussians.degrees.data(), stream_);
-    state_.gaussians.smoothing.resize(from.smoothing.size());
-    from.smoothing.Download(state_.gaussians.smoothing.data(), stream_);
-    on_device_.statistics.Download(state_.statistics, stream_);
-    stream_.Wait();
-  }
+StepEngine::Ranked StepEngine::FetchForRanking() {
+  Assemble(AllGaussians::Extent::kGeometry);
   mask_.Download(stream_);
+  const bool divides = shards_.divides();
+  if (on_host()) {
+    if (divides) return {all_.gaussians(), all_.statistics()};
+    return {state_.gaussians, state_.statistics};
+  }
+  const Gaussians& from = Shown();
+  Gaussians& to = divides ? ranked_ : state_.gaussians;
+  DensityStatistics& statistics = divides ? ranked_statistics_ : state_.statistics;
+  if (divides) {
+    to.degree = from.degree;
+    to.basis = from.basis;
+    to.antialiased = from.antialiased;
+  }
+  to.Resize(count());
+  for (int a = 0; a < kAttributeCount; ++a)
+    if (a != kColorRest && a != kCorrection) from.values[a].Download(to.values[a].data(), stream_);
+  to.degrees.resize(from.degrees.size());
+  from.degrees.Download(to.degrees.data(), stream_);
+  to.smoothing.resize(from.smoothing.size());
+  from.smoothing.Download(to.smoothing.data(), stream_);
+  (divides ? all_.statistics() : on_device_.statistics).Download(statistics, stream_);
+  stream_.Wait();
+  return {to, statistics};
 }
 
 Gaussians StepEngine::CaughtUp(const AdamSettings& rates) {
   Fetch();
   ReleaseScratch();
-  Gaussians gaussians = state_.gaussians;
   const Buffer<uint32_t>& updated = state_.adam.updated;
   const bool up_to_date = std::all_of(
       updated.begin(), updated.end(), [&](uint32_t step) { return step == state_.adam.step; });
-  if (up_to_date) return gaussians;  // as at the end of a run; without copying moments
-  AdamState adam = state_.adam;
-  const View<const float> scale = subject_.PositionRateScale();
-  Buffer<float> of_host(scale.count);
-  if (!scale.empty()) stream_.Download(of_host.data(), scale.data, scale.count * sizeof(float));
-  stream_.Wait();
-  AdamCatchUpAll(rates, of_host, gaussians, adam);
-  exchanged_.groups_updated += shards_.ShareUpdated(gaussians, adam, HostStream());
-  return gaussians;
+  if (up_to_date) return shards_.AllOf(state_.gaussians, count());  // as at the end of a run
+  Gaussians gaussians = state_.gaussians;
+  {
+    AdamState adam = state_.adam;
+    const View<const float> scale = subject_.PositionRateScale();
+    Buffer<float> of_host(scale.count);
+    if (!scale.empty()) stream_.Download(of_host.data(), scale.data, scale.count * sizeof(float));
+    stream_.Wait();
+    AdamCatchUpAll(rates, of_host, gaussians, adam);
+  }
+  return shards_.divides() ? shards_.AllOf(gaussians, count()) : std::move(gaussians);
 }
 
 void StepEngine::CatchUp(const AdamSettings& rates) {
   Settle(0);
-  Assemble();
   AdamCatchUpAll(rates, subject_.PositionRateScale(), now_->gaussians, now_->adam, stream_);
-  if (settings_.batch > 1)
-    exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam, stream_);
+  all_.Release();
   fetched_ = false;
 }
 
@@ -232,16 +267,28 @@ void StepEngine::AfterStep(int iteration) {
   if (!subject_.ActsAfter(iteration)) return;
   Settle(0);
   subject_.Act(iteration, now_->gaussians, now_->adam);
+  all_.Release();
   fetched_ = false;
+}
+
+// Bytes per Gaussian where rankings or dropped bands assemble all attributes.
+double StepEngine::OfWhole(size_t numbers) const {
+  const bool assembles = settings_.prune.rule != PruneRule::kNone || settings_.drop_bands > 0;
+  return shards_.divides() && assembles ? sizeof(float) * double(numbers) : 0;
+}
+
+bool StepEngine::FitsInOnePart() const {
+  return settings_.batch > 1 && now_->gaussians.size() < kRowsPerPart;
 }
 
 size_t StepEngine::MostThatFit() {
   if (on_host()) return size_t(-1);
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(now_->gaussians.width(a));
-  // Parameters and gradients; of the ranks' share moments and, over several views, sums.
-  const double copies = 2 + (settings_.batch > 1 ? 3.0 : 2.0) / double(shards_.share().ranks);
-  const double per_gaussian = copies * sizeof(float) * double(numbers) + kBesideParameters +
+  // Of the rank's share parameters, gradients (of one view or summed) and moments.
+  const double ranks = double(shards_.share().ranks), copies = FitsInOnePart() ? 5 : 4;
+  const double per_gaussian = copies * sizeof(float) * double(numbers) / ranks + kBesideParameters +
+                              (shards_.divides() ? kOfOtherRanks : 0) + OfWhole(numbers) +
                               device_.rasterizer->BytesPerGaussian(instances_per_gaussian_) +
                               double(subject_.BytesPerGaussian());
   size_t held = 0;
@@ -255,8 +302,16 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
   DensitySettings limited = settings;
   limited.max_count = std::min(settings.max_count, MostThatFit());
   ReleaseScratch();
+  if (shards_.divides()) {
+    Gaussians& own = now_->gaussians;
+    ForEach(own.size(),
+            stream_,
+            SpoilBroken{std::as_const(own.values[kColorRest]).view(),
+                        size_t(own.width(kColorRest)),
+                        own.values[kColorDc].view()});
+  }
   const DensityReport report = density_.Control(limited, remove_oversized, Everyone(), state_.rng);
-  fetched_ = false;
+  TakeOwn();
   instances_per_gaussian_ = 0;
   if (!report.held_back || limited.max_count == settings.max_count || told_of_memory_) return;
   told_of_memory_ = true;
@@ -266,22 +321,26 @@ void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_ove
 void StepEngine::Prune(const PruneRound& round, int group_cap, int group_floor) {
   StoreMask();  // ranking may have started or ended mask learning
   density_.Prune(round, group_cap, group_floor, Everyone());
-  fetched_ = false;
+  TakeOwn();
+  ranked_ = {};
+  ranked_statistics_ = {};
 }
 
 void StepEngine::SortInSpace() {
   density_.SortInSpace(Everyone());
+  TakeOwn();
   ReleaseScratch();
-  fetched_ = false;
 }
 
 void StepEngine::ResetStatistics() {
-  now_->statistics.Reset(count(), stream_);
+  now_->statistics.Reset(now_->gaussians.size(), stream_);
+  all_.Release();
   fetched_ = false;
 }
 
 void StepEngine::ResetOpacity() {
   cosplat::ResetOpacity(now_->gaussians, now_->adam, stream_);
+  all_.Release();
   fetched_ = false;
 }
 
@@ -295,12 +354,13 @@ void StepEngine::UpdateSmoothing() {
     stream_.Wait();
   }
   Gaussians& g = now_->gaussians;
-  g.smoothing.Refill(count(), stream_);
-  ForEach(count(),
+  g.smoothing.Refill(g.size(), stream_);
+  ForEach(g.size(),
           stream_,
           FindSmoothing{std::as_const(sampling_views_).view(),
                         std::as_const(g.values[kPosition]).view(),
                         g.smoothing.view()});
+  all_.Release();
   fetched_ = false;
 }
 
@@ -382,15 +442,24 @@ void StepEngine::Draw(Submitted& step, bool waits) {
     if (step.masked) mask_.BeforeDraw(now_->gaussians, step.rng, world_, stream_);
   }
   if (!waits) tape_->Expect(forecast_.Of(plan.frame, count()), overflowed_.data());
-  const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
-  RenderSettings render = plan.render;
-  if (!layers.empty()) render.background = {0, 0, 0};
   device_.rasterizer->Forward(world_,
                               now_->gaussians.basis,
                               targets_.CameraOf(plan.frame, plan.downscale),
-                              render,
+                              RenderOf(plan),
                               image_,
                               *tape_);
+  FinishDrawing(step);
+}
+
+RenderSettings StepEngine::RenderOf(const StepPlan& plan) {
+  RenderSettings render = plan.render;
+  if (!targets_.LayersOf(plan.frame, plan.downscale).empty()) render.background = {0, 0, 0};
+  return render;
+}
+
+void StepEngine::FinishDrawing(Submitted& step) {
+  const StepPlan& plan = step.plan;
+  const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
   if (!layers.empty()) layers_.AddBehind(layers, plan.render.background, image_, stream_);
   step.counts.Ask(tape_->counts(), stream_);
   step.capacity = tape_->capacity();
@@ -398,28 +467,28 @@ void StepEngine::Draw(Submitted& step, bool waits) {
       std::max(instances_per_gaussian_, double(step.capacity) / double(count()));
 }
 
-void StepEngine::Differentiate(Submitted& step) {
+void StepEngine::Evaluate(Submitted& step) {
   const StepPlan& plan = step.plan;
-  {
-    ScopedPhase phase(times_, Phase::kLoss);
-    const TargetView target = targets_.Of(plan.frame, plan.downscale, stream_);
-    const float* const exposure = ExposureOf(plan.frame);
-    const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
-    const Buffer<float>& scene =
-        layers.empty() ? image_.color : layers_.Show(layers, image_.color, stream_);
-    const bool as_is = !exposure && !target.ignored;
-    const Buffer<float>& shown =
-        as_is ? scene : photograph_.Show(scene, exposure, target, plan.render.background, stream_);
-    device_.loss->Evaluate(
-        settings_.loss, shown, target, plan.render.background, d_color_, stream_);
-    step.photometric.Ask(device_.loss->value(), stream_);
-    if (settings_.crop_loss.weight != 0) AddCropLoss(step, shown);
-    if (!as_is) photograph_.Pull(scene, exposure, target, d_color_, stream_);
-    if (!layers.empty()) layers_.Pull(layers, d_color_, stream_);
-  }
-  // On the host nothing has changed yet. Several views are checked together, on all ranks.
-  if (on_host() && settings_.batch == 1)
-    CheckLoss(step.photometric.Last() + step.of_crop, plan.iteration);
+  ScopedPhase phase(times_, Phase::kLoss);
+  const TargetView target = targets_.Of(plan.frame, plan.downscale, stream_);
+  const float* const exposure = ExposureOf(plan.frame);
+  const FrameLayers& layers = targets_.LayersOf(plan.frame, plan.downscale);
+  const Buffer<float>& scene =
+      layers.empty() ? image_.color : layers_.Show(layers, image_.color, stream_);
+  const bool as_is = !exposure && !target.ignored;
+  const Buffer<float>& shown =
+      as_is ? scene : photograph_.Show(scene, exposure, target, plan.render.background, stream_);
+  device_.loss->Evaluate(settings_.loss, shown, target, plan.render.background, d_color_, stream_);
+  step.photometric.Ask(device_.loss->value(), stream_);
+  if (settings_.crop_loss.weight != 0) AddCropLoss(step, shown);
+  if (!as_is) photograph_.Pull(scene, exposure, target, d_color_, stream_);
+  if (!layers.empty()) layers_.Pull(layers, d_color_, stream_);
+}
+
+void StepEngine::Backward(Submitted& step) {
+  Evaluate(step);
+  // On the host nothing has changed yet.
+  if (on_host()) CheckLoss(step.photometric.Last() + step.of_crop, step.plan.iteration);
   WorldGradients d_world = subject_.WorldGradientsFor(gradients_, screen_, stream_);
   // Adam then also reads the gradients of other groups.
   if (settings_.adam_on == AdamOn::kAll || settings_.scale_regularizer.weight != 0)
@@ -429,10 +498,6 @@ void StepEngine::Differentiate(Submitted& step) {
     ScopedPhase phase(times_, Phase::kPose);
     subject_.PlaceBackward(now_->gaussians, gradients_, overflowed_.data());
   }
-}
-
-void StepEngine::Backward(Submitted& step) {
-  Differentiate(step);
   // Plasticity is that of the photometric loss alone: before the regulariser adds to the gradient.
   ScopedPhase phase(times_, Phase::kDensity);
   if (step.plan.gathers_statistics)
@@ -466,7 +531,11 @@ void StepEngine::AddCropLoss(Submitted& step, const Buffer<float>& shown) {
   // On a device this shows before its loss does.
   const bool finite = std::all_of(
       rendered_crop_.begin(), rendered_crop_.end(), [](float v) { return std::isfinite(v); });
-  CheckLoss(finite ? 0 : NAN, plan.iteration);
+  if (settings_.batch == 1) CheckLoss(finite ? 0 : NAN, plan.iteration);
+  if (!finite) {  // of several views: all ranks throw together
+    step.of_crop = NAN;
+    return;
+  }
   CompositeTarget(Cropped(targets_.ImageOf(plan.frame, plan.downscale), plan.crop),
                   plan.render.background,
                   target_crop_);
@@ -484,25 +553,35 @@ void StepEngine::LearnMask(Submitted& step) {
   step.of_mask.Ask(mask_.value(), stream_);
 }
 
+View<const NeedleSum> StepEngine::SumNeedles(const NeedleRule& rule) {
+  const Needles own{rule, std::as_const(now_->gaussians.values[kScaleLog]).view()};
+  if (!shards_.divides()) return SumInTree(own, needle_sums_, stream_);
+  static_assert(kRowsPerBlock % kSumBlock == 0);
+  needle_sums_.Refill(SumBlockCount(own.size()), stream_);
+  ForEach(needle_sums_.size(), stream_, SumBlocks<Needles>{own, needle_sums_.view()});
+  Buffer<NeedleSum> sums(needle_sums_.size());
+  needle_sums_.Download(sums.data(), stream_);
+  stream_.Wait();
+  sums = shards_.Assembled(sums, {0, count(), 1, kSumBlock}, ForWhom::kAllRanks);
+  all_needle_sums_.Upload(sums.data(), sums.size(), stream_);
+  stream_.Wait();
+  return SumInTree(std::as_const(all_needle_sums_).view(), needle_sums_, stream_);
+}
+
 View<const float> StepEngine::RegularizeScale(Submitted& step,
                                               View<const float> visible,
                                               Gaussians& gradients) {
   const ScaleRegularizer& settings = settings_.scale_regularizer;
   if (settings.weight == 0) return visible;
-  const size_t n = count();
+  const size_t n = now_->gaussians.size();
   const NeedleRule rule{std::log(settings.limit), std::log(settings.ratio)};
   const View<const float> scale_log = std::as_const(now_->gaussians.values[kScaleLog]).view();
   needles_.Refill(1, stream_);
   moves_.Refill(n, stream_);
-  ForEach(1,
-          stream_,
-          AddUpNeedles{SumInTree(Needles{rule, scale_log}, needle_sums_, stream_),
-                       settings.weight,
-                       needles_.data()});
+  ForEach(1, stream_, AddUpNeedles{SumNeedles(rule), settings.weight, needles_.data()});
   ForEach(n,
           stream_,
-          PullNeedles{shards_.share(),
-                      rule,
+          PullNeedles{rule,
                       scale_log,
                       visible,
                       needles_.data(),
@@ -524,107 +603,72 @@ void StepEngine::Update(const StepPlan& plan, View<const float> moves, const Gau
               overflowed_.data());
 }
 
-ViewGradients StepEngine::GradientsOf(Submitted& step, const StepPlan& plan) {
-  step.plan = plan;
-  step.masked = false;
-  Draw(step, true);
-  Differentiate(step);
-  stream_.Wait();
-  return {gradients_,
-          screen_,
-          tape_->radii(),
-          {step.photometric.Last() + step.of_crop, image_.width, image_.height}};
+void StepEngine::Assemble(AllGaussians::Extent extent) {
+  if (shards_.divides()) all_.Assemble(extent, now_->gaussians, now_->statistics, count());
 }
 
-double StepEngine::StepBatch(std::vector<StepPlan> views) {
-  const StepPlan& plan = views.front();  // what does not differ between them
-  if (settings_.crop_loss.weight != 0)
-    for (StepPlan& view : views)
-      view.crop = DrawCrop(
-          targets_.ImageOf(view.frame, view.downscale), settings_.crop_loss.side, state_.rng);
-  Submitted& step = steps_[0];
-  const Ranks& ranks = *device_.ranks;
-  std::vector<Exposure> exposures;  // gradients of the views drawn here
-  sum_.Begin(now_->gaussians, views.size());
-  for (size_t first = 0; first < views.size(); first += ranks.size()) {
-    const size_t own = first + ranks.rank();
-    std::optional<ViewGradients> mine;
-    if (own < views.size()) mine.emplace(GradientsOf(step, views[own]));
-    if (mine && settings_.exposure) {
-      photograph_.gradient().Download(exposures.emplace_back().data(), stream_);
-      stream_.Wait();
-    }
-    ScopedPhase phase(times_, Phase::kDensity);
-    sum_.Add(mine ? &*mine : nullptr,
-             now_->gaussians,
-             plan.gathers_statistics ? &now_->statistics : nullptr);
-  }
+void StepEngine::TakeOwn() {
   fetched_ = false;
-  assembled_ = ranks.size() == 1;
-  CheckLoss(sum_.MeanLoss(), plan.iteration);
-  const bool regularizes = settings_.scale_regularizer.weight != 0;
-  const bool moves_all = settings_.adam_on == AdamOn::kAll;
-  if (regularizes || moves_all) sum_.ZeroUnseen();
-  const View<const float> moves = RegularizeScale(step, sum_.moves(), sum_.gradients());
-  Update(plan, moves_all ? View<const float>() : moves, sum_.gradients());
-  if (settings_.exposure) UpdateExposures(views, exposures);
-  exchanged_.groups_updated += shards_.ShareUpdated(now_->gaussians, now_->adam, stream_);
-  exchanged_.views += views.size();
-  ++exchanged_.steps;
+  count_ = Shown().size();
+  if (shards_.divides()) all_.ShareOut(now_->gaussians, now_->statistics);
+}
+
+const Gaussians& StepEngine::Shown() const {
+  return shards_.divides() ? all_.gaussians() : now_->gaussians;
+}
+
+double StepEngine::DropBands(float threshold,
+                             View<const uint32_t> frames,
+                             const std::array<float, 3>& background) {
+  Fetch();
+  const auto zero_moments = [this] {
+    for (Gaussians* moments : {&state_.adam.m, &state_.adam.v})
+      ZeroAbove(state_.gaussians.degrees, *moments);
+  };
+  if (!shards_.divides())
+    return DropBandsInTraining(threshold, *this, frames, background, state_.gaussians, [&] {
+      zero_moments();
+      Store();
+    });
+  Assemble(AllGaussians::Extent::kWhole);
+  Gaussians all;
+  all_.gaussians().Download(all, stream_);
   stream_.Wait();
-  return sum_.MeanLoss() + (regularizes ? step.of_needles.Last() : 0);
-}
-
-void StepEngine::UpdateExposures(const std::vector<StepPlan>& views,
-                                 const std::vector<Exposure>& own) {
-  Ranks& ranks = *device_.ranks;
-  constexpr size_t kNumbers = kIdentityExposure.size();
-  Message mine(own.size() * kNumbers);
-  if (!own.empty()) std::memcpy(mine.data(), own.data(), mine.size() * sizeof(float));
-  std::vector<Message> of_ranks = ExchangeWithAll(mine, ranks);
-  of_ranks[ranks.rank()] = std::move(mine);
-  for (size_t k = 0; k < views.size(); ++k) {
-    Exposure gradient;
-    std::memcpy(gradient.data(),
-                of_ranks[k % ranks.size()].data() + k / ranks.size() * kNumbers,
-                sizeof gradient);
-    exposure_gradient_.Refill(kNumbers, stream_);
-    stream_.Send(exposure_gradient_.data(), gradient.data(), sizeof gradient);
-    photograph_.Update(views[k].frame,
-                       views[k].exposure_rate,
-                       exposure_gradient_,
-                       overflowed_.data(),
-                       now_->exposures,
-                       stream_);
-  }
-}
-
-void StepEngine::Assemble() {
-  if (assembled_) return;
-  shards_.Assemble(now_->adam, now_->statistics, ignored_, stream_);
-  exchanged_.assembled += AdamGroupCount(count());
-  assembled_ = true;
+  const double change = DropBandsInTraining(threshold, *this, frames, background, all, [&] {
+    state_.gaussians.degrees.resize(state_.gaussians.size());
+    shards_.TakeOwn(all.degrees, {0, count()}, state_.gaussians.degrees);
+    ZeroAbove(state_.gaussians.degrees, state_.gaussians);
+    zero_moments();
+    Store();
+    Assemble(AllGaussians::Extent::kWhole);
+  });
+  all_.Release();
+  return change;
 }
 
 ExchangeStatistics StepEngine::Exchanged() const {
   Ranks& ranks = *device_.ranks;
   ExchangeStatistics all = exchanged_;
+  all.assembled = all_.assembled();
   all.ranks = ranks.size();
   // Before the sums, which send something themselves.
   const uint64_t bytes = ranks.bytes_sent(), microseconds = uint64_t(1e6 * ranks.seconds());
   all.bytes_sent = Sum(bytes, ranks);
   all.seconds = 1e-6 * double(Sum(microseconds, ranks)) / double(ranks.size());
-  all.groups_drawn = Sum(sum_.groups_drawn(), ranks);
-  all.moments = Sum(shards_.moments_sent(), ranks);
+  all.groups_drawn = Sum(exchange_.groups_drawn(), ranks);
+  all.groups_updated = Sum(exchanged_.groups_updated, ranks);
+  all.handed_over = Sum(shards_.numbers_sent(), ranks);
   return all;
 }
 
 std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
+  Assemble(AllGaussians::Extent::kWhole);
+  const Gaussians& shown = Shown();
   contributions_.Refill(count(), stream_);
   contributions_.FillWithZeros(stream_);
   for (size_t k = 0; k < choice.count(); ++k) {
-    device_.rasterizer->Forward(subject_.Place(now_->gaussians, choice[k]),
-                                now_->gaussians.basis,
+    device_.rasterizer->Forward(subject_.Place(shown, choice[k]),
+                                shown.basis,
                                 subject_.camera(choice[k]),
                                 {choice.background, choice.degree},
                                 image_,
@@ -640,8 +684,9 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
 }
 
 double StepEngine::MeanPsnr(const FrameChoice& choice) {
+  Assemble(AllGaussians::Extent::kWhole);
   return MeanPsnrOfFrames(
-      subject_, now_->gaussians, choice, settings_.exposure, *device_.rasterizer, *tape_);
+      subject_, Shown(), choice, settings_.exposure, *device_.rasterizer, *tape_);
 }
 
 double StepEngine::MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice) {
@@ -665,11 +710,13 @@ std::vector<MemoryPart> StepEngine::Memory() const {
   const DensityStatistics& d = now_->statistics;
   std::vector<MemoryPart> parts{
       {"parameters", HeldBy(now_->gaussians)},
-      {"gradients", HeldBy(gradients_)},
+      {"gradients",
+       HeldBy(gradients_),
+       settings_.batch == 1 || FitsInOnePart() ? MemoryOf::kGaussians : MemoryOf::kFixed},
       {"gradients summed over views", sum_.held()},
-      {"messages between ranks",
-       sum_.HeldByMessages() + shards_.HeldByMessages(),
-       MemoryOf::kFixed},
+      {"messages between ranks", shards_.HeldByMessages(), MemoryOf::kFixed},
+      {"views exchanged between ranks", exchange_.held()},
+      {"Gaussians of all ranks", HeldBy(all_.gaussians())},
       {"first moments", HeldBy(now_->adam.m)},
       {"second moments", HeldBy(now_->adam.v)},
       {"Adam group state", HeldBy(now_->adam.updated, now_->adam.behind, moves_)},

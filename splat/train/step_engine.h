@@ -6,6 +6,7 @@
 //   -> Subject::PlaceBackward -> Adam
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "splat/render/device.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
+#include "splat/train/all_gaussians.h"
 #include "splat/train/gradient_sum.h"
 #include "splat/train/importance.h"
 #include "splat/train/instance_forecast.h"
@@ -31,13 +33,15 @@
 #include "splat/train/subject.h"
 #include "splat/train/target_store.h"
 #include "splat/train/train_settings.h"
+#include "splat/train/view_exchange.h"
 
 namespace cosplat {
 
 // The complete state of a run, except its subject's own state (AvatarTrainingState) and what a
 // pruning rule learns: with them it is an exact checkpoint (Trainer::Describe). Until the last
 // iteration, updates that `adam` has deferred may be pending for Gaussians that were not visible
-// lately.
+// lately. Of several ranks each has its share of the Gaussians, with their moments and statistics
+// (splat/train/row_share.h).
 struct TrainingState {
   Gaussians gaussians;
   AdamState adam;
@@ -62,7 +66,7 @@ struct StepPlan {
 
 // Where steps run: the components of a back end.
 struct StepDevice {
-  std::unique_ptr<Rasterizer> rasterizer;  // its stream is used for everything
+  std::unique_ptr<StagedRasterizer> rasterizer;  // its stream is used for everything
   std::unique_ptr<StepLoss> loss;
   std::shared_ptr<Ranks> ranks = OneRank();
   double memory_share = 1;  // of what is free: less where several ranks have one GPU
@@ -75,10 +79,10 @@ struct ExchangeStatistics {
   size_t ranks = 1;
   uint64_t steps = 0;           // of several views
   uint64_t views = 0;           // of those
-  uint64_t assembled = 0;       // groups, summed over the times that statistics were assembled
   uint64_t groups_drawn = 0;    // summed over views: with a visible Gaussian
-  uint64_t groups_updated = 0;  // summed over steps and times that Adam caught up
-  uint64_t moments = 0;         // numbers, of Gaussians that changed hands and for checkpoints
+  uint64_t groups_updated = 0;  // summed over steps: with one that is visible in a view
+  uint64_t assembled = 0;       // numbers of Gaussians that all ranks were to have
+  uint64_t handed_over = 0;     // numbers of Gaussians that changed hands, and for checkpoints
   uint64_t bytes_sent = 0;
   double seconds = 0;  // mean over the ranks, waiting included
 };
@@ -93,11 +97,11 @@ struct ExchangeStatistics {
 // that always knew them.
 class StepEngine : public FrameImages {
  public:
-  // Starts from `state`, in host memory, and makes zero moments if it has none, of this rank's own
-  // Gaussians; the first three arguments must outlive the engine. Throws
-  // Error if the pruning rule works in every step on the host and the steps run on a device, and if
-  // a step has several views (settings.batch) and the rule works in every step or learns a mask, or
-  // there are more ranks than views.
+  // Starts from `state`, in host memory: the Gaussians of all ranks, of which it keeps this rank's
+  // share, with zero moments. The first three arguments must outlive the engine. Throws Error if
+  // the pruning rule works in every step on the host and the steps run on a device, and if a step
+  // has several views (settings.batch) and the rule works in every step or learns a mask, the
+  // subject moves, or there are more ranks than views.
   StepEngine(const TrainSettings& settings,
              Subject& subject,
              TrainingState& state,
@@ -115,7 +119,8 @@ class StepEngine : public FrameImages {
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
 
-  size_t count() const { return now_->gaussians.size(); }
+  // Gaussians of all ranks.
+  size_t count() const { return count_; }
   Shards& shards() { return shards_; }
   // Same as AdamCatchUpAll; needed before any of what follows.
   void CatchUp(const AdamSettings& rates);
@@ -131,13 +136,23 @@ class StepEngine : public FrameImages {
 
   // Brings the state's Gaussians, moments and statistics up to date.
   void Fetch();
-  // Likewise, but only what pruning ranks by: no moments and no coefficients of bands >= 1.
-  void FetchForRanking();
+  // Those of all ranks, in host memory: what pruning ranks by, without moments and coefficients of
+  // bands >= 1. Valid until the next call.
+  struct Ranked {
+    const Gaussians& gaussians;
+    const DensityStatistics& statistics;
+  };
+  Ranked FetchForRanking();
   // Takes over the state after it was changed.
   void Store();
+  // Drops bands (splat/train/bands.h). Returns the change of the mean PSNR.
+  double DropBands(float threshold,
+                   View<const uint32_t> frames,
+                   const std::array<float, 3>& background);
   // Sets another pruner; null for none.
   void SetPruner(Pruner* pruner);
-  // A copy of the state's Gaussians with Adam's deferred updates applied; the state is unchanged.
+  // A copy of the Gaussians of all ranks with Adam's deferred updates applied; the state is
+  // unchanged. On rank 0, elsewhere none.
   Gaussians CaughtUp(const AdamSettings& rates);
 
   std::vector<Contribution> Contributions(const FrameChoice& choice) override;
@@ -171,36 +186,62 @@ class StepEngine : public FrameImages {
     std::unique_ptr<Moment> done;
   };
 
+  // What a view of a step contributes besides gradients of Gaussians.
+  struct ViewResult {
+    double loss = 0;
+    Exposure exposure{};  // gradient
+  };
+
   bool on_host() const { return now_ == &state_; }
   // Bytes; not determined on the host.
   double FreeMemory() const { return device_.memory_share * double(stream_.FreeMemory()); }
   Population Everyone();
+  // Before anything that needs the Gaussians of all ranks: assembles them in all_, unless they are
+  // there. All ranks do.
+  void Assemble(AllGaussians::Extent extent);
+  // Takes this rank's share of what density control has changed.
+  void TakeOwn();
+  // Of all ranks: all_, or what is trained.
+  const Gaussians& Shown() const;
   void ReleaseScratch();
   void StoreMask();
+  // Of steps of several views: whether all own gradients are one part (kRowsPerPart), whose memory
+  // grows with the Gaussians.
+  bool FitsInOnePart() const;
+  double OfWhole(size_t numbers) const;
   // How many Gaussians fit in memory, given the most instances per Gaussian so far: of all ranks.
   size_t MostThatFit();
   // Submits all of a step to the stream. waits: for the number of instances, ruling out overflow.
   void Submit(const StepPlan& plan, const Rng& rng, bool waits);
   void Draw(Submitted& step, bool waits);
-  // Loss and gradients of what was drawn.
-  void Differentiate(Submitted& step);
+  // The part of it after the rasteriser has drawn the Gaussians.
+  void FinishDrawing(Submitted& step);
+  RenderSettings RenderOf(const StepPlan& plan);
+  // Loss of what was drawn, and its gradient with respect to the image.
+  void Evaluate(Submitted& step);
   void Backward(Submitted& step);
   void CheckBatch() const;
-  // Draws a view of a step and returns its gradients.
-  ViewGradients GradientsOf(Submitted& step, const StepPlan& plan);
-  // After steps of several views, other ranks have parts of the statistics: takes them over. All
-  // ranks do.
-  void Assemble();
+  // Views [first, first + ranks) of a step: draws the one that is this rank's and adds up the
+  // gradients of its own Gaussians in all.
+  void RunRound(const std::vector<StepPlan>& views,
+                size_t first,
+                Submitted& step,
+                std::vector<ViewResult>& own);
+  ViewResult DrawOwn(Submitted& step, const StepPlan& plan);
+  // What all ranks have of a step, in the order of its views.
+  std::vector<ViewResult> ExchangeResults(const std::vector<ViewResult>& own, size_t views);
   // The frame's exposure; null if none are trained.
   const float* ExposureOf(size_t frame) const;
   // Adam on the exposures of a step's views, which all ranks have drawn together.
-  void UpdateExposures(const std::vector<StepPlan>& views, const std::vector<Exposure>& own);
+  void UpdateExposures(const std::vector<StepPlan>& views, const std::vector<ViewResult>& results);
   // Adds the crop loss and its gradient to those of the photometric loss. shown: what is compared.
   // Waits for a device.
   void AddCropLoss(Submitted& step, const Buffer<float>& shown);
   void LearnMask(Submitted& step);
+  // Sums of needles, over all ranks, as SumInTree gives them.
+  View<const NeedleSum> SumNeedles(const NeedleRule& rule);
   // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates: visible ones, and
-  // those that it acts on. visible: [N] positive if so.
+  // those that it acts on. visible: [own] positive if so.
   View<const float> RegularizeScale(Submitted& step,
                                     View<const float> visible,
                                     Gaussians& gradients);
@@ -221,7 +262,8 @@ class StepEngine : public FrameImages {
   // What is trained: the state itself on the host, or its copy on a device.
   TrainingState on_device_;
   TrainingState* now_;
-  Gaussians gradients_;
+  Gaussians gradients_;          // of several views, of a part of the Gaussians at a time
+  size_t count_ = 0;             // of all ranks
   Buffer<uint32_t> overflowed_;  // [1] steps change nothing while it is not 0
   MaskLearner mask_;
   DensityControl density_;
@@ -229,9 +271,12 @@ class StepEngine : public FrameImages {
   TargetStore targets_;
   PhaseTimes times_;
   Shards shards_;
-  GradientSum sum_;  // of steps of several views
-  bool assembled_ = true;
-  uint32_t ignored_ = 0;  // gradients, of all ranks, when last assembled
+  ViewExchange exchange_;
+  AllGaussians all_;
+  GradientSum sum_;
+  // Of all ranks, on the host, where they are trained on a device.
+  Gaussians ranked_;
+  DensityStatistics ranked_statistics_;
   ExchangeStatistics exchanged_;
   // Scratch, reused between steps.
   std::unique_ptr<RenderTape> tape_;
@@ -243,8 +288,8 @@ class StepEngine : public FrameImages {
   Buffer<float> d_color_, screen_;
   Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
   std::vector<float> d_crop_;
-  Buffer<NeedleSum> needle_sums_;  // of SumInTree
-  Buffer<NeedleTotal> needles_;    // [1]
+  Buffer<NeedleSum> needle_sums_, all_needle_sums_;  // of SumInTree
+  Buffer<NeedleTotal> needles_;                      // [1]
   Buffer<float> moves_;
   Buffer<math::Pinhole<float>> sampling_views_;  // [frames] once UpdateSmoothing was called
   Buffer<Contribution> of_image_, contributions_;

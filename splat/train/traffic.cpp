@@ -1,27 +1,27 @@
 #include "splat/train/traffic.h"
 
+#include "splat/render/kernels/projected_splat.h"
+#include "splat/train/photograph.h"
+
 namespace cosplat {
 namespace {
 
-// Of a message, as GradientSum and Shards write it.
 constexpr double kWord = 4;  // bytes
-constexpr double kViewLoss = sizeof(ViewLoss);
-
-// A group with its index and, for each of its Gaussians, so many floats.
-double GroupBytes(size_t floats) { return kWord * double(1 + kGaussianGroup * floats); }
+// As ViewExchange sends it of a group that a view shows: its index, its splats with their radii;
+// and the gradients that come back.
+constexpr double kGroup =
+    kWord + double(kGaussianGroup) *
+                double(kProjectedStride * sizeof(float) + sizeof(float) + sizeof(SplatGradient));
+// What every rank is told of a view: loss and gradient of the exposure.
+constexpr double kView = sizeof(double) + sizeof(Exposure);
 
 }  // namespace
 
-double TrafficOf(const ExchangeStatistics& of, size_t numbers) {
+double TrafficOf(const ExchangeStatistics& of) {
   const double others = double(of.ranks) - 1;
   const double elsewhere = others / double(of.ranks);  // share of a view that others own
-  // With the gradient of the centre in the image (2) and the radius.
-  const double gradients = double(of.groups_drawn) * elsewhere * GroupBytes(numbers + 3) +
-                           double(of.views) * others * kViewLoss;
-  const double parameters = double(of.groups_updated) * others * GroupBytes(numbers);
-  constexpr size_t kStatistics = 3;
-  const double statistics = double(of.assembled) * others * GroupBytes(kStatistics);
-  return gradients + parameters + statistics + kWord * double(of.moments);
+  return double(of.groups_drawn) * elsewhere * kGroup + double(of.views) * others * kView +
+         kWord * double(of.assembled) * others + kWord * double(of.handed_over);
 }
 
 }  // namespace cosplat

@@ -8,9 +8,8 @@
 
 namespace cosplat {
 
-// Bytes, over all ranks. of: counts of groups, moments, steps and views; numbers: floats per
-// Gaussian. A rank owns an even share of the groups that a view draws, as it nearly does
-// (splat/train/shards.h).
-double TrafficOf(const ExchangeStatistics& of, size_t numbers);
+// Bytes, over all ranks. of: counts of groups, numbers and views. A rank owns an even share of the
+// groups that a view draws, as it nearly does (splat/train/row_share.h).
+double TrafficOf(const ExchangeStatistics& of);
 
 }  // namespace cosplat

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <climits>
 #include <string>
+#include <utility>
 
 #include "splat/base/error.h"
 #include "splat/train/describe_state.h"
@@ -42,7 +43,7 @@ Trainer::Trainer(const TrainSettings& settings,
   if (settings.exposure) state_.exposures = ExposureState(subject.frame_count());
   HoldOut({});
   engine_ = make_engine(settings_, subject_, state_);
-  MakePrunerFor(settings.prune);
+  MakePrunerFor(settings.prune, count());
   UpdateSmoothing();
 }
 
@@ -56,9 +57,9 @@ void Trainer::CheckCropLoss() const {
                     ", that of the crops " + std::to_string(settings_.crop_loss.side));
 }
 
-void Trainer::MakePrunerFor(const PruneSettings& prune) {
+void Trainer::MakePrunerFor(const PruneSettings& prune, size_t gaussians) {
   settings_.prune = prune;
-  pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, state_.gaussians.size());
+  pruner_ = MakePruner(prune, settings_.schedule, settings_.iterations, gaussians);
   engine_->SetPruner(pruner_.get());
 }
 
@@ -176,7 +177,7 @@ void Trainer::Restore(const Checkpoint& checkpoint, const PruneSettings& prune) 
   state_ = checkpoint.state;
   if (checkpoint.subject) subject_.RestoreState(*checkpoint.subject);
   drop_psnr_ = checkpoint.drop_psnr;
-  MakePrunerFor(prune);
+  MakePrunerFor(prune, state_.gaussians.size());
   engine_->Store();
 }
 
@@ -194,18 +195,20 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
     checkpoint.state.exposures = state_.exposures;
     checkpoint.subject = subject_.SaveState();
   }
-  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), checkpoint.state);
+  uint64_t gaussians = checkpoint.state.gaussians.size();
+  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), gaussians, checkpoint.state);
   CheckIsOfRun(a, checkpoint.state);
-  if (checkpoint.subject) checkpoint.subject->Describe(a, checkpoint.state.gaussians.size());
+  if (checkpoint.subject) checkpoint.subject->Describe(a, gaussians);
   a.Value("drop_psnr", checkpoint.drop_psnr);
 }
 
 void Trainer::Describe(StateArchive& a) {
   if (!a.reads()) engine_->Fetch();
-  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), state_);
+  uint64_t gaussians = count();
+  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), gaussians, state_);
   CheckIsOfRun(a, state_);
   const std::shared_ptr<SubjectState> subject = subject_.SaveState();
-  if (subject) subject->Describe(a, state_.gaussians.size());
+  if (subject) subject->Describe(a, gaussians);
   int32_t rule = int32_t(settings_.prune.rule);
   a.Value("prune.rule", rule);
   a.Require(rule >= 0 && rule <= int32_t(PruneRule::kRandom), "prune.rule", "is not a rule");
@@ -222,29 +225,28 @@ void Trainer::Describe(StateArchive& a) {
   if (a.reads()) {
     if (subject) subject_.RestoreState(*subject);
     times_ = times;
-    MakePrunerFor(settings_.prune);
+    MakePrunerFor(settings_.prune, gaussians);
   }
-  if (pruner_) pruner_->Describe(a, state_.gaussians.size());
+  if (pruner_) pruner_->Describe(a, gaussians);
   if (a.reads()) engine_->Store();
 }
 
 // The ranking for this step: the pruning rule's in its rounds, otherwise by plasticity for the cap
 // per group alone.
 PruneRound Trainer::Rank(int iteration) {
-  engine_->FetchForRanking();
-  const DensityStatistics& statistics = state_.statistics;
+  const auto [gaussians, statistics] = engine_->FetchForRanking();
   if (PrunesAt(iteration)) {
     return pruner_->Rank({iteration,
                           *engine_,
                           frames_,
-                          state_.gaussians,
+                          gaussians,
                           statistics,
                           active_degree(),
                           MeanBackground(),
                           state_.rng});
   }
   PruneRound round;
-  for (size_t i = 0; i < state_.gaussians.size(); ++i) {
+  for (size_t i = 0; i < gaussians.size(); ++i) {
     round.score.push_back(statistics.MeanPlasticity(i));
     round.exempt.push_back(!(statistics.visible[i] > 0));
   }
@@ -252,14 +254,7 @@ PruneRound Trainer::Rank(int iteration) {
 }
 
 void Trainer::DropBands() {
-  engine_->Fetch();
-  drop_psnr_ += DropBandsInTraining(settings_.drop_bands,
-                                    *engine_,
-                                    frames_,
-                                    MeanBackground(),
-                                    state_.gaussians,
-                                    state_.adam,
-                                    [this] { engine_->Store(); });
+  drop_psnr_ += engine_->DropBands(settings_.drop_bands, frames_, MeanBackground());
 }
 
 void Trainer::ControlDensityAt(int iteration) {
@@ -352,6 +347,12 @@ Gaussians Trainer::CaughtUp() const {
   return gaussians;
 }
 
+Gaussians Trainer::TakeGaussians() {
+  engine_->Fetch();
+  if (!engine_->shards().divides()) return std::move(state_.gaussians);
+  return engine_->shards().AllOf(state_.gaussians, count());
+}
+
 TrainingStatistics Trainer::statistics() const {
   engine_->Fetch();
   TrainingStatistics s;
@@ -359,11 +360,13 @@ TrainingStatistics Trainer::statistics() const {
   s.steps = steps_;
   s.seconds = seconds_;
   s.cpu_seconds = cpu_seconds_;
-  s.gaussians = state_.gaussians.size();
+  s.gaussians = count();
   s.times = times_;
   s.times += engine_->Times();
-  s.ignored_gradients = state_.adam.ignored[0];
+  Shards& shards = engine_->shards();
+  s.ignored_gradients = shards.SumOver(state_.adam.ignored[0]);
   s.degrees = CountDegrees(state_.gaussians);
+  for (size_t& of_degree : s.degrees) of_degree = shards.SumOver(of_degree);
   s.bands = FiguresOf(s.degrees, state_.gaussians.degree);
   s.drop_psnr = drop_psnr_;
   s.exchanged = engine_->Exchanged();

@@ -58,8 +58,8 @@ class Trainer {
   // A step covers as many iterations as it has views: TrainSettings::batch, fewer at the end.
   StepReport Step();
 
-  // Fetches everything from where it is trained; iteration() and count() do not. All ranks call it;
-  // each then has the moments of its own Gaussians.
+  // Fetches everything from where it is trained; iteration() and count() do not. Of several ranks,
+  // each has its own Gaussians.
   const TrainingState& state() const;
   int iteration() const { return state_.iteration; }
   size_t count() const { return engine_->count(); }
@@ -68,8 +68,8 @@ class Trainer {
   // Excludes these frames from training (an empty list restores all) and begins a new pass. Used to
   // make choices during the run (splat/train/budget.h).
   void HoldOut(std::vector<uint32_t> frames);
-  // Mean PSNR of these frames with the current Gaussians, over the background of training (mid-grey
-  // if that is random), with images clamped to [0, 1].
+  // Of one rank only, as Save and Restore: mean PSNR of these frames with the current Gaussians,
+  // over the background of training (mid-grey if that is random), with images clamped to [0, 1].
   double PsnrOf(View<const uint32_t> frames);
   // The first step that is followed by a round of pruning; 0 if there is none.
   int FirstPruneStep() const;
@@ -92,8 +92,11 @@ class Trainer {
   void Describe(StateArchive& archive, Checkpoint& checkpoint) const;
   // The Gaussians with Adam's deferred updates applied and the 3D smoothing filter baked in, to
   // save or evaluate in the middle of a run. A copy, since catching up in place would change the
-  // results of the run.
+  // results of the run. All ranks call it; rank 0 has them, the others none.
   Gaussians CaughtUp() const;
+  // The Gaussians as they are at the end of the run, on rank 0: nothing but state().exposures may
+  // be asked for afterwards.
+  Gaussians TakeGaussians();
   const TrainSettings& settings() const { return settings_; }
   int active_degree() const;
   size_t frame_count() const { return subject_.frame_count(); }
@@ -123,7 +126,7 @@ class Trainer {
   void CheckSomeAreLeft(int iteration) const;
   std::array<float, 3> MeanBackground() const;
   bool PrunesAt(int iteration) const { return pruner_ && pruner_->PrunesAt(iteration); }
-  void MakePrunerFor(const PruneSettings& prune);
+  void MakePrunerFor(const PruneSettings& prune, size_t gaussians);
   void CheckIsOfRun(const StateArchive& archive, const TrainingState& state) const;
 
   TrainSettings settings_;

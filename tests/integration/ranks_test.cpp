@@ -189,10 +189,9 @@ TEST_F(RanksTest, LeaveTheSameBytesOnOneTwoAndFour) {
     counts.ranks = ranks;
     counts.views = sent["views"];
     counts.groups_drawn = sent["groups_drawn"];
-    counts.groups_updated = sent["groups_updated"];
-    counts.assembled = sent["groups_assembled"];
-    counts.moments = sent["moments"];
-    const double calculated = TrafficOf(counts, 59);
+    counts.assembled = sent["numbers_assembled"];
+    counts.handed_over = sent["numbers_handed_over"];
+    const double calculated = TrafficOf(counts);
     EXPECT_NEAR(double(sent["bytes_sent"]), calculated, 0.05 * calculated) << ranks << " ranks";
   }
 }

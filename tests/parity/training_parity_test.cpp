@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "splat/device/cuda/stream.h"
+#include "splat/train/shards.h"
 #include "splat/train/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
@@ -291,21 +292,50 @@ TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
                     run.first,
                     StepEngineOn(Device::kCuda, false, InstanceForecast(), ranks));
     until(trainer, 16);
-    EXPECT_TRUE(test::SameBits(trainer.CaughtUp(), saved));
+    const Gaussians caught_up = trainer.CaughtUp();
+    EXPECT_EQ(test::SameBits(caught_up, saved), ranks->rank() == 0);
     until(trainer, 20);
     test::MemoryArchive unused;
     trainer.Describe(ranks->rank() == 0 ? checkpoint : unused);
     until(trainer, run.settings.iterations);
-    const TrainingState& end = trainer.state();
-    EXPECT_EQ(end.adam.m.size(), end.adam.share.CountOf(end.gaussians.size()));
-    EXPECT_TRUE(test::SameBits(end.gaussians, alone.state().gaussians)) << ranks->rank();
-    EXPECT_EQ(end.adam.ignored[0], alone.state().adam.ignored[0]);
+    EXPECT_EQ(trainer.state().gaussians.size(), ShareOf(*ranks).CountOf(trainer.count()));
+    EXPECT_EQ(trainer.statistics().ignored_gradients, alone.state().adam.ignored[0]);
+    const Gaussians end = trainer.TakeGaussians();
+    EXPECT_EQ(test::SameBits(end, alone.state().gaussians), ranks->rank() == 0);
   });
   checkpoint.Rewind();
   Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kAny));
   resumed.Describe(checkpoint);
   until(resumed, run.settings.iterations);
   EXPECT_TRUE(SameBits(resumed.state(), alone.state()));
+}
+
+// What all ranks need of all Gaussians besides density control.
+TEST_F(TrainingParity, RanksPruneAndDropBandsAlike) {
+  TrainingRun run = BatchedRun();
+  run.settings.antialiasing = true;
+  run.settings.schedule.densify_until = 20;
+  run.settings.prune.rule = PruneRule::kLeaveOneOut;
+  run.settings.prune.target = 1200;
+  run.settings.drop_bands = 4.0f / 255;
+  const auto end = [&](std::shared_ptr<Ranks> ranks) {
+    SceneSubject subject(run.frames, 1);
+    Trainer trainer(run.settings,
+                    subject,
+                    run.first,
+                    StepEngineOn(Device::kCuda, true, InstanceForecast(), ranks));
+    while (trainer.iteration() < run.settings.iterations) trainer.Step();
+    return trainer.CaughtUp();
+  };
+  const Gaussians alone = end(OneRank());
+  EXPECT_LT(alone.size(), run.first.size());
+  EXPECT_FALSE(alone.degrees.empty());
+  test::OnThreads(3, [&](std::shared_ptr<Ranks> ranks) {
+    const Gaussians shared = end(ranks);
+    if (ranks->rank() != 0) return;
+    EXPECT_TRUE(test::SameBits(alone, shared));
+    EXPECT_EQ(alone.degrees, shared.degrees);
+  });
 }
 
 TEST_F(TrainingParity, ARuleThatIsTheProcessorsAloneIsRefused) {

@@ -11,7 +11,9 @@
 namespace cosplat::scale {
 namespace {
 
-constexpr size_t kNumbers = 59;  // floats per Gaussian at degree 3
+// Floats per Gaussian at degree 3: of bands >= 1, all, and what density control is told with
+// three statistics.
+constexpr double kRest = 45, kNumbers = 59, kAssembled = kNumbers - kRest + 3;
 // Of a density control: children are added, Gaussians removed, all sorted. A Gaussian then has
 // another owner, as if drawn at random, at most.
 constexpr double kReorderings = 3;
@@ -63,28 +65,29 @@ Training LargeTraining(const Measured& m, double gaussians, double batch) {
           batch,
           drawn,
           updated + (1 - updated / gaussians) * controlled,
-          controlled,
-          2 * kNumbers * kReorderings * controlled};
+          kAssembled * controlled,
+          (kRest + 2 * kNumbers) * kReorderings * controlled};
 }
 
 StepTime TimeOf(const Measured& m, const Training& t, const Machine& machine) {
   const double rounds = std::ceil(t.batch / machine.ranks);
   StepTime time;
-  time.drawing =
-      rounds * (m.per_gaussian * t.gaussians + m.per_drawn * t.drawn + m.per_pixel * t.pixels);
-  time.own_share = (m.per_summed * t.batch * t.drawn + m.per_updated * t.updated) / machine.ranks;
+  time.drawing = rounds * (m.per_drawn * t.drawn + m.per_pixel * t.pixels);
+  time.own_share = (t.batch * (m.per_gaussian * t.gaussians + m.per_summed * t.drawn) +
+                    m.per_updated * t.updated) /
+                   machine.ranks;
   ExchangeStatistics counts;
   counts.ranks = size_t(machine.ranks);
   counts.views = uint64_t(t.batch);
   counts.groups_drawn = uint64_t(t.batch * GroupsOf(t.drawn));
-  counts.groups_updated = uint64_t(GroupsOf(t.updated));
-  counts.assembled = uint64_t(GroupsOf(t.assembled));
-  counts.moments = uint64_t(t.moved * (1 - 1 / machine.ranks));
-  time.bytes = TrafficOf(counts, kNumbers);
-  // A rank's share of it; and per exchange a message for the length and one for the content.
+  counts.assembled = uint64_t(t.assembled);
+  counts.handed_over = uint64_t(t.moved * (1 - 1 / machine.ranks));
+  time.bytes = TrafficOf(counts);
+  // A rank's share of it. Of a round, three exchanges: lists, splats, gradients; of a step, one:
+  // the losses. Each is a message for the length and one for the content.
   if (machine.ranks > 1)
     time.exchange = time.bytes / machine.ranks * (1 / kCopying + 1 / machine.bandwidth) +
-                    2 * (rounds + 2) * (machine.ranks - 1) * machine.latency;
+                    2 * (3 * rounds + 1) * (machine.ranks - 1) * machine.latency;
   return time;
 }
 

@@ -2,9 +2,8 @@
 // docs/large-scenes.md.
 //
 // A step of B views on R ranks, each with a core of its own:
-//   rounds = ceil(B / R) views that a rank draws
-//     x (per Gaussian x N + per drawn Gaussian x D + per pixel x P)
-//   + B D / R x per summed Gaussian + U / R x per updated Gaussian      of the rank's share
+//   rounds = ceil(B / R) views that a rank draws x (per drawn Gaussian x D + per pixel x P)
+//   + (B N x per Gaussian + B D x per summed Gaussian + U x per updated Gaussian) / R
 //   + bytes of a rank x (1 / copying + 1 / bandwidth) + messages x latency splat/train/traffic.h
 // N: Gaussians of the scene, D of them drawn in a view, U in one of the B views at least.
 #pragma once
@@ -46,8 +45,8 @@ struct Training {
   double pixels = 0;
   double batch = 0;
   double drawn = 0, updated = 0;  // Gaussians, as above
-  double assembled = 0;           // Gaussians a step whose statistics all ranks are told
-  double moved = 0;               // moments a step that change places; of one rank none is sent
+  double assembled = 0;           // numbers a step that all ranks are told for density control
+  double moved = 0;               // numbers a step that change places; of one rank none is sent
 };
 // The training of a run as measured.
 Training TrainingOf(const Measured& measured);

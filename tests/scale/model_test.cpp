@@ -18,13 +18,13 @@ TEST(ScaleModel, HalvesWhatRanksShareAndAddsTheExchange) {
   const Measured m = Example();
   const Training t = TrainingOf(m);
   const StepTime one = TimeOf(m, t, {1, 1e9}), two = TimeOf(m, t, {2, 1e9, 0});
-  EXPECT_DOUBLE_EQ(one.drawing, 4 * (1e-3 + 5e-4 + 5e-2));
+  EXPECT_DOUBLE_EQ(one.drawing, 4 * (5e-4 + 5e-2));
   EXPECT_DOUBLE_EQ(two.drawing, one.drawing / 2);
   EXPECT_DOUBLE_EQ(two.own_share, one.own_share / 2);
   EXPECT_EQ(one.bytes, 0);
   EXPECT_EQ(one.exchange, 0);
-  // Four views of 25,000 Gaussians, half of whose gradients are another rank's; 50,000 new values.
-  const double expected = 4 * (25000 * 0.5) * 4 * 62 + 50000 * 4 * 59;
+  // Four views of 25,000 Gaussians, half of which are another rank's: 17 floats there, 9 back.
+  const double expected = 4 * (25000 * 0.5) * 4 * (17 + 9);
   EXPECT_NEAR(two.bytes, expected, 0.01 * expected);
   EXPECT_DOUBLE_EQ(two.exchange, two.bytes / 2 * (1 / kCopying + 1e-9));
 }
@@ -38,14 +38,14 @@ TEST(ScaleModel, OfManyViewsUpdatesMoreButNotAll) {
 }
 
 // Every 100 views: 25 steps of four.
-TEST(ScaleModel, HandsMomentsOverInDensityControl) {
+TEST(ScaleModel, HandsGaussiansOverInDensityControl) {
   const Training t = LargeTraining(Example(), 1e6, 4);
-  EXPECT_DOUBLE_EQ(t.assembled, 1e6 / 25);
+  EXPECT_DOUBLE_EQ(t.assembled, 1e6 / 25 * (3 + 4 + 3 + 1 + 3 + 3));
   Training still = t;
   still.moved = 0;
   const Machine two{2, 1e9, 0};
-  const double of_moments = TimeOf(Example(), t, two).bytes - TimeOf(Example(), still, two).bytes;
-  EXPECT_NEAR(of_moments, 3 * 1e6 / 25 * (2 * 4 * 59) / 2, 1e3);
+  const double moved = TimeOf(Example(), t, two).bytes - TimeOf(Example(), still, two).bytes;
+  EXPECT_NEAR(moved, 3 * 1e6 / 25 * 4 * (45 + 2 * 59) / 2, 1e3);
 }
 
 TEST(ScaleModel, ReadsTheStatisticsOfOneRank) {

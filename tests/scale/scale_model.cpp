@@ -13,7 +13,6 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/render/kernels/world_gaussians.h"
 #include "tests/scale/model.h"
 
 namespace cosplat::scale {
@@ -63,8 +62,8 @@ void Compare(const Measured& measured, const std::string& stats_json) {
   const JsonField batch = stats["batch"];
   const double steps = batch["steps"].Number(), ranks = batch["ranks"].Number();
   Training training = TrainingOf(measured);
-  training.assembled = batch["groups_assembled"].Number() * double(kGaussianGroup) / steps;
-  training.moved = batch["moments"].Number() / steps / (ranks > 1 ? 1 - 1 / ranks : 1);
+  training.assembled = batch["numbers_assembled"].Number() / steps;
+  training.moved = batch["numbers_handed_over"].Number() / steps / (ranks > 1 ? 1 - 1 / ranks : 1);
   const StepTime time = TimeOf(measured, training, {ranks, HUGE_VAL, 0});
   std::printf(
       "%d ranks, processor seconds of one for a step: %.3f calculated (drawing %.3f, own share "

@@ -204,7 +204,7 @@ TEST(Photograph, IgnoredPixelsDoNotMatter) {
 }
 
 TEST(Photograph, ReducedBlocksWithAnIgnoredPixelAreIgnored) {
-  TrainFrame frame{LookingAt({0, 0, 3}, {0, 0, 0}), Image8(7, 4, 3), Image8(7, 4, 1)};
+  TrainFrame frame{LookingAt({0, 0, 3}, {0, 0, 0}).Resized(7, 4), Image8(7, 4, 3), Image8(7, 4, 1)};
   frame.ignored.at(3, 2, 0) = 255;
   frame.ignored.at(6, 0, 0) = 255;  // cropped
   const Image8 ignored = Reduced(frame, 2).ignored;

@@ -238,10 +238,10 @@ class BlockTraining {
                                          trainer_->iteration());
     TakeSteps([&](const StepReport& step) { bar_->Update(step.iteration, line_(step)); });
     const RoundCost cost = CostOf(trainer_->statistics());
-    const TrainingState& state = trainer_->state();
+    const Gaussians trained = trainer_->TakeGaussians();
     if (leads())
       files_.WriteBlock(
-          kWholeScene, state.gaussians, {0, state.gaussians.size(), cost, state.exposures});
+          kWholeScene, trained, {0, trained.size(), cost, trainer_->state().exposures});
   }
 
   void TrainBlock(uint32_t b) {
@@ -264,11 +264,11 @@ class BlockTraining {
         "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
     TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
     const RoundCost cost = CostOf(trainer_->statistics());
-    const TrainingState& state = trainer_->state();
+    const Gaussians trained = trainer_->TakeGaussians();
     if (leads()) {
       layers_.RemoveTogether(b, state_.views[b]);
       files_.WriteBlock(
-          b, state.gaussians, {state_.round, state.gaussians.size(), cost, state.exposures});
+          b, trained, {state_.round, trained.size(), cost, trainer_->state().exposures});
       RemoveFile(path);
     }
     ReleaseTrainer();

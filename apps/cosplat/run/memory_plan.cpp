@@ -28,18 +28,18 @@ constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
 constexpr double kGb = 1e9;
 
-// Of parameters, which there are four times in a step: with gradients and two moments; the
-// gradients of several views are summed in a fifth. Six times, without gradients and what drawing
-// takes, while a copy is made in the middle of a run, which has moments of its own
-// (StepEngine::CaughtUp), and while a checkpoint is read, beside the bytes of its file.
+// Of parameters, which there are four times in a step: with gradients, of one view or summed, and
+// two moments. Six times, without gradients and what drawing takes, while a copy is made in the
+// middle of a run, which has moments of its own (StepEngine::CaughtUp), and while a checkpoint is
+// read, beside the bytes of its file. Several ranks take less.
 size_t BytesPerGaussian(const SceneTrainOptions& o) {
   Gaussians one;
   one.degree = o.sh_degree;
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(one.width(a));
   const size_t parameters = sizeof(float) * numbers;
-  const size_t trained = std::max((o.batch > 1 ? 5 : 4) * parameters + kBesideParameters,
-                                  6 * parameters + kBesideCopies);
+  const size_t trained =
+      std::max(4 * parameters + kBesideParameters, 6 * parameters + kBesideCopies);
   if (o.blocks == 1) return trained;
   return std::max(trained / o.blocks, parameters + kDrawn);
 }

@@ -192,8 +192,8 @@ void WriteStatistics(const std::string& folder,
                      {"views", s.exchanged.views},
                      {"groups_drawn", s.exchanged.groups_drawn},
                      {"groups_updated", s.exchanged.groups_updated},
-                     {"groups_assembled", s.exchanged.assembled},
-                     {"moments", s.exchanged.moments},
+                     {"numbers_assembled", s.exchanged.assembled},
+                     {"numbers_handed_over", s.exchanged.handed_over},
                      {"bytes_sent", s.exchanged.bytes_sent},
                      {"exchange_seconds", s.exchanged.seconds}};
   if (!blocks.empty()) json["blocks"] = blocks;

@@ -45,12 +45,12 @@ size_t UpdateRuns(const AdamArray& a, const AdamRun* runs, size_t count) {
   const AdamStep step{a.beta1, a.beta2, a.step_size, a.scaled_eps};
   size_t bad = 0;
   for (size_t r = 0; r < count; ++r) {
-    const size_t at = size_t(runs[r].begin) * a.width, own = size_t(runs[r].place) * a.width;
+    const size_t at = size_t(runs[r].begin) * a.width;
     const RunNumbers run{size_t(runs[r].end - runs[r].begin) * a.width,
-                         a.gradient ? a.gradient + own : nullptr,
+                         a.gradient ? a.gradient + at : nullptr,
                          a.value + at,
-                         a.m + own,
-                         a.v + own,
+                         a.m + at,
+                         a.v + at,
                          a.rate_scale ? a.rate_scale + at : nullptr};
     if (runs[r].behind > 0) CatchUp(step, runs[r].behind, run);
     if (run.gradient) bad += Update(step, run);

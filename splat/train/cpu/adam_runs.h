@@ -6,8 +6,7 @@
 
 namespace cosplat {
 
-// One attribute of all Gaussians, and the constants of this step's update (math/adam.h). Gradients
-// and moments are of a rank's own rows (splat/train/row_share.h).
+// One attribute of all Gaussians, and the constants of this step's update (math/adam.h).
 struct AdamArray {
   float beta1 = 0, beta2 = 0, step_size = 0, scaled_eps = 0;
   size_t numbers = 0;
@@ -17,10 +16,9 @@ struct AdamArray {
   const float* rate_scale = nullptr;  // per-element factor on the learning rate; or null
 };
 
-// Gaussians [begin, end), all of them `behind` steps behind. place: of the first one's gradient and
-// moments.
+// Gaussians [begin, end), all of them `behind` steps behind.
 struct AdamRun {
-  uint32_t begin, end, place;
+  uint32_t begin, end;
   int behind;
 };
 

@@ -21,21 +21,20 @@ struct UpdateOne {
       if (i < all.attributes[a].numbers) Update(all.attributes[a], i);
   }
   __device__ void Update(const AdamArray& a, size_t i) const {
-    const size_t row = i / a.width, own = all.share.PlaceOf(row) * a.width + i % a.width;
-    const uint32_t late = all.behind[row / kGaussianGroup];
+    const uint32_t late = all.behind[i / a.width / kGaussianGroup];
     if (late == kNotNow) return;
     const math::AdamStep step{a.beta1, a.beta2, a.step_size, a.scaled_eps};
     const float scale = a.rate_scale ? a.rate_scale[i] : 1.0f;
-    float value = a.value[i], m = a.m[own], v = a.v[own];
+    float value = a.value[i], m = a.m[i], v = a.v[i];
     if (late > 0) math::AdamCatchUp(step, math::AdamTailOf(step, int(late)), value, m, v, scale);
     if (a.gradient) {
-      const bool usable = math::IsUsableGradient(a.gradient[own]);
+      const bool usable = math::IsUsableGradient(a.gradient[i]);
       if (!usable) atomicAdd(all.ignored, 1u);
-      math::AdamUpdate(step, usable ? a.gradient[own] : 0.0f, value, m, v, scale);
+      math::AdamUpdate(step, usable ? a.gradient[i] : 0.0f, value, m, v, scale);
     }
     a.value[i] = value;
-    a.m[own] = m;
-    a.v[own] = v;
+    a.m[i] = m;
+    a.v[i] = v;
   }
 };
 
@@ -72,8 +71,8 @@ void ProvideTrainKernels() {
   Provide<FindBoxes, JoinBoxes, LowKeys, HighKeys>();
   Provide<GatherRow<float>, GatherRow<uint8_t>, GatherRow<int32_t>>();
   Provide<CopyCrop, AddCrop>();
-  Provide<FindDrawn, SetOfGroups, MarkGroups, ScatterRow>();
-  ProvideGroups<PackGroup, UnpackGroup, AddGroup, ZeroUnseenGroup>();
+  Provide<FindDrawn, MarkSeen, ScatterRow, SpoilBroken>();
+  ProvideGroups<CopyGroup, AddGroup, ZeroUnseenGroup>();
   Provide<FindSmoothing>();
   Provide<ShowPhotograph, PullPhotograph, AddUpExposure, StepExposure, CenterExposures>();
   Provide<SumBlocks<View<const ExposureSum>>>();

@@ -7,7 +7,6 @@
 #include "splat/math/scalar.h"
 #include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/cpu/adam_runs.h"
-#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -21,16 +20,14 @@ COSPLAT_HD bool AnyPositive(View<const float> of, size_t group) {
   return false;
 }
 
-// Finds which of the own groups a step updates and how many steps each of them is behind; one call
-// per group.
+// Finds which groups a step updates and how many steps each of them is behind; one call per group.
 struct FindBehind {
-  RowShare share;
   View<const float> moves;  // [N] not positive: no gradient; empty: all groups are updated
   uint32_t before, after;   // step counts; equal: catch-up
   View<uint32_t> updated, behind;
   const uint32_t* overflowed;  // or null
   COSPLAT_HD void operator()(size_t g) const {
-    const bool now = share.Owns(g * kGaussianGroup) && !(overflowed && *overflowed != 0) &&
+    const bool now = !(overflowed && *overflowed != 0) &&
                      (moves.count == 0 || AnyPositive(moves, g)) && updated[g] != after;
     behind[g] = now ? before - updated[g] : kNotNow;
     if (now) updated[g] = after;
@@ -40,7 +37,6 @@ struct FindBehind {
 // Updates element i of every attribute that has that many. On the host, processes runs of groups;
 // on a device, one element per thread (splat/train/cuda/kernels.cu).
 struct UpdateNumbers {
-  RowShare share;
   AdamArray attributes[kAttributeCount];
   View<const uint32_t> behind;  // [groups] steps to catch up, or kNotNow
   uint32_t* ignored;            // counts non-finite gradients

@@ -1,10 +1,11 @@
-// What ranks send each other of many Gaussians, packed and unpacked, and views' gradients added up
-// (splat/train/shards.h, splat/train/gradient_sum.h).
+// Groups of Gaussians copied to messages between ranks and back, and views' gradients added up
+// (splat/train/shards.h, splat/train/view_exchange.h, splat/train/gradient_sum.h).
 //
 // The kernels that process groups of kGaussianGroup do so whole on the host; on a device each of
 // kGroupParts threads has a part of a group's numbers.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -40,56 +41,23 @@ struct FindDrawn {
   COSPLAT_HD void operator()(size_t g) const { drawn[g] = AnyPositive(radii, g) ? 1 : 0; }
 };
 
-// Group groups[k] becomes group k of a message, filled up with zeros.
-struct PackGroup {
-  RowArrays from, to;
-  View<const uint32_t> groups;
-  uint32_t* index;   // [groups.count] the message's copy of `groups`
-  size_t gaussians;  // in `from`
+// Copies groups; those that are smaller where they come from are filled up with zeros.
+struct CopyGroup {
+  GroupPlaces from, to;
   COSPLAT_HD void operator()(size_t k) const { Part<1>(k, 0); }
   template <size_t kParts>
   COSPLAT_HD void Part(size_t k, size_t part) const {
-    const size_t first = groups[k] * kGaussianGroup, rows = RowsOfGroup(groups[k], gaussians);
-    if (part == 0) index[k] = groups[k];
-    for (size_t a = 0; a < from.count; ++a) {
-      const size_t width = from.array[a].width;
-      const float* in = from.array[a].data + first * width;
-      float* out = to.array[a].data + k * kGaussianGroup * width;
+    const size_t source = from.At(k), target = to.At(k);
+    const size_t room = RowsOfGroup(target, to.rows);
+    const size_t there = RowsOfGroup(source, from.rows), rows = there < room ? there : room;
+    for (size_t a = 0; a < from.arrays.count; ++a) {
+      const size_t width = from.arrays.array[a].width;
+      const float* in = from.arrays.array[a].data + source * kGaussianGroup * width;
+      float* out = to.arrays.array[a].data + target * kGaussianGroup * width;
       for (size_t n = part; n < rows * width; n += kParts) out[n] = in[n];
-      for (size_t n = rows * width + part; n < kGaussianGroup * width; n += kParts) out[n] = 0;
+      for (size_t n = rows * width + part; n < room * width; n += kParts) out[n] = 0;
     }
   }
-};
-
-// The way back.
-struct UnpackGroup {
-  RowArrays from, to;
-  View<const uint32_t> groups;
-  size_t gaussians;  // in `to`
-  COSPLAT_HD void operator()(size_t k) const { Part<1>(k, 0); }
-  template <size_t kParts>
-  COSPLAT_HD void Part(size_t k, size_t part) const {
-    const size_t first = groups[k] * kGaussianGroup, rows = RowsOfGroup(groups[k], gaussians);
-    for (size_t a = 0; a < from.count; ++a) {
-      const size_t width = from.array[a].width;
-      const float* in = from.array[a].data + k * kGaussianGroup * width;
-      float* out = to.array[a].data + first * width;
-      for (size_t n = part; n < rows * width; n += kParts) out[n] = in[n];
-    }
-  }
-};
-
-// Sets values of the groups that a message has.
-struct SetOfGroups {
-  View<const uint32_t> groups;
-  uint32_t value;
-  View<uint32_t> of;  // [groups of all]
-  COSPLAT_HD void operator()(size_t k) const { of[groups[k]] = value; }
-};
-struct MarkGroups {
-  View<const uint32_t> groups;
-  View<uint8_t> marks;  // [groups of all]
-  COSPLAT_HD void operator()(size_t k) const { marks[groups[k]] = 1; }
 };
 
 // Row k of `from` becomes row rows[k].
@@ -103,20 +71,24 @@ struct ScatterRow {
   }
 };
 
-// Where the sums of a rank's own Gaussians are.
-struct OwnSums {
-  RowShare share;
-  RowArray sum[kAttributeCount];  // [own rows]
-  size_t gaussians;               // of all ranks
-  View<const uint8_t> seen;       // [groups] whether `sum` is set
+// Makes the colour of Gaussians that have a coefficient which is not finite NaN: what stands for
+// them where their coefficients are not.
+struct SpoilBroken {
+  View<const float> color_rest;
+  size_t width;
+  View<float> color_dc;  // [N, 3]
+  COSPLAT_HD void operator()(size_t i) const {
+    for (size_t n = 0; n < width; ++n)
+      if (!std::isfinite(color_rest[i * width + n])) color_dc[3 * i] = NAN;
+  }
 };
 
-// Adds a view's gradients of own groups[k].
+// Adds what a view shows of a part of the Gaussians: group k of the part is group first + k of all.
 struct AddGroup {
-  OwnSums to;
-  RowArrays view;  // attributes, gradient of the centre in the image, radius
-  bool packed;     // row kGaussianGroup * k of `view` is the first of groups[k]; else of group k
-  View<const uint32_t> groups;
+  RowArrays view, sums;  // the attributes
+  View<const float> radii;
+  size_t first, gaussians;
+  View<const uint8_t> seen;  // [groups] whether `sums` is set
   float weight;
   View<float> moves;  // [N] set to 1 where visible
   bool gathers;
@@ -124,34 +96,50 @@ struct AddGroup {
   COSPLAT_HD void operator()(size_t k) const { Part<1>(k, 0); }
   template <size_t kParts>
   COSPLAT_HD void Part(size_t k, size_t part) const {
-    const size_t g = groups[k], first = g * kGaussianGroup, place = to.share.PlaceOf(first);
-    const size_t row = packed ? k * kGaussianGroup : first, rows = RowsOfGroup(g, to.gaussians);
-    for (int a = 0; a < kAttributeCount; ++a) {
+    if (!AnyPositive(radii, k)) return;
+    const size_t row = k * kGaussianGroup, at = (first + k) * kGaussianGroup;
+    const size_t rows = RowsOfGroup(first + k, gaussians);
+    for (size_t a = 0; a < view.count; ++a) {
       const size_t width = view.array[a].width;
       const float* in = view.array[a].data + row * width;
-      float* sum = to.sum[a].data + place * width;
-      if (to.seen[g])
+      float* sum = sums.array[a].data + at * width;
+      if (seen[first + k])
         for (size_t n = part; n < rows * width; n += kParts) sum[n] += weight * in[n];
       else
         for (size_t n = part; n < rows * width; n += kParts) sum[n] = weight * in[n];
     }
     for (size_t i = part; i < rows; i += kParts) {
-      if (accumulate.radii[row + i] > 0) moves[first + i] = 1;
-      if (gathers) accumulate.Add(first + i, row + i);
+      if (radii[row + i] > 0) moves[at + i] = 1;
+      if (gathers) accumulate.Add(at + i, row + i);
     }
   }
 };
 
-// Of group g, if it is an own one that no view shows.
+// Of the same groups.
+struct MarkSeen {
+  View<const float> radii;
+  size_t first;
+  View<uint8_t> seen;  // [groups]
+  COSPLAT_HD void operator()(size_t k) const {
+    if (AnyPositive(radii, k)) seen[first + k] = 1;
+  }
+};
+
+// Of a group that no view shows.
 struct ZeroUnseenGroup {
-  OwnSums of;
+  RowArrays sums;
+  size_t gaussians;
+  View<const uint8_t> seen;
   COSPLAT_HD void operator()(size_t g) const { Part<1>(g, 0); }
   template <size_t kParts>
   COSPLAT_HD void Part(size_t g, size_t part) const {
-    if (of.seen[g] || !of.share.Owns(g * kGaussianGroup)) return;
-    const size_t place = of.share.PlaceOf(g * kGaussianGroup), rows = RowsOfGroup(g, of.gaussians);
-    for (const RowArray& sum : of.sum)
-      for (size_t n = part; n < rows * sum.width; n += kParts) sum.data[place * sum.width + n] = 0;
+    if (seen[g]) return;
+    const size_t first = g * kGaussianGroup, rows = RowsOfGroup(g, gaussians);
+    for (size_t a = 0; a < sums.count; ++a) {
+      const size_t width = sums.array[a].width;
+      for (size_t n = part; n < rows * width; n += kParts)
+        sums.array[a].data[first * width + n] = 0;
+    }
   }
 };
 

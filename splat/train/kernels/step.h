@@ -7,7 +7,6 @@
 #include "splat/render/contribution.h"
 #include "splat/train/crop_loss.h"
 #include "splat/train/kernels/density.h"
-#include "splat/train/row_share.h"
 
 namespace cosplat {
 
@@ -114,9 +113,8 @@ struct AddUpNeedles {
 };
 
 // Adds the regulariser's gradient with respect to a needle's log length. `moves`: positive for the
-// Gaussians that Adam updates, i.e. visible ones and needles. d_scale_log: [own rows, 3].
+// Gaussians that Adam updates, i.e. visible ones and needles.
 struct PullNeedles {
-  RowShare share;
   NeedleRule rule;
   View<const float> scale_log, radii;
   const NeedleTotal* total;
@@ -125,8 +123,7 @@ struct PullNeedles {
     const float* s = &scale_log[3 * i];
     const int axis = rule.AxisOf(s);
     moves[i] = axis < 0 ? radii[i] : 1.0f;
-    if (axis >= 0 && share.Owns(i))
-      d_scale_log[3 * share.PlaceOf(i) + axis] += total->scale * std::exp(s[axis]);
+    if (axis >= 0) d_scale_log[3 * i + axis] += total->scale * std::exp(s[axis]);
   }
 };
 
