@@ -316,7 +316,10 @@ TEST_F(TrainingParity, RanksPruneAndDropBandsAlike) {
   run.settings.antialiasing = true;
   run.settings.schedule.densify_until = 20;
   run.settings.prune.rule = PruneRule::kLeaveOneOut;
-  run.settings.prune.target = 1200;
+  run.settings.prune.target = 800;
+  run.settings.density.max_count = 1200;
+  run.first = test::RandomGaussians(1100, 1, Basis::kDcsh, 5);
+  run.frames[1].camera = test::TurnedAround(run.frames[1].camera);  // a view that shows nothing
   run.settings.drop_bands = 4.0f / 255;
   const auto end = [&](std::shared_ptr<Ranks> ranks) {
     SceneSubject subject(run.frames, 1);

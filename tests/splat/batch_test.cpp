@@ -154,6 +154,26 @@ TEST(Batch, WhereSomeRanksHaveNoGaussians) {
   EXPECT_EQ(alone.degrees, shared.degrees);
 }
 
+// Then nothing is sent for it, and nothing comes back.
+TEST(Batch, WhereAViewShowsNothing) {
+  TrainSettings settings = BusyBatch();
+  settings.iterations = 20;
+  std::vector<TrainFrame> frames = Frames();
+  for (const size_t away : {2, 5}) frames[away].camera = TurnedAround(frames[away].camera);
+  const auto end = [&](size_t ranks) {
+    Gaussians gaussians;
+    OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
+      SceneSubject subject(frames, 1);
+      Trainer trainer(settings, subject, FirstGaussians(3000, 2), HostStepEngineOn(rank));
+      while (trainer.iteration() < settings.iterations) trainer.Step();
+      Gaussians all = trainer.CaughtUp();
+      if (rank->rank() == 0) gaussians = std::move(all);
+    });
+    return gaussians;
+  };
+  EXPECT_TRUE(SameBits(end(1), end(4)));
+}
+
 // They are removed, whichever rank has their coefficients.
 TEST(Batch, WhereGaussiansAreBroken) {
   TrainSettings settings = BusyBatch();

@@ -33,6 +33,15 @@ inline Camera LookingAt(const Point& eye, const Point& target, int side = 48) {
   return c;
 }
 
+// From the same place in the opposite direction: half a turn about the camera's y axis.
+inline Camera TurnedAround(Camera camera) {
+  for (const int row : {0, 2}) {
+    for (int k = 0; k < 3; ++k) camera.rotation[3 * row + k] *= -1;
+    camera.translation[row] *= -1;
+  }
+  return camera;
+}
+
 // `count` cameras around the origin, some higher, some lower, `distance` away.
 inline std::vector<Camera> Ring(int count, float distance, int side = 48) {
   std::vector<Camera> cameras;
