@@ -65,10 +65,11 @@ function(cosplat_apart)
 endfunction()
 
 # Loops whose instruction sets are built in one binary and chosen when it starts: AVX-512, AVX2 and the
-# baseline.
+# baseline. The better a target, the lower Highway's number for it: what is above AVX-512's base, which
+# every version of Highway has more of, is left out whatever its name.
 function(cosplat_simd_sources)
   set_source_files_properties(${ARGN} PROPERTIES
     COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno"
-    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)"
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|(HWY_AVX3-1))"
     SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -6,9 +6,10 @@
 #undef COSPLAT_MATH_BEGIN
 #undef COSPLAT_MATH_END
 #if defined(HWY_NAMESPACE)
-#define COSPLAT_MATH_BEGIN \
-  HWY_BEFORE_NAMESPACE();  \
-  namespace cosplat::math::HWY_NAMESPACE {
+// The pragmas come last: g++ 14 loses what follows them in one macro.
+#define COSPLAT_MATH_BEGIN                 \
+  namespace cosplat::math::HWY_NAMESPACE { \
+  HWY_BEFORE_NAMESPACE();
 #define COSPLAT_MATH_END \
   }                      \
   HWY_AFTER_NAMESPACE();

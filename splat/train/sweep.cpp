@@ -131,7 +131,7 @@ float DifferenceAt(const std::vector<SweepImage>& images,
   std::array<Point, Patch().size()> points;
   for (size_t k = 0; k < patch.size(); ++k)
     points[k] = Unproject(from.camera, x + OffsetX(k), y + OffsetY(k), depth);
-  std::array<float, kNeighbours> difference;
+  std::array<float, kNeighbours> difference;  // ascending
   int seen = 0;
   for (const int neighbour : from.neighbours) {
     const SweepImage& other = images[neighbour];
@@ -143,10 +143,13 @@ float DifferenceAt(const std::vector<SweepImage>& images,
       const Color color = ColorAt(other.color, u, v);
       for (int c = 0; c < 3; ++c) sum += std::abs(patch[k][c] - color[c]);
     }
-    if (inside) difference[seen++] = sum / float(3 * patch.size());
+    if (!inside) continue;
+    const float mean = sum / float(3 * patch.size());
+    int at = seen++;
+    for (; at > 0 && difference[at - 1] > mean; --at) difference[at] = difference[at - 1];
+    difference[at] = mean;
   }
   if (seen < 2) return -1;
-  std::sort(difference.begin(), difference.begin() + seen);
   const int counted = std::min(seen, kAgreeing);
   float sum = 0;
   for (int k = 0; k < counted; ++k) sum += difference[k];
