@@ -13,7 +13,7 @@ namespace {
 static_assert(kMaxMapped == kMaxParameter);
 
 // columns: -1 for any.
-const NpyArray& ReadRows(const Npz& npz, const std::string& name, long columns) {
+const NpyArray& ReadRows(const Npz& npz, const char* name, long columns) {
   const NpyArray& array = npz.Get(name, {long(kArkitBlendshapes), columns});
   const size_t width = array.shape[1];
   if (width == 0 || width > kMaxExpressions)

@@ -20,6 +20,7 @@ memory::dims Dims(const OnnxPair& pair) { return {pair[0], pair[1]}; }
 memory::dims Dilation(const OnnxLayer& layer) {
   return {layer.dilation[0] - 1, layer.dilation[1] - 1};
 }
+const memory::dims kDense = {0, 0};
 
 }  // namespace
 
@@ -143,18 +144,17 @@ void OnnxPasses::AddConvolution(size_t i) {
   OnnxLayer& layer = graph_.layers[i];
   const int result = int(i) + 1;
   const memory::desc bias = DescOf({layer.channels}, memory::format_tag::a);
-  const dnnl::convolution_forward::primitive_desc desc({Kind(),
-                                                        dnnl::algorithm::convolution_direct,
-                                                        DescOf(DimsOf(layer.inputs[0]), kAny),
-                                                        DescOf(WeightDims(layer), kAny),
-                                                        bias,
-                                                        DescOf(DimsOf(result), kAny),
-                                                        Dims(layer.stride),
-                                                        Dilation(layer),
-                                                        Dims(layer.pad_begin),
-                                                        Dims(layer.pad_end)},
-                                                       forward_.attributes(),
-                                                       engine_);
+  const auto desc = ForwardDesc<dnnl::convolution_forward>(forward_.setting(),
+                                                           Kind(),
+                                                           dnnl::algorithm::convolution_direct,
+                                                           DescOf(DimsOf(layer.inputs[0]), kAny),
+                                                           DescOf(WeightDims(layer), kAny),
+                                                           bias,
+                                                           DescOf(DimsOf(result), kAny),
+                                                           Dims(layer.stride),
+                                                           Dilation(layer),
+                                                           Dims(layer.pad_begin),
+                                                           Dims(layer.pad_end));
   const memory to = ValueMemory(desc.dst_desc());
   forward_.Add<dnnl::convolution_forward>(
       desc,
@@ -171,10 +171,7 @@ void OnnxPasses::AddRelu(size_t i) {
   const size_t read = size_t(graph_.layers[i].inputs[0]);
   const memory from = values_[read];
   const memory to = readers_[read] == 1 ? from : ValueMemory(from.get_desc());
-  const dnnl::eltwise_forward::primitive_desc desc(
-      {Kind(), dnnl::algorithm::eltwise_relu_use_dst_for_bwd, from.get_desc(), 0, 0},
-      forward_.attributes(),
-      engine_);
+  const auto desc = ReluDesc(forward_.setting(), Kind(), from.get_desc());
   forward_.Add<dnnl::eltwise_forward>(desc, {{DNNL_ARG_SRC, from}, {DNNL_ARG_DST, to}});
   values_.push_back(to);
   layers_[i].relu = desc;
@@ -193,21 +190,21 @@ void OnnxPasses::AddPooling(size_t i) {
   const OnnxLayer& layer = graph_.layers[i];
   const int result = int(i) + 1;
   const memory from = values_[size_t(layer.inputs[0])];
-  const dnnl::pooling_forward::primitive_desc desc({Kind(),
-                                                    dnnl::algorithm::pooling_max,
-                                                    from.get_desc(),
-                                                    DescOf(DimsOf(result), kAny),
-                                                    Dims(layer.stride),
-                                                    Dims(layer.kernel),
-                                                    Dims(layer.pad_begin),
-                                                    PadEnd(layer, result)},
-                                                   forward_.attributes(),
-                                                   engine_);
+  const auto desc = ForwardDesc<OnnxPooling>(forward_.setting(),
+                                             Kind(),
+                                             dnnl::algorithm::pooling_max,
+                                             from.get_desc(),
+                                             DescOf(DimsOf(result), kAny),
+                                             Dims(layer.stride),
+                                             Dims(layer.kernel),
+                                             kDense,
+                                             Dims(layer.pad_begin),
+                                             PadEnd(layer, result));
   const memory to = ValueMemory(desc.dst_desc());
   OnnxArguments arguments{{DNNL_ARG_SRC, from}, {DNNL_ARG_DST, to}};
   if (keeps_)
     arguments[DNNL_ARG_WORKSPACE] = layers_[i].workspace = memory(desc.workspace_desc(), engine_);
-  forward_.Add<dnnl::pooling_forward>(desc, std::move(arguments));
+  forward_.Add<OnnxPooling>(desc, std::move(arguments));
   values_.push_back(to);
   layers_[i].pooling = desc;
 }
@@ -219,7 +216,7 @@ void OnnxPasses::AddConcat(size_t i) {
     arguments[DNNL_ARG_MULTIPLE_SRC + int(parts.size())] = values_[size_t(value)];
     parts.push_back(values_[size_t(value)].get_desc());
   }
-  const dnnl::concat::primitive_desc desc(1, parts, engine_, forward_.attributes());
+  const auto desc = ConcatDesc(forward_.setting(), parts);
   const memory to = ValueMemory(desc.dst_desc());
   arguments[DNNL_ARG_DST] = to;
   forward_.Add<dnnl::concat>(desc, std::move(arguments));
@@ -254,17 +251,17 @@ void OnnxPasses::AddBackward(size_t i) {
 
 void OnnxPasses::AddConvolutionVjp(size_t i) {
   OnnxLayer& layer = graph_.layers[i];
-  const dnnl::convolution_backward_data::primitive_desc desc({dnnl::algorithm::convolution_direct,
-                                                              DescOf(DimsOf(layer.inputs[0]), kAny),
-                                                              DescOf(WeightDims(layer), kAny),
-                                                              DescOf(DimsOf(int(i) + 1), kAny),
-                                                              Dims(layer.stride),
-                                                              Dilation(layer),
-                                                              Dims(layer.pad_begin),
-                                                              Dims(layer.pad_end)},
-                                                             backward_.attributes(),
-                                                             engine_,
-                                                             layers_[i].convolution);
+  const auto desc =
+      BackwardDesc<dnnl::convolution_backward_data>(backward_.setting(),
+                                                    layers_[i].convolution,
+                                                    dnnl::algorithm::convolution_direct,
+                                                    DescOf(DimsOf(layer.inputs[0]), kAny),
+                                                    DescOf(WeightDims(layer), kAny),
+                                                    DescOf(DimsOf(int(i) + 1), kAny),
+                                                    Dims(layer.stride),
+                                                    Dilation(layer),
+                                                    Dims(layer.pad_begin),
+                                                    Dims(layer.pad_end));
   const memory d_input(desc.diff_src_desc(), engine_);
   backward_.Add<dnnl::convolution_backward_data>(
       desc,
@@ -276,11 +273,7 @@ void OnnxPasses::AddConvolutionVjp(size_t i) {
 
 void OnnxPasses::AddReluVjp(size_t i) {
   const memory result = values_[i + 1];
-  const dnnl::eltwise_backward::primitive_desc desc(
-      {dnnl::algorithm::eltwise_relu_use_dst_for_bwd, result.get_desc(), result.get_desc(), 0, 0},
-      backward_.attributes(),
-      engine_,
-      layers_[i].relu);
+  const auto desc = ReluVjpDesc(backward_.setting(), layers_[i].relu, result.get_desc());
   const memory d_input(desc.diff_src_desc(), engine_);
   backward_.Add<dnnl::eltwise_backward>(
       desc,
@@ -292,18 +285,18 @@ void OnnxPasses::AddReluVjp(size_t i) {
 
 void OnnxPasses::AddPoolingVjp(size_t i) {
   const OnnxLayer& layer = graph_.layers[i];
-  const dnnl::pooling_backward::primitive_desc desc({dnnl::algorithm::pooling_max,
-                                                     values_[size_t(layer.inputs[0])].get_desc(),
-                                                     values_[i + 1].get_desc(),
-                                                     Dims(layer.stride),
-                                                     Dims(layer.kernel),
-                                                     Dims(layer.pad_begin),
-                                                     PadEnd(layer, int(i) + 1)},
-                                                    backward_.attributes(),
-                                                    engine_,
-                                                    layers_[i].pooling);
+  const auto desc = BackwardDesc<OnnxPoolingVjp>(backward_.setting(),
+                                                 layers_[i].pooling,
+                                                 dnnl::algorithm::pooling_max,
+                                                 values_[size_t(layer.inputs[0])].get_desc(),
+                                                 DescOf(DimsOf(int(i) + 1), kAny),
+                                                 Dims(layer.stride),
+                                                 Dims(layer.kernel),
+                                                 kDense,
+                                                 Dims(layer.pad_begin),
+                                                 PadEnd(layer, int(i) + 1));
   const memory d_input(desc.diff_src_desc(), engine_);
-  backward_.Add<dnnl::pooling_backward>(
+  backward_.Add<OnnxPoolingVjp>(
       desc,
       {{DNNL_ARG_WORKSPACE, layers_[i].workspace},
        {DNNL_ARG_DIFF_DST, backward_.Converted(gradients_[i + 1], desc.diff_dst_desc())},

@@ -33,7 +33,7 @@ class OnnxPasses {
   struct Kept {
     dnnl::convolution_forward::primitive_desc convolution;
     dnnl::eltwise_forward::primitive_desc relu;
-    dnnl::pooling_forward::primitive_desc pooling;
+    OnnxPooling::primitive_desc pooling;
     dnnl::memory workspace;  // of pooling: where each maximum was
   };
 

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "splat/base/onnx_primitives.h"
+
 namespace cosplat {
 
 using OnnxArguments = std::unordered_map<int, dnnl::memory>;
@@ -19,7 +21,7 @@ class OnnxProgram {
   explicit OnnxProgram(const dnnl::engine& engine) : engine_(engine) {
     attributes_.set_scratchpad_mode(dnnl::scratchpad_mode::user);
   }
-  const dnnl::primitive_attr& attributes() const { return attributes_; }
+  OnnxSetting setting() const { return {engine_, attributes_}; }
 
   template <class Primitive>
   void Add(const typename Primitive::primitive_desc& desc, OnnxArguments arguments) {
@@ -47,7 +49,7 @@ class OnnxProgram {
       return;
     }
     const dnnl::memory::desc desc = sum.get_desc();
-    Add<dnnl::sum>({std::vector<float>{1, 1}, {desc, desc}, engine_, attributes_},
+    Add<dnnl::sum>(SumDesc(setting(), desc),
                    {{DNNL_ARG_MULTIPLE_SRC, sum},
                     {DNNL_ARG_MULTIPLE_SRC + 1, Converted(more, desc)},
                     {DNNL_ARG_DST, sum}});
