@@ -40,6 +40,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/io/track_layouts.h
   flame/kernels/
   splat/base/compression.h
+  splat/base/libav.h
   splat/base/onnx_file.h
   splat/base/onnx_p
   splat/base/webp.h

@@ -43,6 +43,7 @@ struct TrackedVideo {
   std::vector<TrackedFrame> train;
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
+  std::vector<std::string> notes;     // what a user should know of how it was read
   // Each frame has a camera of its own about a head whose root stays in FLAME's rest place, as the
   // tracker wrote it: the head's motion is in the cameras. See MoveHead.
   bool head_is_fixed = false;

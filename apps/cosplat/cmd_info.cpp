@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
@@ -110,6 +111,7 @@ void FlameInfo(const std::string& path) {
 
 void TrackInfo(const std::string& path, bool need_images) {
   const TrackedVideo v = need_images ? LoadTrackedVideo(path, {}) : LoadDrivingSequence(path);
+  PrintNotes(v.notes);
   const TrackedFrame& f = v.train.empty() ? v.test.at(0) : v.train[0];
   std::printf("tracked video (%s): %zu training and %zu test frames of %dx%d, %zu skipped\n",
               v.layout.c_str(),

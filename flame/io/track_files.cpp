@@ -93,6 +93,7 @@ TrackFiles FindTrackFiles(const std::string& path,
                     (or_video ? " and no video.mp4, .avi or .mkv" : ""));
   files.video = images->OpenVideo(video.video_path);
   video.video = files.video.reader;
+  video.notes = files.video.notes;
   return files;
 }
 

@@ -26,6 +26,7 @@ class ImagesOnDisk : public ImageFiles {
     video.frame_count = video.reader->frame_count();
     const Image8 first = video.reader->ReadFrame(0);
     video.size = {first.width, first.height, first.channels};
+    video.notes = video.reader->notes();
     return video;
   }
 };

@@ -26,6 +26,7 @@ class ImageFiles {
     std::shared_ptr<VideoReader> reader;
     int frame_count = 0;
     ImageInfo size;
+    std::vector<std::string> notes;
   };
   virtual ~ImageFiles() = default;
   virtual ImageInfo Info(const std::string& image) const = 0;

@@ -102,7 +102,6 @@ cv::Matx33d OpenCvMatrix(const Camera& camera) {
 void QuietOpenCv() {
   static const bool once = [] {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // AV_LOG_QUIET; read when a video is opened
     return true;
   }();
   (void)once;

@@ -1,5 +1,5 @@
-// Image and video files. Within the libraries, only image_io.cpp and video_io.cpp include OpenCV
-// for pixel data.
+// Image and video files. Within the libraries, only image_io.cpp includes OpenCV for pixel data,
+// and only video_reader.cpp and video_writer.cpp FFmpeg's libraries.
 #pragma once
 
 #include <array>
@@ -67,14 +67,22 @@ std::vector<std::array<double, 2>> DistortedPixels(
     const Camera& target,
     const std::vector<std::array<double, 2>>& points);
 
-// Frames of a video file, decoded in order. Thread-safe: calls are serialised.
+// Frames of a video file as a player shows them: turned as the file's display matrix says, with
+// square pixels, all of the first frame's size. What cannot be decoded is left out. Thread-safe:
+// calls are serialised.
 class VideoReader {
  public:
-  explicit VideoReader(const std::string& path);  // throws Error
+  explicit VideoReader(const std::string& path);  // decodes all of it once; throws Error
   ~VideoReader();
   int frame_count() const;
-  double frames_per_second() const;  // as the container states it; 0 if it does not
-  // RGB; cheap for index = last + 1, whereas an earlier index decodes from the start. Throws Error.
+  // As the container states it, or where the frames' time stamps say otherwise, theirs on average;
+  // 0 if there is neither.
+  double frames_per_second() const;
+  bool has_alpha() const;
+  // What a user should know: frames scaled, packets left out, HDR.
+  const std::vector<std::string>& notes() const;
+  // RGB, or RGBA (straight) if the video has alpha; cheap for index = last + 1, whereas an earlier
+  // index decodes from the start. Throws Error, also for a frame of another shape than the first.
   Image8 ReadFrame(int index);
 
  private:
@@ -82,7 +90,8 @@ class VideoReader {
   std::unique_ptr<Impl> impl_;
 };
 
-// MP4 (mp4v) writer; the file appears under its final name once Finish() succeeds.
+// MP4 writer (H.264, or MPEG-4 where FFmpeg has no encoder of it); the file appears under its final
+// name once Finish() succeeds.
 class VideoWriter {
  public:
   VideoWriter(const std::string& path, int width, int height, double frames_per_second);
@@ -107,7 +116,7 @@ bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info);
 // can hold. Other file types pass.
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
 
-// Keeps OpenCV and FFmpeg from writing to stderr, since failures are reported as Error. Must be
+// Keeps OpenCV from writing to stderr, since failures are reported as Error. Must be
 // called before any of their functions; only the first call has an effect.
 void QuietOpenCv();
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "apps/cosplat/run/notes.h"
 #include "splat/base/image_io.h"
 
 namespace cosplat {
@@ -30,6 +31,7 @@ std::vector<std::string> WriteSharpFrames(
     const std::string& folder,
     const std::function<void(int done, int total)>& progress) {
   VideoReader reader(video);
+  PrintNotes(reader.notes());
   const int total = reader.frame_count();
   const int intervals = std::min(count, total);
   std::vector<std::string> names;

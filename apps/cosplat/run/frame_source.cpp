@@ -56,6 +56,7 @@ FrameSource::FrameSource(const std::string& path) {
     const Image8 first = video_->ReadFrame(0);
     width_ = first.width, height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
+    has_alpha_ = video_->has_alpha();
     return;
   }
   images_ = ImagesIn(path);
@@ -69,22 +70,40 @@ FrameSource::FrameSource(const std::string& path) {
                       ", the images before it are " + std::to_string(width_) + "x" +
                       std::to_string(height_));
   }
+  const Image8 alpha = Alpha(0);
+  has_alpha_ = std::any_of(alpha.data.begin(), alpha.data.end(), [](uint8_t a) { return a < 255; });
 }
 
 int FrameSource::count() const { return video_ ? video_->frame_count() : int(images_.size()); }
+
+std::vector<std::string> FrameSource::notes() const {
+  return video_ ? video_->notes() : std::vector<std::string>();
+}
 
 std::string FrameSource::Name(int frame) const {
   return video_ ? std::to_string(frame) : fs::path(images_.at(size_t(frame))).stem().string();
 }
 
+Image8 FrameSource::ReadAll(int frame) const {
+  return video_ ? video_->ReadFrame(frame) : ReadImage(images_.at(size_t(frame)));
+}
+
 Image8 FrameSource::Read(int frame) const {
-  if (video_) return video_->ReadFrame(frame);
-  Image8 image = ReadImage(images_.at(size_t(frame)));
+  const Image8 image = ReadAll(frame);
+  if (image.channels == 3) return image;
   Image8 rgb(image.width, image.height, 3);
   for (size_t i = 0; i < rgb.pixels(); ++i)
     for (size_t c = 0; c < 3; ++c)
       rgb.data[3 * i + c] = image.data[size_t(image.channels) * i + (image.channels < 3 ? 0 : c)];
   return rgb;
+}
+
+Image8 FrameSource::Alpha(int frame) const {
+  const Image8 image = ReadAll(frame);
+  Image8 alpha(image.width, image.height, 1, 255);
+  if (image.channels == 4)
+    for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];
+  return alpha;
 }
 
 }  // namespace cosplat

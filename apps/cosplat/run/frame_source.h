@@ -20,6 +20,12 @@ class FrameSource {
   double frames_per_second() const { return frames_per_second_; }  // 0: unknown
   // The stem of the image's file, or the frame's number in the video.
   std::string Name(int frame) const;
+  // What a user should know of a video (VideoReader::notes).
+  std::vector<std::string> notes() const;
+  // Whether the frames have alpha: all of a video, or the first image some below 255.
+  bool has_alpha() const { return has_alpha_; }
+  // 1 channel: the frame's alpha, 255 where it has none. Throws Error as the readers do.
+  Image8 Alpha(int frame) const;
   // RGB. Cheapest in order. Throws Error as the readers do.
   Image8 Read(int frame) const;
 
@@ -28,6 +34,9 @@ class FrameSource {
   std::vector<std::string> images_;  // paths, without a video
   int width_ = 0, height_ = 0;
   double frames_per_second_ = 0;
+  bool has_alpha_ = false;
+
+  Image8 ReadAll(int frame) const;
 };
 
 }  // namespace cosplat

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/cosplat/run/frame_source.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "flame/fit/landmark_scores.h"
@@ -179,26 +180,39 @@ LandmarkVideo FacesIn(const std::string& path,
 }
 
 // The browser's mattes are a byte per pixel, rows from the top.
-void WriteMattes(const std::string& from, const std::string& to, LandmarkVideo& video) {
+Image8 ReadMatte(const std::string& path, const LandmarkVideo& video) {
+  const std::vector<char> bytes = ReadFile(path);
+  Image8 matte(video.width, video.height, 1);
+  if (bytes.size() != matte.data.size())
+    throw Error(path,
+                "has " + std::to_string(bytes.size()) + " bytes, expected " +
+                    std::to_string(matte.data.size()));
+  std::copy(bytes.begin(), bytes.end(), matte.data.begin());
+  return matte;
+}
+
+// Frames' own alpha counts before what the browser found in `from`.
+void WriteMattes(const FrameSource& frames,
+                 const std::string& from,
+                 const std::string& to,
+                 LandmarkVideo& video) {
   MakeDirectories(to);
-  tbb::parallel_for(size_t(0), video.frames.size(), [&](size_t f) {
-    const std::string path = from + "/" + std::to_string(f) + ".matte";
-    const std::vector<char> bytes = ReadFile(path);
-    Image8 matte(video.width, video.height, 1);
-    if (bytes.size() != matte.data.size())
-      throw Error(path,
-                  "has " + std::to_string(bytes.size()) + " bytes, expected " +
-                      std::to_string(matte.data.size()));
-    std::copy(bytes.begin(), bytes.end(), matte.data.begin());
+  const auto write = [&](size_t f) {
+    const Image8 matte = frames.has_alpha()
+                             ? frames.Alpha(int(f))
+                             : ReadMatte(from + "/" + std::to_string(f) + ".matte", video);
     video.frames[f].matte = to + "/" + video.frames[f].name + ".png";
     WriteImage(video.frames[f].matte, matte);
-  });
+  };
+  if (!frames.has_alpha()) return tbb::parallel_for(size_t(0), video.frames.size(), write);
+  for (size_t f = 0; f < video.frames.size(); ++f) write(f);  // a video is read in its order
 }
 
 }  // namespace
 
 void DetectLandmarks(const LandmarkRunOptions& o) {
   const FrameSource frames(o.source);
+  PrintNotes(frames.notes());
   const Programs programs = FindPrograms();
   const std::string modules = ModulesFolder(programs, ProgramFolder(), o.quiet);
   const ScratchFolder scratch;
@@ -208,7 +222,7 @@ void DetectLandmarks(const LandmarkRunOptions& o) {
   const size_t seen = size_t(std::count_if(
       video.frames.begin(), video.frames.end(), [](const auto& f) { return !f.faces.empty(); }));
   if (seen == 0) throw Error(o.source, "has no face in any of its frames");
-  WriteMattes(scratch.path(), (fs::path(o.out).parent_path() / "mattes").string(), video);
+  WriteMattes(frames, scratch.path(), (fs::path(o.out).parent_path() / "mattes").string(), video);
   AddScores(video);
   WriteLandmarks(o.out, video);
   if (!o.quiet) std::printf("faces in %zu of %d frames: %s\n", seen, frames.count(), o.out.c_str());

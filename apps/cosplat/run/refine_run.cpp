@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "apps/cosplat/run/avatar_rounds.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
@@ -27,6 +28,7 @@ TrackedVideo LoadVideo(const RefineRunOptions& o, FlameModel& model) {
   if (TracksEyelids(LoadTrackedVideo(o.source, options))) model = WithEyelids(std::move(model));
   options.flame = &model;
   TrackedVideo video = LoadTrackedVideo(o.source, options);
+  PrintNotes(video.notes);
   MoveHead(model, video);
   for (const auto* set : {&video.train, &video.test})
     for (const TrackedFrame& frame : *set)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/focal.h"
@@ -59,6 +60,7 @@ TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame) {
   TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
+  PrintNotes(video.notes);
   if (split.fold_by_turn) {
     HoldOutFurthestTurned(video);
   } else if (split.fold) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/track_report.h"
 #include "apps/cosplat/run/train_run.h"
@@ -233,6 +234,7 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
 
 void RunTracking(const TrackRunOptions& o) {
   const FrameSource frames(o.source);
+  PrintNotes(frames.notes());
   const TrackRun run = FitTrack(o, frames);
   MakeDirectories(o.out + "/image");
   if (run.mattes) MakeDirectories(o.out + "/mask");

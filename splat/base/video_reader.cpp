@@ -1,0 +1,317 @@
+// Video by FFmpeg's libraries, shown as a player shows it: upright, with square pixels, in one
+// size.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/image_io.h"
+#include "splat/base/libav.h"
+
+namespace cosplat {
+namespace {
+
+namespace av = libav;
+
+constexpr double kMostStretched = 8;  // anamorphic formats stay below 2
+
+// One of the eight ways in which a rectangle can lie: columns and rows exchanged first, then either
+// reversed.
+struct Orientation {
+  bool exchanged = false, columns_reversed = false, rows_reversed = false;
+};
+
+// FFmpeg's display matrix maps (p, q) of the stored image to x = a p + c q, y = b p + d q of the
+// shown one, rows downwards; {a, b, u, c, d, v, ...}. Angles between quarter turns go to the
+// nearest.
+Orientation OrientationOf(const int32_t* matrix) {
+  const double a = matrix[0], b = matrix[1], c = matrix[3], d = matrix[4];
+  if (std::abs(a) + std::abs(d) >= std::abs(b) + std::abs(c)) return {false, a < 0, d < 0};
+  return {true, c < 0, b < 0};
+}
+
+const int32_t* DisplayMatrixOf(const AVStream& stream) {
+  const uint8_t* data = nullptr;
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
+  const AVPacketSideData* side = av_packet_side_data_get(stream.codecpar->coded_side_data,
+                                                         stream.codecpar->nb_coded_side_data,
+                                                         AV_PKT_DATA_DISPLAYMATRIX);
+  if (side != nullptr && side->size >= 9 * sizeof(int32_t)) data = side->data;
+#else
+  size_t size = 0;
+  data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
+  if (size < 9 * sizeof(int32_t)) data = nullptr;
+#endif
+  return reinterpret_cast<const int32_t*>(data);
+}
+
+Image8 Turned(const Image8& image, Orientation to) {
+  if (!to.exchanged && !to.columns_reversed && !to.rows_reversed) return image;
+  const int n = image.channels;
+  Image8 turned(
+      to.exchanged ? image.height : image.width, to.exchanged ? image.width : image.height, n);
+  for (int y = 0; y < turned.height; ++y) {
+    for (int x = 0; x < turned.width; ++x) {
+      const int u = to.columns_reversed ? turned.width - 1 - x : x;
+      const int v = to.rows_reversed ? turned.height - 1 - y : y;
+      const size_t from = to.exchanged ? size_t(u) * image.width + v : size_t(v) * image.width + u;
+      std::copy_n(&image.data[from * n], n, &turned.data[(size_t(y) * turned.width + x) * n]);
+    }
+  }
+  return turned;
+}
+
+bool HasAlpha(const AVFrame& frame) {
+  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
+  return format != nullptr && (format->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
+}
+
+// By more than rounding to a codec's blocks does.
+bool ShapesDiffer(int width, int height, int other_width, int other_height) {
+  const double one = double(width) / height, other = double(other_width) / other_height;
+  return std::abs(one - other) > 0.05 * one;
+}
+
+std::string SizeOf(const AVFrame& frame) { return SizeText(frame.width, frame.height); }
+
+}  // namespace
+
+struct VideoReader::Impl {
+  std::string path;
+  av::Input input;
+  av::Codec codec;
+  av::Frame frame{av_frame_alloc()};
+  av::Packet packet{av_packet_alloc()};
+  av::Scaler scaler;
+  int stream = -1;
+  bool drained = false;
+  int undecodable = 0;  // packets
+  int next = 0;         // index of the frame that ReadFrame() decodes next
+
+  // Of all frames, as the first pass found them.
+  int count = 0;
+  double frames_per_second = 0;
+  Orientation orientation;
+  int width = 0, height = 0;                // shown, before it is turned
+  int stored_width = 0, stored_height = 0;  // of the first frame
+  bool alpha = false;
+  std::vector<std::string> notes;
+  std::mutex mutex;
+
+  void Open();
+  bool Decode();
+  void FirstPass();
+  void SetSize();
+  void SetRate(int64_t first, int64_t last);
+  Image8 Converted();
+  void SetColors();
+};
+
+void VideoReader::Impl::Open() {
+  next = 0;
+  drained = false;
+  AVFormatContext* opened = nullptr;
+  int code = avformat_open_input(&opened, av::FileUrl(path).c_str(), nullptr, nullptr);
+  input.reset(opened);
+  if (code >= 0) code = avformat_find_stream_info(opened, nullptr);
+  if (code < 0) throw Error(path, "cannot be opened as a video: " + av::ErrorText(code));
+  const AVCodec* decoder = nullptr;
+  stream = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  if (stream < 0) throw Error(path, "cannot be opened as a video: it has no video track");
+  const AVStream& track = *opened->streams[stream];
+  // FFmpeg's own decoders of WebM drop its alpha, which libvpx's keep.
+  const AVDictionaryEntry* mode = av_dict_get(track.metadata, "alpha_mode", nullptr, 0);
+  if (mode != nullptr && std::strcmp(mode->value, "1") == 0) {
+    const bool vp8 = track.codecpar->codec_id == AV_CODEC_ID_VP8;
+    const AVCodec* libvpx = avcodec_find_decoder_by_name(vp8 ? "libvpx" : "libvpx-vp9");
+    if (libvpx != nullptr && libvpx->id == track.codecpar->codec_id) decoder = libvpx;
+  }
+  codec.reset(decoder != nullptr ? avcodec_alloc_context3(decoder) : nullptr);
+  if (!codec) throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
+  code = avcodec_parameters_to_context(codec.get(), track.codecpar);
+  codec->pkt_timebase = track.time_base;
+  codec->thread_count = 0;  // as many as there are cores
+  if (code >= 0) code = avcodec_open2(codec.get(), decoder, nullptr);
+  if (code < 0) throw Error(path, "cannot be decoded: " + av::ErrorText(code));
+}
+
+// The next frame that can be decoded, in the order of showing. What is damaged is left out.
+bool VideoReader::Impl::Decode() {
+  for (;;) {
+    const int code = avcodec_receive_frame(codec.get(), frame.get());
+    if (code >= 0) return true;
+    if (code == AVERROR_EOF) return false;
+    if (code != AVERROR(EAGAIN)) {
+      ++undecodable;
+      continue;
+    }
+    if (drained) return false;
+    const int read = av_read_frame(input.get(), packet.get());
+    if (read < 0) {
+      if (read != AVERROR_EOF) ++undecodable;
+      drained = true;
+      avcodec_send_packet(codec.get(), nullptr);
+      continue;
+    }
+    if (packet->stream_index == stream && avcodec_send_packet(codec.get(), packet.get()) < 0)
+      ++undecodable;
+    av_packet_unref(packet.get());
+  }
+}
+
+// Containers may state any number of frames and any rate, or none, so all of it is decoded once.
+void VideoReader::Impl::FirstPass() {
+  Open();
+  int64_t first = AV_NOPTS_VALUE, last = AV_NOPTS_VALUE;
+  std::string other_size;
+  int resized = 0;
+  while (Decode()) {
+    if (count++ == 0) SetSize();
+    if (frame->width != stored_width || frame->height != stored_height) {
+      if (resized++ == 0) other_size = SizeOf(*frame);
+    }
+    const int64_t time = frame->best_effort_timestamp;
+    if (time == AV_NOPTS_VALUE) continue;
+    if (first == AV_NOPTS_VALUE || time < first) first = time;
+    if (last == AV_NOPTS_VALUE || time > last) last = time;
+  }
+  if (count == 0) throw Error(path, "has no frame that can be decoded");
+  SetRate(first, last);
+  if (resized > 0)
+    notes.push_back(path + ": " + std::to_string(resized) + " of " + std::to_string(count) +
+                    " frames have another size (" + other_size + ") than the first (" +
+                    SizeText(stored_width, stored_height) + "), to which they are scaled");
+  if (undecodable > 0)
+    notes.push_back(path + ": " + std::to_string(undecodable) +
+                    " packets of it cannot be decoded; the " + std::to_string(count) +
+                    " frames of the others are used");
+}
+
+// From the first frame: the size in square pixels, how it lies, what its pixels are.
+void VideoReader::Impl::SetSize() {
+  const AVStream& track = *input->streams[stream];
+  width = stored_width = frame->width;
+  height = stored_height = frame->height;
+  const AVRational pixel =
+      av_guess_sample_aspect_ratio(input.get(), input->streams[stream], frame.get());
+  const double wide = pixel.num > 0 && pixel.den > 0 ? av_q2d(pixel) : 1;
+  // No line or column is lost: pixels are only ever stretched.
+  if (wide > 1) width = std::max(1, int(std::lround(width * wide)));
+  if (wide < 1) height = std::max(1, int(std::lround(height / wide)));
+  if (wide > kMostStretched || wide < 1 / kMostStretched)
+    throw Error(path,
+                "says that its pixels are " + std::to_string(wide) + " times as wide as high");
+  const AVFrameSideData* side = av_frame_get_side_data(frame.get(), AV_FRAME_DATA_DISPLAYMATRIX);
+  if (const int32_t* matrix =
+          side != nullptr ? reinterpret_cast<const int32_t*>(side->data) : DisplayMatrixOf(track))
+    orientation = OrientationOf(matrix);
+  alpha = HasAlpha(*frame);
+  if (frame->color_trc == AVCOL_TRC_SMPTE2084 || frame->color_trc == AVCOL_TRC_ARIB_STD_B67)
+    notes.push_back(
+        path +
+        ": is HDR video, whose brightness is taken as if it were not; convert it to SDR "
+        "if it looks flat");
+}
+
+// The rate that the container states if the frames' time stamps agree; else theirs on average.
+void VideoReader::Impl::SetRate(int64_t first, int64_t last) {
+  const AVStream& track = *input->streams[stream];
+  const double stated = track.avg_frame_rate.den > 0 ? av_q2d(track.avg_frame_rate) : 0;
+  const double seconds =
+      first != AV_NOPTS_VALUE ? double(last - first) * av_q2d(track.time_base) : 0;
+  const double counted = count > 1 && seconds > 0 ? (count - 1) / seconds : 0;
+  const double rate = counted > 0 && std::abs(stated - counted) > 0.01 * counted ? counted : stated;
+  frames_per_second = std::isfinite(rate) && rate > 0 ? rate : 0;
+}
+
+// Which matrix turned the image into what is stored: BT.601 unless the video names another.
+void VideoReader::Impl::SetColors() {
+  int *to_inverse, *to_table, from_range, to_range, brightness, contrast, saturation;
+  if (sws_getColorspaceDetails(scaler.get(),
+                               &to_inverse,
+                               &from_range,
+                               &to_table,
+                               &to_range,
+                               &brightness,
+                               &contrast,
+                               &saturation) < 0)
+    return;  // its pixels are RGB already
+  const bool named =
+      frame->colorspace != AVCOL_SPC_UNSPECIFIED && frame->colorspace != AVCOL_SPC_RGB;
+  const int* table = sws_getCoefficients(named ? int(frame->colorspace) : SWS_CS_DEFAULT);
+  if (frame->color_range != AVCOL_RANGE_UNSPECIFIED)
+    from_range = frame->color_range == AVCOL_RANGE_JPEG ? 1 : 0;
+  sws_setColorspaceDetails(
+      scaler.get(), table, from_range, to_table, to_range, brightness, contrast, saturation);
+}
+
+Image8 VideoReader::Impl::Converted() {
+  const AVPixelFormat to = alpha ? AV_PIX_FMT_RGBA : AV_PIX_FMT_RGB24;
+  SwsContext* const kept = scaler.get();
+  scaler.reset(sws_getCachedContext(scaler.release(),
+                                    frame->width,
+                                    frame->height,
+                                    AVPixelFormat(frame->format),
+                                    width,
+                                    height,
+                                    to,
+                                    SWS_BICUBIC,
+                                    nullptr,
+                                    nullptr,
+                                    nullptr));
+  if (!scaler) throw Error(path, "has pixels of a kind that cannot be converted to RGB");
+  if (scaler.get() != kept) SetColors();
+  Image8 image(width, height, alpha ? 4 : 3);
+  // The scaler may write some bytes beyond the end of a row.
+  const int stride = (image.channels * width + 63) / 64 * 64;
+  std::vector<uint8_t> rows(size_t(stride) * height + 64);
+  uint8_t* const planes[] = {rows.data()};
+  const int strides[] = {stride};
+  sws_scale(scaler.get(), frame->data, frame->linesize, 0, frame->height, planes, strides);
+  const size_t row = size_t(image.channels) * width;
+  for (int y = 0; y < height; ++y)
+    std::copy_n(&rows[size_t(y) * stride], row, &image.data[y * row]);
+  return Turned(image, orientation);
+}
+
+VideoReader::VideoReader(const std::string& path) : impl_(std::make_unique<Impl>()) {
+  av::Quiet();
+  if (!std::filesystem::is_regular_file(path)) throw Error(path, "is not a file");
+  impl_->path = path;
+  impl_->FirstPass();
+  impl_->Open();
+}
+
+VideoReader::~VideoReader() = default;
+
+int VideoReader::frame_count() const { return impl_->count; }
+double VideoReader::frames_per_second() const { return impl_->frames_per_second; }
+bool VideoReader::has_alpha() const { return impl_->alpha; }
+const std::vector<std::string>& VideoReader::notes() const { return impl_->notes; }
+
+Image8 VideoReader::ReadFrame(int index) {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  Impl& video = *impl_;
+  const std::string field = "frame " + std::to_string(index);
+  if (index < 0 || index >= video.count)
+    throw Error(video.path, field, "is missing, the video has " + std::to_string(video.count));
+  // Seeking by number is unreliable between key frames; decoding from the start is exact.
+  if (index < video.next) video.Open();
+  while (video.next <= index) {
+    if (!video.Decode()) throw Error(video.path, field, "cannot be decoded");
+    ++video.next;
+  }
+  if (ShapesDiffer(
+          video.stored_width, video.stored_height, video.frame->width, video.frame->height))
+    throw Error(video.path,
+                field,
+                "has " + SizeOf(*video.frame) + " pixels, another shape than the first frame's " +
+                    SizeText(video.stored_width, video.stored_height));
+  return video.Converted();
+}
+
+}  // namespace cosplat

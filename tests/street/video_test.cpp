@@ -1,0 +1,182 @@
+// Videos as phones, browsers and cameras write them are read as a player shows them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "splat/base/error.h"
+#include "tests/street/film.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat::test {
+namespace {
+
+// The colours of FourColors where they are shown, as letters from the top left: "RBGW" is upright.
+std::string ColorsOf(const Image8& image) {
+  std::string colors;
+  for (const int y : {1, 3}) {
+    for (const int x : {1, 3}) {
+      const size_t pixel = size_t(y * image.height / 4) * image.width + x * image.width / 4;
+      const uint8_t* rgb = &image.data[image.channels * pixel];
+      const bool r = rgb[0] > 128, g = rgb[1] > 128, b = rgb[2] > 128;
+      colors += r && g && b ? 'W' : r ? 'R' : g ? 'G' : b ? 'B' : '?';
+    }
+  }
+  return colors;
+}
+
+double PsnrOf(const Image8& a, const Image8& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.data.size(); ++i)
+    sum += (a.data[i] - b.data[i]) * (a.data[i] - b.data[i]);
+  return 10 * std::log10(255.0 * 255.0 * double(a.data.size()) / sum);
+}
+
+TEST(Video, IsTurnedAsItsDisplayMatrixSays) {
+  const TemporaryFolder folder;
+  struct Case {
+    int a, b, c, d;
+    const char* colors;
+    bool exchanged;
+  };
+  // What is shown where, worked out by hand: x = a p + c q, y = b p + d q.
+  const Case cases[] = {{1, 0, 0, 1, "RBGW", false},
+                        {0, 1, -1, 0, "GRWB", true},  // a quarter turn to the right
+                        {0, -1, 1, 0, "BWRG", true},  // to the left
+                        {-1, 0, 0, -1, "WGBR", false},
+                        {-1, 0, 0, 1, "BRWG", false},  // as in a mirror
+                        {1, 0, 0, -1, "GWRB", false},
+                        {0, 1, 1, 0, "RGBW", true},
+                        {0, -1, -1, 0, "WBGR", true}};
+  for (const Case& c : cases) {
+    const std::string path = folder / "turned.mp4";
+    WriteFilm({.path = path, .frames = Frames(3)});
+    SetDisplayMatrix(path, c.a, c.b, c.c, c.d);
+    VideoReader video(path);
+    const Image8 image = video.ReadFrame(1);
+    EXPECT_EQ(image.width, c.exchanged ? 48 : 64) << c.colors;
+    EXPECT_EQ(image.height, c.exchanged ? 64 : 48) << c.colors;
+    EXPECT_EQ(ColorsOf(image), c.colors);
+  }
+}
+
+TEST(Video, HasSquarePixels) {
+  const TemporaryFolder folder;
+  const auto size = [&](AVRational pixel) {
+    WriteFilm({.path = folder / "wide.mp4", .pixel = pixel, .frames = Frames(3)});
+    const Image8 image = VideoReader(folder / "wide.mp4").ReadFrame(0);
+    EXPECT_EQ(ColorsOf(image), "RBGW");
+    return SizeText(image.width, image.height);
+  };
+  EXPECT_EQ(size({4, 3}), "85x48");
+  EXPECT_EQ(size({3, 4}), "64x64");
+  EXPECT_EQ(size({0, 1}), "64x48");
+}
+
+TEST(Video, KeepsItsFirstSize) {
+  const TemporaryFolder folder;
+  Film film{.path = folder / "call.webm", .encoder = "libvpx", .frames = Frames(8)};
+  for (size_t i = 4; i < 8; ++i) film.frames[i].width = 96, film.frames[i].height = 72;
+  WriteFilm(film);
+  VideoReader video(film.path);
+  ASSERT_EQ(video.frame_count(), 8);
+  for (int i = 0; i < 8; ++i) {
+    const Image8 image = video.ReadFrame(i);
+    EXPECT_EQ(SizeText(image.width, image.height), "64x48");
+    EXPECT_EQ(ColorsOf(image), "RBGW") << i;
+  }
+  ASSERT_EQ(video.notes().size(), 1u);
+  EXPECT_NE(video.notes()[0].find("4 of 8 frames have another size (96x72)"), std::string::npos);
+}
+
+TEST(Video, NamesAFrameOfAnotherShape) {
+  const TemporaryFolder folder;
+  Film film{.path = folder / "turned.webm", .encoder = "libvpx", .frames = Frames(6)};
+  for (size_t i = 3; i < 6; ++i) std::swap(film.frames[i].width, film.frames[i].height);
+  WriteFilm(film);
+  VideoReader video(film.path);
+  EXPECT_EQ(video.ReadFrame(2).width, 64);
+  ExpectError([&] { video.ReadFrame(3); }, {"turned.webm", "frame 3", "48x64", "64x48"});
+}
+
+TEST(Video, HasTheRateOfItsTimeStamps) {
+  const TemporaryFolder folder;
+  Film film{.path = folder / "recorder.webm", .encoder = "libvpx", .states_rate = false};
+  int64_t time = 0;
+  for (int i = 0; i < 46; ++i, time += i % 2 == 0 ? 30 : 50)
+    film.frames.push_back({64, 48, time, 255});
+  WriteFilm(film);
+  EXPECT_NEAR(VideoReader(film.path).frames_per_second(), 25, 0.3);
+  WriteFilm({.path = folder / "steady.mp4", .frames = Frames(20)});
+  EXPECT_EQ(VideoReader(folder / "steady.mp4").frames_per_second(), 25);
+}
+
+TEST(Video, HasItsAlpha) {
+  const TemporaryFolder folder;
+  for (const char* encoder : {"libvpx", "libvpx-vp9"}) {
+    Film film{
+        .path = folder / "alpha.webm", .encoder = encoder, .alpha = true, .frames = Frames(4)};
+    for (FilmFrame& frame : film.frames) frame.alpha = 64;
+    WriteFilm(film);
+    VideoReader video(film.path);
+    EXPECT_TRUE(video.has_alpha()) << encoder;
+    const Image8 image = video.ReadFrame(2);
+    ASSERT_EQ(image.channels, 4) << encoder;
+    EXPECT_NEAR(image.data[3], 64, 3) << encoder;
+    EXPECT_EQ(ColorsOf(image), "RBGW") << encoder;
+  }
+}
+
+TEST(Video, MayHaveAColonInItsName) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "2024-03-01T10:20:30.mp4";
+  VideoWriter writer(path, 64, 48, 25);
+  writer.Write(FourColors(64, 48));
+  writer.Finish();
+  VideoReader video(path);
+  EXPECT_EQ(video.frame_count(), 1);
+  EXPECT_EQ(ColorsOf(video.ReadFrame(0)), "RBGW");
+}
+
+TEST(Video, ThatEndsTooEarlyKeepsWhatItHas) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "cut.avi";
+  WriteFilm({.path = path, .frames = Frames(50, 320, 240)});
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) * 3 / 10);
+  VideoReader video(path);
+  EXPECT_GT(video.frame_count(), 5);
+  EXPECT_LT(video.frame_count(), 45);
+  for (int i = 0; i < video.frame_count(); ++i)
+    EXPECT_EQ(ColorsOf(video.ReadFrame(i)), "RBGW") << i;
+}
+
+// Those of public reports, where they are: each against the same film without its property.
+TEST(Video, OfPublicReportsLooksLikeItsUprightFilm) {
+  const std::string street = COSPLAT_SOURCE_DIR "/../shared/data/street/";
+  if (!std::filesystem::exists(street)) GTEST_SKIP() << "the shared data are not here";
+  VideoReader upright(street + "upright.mp4");
+  for (const char* name : {"phone_portrait_m90.mp4",
+                           "phone_portrait_p90.mp4",
+                           "webrtc_smaller.webm",
+                           "webrtc_larger.webm",
+                           "anamorphic.mp4"}) {
+    VideoReader video(street + name);
+    EXPECT_NEAR(video.frames_per_second(), 25, 1) << name;
+    EXPECT_GE(video.frame_count(), 39) << name;
+    for (const int frame : {0, 10, 35}) {
+      const Image8 image = video.ReadFrame(frame);
+      const Image8 expected = upright.ReadFrame(frame);
+      ASSERT_EQ(SizeText(image.width, image.height), SizeText(expected.width, expected.height))
+          << name;
+      EXPECT_GT(PsnrOf(image, expected), 24) << name << " " << frame;
+    }
+  }
+  EXPECT_TRUE(VideoReader(street + "alpha.webm").has_alpha());
+  const VideoReader recorded(street + "mediarecorder_vp8.webm");  // 13 frames in 1.8 s
+  EXPECT_NEAR(recorded.frame_count() / recorded.frames_per_second(), 1.9, 0.2);
+}
+
+}  // namespace
+}  // namespace cosplat::test
