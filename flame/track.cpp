@@ -40,12 +40,23 @@ std::string FinishTrackedFrame(const Camera& lens,
                                const TrackRequest& request,
                                TrackedFrame& frame) {
   ImageInfo info{lens.width, lens.height, 0};
-  if (!frame.image_path.empty()) info = request.images->Info(frame.image_path);
+  if (!frame.image_path.empty()) {
+    // Turned as viewers show it, unless only the image as it is stored fits its camera: a tag that
+    // was left on pixels which had been turned.
+    const ImageInfo stored = request.images->Info(frame.image_path);
+    info = stored.Upright();
+    frame.orientation = stored.orientation;
+    if (ProportionsDiffer(info.width, info.height, lens.width, lens.height) &&
+        !ProportionsDiffer(stored.width, stored.height, lens.width, lens.height)) {
+      info = stored;
+      frame.orientation = 1;
+    }
+  }
   if (ProportionsDiffer(info.width, info.height, lens.width, lens.height))
     return "image " + frame.image_path + " is " + SizeText(info.width, info.height) +
            ", its camera " + SizeText(lens.width, lens.height);
   if (!frame.mask_path.empty()) {
-    const ImageInfo mask = request.images->Info(frame.mask_path);
+    const ImageInfo mask = request.images->Info(frame.mask_path).Upright();
     if (mask.width != info.width || mask.height != info.height)
       return "mask " + frame.mask_path + " is " + SizeText(mask.width, mask.height) +
              ", its image " + SizeText(info.width, info.height);

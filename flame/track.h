@@ -23,6 +23,7 @@ struct TrackedFrame {
   std::string image_path;  // empty: frame `video_frame` of TrackedVideo::video_path, or no image
   std::string mask_path;   // empty: alpha is the image's fourth channel, or absent
   int video_frame = -1;
+  int orientation = 1;   // EXIF's, by which the image is turned
   int timestep = 0;      // frames with equal timestep show the same moment
   int camera_index = 0;  // of several cameras
   Camera camera;         // at the size that LoadTrackedImage returns
@@ -44,6 +45,7 @@ struct TrackedVideo {
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
   std::vector<std::string> notes;     // what a user should know of how it was read
+  bool masks_inverted = false;        // their masks are dark where the person is
   // Each frame has a camera of its own about a head whose root stays in FLAME's rest place, as the
   // tracker wrote it: the head's motion is in the cameras. See MoveHead.
   bool head_is_fixed = false;
@@ -67,6 +69,11 @@ std::string TrackLayoutOf(const std::string& path);
 // frames are unusable. If a single camera only translates, without rotating, the camera is held
 // still and the head is moved instead; MoveHead does the same for a rotating one.
 TrackedVideo LoadTrackedVideo(const std::string& path, const TrackOptions& options);
+
+// Compares masks and alpha of some frames with where the posed head is: inverted masks are taken as
+// such, with a note; masks that miss the head are noted. flame: as in TrackOptions. Throws Error if
+// they show nothing at all, or as LoadTrackedImage does.
+void SettleMasks(const FlameModel& flame, TrackedVideo& video);
 
 // The same for parameters and cameras only, of such a folder or of a driving sequence *.npz, whose
 // frames are all in `test`. Ignores images, so that a program that calls only this function does

@@ -84,10 +84,11 @@ std::string SetParams(const JsonField& frame, size_t expression_count, FlamePara
 ImageInfo ImageSize(const TrackFiles& files, const JsonField& frames) {
   if (files.video.reader) return files.video.size;
   for (size_t i = 0; !files.image_folder.empty() && i < frames.size(); ++i) {
-    const std::string name = fs::path(frames[i]["file_path"].String()).stem().string();
-    const std::string path = FirstThatExists(files.image_folder, {name + ".png", name + ".jpg"});
+    const std::string path =
+        files.in_image_folder->FindImage(StemOf(frames[i]["file_path"].String()));
     ImageInfo info;
-    if (!path.empty() && Problem([&] { info = files.images->Info(path); }).empty()) return info;
+    if (!path.empty() && Problem([&] { info = files.images->Info(path).Upright(); }).empty())
+      return info;
   }
   return {kDefaultSide, kDefaultSide, 0};
 }
@@ -114,7 +115,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
   for (size_t i = 0; i < frames.size(); ++i) {
     const JsonField field = frames[i];
     TrackedFrame frame;
-    frame.name = fs::path(field["file_path"].String()).stem().string();
+    frame.name = StemOf(field["file_path"].String());
     frame.timestep = int(i);
     frame.has_image = request.images != nullptr;
     std::string problem = SetImavatarPose(field["world_mat"], frame.camera);

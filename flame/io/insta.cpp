@@ -43,21 +43,24 @@ std::string LoadInstaFrame(const std::string& path,
                            const JsonField& file,
                            const JsonField& field,
                            const TrackRequest& request,
+                           DataFiles& files,
                            TrackedFrame& frame) {
   const std::string image = field["file_path"].String();
   const Camera lens = LensOfTransforms(file, field);
   std::string problem = SetInstaPose(field["transform_matrix"], frame.camera);
   if (!problem.empty()) return problem;
-  if (!StaysInside(image)) return "file_path " + image + " leads out of the folder";
+  const fs::path relative(ForwardSlashes(image));
+  if (relative.is_relative() && !StaysInside(relative))
+    return "file_path " + image + " leads out of the folder";
   const std::string broken = Problem([&] {
     Camera tracked;  // its intrinsics are those of the tracker's images
     const std::string checkpoint = path + "/checkpoint/" + frame.name + ".frame";
     problem = ReadMetricalFrame(checkpoint, frame.params, tracked);
     if (problem.empty() && !SamePose(frame.camera, tracked))
       problem = "transform_matrix is not the camera of " + checkpoint;
-    if (request.images) frame.image_path = path + "/" + image;
-    if (problem.empty() && request.images && !fs::is_regular_file(frame.image_path))
-      problem = "image " + frame.image_path + " is missing";
+    if (request.images) frame.image_path = files.FindImage(image);
+    if (problem.empty() && request.images && frame.image_path.empty())
+      problem = "image " + path + "/" + image + " is missing";
     if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
   });
   return problem.empty() ? broken : problem;
@@ -71,12 +74,13 @@ void LoadInstaFrames(const std::string& path,
   const Json json = ReadJson(path + name);
   const JsonField file(path + name, json);
   const JsonField list = file["frames"];
+  DataFiles files(path);
   for (size_t i = 0; i < list.size(); ++i) {
     TrackedFrame frame;
-    frame.name = fs::path(list[i]["file_path"].String()).stem().string();
+    frame.name = StemOf(list[i]["file_path"].String());
     frame.timestep = NumberIn(frame.name).value_or(int(i));
     frame.has_image = request.images != nullptr;
-    const std::string problem = LoadInstaFrame(path, file, list[i], request, frame);
+    const std::string problem = LoadInstaFrame(path, file, list[i], request, files, frame);
     KeepOrSkip(std::move(frame), problem, frames, video);
   }
 }

@@ -157,7 +157,7 @@ void LoadMetricalTrack(const std::string& path, const TrackRequest& request, Tra
   const TrackFiles files =
       FindTrackFiles(path, {"images", "image", "input"}, false, request.images, video);
   std::map<int, std::string> checkpoints;
-  const std::string other = NumberedFiles(path + "/checkpoint", {".frame"}, checkpoints);
+  const std::string other = NumberedFiles(path + "/checkpoint", ".frame", checkpoints);
   if (!other.empty()) video.skipped.push_back({other, "its name is not the number of a frame"});
   for (const auto& [number, file] : checkpoints) {
     const std::string& checkpoint = file;  // clang 14's lambdas capture no structured bindings

@@ -133,7 +133,7 @@ std::optional<int> FrameOfRow(const SmirkRows& rows, size_t row) {
 // The images in order of their numbers.
 std::vector<std::string> ImagesInOrder(const TrackFiles& files) {
   std::map<int, std::string> numbered;
-  const std::string other = NumberedFiles(files.image_folder, {".png", ".jpg"}, numbered);
+  const std::string other = NumberedFiles(files.image_folder, "", numbered);
   if (!other.empty())
     throw Error(other, "an image's name must be a number, which no other image has");
   std::vector<std::string> images;
@@ -151,7 +151,7 @@ std::vector<std::string> FrameNames(const TrackFiles& files, SmirkRows& rows) {
     for (const std::string& image : ImagesInOrder(files)) {
       names.push_back(fs::path(image).stem().string());
       if (rows.image.width == 0)  // an image that cannot be read costs its frame
-        static_cast<void>(Problem([&] { rows.image = files.images->Info(image); }));
+        static_cast<void>(Problem([&] { rows.image = files.images->Info(image).Upright(); }));
     }
   }
   if (names.size() != rows.count && !rows.npz.Has("frame_numbers"))

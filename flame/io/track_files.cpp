@@ -16,21 +16,12 @@ namespace fs = std::filesystem;
 
 constexpr double kDefaultTestPart = 0.2;
 
-const std::vector<std::string> kImageEndings = {".png", ".jpg"};
-
 // "images, image or input"
 std::string Listed(const std::vector<std::string>& names) {
   std::string text;
   for (size_t i = 0; i < names.size(); ++i)
     text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
   return text;
-}
-
-// <folder>/<name>.png or .jpg, or empty.
-std::string ImageNamed(const std::string& folder, const std::string& name) {
-  std::vector<std::string> names;
-  for (const std::string& ending : kImageEndings) names.push_back(name + ending);
-  return FirstThatExists(folder, names);
 }
 
 // Video frames are counted from 0, their names from 1.
@@ -61,13 +52,12 @@ std::string FirstThatExists(const std::string& folder, const std::vector<std::st
 }
 
 std::string NumberedFiles(const std::string& folder,
-                          const std::vector<std::string>& endings,
+                          const std::string& ending,
                           std::map<int, std::string>& files) {
   std::string other;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path& file = entry.path();
-    if (std::find(endings.begin(), endings.end(), file.extension().string()) == endings.end())
-      continue;
+    if (ending.empty() ? !IsImageName(file.string()) : file.extension() != ending) continue;
     const std::optional<int> number = NumberIn(file.stem().string());
     if (number && files.emplace(*number, file.string()).second) continue;
     if (other.empty() || file.string() < other) other = file.string();
@@ -85,6 +75,8 @@ TrackFiles FindTrackFiles(const std::string& path,
   if (!images) return files;
   files.image_folder = FirstThatExists(path, image_folders);
   files.mask_folder = FirstThatExists(path, {"mask", "masks"});
+  files.in_image_folder = std::make_shared<DataFiles>(files.image_folder);
+  files.in_mask_folder = std::make_shared<DataFiles>(files.mask_folder);
   if (!files.image_folder.empty()) return files;
   if (or_video) video.video_path = FirstThatExists(path, {"video.mp4", "video.avi", "video.mkv"});
   if (video.video_path.empty())
@@ -104,13 +96,13 @@ std::string FindFrameFiles(const TrackFiles& files,
     const std::string problem = FindVideoFrame(files, video, frame);
     if (!problem.empty()) return problem;
   } else {
-    frame.image_path = ImageNamed(files.image_folder, frame.name);
+    frame.image_path = files.in_image_folder->FindImage(frame.name);
     if (frame.image_path.empty())
       return "image " + files.image_folder + "/" + frame.name + ".png is missing";
-    if (files.images->Info(frame.image_path).channels == 4) return "";
+    if (files.mask_folder.empty() && files.images->Info(frame.image_path).channels == 4) return "";
   }
   if (files.mask_folder.empty()) return "";
-  frame.mask_path = ImageNamed(files.mask_folder, frame.name);
+  frame.mask_path = files.in_mask_folder->FindImage(frame.name);
   if (frame.mask_path.empty())
     return "mask " + files.mask_folder + "/" + frame.name + ".png is missing";
   return "";
@@ -194,11 +186,8 @@ void KeepOrSkip(TrackedFrame frame,
 }
 
 std::string CopyTransform(const JsonField& field, std::array<double, 12>& matrix) {
-  const std::vector<double> values = field.NumbersOrNan();
-  if (values.size() != 16 && values.size() != 12)
-    return "transform_matrix has " + std::to_string(values.size()) + " numbers, expected 16";
-  std::copy_n(values.begin(), 12, matrix.begin());
-  return "";
+  bool transposed = false;
+  return RowsOfPose(field.NumbersOrNan(), matrix, transposed);
 }
 
 }  // namespace cosplat

@@ -2,12 +2,14 @@
 #include "flame/io/track_layouts.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/exif.h"
+#include "splat/base/matte.h"
 
 namespace cosplat {
 namespace {
 
 Image8 ReadFrameImage(const TrackedVideo& video, const TrackedFrame& frame) {
-  if (!frame.image_path.empty()) return ReadImage(frame.image_path);
+  if (!frame.image_path.empty()) return Upright(ReadImage(frame.image_path), frame.orientation);
   if (!video.video || frame.video_frame < 0)
     throw Error(video.source, "frame " + frame.name, "has no image");
   return video.video->ReadFrame(frame.video_frame);
@@ -46,19 +48,22 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
     throw Error(ImageName(video, frame),
                 "image is " + SizeText(image.width, image.height) + ", its camera " +
                     SizeText(camera.width, camera.height));
-  Image8 mask;
-  if (!frame.mask_path.empty()) mask = ReadImage(frame.mask_path);
-  if (!mask.empty() && (mask.width != image.width || mask.height != image.height))
+  Image8 matte = frame.mask_path.empty() ? Image8() : MatteOf(ReadUpright(frame.mask_path));
+  if (!matte.empty() && (matte.width != image.width || matte.height != image.height))
     throw Error(frame.mask_path,
-                "mask is " + SizeText(mask.width, mask.height) + ", its image " +
+                "mask is " + SizeText(matte.width, matte.height) + ", its image " +
                     SizeText(image.width, image.height));
-  if (mask.empty() && image.channels == 3) return ResizeByArea(image, camera.width, camera.height);
+  if (video.masks_inverted)
+    for (uint8_t& value : matte.data) value = uint8_t(255 - value);
+  const bool has_alpha = SaysAlpha(image);  // counts before the mask
+  if (matte.empty() && !has_alpha && image.channels != 1)
+    return ResizeByArea(RgbOf(image), camera.width, camera.height);
   Image8 rgba(image.width, image.height, 4, 255);
   const int n = image.channels;
   for (size_t i = 0; i < image.pixels(); ++i) {
     for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = image.data[n * i + (n == 1 ? 0 : c)];
-    if (n == 4) rgba.data[4 * i + 3] = image.data[4 * i + 3];
-    if (!mask.empty()) rgba.data[4 * i + 3] = mask.data[i * mask.channels];
+    if (has_alpha) rgba.data[4 * i + 3] = image.data[4 * i + 3];
+    if (!has_alpha && !matte.empty()) rgba.data[4 * i + 3] = matte.data[i];
   }
   return ResizeByArea(rgba, camera.width, camera.height);
 }

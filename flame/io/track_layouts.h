@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "flame/track.h"
+#include "splat/base/data_files.h"
 
 namespace cosplat {
 
@@ -137,7 +138,8 @@ struct TrackFiles {
   const ImageFiles* images = nullptr;
   std::string image_folder;  // or empty: a video, or nothing
   std::string mask_folder;   // or empty
-  ImageFiles::Video video;   // or none
+  std::shared_ptr<DataFiles> in_image_folder, in_mask_folder;
+  ImageFiles::Video video;  // or none
 };
 
 // The first of `image_folders` in folder `path`, or (or_video) video.mp4, .avi or .mkv, and mask/
@@ -157,10 +159,10 @@ std::string FirstThatExists(const std::string& folder, const std::vector<std::st
 // The number that a name consists of ("00012" -> 12), if it is one.
 std::optional<int> NumberIn(const std::string& name);
 
-// The files of a folder with one of these endings, by the number that is their name. Returns the
-// first whose name is no number or that of another, or "".
+// The files of a folder with this ending, or its images if there is none, by the number that is
+// their name. Returns the first whose name is no number or that of another, or "".
 std::string NumberedFiles(const std::string& folder,
-                          const std::vector<std::string>& endings,
+                          const std::string& ending,
                           std::map<int, std::string>& files);
 
 constexpr double kMaxSide = 1 << 20;  // px, of an image that a track names

@@ -77,30 +77,36 @@ std::string SetVhapPose(const JsonField& field, Camera& camera) {
 
 std::string FindFiles(const JsonField& field,
                       const fs::path& folder,
+                      DataFiles& files,
                       const ImageFiles& images,
                       TrackedFrame& frame) {
-  const std::string image = (folder / field["file_path"].String()).string();
-  if (!fs::is_regular_file(image)) return "image " + image + " is missing";
-  frame.image_path = image;
-  if (images.Info(image).channels == 4 || !field.Has("fg_mask_path")) return "";
-  frame.mask_path = (folder / field["fg_mask_path"].String()).string();
-  return fs::is_regular_file(frame.mask_path) ? "" : "mask " + frame.mask_path + " is missing";
+  const std::string image = field["file_path"].String();
+  frame.image_path = files.FindImage(image);
+  if (frame.image_path.empty()) return "image " + (folder / image).string() + " is missing";
+  if (!field.Has("fg_mask_path")) return "";
+  const std::string mask = field["fg_mask_path"].String();
+  frame.mask_path = files.FindImage(mask);
+  if (!frame.mask_path.empty() || images.Info(frame.image_path).channels == 4) return "";
+  return "mask " + (folder / mask).string() + " is missing";
 }
 
 // Fills `frame`; returns why it is unusable, if it is.
 std::string LoadFrame(const JsonField& file,
                       const JsonField& field,
                       const TrackRequest& request,
+                      DataFiles& files,
                       TrackedFrame& frame) {
   const fs::path folder = fs::path(file.file()).parent_path();
   std::string problem = SetVhapPose(field["transform_matrix"], frame.camera);
   if (!problem.empty()) return problem;
   const Camera lens = LensOfTransforms(file, field);
-  const std::string params = (folder / field["flame_param_path"].String()).string();
+  const std::string named = field["flame_param_path"].String();
+  const std::string found = files.Find(named);
+  const std::string params = found.empty() ? (folder / named).string() : found;
   try {
     problem = ReadParams(params, frame.params);
     if (problem.empty() && request.images)
-      problem = FindFiles(field, folder, *request.images, frame);
+      problem = FindFiles(field, folder, files, *request.images, frame);
     if (problem.empty()) problem = FinishTrackedFrame(lens, request, frame);
   } catch (const Error& error) {  // a damaged file only costs its frame
     problem = error.what();
@@ -115,14 +121,15 @@ void LoadSplit(const std::string& json_path,
   const Json json = ReadJson(json_path);
   const JsonField file(json_path, json);
   const JsonField list = file["frames"];
+  DataFiles files(fs::path(json_path).parent_path().string());
   for (size_t i = 0; i < list.size(); ++i) {
     const JsonField field = list[i];
     TrackedFrame frame;
-    frame.name = fs::path(field["file_path"].String()).stem().string();
+    frame.name = StemOf(field["file_path"].String());
     frame.timestep = int(field.NumberOr("timestep_index", double(i)));
     frame.camera_index = int(field.NumberOr("camera_index", 0));
     frame.has_image = request.images != nullptr;
-    const std::string problem = LoadFrame(file, field, request, frame);
+    const std::string problem = LoadFrame(file, field, request, files, frame);
     KeepOrSkip(std::move(frame), problem, frames, video);
   }
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace cosplat {
 
@@ -59,5 +60,12 @@ PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera
 // The same with OpenGL camera axes (x right, y up, looking along -z) as in NeRF's files. The world
 // frame is unchanged.
 PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
+
+// The upper 3x4, row-major, of a pose's matrix of 16 or 12 numbers as files have them. The last row
+// of a 4x4 is 0 0 0 1; one whose last *column* is that is in the order of columns, and is
+// transposed.
+PoseProblem RowsOfPose(const std::vector<double>& numbers,
+                       std::array<double, 12>& matrix,
+                       bool& transposed);
 
 }  // namespace cosplat

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -75,6 +76,31 @@ PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, 
   for (int r = 0; r < 3; ++r)
     for (int c = 1; c < 3; ++c) opencv[4 * r + c] = -matrix[4 * r + c];
   return SetPoseFromWorldFromCam(opencv, camera);
+}
+
+PoseProblem RowsOfPose(const std::vector<double>& numbers,
+                       std::array<double, 12>& matrix,
+                       bool& transposed) {
+  transposed = false;
+  if (numbers.size() != 16 && numbers.size() != 12)
+    return "pose has " + std::to_string(numbers.size()) + " numbers, expected 16 or 12";
+  std::copy_n(numbers.begin(), 12, matrix.begin());
+  if (numbers.size() == 12) return "";
+  constexpr double kRounding = 1e-4;
+  // Of the last row for step 1, of the last column for step 4.
+  const auto is_last = [&](size_t first, size_t step) {
+    for (size_t i = 0; i < 4; ++i)
+      if (!(std::abs(numbers[first + step * i] - (i == 3 ? 1 : 0)) <= kRounding)) return false;
+    return true;
+  };
+  if (is_last(12, 1)) return "";
+  if (!is_last(3, 4))
+    return "pose has the last row " + Shown(numbers[12]) + " " + Shown(numbers[13]) + " " +
+           Shown(numbers[14]) + " " + Shown(numbers[15]) + ", expected 0 0 0 1";
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t c = 0; c < 4; ++c) matrix[4 * r + c] = numbers[4 * c + r];
+  transposed = true;
+  return "";
 }
 
 }  // namespace cosplat

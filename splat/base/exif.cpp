@@ -1,7 +1,7 @@
 #include "splat/base/exif.h"
 
 #include <cstdint>
-#include <cstring>
+#include <string_view>
 #include <utility>
 
 namespace cosplat {
@@ -54,22 +54,52 @@ ExifInfo ParseTiff(const Tiff& tiff) {
   return info;
 }
 
-}  // namespace
-
-ExifInfo ParseExif(const std::vector<char>& bytes) {
-  if (bytes.size() < 4 || std::memcmp(bytes.data(), "\xff\xd8", 2) != 0) return {};
-  constexpr char kName[] = "Exif\0";  // and another zero
-  // Segments before the pixels: a marker of two bytes, then the size that counts itself.
+// The TIFF structure in a JPEG's segments before the pixels: a marker of two bytes, then the size
+// that counts itself.
+std::string_view InJpeg(std::string_view bytes) {
+  constexpr std::string_view kName("Exif\0\0", 6);
   for (size_t at = 2; at + 4 <= bytes.size() && uint8_t(bytes[at]) == 0xff;) {
     const uint8_t marker = uint8_t(bytes[at + 1]);
     const size_t size = size_t(uint8_t(bytes[at + 2])) << 8 | uint8_t(bytes[at + 3]);
     if (marker == 0xda || size < 2 || size > bytes.size() - at - 2) break;
-    const char* content = bytes.data() + at + 4;
-    if (marker == 0xe1 && size >= 8 + 8 && std::memcmp(content, kName, sizeof kName) == 0)
-      return ParseTiff(Tiff(content + 6, size - 8));
+    const std::string_view content = bytes.substr(at + 4, size - 2);
+    if (marker == 0xe1 && content.size() > 8 && content.starts_with(kName))
+      return content.substr(kName.size());
     at += 2 + size;
   }
   return {};
+}
+
+// In a file of chunks that have a name of four letters and a size of four bytes, the size first
+// (PNG, whose chunks end in a checksum) or last and lowest byte first (WebP, at even places).
+std::string_view InChunks(std::string_view bytes, size_t first, std::string_view name, bool png) {
+  for (size_t at = first; at + 8 <= bytes.size();) {
+    size_t size = 0;
+    for (size_t i = 0; i < 4; ++i)
+      size |= size_t(uint8_t(bytes[png ? at + 3 - i : at + 4 + i])) << 8 * i;
+    if (size > bytes.size() - at - 8) break;
+    if (bytes.substr(png ? at + 4 : at, 4) == name) return bytes.substr(at + 8, size);
+    at += 8 + size + (png ? 4 : size % 2);
+  }
+  return {};
+}
+
+std::string_view TiffIn(std::string_view bytes) {
+  if (bytes.starts_with("\xff\xd8")) return InJpeg(bytes);
+  if (bytes.starts_with("\x89PNG")) return InChunks(bytes, 8, "eXIf", true);
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) {
+    const std::string_view exif = InChunks(bytes, 12, "EXIF", false);
+    return exif.starts_with("Exif") && exif.size() > 6 ? exif.substr(6) : exif;
+  }
+  if (bytes.starts_with("II*") || bytes.starts_with("MM")) return bytes;
+  return {};
+}
+
+}  // namespace
+
+ExifInfo ParseExif(const std::vector<char>& bytes) {
+  const std::string_view tiff = TiffIn({bytes.data(), bytes.size()});
+  return tiff.size() < 8 ? ExifInfo() : ParseTiff(Tiff(tiff.data(), tiff.size()));
 }
 
 Image8 Upright(const Image8& image, int orientation) {

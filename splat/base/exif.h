@@ -1,4 +1,5 @@
-// What a camera wrote into a JPEG about the shot (EXIF 2.3, CIPA DC-008). ReadImage ignores it.
+// What a camera wrote into a JPEG, PNG, WebP or TIFF about the shot (EXIF 2.3, CIPA DC-008).
+// ReadImage ignores it; ReadUpright turns the image as viewers do.
 #pragma once
 
 #include <vector>

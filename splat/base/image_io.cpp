@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "splat/base/error.h"
+#include "splat/base/exif.h"
 #include "splat/base/files.h"
 
 namespace cosplat {
@@ -116,15 +117,25 @@ ImageInfo ReadImageInfo(const std::string& path) {
     stream.read(bytes.data(), std::streamsize(size));
     bytes.resize(size_t(std::max<std::streamsize>(stream.gcount(), 0)));
     ImageInfo info;
-    if (ParseImageHeader(bytes, info)) return info;
+    const bool complete = ParseImageHeader(bytes, info);
+    info.orientation = ParseExif(bytes).orientation;
+    if (complete) return info;
     if (bytes.size() < size) break;
   }
-  const Image8 image = ReadImage(path);
-  return {image.width, image.height, image.channels};
+  const std::vector<char> bytes = ReadFile(path);
+  const Image8 image = ToImage8(SwapRedBlue(Decode(path, bytes)));
+  return {image.width, image.height, image.channels, ParseExif(bytes).orientation};
 }
 
 Image8 ReadImage(const std::string& path) {
   return ToImage8(SwapRedBlue(Decode(path, ReadFile(path))));
+}
+
+Image8 ReadUpright(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  Image8 image = ToImage8(SwapRedBlue(Decode(path, bytes)));
+  const int orientation = ParseExif(bytes).orientation;
+  return orientation == 1 ? image : Upright(image, orientation);
 }
 
 std::vector<uint8_t> EncodeImage(const std::string& path, const Image8& image) {

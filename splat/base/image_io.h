@@ -17,6 +17,13 @@ struct ImageInfo {
   int width = 0;
   int height = 0;
   int channels = 0;
+  int orientation = 1;  // EXIF's: see Upright (splat/base/exif.h)
+
+  // As a viewer shows it.
+  ImageInfo Upright() const {
+    return orientation < 5 ? ImageInfo{width, height, channels}
+                           : ImageInfo{height, width, channels};
+  }
 };
 
 // Reads only the header of PNG and JPEG files; throws Error as ReadImage does.
@@ -26,6 +33,9 @@ ImageInfo ReadImageInfo(const std::string& path);
 // down. EXIF orientation is ignored, as in COLMAP. Throws Error if the file is missing, damaged or
 // truncated (for which decoders would return a partial image).
 Image8 ReadImage(const std::string& path);
+
+// The image as viewers show it: turned as its EXIF orientation says.
+Image8 ReadUpright(const std::string& path);
 
 // Encodes 1, 3 or 4 channels as PNG or 1 or 3 as JPEG, chosen by the extension of `path`, which is
 // otherwise used only in errors.

@@ -40,19 +40,52 @@ std::string MissingFolderProblem(const std::string& path, int resolution) {
   return text + found;
 }
 
+bool HasImageFolder(const std::string& path, int resolution) {
+  if (fs::is_directory(path + "/images")) return true;
+  for (int k = 2; k <= resolution; ++k)
+    if (resolution % k == 0 && fs::is_directory(path + "/images_" + std::to_string(k))) return true;
+  return false;
+}
+
+// COLMAP writes what it cannot join as models of their own: sparse/0, sparse/1, ... Some tools put
+// the only one into sparse/ itself.
+ColmapModel LargestModel(const std::string& sparse, SceneData& scene) {
+  std::vector<std::string> folders;
+  for (const auto& entry : fs::directory_iterator(sparse))
+    if (fs::exists(entry.path() / "cameras.bin") || fs::exists(entry.path() / "cameras.txt"))
+      folders.push_back(entry.path().string());
+  if (folders.empty()) return ReadColmapModel(sparse);
+  std::sort(folders.begin(), folders.end());
+  ColmapModel largest;
+  std::string chosen, all;
+  for (const std::string& folder : folders) {
+    ColmapModel model = ReadColmapModel(folder);
+    all += (all.empty() ? "" : ", ") + fs::path(folder).filename().string() + " " +
+           std::to_string(model.images.size());
+    if (!chosen.empty() && model.images.size() <= largest.images.size()) continue;
+    largest = std::move(model);
+    chosen = folder;
+  }
+  if (folders.size() > 1)
+    scene.notes.push_back(chosen + " is used, which has the most images of the models there (" +
+                          all + ")");
+  return largest;
+}
+
 }  // namespace
 
 bool IsColmapScene(const std::string& path) { return fs::is_directory(path + "/sparse"); }
 
 void LoadColmapScene(const std::string& path, const SceneOptions& options, SceneData& scene) {
   scene.layout = "colmap";
-  const std::string numbered = path + "/sparse/0";
-  ColmapModel model = ReadColmapModel(fs::is_directory(numbered) ? numbered : path + "/sparse");
+  ColmapModel model = LargestModel(path + "/sparse", scene);
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
   scene.points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
-  const FoundImage any = FindImage(path + "/images", model.images[0].name, options.resolution);
-  if (!any.folder_exists) throw Error(path, MissingFolderProblem(path, options.resolution));
+  if (!HasImageFolder(path, options.resolution))
+    throw Error(path, MissingFolderProblem(path, options.resolution));
+  DataFiles files(path);
+  size_t elsewhere = 0;
   for (const ColmapImage& image : model.images) {
     SceneView view;
     view.name = image.name;
@@ -60,12 +93,14 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     view.distortion = camera.distortion;
     const PoseProblem problem =
         SetPose(RotationMatrix(image.rotation), image.translation, view.camera);
-    const FoundImage found = FindImage(path + "/images", image.name, options.resolution);
+    const FoundImage found =
+        FindInFolder(files, "images", ForwardSlashes(image.name), options.resolution);
     view.image_path = found.path;
+    elsewhere += found.elsewhere;
     if (!problem.empty()) {
       scene.skipped.push_back({image.name, problem});
     } else if (found.path.empty()) {
-      scene.skipped.push_back({image.name, "image " + found.tried + " is missing"});
+      scene.skipped.push_back({image.name, "image " + path + "/" + found.tried + " is missing"});
     } else {
       const std::string unusable = Problem([&] { FinishView(camera.lens, found.divide_by, view); });
       if (unusable.empty()) {
@@ -75,6 +110,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
       }
     }
   }
+  NoteElsewhere(elsewhere, options.resolution, scene);
 }
 
 }  // namespace cosplat

@@ -25,6 +25,8 @@ struct SceneView {
   // resized by area averaging.
   Camera file_camera;
   Distortion distortion;
+  int orientation = 1;  // EXIF's, by which the file's image is turned first
+  int tag = 1;          // EXIF's of the file, where it keeps the proportions: see SettleHalfTurns
 };
 
 struct SceneData {
@@ -35,7 +37,9 @@ struct SceneData {
   std::vector<float> points;           // [P, 3] world units; empty where the data has none
   std::vector<uint8_t> point_colors;   // [P, 3] RGB
   std::vector<SkippedFrame> skipped;   // unusable frames, each with the reason
+  std::vector<std::string> notes;      // what a user should know of how it was read
   float extent = 1;                    // > 0, world units: see SceneExtent
+  bool own_split = false;              // `test` is the data's own
   bool white_background_hint = false;  // renderings with alpha: results are published on white
 };
 

@@ -5,6 +5,7 @@
 
 #include "splat/base/error.h"
 #include "splat/io/dataset.h"
+#include "splat/io/ply.h"
 #include "splat/io/view_files.h"
 
 namespace cosplat {
@@ -42,6 +43,20 @@ void FindMasks(const std::string& path, std::vector<SceneView>& views) {
   }
 }
 
+// Points beside the cameras, as 3DGS and nerfstudio write them, of data that have none of their
+// own.
+void FindPoints(const std::string& path, SceneData& scene) {
+  for (const char* name : {"/sparse/0/points3D.ply",
+                           "/sparse/points3D.ply",
+                           "/points3D.ply",
+                           "/points3d.ply",
+                           "/sparse_pc.ply"}) {
+    if (!scene.points.empty() || !std::filesystem::is_regular_file(path + name)) continue;
+    ReadPointsPly(path + name, scene.points, scene.point_colors);
+    scene.notes.push_back("the points are those of " + path + name);
+  }
+}
+
 }  // namespace
 
 SceneData LoadScene(const std::string& path, const SceneOptions& options) {
@@ -63,9 +78,15 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
   for (std::vector<SceneView>* views : {&scene.train, &scene.test}) FindMasks(path, *views);
-  const bool own_split = scene.layout == "blender";  // its order is also kept
-  if (!own_split) SortByName(scene.train);
+  FindPoints(path, scene);
+  SettleHalfTurns(scene);
+  if (scene.layout != "blender") SortByName(scene.train);  // whose order is kept
+  const bool own_split = scene.own_split;
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);
+  if (scene.layout == "blender" && !own_split && options.eval)
+    scene.notes.push_back(
+        "there is no transforms_test.json: every 8th view of transforms_train.json is the test "
+        "set");
   if (own_split && !options.eval && !options.fold) {  // as 3DGS: trains on all views
     std::move(scene.test.begin(), scene.test.end(), std::back_inserter(scene.train));
     scene.test.clear();

@@ -1,6 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <iterator>
 #include <numbers>
+#include <set>
 
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
@@ -13,11 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The fields of a frame, which override those of the file.
+// The fields of a frame, which override those of the file. A frame that states a focal length by
+// one kind of field (fl_x or camera_angle_x) overrides the file's of the other kind, too.
 class FrameFields {
  public:
   FrameFields(const JsonField& file, const JsonField& frame) : file_(file), frame_(frame) {}
-  bool Has(const std::string& key) const { return frame_.Has(key) || file_.Has(key); }
+  bool Has(const std::string& key) const {
+    if (frame_.Has(key)) return true;
+    const bool focal = key == "fl_x" || key == "fl_y" || key.starts_with("camera_angle_");
+    if (focal && (frame_.Has("fl_x") || frame_.Has("camera_angle_x"))) return false;
+    return file_.Has(key);
+  }
   JsonField Get(const std::string& key) const { return frame_.Has(key) ? frame_[key] : file_[key]; }
   double NumberOr(const std::string& key, double fallback) const {
     return Has(key) ? Get(key).Number() : fallback;
@@ -101,30 +111,23 @@ Distortion DistortionOf(const FrameFields& fields) {
 }
 
 // "./train/r_0" -> "train/r_0.png", since Blender's files omit the extension.
-fs::path ImageName(const std::string& file_path) {
-  fs::path name = fs::path(file_path).lexically_normal();
-  if (!name.has_extension()) name += ".png";
-  return name;
+std::string ImageName(const std::string& named) {
+  const std::string name = fs::path(ForwardSlashes(named)).lexically_normal().generic_string();
+  return IsImageName(name) ? name : name + ".png";
 }
 
-FoundImage FindFrameImage(const fs::path& folder, const fs::path& name, int resolution) {
-  // Images next to the JSON file have no folder of their own that could have reduced copies.
-  const bool has_folder = name.has_parent_path();
-  FoundImage found = FindImage((folder / name.parent_path()).string(),
-                               name.filename().string(),
-                               has_folder ? resolution : 1);
-  if (!has_folder) found.divide_by = resolution;
-  return found;
-}
-
-PoseProblem SetFramePose(const JsonField& field, Camera& camera) {
+// `transposed` counts matrices in the order of columns.
+PoseProblem SetFramePose(const JsonField& field, size_t& transposed, Camera& camera) {
   const std::vector<double> values = field.NumbersOrNan();
   if (values.size() != 16 && values.size() != 12)
     throw Error(field.file(),
                 field.path(),
                 "found " + std::to_string(values.size()) + " numbers, expected a 4x4 matrix");
   std::array<double, 12> matrix;
-  std::copy(values.begin(), values.begin() + 12, matrix.begin());
+  bool turned = false;
+  const std::string problem = RowsOfPose(values, matrix, turned);
+  if (!problem.empty()) return problem;
+  transposed += turned;
   return SetPoseFromOpenGlWorldFromCam(matrix, camera);
 }
 
@@ -136,34 +139,40 @@ void LoadPoints(const JsonField& file, SceneData& scene) {
       (folder / file["ply_file_path"].String()).string(), scene.points, scene.point_colors);
 }
 
-// Adds the frames of one file to `views`, or to `skipped`.
+// Adds the frames of one file to `views`, or to the scene's skipped ones.
 void LoadFrames(const JsonField& file,
+                const char* list,
                 const SceneOptions& options,
                 std::vector<SceneView>& views,
-                std::vector<SkippedFrame>& skipped) {
+                SceneData& scene) {
+  std::vector<SkippedFrame>& skipped = scene.skipped;
   const fs::path folder = fs::path(file.file()).parent_path();
-  const JsonField frames = file["frames"];
+  const JsonField frames = file[list];
+  DataFiles files(folder.string());
+  size_t elsewhere = 0, transposed = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
     const JsonField frame = frames[i];
     const FrameFields fields(file, frame);
-    const fs::path name = ImageName(frame["file_path"].String());
+    const std::string named = frame["file_path"].String();
     SceneView view;
-    view.name = name.generic_string();
-    const PoseProblem problem = SetFramePose(frame["transform_matrix"], view.camera);
-    const FoundImage found = FindFrameImage(folder, name, options.resolution);
+    view.name = ImageName(named);
+    const PoseProblem problem = SetFramePose(frame["transform_matrix"], transposed, view.camera);
+    const FoundImage found = FindImage(files, named, options.resolution);
     view.image_path = found.path;
-    if (frame.Has("mask_path")) view.mask_path = (folder / frame["mask_path"].String()).string();
+    elsewhere += found.elsewhere;
+    const std::string mask = frame.Has("mask_path") ? frame["mask_path"].String() : "";
+    if (!mask.empty()) view.mask_path = files.FindImage(mask);
     if (!problem.empty()) {
       skipped.push_back({view.name, problem});
     } else if (found.path.empty()) {
-      skipped.push_back({view.name, "image " + found.tried + " is missing"});
-    } else if (!view.mask_path.empty() && !fs::is_regular_file(view.mask_path)) {
-      skipped.push_back({view.name, "mask " + view.mask_path + " is missing"});
+      skipped.push_back({view.name, "image " + (folder / found.tried).string() + " is missing"});
+    } else if (!mask.empty() && view.mask_path.empty()) {
+      skipped.push_back({view.name, "mask " + (folder / mask).string() + " is missing"});
     } else {
       // Without w and h the intrinsics belong to the full-size image.
-      const fs::path full = folder / name;
+      const std::string full = files.FindImage(named);
       view.distortion = DistortionOf(fields);
-      const std::string sized = fs::is_regular_file(full) ? full.string() : found.path;
+      const std::string sized = full.empty() ? found.path : full;
       ImageInfo info;
       std::string unusable = Problem([&] { info = ReadImageInfo(sized); });
       if (unusable.empty()) {
@@ -177,6 +186,24 @@ void LoadFrames(const JsonField& file,
       }
     }
   }
+  NoteElsewhere(elsewhere, options.resolution, scene);
+  if (transposed > 0)
+    scene.notes.push_back(file.file() + ": " + std::to_string(transposed) +
+                          " matrices are in the order of columns and were transposed");
+}
+
+// nerfstudio's lists of names. A view in none of them is for training.
+void SplitByNames(const JsonField& file, SceneData& scene) {
+  const char* const list = file.Has("test_filenames") ? "test_filenames" : "val_filenames";
+  if (!file.Has(list)) return;
+  std::set<std::string> names;
+  for (size_t i = 0; i < file[list].size(); ++i) names.insert(ImageName(file[list][i].String()));
+  const auto is_test = [&](const SceneView& view) { return names.count(view.name) > 0; };
+  const auto first =
+      std::stable_partition(scene.train.begin(), scene.train.end(), std::not_fn(is_test));
+  std::move(first, scene.train.end(), std::back_inserter(scene.test));
+  scene.train.erase(first, scene.train.end());
+  scene.own_split = true;
 }
 
 }  // namespace
@@ -187,13 +214,18 @@ bool IsBlenderScene(const std::string& path) {
 
 void LoadBlenderScene(const std::string& path, const SceneOptions& options, SceneData& scene) {
   scene.layout = "blender";
-  for (const char* split : {"train", "test"}) {
+  const std::string train = path + "/transforms_train.json";
+  const Json json = ReadJson(train);
+  LoadFrames(JsonField(train, json), "frames", options, scene.train, scene);
+  LoadPoints(JsonField(train, json), scene);
+  for (const char* split : {"test", "val"}) {
     const std::string file = path + "/transforms_" + split + ".json";
-    const bool train = split == std::string("train");
-    if (!train && !fs::exists(file)) continue;
-    const Json json = ReadJson(file);
-    LoadFrames(JsonField(file, json), options, train ? scene.train : scene.test, scene.skipped);
-    if (train) LoadPoints(JsonField(file, json), scene);
+    if (scene.own_split || !fs::exists(file)) continue;
+    const Json views = ReadJson(file);
+    LoadFrames(JsonField(file, views), "frames", options, scene.test, scene);
+    scene.own_split = true;
+    if (split != std::string("test") && options.eval)
+      scene.notes.push_back(file + " has the test views, since there is no transforms_test.json");
   }
   scene.white_background_hint =
       !scene.train.empty() && ReadImageInfo(scene.train[0].image_path).channels == 4;
@@ -208,8 +240,14 @@ void LoadNerfstudioScene(const std::string& path, const SceneOptions& options, S
   const std::string path_of_json = path + "/transforms.json";
   const Json json = ReadJson(path_of_json);
   const JsonField file(path_of_json, json);
-  LoadFrames(file, options, scene.train, scene.skipped);
+  LoadFrames(file, "frames", options, scene.train, scene);
   LoadPoints(file, scene);
+  if (file.Has("test_frames")) {  // ScanNet++
+    LoadFrames(file, "test_frames", options, scene.test, scene);
+    scene.own_split = true;
+  } else {
+    SplitByNames(file, scene);
+  }
 }
 
 }  // namespace cosplat

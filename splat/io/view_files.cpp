@@ -55,22 +55,54 @@ bool CoversBorder(const Camera& lens, const Distortion& distortion, const Camera
 
 }  // namespace
 
-FoundImage FindImage(const std::string& folder, const std::string& name, int resolution) {
-  const auto reduced = [&](int k) { return k == 1 ? folder : folder + "_" + std::to_string(k); };
+namespace {
+
+// To a pixel, at the height or the width of the image.
+bool Fits(const ImageInfo& image, const Camera& lens) {
+  const double width = double(lens.width) * image.height / lens.height;
+  const double height = double(lens.height) * image.width / lens.width;
+  return std::abs(width - image.width) <= 1 || std::abs(height - image.height) <= 1;
+}
+
+}  // namespace
+
+FoundImage FindInFolder(DataFiles& files,
+                        const std::string& folder,
+                        const std::string& name,
+                        int resolution) {
+  const auto reduced = [&](int k) {
+    return (k == 1 ? folder : folder + "_" + std::to_string(k)) + "/" + name;
+  };
   FoundImage found;
-  std::vector<int> candidates{resolution, 1};
+  found.tried = reduced(1);
+  std::vector<int> candidates{resolution};
+  if (resolution > 1) candidates.push_back(1);
   for (int k = resolution - 1; k > 1; --k)
     if (resolution % k == 0) candidates.push_back(k);
   for (int k : candidates) {
-    if (!fs::is_directory(reduced(k))) continue;
-    found.folder_exists = true;
-    found.tried = reduced(k) + "/" + name;
+    found.path = files.FindImage(reduced(k));
     found.divide_by = resolution / k;
-    if (fs::is_regular_file(found.tried)) found.path = found.tried;
-    return found;
+    if (!found.path.empty()) break;
   }
-  found.tried = folder + "/" + name;
+  if (found.path.empty() || found.divide_by == 1 || found.divide_by < resolution) return found;
+  const std::string full = fs::path(found.path).string();
+  const std::string above = full.substr(0, full.size() - std::min(full.size(), name.size() + 1));
+  found.elsewhere = fs::is_directory(above + "_" + std::to_string(resolution));
   return found;
+}
+
+FoundImage FindImage(DataFiles& files, const std::string& named, int resolution) {
+  const fs::path path(ForwardSlashes(named));
+  // Images next to the file that names them have no folder that could have reduced copies.
+  if (path.has_parent_path() && path.parent_path() != ".")
+    return FindInFolder(files, path.parent_path().string(), path.filename().string(), resolution);
+  return {files.FindImage(named), resolution, named, false};
+}
+
+void NoteElsewhere(size_t count, int resolution, SceneData& scene) {
+  if (count == 0) return;
+  scene.notes.push_back(std::to_string(count) + " images are not in the folder of images at 1/" +
+                        std::to_string(resolution) + ": they are made from the full-size ones");
 }
 
 Camera PinholeInside(const std::string& file, const Camera& lens, const Distortion& distortion) {
@@ -97,10 +129,17 @@ Camera PinholeInside(const std::string& file, const Camera& lens, const Distorti
 }
 
 void FinishView(const Camera& lens, int divide_by, SceneView& view) {
-  const ImageInfo info = ReadImageInfo(view.image_path);
-  const double expected_width = double(lens.width) * info.height / lens.height;
-  const double expected_height = double(lens.height) * info.width / lens.width;
-  if (std::abs(expected_width - info.width) > 1 && std::abs(expected_height - info.height) > 1)
+  // As it is stored if that fits its camera, as structure from motion reads it and as a tag is that
+  // was left on turned pixels; else as viewers show it. Half turns: SettleHalfTurns.
+  const ImageInfo stored = ReadImageInfo(view.image_path);
+  ImageInfo info = stored;
+  if (!Fits(stored, lens) && Fits(stored.Upright(), lens)) {
+    info = stored.Upright();
+    view.orientation = stored.orientation;
+  } else if (Fits(stored.Upright(), lens)) {
+    view.tag = stored.orientation;
+  }
+  if (!Fits(info, lens))
     throw Error(view.image_path,
                 "image is " + SizeText(info.width, info.height) + ", its camera " +
                     SizeText(lens.width, lens.height) + ": the proportions differ");

@@ -3,27 +3,39 @@
 
 #include <string>
 
+#include "splat/base/data_files.h"
 #include "splat/io/dataset.h"
 
 namespace cosplat {
 
 // An image at 1/resolution, or one from which to make it.
 struct FoundImage {
-  std::string path;            // empty: not found
-  int divide_by = 1;           // remaining reduction, after the folder's own
-  std::string tried;           // the path searched, for messages
-  bool folder_exists = false;  // whether a suitable folder exists
+  std::string path;        // empty: not found
+  int divide_by = 1;       // remaining reduction, after the folder's own
+  std::string tried;       // the path searched, for messages
+  bool elsewhere = false;  // folder_<resolution> exists, but does not have it
 };
 
 // Looks for folder_<resolution>/name, then folder/name, then folder_<k>/name with the greatest k
-// that divides `resolution`. Whole folders are chosen, not files: all views come from the same one.
-FoundImage FindImage(const std::string& folder, const std::string& name, int resolution);
+// that divides `resolution`, among the data set's files.
+FoundImage FindInFolder(DataFiles& files,
+                        const std::string& folder,
+                        const std::string& name,
+                        int resolution);
+// The same of folder/name in one.
+FoundImage FindImage(DataFiles& files, const std::string& named, int resolution);
+
+// What is said of images that a folder of reduced ones lacks.
+void NoteElsewhere(size_t count, int resolution, SceneData& scene);
 
 // Completes `view` (whose image_path, pose and distortion are set): scales `lens` (intrinsics at
 // the size for which they were measured) to the image file, finds the pinhole camera that replaces
 // a distorted lens, and divides the size by `divide_by` (rounded). Throws Error if the file's
 // aspect ratio differs from the camera's by more than a pixel.
 void FinishView(const Camera& lens, int divide_by, SceneView& view);
+
+// Decides by the points' colours whether images with a `tag` are turned, and notes it.
+void SettleHalfTurns(SceneData& scene);
 
 // The pinhole camera of the same size, principal point and fx : fy with the largest field of view
 // for which the distorted image covers every pixel: found by bisection over the focal length,

@@ -3,17 +3,12 @@
 #include <utility>
 
 #include "splat/base/error.h"
+#include "splat/base/exif.h"
+#include "splat/base/matte.h"
 #include "splat/io/dataset.h"
 
 namespace cosplat {
 namespace {
-
-Image8 GreyToRgb(const Image8& grey) {
-  Image8 rgb(grey.width, grey.height, 3);
-  for (size_t i = 0; i < grey.pixels(); ++i)
-    for (int c = 0; c < 3; ++c) rgb.data[3 * i + c] = grey.data[i];
-  return rgb;
-}
 
 // What is at least as bright counts as white.
 constexpr uint8_t kWhite = 128;
@@ -25,15 +20,14 @@ Image8 IgnoredIn(Image8 kept) {
 }
 
 Image8 ReadMask(const std::string& path, const Camera& camera) {
-  const Image8 image = ReadImage(path);
+  const Image8 image = MatteOf(ReadUpright(path));
   const double expected = double(camera.width) * image.height / camera.height;
   if (std::abs(expected - image.width) > 1)
     throw Error(path,
                 "mask is " + SizeText(image.width, image.height) + ", its image " +
                     SizeText(camera.width, camera.height));
   Image8 mask(image.width, image.height, 1);
-  for (size_t i = 0; i < mask.pixels(); ++i)
-    mask.data[i] = image.data[i * image.channels] < kWhite ? 0 : 255;
+  for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = image.data[i] < kWhite ? 0 : 255;
   return mask;
 }
 
@@ -48,12 +42,12 @@ Image8 Straight(Image8 image, const SceneView& view) {
 }  // namespace
 
 Image8 LoadViewImage(const SceneView& view) {
-  Image8 image = ReadImage(view.image_path);
+  Image8 image = Upright(ReadImage(view.image_path), view.orientation);
   if (image.width != view.file_camera.width || image.height != view.file_camera.height)
     throw Error(view.image_path,
                 "image is " + SizeText(image.width, image.height) + ", expected " +
                     SizeText(view.file_camera.width, view.file_camera.height));
-  if (image.channels == 1) image = GreyToRgb(image);
+  if (!SaysAlpha(image)) image = RgbOf(image);
   return Straight(std::move(image), view);
 }
 

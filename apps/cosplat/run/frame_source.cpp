@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "splat/base/data_files.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -39,10 +40,7 @@ bool CountedBefore(const std::string& a, const std::string& b) {
 std::vector<std::string> ImagesIn(const std::string& folder) {
   std::vector<std::string> images;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
-      images.push_back(entry.path().string());
+    if (IsImageName(entry.path().string())) images.push_back(entry.path().string());
   }
   std::sort(images.begin(), images.end(), CountedBefore);
   return images;
@@ -60,9 +58,9 @@ FrameSource::FrameSource(const std::string& path) {
     return;
   }
   images_ = ImagesIn(path);
-  if (images_.empty()) throw Error(path, "holds no PNG or JPEG files");
+  if (images_.empty()) throw Error(path, "holds no images");
   for (const std::string& image : images_) {
-    const ImageInfo info = ReadImageInfo(image);
+    const ImageInfo info = ReadImageInfo(image).Upright();
     if (width_ == 0) width_ = info.width, height_ = info.height;
     if (info.width != width_ || info.height != height_)
       throw Error(image,
@@ -85,7 +83,7 @@ std::string FrameSource::Name(int frame) const {
 }
 
 Image8 FrameSource::ReadAll(int frame) const {
-  return video_ ? video_->ReadFrame(frame) : ReadImage(images_.at(size_t(frame)));
+  return video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
 }
 
 Image8 FrameSource::Read(int frame) const {

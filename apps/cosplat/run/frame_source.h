@@ -11,7 +11,7 @@ namespace cosplat {
 
 class FrameSource {
  public:
-  // A folder's PNG and JPEG files are ordered as people count: 2.png before 10.png. Throws Error if
+  // A folder's images are ordered as people count: 2.png before 10.png. Throws Error if
   // the path is neither a video nor a folder with images, or if their sizes differ.
   explicit FrameSource(const std::string& path);
   int count() const;

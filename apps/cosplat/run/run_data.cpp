@@ -53,13 +53,16 @@ DataSplit SplitFromJson(const JsonField& run) {
 }
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
-  return LoadScene(source, {split.resolution, split.eval, split.fold});
+  SceneData scene = LoadScene(source, {split.resolution, split.eval, split.fold});
+  PrintNotes(scene.notes);
+  return scene;
 }
 
 TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame) {
   TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
+  SettleMasks(flame, video);
   PrintNotes(video.notes);
   if (split.fold_by_turn) {
     HoldOutFurthestTurned(video);

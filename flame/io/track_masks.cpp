@@ -1,0 +1,100 @@
+// Whether a tracked video's masks show the head that its track says.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "flame/pose.h"
+#include "flame/track.h"
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kFrames = 8;
+constexpr int kCorner = 8;  // px
+// Share of the head's points that its masks hold: of good data 0.9 and more, of inverted masks 0.1.
+constexpr double kHeld = 0.5;
+constexpr double kInverted = 0.3;
+// Share of an image that a mask which shows anything covers.
+constexpr double kEmpty = 1e-4;
+
+// Means of alpha, 0 to 1.
+struct Coverage {
+  double image = 0, head = 0, corners = 0;
+  void Add(const Coverage& more) {
+    image += more.image, head += more.head, corners += more.corners;
+  }
+};
+
+double AlphaAt(const Image8& image, int x, int y) { return image.at(x, y, 3) / 255.0; }
+
+Coverage CoverageOf(const Image8& image, const Camera& camera, const std::vector<float>& vertices) {
+  Coverage c;
+  for (size_t i = 0; i < image.pixels(); ++i) c.image += image.data[4 * i + 3] / 255.0;
+  c.image /= double(image.pixels());
+  const int side = std::min({kCorner, image.width, image.height});
+  for (int y = 0; y < side; ++y)  // shoulders fill the lower ones
+    for (int x = 0; x < side; ++x)
+      c.corners += AlphaAt(image, x, y) + AlphaAt(image, image.width - 1 - x, y);
+  c.corners /= 2.0 * side * side;
+  size_t seen = 0;
+  for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
+    float p[3];
+    for (int r = 0; r < 3; ++r) {
+      p[r] = camera.translation[r];
+      for (int k = 0; k < 3; ++k) p[r] += camera.rotation[3 * r + k] * vertices[i + k];
+    }
+    if (!(p[2] > 0)) continue;
+    const float x = camera.fx * p[0] / p[2] + camera.cx, y = camera.fy * p[1] / p[2] + camera.cy;
+    if (!(x >= 0 && y >= 0 && x < float(image.width) && y < float(image.height))) continue;
+    c.head += AlphaAt(image, int(x), int(y));
+    ++seen;
+  }
+  c.head = seen == 0 ? 1 : c.head / double(seen);  // a head outside the image says nothing of masks
+  return c;
+}
+
+std::string Percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+  return text;
+}
+
+}  // namespace
+
+void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
+  std::vector<float> offset = video.static_offset;  // VHAP's has rows for teeth that a model may lack
+  if (!offset.empty()) offset.resize(3 * size_t(flame.vertex_count));
+  const FlamePoser<float> poser(flame, video.shape, offset);
+  std::vector<float> vertices;
+  Coverage sum;
+  size_t masked = 0;
+  const size_t step = std::max<size_t>(1, video.train.size() / kFrames);
+  for (size_t i = 0; i < video.train.size(); i += step) {
+    const TrackedFrame& frame = video.train[i];
+    if (!frame.has_image) continue;
+    const Image8 image = LoadTrackedImage(video, frame);
+    if (image.channels != 4) continue;
+    FlameParams params = frame.params;  // what the model lacks does not move it
+    params.expression.resize(std::min(params.expression.size(), size_t(flame.expression_count)));
+    poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
+    sum.Add(CoverageOf(image, frame.camera, vertices));
+    ++masked;
+  }
+  if (masked == 0) return;
+  const double image = sum.image / double(masked), head = sum.head / double(masked);
+  if (image < kEmpty)
+    throw Error(video.source,
+                "masks",
+                "show nothing in any of the " + std::to_string(masked) + " frames looked at");
+  if (head < kInverted && sum.corners / double(masked) > 1 - kInverted) {
+    video.masks_inverted = true;
+    video.notes.push_back(video.source + ": the masks are bright where the head is not (" +
+                          Percent(head) + " of it is inside): they are taken as inverted");
+  } else if (head < kHeld) {
+    video.notes.push_back(video.source + ": the masks hold only " + Percent(head) +
+                          " of the head where the track says it is");
+  }
+}
+
+}  // namespace cosplat

@@ -1,0 +1,67 @@
+// Images whose EXIF orientation does not change their proportions (half a turn, a mirror, any of a
+// square): whether a scene's cameras are those of the pixels as they are stored or as viewers show
+// them.
+#include <algorithm>
+#include <cmath>
+
+#include "splat/base/exif.h"
+#include "splat/io/view_files.h"
+
+namespace cosplat {
+namespace {
+
+constexpr size_t kViews = 8;
+constexpr size_t kPoints = 4000;
+
+// Mean difference, 0 to 255, of the points' colours from the image where the view's camera sees
+// them.
+double ColorDifference(const SceneView& view, const SceneData& scene) {
+  const Image8 image = LoadViewImage(view);
+  const Camera& c = view.camera;
+  const size_t count = scene.points.size() / 3, step = std::max<size_t>(1, count / kPoints);
+  double sum = 0;
+  size_t seen = 0;
+  for (size_t i = 0; i < count; i += step) {
+    float p[3];
+    for (int r = 0; r < 3; ++r) {
+      p[r] = c.translation[r];
+      for (int k = 0; k < 3; ++k) p[r] += c.rotation[3 * r + k] * scene.points[3 * i + k];
+    }
+    if (!(p[2] > 0)) continue;
+    const float x = c.fx * p[0] / p[2] + c.cx, y = c.fy * p[1] / p[2] + c.cy;
+    if (!(x >= 0 && y >= 0 && x < float(image.width) && y < float(image.height))) continue;
+    const uint8_t* pixel = &image.data[image.channels * (size_t(y) * image.width + size_t(x))];
+    for (int k = 0; k < 3; ++k) sum += std::abs(pixel[k] - scene.point_colors[3 * i + k]);
+    ++seen;
+  }
+  return seen == 0 ? 0 : sum / double(3 * seen);
+}
+
+}  // namespace
+
+void SettleHalfTurns(SceneData& scene) {
+  std::vector<SceneView*> views;
+  for (std::vector<SceneView>* list : {&scene.train, &scene.test})
+    for (SceneView& view : *list)
+      if (view.tag != 1) views.push_back(&view);
+  if (views.empty()) return;
+  double stored = 0, turned = 0;
+  const size_t step = std::max<size_t>(1, views.size() / kViews);
+  if (scene.point_colors.size() == scene.points.size())
+    for (size_t i = 0; i < views.size(); i += step) {
+      SceneView as_shown = *views[i];
+      as_shown.orientation = as_shown.tag;
+      stored += ColorDifference(*views[i], scene);
+      turned += ColorDifference(as_shown, scene);
+    }
+  const bool turn = turned <= stored;  // without points: as viewers show them
+  if (turn)
+    for (SceneView* view : views) view->orientation = view->tag;
+  scene.notes.push_back(
+      std::to_string(views.size()) +
+      " images have an EXIF orientation that turns them in their place: " +
+      (turn ? "they are turned as viewers show them" : "they stay as they are stored") +
+      (turned == stored ? "" : ", to which the points' colours fit better"));
+}
+
+}  // namespace cosplat
