@@ -7,6 +7,7 @@
 #include "avatar/live/recording.h"
 #include "avatar/model/blendshape_map.h"
 #include "flame/io/landmarks.h"
+#include "tests/street/live_source.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat {
@@ -102,6 +103,24 @@ TEST(StreetLiveNames, WhatIsNearIsNotTaken) {
                            "Blink_L",
                            "jawOpen\xff"})
     EXPECT_EQ(FindArkitBlendshape(name), -1) << name;
+}
+
+TEST(StreetLiveNames, ByVmcAndJson) {
+  for (const std::string& name : SpellingsOf("eyeBlinkLeft")) {
+    FlameModel flame;
+    flame.expression_count = 4;
+    flame.has_eyelids = true;
+    LiveSourceOptions options;
+    options.flame = &flame;
+    test::LiveConnection vmc("vmc", options), json("udp", options);
+    vmc.Send(test::OscBundle({test::VmcValue(name, 0.75f), test::VmcApply()}));
+    json.Send(R"({"seq": 1, "blendshapes": {")" + name + R"(": 0.75}})");
+    for (test::LiveConnection* each : {&vmc, &json}) {
+      ASSERT_TRUE(each->Poll());
+      EXPECT_EQ(each->frame.params.expression, (std::vector<float>{0, 0, 0.75f, 0})) << name;
+      EXPECT_EQ(each->Notes(), "") << name;
+    }
+  }
 }
 
 TEST(StreetLiveNames, InRecordingsAndInAnAvatarsOwnMap) {
