@@ -2,6 +2,7 @@
 // nothing here, or it is damaged.
 #include <gtest/gtest.h>
 
+#include "apps/cosplat/run/verbose_source.h"
 #include "tests/street/live_source.h"
 
 namespace cosplat {
@@ -98,6 +99,25 @@ TEST(StreetLiveUnused, TwoSendersAtOnceAreSaid) {
   EXPECT_NE(live.Notes().find("two senders take turns: 127.0.0.1:"), std::string::npos);
   EXPECT_NE(live.Notes().find(other.LocalAddress()), std::string::npos) << live.Notes();
   EXPECT_NE(live.Notes().find(live.sender.LocalAddress()), std::string::npos) << live.Notes();
+}
+
+TEST(StreetLiveUnused, VerboseSaysItOnStandardError) {
+  LiveConnection live("vmc");
+  UdpSocket sender = live.Sender();
+  testing::internal::CaptureStderr();
+  {
+    VerboseSource verbose(std::move(live.source));
+    LiveFrame frame;
+    for (int i = 0; i < 27; ++i) sender.Send(Message("/Foo/Bar"));
+    for (const int64_t second : {0, 1, 2}) verbose.Poll(second * 1'000'000'000, frame);
+    sender.Send(VmcValue("jawOpen", 1));
+    EXPECT_TRUE(verbose.Poll(2'100'000'000, frame));
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("27 packets without anything usable"), std::string::npos) << text;
+  EXPECT_NE(text.find("ignored messages: /Foo/Bar (27)"), std::string::npos);
+  EXPECT_NE(text.find("28 packets, 1 frames taken"), std::string::npos);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << "not said again: " << text;
 }
 
 }  // namespace
