@@ -31,6 +31,7 @@ struct PlayOptions {
   int frames = 0;  // 0: the drive's length, or one without a drive
   float scale = 0;
   bool headless = false, transparent = false, still_bust = false, quiet = false;
+  bool verbose = false;
 };
 
 struct Size {
@@ -111,7 +112,7 @@ void Play(const PlayOptions& o) {
   if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
   FindLevels(o, device, content);
   Session session(content);
-  if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps);
+  if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps, o.verbose);
   SetLook(o, session);
   const Size size = SizeOf(o, content.start);
   Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
@@ -173,6 +174,11 @@ void AddPlay(CLI::App& app) {
   command->add_option("--ui-scale", o->scale, "scale of text and panels; 0: the display's scale")
       ->check(CLI::Range(0.0, 8.0));
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
+  command
+      ->add_flag("--verbose",
+                 o->verbose,
+                 "live drives: print once a second what arrived, and by name what was not used")
+      ->needs(drive);
   command->callback([o] { Play(*o); });
 }
 

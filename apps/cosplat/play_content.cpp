@@ -4,6 +4,7 @@
 
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/verbose_source.h"
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
@@ -152,7 +153,8 @@ bool IsLiveDrive(const std::string& drive) {
   return drive == "stdin:" || drive.find("://") != std::string::npos;
 }
 
-void DriveSession(Session& session, const Content& content, const std::string& drive, double fps) {
+void DriveSession(
+    Session& session, const Content& content, const std::string& drive, double fps, bool verbose) {
   if (!content.avatar) throw Error(content.title, "--drive", "is for avatars; this is a scene");
   const Content::Avatar& avatar = *content.avatar;
   LiveSourceOptions options;
@@ -163,9 +165,12 @@ void DriveSession(Session& session, const Content& content, const std::string& d
   if (IsLiveDrive(drive)) {
     FlameParams rest = avatar.rest;
     rest.expression.assign(size_t(avatar.flame.expression_count), 0);
+    std::unique_ptr<LiveSource> source = OpenLiveSource(drive, options);
+    if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
     session.SetLive(std::make_unique<viewer::LiveFace>(
-        OpenLiveSource(drive, options), std::move(rest), avatar.model.trained_range));
+        std::move(source), std::move(rest), avatar.model.trained_range));
   } else {
+    if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
     const Recording recording = LoadRecording(drive, options);
     session.SetSequence(
         fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);

@@ -17,10 +17,12 @@ viewer::Content LoadContent(const std::string& model, const std::string& flame);
 bool IsLiveDrive(const std::string& drive);
 
 // Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame
-// rate of a recording; 0: its own. Throws Error.
+// rate of a recording; 0: its own. verbose: of a live drive, says on standard error what arrives.
+// Throws Error.
 void DriveSession(viewer::Session& session,
                   const viewer::Content& content,
                   const std::string& drive,
-                  double fps);
+                  double fps,
+                  bool verbose);
 
 }  // namespace cosplat

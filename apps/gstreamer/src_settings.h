@@ -36,7 +36,7 @@ struct SrcStats {
   guint64 frames = 0;     // produced
   guint64 left_out = 0;   // skipped in live mode because they would have been late
   cosplat_health face{};  // its strings point to the ones below
-  std::string drive, drive_problem;
+  std::string drive, drive_problem, drive_notes;
 };
 
 // Returns true if the drive reports a new problem.

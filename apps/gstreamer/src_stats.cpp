@@ -22,6 +22,7 @@ const char* NameOf(uint32_t face) {
 bool Update(SrcStats& stats, const cosplat_health& face) {
   stats.face = face;
   stats.drive = face.drive;
+  stats.drive_notes = face.drive_notes ? face.drive_notes : "";  // null from 0.2.0
   const bool another = stats.drive_problem != face.drive_problem;
   if (another) stats.drive_problem = face.drive_problem;
   return another && !stats.drive_problem.empty();
@@ -45,11 +46,14 @@ GstStructure* ToStructure(const SrcStats& stats) {
   number("held", f.held);
   number("decayed", f.decayed);
   text("drive", stats.drive.c_str());
+  number("drive-packets", f.drive_packets);
+  number("drive-unusable", f.drive_unusable);
   number("drive-frames", f.drive_frames);
   number("drive-replaced", f.drive_replaced);
   number("drive-dropped",
          f.drive_reordered + f.drive_malformed + f.drive_oversize + f.drive_flooded);
   text("drive-problem", stats.drive_problem.c_str());
+  text("drive-notes", stats.drive_notes.c_str());
   return out;
 }
 

@@ -106,6 +106,9 @@ class Health(_Structure):
         ("drive_flooded", c.c_uint64),
         ("drive", c.c_char_p),
         ("drive_problem", c.c_char_p),
+        ("drive_packets", c.c_uint64),
+        ("drive_unusable", c.c_uint64),
+        ("drive_notes", c.c_char_p),
     ]
 
 

@@ -135,6 +135,8 @@ void DrawLivePanel(const Session& session) {
   ImGui::Text("The face is %s%s", StateText(live.guard().state()), live.Ended() ? "; ended" : "");
   const LiveCounts sent = live.Counts();
   const GuardCounts& shown = live.guard().counts();
+  DrawCount("packets", sent.packets);
+  DrawCount("of them of no use here", sent.unusable);
   DrawCount("frames shown", shown.accepted);
   DrawCount("replaced by newer ones", sent.replaced + shown.replaced);
   DrawCount("late, out of order", sent.reordered + shown.late);
@@ -144,6 +146,8 @@ void DrawLivePanel(const Session& session) {
   DrawCount("too many at once", sent.flooded);
   DrawCount("brought back into range", shown.softened);
   if (!sent.last_problem.empty()) ImGui::TextWrapped("Last: %s", sent.last_problem.c_str());
+  if (const std::string notes = NotesOf(sent); !notes.empty())
+    ImGui::TextWrapped("Not used: %s", notes.c_str());
 }
 
 void DrawGraph(const char* name, const TimeHistory& history, float scale) {

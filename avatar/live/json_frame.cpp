@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "avatar/live/guard.h"
+#include "avatar/live/unused_input.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 
@@ -49,21 +50,15 @@ double TimeOf(const JsonField& field) {
   return time;
 }
 
-// A name for an error message: shortened and on one line, whatever it contains.
-std::string Quoted(const std::string& name) {
-  const std::string text =
-      Json(name.substr(0, 40)).dump(-1, ' ', true, Json::error_handler_t::ignore);
-  return name.size() > 40 ? text + "..." : text;
-}
-
-void ReadScores(const JsonField& field, BlendshapeScores& scores) {
+void ReadScores(const JsonField& field, JsonFrame& frame) {
   if (!field.raw().is_object())
     throw Error(field.file(), field.path(), "is not an object of names and scores");
+  BlendshapeScores& scores = frame.blendshapes.emplace();
   for (const auto& [name, value] : field.raw().items()) {
-    if (!value.is_number() || !(std::abs(value.get<double>()) <= kMaxParameter))
-      throw Error(
-          field.file(), field.path() + "." + Quoted(name), "is not a number from -100 to 100");
-    scores[name] = value.get<float>();
+    if (value.is_number() && std::abs(value.get<double>()) <= kMaxScore)
+      scores[name] = value.get<float>();
+    else
+      frame.dropped.push_back(name);
   }
 }
 
@@ -86,8 +81,8 @@ void ReadMember(const JsonField& json, const std::string& name, JsonFrame& frame
   if (name == "jaw") return ReadVector(json[name], p.pose[2]);
   if (name == "eyes") return ReadEyes(json[name], p);
   if (name == "translation") return ReadVector(json[name], p.translation);
-  if (name == "blendshapes") return ReadScores(json[name], frame.blendshapes.emplace());
-  throw Error(json.file(), Quoted(name), "is not a field of a frame");
+  if (name == "blendshapes") return ReadScores(json[name], frame);
+  throw Error(json.file(), PrintableName(name), "is not a field of a frame");
 }
 
 void AppendNumbers(const char* name, const float* begin, size_t count, std::string& line) {

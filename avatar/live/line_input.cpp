@@ -48,9 +48,11 @@ class LineInput : public PacketInput {
   }
 
   void FinishLine(NewestPackets& packets, LiveCounts& counts) {
+    const bool blank = line_.find_first_not_of(" \t\r") == std::string::npos;
+    counts.packets += !blank || line_bytes_ > kMaxPacketBytes;
     if (line_bytes_ > kMaxPacketBytes) {
       CountOversize(description_, line_bytes_, counts);
-    } else if (line_.find_first_not_of(" \t\r") != std::string::npos) {
+    } else if (!blank) {
       CountFlooded(description_, packets.Push(line_), counts);
     }
     line_.clear();

@@ -16,6 +16,8 @@ class Reader {
 
   bool ok() const { return ok_; }
   bool empty() const { return bytes_.empty(); }
+  // Whether nothing but padding is left.
+  bool at_end() const { return bytes_.find_first_not_of('\0') == bytes_.npos; }
 
   std::string_view Bytes(size_t count) {
     ok_ = ok_ && count <= bytes_.size();
@@ -44,9 +46,9 @@ class Reader {
   }
 
   // A byte count followed by that many bytes, padded likewise.
-  void SkipBlob() {
+  std::string_view Blob() {
     const uint64_t size = Word();
-    Bytes((size + 3) / 4 * 4);
+    return Bytes((size + 3) / 4 * 4).substr(0, ok_ ? size : 0);
   }
 
  private:
@@ -74,7 +76,8 @@ bool ReadArgument(Reader& reader, OscArgument& argument) {
       argument.text = reader.Text();
       return true;
     case 'b':
-      reader.SkipBlob();
+      argument.text = reader.Blob();
+      argument.text = argument.text.substr(0, argument.text.find('\0'));
       return true;
     case 't':  // a time tag
       reader.DoubleWord();
@@ -98,39 +101,43 @@ bool ReadArgument(Reader& reader, OscArgument& argument) {
   }
 }
 
-std::string ParseMessage(std::string_view bytes, OscMessage& message) {
+// Returns what is wrong with the message, or "".
+std::string_view ParseMessage(std::string_view bytes, OscMessage& message) {
   Reader reader(bytes);
-  message.address = reader.Text();
-  if (!reader.ok() || !message.address.starts_with('/')) return "has no OSC address";
+  const std::string_view address = reader.Text();
+  if (!reader.ok() || !address.starts_with('/')) return "has no OSC address";
+  message.address = address;
   if (reader.empty()) return "";  // old senders omit the type tags when there are no arguments
   std::string_view types = reader.Text();
   if (!types.starts_with(',')) return "has no OSC type tags";
   types.remove_prefix(1);
-  if (types.size() > kMaxOscArguments)
-    return "has " + std::to_string(types.size()) + " arguments, at most " +
-           std::to_string(kMaxOscArguments) + " are accepted";
+  static_assert(kMaxOscArguments == 32);
+  if (types.size() > kMaxOscArguments) return "has more than 32 arguments";
   for (const char type : types) {
     OscArgument& argument = message.arguments.emplace_back();
     argument.type = type;
     if (!ReadArgument(reader, argument)) return "has an argument of an unknown OSC type";
   }
   if (!reader.ok()) return "ends within its arguments";
-  return reader.empty() ? "" : "is longer than its OSC type tags imply";
+  return reader.at_end() ? "" : "is longer than its OSC type tags imply";
 }
 
-std::string ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& messages) {
-  if (!bytes.starts_with(kBundle)) return ParseMessage(bytes, messages.emplace_back());
-  if (bundles == kMaxOscBundles) return "has OSC bundles nested too deeply";
+void ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& messages) {
+  const auto fail = [&](std::string_view problem) { messages.emplace_back().problem = problem; };
+  if (!IsOscBundle(bytes)) {
+    OscMessage& message = messages.emplace_back();
+    message.problem = ParseMessage(bytes, message);
+    return;
+  }
+  if (bundles == kMaxOscBundles) return fail("has OSC bundles nested too deeply");
   Reader reader(bytes);
   reader.Text();
   reader.DoubleWord();  // the time tag, ignored: bundles take effect at once
-  while (reader.ok() && !reader.empty()) {
+  while (reader.ok() && !reader.at_end()) {
     const std::string_view element = reader.Bytes(reader.Word());
-    if (!reader.ok()) break;
-    const std::string problem = ParseElement(element, bundles + 1, messages);
-    if (!problem.empty()) return problem;
+    if (reader.ok() && !element.empty()) ParseElement(element, bundles + 1, messages);
   }
-  return reader.ok() ? "" : "ends within an OSC bundle";
+  if (!reader.ok()) fail("ends within an OSC bundle");
 }
 
 }  // namespace
@@ -139,9 +146,11 @@ bool OscArgument::IsNumber() const {
   return std::string_view("ihfdTF").find(type) != std::string_view::npos && std::isfinite(number);
 }
 
-std::string ParseOsc(std::string_view packet, std::vector<OscMessage>& messages) {
+bool IsOscBundle(std::string_view packet) { return packet.starts_with(kBundle); }
+
+void ParseOsc(std::string_view packet, std::vector<OscMessage>& messages) {
   messages.clear();
-  return ParseElement(packet, 0, messages);
+  ParseElement(packet, 0, messages);
 }
 
 }  // namespace cosplat

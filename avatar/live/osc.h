@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,18 +16,24 @@ constexpr int kMaxOscBundles = 8;  // nested
 struct OscArgument {
   char type = 0;
   double number = 0;      // of types i, h, f, d, T and F
-  std::string_view text;  // of types s and S
+  std::string_view text;  // of types s, S and b
   bool IsNumber() const;  // finite
-  bool IsText() const { return type == 's' || type == 'S'; }
+  // A blob counts as text up to its first zero: some libraries send strings so.
+  bool IsText() const { return type == 's' || type == 'S' || type == 'b'; }
 };
 
 struct OscMessage {
-  std::string_view address;
+  std::string_view address;  // empty if the bytes are no message
   std::vector<OscArgument> arguments;
+  std::string_view problem;  // what is wrong with it, a constant; "" if it is complete
 };
 
-// Parses the packet's messages, those of bundles in order; they point into `packet`. Returns a
-// description of what is wrong with the packet, or "" if `messages` is complete.
-std::string ParseOsc(std::string_view packet, std::vector<OscMessage>& messages);
+// Parses the packet's messages, those of bundles in order; they point into `packet`. What is wrong
+// with one costs only that one, since bundles say how long their elements are; what is wrong with a
+// bundle is a message of its own, after those before it. Zeros at the end of a message or of a
+// bundle are padding.
+void ParseOsc(std::string_view packet, std::vector<OscMessage>& messages);
+// Whether it is a bundle: several messages that are meant together.
+bool IsOscBundle(std::string_view packet);
 
 }  // namespace cosplat

@@ -21,8 +21,8 @@ constexpr size_t kMaxPacketBytes = 16 * 1024;
 class PacketInput {
  public:
   virtual ~PacketInput() = default;
-  // Adds the packets that have arrived since the last call; never blocks. Counts oversize and
-  // flooded packets.
+  // Adds the packets that have arrived since the last call; never blocks. Counts them, and those
+  // that are too long or too many, and names senders that take turns.
   virtual void Receive(NewestPackets& packets, LiveCounts& counts) = 0;
   virtual bool Ended() const = 0;
   virtual std::string Description() const = 0;

@@ -1,18 +1,9 @@
 #include "avatar/live/sender_clock.h"
 
 namespace cosplat {
-namespace {
-
-// Modulo 2^64, so that no two times overflow.
-int64_t Elapsed(int64_t from_ns, int64_t to_ns) {
-  return int64_t(uint64_t(to_ns) - uint64_t(from_ns));
-}
-
-}  // namespace
-
 bool SequenceFilter::Accept(uint64_t sequence, int64_t now_ns) {
   const bool older = any_ && sequence <= newest_;
-  if (older && Elapsed(accepted_ns_, now_ns) < kRestartPauseNs) return false;
+  if (older && ElapsedNs(accepted_ns_, now_ns) < kRestartPauseNs) return false;
   any_ = true;
   began_again_ = older;
   newest_ = sequence;
@@ -22,7 +13,7 @@ bool SequenceFilter::Accept(uint64_t sequence, int64_t now_ns) {
 
 int64_t SenderClock::Received(int64_t sent_ns, int64_t now_ns) {
   const uint64_t difference = uint64_t(now_ns) - uint64_t(sent_ns);
-  const int64_t passed = Elapsed(last_now_ns_, now_ns);
+  const int64_t passed = ElapsedNs(last_now_ns_, now_ns);
   if (any_ && passed > 0) difference_ += uint64_t(passed) / 1000;
   last_now_ns_ = now_ns;
   int64_t delay = int64_t(difference - difference_);

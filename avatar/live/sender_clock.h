@@ -6,6 +6,11 @@
 
 namespace cosplat {
 
+// Modulo 2^64, so that no two times overflow.
+inline int64_t ElapsedNs(int64_t from_ns, int64_t to_ns) {
+  return int64_t(uint64_t(to_ns) - uint64_t(from_ns));
+}
+
 // Accepts frames that are newer than all before. A sender that restarts with lower numbers is
 // accepted once no frame has been accepted for kRestartPauseNs.
 class SequenceFilter {

@@ -36,6 +36,29 @@ ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions
               " and gaze only"};
 }
 
+std::string NotesOf(const LiveCounts& counts) {
+  const std::string unused = counts.unused.Text();
+  if (counts.senders.empty()) return unused;
+  return "two senders take turns: " + counts.senders + (unused.empty() ? "" : "; " + unused);
+}
+
+std::string ToString(const LiveCounts& counts) {
+  if (counts.packets == 0) return "no packet has arrived";
+  std::string text = std::to_string(counts.packets) + " packets, " + std::to_string(counts.frames) +
+                     " frames taken";
+  const auto add = [&](uint64_t count, const char* what) {
+    if (count > 0) text += ", " + std::to_string(count) + " " + what;
+  };
+  add(counts.unusable, "packets without anything usable");
+  add(counts.replaced, "frames replaced by newer ones");
+  add(counts.reordered, "out of order");
+  add(counts.malformed, "malformed");
+  add(counts.oversize, "too long");
+  add(counts.flooded, "too many at once");
+  const std::string notes = NotesOf(counts);
+  return notes.empty() ? text : text + "; " + notes;
+}
+
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
   if (drive == "stdin:")

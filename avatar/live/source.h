@@ -1,14 +1,15 @@
 // Sources of live faces: a recorded sequence, a tracker that sends, or a camera program.
 //
 // "udp://..." -> OpenLiveSource -> LiveSource::Poll, once per image -> LiveFrame -> FaceGuard.
-// A source delivers clean frames only: packets that are malformed, too large, too many or not
-// finite are dropped and counted, and never reach the face.
+// A source delivers clean frames only: what is malformed, too large, too many or not finite is
+// dropped and counted, and never reaches the face.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
+#include "avatar/live/unused_input.h"
 #include "avatar/model/blendshape_map.h"
 #include "flame/model.h"
 
@@ -24,14 +25,25 @@ struct LiveFrame {
 
 // Counts since the source was opened.
 struct LiveCounts {
+  uint64_t packets = 0;      // that arrived, whatever was in them; 0 if nothing sends to this port
+  uint64_t unusable = 0;     // of them well-formed, but without anything that moves the face
   uint64_t frames = 0;       // returned by Poll
   uint64_t replaced = 0;     // good, but superseded by a newer one before the next Poll
   uint64_t reordered = 0;    // older than, or the same as, an earlier one
-  uint64_t malformed = 0;    // not as the protocol requires, or not finite
+  uint64_t malformed = 0;    // packets, or parts that were dropped from them: not as the protocol
+                             // requires, or not finite
   uint64_t oversize = 0;     // longer than the protocol allows
   uint64_t flooded = 0;      // discarded because too many arrived between two polls
   std::string last_problem;  // one line about the last dropped packet; "" if there was none
+  UnusedInput unused;        // by name
+  std::string senders;       // two that take turns: "127.0.0.1:5000 and 127.0.0.1:5001"; or ""
 };
+
+// One line: what arrived and was not used, by name, and whether several send; "" if there is
+// nothing to say.
+std::string NotesOf(const LiveCounts& counts);
+// One line of all counts that are not zero, and the notes.
+std::string ToString(const LiveCounts& counts);
 
 class LiveSource {
  public:

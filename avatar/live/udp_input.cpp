@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "avatar/live/packet_input.h"
@@ -9,6 +10,30 @@ namespace {
 // At most a few milliseconds. Further packets wait in the system's buffer or are lost there.
 constexpr int kMaxReadPerCall = 4096;
 
+// Notices that two senders take turns: one comes back after another has sent. A program that is
+// restarted, or uses a new port for each packet, does not.
+class SenderWatch {
+ public:
+  // Returns true if `peer` comes back.
+  bool Saw(const Peer& peer) {
+    if (count_ > 0 && peer == recent_[0]) return false;
+    const auto end = recent_.begin() + count_;
+    const auto found = std::find(recent_.begin(), end, peer);
+    const bool returned = found != end;
+    if (!returned && count_ < recent_.size()) ++count_;
+    std::rotate(recent_.begin(),
+                returned ? found : recent_.begin() + count_ - 1,
+                returned ? found + 1 : recent_.begin() + count_);
+    recent_[0] = peer;
+    return returned;
+  }
+  std::string Text() const { return ToString(recent_[0]) + " and " + ToString(recent_[1]); }
+
+ private:
+  std::array<Peer, 4> recent_;  // the last one first
+  size_t count_ = 0;
+};
+
 class UdpInput : public PacketInput {
  public:
   explicit UdpInput(const DriveAddress& address)
@@ -16,9 +41,12 @@ class UdpInput : public PacketInput {
         description_(address.scheme + "://" + socket_.LocalAddress()) {}
 
   void Receive(NewestPackets& packets, LiveCounts& counts) override {
+    Peer from;
     for (int i = 0; i < kMaxReadPerCall; ++i) {
-      const long size = socket_.Receive(buffer_.data(), buffer_.size());
+      const long size = socket_.Receive(buffer_.data(), buffer_.size(), from);
       if (size < 0) return;
+      ++counts.packets;
+      if (senders_.Saw(from) && counts.senders.empty()) counts.senders = senders_.Text();
       if (size_t(size) > buffer_.size()) {
         CountOversize(description_, size_t(size), counts);
       } else {
@@ -31,6 +59,7 @@ class UdpInput : public PacketInput {
 
  private:
   UdpSocket socket_;
+  SenderWatch senders_;
   std::string description_;
   std::array<char, kMaxPacketBytes> buffer_;
 };

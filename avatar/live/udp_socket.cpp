@@ -1,6 +1,8 @@
 #include "avatar/live/udp_socket.h"
 
+#include <arpa/inet.h>
 #include <netdb.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -44,6 +46,23 @@ int OpenDescriptor(const DriveAddress& address, const addrinfo& target) {
   return descriptor;
 }
 
+Peer PeerOf(const sockaddr_storage& storage) {
+  Peer peer;
+  if (storage.ss_family == AF_INET6) {
+    sockaddr_in6 address;
+    std::memcpy(&address, &storage, sizeof(address));
+    peer.ipv6 = true;
+    peer.port = ntohs(address.sin6_port);
+    std::memcpy(peer.host.data(), &address.sin6_addr, 16);
+  } else {
+    sockaddr_in address;
+    std::memcpy(&address, &storage, sizeof(address));
+    peer.port = ntohs(address.sin_port);
+    std::memcpy(peer.host.data(), &address.sin_addr, 4);
+  }
+  return peer;
+}
+
 }  // namespace
 
 UdpSocket UdpSocket::Listen(const DriveAddress& address) {
@@ -74,11 +93,23 @@ UdpSocket::~UdpSocket() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-long UdpSocket::Receive(char* buffer, size_t capacity) {
+std::string ToString(const Peer& peer) {
+  char text[INET6_ADDRSTRLEN] = "";
+  inet_ntop(peer.ipv6 ? AF_INET6 : AF_INET, peer.host.data(), text, sizeof(text));
+  return HostAndPort(text, peer.port);
+}
+
+long UdpSocket::Receive(char* buffer, size_t capacity, Peer& from) {
+  sockaddr_storage storage{};
+  auto* address = reinterpret_cast<sockaddr*>(&storage);
+  socklen_t address_size;
   long size;
   do {
-    size = recv(descriptor_, buffer, capacity, MSG_DONTWAIT | MSG_TRUNC);
+    address_size = sizeof(storage);
+    size =
+        recvfrom(descriptor_, buffer, capacity, MSG_DONTWAIT | MSG_TRUNC, address, &address_size);
   } while (size < 0 && errno == EINTR);
+  if (size >= 0) from = PeerOf(storage);
   return size;
 }
 

@@ -1,6 +1,7 @@
 // A non-blocking UDP socket, bound to receive or connected to send.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 
@@ -21,6 +22,15 @@ DriveAddress ParseDriveAddress(const std::string& drive);
 // "127.0.0.1:9500", "[::1]:9500".
 std::string HostAndPort(const std::string& host, int port);
 
+// Where a datagram came from.
+struct Peer {
+  std::array<unsigned char, 16> host{};  // IPv4: the first four
+  int port = 0;
+  bool ipv6 = false;
+  bool operator==(const Peer&) const = default;
+};
+std::string ToString(const Peer& peer);
+
 class UdpSocket {
  public:
   // Port 0 lets the operating system choose. Both throw Error naming the drive.
@@ -31,8 +41,8 @@ class UdpSocket {
   UdpSocket& operator=(UdpSocket&&) = delete;
 
   // Returns the size of the next datagram, or -1 if there is none. A datagram larger than
-  // `capacity` is truncated.
-  long Receive(char* buffer, size_t capacity);
+  // `capacity` is truncated. from: its sender.
+  long Receive(char* buffer, size_t capacity, Peer& from);
   // Returns false when the packet was not sent, for example because nobody listens. Even if it
   // returns true, the datagram may get lost.
   bool Send(const std::string& packet);

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "avatar/live/osc.h"
 #include "avatar/live/packet_input.h"
+#include "avatar/live/sender_clock.h"
 #include "avatar/math/turn.h"
 #include "avatar/model/avatar_mesh.h"
 
@@ -14,15 +16,43 @@ using math::AxisAngle;
 // Per poll: about four frames of a sender with one datagram per blendshape and bone.
 constexpr size_t kMaxPackets = 512;
 
+// A sender that ends frames by itself is waited for no longer than this, by the clock of Poll.
+constexpr int64_t kApplyPauseNs = 500'000'000;
+
 constexpr std::string_view kValue = "/VMC/Ext/Blend/Val";
 constexpr std::string_view kApply = "/VMC/Ext/Blend/Apply";
 constexpr std::string_view kBone = "/VMC/Ext/Bone/Pos";
+constexpr std::string_view kVmc = "/VMC/";
+
+// By their normal names (NormalName), but for the order of "left" and "eye".
+enum Bone : int { kNeck, kHead, kLeftEye, kRightEye, kOtherBone };
+Bone FindBone(std::string_view name) {
+  const std::string normal = NormalName(name);
+  if (normal == "neck") return kNeck;
+  if (normal == "head") return kHead;
+  if (normal == "eyeleft" || normal == "lefteye") return kLeftEye;
+  if (normal == "eyeright" || normal == "righteye") return kRightEye;
+  return kOtherBone;
+}
 
 // The last values received; a frame is a copy of it.
 struct VmcState {
   std::vector<float> scores;  // in the order of the map's names
-  AxisAngle neck{}, head{};
+  std::array<AxisAngle, kOtherBone> bones{};
 };
+
+// Whether an argument is a text and `numbers` finite numbers follow; further ones are left alone.
+bool HasNameAndNumbers(const OscMessage& message, size_t numbers) {
+  const std::vector<OscArgument>& arguments = message.arguments;
+  bool good = arguments.size() > numbers && arguments[0].IsText();
+  for (size_t i = 1; good && i <= numbers; ++i) good = arguments[i].IsNumber();
+  return good;
+}
+
+// The text that a message begins with, or "".
+std::string_view NameIn(const OscMessage& message) {
+  return message.arguments.empty() ? std::string_view() : message.arguments[0].text;
+}
 
 // A bone's message contains its name, a position (3 numbers), and a quaternion as x, y, z, w.
 math::Quat<float> BoneRotation(const OscMessage& message) {
@@ -30,47 +60,66 @@ math::Quat<float> BoneRotation(const OscMessage& message) {
   return {number(7), number(4), number(5), number(6)};
 }
 
-// Returns what is wrong with a message, or "". Messages that are not used are not checked.
-std::string ProblemOf(const OscMessage& message) {
-  const bool bone = message.address == kBone;
-  if (!bone && message.address != kValue) return "";
-  const std::vector<OscArgument>& arguments = message.arguments;
-  bool good = arguments.size() == (bone ? 8 : 2) && arguments[0].IsText();
-  for (size_t i = 1; good && i < arguments.size(); ++i) good = arguments[i].IsNumber();
-  if (!good)
-    return std::string(message.address) + ": expected a name and " + (bone ? "7" : "1") +
-           " finite number" + (bone ? "s" : "");
-  if (!bone) return "";
-  const math::Quat<float> q = BoneRotation(message);
+bool IsRotation(const math::Quat<float>& q) {
   const float length = std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));
-  if (length > 0.5f && length < 2) return "";
-  return std::string(message.address) + ": its rotation is not a unit quaternion";
+  return length > 0.5f && length < 2;
 }
 
 // Unity's axes are left-handed with x to the subject's right, FLAME's x points to the subject's
 // left: the rotation is mirrored.
-AxisAngle FlameTurn(const OscMessage& message) {
-  const math::Quat<float> q = math::Normalize(BoneRotation(message));
+AxisAngle FlameTurn(const math::Quat<float>& bone) {
+  const math::Quat<float> q = math::Normalize(bone);
   return math::AxisAngleOf(math::ShorterWay(math::Quat<float>{q.w, q.x, -q.y, -q.z}));
 }
 
-// Stores a message's value; returns true for the message that ends a frame.
-bool Take(const OscMessage& message, const BlendshapeMap& map, VmcState& state) {
-  if (message.address == kValue) {
-    const int blendshape = FindBlendshape(map, message.arguments[0].text);
-    if (blendshape >= 0)
-      state.scores[blendshape] = float(std::clamp(message.arguments[1].number, 0.0, 1.0));
-  } else if (message.address == kBone) {
-    if (message.arguments[0].text == "Neck") state.neck = FlameTurn(message);
-    if (message.arguments[0].text == "Head") state.head = FlameTurn(message);
+// A turn that is more than rounding, radians.
+constexpr float kTurned = 1e-3f;
+
+// Whether the scores say where the eyes look, and not only the bones. Senders of both often send
+// one of them as zeros: all blendshapes of their model or bones that never turn. Where both move,
+// scores count: they are the tracker's own, while the bones are limited to what suits the sender's
+// model.
+class GazeInScores {
+ public:
+  explicit GazeInScores(const BlendshapeMap& map) {
+    const size_t width = map.offset.size(), eyes = map.expression_count() + 3;  // after the jaw
+    for (size_t c = 0; c < map.names.size(); ++c) {
+      const float* row = &map.matrix[c * width];
+      const bool turns = std::any_of(row + eyes, row + width, [](float x) { return x != 0; });
+      if (turns && ArkitSpelling(map.names[c]).starts_with("eyeLook")) places_.push_back(c);
+    }
   }
-  return message.address == kApply;
-}
+  // scores: of a frame at that time.
+  bool IsInScores(const std::vector<float>& scores, int64_t now_ns) {
+    for (const size_t c : places_)
+      if (scores[c] > kLooks) {
+        seen_ = true;
+        seen_ns_ = now_ns;
+      }
+    return seen_ && ElapsedNs(seen_ns_, now_ns) < kGazePauseNs;
+  }
+
+ private:
+  static constexpr float kLooks = 0.01f;  // less than half a degree
+  // Nobody looks straight ahead for so long.
+  static constexpr int64_t kGazePauseNs = 2'000'000'000;
+
+  std::vector<size_t> places_;  // of the scores that turn eyes
+  bool seen_ = false;
+  int64_t seen_ns_ = 0;
+};
+
+// What a message did.
+enum class Use { kNone, kSet, kEndedFrame };
 
 class VmcSource : public LiveSource {
  public:
   VmcSource(std::unique_ptr<PacketInput> input, ChosenMap chosen, const FlameParams& rest)
-      : input_(std::move(input)), chosen_(std::move(chosen)), rest_(rest) {
+      : input_(std::move(input)),
+        chosen_(std::move(chosen)),
+        index_(chosen_.map.names),
+        gaze_(chosen_.map),
+        rest_(rest) {
     state_.scores.resize(chosen_.map.names.size());
   }
 
@@ -78,13 +127,17 @@ class VmcSource : public LiveSource {
     packets_.Clear();
     input_->Receive(packets_, counts_);
     const uint64_t before = applied_;
-    for (size_t i = 0; i < packets_.size(); ++i) TakePacket(packets_[i]);
+    for (size_t i = 0; i < packets_.size(); ++i) TakePacket(packets_[i], now_ns);
+    if (set_ && !WaitsForApply(now_ns)) EndFrame();
     if (applied_ == before) return false;
     counts_.replaced += applied_ - before - 1;
     ++counts_.frames;
     out.params.translation = {};
-    out.params.pose = {frame_.neck, frame_.head};
+    out.params.pose = {frame_.bones[kNeck], frame_.bones[kHead]};
     ApplyBlendshapes(chosen_.map, frame_.scores, out.params);
+    if (!gaze_.IsInScores(frame_.scores, now_ns) && eye_bones_turned_)
+      for (const Bone eye : {kLeftEye, kRightEye})
+        if (eye_seen_[eye - kLeftEye]) out.params.pose[3 + eye - kLeftEye] = frame_.bones[eye];
     PutOnRest(rest_, out.params);
     out.sequence = applied_ - 1;
     out.time_ns = now_ns;
@@ -98,31 +151,125 @@ class VmcSource : public LiveSource {
   }
 
  private:
-  // Applies all messages of a packet or, if one is bad, none.
-  void TakePacket(const std::string& packet) {
-    std::string problem = ParseOsc(packet, messages_);
-    for (size_t i = 0; problem.empty() && i < messages_.size(); ++i)
-      problem = ProblemOf(messages_[i]);
-    if (!problem.empty()) {
-      ++counts_.malformed;
-      counts_.last_problem = input_->Description() + ": " + problem;
-      return;
-    }
+  // Whether the sender ends its frames by Apply. One that does not has a frame in each bundle, or
+  // in what has arrived of single messages.
+  bool WaitsForApply(int64_t now_ns) const {
+    return apply_seen_ && ElapsedNs(apply_ns_, now_ns) < kApplyPauseNs;
+  }
+
+  void EndFrame() {
+    frame_ = state_;
+    set_ = false;
+    ++applied_;
+  }
+
+  void TakePacket(const std::string& packet, int64_t now_ns) {
+    ParseOsc(packet, messages_);
+    bool used = false;
+    bad_ = nullptr;
     for (const OscMessage& message : messages_) {
-      if (!Take(message, chosen_.map, state_)) continue;
-      frame_ = state_;
-      ++applied_;
+      const Use use = message.problem.empty() ? Take(message) : Drop(message, message.problem);
+      used = used || use != Use::kNone;
+      set_ = set_ || use == Use::kSet;
+      if (use != Use::kEndedFrame) continue;
+      apply_seen_ = true;
+      apply_ns_ = now_ns;
+      EndFrame();
     }
+    if (set_ && IsOscBundle(packet) && !WaitsForApply(now_ns)) EndFrame();
+    if (bad_)
+      counts_.last_problem = input_->Description() + ": " +
+                             (bad_->address.empty() ? "" : PrintableName(NameOf(*bad_)) + ": ") +
+                             std::string(problem_);
+    else if (!used)
+      ++counts_.unusable;
+  }
+
+  // With what it is about: "/VMC/Ext/Bone/Pos Head".
+  const std::string& NameOf(const OscMessage& message) {
+    name_.assign(message.address);
+    if (const std::string_view name = NameIn(message); !name.empty())
+      name_.append(" ").append(name);
+    return name_;
+  }
+
+  // Leaves a message out; what it would have set keeps its value.
+  Use Drop(const OscMessage& message, std::string_view problem) {
+    ++counts_.malformed;
+    counts_.unused.dropped.Count(message.address.empty() ? "what is no OSC message"
+                                                         : NameOf(message));
+    bad_ = &message;
+    problem_ = problem;
+    return Use::kNone;
+  }
+
+  Use Take(const OscMessage& message) {
+    if (SameIgnoringCase(message.address, kApply)) return Use::kEndedFrame;
+    if (SameIgnoringCase(message.address, kBone)) return TakeBone(message);
+    if (SameIgnoringCase(message.address, kValue)) {
+      if (!HasNameAndNumbers(message, 1))
+        return Drop(message, "expected a name and 1 finite number");
+      return TakeScore(message, message.arguments[0].text, message.arguments[1]);
+    }
+    // "/jawOpen", "/avatar/parameters/JawOpen"
+    const std::string_view last = message.address.substr(message.address.rfind('/') + 1);
+    if (SameIgnoringCase(message.address.substr(0, kVmc.size()), kVmc) ||
+        FindArkitBlendshape(last) < 0) {
+      counts_.unused.messages.Count(message.address);
+      return Use::kNone;
+    }
+    if (message.arguments.empty() || !message.arguments[0].IsNumber())
+      return Drop(message, "expected 1 finite number");
+    return TakeScore(message, last, message.arguments[0]);
+  }
+
+  Use TakeScore(const OscMessage& message, std::string_view name, const OscArgument& value) {
+    const int i = FindScore(index_, name, counts_.unused);
+    if (i < 0) return Use::kNone;
+    if (!(std::abs(value.number) <= kMaxScore))
+      return Drop(message, "is not a score, a number from 0 to 1");
+    state_.scores[size_t(i)] = float(std::clamp(value.number, 0.0, 1.0));
+    return Use::kSet;
+  }
+
+  Use TakeBone(const OscMessage& message) {
+    const Bone bone = FindBone(NameIn(message));
+    if (bone == kOtherBone && HasNameAndNumbers(message, 0)) {
+      counts_.unused.bones.Count(NameIn(message));
+      return Use::kNone;
+    }
+    if (!HasNameAndNumbers(message, 7))
+      return Drop(message, "expected a name and 7 finite numbers");
+    const math::Quat<float> rotation = BoneRotation(message);
+    if (!IsRotation(rotation)) return Drop(message, "its rotation is not a unit quaternion");
+    state_.bones[bone] = FlameTurn(rotation);
+    if (bone == kLeftEye || bone == kRightEye) {
+      const AxisAngle& turn = state_.bones[bone];
+      eye_seen_[bone - kLeftEye] = true;
+      eye_bones_turned_ = eye_bones_turned_ || std::hypot(turn[0], turn[1], turn[2]) > kTurned;
+    }
+    return Use::kSet;
   }
 
   std::unique_ptr<PacketInput> input_;
   ChosenMap chosen_;
+  BlendshapeIndex index_;
+  GazeInScores gaze_;
   FlameParams rest_;
   NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;
   VmcState state_, frame_;  // current values; values at the end of the last frame
-  uint64_t applied_ = 0;    // number of complete frames
+  bool set_ = false;        // whether they may differ
+  bool apply_seen_ = false;
+  int64_t apply_ns_ = 0;  // when, last
+  std::array<bool, 2> eye_seen_{};
+  bool eye_bones_turned_ = false;
+  uint64_t applied_ = 0;  // number of complete frames
   LiveCounts counts_;
+  // Of the packet that is being read: the last message dropped, or null, and why.
+  const OscMessage* bad_ = nullptr;
+  std::string_view problem_;
+  std::string name_;  // scratch
 };
 
 }  // namespace

@@ -37,21 +37,6 @@ constexpr GeneralTurn kGeneralTurns[] = {{"jawOpen", kJawDown, kJawOpen},
                                          {"eyeLookInRight", kRightEye + 1, kGazeAside},
                                          {"eyeLookOutRight", kRightEye + 1, -kGazeAside}};
 
-// ASCII only, independent of the locale.
-char Lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
-
-bool SameName(std::string_view a, std::string_view b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return Lower(x) == Lower(y); });
-}
-
-template <class Names>
-int FindName(const Names& names, std::string_view name) {
-  for (size_t i = 0; i < names.size(); ++i)
-    if (SameName(names[i], name)) return int(i);
-  return -1;
-}
-
 float Limited(const BlendshapeMap& map, size_t c, float score) {
   const float least = map.least[c], most = map.most[c];
   const float margin = kScoreMargin * (most - least);
@@ -72,9 +57,10 @@ std::string NumberProblem(const char* field, const std::vector<float>& numbers) 
 }
 
 std::string NameProblem(const std::vector<std::string>& names) {
+  const BlendshapeIndex index(names);
   for (size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) return "names: number " + std::to_string(i) + " is empty";
-    const int first = FindName(names, names[i]);
+    const int first = index.Find(names[i]);
     if (size_t(first) < i)
       return "names: '" + names[i] + "' is number " + std::to_string(first) + " and " +
              std::to_string(i);
@@ -128,10 +114,8 @@ std::string ProblemOf(const BlendshapeMap& map) {
 }
 
 int FindBlendshape(const BlendshapeMap& map, std::string_view name) {
-  return FindName(map.names, name);
+  return BlendshapeIndex(map.names).Find(name);
 }
-
-int FindArkitBlendshape(std::string_view name) { return FindName(kArkitNames, name); }
 
 void ApplyBlendshapes(const BlendshapeMap& map,
                       const std::vector<float>& scores,
@@ -153,9 +137,10 @@ void ApplyBlendshapes(const BlendshapeMap& map,
 void ApplyBlendshapes(const BlendshapeMap& map,
                       const BlendshapeScores& scores,
                       FlameParams& params) {
+  const BlendshapeIndex index(map.names);
   std::vector<float> ordered(map.names.size());
   for (const auto& [name, score] : scores)
-    if (const int i = FindBlendshape(map, name); i >= 0) ordered[size_t(i)] = score;
+    if (const int i = index.Find(name); i >= 0) ordered[size_t(i)] = score;
   ApplyBlendshapes(map, ordered, params);
 }
 

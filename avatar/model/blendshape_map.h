@@ -5,21 +5,15 @@
 //   -> BlendshapeMap -> ApplyBlendshapes -> LiveFrame.
 #pragma once
 
-#include <array>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "avatar/model/blendshape_names.h"
 #include "flame/model.h"
 
 namespace cosplat {
-
-// The 52 blendshapes of Apple's ARKit, the common output of face trackers.
-constexpr size_t kArkitBlendshapes = 52;
-
-// In the order in which Live Link Face writes them, which is also the row order of a matrix file.
-extern const std::array<std::string_view, kArkitBlendshapes> kArkitNames;
 
 // Scores by their names.
 using BlendshapeScores = std::map<std::string, float>;
@@ -29,6 +23,9 @@ constexpr size_t kMappedTurns = 9;
 constexpr size_t kMaxBlendshapes = 1024;  // in a map
 // The largest magnitude that an output can reach: beyond it are no faces (avatar/live/guard.h).
 constexpr float kMaxMapped = 100;
+// Scores are 0 to 1, and smoothing takes some a little beyond. Larger magnitudes are of another
+// scale, such as percent, and are no scores.
+constexpr float kMaxScore = 2;
 
 // How a fitted map did on frames that it had not seen.
 struct BlendshapeFitFigures {
@@ -55,9 +52,8 @@ struct BlendshapeMap {
 // output that can exceed kMaxMapped.
 std::string ProblemOf(const BlendshapeMap& map);
 
-// Index in `names`; case-insensitive, because senders differ; -1 for an unknown name.
+// Index in `names`, in any spelling (NormalName); -1 for an unknown name.
 int FindBlendshape(const BlendshapeMap& map, std::string_view name);
-int FindArkitBlendshape(std::string_view name);
 
 // Sets expression, jaw and eyes. scores: [C]; those beyond 0 to 1 count as 0 or 1.
 void ApplyBlendshapes(const BlendshapeMap& map,

@@ -252,8 +252,13 @@ typedef struct cosplat_health {
   uint64_t drive_frames;   /* frames delivered by the drive */
   uint64_t drive_replaced; /* good, but superseded by a newer one before the next cosplat_advance */
   uint64_t drive_reordered, drive_malformed, drive_oversize, drive_flooded; /* dropped packets */
-  const char* drive;         /* description, "" without a drive; both valid until the next call */
+  const char* drive; /* description, "" without a drive; texts are valid until the next call */
   const char* drive_problem; /* one line about the last dropped packet, "" if there was none */
+  uint64_t drive_packets;  /* that arrived, whatever was in them: 0 if nothing sends to the port */
+  uint64_t drive_unusable; /* of them well-formed, but without anything that moves the face */
+  /* One line: what arrived and was not used, by name and count, and whether two senders take turns;
+   * "" if there is nothing to say. */
+  const char* drive_notes;
 } cosplat_health;
 /* Writes the state of the face and all counts. */
 COSPLAT_API cosplat_status cosplat_get_health(cosplat_avatar* avatar, cosplat_health* health);

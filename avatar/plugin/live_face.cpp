@@ -101,6 +101,7 @@ cosplat_health LiveFace::Health() {
   const LiveCounts drive = source_ ? source_->Counts() : LiveCounts{};
   description_ = source_ ? source_->Description() : "";
   problem_ = drive.last_problem;
+  notes_ = NotesOf(drive);
   const GuardCounts& face = guard_.counts();
   cosplat_health out{};
   out.face = uint32_t(guard_.state());
@@ -124,6 +125,9 @@ cosplat_health LiveFace::Health() {
   out.drive_ended = source_ && source_->Ended();
   out.drive = description_.c_str();
   out.drive_problem = problem_.c_str();
+  out.drive_packets = drive.packets;
+  out.drive_unusable = drive.unusable;
+  out.drive_notes = notes_.c_str();
   return out;
 }
 

@@ -45,7 +45,7 @@ class LiveFace {
   LiveFrame frame_;
   const FlameParams* shown_ = nullptr;
   int64_t now_ns_ = 0;  // of the last Advance
-  std::string description_, problem_;
+  std::string description_, problem_, notes_;
 };
 
 }  // namespace cosplat::plugin

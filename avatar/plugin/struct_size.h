@@ -24,6 +24,8 @@ template <class T>
 constexpr size_t kFirstSize = sizeof(T);
 template <>
 inline constexpr size_t kFirstSize<cosplat_open_options> = offsetof(cosplat_open_options, bust);
+template <>
+inline constexpr size_t kFirstSize<cosplat_health> = offsetof(cosplat_health, drive_packets);
 
 template <class T>
 uint32_t CheckedStructSize(const T* theirs, const char* name) {
@@ -50,15 +52,16 @@ T ReadStruct(const T* theirs, const char* name) {
   return ours;
 }
 
-// Copies `ours`, except for the size, which stays the caller's.
+// Copies as much of `ours` as theirs has, except for the size, which stays the caller's; what only
+// theirs has is zero.
 template <class T>
 void WriteStruct(T ours, T* theirs, const char* name) {
-  static_assert(kFirstSize<T> == sizeof(T), "writes the whole structure");
   const uint32_t size = CheckedStructSize(theirs, name);
   ours.struct_size = size;
+  const size_t known = std::min(size_t(size), sizeof(T));
   auto* bytes = reinterpret_cast<unsigned char*>(theirs);
-  std::memcpy(bytes, &ours, sizeof(T));
-  std::fill(bytes + sizeof(T), bytes + size, static_cast<unsigned char>(0));
+  std::memcpy(bytes, &ours, known);
+  std::fill(bytes + known, bytes + size, static_cast<unsigned char>(0));
 }
 
 }  // namespace cosplat::plugin

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "avatar/model/blendshape_map.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
@@ -131,15 +132,21 @@ class ScoreMatcher {
   }
 
   static void AddScores(const std::vector<const DetectedFace*>& faces, BlendshapeSamples& samples) {
+    std::vector<BlendshapeScores> scores;
     std::set<std::string> names;
-    for (const DetectedFace* face : faces)
-      for (const auto& [name, score] : face->blendshapes) names.insert(name);
-    samples.names.assign(names.begin(), names.end());
     for (const DetectedFace* face : faces) {
+      scores.emplace_back();
+      for (const auto& [name, score] : face->blendshapes) {
+        scores.back()[ArkitSpelling(name)] = score;
+        names.insert(ArkitSpelling(name));
+      }
+    }
+    samples.names.assign(names.begin(), names.end());
+    for (const BlendshapeScores& of_frame : scores) {
       std::vector<float>& row = samples.scores.emplace_back();
       for (const std::string& name : names) {
-        const auto score = face->blendshapes.find(name);
-        row.push_back(score == face->blendshapes.end() ? 0.0f : score->second);
+        const auto score = of_frame.find(name);
+        row.push_back(score == of_frame.end() ? 0.0f : score->second);
       }
     }
   }

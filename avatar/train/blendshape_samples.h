@@ -13,7 +13,8 @@
 namespace cosplat {
 
 struct BlendshapeSamples {
-  std::vector<std::string> names;  // [C] of the scores, each of which some frame has
+  // [C] of the scores, each of which some frame has; one of the 52 as ARKit writes it
+  std::vector<std::string> names;
   // [N] of [C], 0 to 1, in order of time; a score that a frame lacks is 0.
   std::vector<std::vector<float>> scores;
   std::vector<FlameParams> faces;  // [N]

@@ -2,6 +2,7 @@
 // fuzzers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -51,6 +52,10 @@ inline std::string PollProblem(LiveSource& source, int64_t now_ns, bool& good) {
   const LiveCounts after = source.Counts();
   if (after.last_problem.find('\n') != std::string::npos) return "a problem of two lines";
   if (after.last_problem.size() > 400) return "a problem without an end";
+  const std::string notes = NotesOf(after);
+  if (notes.size() > 8000) return "notes without an end";
+  if (std::any_of(notes.begin(), notes.end(), [](char c) { return c < ' ' || c > '~'; }))
+    return "notes that cannot be printed";
   if (good) return frame.time_ns > now_ns ? "a frame of the future" : FrameProblem(frame.params);
   const bool counted = after.malformed + after.oversize + after.reordered >
                        before.malformed + before.oversize + before.reordered;

@@ -107,10 +107,11 @@ std::string ReadVmcPacket(const std::string& folder, const std::string& bytes) {
 
 std::string ReadOsc(const std::string&, const std::string& bytes) {
   std::vector<OscMessage> messages;
-  const std::string problem = ParseOsc(bytes, messages);
-  if (!problem.empty()) throw Error("packet", problem);
+  ParseOsc(bytes, messages);
   for (const OscMessage& message : messages)
     if (message.arguments.size() > kMaxOscArguments) return "too many arguments";
+  for (const OscMessage& message : messages)
+    if (!message.problem.empty()) throw Error("packet", std::string(message.problem));
   return "";
 }
 

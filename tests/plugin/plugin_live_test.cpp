@@ -4,6 +4,7 @@
 
 #include "avatar/live/udp_socket.h"
 #include "avatar/live/vmc_frame.h"
+#include "tests/avatar/live/osc_builder.h"
 #include "tests/plugin/plugin_fixture.h"
 #include "tests/plugin/restless_sequence.h"
 #include "tests/support/restless_params.h"
@@ -180,6 +181,85 @@ TEST(PluginLive, BlendshapesMoveAnAvatarByItsOwnMapOrTheGeneralOne) {
   for (float& x : own.matrix) x *= 0.5f;
   EXPECT_FLOAT_EQ(JawByVmc(files.Write("with_map.glb", avatar), map), 0.125f);
   EXPECT_EQ(map, "the avatar's own blendshape map");
+}
+
+TEST(PluginLive, WhatArrivesAndIsNotUsedIsInTheHealth) {
+  const OpenAvatar avatar;
+  ASSERT_EQ(cosplat_set_drive(avatar, "vmc://:0"), COSPLAT_OK);
+  EXPECT_EQ(HealthOf(avatar).drive_packets, 0u);
+  EXPECT_STREQ(HealthOf(avatar).drive_notes, "");
+  const std::string drive = HealthOf(avatar).drive;
+  UdpSocket sender = UdpSocket::ConnectTo(ParseDriveAddress(drive.substr(0, drive.find(','))));
+  for (int i = 0; i < 27; ++i) ASSERT_TRUE(sender.Send(VmcValue("Joy", 1)));
+  ASSERT_EQ(cosplat_advance(avatar, 0), COSPLAT_OK);
+  const cosplat_health health = HealthOf(avatar);
+  EXPECT_EQ(health.drive_packets, 27u);
+  EXPECT_EQ(health.drive_unusable, 27u);
+  EXPECT_EQ(health.drive_frames, 0u);
+  EXPECT_STREQ(health.drive_notes, "ignored blendshapes: Joy (27)");
+}
+
+// Of cosplat.h 0.2.
+struct Health02 {
+  uint32_t struct_size, face;
+  float age_s;
+  uint32_t drive_ended;
+  uint64_t accepted, replaced, late, not_finite, out_of_range, wrong_size, softened, held, decayed;
+  uint64_t returned, drive_frames, drive_replaced, drive_reordered, drive_malformed, drive_oversize;
+  uint64_t drive_flooded;
+  const char *drive, *drive_problem;
+};
+template <class A, class B, class T>
+bool SamePlace(T A::*a, T B::*b) {
+  const A x{};
+  const B y{};
+  return reinterpret_cast<const char*>(&(x.*a)) - reinterpret_cast<const char*>(&x) ==
+         reinterpret_cast<const char*>(&(y.*b)) - reinterpret_cast<const char*>(&y);
+}
+
+TEST(PluginLive, TheHealthBeginsWithAllFieldsOf02) {
+#define SAME(field) EXPECT_TRUE(SamePlace(&Health02::field, &cosplat_health::field)) << #field
+  SAME(struct_size);
+  SAME(face);
+  SAME(age_s);
+  SAME(drive_ended);
+  SAME(accepted);
+  SAME(replaced);
+  SAME(late);
+  SAME(not_finite);
+  SAME(out_of_range);
+  SAME(wrong_size);
+  SAME(softened);
+  SAME(held);
+  SAME(decayed);
+  SAME(returned);
+  SAME(drive_frames);
+  SAME(drive_replaced);
+  SAME(drive_reordered);
+  SAME(drive_malformed);
+  SAME(drive_oversize);
+  SAME(drive_flooded);
+  SAME(drive);
+  SAME(drive_problem);
+#undef SAME
+}
+
+TEST(PluginLive, AnOlderHostsHealthIsWrittenAsFarAsItGoes) {
+  const OpenAvatar avatar;
+  constexpr size_t kOld = sizeof(Health02);
+  struct {
+    cosplat_health health;
+    char after[8];
+  } host;
+  std::memset(&host, 0x5a, sizeof(host));
+  host.health.struct_size = kOld;
+  ASSERT_EQ(cosplat_get_health(avatar, &host.health), COSPLAT_OK);
+  EXPECT_EQ(host.health.struct_size, kOld);
+  EXPECT_STREQ(host.health.drive_problem, "");
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&host);
+  for (size_t i = kOld; i < sizeof(host); ++i) EXPECT_EQ(bytes[i], 0x5a) << i;
+  host.health.struct_size = kOld - 1;
+  EXPECT_EQ(cosplat_get_health(avatar, &host.health), COSPLAT_ERROR_ARGUMENT);
 }
 
 TEST(PluginLive, ADriveThatCannotBeOpenedIsNamed) {

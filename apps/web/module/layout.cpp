@@ -69,7 +69,8 @@ std::string Layout() {
   FIELD(replaced), FIELD(late), FIELD(not_finite), FIELD(out_of_range), FIELD(wrong_size);
   FIELD(softened), FIELD(held), FIELD(decayed), FIELD(returned), FIELD(drive_frames);
   FIELD(drive_replaced), FIELD(drive_reordered), FIELD(drive_malformed), FIELD(drive_oversize);
-  FIELD(drive_flooded), FIELD(drive), FIELD(drive_problem);
+  FIELD(drive_flooded), FIELD(drive), FIELD(drive_problem), FIELD(drive_packets);
+  FIELD(drive_unusable), FIELD(drive_notes);
   END()
   BEGIN(cosplat_camera)
   FIELD(struct_size), FIELD(width), FIELD(height), FIELD(fx), FIELD(fy), FIELD(cx), FIELD(cy);

@@ -56,7 +56,8 @@ function rotationOf(matrix) {
 function send(result, seq, seconds) {
   const [scores] = result.faceBlendshapes ?? [];
   if (!scores) return false;
-  const blendshapes = Object.fromEntries(scores.categories.map(({ categoryName, score }) => [categoryName, score]));
+  const scored = scores.categories.filter(({ categoryName }) => categoryName !== "_neutral");
+  const blendshapes = Object.fromEntries(scored.map(({ categoryName, score }) => [categoryName, score]));
   const [matrix] = result.facialTransformationMatrixes ?? [];
   const frame = { seq, time: seconds, blendshapes };
   if (matrix) frame.neck = rotationOf(matrix.data);

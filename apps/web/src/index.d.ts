@@ -115,6 +115,9 @@ export interface Health {
   driveFlooded: number;
   drive: string;
   driveProblem: string;
+  drivePackets: number;
+  driveUnusable: number;
+  driveNotes: string;
 }
 
 /** A pinhole camera: x right, y down, looking along +z; pixel centres at +0.5. */

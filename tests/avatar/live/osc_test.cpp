@@ -15,13 +15,18 @@ using test::OscWord;
 // The packet must outlive its messages, which point into it.
 std::vector<OscMessage> Parse(const std::string& packet) {
   std::vector<OscMessage> messages;
-  EXPECT_EQ(ParseOsc(packet, messages), "");
+  ParseOsc(packet, messages);
+  for (const OscMessage& message : messages) EXPECT_EQ(message.problem, "");
   return messages;
 }
 
+// The first.
 std::string ProblemOf(const std::string& packet) {
   std::vector<OscMessage> messages;
-  return ParseOsc(packet, messages);
+  ParseOsc(packet, messages);
+  for (const OscMessage& message : messages)
+    if (!message.problem.empty()) return std::string(message.problem);
+  return "";
 }
 
 TEST(Osc, EveryTypeOfArgument) {
@@ -83,14 +88,42 @@ TEST(Osc, WhatIsWrongIsSaid) {
       {a + OscText(",b") + OscWord(0xffffffff), "ends within"},
       {a + OscText(",b") + OscWord(5) + "1234", "ends within"},
       {a + OscText(",i") + OscWord(1) + OscWord(2), "longer than"},
-      {a + OscText("," + std::string(kMaxOscArguments + 1, 'T')), "33 arguments"},
+      {a + OscText("," + std::string(kMaxOscArguments + 1, 'T')), "32 arguments"},
       {OscBundle({a}).substr(0, 12), "within an OSC bundle"},
       {OscBundle({a}) + "12", "within an OSC bundle"},
       {OscBundle({}) + OscWord(0x80000000), "within an OSC bundle"},
-      {OscBundle({""}), "no OSC address"},
+      {OscBundle({"abcd"}), "no OSC address"},
   };
   for (const auto& c : cases)
     EXPECT_NE(ProblemOf(c.packet).find(c.problem), std::string::npos) << ProblemOf(c.packet);
+}
+
+TEST(Osc, ABadElementCostsOnlyItself) {
+  const std::string a = OscText("/a") + OscText(","), cut = OscText("/b") + OscText(",f");
+  std::vector<OscMessage> messages;
+  const std::string packet = OscBundle({a, cut, OscBundle({"abcd", a}), a}) + OscWord(99) + "/c";
+  ParseOsc(packet, messages);
+  ASSERT_EQ(messages.size(), 6u);
+  const std::string_view addresses[] = {"/a", "/b", "", "/a", "/a", ""};
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(messages[i].address, addresses[i]);
+    EXPECT_EQ(messages[i].problem.empty(), addresses[i] == "/a");
+  }
+}
+
+TEST(Osc, ZerosAtTheEndArePadding) {
+  const std::string a = OscText("/a") + OscText(",i") + OscWord(7);
+  const std::string packet = OscBundle({a + std::string(8, '\0'), "", a}) + std::string(7, '\0');
+  EXPECT_EQ(Parse(packet).size(), 2u);
+}
+
+TEST(Osc, ABlobIsTextUpToItsFirstZero) {
+  const std::string packet =
+      OscText("/a") + OscText(",b") + OscWord(6) + std::string("name\0x\0\0", 8);
+  const std::vector<OscMessage> messages = Parse(packet);
+  const OscArgument& argument = messages[0].arguments[0];
+  EXPECT_TRUE(argument.IsText());
+  EXPECT_EQ(argument.text, "name");
 }
 
 TEST(Osc, BundlesInsideEachOtherEnd) {

@@ -53,6 +53,8 @@ struct Connection {
 TEST(VmcSource, AFrameIsWhatWasSentUntilItsEnd) {
   Connection connection;
   LiveFrame frame;
+  connection.Send(VmcApply());  // a sender that ends its frames
+  ASSERT_TRUE(connection.source->Poll(0, frame));
   connection.Send(VmcValue("eyeBlinkLeft", 0.5f));
   connection.Send(OscBundle({VmcValue("EyeLookDownLeft", 1), VmcValue("JAWOPEN", 0.5f)}));
   EXPECT_FALSE(connection.source->Poll(0, frame));
@@ -63,7 +65,7 @@ TEST(VmcSource, AFrameIsWhatWasSentUntilItsEnd) {
   EXPECT_FLOAT_EQ(frame.params.pose[2][0], 0.15f);
   EXPECT_FLOAT_EQ(frame.params.pose[3][0], 0.4f);
   EXPECT_FLOAT_EQ(frame.params.pose[4][0], 0);
-  EXPECT_EQ(frame.sequence, 0u);
+  EXPECT_EQ(frame.sequence, 1u);
   EXPECT_EQ(frame.time_ns, 7);
   EXPECT_FALSE(connection.source->Poll(8, frame));
   connection.Send(VmcApply());
@@ -71,7 +73,7 @@ TEST(VmcSource, AFrameIsWhatWasSentUntilItsEnd) {
   ASSERT_TRUE(connection.source->Poll(9, frame));
   EXPECT_EQ(frame.params.expression[0], 2);
   EXPECT_EQ(frame.params.expression[1], 2);  // stays
-  EXPECT_EQ(frame.sequence, 2u);
+  EXPECT_EQ(frame.sequence, 3u);
   EXPECT_EQ(connection.source->Counts().replaced, 1u);
 }
 
@@ -106,31 +108,35 @@ TEST(VmcSource, BonesTurnTheHead) {
   EXPECT_EQ(frame.params.translation[2], 3);
 }
 
-TEST(VmcSource, ABadPacketIsDroppedAsAWhole) {
+TEST(VmcSource, ABadMessageIsDroppedAndTheRestIsTaken) {
   Connection connection;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::string value = test::OscText("/VMC/Ext/Blend/Val");
   const std::string bad[] = {
       "nonsense",
       VmcValue("jawOpen", kNan),
+      VmcValue("jawOpen", 37),
       VmcBone("Head", {0, 0, 0, 0}),
       VmcBone("Head", {0, 0, kNan, 1}),
       VmcBone("Head", {0, 0, 1}),
-      test::OscText("/VMC/Ext/Blend/Val") + test::OscText(",ff") + test::OscFloat(1) +
-          test::OscFloat(1),
+      value + test::OscText(",s") + test::OscText("jawOpen"),
+      value + test::OscText(",ss") + test::OscText("jawOpen") + test::OscText("0.5"),
+      value + test::OscText(",sf") + test::OscText("jawOpen"),
+      value + test::OscText(",ff") + test::OscFloat(1) + test::OscFloat(1),
   };
   uint64_t count = 0;
   LiveFrame frame;
   for (const std::string& packet : bad) {
-    connection.Send(OscBundle({VmcValue("eyeBlinkLeft", 1), packet, VmcApply()}));
-    EXPECT_FALSE(connection.source->Poll(0, frame));
-    EXPECT_EQ(connection.source->Counts().malformed, ++count);
+    const float blink = 0.05f * float(++count);
+    connection.Send(OscBundle({packet, VmcValue("eyeBlinkLeft", blink), VmcApply()}));
+    ASSERT_TRUE(connection.source->Poll(0, frame));
+    EXPECT_FLOAT_EQ(frame.params.expression[0], 2 * blink);
+    EXPECT_EQ(frame.params.pose[2][0], 0);
+    EXPECT_EQ(connection.source->Counts().malformed, count);
   }
   EXPECT_EQ(connection.source->Counts().last_problem,
             test::AddressOf(*connection.source) +
                 ": /VMC/Ext/Blend/Val: expected a name and 1 finite number");
-  connection.Send(VmcApply());
-  ASSERT_TRUE(connection.source->Poll(0, frame));
-  EXPECT_EQ(frame.params.expression[0], 0);
 }
 
 TEST(VmcSource, ErrorsOfTheMatrixNameFileAndArray) {
