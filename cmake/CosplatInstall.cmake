@@ -54,6 +54,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/ply_
   splat/io/sog_format.h
   splat/io/splat_primitive.h
+  splat/io/splat_values.h
   splat/io/view_files.h
   splat/levels/merge.h
   splat/prune/rounds.h

@@ -72,6 +72,7 @@ void Gaussians::Upload(const Gaussians& from, Stream& stream) {
   basis = from.basis;
   corrections = from.corrections;
   antialiased = from.antialiased;
+  low_pass_variance = from.low_pass_variance;
   degrees.Upload(from.degrees.data(), from.degrees.size(), stream);
   smoothing.Upload(from.smoothing.data(), from.smoothing.size(), stream);
   for (int a = 0; a < kAttributeCount; ++a)
@@ -83,6 +84,7 @@ void Gaussians::Download(Gaussians& to, Stream& stream) const {
   to.basis = basis;
   to.corrections = corrections;
   to.antialiased = antialiased;
+  to.low_pass_variance = low_pass_variance;
   to.degrees.resize(degrees.size());
   degrees.Download(to.degrees.data(), stream);
   to.smoothing.resize(smoothing.size());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "splat/basis.h"
+#include "splat/config.h"
 #include "splat/device/buffer.h"
 
 namespace cosplat {
@@ -37,9 +38,11 @@ struct Gaussians {
   // [N] degree of each Gaussian, <= `degree`: coefficients of its higher bands are zero, are not
   // evaluated and get no gradient. Empty if all have `degree`.
   Buffer<uint8_t> degrees;
-  // Rendered with a low-pass filter of kAntialiasedBlurVariance, in which the opacity shrinks as
-  // the footprint grows (LowPassShare in splat/math/pinhole.h), instead of kBlurVariance without.
+  // Rendered with a low-pass filter of low_pass_variance, in which the opacity shrinks as the
+  // footprint grows (LowPassShare in splat/math/pinhole.h), instead of kBlurVariance without.
   bool antialiased = false;
+  // px^2, only if antialiased: ours, or kBlurVariance, with which all other programs train.
+  float low_pass_variance = kAntialiasedBlurVariance;
   // [N] only if antialiased: variance of each Gaussian's 3D smoothing filter, world units^2
   // (SmoothScale in splat/math/gaussian.h), which is rendered and is not yet part of scale and
   // opacity. Empty: none.

@@ -8,6 +8,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
@@ -63,13 +64,14 @@ void SplatInfo(const std::string& path, SplatLayout layout) {
     std::printf("%s", SummarizeGaussianAvatar(path).c_str());
     return;
   }
-  const Gaussians g = ReadSplats(path);
+  const Gaussians g = ReadSplatsAloud(path);
   std::printf("%s splats: %s Gaussians, SH degree %d\n",
               LayoutName(path, layout).c_str(),
               WithThousands(g.size()).c_str(),
               g.degree);
   if (g.degree > 0) DegreeInfo(g);
-  if (g.size() == 0) return;
+  if (g.antialiased)
+    std::printf("anti-aliased, for a low-pass filter of %.1f px^2\n", g.low_pass_variance);
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (size_t i = 0; i < g.size(); ++i) {
@@ -217,7 +219,9 @@ void Info(const std::string& path) {
   const std::string extension = fs::path(path).extension().string();
   const SplatLayout layout = SplatLayoutOf(path);
   if (layout == SplatLayout::kGlb) {
-    std::printf("%s", ToString(SummarizeGlb(path)).c_str());
+    const GlbSummary summary = SummarizeGlb(path);
+    std::printf("%s", ToString(summary).c_str());
+    if (!summary.avatar) ReadSplatsAloud(path);  // for its notes
   } else if (layout != SplatLayout::kNone) {
     SplatInfo(path, layout);
   } else if (IsLevelsFile(path)) {
@@ -233,7 +237,9 @@ void Info(const std::string& path) {
       TrackInfo(path, false);
     }
   } else {
-    throw Error(path, "is not a splat file, a .glb, .pkl or .npz file or a folder");
+    const std::string other = OtherKindOf(path);
+    throw Error(
+        path, other.empty() ? "is not a splat file, a .glb, .pkl or .npz file or a folder" : other);
   }
 }
 

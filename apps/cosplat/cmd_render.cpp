@@ -16,6 +16,7 @@
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
@@ -33,7 +34,6 @@
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
 #include "splat/io/dataset.h"
-#include "splat/io/splat_file.h"
 #include "splat/render/device.h"
 
 namespace cosplat {
@@ -114,7 +114,7 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
     if (given) throw Error(o.model, name, "is for avatars; this is a scene");
   const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
   const int iteration = SavedIteration(o.model, run);
-  Gaussians g = ReadSplats(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
+  Gaussians g = ReadSplatsAloud(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   SortByDegree(g);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
   const bool held_out = !scene.test.empty();

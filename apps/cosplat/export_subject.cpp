@@ -1,6 +1,7 @@
 #include "apps/cosplat/export_subject.h"
 
 #include "apps/cosplat/run/imported_run.h"
+#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
@@ -48,7 +49,7 @@ ExportSubject LoadRun(const ExportSource& source) {
     throw Error(source.model, "--measure", "is for scenes; an avatar's files hold it at rest only");
   subject.path = source.splats.empty() ? SplatPath(source.model, SavedIteration(source.model, run))
                                        : source.splats;
-  subject.gaussians = ReadSplats(subject.path);
+  subject.gaussians = ReadSplatsAloud(subject.path);
   subject.background = BackgroundOf(run);
   if (!subject.is_avatar && (source.views || source.measure))
     subject.data = LoadSplitScene(source.data.empty() ? run["source"].String() : source.data,
@@ -69,7 +70,7 @@ ExportSubject LoadExportSubject(const ExportSource& source) {
     subject = LoadImported(source);
   } else {
     subject.path = source.splats;
-    subject.gaussians = ReadSplats(source.splats);
+    subject.gaussians = ReadSplatsAloud(source.splats);
   }
   // From FLAME's axes, which are glTF's, to those of scenes: the turn is its own inverse.
   if (subject.is_avatar) TurnToGltfAxes(subject.gaussians);

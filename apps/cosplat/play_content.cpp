@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"
@@ -80,7 +81,7 @@ Content LoadGaussianAvatar(const std::string& path, const std::string& flame) {
 
 Content LoadSplatsOf(const std::string& path) {
   Content content;
-  content.scene = ReadSplats(path);
+  content.scene = ReadSplatsAloud(path);
   content.background = {0, 0, 0};
   content.start = viewer::BeforeSplats(path, content.scene);
   return content;

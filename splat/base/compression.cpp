@@ -4,9 +4,11 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <limits>
 
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {
@@ -16,6 +18,10 @@ constexpr int kZstdLevel = 19;               // the highest that needs no more m
 
 // zlib counts in 32 bits.
 uInt Chunk(size_t left) { return uInt(std::min<size_t>(left, 1u << 30)); }
+
+bool IsGzip(const std::vector<char>& bytes) {
+  return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
+}
 
 }  // namespace
 
@@ -34,31 +40,79 @@ GunzipReader::GunzipReader(const std::string& path, const std::vector<char>& byt
 
 GunzipReader::~GunzipReader() { inflateEnd(&stream_->z); }
 
-std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t size) {
-  std::vector<unsigned char> out(size);
+size_t GunzipReader::Inflate(const std::string& field, unsigned char* out, size_t size, bool& cut) {
   z_stream& z = stream_->z;
-  for (size_t done = 0; done < size;) {
+  size_t done = 0;
+  while (done < size) {
     if (z.avail_in == 0) {
       z.next_in = const_cast<unsigned char*>(stream_->next);
       z.avail_in = Chunk(stream_->left);
       stream_->next += z.avail_in;
       stream_->left -= z.avail_in;
     }
-    z.next_out = out.data() + done;
+    z.next_out = out + done;
     const uInt room = Chunk(size - done);
     z.avail_out = room;
     const int status = inflate(&z, Z_NO_FLUSH);
     done += room - z.avail_out;
     if (done == size) break;
-    const bool ended = status == Z_STREAM_END || (status == Z_BUF_ERROR && stream_->left == 0);
-    if (ended || (status != Z_OK && status != Z_BUF_ERROR))
-      throw Error(path_,
-                  field,
-                  ended ? "the file ends after " + std::to_string(done) + " of " +
-                              std::to_string(size) + " bytes"
-                        : std::string("is damaged: ") + (z.msg ? z.msg : "not gzip"));
+    cut = status == Z_BUF_ERROR && stream_->left == 0;
+    if (cut || status == Z_STREAM_END) break;
+    if (status != Z_OK && status != Z_BUF_ERROR)
+      throw Error(path_, field, std::string("is damaged: ") + (z.msg ? z.msg : "not gzip"));
   }
+  return done;
+}
+
+std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t size) {
+  std::vector<unsigned char> out(size);
+  bool cut = false;
+  const size_t done = Inflate(field, out.data(), size, cut);
+  if (done < size)
+    throw Error(
+        path_,
+        field,
+        "the file ends after " + std::to_string(done) + " of " + std::to_string(size) + " bytes");
   return out;
+}
+
+std::vector<char> GunzipReader::ReadUpTo(size_t size) {
+  std::vector<char> out(size);
+  bool cut = false;
+  out.resize(Inflate("gzip", reinterpret_cast<unsigned char*>(out.data()), size, cut));
+  if (cut)
+    throw Error(path_, "gzip", "is truncated after " + std::to_string(out.size()) + " bytes");
+  return out;
+}
+
+std::vector<char> ReadUnpacked(const std::string& path) {
+  std::vector<char> bytes = ReadFile(path);
+  if (!IsGzip(bytes)) return bytes;
+  constexpr size_t kMostPerByte = 100, kAlwaysAllowed = 1 << 24, kBlock = 1 << 20;
+  const size_t limit = std::max(kMostPerByte * bytes.size(), kAlwaysAllowed);
+  GunzipReader reader(path, bytes);
+  std::vector<char> unpacked;
+  for (std::vector<char> block; !(block = reader.ReadUpTo(kBlock)).empty();) {
+    unpacked.insert(unpacked.end(), block.begin(), block.end());
+    if (unpacked.size() > limit)
+      throw Error(path, "gzip", "inflates to more than " + std::to_string(limit) + " bytes");
+  }
+  return unpacked;
+}
+
+std::string FirstBytes(const std::string& path, size_t count) {
+  std::vector<char> bytes(1 << 12);
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), std::streamsize(bytes.size()));
+  bytes.resize(size_t(std::max<std::streamsize>(stream.gcount(), 0)));
+  if (!IsGzip(bytes))
+    return {bytes.begin(), bytes.begin() + ptrdiff_t(std::min(count, bytes.size()))};
+  try {
+    const std::vector<unsigned char> first = GunzipReader(path, bytes).Read("gzip", count);
+    return {first.begin(), first.end()};
+  } catch (const Error&) {
+    return "";  // of a damaged file nothing is known: its reader says so
+  }
 }
 
 std::string Gzip(const std::string& bytes) {

@@ -18,12 +18,22 @@ class GunzipReader {
   // The next `size` inflated bytes. Throws Error naming `field` if the stream ends earlier or is
   // damaged.
   std::vector<unsigned char> Read(const std::string& field, size_t size);
+  // As many of the next `size` bytes as there are. Throws Error if the stream is damaged or cut.
+  std::vector<char> ReadUpTo(size_t size);
 
  private:
+  // Returns the number of bytes before the end of the stream, or of its file (`cut`).
+  size_t Inflate(const std::string& field, unsigned char* out, size_t size, bool& cut);
   struct Stream;
   std::string path_;
   std::unique_ptr<Stream> stream_;
 };
+
+// A whole file, inflated if gzip packed it. Throws Error if it is missing or damaged, or if it
+// inflates to more than a hundred times its size: floats shrink to a half, zeros to a thousandth.
+std::vector<char> ReadUnpacked(const std::string& path);
+// Its first bytes, inflated likewise: `count`, or as many as can be had. Empty if there is no file.
+std::string FirstBytes(const std::string& path, size_t count);
 
 // At zlib's highest level. Without a time, so that equal bytes give equal files.
 std::string Gzip(const std::string& bytes);

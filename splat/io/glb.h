@@ -61,6 +61,7 @@ struct GlbDocument {
   std::vector<GlbMesh> meshes;
   std::vector<GlbScene> scenes;  // the first is the default; ReadGlb does not fill it
   std::vector<std::string> extensions_used;
+  bool has_transforms = false;  // of ReadGlb: a node has one that is not the identity
 };
 
 // Append values, tightly packed, and return the accessor's index. values: [count, width]. Throws

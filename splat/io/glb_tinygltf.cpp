@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 
+#include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/glb.h"
@@ -138,6 +139,15 @@ GlbAccessor FromTinygltf(const tinygltf::Model& model, const tinygltf::Accessor&
   return out;
 }
 
+bool HasTransform(const tinygltf::Node& node) {
+  const auto differs = [](const std::vector<double>& values, const std::vector<double>& none) {
+    return !values.empty() && values != none;
+  };
+  return differs(node.translation, {0, 0, 0}) || differs(node.rotation, {0, 0, 0, 1}) ||
+         differs(node.scale, {1, 1, 1}) ||
+         differs(node.matrix, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+}
+
 // Images are not needed, and decoding them is the most vulnerable part of a glTF library.
 bool IgnoreImage(
     tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
@@ -179,7 +189,7 @@ void WriteGlb(const GlbDocument& document) {
 }
 
 GlbDocument ReadGlb(const std::string& path, const std::vector<std::string>& known_extensions) {
-  return ParseGlb(path, ReadFile(path), known_extensions);
+  return ParseGlb(path, ReadUnpacked(path), known_extensions);
 }
 
 GlbDocument ParseGlb(const std::string& path,
@@ -194,6 +204,7 @@ GlbDocument ParseGlb(const std::string& path,
     for (const auto& accessor : model.accessors)
       document.accessors.push_back(FromTinygltf(model, accessor));
     for (const auto& mesh : model.meshes) document.meshes.push_back(FromTinygltf(mesh));
+    document.has_transforms = std::any_of(model.nodes.begin(), model.nodes.end(), HasTransform);
     if (!model.buffers.empty()) document.binary = std::move(model.buffers[0].data);
     return document;
   } catch (const Error&) {

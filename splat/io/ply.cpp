@@ -8,28 +8,16 @@
 #include "splat/base/files.h"
 #include "splat/io/ply_layouts.h"
 #include "splat/io/ply_reader.h"
+#include "splat/io/splat_values.h"
 
 namespace cosplat {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written as stored");
 
-// All columns in file order, except for the normals that follow the position.
-std::vector<PlyColumn> ColumnsOf(int degree) {
-  std::vector<PlyColumn> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
-  for (int i = 0; i < 3; ++i) columns.push_back({"f_dc_" + std::to_string(i), kColorDc, i});
-  for (PlyColumn& column : RestColumns(CoefficientCount(degree) - 1)) columns.push_back(column);
-  columns.push_back({"opacity", kOpacityLogit, 0});
-  for (int i = 0; i < 3; ++i) columns.push_back({"scale_" + std::to_string(i), kScaleLog, i});
-  for (int i = 0; i < 4; ++i) columns.push_back({"rot_" + std::to_string(i), kRotation, i});
-  return columns;
-}
-
-constexpr const char* kAntialiasedComment = "antialiased";
-
-std::string HeaderOf(size_t count, const char* comment = nullptr) {
-  return std::string("ply\nformat binary_little_endian 1.0\n") +
-         (comment ? "comment " + std::string(comment) + "\n" : "") + "element vertex " +
+// comments: whole lines.
+std::string HeaderOf(size_t count, const std::string& comments = "") {
+  return "ply\nformat binary_little_endian 1.0\n" + comments + "element vertex " +
          std::to_string(count) + "\n";
 }
 
@@ -42,8 +30,8 @@ void CheckForPly(const std::string& path, const Gaussians& gaussians) {
 constexpr int kNormals = 3, kNormalsAt = 3;
 
 void WriteSplatHeader(const Gaussians& layout, size_t count, std::ostream& out) {
-  const std::vector<PlyColumn> columns = ColumnsOf(layout.degree);
-  out << HeaderOf(count, layout.antialiased ? kAntialiasedComment : nullptr);
+  const std::vector<PlyColumn> columns = SplatColumns(layout.degree);
+  out << HeaderOf(count, MarksOf(layout));
   for (size_t i = 0; i < columns.size(); ++i) {
     if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
     out << "property float " << columns[i].name << "\n";
@@ -56,7 +44,7 @@ void WriteRows(const std::string& path,
                const Gaussians& gaussians,
                size_t first,
                std::ostream& out) {
-  const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
+  const std::vector<PlyColumn> columns = SplatColumns(gaussians.degree);
   std::vector<float> row(columns.size() + kNormals, 0.0f);
   for (size_t i = 0; i < gaussians.size(); ++i) {
     for (size_t k = 0; k < columns.size(); ++k) {
@@ -66,6 +54,8 @@ void WriteRows(const std::string& path,
             path, "vertex " + std::to_string(first + i) + ", " + columns[k].name, "is not finite");
       row[k < kNormalsAt ? k : k + kNormals] = value;
     }
+    // The last are opacity, scale_0..2, rot_0..3.
+    HideWithoutRotation(&row[row.size() - 4], row[row.size() - 8]);
     out.write(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(float));
   }
 }
@@ -98,29 +88,6 @@ void WritePly(const std::string& path,
           path,
           "its parts have " + std::to_string(written) + " vertices, not " + std::to_string(count));
   });
-}
-
-Gaussians ReadPly(const std::string& path) {
-  PlyReader reader(path);
-  if (IsCompressed(reader)) return ReadCompressed(reader);
-  reader.Enter("vertex");
-  Gaussians gaussians;
-  gaussians.degree = DegreeOf(reader);
-  gaussians.basis = Basis::kSh;
-  gaussians.antialiased = reader.HasComment(kAntialiasedComment);
-  const std::vector<PlyColumn> columns = ColumnsOf(gaussians.degree);
-  std::vector<int> source;
-  for (const PlyColumn& column : columns) source.push_back(reader.Require(column.name));
-  gaussians.Resize(reader.count());
-  for (size_t i = 0; i < reader.count(); ++i) {
-    const std::vector<double>& values = reader.Next();
-    for (size_t k = 0; k < columns.size(); ++k) {
-      const float value = float(values[source[k]]);
-      if (!std::isfinite(value)) reader.Fail(columns[k].name, "is not finite");
-      gaussians.at(columns[k].attribute, i)[columns[k].component] = value;
-    }
-  }
-  return gaussians;
 }
 
 bool IsCompressedPly(const std::string& path) { return IsCompressed(PlyReader(path)); }

@@ -2,8 +2,8 @@
 //
 // Properties, all float: x y z nx ny nz f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3. f_rest is
 // channel-major (all of red, then green, then blue), opacity a logit, scale a logarithm, rotation
-// wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h). The header's
-// line "comment antialiased" says that Gaussians::antialiased is set.
+// wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h). Comments say
+// whether Gaussians::antialiased is set (MarksOf in splat/io/ply_layouts.h).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace cosplat {
 
-// Binary little-endian, atomic. Throws Error if the basis is not kSh, a value is not finite or the
+// Binary little-endian, atomic. One without a direction becomes transparent
+// (splat/io/splat_values.h). Throws Error if the basis is not kSh, a value is not finite or the
 // smoothing is not baked in.
 void WritePly(const std::string& path, const Gaussians& gaussians);
 // The same of `count` Gaussians that need not be in memory together: those of part(0) to
@@ -26,9 +27,13 @@ void WritePly(const std::string& path,
               const std::function<Gaussians(size_t)>& part);
 
 // Accepts properties in any order; other properties and elements are ignored. The degree follows
-// from the number of f_rest (0, 9, 24, 45, 72). PlayCanvas's layout is detected by its header.
-// Throws Error naming vertex (or chunk) and property for non-finite, missing or truncated values.
-Gaussians ReadPly(const std::string& path);
+// from the number of f_rest (0, 9, 24, 45, 72). PlayCanvas's layout is detected by its header. Also
+// reads 2DGS's (no scale_2), Mip-Splatting's (filter_3D), nerfstudio's with red, green, blue in
+// place of f_dc, and files that gzip packed. Settled (splat/io/splat_values.h). Adds lines to
+// `notes`, if given: what a user should know of how the file was read. Throws Error naming vertex
+// (or chunk) and property for non-finite, missing or truncated values, and for points and
+// Scaffold-GS's anchors.
+Gaussians ReadPly(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 // Whether the file is in PlayCanvas's compressed layout. Throws Error if the header cannot be read.
 bool IsCompressedPly(const std::string& path);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "splat/io/packed_values.h"
+#include "splat/io/splat_values.h"
 
 namespace cosplat {
 namespace {
@@ -180,8 +184,19 @@ Gaussians ReadCompressed(PlyReader& reader) {
   gaussians.Resize(vertices.size());
   for (size_t i = 0; i < vertices.size(); ++i)
     UnpackVertex(vertices[i], chunks[i / kChunkSize], i, gaussians);
+  ReadMarks(reader, gaussians);
   if (reader.Has("sh", "f_rest_0")) ReadRest(reader, gaussians);
   return gaussians;
+}
+
+std::vector<PlyColumn> SplatColumns(int degree) {
+  std::vector<PlyColumn> columns{{"x", kPosition, 0}, {"y", kPosition, 1}, {"z", kPosition, 2}};
+  for (int i = 0; i < 3; ++i) columns.push_back({"f_dc_" + std::to_string(i), kColorDc, i});
+  for (PlyColumn& column : RestColumns(CoefficientCount(degree) - 1)) columns.push_back(column);
+  columns.push_back({"opacity", kOpacityLogit, 0});
+  for (int i = 0; i < 3; ++i) columns.push_back({"scale_" + std::to_string(i), kScaleLog, i});
+  for (int i = 0; i < 4; ++i) columns.push_back({"rot_" + std::to_string(i), kRotation, i});
+  return columns;
 }
 
 std::vector<PlyColumn> RestColumns(int coefficients) {
@@ -198,6 +213,33 @@ int DegreeOf(const PlyReader& reader) {
   for (int degree = 0; degree <= kMaxTrainedDegree; ++degree)
     if (rest == 3 * (CoefficientCount(degree) - 1)) return degree;
   reader.Fail("has " + std::to_string(rest) + " properties f_rest_*, expected 0, 9, 24, 45 or 72");
+}
+
+std::string MarksOf(const Gaussians& gaussians) {
+  if (!gaussians.antialiased) return "";
+  return std::string("comment SplatRenderMode: mip\ncomment ") + kLowPassField +
+         (LowPassNumber(gaussians) == 0.3 ? " 0.3\n" : " 0.1\n");
+}
+
+void ReadMarks(const PlyReader& reader, Gaussians& gaussians) {
+  bool antialiased = false;
+  double variance = kBlurVariance;
+  for (const std::string& comment : reader.comments()) {
+    if (comment == "Exported from Brush") variance = kAntialiasedBlurVariance;
+    std::istringstream words(comment);
+    std::string name, value;
+    words >> name >> value;
+    for (std::string* word : {&name, &value})
+      std::transform(word->begin(), word->end(), word->begin(), [](unsigned char c) {
+        return char(std::tolower(c));
+      });
+    if (name == "splatrendermode:") antialiased = value == "mip";
+    if (name == kLowPassField) variance = std::strtod(value.c_str(), nullptr);
+    if (name != "antialiased") continue;
+    antialiased = value != "0";
+    if (value.empty()) variance = kAntialiasedBlurVariance;
+  }
+  if (antialiased) SetAntialiased(reader.path(), variance, gaussians);
 }
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// Shared by both layouts of splat PLY files: the properties of colour bands, and the degree.
+// Shared by both layouts of splat PLY files: their properties, the degree, the marks in comments.
 #pragma once
 
 #include <string>
@@ -16,11 +16,20 @@ struct PlyColumn {
   int component;
 };
 
+// All of 3DGS's in file order, except for the normals that follow the position.
+std::vector<PlyColumn> SplatColumns(int degree);
 // f_rest_*, channel-major, for `coefficients` per channel.
 std::vector<PlyColumn> RestColumns(int coefficients);
 
 // From the number of f_rest_* of the current element; throws Error if it matches no degree.
 int DegreeOf(const PlyReader& reader);
+
+// How Gaussians are to be drawn, as comments. Of those that a file has the last counts:
+// "SplatRenderMode: mip" or another mode (Brush, SplatTransform), "antialiased 1" or 0 (Postshot),
+// "antialiased" (ours, at first). "low_pass_variance 0.1" is the filter of ours. Without that line
+// it is 0.3, as of gsplat, 3DGS and PlayCanvas, or 0.1 for Brush, which says "Exported from Brush".
+std::string MarksOf(const Gaussians& gaussians);  // whole lines, or none
+void ReadMarks(const PlyReader& reader, Gaussians& gaussians);
 
 // PlayCanvas's compressed layout of splats (SuperSplat, splat-transform), which ReadPly reads.
 //

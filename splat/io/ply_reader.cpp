@@ -1,25 +1,39 @@
 #include "splat/io/ply_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdlib>
-#include <cstring>
 #include <map>
 #include <sstream>
 
+#include "splat/base/compression.h"
 #include "splat/base/error.h"
-#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {
 
 template <class T>
-double Load(const char* p) {
-  T value;
-  std::memcpy(&value, p, sizeof(T));
-  return double(value);
+double Load(const char* p, bool big_endian) {
+  std::array<char, sizeof(T)> bytes;
+  std::copy_n(p, sizeof(T), bytes.begin());
+  if (big_endian) std::reverse(bytes.begin(), bytes.end());
+  return double(std::bit_cast<T>(bytes));
 }
 
+constexpr size_t kTypeBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};  // of each PlyReader::Type
+
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+constexpr size_t kLongestHeader = 1 << 20;  // programs put whole settings into comments
+
+// Programs that edit point clouds (CloudCompare, 3dgsconverter) put these before splats'
+// properties.
+std::string WithoutPrefixes(std::string name) {
+  for (const std::string prefix : {"scalar_", "scal_"})
+    if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  return name;
+}
 
 // Of a name in the header, and of what a message quotes: a line may have thousands of characters.
 constexpr size_t kLongestName = 80;
@@ -29,7 +43,7 @@ std::string PlyQuote(const std::string& text) {
 
 }  // namespace
 
-PlyReader::PlyReader(const std::string& path) : path_(path), bytes_(ReadFile(path)) {
+PlyReader::PlyReader(const std::string& path) : path_(path), bytes_(ReadUnpacked(path)) {
   bytes_.push_back('\0');  // terminates the last number of an ascii file
   ReadHeader();
 }
@@ -57,9 +71,35 @@ void PlyReader::EnterNext() {
   names_.clear();
   for (const Property& p : element_.properties)
     if (!p.is_list) names_.push_back(p.name);
-  // Every property takes at least one byte; rejects impossible counts before allocating.
-  if (element_.count > (bytes_.size() - at_) / std::max<size_t>(1, element_.properties.size()))
-    Fail("the file is too short for " + std::to_string(element_.count) + " of them");
+  // Rejects impossible counts before allocating.
+  const size_t left = bytes_.size() - at_;
+  if (element_.count > left / std::max<size_t>(1, element_.properties.size()))
+    Fail("the header says " + std::to_string(element_.count) + " of them, the file ends after " +
+         std::to_string(left / LeastRowBytes()));
+}
+
+size_t PlyReader::LeastRowBytes() const {
+  size_t bytes = 0;
+  for (const Property& p : element_.properties)
+    bytes += ascii_ ? 2 : kTypeBytes[size_t(p.is_list ? p.count_type : p.type)];
+  return std::max<size_t>(1, bytes);
+}
+
+size_t PlyReader::BytesLeftOver() const {
+  const bool lists = std::any_of(element_.properties.begin(),
+                                 element_.properties.end(),
+                                 [](const Property& p) { return p.is_list; });
+  if (ascii_ || lists || next_element_ < elements_.size()) return 0;
+  const size_t end = at_ + (element_.count - row_) * LeastRowBytes();
+  if (end >= bytes_.size() - 1) return 0;
+  const size_t left = bytes_.size() - 1 - end;
+  if (crlf_ && left > 2)
+    throw Error(
+        path_,
+        "is " + std::to_string(left) +
+            " bytes longer than its header says, whose lines end in CR LF: it was converted "
+            "as if it were text, copy it as binary (ftp, git)");
+  return left < LeastRowBytes() ? 0 : left;
 }
 
 int PlyReader::Find(const std::string& name) const {
@@ -77,10 +117,14 @@ void PlyReader::ReadHeader() {
   const std::string end = "end_header";
   for (int number = 0;; ++number) {
     const auto newline = std::find(bytes_.begin() + at_, bytes_.end(), '\n');
-    if (newline == bytes_.end() || newline - (bytes_.begin() + at_) > 4096)
-      throw Error(path_, number == 0 ? "is not a PLY file" : "ends inside the header");
+    if (newline == bytes_.end() || size_t(newline - bytes_.begin()) > kLongestHeader)
+      throw Error(path_,
+                  number == 0               ? "is not a PLY file"
+                  : newline == bytes_.end() ? "ends inside the header"
+                                            : "has a header of more than a megabyte");
     std::string line(bytes_.begin() + at_, newline);
-    if (line.ends_with('\r')) line.pop_back();
+    crlf_ = line.ends_with('\r');
+    if (crlf_) line.pop_back();
     at_ = size_t(newline - bytes_.begin()) + 1;
     if (number == 0 && line != "ply") throw Error(path_, "is not a PLY file");
     if (line == end) break;
@@ -95,11 +139,12 @@ void PlyReader::HeaderLine(const std::string& line) {
   words >> word;
   if (word == "format") {
     words >> name;
-    if (name != "ascii" && name != "binary_little_endian")
+    if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian")
       throw Error(path_,
                   "format",
-                  PlyQuote(name) + " is not supported, expected ascii or binary_little_endian");
+                  PlyQuote(name) + " is none of ascii, binary_little_endian, binary_big_endian");
     ascii_ = name == "ascii";
+    big_endian_ = name == "binary_big_endian";
     format_seen_ = true;
   } else if (word == "element") {
     Element element;
@@ -122,10 +167,11 @@ void PlyReader::HeaderLine(const std::string& line) {
     words >> property.name;
     if (words.fail() || elements_.empty() || property.name.size() > kLongestName)
       throw Error(path_, "header", "cannot read " + PlyQuote(line));
+    property.name = WithoutPrefixes(property.name);
     elements_.back().properties.push_back(property);
   } else if (word == "comment") {
     std::getline(words >> std::ws, name);
-    comments_.insert(name);
+    comments_.push_back(name);
   } else if (word != "obj_info" && !word.empty()) {
     throw Error(path_, "header", "cannot read " + PlyQuote(line));
   }
@@ -179,32 +225,31 @@ double PlyReader::ReadNumber(Type type, const Property& property) {
 }
 
 double PlyReader::ReadBinary(Type type, const Property& property) {
-  constexpr size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  const size_t size = kSizes[size_t(type)];
+  const size_t size = kTypeBytes[size_t(type)];
   if (bytes_.size() - 1 - at_ < size)
     throw Error(path_,
                 element_.name + " " + std::to_string(row_),
-                "the file ends at " + property.name + ", expected " +
-                    std::to_string(element_.count) + " of them");
+                "the file ends at " + property.name + " after " + std::to_string(row_) +
+                    " of them, expected " + std::to_string(element_.count));
   const char* p = bytes_.data() + at_;
   at_ += size;
   switch (type) {
     case Type::kInt8:
-      return Load<int8_t>(p);
+      return Load<int8_t>(p, big_endian_);
     case Type::kUint8:
-      return Load<uint8_t>(p);
+      return Load<uint8_t>(p, big_endian_);
     case Type::kInt16:
-      return Load<int16_t>(p);
+      return Load<int16_t>(p, big_endian_);
     case Type::kUint16:
-      return Load<uint16_t>(p);
+      return Load<uint16_t>(p, big_endian_);
     case Type::kInt32:
-      return Load<int32_t>(p);
+      return Load<int32_t>(p, big_endian_);
     case Type::kUint32:
-      return Load<uint32_t>(p);
+      return Load<uint32_t>(p, big_endian_);
     case Type::kFloat:
-      return Load<float>(p);
+      return Load<float>(p, big_endian_);
     case Type::kDouble:
-      return Load<double>(p);
+      return Load<double>(p, big_endian_);
   }
   return 0;  // unreachable: all types are listed
 }

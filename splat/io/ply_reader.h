@@ -1,8 +1,8 @@
-// Reads the elements of a PLY file with any properties, ascii or binary little-endian.
+// Reads the elements of a PLY file with any properties: ascii or binary of either byte order, as it
+// is or packed by gzip.
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +18,8 @@ class PlyReader {
 
   // Whether the header has this property, for an element anywhere in the file.
   bool Has(const std::string& element, const std::string& property) const;
-  // Whether the header has this comment as a line of its own.
-  bool HasComment(const std::string& text) const { return comments_.contains(text); }
+  // The header's comments, in order.
+  const std::vector<std::string>& comments() const { return comments_; }
   // Makes this the current element. Throws Error if there is none after the current one, or if the
   // file is too short for its count.
   void Enter(const std::string& element);
@@ -37,6 +37,10 @@ class PlyReader {
   [[noreturn]] void Fail(const std::string& property, const std::string& problem) const;
   // Throws Error naming the element.
   [[noreturn]] void Fail(const std::string& problem) const;
+  // Bytes behind the current element, if it is the last of a binary file and has no lists; 0 if
+  // they are less than a row. Throws Error where line endings were converted, which changes
+  // numbers.
+  size_t BytesLeftOver() const;
   const std::string& path() const { return path_; }
 
  private:
@@ -61,14 +65,16 @@ class PlyReader {
   void ReadRow();
   double ReadNumber(Type type, const Property& property);
   double ReadBinary(Type type, const Property& property);
+  size_t LeastRowBytes() const;
   double ReadAscii(const Property& property);
 
   std::string path_;
   std::vector<char> bytes_;
   size_t at_ = 0;
-  bool ascii_ = false;
+  bool ascii_ = false, big_endian_ = false;
   bool format_seen_ = false;
-  std::set<std::string> comments_;
+  bool crlf_ = false;  // the header's lines end so
+  std::vector<std::string> comments_;
   std::vector<Element> elements_;
   size_t next_element_ = 0;  // into elements_
   Element element_;          // the current one

@@ -11,6 +11,7 @@
 #include "splat/io/packed_values.h"
 #include "splat/io/sog.h"
 #include "splat/io/sog_format.h"
+#include "splat/io/splat_values.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;
@@ -76,6 +77,8 @@ class SogFiles {
 class SogParser {
  public:
   SogParser(const SogFiles& files, const JsonField& meta) : files_(files), meta_(meta) {
+    if (!meta.Has("version") && meta.Has("means"))
+      Fail("version", "is missing: this is SOG of version 1, this program reads 2");
     const int version = meta["version"].Integer();
     if (version != kSogVersion)
       Fail("version", "is " + std::to_string(version) + ", this program reads 2");
@@ -94,7 +97,8 @@ class SogParser {
   Gaussians Parse() const {
     Gaussians g;
     g.basis = Basis::kSh;
-    g.antialiased = meta_.Has("antialias") && meta_["antialias"].raw() == true;
+    if (IsAntialiased())
+      SetAntialiased(files_.path(), meta_.NumberOr(kLowPassField, kBlurVariance), g);
     g.degree = meta_.Has("shN") ? Bands() : 0;
     g.Resize(count_);
     ReadPositions(g);
@@ -108,6 +112,11 @@ class SogParser {
  private:
   [[noreturn]] void Fail(const std::string& field, const std::string& problem) const {
     throw Error(files_.path(), field, problem);
+  }
+  // PlayCanvas' tools write `model`, their text has `antialias`.
+  bool IsAntialiased() const {
+    if (meta_.Has("model")) return meta_["model"].raw() == "antialiased";
+    return meta_.Has("antialias") && meta_["antialias"].raw() == true;
   }
   int Bands() const {
     const int bands = meta_["shN"]["bands"].Integer();

@@ -14,6 +14,7 @@
 #include "splat/io/significance.h"
 #include "splat/io/sog.h"
 #include "splat/io/sog_format.h"
+#include "splat/io/splat_values.h"
 #include "splat/math/morton.h"
 
 namespace cosplat {
@@ -183,11 +184,15 @@ class SogWriter {
     AddImage("shN", "shN_centroids.webp", image);
     AddImage("shN", "shN_labels.webp", labels);
   }
-  void Finish(size_t count, bool antialiased) {
+  void Finish(const Gaussians& g) {
     meta_["version"] = kSogVersion;
     meta_["asset"]["generator"] = "CoSplat";
-    meta_["count"] = count;
-    meta_["antialias"] = antialiased;
+    meta_["count"] = g.size();
+    meta_["antialias"] = g.antialiased;
+    if (g.antialiased) {
+      meta_["model"] = "antialiased";
+      meta_[kLowPassField] = LowPassNumber(g);
+    }
     const std::string text = meta_.dump() + "\n";
     if (!path_.ends_with(kSogMeta)) {
       images_.insert(images_.begin(), ZipMember{kSogMeta, text});
@@ -224,6 +229,7 @@ void WriteSog(const std::string& path,
   const std::vector<uint32_t> order = MortonOrderOf(box);
   Gaussians g = gaussians;
   g.Gather(order);
+  HideWithoutRotation(g);
   const std::vector<float> weights = WeightsOf(significance);
   std::vector<float> weight;
   LogBox ordered{{}, box.low, box.high};
@@ -243,7 +249,7 @@ void WriteSog(const std::string& path,
   writer.Scales(g, weight);
   if (g.degree > 0) writer.Bands(weight, seen, g);
   writer.Colors(g, weight);
-  writer.Finish(g.size(), g.antialiased);
+  writer.Finish(g);
 }
 
 }  // namespace cosplat

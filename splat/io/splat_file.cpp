@@ -1,11 +1,12 @@
 #include "splat/io/splat_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 #include <vector>
 
+#include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/glb.h"
@@ -13,31 +14,42 @@
 #include "splat/io/sog.h"
 #include "splat/io/splat_primitive.h"
 #include "splat/io/splat_records.h"
+#include "splat/io/splat_values.h"
 #include "splat/io/spz.h"
 
 namespace cosplat {
 namespace {
 
 // Turned back to the axes that WriteSceneGlb was given.
-Gaussians ReadSceneGlb(const std::string& path) {
+Gaussians ReadSceneGlb(const std::string& path, std::vector<std::string>* notes) {
   const GlbDocument document = ReadGlb(path, {kSplatExtension});
-  Gaussians g = ReadSplatPrimitive(document, FindSplats(document));
+  Gaussians g = ReadSplatPrimitive(document, FindSplats(document), notes);
   TurnToGltfAxes(g);  // its own inverse
   return g;
 }
 
-Gaussians ReadLayout(const std::string& path) {
+// In lower case and without gzip's ending.
+std::string EndingOf(const std::string& path) {
+  std::string name = std::filesystem::path(path).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return char(std::tolower(c));
+  });
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  return std::filesystem::path(name).extension().string();
+}
+
+Gaussians ReadLayout(const std::string& path, std::vector<std::string>* notes) {
   switch (SplatLayoutOf(path)) {
     case SplatLayout::kPly:
-      return ReadPly(path);
+      return ReadPly(path, notes);
     case SplatLayout::kSpz:
-      return ReadSpz(path);
+      return ReadSpz(path, notes);
     case SplatLayout::kSog:
       return ReadSog(path);
     case SplatLayout::kRecords:
-      return ReadSplatRecords(path);
+      return ReadSplatRecords(path, notes);
     case SplatLayout::kGlb:
-      return ReadSceneGlb(path);
+      return ReadSceneGlb(path, notes);
     case SplatLayout::kNone:
       break;
   }
@@ -45,24 +57,48 @@ Gaussians ReadLayout(const std::string& path) {
   // The name of a ZIP archive's first member follows its header of 30 bytes.
   if (std::string_view(bytes.data(), bytes.size()).substr(0, 41).ends_with("splats.json"))
     throw Error(path, "has the quantised splats of CoSplat 0.1 and 0.2: export a .ply with those");
-  throw Error(path, "is not a splat file: .ply, .spz, .sog, .splat or .glb");
+  const std::string other = OtherKindOf(path);
+  throw Error(path,
+              other.empty() ? "is not a splat file: .ply, .spz, .sog, .splat or .glb" : other);
 }
 
 }  // namespace
 
-SplatLayout SplatLayoutOf(const std::string& path) {
-  if (IsSog(path)) return SplatLayout::kSog;
-  if (IsSpz(path)) return SplatLayout::kSpz;
-  if (!std::filesystem::is_regular_file(path)) return SplatLayout::kNone;
-  if (std::filesystem::path(path).extension() == ".splat") return SplatLayout::kRecords;
-  std::string bytes(4, '\0');
-  std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize(bytes.size()));
-  if (bytes == "glTF") return SplatLayout::kGlb;
-  return bytes.starts_with("ply") ? SplatLayout::kPly : SplatLayout::kNone;
+std::string OtherKindOf(const std::string& path) {
+  constexpr size_t kBegin = 64;
+  std::string begin = FirstBytes(path, kBegin);
+  if (begin.starts_with("version https://git-lfs"))
+    return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
+  begin.erase(0, begin.find_first_not_of(" \t\r\n\xef\xbb\xbf"));
+  std::transform(begin.begin(), begin.end(), begin.begin(), [](unsigned char c) {
+    return char(std::tolower(c));
+  });
+  if (begin.starts_with("<!doctype") || begin.starts_with("<html") || begin.starts_with("<?xml"))
+    return "is a web page, such as a log-in or an error, not the file itself: download it again";
+  const std::string ending = EndingOf(path);
+  for (const char* other : {".ksplat", ".lcc", ".lcc2", ".rad"})
+    if (ending == other)
+      return "is a " + ending + " file, which is not read: SplatTransform makes a .ply of it";
+  if (std::filesystem::path(path).filename() == "lod-meta.json")
+    return "lists SOG files at several levels of detail: give one of their meta.json";
+  return "";
 }
 
-Gaussians ReadSplats(const std::string& path) {
-  Gaussians g = ReadLayout(path);
+SplatLayout SplatLayoutOf(const std::string& path) {
+  if (IsSog(path)) return SplatLayout::kSog;
+  if (!std::filesystem::is_regular_file(path)) return SplatLayout::kNone;
+  if (IsSpz(path)) return SplatLayout::kSpz;
+  const std::string bytes = FirstBytes(path, 4);
+  if (bytes == "glTF") return SplatLayout::kGlb;
+  if (bytes == "ply\n" || bytes == "ply\r") return SplatLayout::kPly;
+  return EndingOf(path) == ".splat" && OtherKindOf(path).empty() ? SplatLayout::kRecords
+                                                                 : SplatLayout::kNone;
+}
+
+Gaussians ReadSplats(const std::string& path, std::vector<std::string>* notes) {
+  Gaussians g = ReadLayout(path, notes);
+  if (g.size() == 0) throw Error(path, "has no splats");
+  LeaveOutUndrawable(path, g, notes);
   FindDegrees(g);
   return g;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "splat/gaussians.h"
 
@@ -16,13 +17,19 @@ enum class SplatLayout {
   kGlb       // glTF, with KHR_gaussian_splatting or not (splat/io/splat_primitive.h)
 };
 
-// By the first bytes; .splat has none to tell it by and goes by its name. kNone if there is nothing
-// at `path`.
+// By the first bytes, also of files that gzip packed; .splat has none to tell it by and goes by its
+// name, .splat or .splat.gz in any case. kNone if there is nothing at `path`.
 SplatLayout SplatLayoutOf(const std::string& path);
 
-// In 3DGS's SH, with OpenCV's axes if those are what the file was made of. Throws Error as the
-// layout's reader does, and for a file of none of these layouts.
-Gaussians ReadSplats(const std::string& path);
+// What a file is that is none of the layouts, as far as its first bytes and its name tell: a
+// pointer of Git LFS, a web page, another program's format. Empty if they do not.
+std::string OtherKindOf(const std::string& path);
+
+// In 3DGS's SH, with OpenCV's axes if those are what the file was made of. What cannot be drawn is
+// left out (splat/io/splat_values.h). Adds lines to `notes`, if given: what a user should know of
+// how the file was read. Throws Error as the layout's reader does, for a file of none of these
+// layouts, and for one without splats.
+Gaussians ReadSplats(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 // A static scene as a .glb file for other programs.
 

@@ -5,6 +5,7 @@
 
 #include "splat/base/error.h"
 #include "splat/io/packed_values.h"
+#include "splat/io/splat_values.h"
 #include "splat/math/quat.h"
 #include "splat/math/scalar.h"
 
@@ -51,10 +52,13 @@ bool HasSplats(const GlbPrimitive& primitive) {
   return primitive.extensions.is_object() && primitive.extensions.contains(kSplatExtension);
 }
 
-bool IsAntialiased(const GlbPrimitive& primitive) {
+// Without a filter's variance: ours, which wrote none at first.
+void ReadAntialiased(const std::string& path, const GlbPrimitive& primitive, Gaussians& g) {
   const Json& extension = primitive.extensions.at(kSplatExtension);
-  if (!extension.contains("extras") || !extension["extras"].contains(kAntialiased)) return false;
-  return extension["extras"][kAntialiased] == true;
+  if (!extension.contains("extras") || !extension["extras"].contains(kAntialiased)) return;
+  const JsonField extras(path, extension["extras"]);
+  if (extras[kAntialiased].raw() == true)
+    SetAntialiased(path, extras.NumberOr(kLowPassField, kAntialiasedBlurVariance), g);
 }
 
 // An attribute's floats, [count, width]; any count if `count` is 0.
@@ -75,17 +79,13 @@ std::vector<float> ReadAttribute(const GlbDocument& document,
   return values;
 }
 
-// Values must be above zero, or else lie in 0..1.
-void CheckWithin(const GlbDocument& document,
-                 const std::string& name,
-                 const std::vector<float>& values,
-                 bool above_zero) {
+void CheckOpacities(const GlbDocument& document, const std::vector<float>& values) {
   for (size_t i = 0; i < values.size(); ++i)
-    if (above_zero ? !(values[i] > 0) : !(values[i] >= 0 && values[i] <= 1))
-      throw Error(document.path,
-                  name,
-                  "number " + std::to_string(i) + " is " + std::to_string(values[i]) +
-                      (above_zero ? ", expected more than 0" : ", expected 0 to 1"));
+    if (!(values[i] >= 0 && values[i] <= 1))
+      throw Error(
+          document.path,
+          kPrefix + "OPACITY",
+          "number " + std::to_string(i) + " is " + std::to_string(values[i]) + ", expected 0 to 1");
 }
 
 }  // namespace
@@ -117,12 +117,13 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
   Column rotation = MakeColumn(kPrefix + "ROTATION", 4, n);
   Column scale = MakeColumn(kPrefix + "SCALE", 3, n);
   Column opacity = MakeColumn(kPrefix + "OPACITY", 1, n);
-  for (size_t i = 0; i < n; ++i) FillGeometry(gaussians, i, rotation, scale, opacity);
+  Gaussians sh = gaussians;
+  ConvertBasis(sh, Basis::kSh);
+  HideWithoutRotation(sh);
+  for (size_t i = 0; i < n; ++i) FillGeometry(sh, i, rotation, scale, opacity);
   add(rotation);
   add(scale);
   add(opacity);
-  Gaussians sh = gaussians;
-  ConvertBasis(sh, Basis::kSh);
   const int coefficients = CoefficientCount(std::min(sh.degree, kMaxSplatFileDegree));
   for (int k = 0; k < coefficients; ++k) {
     Column color = MakeColumn(SplatCoefficientName(k), 3, n);
@@ -138,7 +139,8 @@ GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool t
                                            {"sortingMethod", "cameraDistance"}};
   // Not part of the extension, which has no word for it: other programs pass over it.
   if (gaussians.antialiased)
-    primitive.extensions[kSplatExtension]["extras"] = {{kAntialiased, true}};
+    primitive.extensions[kSplatExtension]["extras"] = {{kAntialiased, true},
+                                                       {kLowPassField, LowPassNumber(gaussians)}};
   return primitive;
 }
 
@@ -157,26 +159,33 @@ const GlbPrimitive& FindSplats(const GlbDocument& document) {
   return *found;
 }
 
-Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& primitive) {
+Gaussians ReadSplatPrimitive(const GlbDocument& document,
+                             const GlbPrimitive& primitive,
+                             std::vector<std::string>* notes) {
   const std::vector<float> position = ReadAttribute(document, primitive, "POSITION", 3, 0);
   const size_t n = position.size() / 3;
   const std::vector<float> rotation =
       ReadAttribute(document, primitive, kPrefix + "ROTATION", 4, n);
   const std::vector<float> scale = ReadAttribute(document, primitive, kPrefix + "SCALE", 3, n);
   const std::vector<float> opacity = ReadAttribute(document, primitive, kPrefix + "OPACITY", 1, n);
-  CheckWithin(document, kPrefix + "SCALE", scale, true);
-  CheckWithin(document, kPrefix + "OPACITY", opacity, false);
+  CheckOpacities(document, opacity);
+  const bool logarithms = *std::min_element(scale.begin(), scale.end()) < 0;
+  if (logarithms && notes)
+    notes->push_back(
+        "has negative scales: they are read as logarithms, as SplatTransform wrote them "
+        "before its version of June 2026");
   Gaussians g;
   g.basis = Basis::kSh;
   while (g.degree < kMaxSplatFileDegree &&
          primitive.attributes.contains(SplatCoefficientName(CoefficientCount(g.degree))))
     ++g.degree;
-  g.antialiased = IsAntialiased(primitive);
+  ReadAntialiased(document.path, primitive, g);
   g.Resize(n);
   for (size_t i = 0; i < n; ++i) {
     std::copy_n(&position[3 * i], 3, g.at(kPosition, i));
     for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = rotation[4 * i + size_t(k + 3) % 4];
-    for (int k = 0; k < 3; ++k) g.at(kScaleLog, i)[k] = std::log(scale[3 * i + k]);
+    for (int k = 0; k < 3; ++k)
+      g.at(kScaleLog, i)[k] = logarithms ? scale[3 * i + k] : std::log(scale[3 * i + k]);
     *g.at(kOpacityLogit, i) = LogitOfByteShare(opacity[i]);
   }
   for (int c = 0; c < CoefficientCount(g.degree); ++c) {
@@ -185,6 +194,9 @@ Gaussians ReadSplatPrimitive(const GlbDocument& document, const GlbPrimitive& pr
     for (size_t i = 0; i < n; ++i)
       std::copy_n(&color[3 * i], 3, c == 0 ? g.at(kColorDc, i) : g.at(kColorRest, i) + 3 * (c - 1));
   }
+  if (document.has_transforms && notes)
+    notes->push_back("has nodes that are moved, turned or scaled, which is not applied");
+  SettleSplats(g, notes);
   return g;
 }
 

@@ -3,9 +3,10 @@
 #include <array>
 #include <cstring>
 
+#include "splat/base/compression.h"
 #include "splat/base/error.h"
-#include "splat/base/files.h"
 #include "splat/io/packed_values.h"
+#include "splat/io/splat_values.h"
 
 namespace cosplat {
 namespace {
@@ -15,11 +16,12 @@ struct SplatRecord {
   std::array<uint8_t, 4> color, rotation;
 };
 static_assert(sizeof(SplatRecord) == 32);
+constexpr std::array<uint8_t, 4> kNoRotation{128, 128, 128, 128};  // a quaternion of zero
 
 }  // namespace
 
-Gaussians ReadSplatRecords(const std::string& path) {
-  const std::vector<char> bytes = ReadFile(path);
+Gaussians ReadSplatRecords(const std::string& path, std::vector<std::string>* notes) {
+  const std::vector<char> bytes = ReadUnpacked(path);
   if (bytes.empty() || bytes.size() % sizeof(SplatRecord) != 0)
     throw Error(path,
                 "has " + std::to_string(bytes.size()) + " bytes, not a multiple of the " +
@@ -35,11 +37,11 @@ Gaussians ReadSplatRecords(const std::string& path) {
     std::memcpy(&record, &bytes[i * sizeof(record)], sizeof(record));
     std::array<double, 4> wxyz;
     for (int k = 0; k < 4; ++k) wxyz[k] = (record.rotation[k] - 128.0) / 128;
-    NormalizeByLargest(wxyz);
+    if (record.rotation != kNoRotation) NormalizeByLargest(wxyz);
     for (int k = 0; k < 4; ++k) g.at(kRotation, i)[k] = float(wxyz[k]);
     for (int k = 0; k < 3; ++k) {
       if (!std::isfinite(record.position[k])) fail(i, "position", record.position[k]);
-      if (!(record.scale[k] > 0 && std::isfinite(record.scale[k])))
+      if (!(record.scale[k] >= 0 && std::isfinite(record.scale[k])))
         fail(i, "scale", record.scale[k]);
       g.at(kPosition, i)[k] = record.position[k];
       g.at(kScaleLog, i)[k] = std::log(record.scale[k]);
@@ -47,6 +49,7 @@ Gaussians ReadSplatRecords(const std::string& path) {
     }
     *g.at(kOpacityLogit, i) = LogitOfByteShare(record.color[3] / 255.0);
   }
+  SettleSplats(g, notes);
   return g;
 }
 

@@ -7,13 +7,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "splat/gaussians.h"
 
 namespace cosplat {
 
-// In 3DGS's SH, of degree 0. Throws Error naming record and field if the size is not a multiple of
-// 32 bytes, if a number is not finite, and if a scale is not above zero.
-Gaussians ReadSplatRecords(const std::string& path);
+// In 3DGS's SH, of degree 0, settled (splat/io/splat_values.h). Throws Error naming record and
+// field if the size is not a multiple of 32 bytes, if a number is not finite, and for a negative
+// scale.
+Gaussians ReadSplatRecords(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 }  // namespace cosplat

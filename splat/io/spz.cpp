@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <limits>
 
 #include "splat/base/compression.h"
@@ -12,6 +11,7 @@
 #include "splat/io/packed_values.h"
 #include "splat/io/seen_bands.h"
 #include "splat/io/splat_primitive.h"
+#include "splat/io/splat_values.h"
 
 namespace cosplat {
 namespace {
@@ -25,7 +25,8 @@ constexpr double kLowestScaleLog = -10;  // of byte 0
 // deflate to little. On garden (docs/files.md) Niantic's 5 and 4 lose 0.31 dB at 5.9 MB, these 0.07
 // dB at 7.2 MB, 8 and 8 nothing at 11.1 MB.
 constexpr int kBitsOfBand1 = 6, kBitsOfHigherBands = 5;
-constexpr uint8_t kSpzAntialiased = 1;  // of the flags
+// Of the flags. The last, which SPZ leaves unused, says that the low-pass filter is ours.
+constexpr uint8_t kSpzAntialiased = 1, kSpzExtensions = 2, kSpzOurLowPass = 1 << 7;
 constexpr int kSpzHeader = 16, kHeaderOfVersion4 = 32;
 
 struct SpzHeader {
@@ -327,9 +328,12 @@ void WriteSpz(const std::string& path,
   CheckForSpz(path, gaussians, version);
   Gaussians turned = gaussians;
   TurnToGltfAxes(turned);
+  HideWithoutRotation(turned);
   SpzHeader header;
   header.version = uint32_t(version);
-  header.flags = gaussians.antialiased ? kSpzAntialiased : 0;
+  if (gaussians.antialiased)
+    header.flags =
+        kSpzAntialiased | (gaussians.low_pass_variance == kBlurVariance ? 0 : kSpzOurLowPass);
   header.count = uint32_t(turned.size());
   header.degree = uint8_t(turned.degree);
   header.fractional_bits = uint8_t(FractionalBits(path, turned));
@@ -340,7 +344,7 @@ void WriteSpz(const std::string& path,
   WriteFileAtomically(path, Gzip(bytes));
 }
 
-Gaussians ReadSpz(const std::string& path) {
+Gaussians ReadSpz(const std::string& path, std::vector<std::string>* notes) {
   const std::vector<char> file = ReadFile(path);
   SpzHeader header;
   const bool gzipped = file.size() >= 2 && file[0] == '\x1f' && file[1] == '\x8b';
@@ -351,6 +355,7 @@ Gaussians ReadSpz(const std::string& path) {
   g.degree = header.degree;
   g.basis = Basis::kSh;
   g.antialiased = (header.flags & kSpzAntialiased) != 0;
+  if (g.antialiased && (header.flags & kSpzOurLowPass) == 0) g.low_pass_variance = kBlurVariance;
   g.Resize(header.count);
   for (size_t i = 0; i < g.size(); ++i) {
     const auto at = [&](SpzArray a) { return arrays[a].data() + widths[a] * i; };
@@ -366,14 +371,11 @@ Gaussians ReadSpz(const std::string& path) {
       g.at(kColorRest, i)[k] = CoefficientOf(at(kBands)[k]);
   }
   TurnToGltfAxes(g);  // its own inverse
+  if (notes && (header.flags & kSpzExtensions) != 0)
+    notes->push_back("has extensions, which are not read: its axes may be others (Adobe's)");
   return g;
 }
 
-bool IsSpz(const std::string& path) {
-  std::array<char, 4> bytes{};
-  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
-  return (bytes[0] == '\x1f' && bytes[1] == '\x8b') ||
-         std::memcmp(bytes.data(), &kSpzMagic, sizeof(kSpzMagic)) == 0;
-}
+bool IsSpz(const std::string& path) { return FirstBytes(path, sizeof(kSpzMagic)) == "NGSP"; }
 
 }  // namespace cosplat

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "splat/gaussians.h"
 
@@ -27,13 +28,12 @@ void WriteSpz(const std::string& path,
               View<const float> seen_bands,
               int version = 3);
 
-// Versions 1 to 4, degrees 0 to 4; extensions are ignored. In 3DGS's SH. Throws Error naming file
-// and field for another version or degree, for more splats than the file can hold, and if an array
-// is damaged, too short or not finite.
-Gaussians ReadSpz(const std::string& path);
+// Versions 1 to 4, degrees 0 to 4; extensions are ignored, which a line in `notes` says, if given.
+// In 3DGS's SH. Throws Error naming file and field for another version or degree, for more splats
+// than the file can hold, and if an array is damaged, too short or not finite.
+Gaussians ReadSpz(const std::string& path, std::vector<std::string>* notes = nullptr);
 
-// Decided by the first bytes. False if there is no file. Versions up to 3 cannot be told from other
-// gzip files without inflating them: any gzip file counts.
+// Decided by the first bytes, inflated in versions up to 3. False if there is no file.
 bool IsSpz(const std::string& path);
 
 }  // namespace cosplat

@@ -21,6 +21,8 @@ namespace {
 constexpr char kLevelsMagic[8] = {'C', 'O', 'S', 'P', 'L', 'O', 'D', '\n'};
 constexpr uint32_t kLevelsFormat = 1;
 constexpr uint64_t kAlignment = 64;
+// Of LevelsHeader::antialiased, which is 0 without.
+constexpr uint32_t kOurLowPass = 1, kOthersLowPass = 2;
 
 struct LevelsHeader {
   char magic[8];
@@ -87,7 +89,9 @@ void WriteLevels(const std::string& path, const SceneLevels& levels) {
   header.format = kLevelsFormat;
   header.degree = uint32_t(levels.layout.degree);
   header.basis = uint32_t(levels.layout.basis);
-  header.antialiased = levels.layout.antialiased ? 1 : 0;
+  if (levels.layout.antialiased)
+    header.antialiased =
+        levels.layout.low_pass_variance == kBlurVariance ? kOthersLowPass : kOurLowPass;
   header.gaussians = levels.size();
   std::string table(reinterpret_cast<const char*>(&header), sizeof header);
   uint64_t floats = 0;
@@ -130,14 +134,15 @@ SceneLevels OpenLevels(const std::string& path) {
                     std::to_string(kMaxTrainedDegree));
   if (header.basis >= kBasisNames.size())
     throw Error(path, "basis", "is " + std::to_string(header.basis) + ", which is none");
-  if (header.antialiased > 1)
+  if (header.antialiased > kOthersLowPass)
     throw Error(
-        path, "antialiased", "is " + std::to_string(header.antialiased) + ", expected 0 or 1");
+        path, "antialiased", "is " + std::to_string(header.antialiased) + ", expected 0 to 2");
 
   SceneLevels levels;
   levels.layout.degree = int(header.degree);
   levels.layout.basis = Basis(header.basis);
-  levels.layout.antialiased = header.antialiased == 1;
+  levels.layout.antialiased = header.antialiased != 0;
+  if (header.antialiased == kOthersLowPass) levels.layout.low_pass_variance = kBlurVariance;
   if (header.gaussians < 1 || header.gaussians > file->size() / (levels.width() * sizeof(float)))
     throw Error(path, "gaussians", "do not fit into the file: " + std::to_string(header.gaussians));
   const uint64_t floats = levels.LayOut(header.gaussians);

@@ -1,10 +1,10 @@
 // Levels of detail as a file: made once, read as far as it is looked at.
 //
-// Layout, little-endian: "COSPLOD\n"; uint32 format, degree, basis, antialiased; uint64 number of
-// Gaussians, from which the blocks follow (SceneLevels::LayOut); of each block, as floats, the
-// box's least and most corner and the coarseness, and the CRC-32 of its values; the CRC-32 of all
-// that; zeros up to a multiple of 64 bytes; the values (SceneLevels::values). The world frame is
-// that of the scene.
+// Layout, little-endian: "COSPLOD\n"; uint32 format, degree, basis, antialiased (1: with a
+// low-pass filter of 0.1 px^2, 2: of 0.3); uint64 number of Gaussians, from which the blocks follow
+// (SceneLevels::LayOut); of each block, as floats, the box's least and most corner and the
+// coarseness, and the CRC-32 of its values; the CRC-32 of all that; zeros up to a multiple of 64
+// bytes; the values (SceneLevels::values). The world frame is that of the scene.
 #pragma once
 
 #include <string>

@@ -248,6 +248,7 @@ SceneLevels BuildLevels(Gaussians scene) {
   levels.layout.degree = scene.degree;
   levels.layout.basis = scene.basis;
   levels.layout.antialiased = scene.antialiased;
+  levels.layout.low_pass_variance = scene.low_pass_variance;
   const std::vector<Place> places = PlacesOf(scene);
   if (places.empty()) return levels;
   const std::shared_ptr<float[]> values(new float[levels.LayOut(places.size())]);

@@ -57,6 +57,7 @@ WorldGaussians ViewOf(const Gaussians& g) {
   if (!g.degrees.empty()) view.degree = g.degrees.data();
   if (!g.smoothing.empty()) view.smoothing = g.smoothing.data();
   view.antialiased = g.antialiased;
+  view.low_pass_variance = g.low_pass_variance;
   return view;
 }
 

@@ -40,6 +40,7 @@ WorldGaussians WorldArrays::Upload(const WorldGaussians& host, Stream& stream) {
   g.degree = Copy(degree_, host.degree, n, stream);
   g.smoothing = Copy(smoothing_, host.smoothing, n, stream);
   g.antialiased = host.antialiased;
+  g.low_pass_variance = host.low_pass_variance;
   return g;
 }
 

@@ -201,6 +201,7 @@ std::vector<FuzzedReader> SplatReaders() {
   const Strings sog = {"meta.json", "means_l.webp", "codebook", "mins", "maxs", "count", "shN"};
   std::vector<FuzzedReader> readers;
   readers.push_back(SplatFile("ply", "a.ply", PlySeeds, ply));
+  readers.push_back(SplatFile("ply_gz", "a.ply", PlySeeds, ply, Placing::kGzip));
   readers.push_back(SplatFile("compressed_ply", "a.ply", CompressedPlySeeds, ply));
   readers.push_back({"points_ply", Placing::kFiles, {"p.ply"}, ReadPoints, PointSeeds, ply});
   readers.push_back(SplatFile("spz", "a.spz", SpzSeeds, {"NGSP", "\x1f\x8b"}));

@@ -192,7 +192,7 @@ TEST(Ply, BadHeadersSayWhatIsWrong) {
     const char *from, *to;
     std::vector<std::string> parts;
   } cases[] = {{"ply\n", "plx\n", {"not a PLY"}},
-               {"binary_little_endian", "binary_big_endian", {"format", "binary_big_endian"}},
+               {"binary_little_endian", "binary_mixed_endian", {"format", "binary_mixed_endian"}},
                {"format binary_little_endian 1.0\n", "", {"no format line"}},
                {"element vertex 1", "element vertex many", {"element vertex many"}},
                {"element vertex 1", "element vertex -1", {"element vertex -1"}},

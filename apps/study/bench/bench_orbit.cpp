@@ -9,6 +9,7 @@
 
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/read_splats.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "splat/base/error.h"
@@ -155,7 +156,7 @@ OrderedJson PhaseMs(const std::vector<ViewTime>& times) {
 OrbitSubject LoadOrbit(const std::string& path, bool quick) {
   OrbitSubject subject;
   subject.name = std::filesystem::path(path).filename().string();
-  subject.gaussians = ReadSplats(path);
+  subject.gaussians = ReadSplatsAloud(path);
   SortByDegree(subject.gaussians);
   const std::vector<Point> points = VisiblePoints(subject.gaussians);
   if (points.empty()) throw Error(path, "vertex", "no splat is visible");

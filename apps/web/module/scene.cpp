@@ -2,6 +2,7 @@
 // are called by apps/web/src/scene.js; what fails returns 0 and leaves its line in
 // cosplat_scene_error.
 #include <cstdint>
+#include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
@@ -10,15 +11,25 @@
 #include "avatar/play/image_bytes.h"
 #include "avatar/plugin/cosplat.h"
 #include "avatar/plugin/splats.h"
+#include "splat/base/error.h"
 #include "splat/io/splat_file.h"
 #include "splat/render/rasterizer.h"
 
 struct cosplat_scene {
   explicit cosplat_scene(const std::string& path)
-      : gaussians(cosplat::ReadSplats(path)),
+      : gaussians(ReadAloud(path)),
         orbit(cosplat::viewer::BeforeSplats(path, gaussians)),
         rasterizer(cosplat::MakeCpuRasterizer()),
         tape(rasterizer->MakeTape(false)) {}
+
+  // What was made of odd values, or left out, is said in the browser's console.
+  static cosplat::Gaussians ReadAloud(const std::string& path) {
+    std::vector<std::string> notes;
+    cosplat::Gaussians read = cosplat::ReadSplats(path, &notes);
+    for (const std::string& note : notes)
+      std::fprintf(stderr, "cosplat: %s\n", cosplat::Error(path, note).what());
+    return read;
+  }
 
   cosplat::Gaussians gaussians;
   cosplat::viewer::OrbitCamera orbit;

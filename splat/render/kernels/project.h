@@ -218,7 +218,7 @@ struct ProjectKernel {
     if (!AnyTrue(drawn)) return DrawNone(rows);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
     const T opacity = OpacityOf(camera, p, q, rows);
-    const Footprint<T> f = FootprintOf(camera, p, q, ScaleLogOf<T>(rows), opacity, T(kLowPass));
+    const Footprint<T> f = FootprintOf(camera, p, q, ScaleLogOf<T>(rows), opacity, LowPassOf<T>());
     drawn = And(drawn, And(Dot(q, q) > T(kMinQuaternionNorm2), opacity > T(kMinAlpha)));
     drawn = And(drawn, CanBeDrawn(f, camera));
     if (!AnyTrue(drawn)) return DrawNone(rows);
@@ -248,7 +248,10 @@ struct ProjectKernel {
     StoreWhere(drawn, f.radius, radii, rows);
   }
 
-  static constexpr float kLowPass = kAntialiased ? kAntialiasedBlurVariance : kBlurVariance;
+  template <class T>
+  COSPLAT_HD T LowPassOf() const {
+    return T(kAntialiased ? gaussians.low_pass_variance : kBlurVariance);
+  }
 
   // After both filters.
   template <class T>
@@ -260,7 +263,7 @@ struct ProjectKernel {
     if constexpr (!kAntialiased) return opacity;
     const SmoothedScale<T> smoothed = SmoothedScaleOf<T>(rows);
     const Sym2<T> sharp = ProjectCovariance(camera, p_in_cam, Covariance(q, smoothed.scale), T(0));
-    return opacity * smoothed.share * LowPassShare(sharp, T(kLowPass));
+    return opacity * smoothed.share * LowPassShare(sharp, LowPassOf<T>());
   }
   template <class T>
   COSPLAT_HD SmoothedScale<T> SmoothedScaleOf(const Rows& rows) const {
@@ -310,7 +313,7 @@ struct ProjectVjpKernel {
       filters = FiltersOf(camera, p, q, stored, rows);
       s = filters.smoothed.scale;
       const Sym2<T> more = LowPassShareVjp(filters.sharp,
-                                           T(kAntialiasedBlurVariance),
+                                           T(gaussians.low_pass_variance),
                                            d[5] * filters.opacity * filters.smoothed.share);
       d_cov = {d_cov.xx + more.xx, d_cov.xy + more.xy, d_cov.yy + more.yy};
     }
@@ -327,7 +330,7 @@ struct ProjectVjpKernel {
     StoreWhere(drawn, d_position, out.position, rows);
     StoreWhere(drawn, d_q, out.rotation, rows);
     if constexpr (kAntialiased) {
-      const T d_smoothed = d[5] * LowPassShare(filters.sharp, T(kAntialiasedBlurVariance));
+      const T d_smoothed = d[5] * LowPassShare(filters.sharp, T(gaussians.low_pass_variance));
       const Vec3<T> d_scale_log = SmoothScaleVjp(
           stored, filters.variance, filters.smoothed, d_s, d_smoothed * filters.opacity);
       StoreWhere(drawn, d_scale_log, out.scale_log, rows);

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/config.h"
+
 namespace cosplat {
 
 // Gaussians are processed in groups that start at multiples of this, the number of lanes of the
@@ -23,6 +25,7 @@ struct WorldGaussians {
   const uint8_t* degree = nullptr;       // [count] highest band of each; null: all are evaluated
   const float* smoothing = nullptr;      // [count] see Gaussians; null: none
   bool antialiased = false;              // see Gaussians
+  float low_pass_variance = kAntialiasedBlurVariance;  // px^2, only if antialiased
 };
 
 struct WorldGradients {
