@@ -1,12 +1,14 @@
 #include "flame/io/model_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
 #include "flame/io/pickle.h"
 #include "splat/base/error.h"
+#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
 
@@ -25,7 +27,9 @@ std::string ShapeText(const std::vector<size_t>& shape) {
 class ModelArrays {
  public:
   explicit ModelArrays(const std::string& path) : path_(path) {
-    const std::string extension = std::filesystem::path(path).extension().string();
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    CheckContent(extension);
     if (extension == ".npz") {
       arrays_ = Npz::Read(path).arrays();
     } else if (extension == ".pkl") {
@@ -83,6 +87,26 @@ class ModelArrays {
   const std::string& path() const { return path_; }
 
  private:
+  // What people have in place of a model.
+  void CheckContent(const std::string& extension) const {
+    const std::vector<char> bytes = ReadFile(path_);
+    const std::string_view begin(bytes.data(), std::min<size_t>(bytes.size(), 64));
+    const std::string other = OtherContent(begin);
+    if (!other.empty()) throw Error(path_, other);
+    if (extension == ".pkl" && begin.starts_with("PK"))
+      throw Error(path_, "is a ZIP archive: unpack it, the model is the .pkl in it");
+    // A pickle of protocol 2 and up begins with 0x80 and has lone line feeds among its numbers.
+    if (extension == ".pkl" && begin.starts_with("\x80") && bytes.size() > 4096) {
+      size_t feeds = 0, after_return = 0;
+      for (size_t i = 1; i < bytes.size(); ++i)
+        if (bytes[i] == '\n') ++feeds, after_return += bytes[i - 1] == '\r';
+      if (feeds > 0 && feeds == after_return)
+        throw Error(
+            path_,
+            "was changed on its way: every line feed has a carriage return before it; download "
+            "it again as a binary file");
+    }
+  }
   void ReadPickle() {
     const Pickle pickle(path_, ReadFile(path_));
     if (pickle.root().kind != PickleValue::Kind::kDict)

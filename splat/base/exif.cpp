@@ -8,6 +8,7 @@ namespace cosplat {
 namespace {
 
 constexpr uint32_t kOrientation = 0x0112, kExifFolder = 0x8769, kFocalLength = 0x920a;
+constexpr uint32_t kExtraSamples = 0x0152;
 
 // The TIFF structure that EXIF consists of: folders of 12-byte entries, in either byte order. What
 // lies outside reads as zero.
@@ -45,6 +46,7 @@ ExifInfo ParseTiff(const Tiff& tiff) {
     const int orientation = int(tiff.Read(at, 2));
     if (orientation >= 1 && orientation <= 8) info.orientation = orientation;
   }
+  if (const size_t at = tiff.Find(first, kExtraSamples)) info.extra_samples = int(tiff.Read(at, 2));
   if (const size_t at = tiff.Find(first, kExifFolder))
     if (const size_t focal = tiff.Find(tiff.Read(at, 4), kFocalLength)) {
       const size_t ratio = tiff.Read(focal, 4);

@@ -11,6 +11,7 @@ namespace cosplat {
 struct ExifInfo {
   int orientation = 1;      // 1 to 8, see Upright
   double focal_length = 0;  // mm; 0: not stated
+  int extra_samples = 0;    // TIFF 6.0's: 1 if colours are multiplied by alpha, 2 if they are not
 };
 
 // `bytes`: a whole file or its beginning. What is absent or damaged keeps its default.

@@ -128,6 +128,10 @@ void CheckImageSize(const std::string& path, const std::vector<char>& bytes) {
                     SizeText(info.width, info.height) + " pixels");
 }
 
+bool HasJpegEnd(const std::vector<char>& bytes) {
+  return WalkJpeg(bytes, [](uint8_t marker, const char*, size_t) { return marker != 0xd9; });
+}
+
 }  // namespace
 
 bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info) {
@@ -140,9 +144,19 @@ void CheckImageIsComplete(const std::string& path, const std::vector<char>& byte
   if (bytes.empty()) throw Error(path, "is empty, expected an image");
   CheckImageSize(path, bytes);
   if (IsPng(bytes)) CheckPng(path, bytes);
-  if (!IsJpeg(bytes)) return;
-  if (!WalkJpeg(bytes, [](uint8_t marker, const char*, size_t) { return marker != 0xd9; }))
+  if (IsJpeg(bytes) && !HasJpegEnd(bytes) && !LacksJpegEnd(bytes))
     throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
+}
+
+bool LacksJpegEnd(const std::vector<char>& bytes) {
+  bool baseline = false, has_pixels = false;
+  if (!IsJpeg(bytes) || HasJpegEnd(bytes)) return false;
+  WalkJpeg(bytes, [&](uint8_t marker, const char*, size_t) {
+    baseline = baseline || marker == 0xc0 || marker == 0xc1;
+    has_pixels = marker == 0xda;
+    return !has_pixels;
+  });
+  return baseline && has_pixels;
 }
 
 }  // namespace cosplat

@@ -11,6 +11,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/exif.h"
+#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 
 namespace cosplat {
@@ -74,6 +75,29 @@ Image8 Unpremultiplied(cv::Mat mat) {
   return ToImage8(bytes);
 }
 
+// Whether a decoded RGBA image has its colours multiplied by alpha: a TIFF whose file says so, or
+// one of 8 bits that says it has not, which libtiff multiplies.
+bool IsPremultiplied(const std::vector<char>& bytes, int depth) {
+  if (bytes.size() < 4 || (bytes[0] != 'I' && bytes[0] != 'M')) return false;
+  const int extra = ParseExif(bytes).extra_samples;
+  return extra == 1 || (extra == 2 && depth == CV_8U);
+}
+
+cv::Mat Divided(const cv::Mat& bgra) {
+  cv::Mat floats;
+  bgra.convertTo(floats, CV_32F);
+  return Wrap(Unpremultiplied(floats)).clone();
+}
+
+// Decoders fill the blocks that a JPEG lacks with one colour.
+bool EndsInOneColor(const cv::Mat& image) {
+  constexpr int kBlock = 8;
+  const int width = std::min(kBlock, image.cols), height = std::min(kBlock, image.rows);
+  const cv::Mat last = image(cv::Rect(image.cols - width, image.rows - height, width, height));
+  const cv::Mat first = cv::Mat(last.size(), last.type(), cv::mean(last));
+  return cv::norm(last, first, cv::NORM_INF) <= 1;
+}
+
 cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   QuietOpenCv();
   CheckImageIsComplete(path, bytes);
@@ -84,8 +108,15 @@ cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   } catch (const cv::Exception& error) {
     throw Error(path, "cannot be decoded as an image: " + error.err);
   }
-  if (mat.empty()) throw Error(path, "cannot be decoded as an image");
+  if (mat.empty()) {
+    const std::string other = OtherContent({bytes.data(), std::min<size_t>(bytes.size(), 64)});
+    throw Error(path, other.empty() ? "cannot be decoded as an image" : other);
+  }
+  const bool multiplied = mat.channels() == 4 && IsPremultiplied(bytes, mat.depth());
   if (mat.depth() == CV_16U) mat.convertTo(mat, CV_8U, 1.0 / 257);
+  if (multiplied) mat = Divided(mat);
+  if (LacksJpegEnd(bytes) && EndsInOneColor(mat))
+    throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
   const int n = mat.channels();
   if (mat.depth() != CV_8U || (n != 1 && n != 3 && n != 4))
     throw Error(

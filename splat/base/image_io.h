@@ -121,9 +121,13 @@ class VideoWriter {
 // complete header.
 bool ParseImageHeader(const std::vector<char>& bytes, ImageInfo& info);
 
+// Whether a baseline JPEG lacks its end-of-image marker, as those of some phones do that end in
+// their maker's own data: only decoding tells whether it is whole.
+bool LacksJpegEnd(const std::vector<char>& bytes);
+
 // Throws Error(path, ...) if a PNG lacks chunks up to IEND or a critical chunk fails its CRC, if a
-// JPEG lacks its end-of-image marker, or if either has more than 2^28 pixels or more than its bytes
-// can hold. Other file types pass.
+// progressive JPEG lacks its end-of-image marker, or if either has more than 2^28 pixels or more
+// than its bytes can hold. Other file types pass.
 void CheckImageIsComplete(const std::string& path, const std::vector<char>& bytes);
 
 // Keeps OpenCV from writing to stderr, since failures are reported as Error. Must be

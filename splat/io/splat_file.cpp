@@ -8,6 +8,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
+#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/io/glb.h"
 #include "splat/io/ply.h"
@@ -66,15 +67,8 @@ Gaussians ReadLayout(const std::string& path, std::vector<std::string>* notes) {
 
 std::string OtherKindOf(const std::string& path) {
   constexpr size_t kBegin = 64;
-  std::string begin = FirstBytes(path, kBegin);
-  if (begin.starts_with("version https://git-lfs"))
-    return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
-  begin.erase(0, begin.find_first_not_of(" \t\r\n\xef\xbb\xbf"));
-  std::transform(begin.begin(), begin.end(), begin.begin(), [](unsigned char c) {
-    return char(std::tolower(c));
-  });
-  if (begin.starts_with("<!doctype") || begin.starts_with("<html") || begin.starts_with("<?xml"))
-    return "is a web page, such as a log-in or an error, not the file itself: download it again";
+  const std::string content = OtherContent(FirstBytes(path, kBegin));
+  if (!content.empty()) return content;
   const std::string ending = EndingOf(path);
   for (const char* other : {".ksplat", ".lcc", ".lcc2", ".rad"})
     if (ending == other)

@@ -10,6 +10,7 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/base/exif.h"
+#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
 
@@ -32,7 +33,7 @@ bool IsPhotograph(const fs::path& path) {
 [[noreturn]] void ThrowNoPhotographs(const std::string& folder) {
   std::string problem = "contains no photographs (.jpg, .jpeg, .png)";
   size_t heic = 0;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
     heic += LowerExtension(entry.path()) == ".heic";
   if (heic > 0)
     problem += "; it has " + std::to_string(heic) + " .heic files: convert them to .jpg first";
@@ -41,9 +42,9 @@ bool IsPhotograph(const fs::path& path) {
 
 std::vector<std::string> PhotographsIn(const std::string& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && IsPhotograph(entry.path()))
-      names.push_back(entry.path().filename().string());
+      names.push_back(entry.path().lexically_relative(folder).generic_string());
   std::sort(names.begin(), names.end());
   if (names.empty()) ThrowNoPhotographs(folder);
   return names;
@@ -66,8 +67,12 @@ Photograph Inspect(const std::string& folder, const std::string& name) {
   const std::string path = folder + "/" + name;
   const std::vector<char> bytes = ReadFile(path);
   CheckImageIsComplete(path, bytes);
+  if (LacksJpegEnd(bytes)) ReadImage(path);  // throws Error if it is truncated
   ImageInfo info;
-  if (!ParseImageHeader(bytes, info)) throw Error(path, "is neither a JPEG nor a PNG file");
+  if (!ParseImageHeader(bytes, info)) {
+    const std::string other = OtherContent({bytes.data(), std::min<size_t>(bytes.size(), 64)});
+    throw Error(path, other.empty() ? "is neither a JPEG nor a PNG file" : other);
+  }
   const ExifInfo exif = ParseExif(bytes);
   if (exif.orientation >= 5) std::swap(info.width, info.height);
   return {name, info.width, info.height, exif};
@@ -100,7 +105,7 @@ void GatherFolder(const std::string& source, const std::string& folder, Photogra
   for (const Photograph& p : usable) {
     const int lens = lenses.at({p.width, p.height, p.exif.focal_length});
     const std::string below = result.lenses == 1 ? "" : std::to_string(lens) + "/";
-    MakeDirectories(folder + "/" + below);
+    MakeDirectories(fs::path(folder + "/" + below + p.name).parent_path().string());
     Place(source + "/" + p.name, p, folder + "/" + below + p.name);
     result.names.push_back(below + p.name);
   }

@@ -1,0 +1,46 @@
+#include "splat/base/file_kind.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace cosplat {
+namespace {
+
+// ISO media files (HEIF, AVIF) name their brand after "ftyp".
+std::string IsoImage(std::string_view begin) {
+  if (begin.substr(0, 8).substr(std::min<size_t>(4, begin.size())) != "ftyp") return "";
+  const std::string_view brand = begin.substr(8, 4);
+  if (brand == "avif" || brand == "avis")
+    return "is an AVIF image, which is not read: convert it to PNG or JPEG (ffmpeg -i FILE "
+           "FILE.png)";
+  for (const char* heif : {"heic", "heix", "hevc", "heim", "heis", "mif1", "msf1"})
+    if (brand == heif)
+      return "is a HEIC image, which is not read: convert it to JPEG (heif-convert FILE FILE.jpg)";
+  return "is a video, not an image";
+}
+
+}  // namespace
+
+std::string OtherContent(std::string_view begin) {
+  if (begin.empty()) return "is empty";
+  if (begin.starts_with("version https://git-lfs"))
+    return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
+  std::string text(begin);
+  text.erase(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf"));
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
+    return char(std::tolower(c));
+  });
+  for (const char* page : {"<!doctype", "<html", "<?xml", "<head"})
+    if (text.starts_with(page))
+      return "is a web page, such as a log-in or an error, not the file itself: download it again";
+  if (text.starts_with("%pdf")) return "is a PDF document";
+  using namespace std::string_view_literals;
+  if (begin.starts_with("\xff\x0a") || begin.starts_with("\0\0\0\x0cJXL "sv))
+    return "is a JPEG XL image, which is not read: convert it to PNG (djxl FILE FILE.png)";
+  if (begin.starts_with("II*\0\x10\0\0\0CR"sv) || begin.starts_with("FUJIFILM") ||
+      begin.starts_with("IIRO"))
+    return "is a camera's raw image, which is not read: develop it to JPEG or TIFF";
+  return IsoImage(begin);
+}
+
+}  // namespace cosplat
