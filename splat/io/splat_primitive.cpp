@@ -79,6 +79,16 @@ std::vector<float> ReadAttribute(const GlbDocument& document,
   return values;
 }
 
+// What a user should know of how the file is read.
+void Note(const GlbDocument& document, bool logarithms, std::vector<std::string>& notes) {
+  if (logarithms)
+    notes.push_back(
+        "has negative scales: they are read as logarithms, as SplatTransform wrote them before its "
+        "version of June 2026");
+  if (document.has_transforms)
+    notes.push_back("has nodes that are moved, turned or scaled, which is not applied");
+}
+
 void CheckOpacities(const GlbDocument& document, const std::vector<float>& values) {
   for (size_t i = 0; i < values.size(); ++i)
     if (!(values[i] >= 0 && values[i] <= 1))
@@ -170,10 +180,7 @@ Gaussians ReadSplatPrimitive(const GlbDocument& document,
   const std::vector<float> opacity = ReadAttribute(document, primitive, kPrefix + "OPACITY", 1, n);
   CheckOpacities(document, opacity);
   const bool logarithms = *std::min_element(scale.begin(), scale.end()) < 0;
-  if (logarithms && notes)
-    notes->push_back(
-        "has negative scales: they are read as logarithms, as SplatTransform wrote them "
-        "before its version of June 2026");
+  if (notes) Note(document, logarithms, *notes);
   Gaussians g;
   g.basis = Basis::kSh;
   while (g.degree < kMaxSplatFileDegree &&
@@ -194,8 +201,6 @@ Gaussians ReadSplatPrimitive(const GlbDocument& document,
     for (size_t i = 0; i < n; ++i)
       std::copy_n(&color[3 * i], 3, c == 0 ? g.at(kColorDc, i) : g.at(kColorRest, i) + 3 * (c - 1));
   }
-  if (document.has_transforms && notes)
-    notes->push_back("has nodes that are moved, turned or scaled, which is not applied");
   SettleSplats(g, notes);
   return g;
 }
