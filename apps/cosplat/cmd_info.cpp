@@ -201,7 +201,7 @@ void SceneInfo(const std::string& path) {
 }
 
 void FolderInfo(const std::string& path) {
-  if (fs::exists(path + "/run.json")) return RunInfo(path);
+  if (IsRun(path)) return RunInfo(path);
   if (!TrackLayoutOf(path).empty()) return TrackInfo(path, true);
   SceneInfo(path);
 }

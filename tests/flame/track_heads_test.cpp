@@ -178,7 +178,6 @@ TEST(MetricalTrack, ImagesMasksAndSplit) {
   set.WriteImages("images", 4);  // INSTA's, with alpha: preferred
   video = LoadTrackedVideo(set.folder.path(), {3, 1, &set.model});
   EXPECT_NE(video.train[0].image_path.find("/images/"), std::string::npos);
-  EXPECT_TRUE(video.train[0].mask_path.empty());
   EXPECT_EQ(video.test.size(), 3u);
   // Of a long video, the last 350 frames are held out, as in the published comparisons.
   for (int i = kHeadFrames; i < 1800; ++i) set.frames[i] = set.frames[i % kHeadFrames];

@@ -242,10 +242,14 @@ TEST(TrackedVideo, AlphaComesFromTheImageOrElseTheMask) {
   rgba.WriteImages(4);
   rgba.WriteMasks();
   TrackedVideo video = rgba.Load();
-  EXPECT_TRUE(video.train[0].mask_path.empty());
   Image8 image = LoadTrackedImage(video, video.train[0]);
   EXPECT_EQ(image.at(0, 0, 3), 0);
   EXPECT_EQ(image.at(31, 0, 3), 255);
+  // Alpha that is opaque everywhere says nothing.
+  WriteImage(video.train[0].image_path, Image8(kWidth, kHeight, 4, 255));
+  image = LoadTrackedImage(video, video.train[0]);
+  EXPECT_EQ(image.at(3, 3, 3), 255);
+  EXPECT_EQ(image.at(20, 3, 3), 0);
   Imavatar rgb;
   rgb.WriteImages(3);
   video = rgb.Load();  // neither

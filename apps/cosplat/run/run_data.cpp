@@ -1,6 +1,7 @@
 #include "apps/cosplat/run/run_data.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
 
 #include "apps/cosplat/run/notes.h"
@@ -27,6 +28,32 @@ void HoldOutFurthestTurned(TrackedVideo& video) {
   for (size_t i = 0; i < turns.size(); ++i)
     (turns[i] > limit ? video.test : kept).push_back(std::move(video.train[i]));
   video.train = std::move(kept);
+}
+
+// Coefficients that the model has no directions for, as FLAME's Open model has none, do nothing.
+void NoteExpressions(const FlameModel& flame, TrackedVideo& video) {
+  const size_t used = size_t(flame.expression_count);
+  size_t given = 0;
+  double all = 0, left = 0;
+  for (const auto* frames : {&video.train, &video.test})
+    for (const TrackedFrame& frame : *frames) {
+      given = std::max(given, frame.params.expression.size());
+      for (size_t k = 0; k < frame.params.expression.size(); ++k) {
+        const double square = double(frame.params.expression[k]) * frame.params.expression[k];
+        all += square;
+        if (k >= used) left += square;
+      }
+    }
+  if (left == 0) return;
+  char text[160];
+  std::snprintf(text,
+                sizeof text,
+                ": %zu of %zu expression coefficients are used, all that the model has; the others "
+                "are %.0f %% of the expressions (sum of squares)",
+                std::min(used, given),
+                given,
+                100 * left / all);
+  video.notes.push_back(video.source + text);
 }
 
 }  // namespace
@@ -62,6 +89,7 @@ TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame) {
   TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
+  NoteExpressions(flame, video);
   SettleMasks(flame, video);
   PrintNotes(video.notes);
   if (split.fold_by_turn) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "apps/cosplat/run/cfg_args.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
@@ -90,7 +91,14 @@ void RemoveRun(const std::string& folder) {
   for (const char* file : kFiles) remove(folder + "/" + file);
 }
 
-Json ReadRun(const std::string& folder) { return ReadJson(folder + "/run.json"); }
+bool IsRun(const std::string& folder) {
+  return fs::exists(folder + "/run.json") || fs::exists(folder + "/cfg_args");
+}
+
+Json ReadRun(const std::string& folder) {
+  const std::string own = folder + "/run.json";
+  return fs::exists(own) || !IsRun(folder) ? ReadJson(own) : RunOfCfgArgs(folder);
+}
 
 Json CameraToJson(const Camera& c) {
   return {{"width", c.width},

@@ -24,7 +24,10 @@ void WriteRunConfiguration(const std::string& folder,
 // splats. Other files stay. Throws Error if that is not possible.
 void RemoveRun(const std::string& folder);
 
-// Throws Error if `folder` holds no run.
+// Whether it is a run's folder, ours or one that 3DGS's code wrote.
+bool IsRun(const std::string& folder);
+// run.json, or what it would say of a folder of 3DGS's own (cfg_args.h). Throws Error if `folder`
+// holds no run.
 Json ReadRun(const std::string& folder);
 
 Json CameraToJson(const Camera& camera);

@@ -1,0 +1,106 @@
+#include "apps/cosplat/run/cfg_args.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <map>
+
+#include "apps/cosplat/run/run_data.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The arguments of Python's "Namespace(name=value, ...)": strings without their quotes.
+std::map<std::string, std::string> ArgumentsIn(const std::string& path) {
+  const std::vector<char> bytes = ReadFile(path);
+  const std::string text(bytes.begin(), bytes.end());
+  std::map<std::string, std::string> arguments;
+  size_t at = text.find("Namespace(");
+  if (at == std::string::npos) throw Error(path, "is not what 3DGS writes: Namespace(...)");
+  at += 10;
+  while (at < text.size() && text[at] != ')') {
+    const size_t equals = text.find('=', at);
+    if (equals == std::string::npos || equals + 1 >= text.size())
+      throw Error(path, "ends within its arguments");
+    const std::string name = text.substr(at, equals - at);
+    const char quote = text[equals + 1];
+    std::string value;
+    if (quote == '\'' || quote == '"') {
+      at = equals + 2;
+      for (; at < text.size() && text[at] != quote; ++at) {
+        if (text[at] == '\\' && at + 1 < text.size()) ++at;
+        value += text[at];
+      }
+      ++at;
+    } else {
+      const size_t end = std::min(text.find_first_of(",)", equals), text.size());
+      value = text.substr(equals + 1, end - equals - 1);
+      at = end;
+    }
+    arguments[name] = value;
+    while (at < text.size() && (text[at] == ',' || text[at] == ' ')) ++at;
+  }
+  return arguments;
+}
+
+int IntegerOr(const std::map<std::string, std::string>& arguments, const char* name, int fallback) {
+  const auto found = arguments.find(name);
+  if (found == arguments.end()) return fallback;
+  int value = fallback;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), value);
+  return value;
+}
+
+int LastIteration(const std::string& folder) {
+  int last = 0;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder + "/point_cloud", ignored)) {
+    const std::string name = entry.path().filename().string();
+    int number = 0;
+    if (name.starts_with("iteration_") &&
+        std::from_chars(name.data() + 10, name.data() + name.size(), number).ec == std::errc())
+      last = std::max(last, number);
+  }
+  return last;
+}
+
+}  // namespace
+
+int ReductionOf(const std::string& images) {
+  if (images == "images") return 1;
+  int number = 0;
+  const char* const end = images.data() + images.size();
+  if (!images.starts_with("images_")) return 0;
+  const auto [last, code] = std::from_chars(images.data() + 7, end, number);
+  return code == std::errc() && last == end && number > 0 ? number : 0;
+}
+
+Json RunOfCfgArgs(const std::string& folder) {
+  const std::string path = folder + "/cfg_args";
+  const std::map<std::string, std::string> arguments = ArgumentsIn(path);
+  const auto text = [&](const char* name, const char* fallback) {
+    const auto found = arguments.find(name);
+    return found == arguments.end() ? std::string(fallback) : found->second;
+  };
+  if (text("source_path", "").empty()) throw Error(path, "source_path", "is missing");
+  DataSplit split;
+  split.eval = text("eval", "False") == "True";
+  // -1: full size, but for images wider than 1,600 pixels.
+  split.resolution = std::max(1, IntegerOr(arguments, "resolution", -1)) *
+                     std::max(1, ReductionOf(text("images", "images")));
+  const float background = text("white_background", "False") == "True" ? 1.0f : 0.0f;
+  return {{"kind", "scene"},
+          {"source", text("source_path", "")},
+          {"split", ToJson(split)},
+          {"iterations", LastIteration(folder)},
+          {"degree", IntegerOr(arguments, "sh_degree", 3)},
+          {"basis", "sh"},
+          {"seed", nullptr},
+          {"background", {background, background, background}}};
+}
+
+}  // namespace cosplat

@@ -1,0 +1,17 @@
+// Folders that 3DGS's own code wrote: cfg_args in place of run.json.
+#pragma once
+
+#include <string>
+
+#include "splat/base/json.h"
+
+namespace cosplat {
+
+// What run.json would say: source, split, degree, background, and the highest iteration saved.
+// Throws Error naming the field if cfg_args is not 3DGS's line ("Namespace(eval=True, ...)").
+Json RunOfCfgArgs(const std::string& folder);
+
+// The number of "images_4", 1 of "images"; 0 of another name.
+int ReductionOf(const std::string& images);
+
+}  // namespace cosplat
