@@ -4,6 +4,7 @@
 #include "splat/base/exif.h"
 #include "splat/base/matte.h"
 #include "tests/street/nerf_scene.h"
+#include "tests/support/expect_error.h"
 
 namespace cosplat::test {
 namespace {
@@ -67,6 +68,81 @@ TEST(Images, AreTurnedAsViewersDo) {
     double sum = 0;
     for (size_t i = 0; i < image.data.size(); ++i) sum += std::abs(image.data[i] - upright.data[i]);
     EXPECT_LT(sum / double(image.data.size()), 10) << orientation;
+  }
+}
+
+// As some phones write them: no end marker, then the maker's own data.
+TEST(Images, JpegsWithoutAnEndAreJudgedByTheirPixels) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "phone.jpg";
+  WriteImage(path, NerfScene::Photograph(0, 0));
+  const std::vector<char> jpeg = ReadFile(path);
+  const std::string whole(jpeg.begin(), jpeg.end() - 2);
+  WriteFileAtomically(path, whole + std::string("\0\0SEFT maker's data", 19));
+  EXPECT_EQ(ReadImage(path).width, NerfScene::kWidth);
+  WriteFileAtomically(path, whole.substr(0, whole.size() * 6 / 10));
+  ExpectError([&] { ReadImage(path); }, {"phone.jpg", "truncated"});
+}
+
+TEST(Images, OfOtherKindsAreNamed) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& bytes, const char* what) {
+    WriteFileAtomically(folder / "photo.jpg", bytes);
+    ExpectError([&] { ReadImage(folder / "photo.jpg"); }, {"photo.jpg", what});
+  };
+  expect(std::string("\0\0\0\x18"
+                     "ftypheic\0\0\0\0mif1heic",
+                     24),
+         "HEIC");
+  expect(std::string("\0\0\0\x1c"
+                     "ftypavif\0\0\0\0avifmif1",
+                     24),
+         "AVIF");
+  expect("version https://git-lfs.github.com/spec/v1\n", "git lfs pull");
+  expect("<html><body>Not found</body></html>", "web page");
+}
+
+// A TIFF of one strip, 8 bits, RGBA; extra: 1 for colours that are multiplied by alpha, 2 for
+// straight.
+std::string Tiff(int extra, const std::array<uint8_t, 4>& pixel) {
+  const auto n = [](uint32_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += char(value >> 8 * i & 255);
+    return text;
+  };
+  constexpr uint32_t kSide = 8, kEntries = 11, kData = 8 + 2 + 12 * kEntries + 4;
+  std::string tiff = "II" + n(42, 2) + n(8, 4) + n(kEntries, 2);
+  const auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
+    tiff += n(tag, 2) + n(type, 2) + n(count, 4) + n(value, 4);
+  };
+  entry(256, 3, 1, kSide);
+  entry(257, 3, 1, kSide);
+  entry(258, 3, 4, kData);
+  entry(259, 3, 1, 1);
+  entry(262, 3, 1, 2);
+  entry(273, 4, 1, kData + 8);
+  entry(277, 3, 1, 4);
+  entry(278, 3, 1, kSide);
+  entry(279, 4, 1, 4 * kSide * kSide);
+  entry(284, 3, 1, 1);
+  entry(338, 3, 1, uint32_t(extra));
+  tiff += n(0, 4);
+  for (int c = 0; c < 4; ++c) tiff += n(8, 2);
+  for (uint32_t i = 0; i < kSide * kSide; ++i) tiff.append(pixel.begin(), pixel.end());
+  return tiff;
+}
+
+TEST(Images, TiffsAlphaIsStraight) {
+  const TemporaryFolder folder;
+  for (const int extra : {1, 2}) {
+    const uint8_t scale = extra == 1 ? 2 : 1;
+    WriteFileAtomically(folder / "cut.tif",
+                        Tiff(extra, {uint8_t(200 / scale), uint8_t(100 / scale), 40, 128}));
+    const Image8 image = ReadImage(folder / "cut.tif");
+    ASSERT_EQ(image.channels, 4);
+    EXPECT_NEAR(image.data[0], 200, 3) << extra;
+    EXPECT_NEAR(image.data[1], 100, 3) << extra;
+    EXPECT_EQ(image.data[3], 128) << extra;
   }
 }
 
