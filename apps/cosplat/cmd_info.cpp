@@ -7,6 +7,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
@@ -68,6 +69,10 @@ void SplatInfo(const std::string& path, SplatLayout layout) {
               WithThousands(g.size()).c_str(),
               g.degree);
   if (g.degree > 0) DegreeInfo(g);
+  if (g.origin != WorldOrigin{})
+    std::printf("coordinates are counted from %s\n", ToString(g.origin).c_str());
+  if (IsRoundedFarAway(g))
+    std::printf("and were stored as 32-bit floats so far from zero: they are rounded\n");
   if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
@@ -102,6 +107,7 @@ void FlameInfo(const std::string& path) {
               m.faces.size(),
               m.shape_count,
               m.expression_count);
+  std::printf("%s", UnitLines(m, {}).c_str());
   std::printf(
       "sha256 %s, %s\n",
       m.sha256.c_str(),
@@ -122,6 +128,7 @@ void TrackInfo(const std::string& path, bool need_images) {
               v.shape.size(),
               f.params.expression.size(),
               f.camera.fx);
+  std::printf("%s", UnitLines({}, v).c_str());
 }
 
 // One line per evaluation.
@@ -194,6 +201,7 @@ void SceneInfo(const std::string& path) {
               s.train[0].camera.height,
               s.skipped.size());
   std::printf("%s points, extent %.3g\n", WithThousands(s.points.size() / 3).c_str(), s.extent);
+  std::printf("%s", PlaceLines(s).c_str());
 }
 
 void FolderInfo(const std::string& path) {

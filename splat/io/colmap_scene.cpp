@@ -49,7 +49,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   const std::string numbered = path + "/sparse/0";
   ColmapModel model = ReadColmapModel(fs::is_directory(numbered) ? numbered : path + "/sparse");
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
-  scene.points = std::move(model.points);
+  scene.read_points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   const FoundImage any = FindImage(path + "/images", model.images[0].name, options.resolution);
   if (!any.folder_exists) throw Error(path, MissingFolderProblem(path, options.resolution));
@@ -59,7 +59,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     const ColmapCamera& camera = model.cameras.at(image.camera_id);
     view.distortion = camera.distortion;
     const PoseProblem problem =
-        SetPose(RotationMatrix(image.rotation), image.translation, view.camera);
+        SetPose(RotationMatrix(image.rotation), image.translation, view.camera, &view.center);
     const FoundImage found = FindImage(path + "/images", image.name, options.resolution);
     view.image_path = found.path;
     if (!problem.empty()) {

@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/json.h"
 #include "splat/io/ply_layouts.h"
 #include "splat/io/ply_reader.h"
 
@@ -27,10 +28,16 @@ std::vector<PlyColumn> ColumnsOf(int degree) {
 
 constexpr const char* kAntialiasedComment = "antialiased";
 
-std::string HeaderOf(size_t count, const char* comment = nullptr) {
-  return std::string("ply\nformat binary_little_endian 1.0\n") +
-         (comment ? "comment " + std::string(comment) + "\n" : "") + "element vertex " +
-         std::to_string(count) + "\n";
+// What laser scanners' programs (XGRIDS, DJI Terra) write above Gaussians and points: the world's
+// coordinates are those of the file plus these.
+constexpr std::array<const char*, 3> kOffsets{"offsetx", "offsety", "offsetz"};
+
+std::string HeaderOf(size_t count, const WorldOrigin& origin, const char* comment = nullptr) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  if (comment) header += "comment " + std::string(comment) + "\n";
+  for (size_t k = 0; k < 3 && origin != WorldOrigin{}; ++k)
+    header += "comment " + std::string(kOffsets[k]) + " " + Json(origin[k]).dump() + "\n";
+  return header + "element vertex " + std::to_string(count) + "\n";
 }
 
 void CheckForPly(const std::string& path, const Gaussians& gaussians) {
@@ -43,7 +50,7 @@ constexpr int kNormals = 3, kNormalsAt = 3;
 
 void WriteSplatHeader(const Gaussians& layout, size_t count, std::ostream& out) {
   const std::vector<PlyColumn> columns = ColumnsOf(layout.degree);
-  out << HeaderOf(count, layout.antialiased ? kAntialiasedComment : nullptr);
+  out << HeaderOf(count, layout.origin, layout.antialiased ? kAntialiasedComment : nullptr);
   for (size_t i = 0; i < columns.size(); ++i) {
     if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
     out << "property float " << columns[i].name << "\n";
@@ -68,6 +75,15 @@ void WriteRows(const std::string& path,
     }
     out.write(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(float));
   }
+}
+
+// positions: [N, 3]. Far from zero they are counted from a place near them.
+void SetPositions(const std::vector<double>& positions, Gaussians& gaussians) {
+  const WorldOrigin near =
+      OriginNearPoints(gaussians.size(), [&](size_t i) { return &positions[3 * i]; });
+  for (size_t i = 0; i < positions.size(); ++i)
+    gaussians.values[kPosition][i] = float(positions[i] - near[i % 3]);
+  for (size_t k = 0; k < 3; ++k) gaussians.origin[k] += near[k];
 }
 
 }  // namespace
@@ -102,9 +118,11 @@ void WritePly(const std::string& path,
 
 Gaussians ReadPly(const std::string& path) {
   PlyReader reader(path);
-  if (IsCompressed(reader)) return ReadCompressed(reader);
-  reader.Enter("vertex");
   Gaussians gaussians;
+  if (IsCompressed(reader)) gaussians = ReadCompressed(reader);
+  for (size_t k = 0; k < 3; ++k) gaussians.origin[k] = reader.CommentNumber(kOffsets[k], 0);
+  if (IsCompressed(reader)) return gaussians;
+  reader.Enter("vertex");
   gaussians.degree = DegreeOf(reader);
   gaussians.basis = Basis::kSh;
   gaussians.antialiased = reader.HasComment(kAntialiasedComment);
@@ -112,14 +130,18 @@ Gaussians ReadPly(const std::string& path) {
   std::vector<int> source;
   for (const PlyColumn& column : columns) source.push_back(reader.Require(column.name));
   gaussians.Resize(reader.count());
+  std::vector<double> exact;  // positions that floats may be too coarse for
+  if (reader.IsDouble("x")) exact.reserve(3 * reader.count());
   for (size_t i = 0; i < reader.count(); ++i) {
     const std::vector<double>& values = reader.Next();
+    for (size_t k = 0; k < 3 && reader.IsDouble("x"); ++k) exact.push_back(values[source[k]]);
     for (size_t k = 0; k < columns.size(); ++k) {
       const float value = float(values[source[k]]);
       if (!std::isfinite(value)) reader.Fail(columns[k].name, "is not finite");
       gaussians.at(columns[k].attribute, i)[columns[k].component] = value;
     }
   }
+  if (!exact.empty()) SetPositions(exact, gaussians);
   return gaussians;
 }
 
@@ -127,14 +149,15 @@ bool IsCompressedPly(const std::string& path) { return IsCompressed(PlyReader(pa
 
 void WritePointsPly(const std::string& path,
                     const std::vector<float>& points,
-                    const std::vector<uint8_t>& colors) {
+                    const std::vector<uint8_t>& colors,
+                    const WorldOrigin& origin) {
   if (points.size() != colors.size() || points.size() % 3 != 0)
     throw Error(path,
                 std::to_string(points.size()) + " coordinates do not fit " +
                     std::to_string(colors.size()) + " colour values");
   const size_t count = points.size() / 3;
   WriteFileAtomically(path, [&](std::ostream& out) {
-    out << HeaderOf(count);
+    out << HeaderOf(count, origin);
     for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
       out << "property float " << name << "\n";
     for (const char* name : {"red", "green", "blue"}) out << "property uchar " << name << "\n";
@@ -147,8 +170,8 @@ void WritePointsPly(const std::string& path,
   });
 }
 
-void ReadPointsPly(const std::string& path,
-                   std::vector<float>& points,
+bool ReadPointsPly(const std::string& path,
+                   std::vector<double>& points,
                    std::vector<uint8_t>& colors) {
   PlyReader reader(path);
   reader.Enter("vertex");
@@ -162,14 +185,15 @@ void ReadPointsPly(const std::string& path,
   for (size_t i = 0; i < reader.count(); ++i) {
     const std::vector<double>& values = reader.Next();
     for (int k = 0; k < 3; ++k) {
-      points[3 * i + k] = float(values[position[k]]);
-      if (!std::isfinite(points[3 * i + k])) reader.Fail(kAxes[k], "is not finite");
+      points[3 * i + k] = values[position[k]];
+      if (!std::isfinite(float(points[3 * i + k]))) reader.Fail(kAxes[k], "is not finite");
       if (color[k] < 0) continue;
       const double value = values[color[k]];
       if (!(value >= 0 && value <= 255)) reader.Fail(kColors[k], "is not in 0..255");
       colors[3 * i + k] = uint8_t(value);
     }
   }
+  return reader.IsDouble("x");
 }
 
 }  // namespace cosplat

@@ -20,6 +20,11 @@ class PlyReader {
   bool Has(const std::string& element, const std::string& property) const;
   // Whether the header has this comment as a line of its own.
   bool HasComment(const std::string& text) const { return comments_.contains(text); }
+  // The number that follows this word in a comment; `fallback` if there is no such comment. Throws
+  // Error if it is no finite number.
+  double CommentNumber(const std::string& word, double fallback) const;
+  // Whether the current element's property is stored as a double.
+  bool IsDouble(const std::string& name) const;
   // Makes this the current element. Throws Error if there is none after the current one, or if the
   // file is too short for its count.
   void Enter(const std::string& element);

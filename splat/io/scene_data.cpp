@@ -75,7 +75,7 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
     throw Error(path,
                 "has no training views: all " + std::to_string(scene.test.size()) +
                     " views are in the test set");
-  scene.extent = SceneExtent(scene.train);
+  PlaceScene(options.origin, scene);
   return scene;
 }
 

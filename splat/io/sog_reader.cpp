@@ -96,6 +96,8 @@ class SogParser {
     g.basis = Basis::kSh;
     g.antialiased = meta_.Has("antialias") && meta_["antialias"].raw() == true;
     g.degree = meta_.Has("shN") ? Bands() : 0;
+    for (size_t k = 0; k < 3 && meta_.Has(kSogOrigin); ++k)
+      g.origin[k] = meta_[kSogOrigin][k].Number();
     g.Resize(count_);
     ReadPositions(g);
     ReadRotations(g);

@@ -183,11 +183,12 @@ class SogWriter {
     AddImage("shN", "shN_centroids.webp", image);
     AddImage("shN", "shN_labels.webp", labels);
   }
-  void Finish(size_t count, bool antialiased) {
+  void Finish(size_t count, bool antialiased, const WorldOrigin& origin) {
     meta_["version"] = kSogVersion;
     meta_["asset"]["generator"] = "CoSplat";
     meta_["count"] = count;
     meta_["antialias"] = antialiased;
+    if (origin != WorldOrigin{}) meta_[kSogOrigin] = origin;
     const std::string text = meta_.dump() + "\n";
     if (!path_.ends_with(kSogMeta)) {
       images_.insert(images_.begin(), ZipMember{kSogMeta, text});
@@ -243,7 +244,7 @@ void WriteSog(const std::string& path,
   writer.Scales(g, weight);
   if (g.degree > 0) writer.Bands(weight, seen, g);
   writer.Colors(g, weight);
-  writer.Finish(g.size(), g.antialiased);
+  writer.Finish(g.size(), g.antialiased, g.origin);
 }
 
 }  // namespace cosplat

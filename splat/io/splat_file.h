@@ -20,8 +20,9 @@ enum class SplatLayout {
 // at `path`.
 SplatLayout SplatLayoutOf(const std::string& path);
 
-// In 3DGS's SH, with OpenCV's axes if those are what the file was made of. Throws Error as the
-// layout's reader does, and for a file of none of these layouts.
+// In 3DGS's SH, with OpenCV's axes if those are what the file was made of. Positions far from zero
+// are counted from an origin near them; one that the file has is kept (docs/files.md). Throws Error
+// as the layout's reader does, and for a file of none of these layouts.
 Gaussians ReadSplats(const std::string& path);
 
 // A static scene as a .glb file for other programs.

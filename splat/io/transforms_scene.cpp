@@ -117,7 +117,7 @@ FoundImage FindFrameImage(const fs::path& folder, const fs::path& name, int reso
   return found;
 }
 
-PoseProblem SetFramePose(const JsonField& field, Camera& camera) {
+PoseProblem SetFramePose(const JsonField& field, SceneView& view) {
   const std::vector<double> values = field.NumbersOrNan();
   if (values.size() != 16 && values.size() != 12)
     throw Error(field.file(),
@@ -125,15 +125,15 @@ PoseProblem SetFramePose(const JsonField& field, Camera& camera) {
                 "found " + std::to_string(values.size()) + " numbers, expected a 4x4 matrix");
   std::array<double, 12> matrix;
   std::copy(values.begin(), values.begin() + 12, matrix.begin());
-  return SetPoseFromOpenGlWorldFromCam(matrix, camera);
+  return SetPoseFromOpenGlWorldFromCam(matrix, view.camera, &view.center);
 }
 
 // The points that a file of cameras names, if it does.
 void LoadPoints(const JsonField& file, SceneData& scene) {
   if (!file.Has("ply_file_path")) return;
   const fs::path folder = fs::path(file.file()).parent_path();
-  ReadPointsPly(
-      (folder / file["ply_file_path"].String()).string(), scene.points, scene.point_colors);
+  scene.coarse_points = !ReadPointsPly(
+      (folder / file["ply_file_path"].String()).string(), scene.read_points, scene.point_colors);
 }
 
 // Adds the frames of one file to `views`, or to `skipped`.
@@ -149,7 +149,7 @@ void LoadFrames(const JsonField& file,
     const fs::path name = ImageName(frame["file_path"].String());
     SceneView view;
     view.name = name.generic_string();
-    const PoseProblem problem = SetFramePose(frame["transform_matrix"], view.camera);
+    const PoseProblem problem = SetFramePose(frame["transform_matrix"], view);
     const FoundImage found = FindFrameImage(folder, name, options.resolution);
     view.image_path = found.path;
     if (frame.Has("mask_path")) view.mask_path = (folder / frame["mask_path"].String()).string();
