@@ -46,6 +46,7 @@ cosplat_library(base
   splat/base/npz.cpp
   splat/base/sha256.cpp
   splat/base/skipped.cpp
+  splat/base/world_frame.cpp
   splat/base/zip_reader_stb.cpp)
 target_link_libraries(cosplat_base PUBLIC nlohmann_json::nlohmann_json PRIVATE stb)
 add_subdirectory(splat/device)
@@ -94,6 +95,7 @@ cosplat_library(flame_track
   flame/io/smirk.cpp
   flame/io/torch_file.cpp
   flame/io/track_files.cpp
+  flame/io/track_unit.cpp
   flame/io/vhap.cpp
   flame/track.cpp)
 target_link_libraries(cosplat_flame_track PUBLIC cosplat::base PRIVATE cosplat::flame)

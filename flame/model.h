@@ -1,7 +1,8 @@
 // The arrays of the FLAME head model (Li et al. 2017), as stored in a model file.
 //
 // Model files (flame/io/model_file.h, assets/head/procedural_head.h) -> FlameModel -> flame/pose.h.
-// Lengths are in metres. This library does not depend on Gaussians.
+// Lengths are in metres; files in other units are converted. This library does not depend on
+// Gaussians.
 #pragma once
 
 #include <array>
@@ -10,6 +11,10 @@
 #include <vector>
 
 namespace cosplat {
+
+// Square root of the total area of FLAME 2023's template (5,023 vertices, 9,976 faces), measured as
+// sqrt(0.181554 m^2) on the openly licensed release.
+constexpr double kFlameTemplateSize = 0.426091;
 
 constexpr int kFlameJoints = 5;  // root, neck, jaw, left eye, right eye
 constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
@@ -26,6 +31,8 @@ struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
   std::string sha256;            // of the file's bytes; empty for the procedural head
   bool redistributable = false;  // whether its data may be embedded in an avatar file
+
+  double unit = 1;  // metres per unit of the file
 
   int vertex_count = 0;
   int shape_count = 0;       // S

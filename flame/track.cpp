@@ -158,12 +158,16 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video) {
   video.head_is_fixed = false;
 }
 
+double DepthOfHead(const TrackedFrame& frame) {
+  double depth = frame.camera.translation[2];
+  for (size_t k = 0; k < 3; ++k)
+    depth += frame.camera.rotation[6 + k] * frame.params.translation[k];
+  return depth;
+}
+
 double FaceSizeIn(const TrackedFrame& frame) {
-  constexpr double kFaceSize = 0.14, kMinDistance = 0.01;  // metres
-  const Camera& camera = frame.camera;
-  double depth = camera.translation[2];
-  for (size_t k = 0; k < 3; ++k) depth += camera.rotation[6 + k] * frame.params.translation[k];
-  return kFaceSize * camera.fx / std::max(depth, kMinDistance);
+  constexpr double kMinDistance = 0.01;  // metres
+  return kFaceSize * frame.camera.fx / std::max(DepthOfHead(frame), kMinDistance);
 }
 
 bool TracksEyelids(const TrackedVideo& video) {
@@ -258,6 +262,7 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
+  ConvertToMetres(video);
   if (request.options.flame) {
     EyelidsToExpression(*request.options.flame, video);
     MoveHead(*request.options.flame, video);

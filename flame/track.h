@@ -3,7 +3,7 @@
 // flame/io/{imavatar,vhap,insta,metrical,smirk,driving_npz}.cpp read the layouts written by
 // trackers into this common structure; the avatar trainer and the player's driving mode use it.
 // Lengths are in metres of the FLAME model: if a layout enlarges the mesh (IMavatar x4), its camera
-// translations are divided.
+// translations are divided; tracks in other units are converted.
 #pragma once
 
 #include <memory>
@@ -38,6 +38,7 @@ struct TrackedVideo {
   std::string video_path;
   std::shared_ptr<VideoReader> video;  // of video_path, if there is one
   double frames_per_second = 0;        // time steps per second; 0 if unknown
+  double unit = 1;                     // metres per unit of the track as stored
   std::vector<float> shape;            // the subject's
   // [V, 3] metres, or empty; VHAP's export may have 120 rows more, for teeth (flame/mouth.h)
   std::vector<float> static_offset;
@@ -87,7 +88,11 @@ TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flam
 // Throws Error as FlamePoser does.
 void MoveHead(const FlameModel& flame, TrackedVideo& video);
 
-// How wide a face, 0.14 m, is in the frame's image, in px; at most as from a centimetre's distance.
+constexpr double kFaceSize = 0.14;  // metres
+// Of the head's root before the camera, metres.
+double DepthOfHead(const TrackedFrame& frame);
+
+// How wide a face is in the frame's image, in px; at most as from a centimetre's distance.
 double FaceSizeIn(const TrackedFrame& frame);
 
 // Whether any frame's eyelids are moved.

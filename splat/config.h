@@ -48,7 +48,4 @@ constexpr float kMinDeterminant = 1e-6f;
 // Gaussians whose quaternion has a smaller squared norm are not rendered: it has no direction.
 constexpr float kMinQuaternionNorm2 = 1e-8f;
 
-// Smallest depth rendered, scene units (gsplat; 3DGS has 0.2, too far for a head in metres).
-constexpr float kNearPlane = 0.01f;
-
 }  // namespace cosplat

@@ -161,6 +161,25 @@ void BakeSmoothing(Gaussians& g) {
   g.smoothing.clear();
 }
 
+void MoveOrigin(Gaussians& g, const WorldOrigin& to) {
+  for (size_t k = 0; k < 3; ++k) {
+    const double shift = g.origin[k] - to[k];
+    if (shift == 0) continue;
+    for (size_t i = 0; i < g.size(); ++i)
+      g.at(kPosition, i)[k] = float(double(g.at(kPosition, i)[k]) + shift);
+  }
+  g.origin = to;
+}
+
+bool IsRoundedFarAway(const Gaussians& g) {
+  if (g.origin == WorldOrigin{}) return false;
+  for (size_t i = 0; i < g.values[kPosition].size(); ++i) {
+    const double in_world = double(g.values[kPosition][i]) + g.origin[i % 3];
+    if (double(float(in_world)) != in_world) return false;
+  }
+  return true;
+}
+
 size_t HeldBy(const Gaussians& gaussians) {
   size_t bytes = HeldBy(gaussians.degrees, gaussians.smoothing);
   for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);

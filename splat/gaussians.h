@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "splat/base/world_frame.h"
 #include "splat/basis.h"
 #include "splat/config.h"
 #include "splat/device/buffer.h"
@@ -47,6 +48,9 @@ struct Gaussians {
   // (SmoothScale in splat/math/gaussian.h), which is rendered and is not yet part of scale and
   // opacity. Empty: none.
   Buffer<float> smoothing;
+  // Of a scene: what kPosition is counted from, where its data is far from zero. Copies and files
+  // keep it, training passes over it.
+  WorldOrigin origin{};
   std::array<Buffer<float>, kAttributeCount> values;
 
   size_t size() const { return values[kOpacityLogit].size(); }
@@ -93,6 +97,12 @@ void FindDegrees(Gaussians& gaussians);
 
 // Makes the 3D smoothing filter part of scale and opacity, as files hold them.
 void BakeSmoothing(Gaussians& gaussians);
+
+// Counts the positions, which must be points in the world, from another origin.
+void MoveOrigin(Gaussians& gaussians, const WorldOrigin& to);
+// Whether all positions are such that floats hold them exactly when counted from zero, although
+// their origin is not: they have been there, and are coarse.
+bool IsRoundedFarAway(const Gaussians& gaussians);
 
 // Allocated bytes, by capacity.
 size_t HeldBy(const Gaussians& gaussians);

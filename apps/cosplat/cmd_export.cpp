@@ -70,6 +70,11 @@ void Say(const ExportOptions& o,
               WithThousands(subject.gaussians.size()).c_str(),
               double(std::filesystem::file_size(path)) / 1e6,
               subject.is_avatar ? what : "");
+  if (subject.gaussians.origin == WorldOrigin{}) return;
+  std::printf("%s: coordinates are counted from %s%s\n",
+              path.c_str(),
+              ToString(subject.gaussians.origin).c_str(),
+              path == o.spz ? ", which SPZ has no place for" : "");
 }
 
 // Measures the trained model and the files written from it, all read back; also writes export.json.

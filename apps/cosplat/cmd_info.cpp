@@ -9,6 +9,7 @@
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/read_splats.h"
+#include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
@@ -72,6 +73,11 @@ void SplatInfo(const std::string& path, SplatLayout layout) {
   if (g.degree > 0) DegreeInfo(g);
   if (g.antialiased)
     std::printf("anti-aliased, for a low-pass filter of %.1f px^2\n", g.low_pass_variance);
+  if (g.origin != WorldOrigin{})
+    std::printf("coordinates are counted from %s\n", ToString(g.origin).c_str());
+  if (IsRoundedFarAway(g))
+    std::printf("and were stored as 32-bit floats so far from zero: they are rounded\n");
+  if (g.size() == 0) return;
   std::vector<float> opacity, scale;
   std::array<float, 3> low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (size_t i = 0; i < g.size(); ++i) {
@@ -105,6 +111,7 @@ void FlameInfo(const std::string& path) {
               m.faces.size(),
               m.shape_count,
               m.expression_count);
+  std::printf("%s", UnitLines(m, {}).c_str());
   std::printf(
       "sha256 %s, %s\n",
       m.sha256.c_str(),
@@ -126,6 +133,7 @@ void TrackInfo(const std::string& path, bool need_images) {
               v.shape.size(),
               f.params.expression.size(),
               f.camera.fx);
+  std::printf("%s", UnitLines({}, v).c_str());
 }
 
 // One line per evaluation.
@@ -198,6 +206,7 @@ void SceneInfo(const std::string& path) {
               s.train[0].camera.height,
               s.skipped.size());
   std::printf("%s points, extent %.3g\n", WithThousands(s.points.size() / 3).c_str(), s.extent);
+  std::printf("%s", PlaceLines(s).c_str());
 }
 
 void FolderInfo(const std::string& path) {

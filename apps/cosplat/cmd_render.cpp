@@ -117,6 +117,7 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   Gaussians g = ReadSplatsAloud(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   SortByDegree(g);
   const SceneData scene = LoadSplitScene(SourceOf(o, run), SplitOf(o, run));
+  MoveOrigin(g, scene.origin);
   const bool held_out = !scene.test.empty();
   const std::vector<SceneView>& views = held_out ? scene.test : scene.train;
   const auto tape = rasterizer->MakeTape();

@@ -193,6 +193,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 flame.has_eyelids ? ", with eyelids" : "",
                 subject.has_bust() ? ", with a bust" : "",
                 NameOf(device).c_str());
+  if (!o.quiet) std::printf("%s", UnitLines(flame, video).c_str());
   RunHooks hooks;
   hooks.video = true;
   hooks.lpips = lpips.get();

@@ -54,6 +54,7 @@ ExportSubject LoadRun(const ExportSource& source) {
   if (!subject.is_avatar && (source.views || source.measure))
     subject.data = LoadSplitScene(source.data.empty() ? run["source"].String() : source.data,
                                   SplitFromJson(run));
+  if (!subject.is_avatar) MoveOrigin(subject.gaussians, *SplitFromJson(run).origin);
   if (source.measure && subject.data.test.empty())
     throw Error(source.model, "--measure", "the run has no held-out views: train with --eval");
   return subject;

@@ -94,7 +94,11 @@ Content LoadRunScene(const std::string& folder, const JsonField& run) {
   if (fs::exists(folder + "/cameras.json"))
     for (const NamedCamera& named : ReadCamerasJson(folder + "/cameras.json"))
       cameras.push_back(named.camera);
-  if (!cameras.empty()) content.start = viewer::AtCamera(cameras);
+  if (cameras.empty()) return content;
+  MoveOrigin(content.scene, *SplitFromJson(run).origin);  // of the cameras
+  const float near_plane = content.start.camera.near_plane;
+  content.start = viewer::AtCamera(cameras);
+  content.start.camera.near_plane = near_plane;
   return content;
 }
 

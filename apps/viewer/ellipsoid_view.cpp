@@ -46,7 +46,7 @@ bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, 
   };
   const float szz = entry(2, 2);
   e.nearest = c.z - std::sqrt(szz);
-  if (!(e.nearest > kNearPlane)) return false;
+  if (!(e.nearest > camera.near_plane)) return false;
   const Slopes x = TouchingSlopes(entry(0, 0), entry(0, 2), szz, c.x, c.z);
   const Slopes y = TouchingSlopes(entry(1, 1), entry(1, 2), szz, c.y, c.z);
   e.least_x = camera.fx * x.least + camera.cx;

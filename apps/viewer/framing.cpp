@@ -5,6 +5,7 @@
 #include "apps/viewer/orbit_camera.h"
 #include "flame/math/rodrigues.h"
 #include "splat/base/error.h"
+#include "splat/base/world_frame.h"
 #include "splat/config.h"
 #include "splat/math/scalar.h"
 #include "splat/train/initialize.h"
@@ -110,11 +111,11 @@ StartView BeforeSplats(const std::string& file, const Gaussians& gaussians) {
   std::erase_if(points, [&](const Vec3<float>& p) { return Distance(p, center) > most; });
   center = Middle(points, kMax);
   const float reach = Quantile(points, kMax, from_center);
-  return Facing(center,
-                {0, 0, -1},
-                {0, -1, 0},
-                2 * kSceneFocal * kSceneMargin * (reach > 0 ? reach : 1),
-                kSceneFocal);
+  const float radius = reach > 0 ? reach : 1;
+  StartView view =
+      Facing(center, {0, 0, -1}, {0, -1, 0}, 2 * kSceneFocal * kSceneMargin * radius, kSceneFocal);
+  view.camera.near_plane *= SmallUnit(radius);
+  return view;
 }
 
 }  // namespace cosplat::viewer

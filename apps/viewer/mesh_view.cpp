@@ -26,7 +26,7 @@ struct Triangle {
 
 bool Project(const Vec3<float> corners[3], const Camera& c, Triangle& t) {
   for (int k = 0; k < 3; ++k) {
-    if (!(corners[k].z > kNearPlane)) return false;
+    if (!(corners[k].z > c.near_plane)) return false;
     t.inverse_z[k] = 1 / corners[k].z;
     t.x[k] = c.fx * corners[k].x * t.inverse_z[k] + c.cx;
     t.y[k] = c.fy * corners[k].y * t.inverse_z[k] + c.cy;

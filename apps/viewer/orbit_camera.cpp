@@ -78,6 +78,7 @@ Camera OrbitCamera::At(int width, int height) const {
   Camera camera;
   camera.width = width;
   camera.height = height;
+  camera.near_plane = lens_.near_plane;
   camera.fx = lens_.fx * scale;
   camera.fy = lens_.fy * scale;
   camera.cx = 0.5f * float(width) + (lens_.cx - 0.5f * float(lens_.width)) * scale;

@@ -179,6 +179,23 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
   return mesh;
 }
 
+// Avatars trained on such a model before it was converted to metres are in its unit.
+void CheckUnit(const AvatarModel& model, const FlameModel& flame) {
+  if (flame.unit == 1 || model.size() == 0 || model.embedding.rigid) return;
+  std::vector<float> scales;
+  for (size_t i = 0; i < model.size(); ++i) {
+    const float* s = model.gaussians.at(kScaleLog, i);
+    scales.push_back(std::max({s[0], s[1], s[2]}));
+  }
+  std::nth_element(scales.begin(), scales.begin() + long(scales.size() / 2), scales.end());
+  const double ratio = std::exp(scales[scales.size() / 2]) / kFlameTemplateSize;
+  if (ratio > 0.3 || ratio < 3e-4)
+    throw Error("avatar",
+                "unit",
+                "its Gaussians are not of a size for a head in metres: it was trained on '" +
+                    flame.name + "' when that was not converted to metres; train it again");
+}
+
 }  // namespace
 
 Gaussians RestPose(const AvatarModel& model) {
@@ -234,6 +251,7 @@ AvatarModel ReadAvatarGlb(const std::string& path) {
 
 void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
   if (!ignore_hash) CheckFlame("avatar", model, flame);
+  CheckUnit(model, flame);
   if (model.mesh.faces.empty()) {
     CanonicalMesh mesh = MakeCanonicalMesh(
         flame, model.shape, model.static_offset, model.bust, model.canonical_frame);

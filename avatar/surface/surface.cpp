@@ -5,6 +5,7 @@
 #include <string>
 
 #include "avatar/surface/kernels/surface.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
@@ -17,9 +18,6 @@ using math::Vec3;
 // The kernels read vertices as rows of floats.
 static_assert(sizeof(SurfaceVertex) == kSurfaceVertexFloats * sizeof(float));
 
-// Square root of the total area of FLAME 2023's template (5,023 vertices, 9,976 faces), measured as
-// sqrt(0.181554 m^2) on the openly licensed release.
-constexpr double kFlameTemplateSize = 0.426091;
 constexpr double kPublishedEnlargement = 4;
 
 void CheckVertices(View<const float> vertices, size_t count) {

@@ -188,6 +188,37 @@ void ReadParents(const ModelArrays& arrays, FlameModel& model) {
   }
 }
 
+// Of the template's triangles.
+double TotalArea(const FlameModel& model) {
+  double total = 0;
+  for (const auto& face : model.faces) {
+    const float *a = &model.template_vertices[3 * size_t(face[0])],
+                *b = &model.template_vertices[3 * size_t(face[1])],
+                *c = &model.template_vertices[3 * size_t(face[2])];
+    double u[3], v[3];
+    for (int k = 0; k < 3; ++k) {
+      u[k] = double(b[k]) - a[k];
+      v[k] = double(c[k]) - a[k];
+    }
+    total +=
+        0.5 *
+        std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+  }
+  return total;
+}
+
+void ConvertToMetres(FlameModel& model) {
+  const double size = std::sqrt(TotalArea(model)) / kFlameTemplateSize;
+  for (const double unit : {0.001, 0.01, 1000.0})
+    if (std::abs(std::log(size * unit)) < std::log(3.0)) model.unit = unit;
+  if (model.unit == 1) return;
+  for (std::vector<float>* lengths : {&model.template_vertices,
+                                      &model.shape_directions,
+                                      &model.expression_directions,
+                                      &model.pose_directions})
+    for (float& x : *lengths) x = float(double(x) * model.unit);
+}
+
 }  // namespace
 
 FlameModel LoadFlameModel(const std::string& path) {
@@ -209,6 +240,7 @@ FlameModel LoadFlameModel(const std::string& path) {
   ReadParents(arrays, model);
   model.redistributable =
       arrays.Has("redistributable") && arrays.Integer("redistributable", 0, 1) == 1;
+  ConvertToMetres(model);
   Validate(model);
   model.name = std::filesystem::path(path).filename().string();
   model.sha256 = Sha256OfFile(path);

@@ -4,6 +4,9 @@
 //   [V, 3, 36], J_regressor [5, V] (dense or scipy csc), weights [V, 5], kintree_table [2, 5] or
 //   parents [5]; optional numbers n_shape, n_expr, redistributable.
 //
+// A template of 426 or 43 units, or of 0.0004, is one in millimetres, centimetres or kilometres
+// (kFlameTemplateSize, within a factor of 3) and is converted to metres; other sizes are left.
+//
 // Without n_shape and n_expr, the first 300 directions are shape, as in FLAME's own files, and the
 // rest expression. Trailing all-zero directions of either group are dropped: they have no effect
 // and make up most of a reduced model.

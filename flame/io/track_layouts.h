@@ -43,6 +43,11 @@ struct TrackRequest {
 // Implements LoadTrackedVideo and LoadDrivingSequence.
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request);
 
+// Recognises tracks in millimetres, centimetres and others by the size at which the head is seen,
+// sets video.unit and makes the lengths metres. Throws Error for a track so far from the origin
+// that floats have lost it.
+void ConvertToMetres(TrackedVideo& video);
+
 // "imavatar": <path>/flame_params.json with image/ or images/ (or video.mp4, .avi, .mkv) and mask/.
 void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);
 

@@ -8,6 +8,10 @@
 
 namespace cosplat {
 
+// Smallest depth that is drawn, world units (gsplat; 3DGS has 0.2, too far for a head in metres).
+// Of scenes in small units it is as many SmallUnits (splat/base/world_frame.h).
+constexpr float kNearPlane = 0.01f;
+
 struct Camera {
   int width = 0;   // px
   int height = 0;  // px
@@ -18,6 +22,7 @@ struct Camera {
   // cam_from_world: p_in_cam = rotation * p_in_world + translation.
   std::array<float, 9> rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major, orthonormal
   std::array<float, 3> translation{0, 0, 0};                 // world units
+  float near_plane = kNearPlane;                             // > 0
 
   // The camera's centre in the world: -R^T t.
   std::array<float, 3> Center() const {
@@ -50,16 +55,22 @@ struct Camera {
 using PoseProblem = std::string;
 
 // `rotation` (row-major) and `translation`: cam_from_world with OpenCV axes (x right, y down).
+// center: if given, gets the camera's place in the world, which `camera` has as floats only.
 PoseProblem SetPose(const std::array<double, 9>& rotation,
                     const std::array<double, 3>& translation,
-                    Camera& camera);
+                    Camera& camera,
+                    std::array<double, 3>* center = nullptr);
 
 // `matrix`: the upper 3x4 of world_from_cam, row-major, with OpenCV axes.
-PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
+PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix,
+                                    Camera& camera,
+                                    std::array<double, 3>* center = nullptr);
 
 // The same with OpenGL camera axes (x right, y up, looking along -z) as in NeRF's files. The world
 // frame is unchanged.
-PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera);
+PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix,
+                                          Camera& camera,
+                                          std::array<double, 3>* center = nullptr);
 
 // The upper 3x4, row-major, of a pose's matrix of 16 or 12 numbers as files have them. The last row
 // of a 4x4 is 0 0 0 1; one whose last *column* is that is in the order of columns, and is

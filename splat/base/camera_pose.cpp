@@ -27,7 +27,8 @@ std::string Shown(double value) {
 
 PoseProblem SetPose(const std::array<double, 9>& rotation,
                     const std::array<double, 3>& translation,
-                    Camera& camera) {
+                    Camera& camera,
+                    std::array<double, 3>* center) {
   for (double x : rotation)
     if (!std::isfinite(x)) return "pose has a rotation that is not finite";
   for (double x : translation)
@@ -55,11 +56,16 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) camera.rotation[3 * i + k] = float(r[i][k]);
     camera.translation[i] = float(translation[i]);
+    if (!center) continue;
+    (*center)[i] = 0;
+    for (int k = 0; k < 3; ++k) (*center)[i] -= r[k][i] * translation[k];
   }
   return "";
 }
 
-PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
+PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix,
+                                    Camera& camera,
+                                    std::array<double, 3>* center) {
   // The inverse of [R c] is [R^T, -R^T c].
   std::array<double, 9> rotation;
   for (int i = 0; i < 3; ++i)
@@ -67,15 +73,18 @@ PoseProblem SetPoseFromWorldFromCam(const std::array<double, 12>& matrix, Camera
   std::array<double, 3> translation{};
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) translation[i] -= rotation[3 * i + k] * matrix[4 * k + 3];
+  if (center) *center = {matrix[3], matrix[7], matrix[11]};
   return SetPose(rotation, translation, camera);
 }
 
-PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix, Camera& camera) {
+PoseProblem SetPoseFromOpenGlWorldFromCam(const std::array<double, 12>& matrix,
+                                          Camera& camera,
+                                          std::array<double, 3>* center) {
   // OpenCV's axes are OpenGL's rotated by 180 degrees about x: columns 1 and 2 change sign.
   std::array<double, 12> opencv = matrix;
   for (int r = 0; r < 3; ++r)
     for (int c = 1; c < 3; ++c) opencv[4 * r + c] = -matrix[4 * r + c];
-  return SetPoseFromWorldFromCam(opencv, camera);
+  return SetPoseFromWorldFromCam(opencv, camera, center);
 }
 
 PoseProblem RowsOfPose(const std::vector<double>& numbers,

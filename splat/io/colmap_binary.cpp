@@ -111,7 +111,7 @@ void ReadPointsBinary(const std::string& path, ColmapModel& model) {
   for (uint64_t i = 0; i < count; ++i) {
     in.Enter("point", i, count);
     in.Get<uint64_t>("a point id");
-    for (int k = 0; k < 3; ++k) model.points.push_back(float(in.Get<double>("a position")));
+    for (int k = 0; k < 3; ++k) model.points.push_back(in.Get<double>("a position"));
     for (int k = 0; k < 3; ++k) model.point_colors.push_back(in.Get<uint8_t>("a colour"));
     mean.Add(in.Get<double>("an error"));
     const uint64_t track = in.Get<uint64_t>("a track length");

@@ -109,7 +109,7 @@ ColmapModel ReadColmapModel(const std::string& folder) {
                   image.name,
                   "refers to camera " + std::to_string(image.camera_id) + ", which does not exist");
   for (size_t i = 0; i < model.points.size(); ++i)
-    if (!std::isfinite(model.points[i]))
+    if (!std::isfinite(float(model.points[i])))
       throw Error(folder, "points3D, record " + std::to_string(i / 3), "is not finite");
   return model;
 }

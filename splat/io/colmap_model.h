@@ -30,7 +30,7 @@ struct ColmapModel {
   std::string images_file;  // for messages
   std::map<uint32_t, ColmapCamera> cameras;
   std::vector<ColmapImage> images;
-  std::vector<float> points;          // [P, 3]
+  std::vector<double> points;         // [P, 3]
   std::vector<uint8_t> point_colors;  // [P, 3]
   double mean_error = 0;              // px: of the points' reprojection; 0 where none is stored
 };

@@ -80,7 +80,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   scene.layout = "colmap";
   ColmapModel model = LargestModel(path + "/sparse", scene);
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
-  scene.points = std::move(model.points);
+  scene.read_points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   if (!HasImageFolder(path, options.resolution))
     throw Error(path, MissingFolderProblem(path, options.resolution));
@@ -92,7 +92,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     const ColmapCamera& camera = model.cameras.at(image.camera_id);
     view.distortion = camera.distortion;
     const PoseProblem problem =
-        SetPose(RotationMatrix(image.rotation), image.translation, view.camera);
+        SetPose(RotationMatrix(image.rotation), image.translation, view.camera, &view.center);
     const FoundImage found =
         FindInFolder(files, "images", ForwardSlashes(image.name), options.resolution);
     view.image_path = found.path;

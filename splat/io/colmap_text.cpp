@@ -118,7 +118,7 @@ void ReadPointsText(const std::string& path, ColmapModel& model) {
   MeanError mean;
   while (in.NextRecord()) {
     in.Integer("a point id");
-    for (int k = 0; k < 3; ++k) model.points.push_back(float(in.Number("a position")));
+    for (int k = 0; k < 3; ++k) model.points.push_back(in.Number("a position"));
     for (int k = 0; k < 3; ++k) {
       const int64_t color = in.Integer("a colour");
       if (color < 0 || color > 255)

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "splat/base/image.h"
 #include "splat/base/image_io.h"
 #include "splat/base/skipped.h"
+#include "splat/base/world_frame.h"
 
 namespace cosplat {
 
@@ -27,6 +29,7 @@ struct SceneView {
   Distortion distortion;
   int orientation = 1;  // EXIF's, by which the file's image is turned first
   int tag = 1;          // EXIF's of the file, where it keeps the proportions: see SettleHalfTurns
+  std::array<double, 3> center{};  // the camera's place as the data set has it
 };
 
 struct SceneData {
@@ -34,10 +37,14 @@ struct SceneData {
   std::string layout;  // "colmap", "blender", "nerfstudio"
   std::vector<SceneView> train;
   std::vector<SceneView> test;
+  // All coordinates are counted from here: far from zero only if the data is (PlaceScene).
+  WorldOrigin origin{};
   std::vector<float> points;           // [P, 3] world units; empty where the data has none
+  std::vector<double> read_points;     // as the data set has them, until LoadScene has placed them
   std::vector<uint8_t> point_colors;   // [P, 3] RGB
   std::vector<SkippedFrame> skipped;   // unusable frames, each with the reason
   std::vector<std::string> notes;      // what a user should know of how it was read
+  bool coarse_points = false;          // stored as floats, far from zero: rounded by the data set
   float extent = 1;                    // > 0, world units: see SceneExtent
   bool own_split = false;              // `test` is the data's own
   bool white_background_hint = false;  // renderings with alpha: results are published on white
@@ -49,6 +56,7 @@ struct SceneOptions {
   // Every 8th of the training views (as with `eval`) becomes the test set and the real test set is
   // dropped: for choosing hyper-parameters without seeing test views.
   bool fold = false;
+  std::optional<WorldOrigin> origin{};  // of a run on this data; otherwise chosen from the data
 };
 
 // Detects the layout from the files present: sparse/ (COLMAP), transforms_train.json (Blender),
@@ -57,6 +65,9 @@ struct SceneOptions {
 // that the layout names (mask_path), and masks/NAME.png of the folder, where NAME is the image's
 // name with or without its extension, as COLMAP has them. Throws Error naming file, field and
 // value; unusable frames are skipped and listed.
+//
+// Coordinates are counted from an origin near the scene where it lies far from zero, and near
+// planes are relative to its size (splat/base/world_frame.h).
 SceneData LoadScene(const std::string& path, const SceneOptions& options);
 
 // RGB, or RGBA with straight alpha, of exactly view.camera's size. Throws Error if the file is

@@ -8,6 +8,7 @@
 // Source: Khronos, glTF 2.0 specification, sections 3.6 (accessors) and 4 (GLB).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -46,9 +47,11 @@ struct GlbMesh {
   std::string name;
   std::vector<GlbPrimitive> primitives;
   Json extras;  // null: none
+  // Of its node, in doubles as JSON has them. Read from a node that has no other transform.
+  std::array<double, 3> translation{};
 };
 
-// Each mesh of a scene is attached to its own node, without a transform.
+// Each mesh of a scene is attached to its own node.
 struct GlbScene {
   std::string name;
   std::vector<int> meshes;

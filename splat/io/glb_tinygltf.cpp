@@ -103,6 +103,9 @@ tinygltf::Model ToTinygltf(const GlbDocument& document) {
       model.nodes.emplace_back();
       model.nodes.back().mesh = mesh;
       model.nodes.back().name = document.meshes[mesh].name;
+      const std::array<double, 3>& translation = document.meshes[mesh].translation;
+      if (translation != std::array<double, 3>{})
+        model.nodes.back().translation = {translation.begin(), translation.end()};
     }
     model.scenes.push_back(std::move(out));
   }
@@ -205,6 +208,10 @@ GlbDocument ParseGlb(const std::string& path,
       document.accessors.push_back(FromTinygltf(model, accessor));
     for (const auto& mesh : model.meshes) document.meshes.push_back(FromTinygltf(mesh));
     document.has_transforms = std::any_of(model.nodes.begin(), model.nodes.end(), HasTransform);
+    for (const auto& node : model.nodes)
+      if (node.mesh >= 0 && size_t(node.mesh) < document.meshes.size() &&
+          node.translation.size() == 3 && node.rotation.empty() && node.scale.empty())
+        std::copy_n(node.translation.begin(), 3, document.meshes[node.mesh].translation.begin());
     if (!model.buffers.empty()) document.binary = std::move(model.buffers[0].data);
     return document;
   } catch (const Error&) {

@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/json.h"
 #include "splat/io/ply_layouts.h"
 #include "splat/io/ply_reader.h"
 #include "splat/io/splat_values.h"
@@ -14,6 +15,15 @@ namespace cosplat {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written as stored");
+
+// What laser scanners' programs (XGRIDS, DJI Terra) write above Gaussians and points: the world's
+// coordinates are those of the file plus these.
+std::string OffsetsOf(const WorldOrigin& origin) {
+  std::string comments;
+  for (size_t k = 0; k < 3 && origin != WorldOrigin{}; ++k)
+    comments += "comment " + std::string(kPlyOffsets[k]) + " " + Json(origin[k]).dump() + "\n";
+  return comments;
+}
 
 // comments: whole lines.
 std::string HeaderOf(size_t count, const std::string& comments = "") {
@@ -31,7 +41,7 @@ constexpr int kNormals = 3, kNormalsAt = 3;
 
 void WriteSplatHeader(const Gaussians& layout, size_t count, std::ostream& out) {
   const std::vector<PlyColumn> columns = SplatColumns(layout.degree);
-  out << HeaderOf(count, MarksOf(layout));
+  out << HeaderOf(count, MarksOf(layout) + OffsetsOf(layout.origin));
   for (size_t i = 0; i < columns.size(); ++i) {
     if (i == kNormalsAt) out << "property float nx\nproperty float ny\nproperty float nz\n";
     out << "property float " << columns[i].name << "\n";
@@ -94,14 +104,15 @@ bool IsCompressedPly(const std::string& path) { return IsCompressed(PlyReader(pa
 
 void WritePointsPly(const std::string& path,
                     const std::vector<float>& points,
-                    const std::vector<uint8_t>& colors) {
+                    const std::vector<uint8_t>& colors,
+                    const WorldOrigin& origin) {
   if (points.size() != colors.size() || points.size() % 3 != 0)
     throw Error(path,
                 std::to_string(points.size()) + " coordinates do not fit " +
                     std::to_string(colors.size()) + " colour values");
   const size_t count = points.size() / 3;
   WriteFileAtomically(path, [&](std::ostream& out) {
-    out << HeaderOf(count);
+    out << HeaderOf(count, OffsetsOf(origin));
     for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
       out << "property float " << name << "\n";
     for (const char* name : {"red", "green", "blue"}) out << "property uchar " << name << "\n";
@@ -114,8 +125,8 @@ void WritePointsPly(const std::string& path,
   });
 }
 
-void ReadPointsPly(const std::string& path,
-                   std::vector<float>& points,
+bool ReadPointsPly(const std::string& path,
+                   std::vector<double>& points,
                    std::vector<uint8_t>& colors) {
   PlyReader reader(path);
   reader.Enter("vertex");
@@ -129,14 +140,15 @@ void ReadPointsPly(const std::string& path,
   for (size_t i = 0; i < reader.count(); ++i) {
     const std::vector<double>& values = reader.Next();
     for (int k = 0; k < 3; ++k) {
-      points[3 * i + k] = float(values[position[k]]);
-      if (!std::isfinite(points[3 * i + k])) reader.Fail(kAxes[k], "is not finite");
+      points[3 * i + k] = values[position[k]];
+      if (!std::isfinite(float(points[3 * i + k]))) reader.Fail(kAxes[k], "is not finite");
       if (color[k] < 0) continue;
       const double value = values[color[k]];
       if (!(value >= 0 && value <= 255)) reader.Fail(kColors[k], "is not in 0..255");
       colors[3 * i + k] = uint8_t(value);
     }
   }
+  return reader.IsDouble("x");
 }
 
 }  // namespace cosplat

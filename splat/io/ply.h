@@ -3,7 +3,8 @@
 // Properties, all float: x y z nx ny nz f_dc_0..2 f_rest_* opacity scale_0..2 rot_0..3. f_rest is
 // channel-major (all of red, then green, then blue), opacity a logit, scale a logarithm, rotation
 // wxyz. Coefficients are always in 3DGS's SH basis: callers convert (splat/basis.h). Comments say
-// whether Gaussians::antialiased is set (MarksOf in splat/io/ply_layouts.h).
+// whether Gaussians::antialiased is set (MarksOf in splat/io/ply_layouts.h); "comment offsetx",
+// "offsety" and "offsetz" are Gaussians::origin.
 #pragma once
 
 #include <cstdint>
@@ -41,11 +42,14 @@ bool IsCompressedPly(const std::string& path);
 // x y z nx ny nz red green blue, as in 3DGS's input.ply. points: [P, 3]; colors: [P, 3].
 void WritePointsPly(const std::string& path,
                     const std::vector<float>& points,
-                    const std::vector<uint8_t>& colors);
+                    const std::vector<uint8_t>& colors,
+                    const WorldOrigin& origin = {});
 
-// Positions and, if the file has red, green, blue, colours (0..255); otherwise mid-grey.
-void ReadPointsPly(const std::string& path,
-                   std::vector<float>& points,
+// Positions and, if the file has red, green, blue, colours (0..255); otherwise mid-grey. Returns
+// whether positions are stored as doubles. The world's place of points is that of the cameras
+// beside them: offsets in the header, which tell where both are, do not count.
+bool ReadPointsPly(const std::string& path,
+                   std::vector<double>& points,
                    std::vector<uint8_t>& colors);
 
 }  // namespace cosplat

@@ -1,6 +1,7 @@
 // Shared by both layouts of splat PLY files: their properties, the degree, the marks in comments.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ std::vector<PlyColumn> RestColumns(int coefficients);
 
 // From the number of f_rest_* of the current element; throws Error if it matches no degree.
 int DegreeOf(const PlyReader& reader);
+
+constexpr std::array<const char*, 3> kPlyOffsets{"offsetx", "offsety", "offsetz"};  // comments
 
 // How Gaussians are to be drawn, as comments. Of those that a file has the last counts:
 // "SplatRenderMode: mip" or another mode (Brush, SplatTransform), "antialiased 1" or 0 (Postshot),

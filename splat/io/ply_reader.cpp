@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <sstream>
@@ -53,6 +54,26 @@ bool PlyReader::Has(const std::string& element, const std::string& property) con
     for (const Property& p : e.properties)
       if (e.name == element && p.name == property && !p.is_list) return true;
   return false;
+}
+
+double PlyReader::CommentNumber(const std::string& word, double fallback) const {
+  const auto found = std::find_if(comments_.begin(), comments_.end(), [&](const std::string& c) {
+    return c.starts_with(word + " ");
+  });
+  if (found == comments_.end()) return fallback;
+  const std::string text = found->substr(word.size() + 1);
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || !std::isfinite(number))
+    throw Error(path_, "comment " + word, PlyQuote(text) + " is not a number");
+  return number;
+}
+
+bool PlyReader::IsDouble(const std::string& name) const {
+  return std::any_of(
+      element_.properties.begin(), element_.properties.end(), [&](const Property& property) {
+        return property.name == name && property.type == Type::kDouble;
+      });
 }
 
 void PlyReader::Enter(const std::string& element) {

@@ -20,6 +20,11 @@ class PlyReader {
   bool Has(const std::string& element, const std::string& property) const;
   // The header's comments, in order.
   const std::vector<std::string>& comments() const { return comments_; }
+  // The number that follows this word in a comment; `fallback` if there is no such comment. Throws
+  // Error if it is no finite number.
+  double CommentNumber(const std::string& word, double fallback) const;
+  // Whether the current element's property is stored as a double.
+  bool IsDouble(const std::string& name) const;
   // Makes this the current element. Throws Error if there is none after the current one, or if the
   // file is too short for its count.
   void Enter(const std::string& element);

@@ -32,6 +32,15 @@ std::string Listed(const std::vector<std::string>& names) {
   return names.size() > kShown ? text + ", ..." : text;
 }
 
+// positions: [N, 3]. Far from zero they are counted from a place near them.
+void SetPositions(const std::vector<double>& positions, Gaussians& gaussians) {
+  const WorldOrigin near =
+      OriginNearPoints(gaussians.size(), [&](size_t i) { return &positions[3 * i]; });
+  for (size_t i = 0; i < positions.size(); ++i)
+    gaussians.values[kPosition][i] = float(positions[i] - near[i % 3]);
+  for (size_t k = 0; k < 3; ++k) gaussians.origin[k] += near[k];
+}
+
 // The rows of the element that the reader has entered.
 class SplatRows {
  public:
@@ -51,12 +60,16 @@ class SplatRows {
     g.basis = Basis::kSh;
     ReadMarks(reader_, g);
     g.Resize(reader_.count());
+    std::vector<double> exact;  // positions that floats may be too coarse for
+    const bool doubles = reader_.IsDouble("x");
     for (size_t i = 0; i < g.size(); ++i) {
       const std::vector<double>& row = reader_.Next();
+      for (size_t k = 0; k < 3 && doubles; ++k) exact.push_back(row[size_t(source_[k])]);
       for (size_t k = 0; k < columns_.size(); ++k)
         g.at(columns_[k].attribute, i)[columns_[k].component] = Value(row, k);
       if (filter_ >= 0) g.smoothing.push_back(Smoothing(row[size_t(filter_)]));
     }
+    if (doubles) SetPositions(exact, g);
     if (filter_ >= 0) SetAntialiased(reader_.path(), kAntialiasedBlurVariance, g);
     return g;
   }
@@ -129,6 +142,7 @@ Gaussians ReadPly(const std::string& path, std::vector<std::string>* notes) {
     g = rows.Read();
     if (notes) rows.Note(*notes);
   }
+  for (size_t k = 0; k < 3; ++k) g.origin[k] += reader.CommentNumber(kPlyOffsets[k], 0);
   if (notes && left > 0)
     notes->push_back("has " + std::to_string(left) + " bytes that its header does not mention");
   SettleSplats(g, notes);

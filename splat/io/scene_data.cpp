@@ -51,8 +51,8 @@ void FindPoints(const std::string& path, SceneData& scene) {
                            "/points3D.ply",
                            "/points3d.ply",
                            "/sparse_pc.ply"}) {
-    if (!scene.points.empty() || !std::filesystem::is_regular_file(path + name)) continue;
-    ReadPointsPly(path + name, scene.points, scene.point_colors);
+    if (!scene.read_points.empty() || !std::filesystem::is_regular_file(path + name)) continue;
+    scene.coarse_points = !ReadPointsPly(path + name, scene.read_points, scene.point_colors);
     scene.notes.push_back("the points are those of " + path + name);
   }
 }
@@ -79,7 +79,6 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
   for (std::vector<SceneView>* views : {&scene.train, &scene.test}) FindMasks(path, *views);
   FindPoints(path, scene);
-  SettleHalfTurns(scene);
   if (scene.layout != "blender") SortByName(scene.train);  // whose order is kept
   const bool own_split = scene.own_split;
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);
@@ -96,7 +95,8 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
     throw Error(path,
                 "has no training views: all " + std::to_string(scene.test.size()) +
                     " views are in the test set");
-  scene.extent = SceneExtent(scene.train);
+  PlaceScene(options.origin, scene);
+  SettleHalfTurns(scene);
   return scene;
 }
 

@@ -8,6 +8,7 @@
 namespace cosplat {
 
 constexpr const char* kSogMeta = "meta.json";
+constexpr const char* kSogOrigin = "offset";  // ours, which other programs pass over
 constexpr int kSogVersion = 2;
 constexpr int kSogCodebook = 256;        // entries of a codebook that a byte points into
 constexpr int kSogPaletteRow = 64;       // colours in a row of the palette's image

@@ -100,6 +100,8 @@ class SogParser {
     if (IsAntialiased())
       SetAntialiased(files_.path(), meta_.NumberOr(kLowPassField, kBlurVariance), g);
     g.degree = meta_.Has("shN") ? Bands() : 0;
+    for (size_t k = 0; k < 3 && meta_.Has(kSogOrigin); ++k)
+      g.origin[k] = meta_[kSogOrigin][k].Number();
     g.Resize(count_);
     ReadPositions(g);
     ReadRotations(g);

@@ -193,6 +193,7 @@ class SogWriter {
       meta_["model"] = "antialiased";
       meta_[kLowPassField] = LowPassNumber(g);
     }
+    if (g.origin != WorldOrigin{}) meta_[kSogOrigin] = g.origin;
     const std::string text = meta_.dump() + "\n";
     if (!path_.ends_with(kSogMeta)) {
       images_.insert(images_.begin(), ZipMember{kSogMeta, text});

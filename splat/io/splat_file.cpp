@@ -21,11 +21,17 @@
 namespace cosplat {
 namespace {
 
+WorldOrigin TurnedToGltfAxes(const WorldOrigin& p) { return {p[0], 0 - p[1], 0 - p[2]}; }
+
 // Turned back to the axes that WriteSceneGlb was given.
 Gaussians ReadSceneGlb(const std::string& path, std::vector<std::string>* notes) {
   const GlbDocument document = ReadGlb(path, {kSplatExtension});
-  Gaussians g = ReadSplatPrimitive(document, FindSplats(document), notes);
+  const GlbPrimitive& splats = FindSplats(document);
+  Gaussians g = ReadSplatPrimitive(document, splats, notes);
   TurnToGltfAxes(g);  // its own inverse
+  for (const GlbMesh& mesh : document.meshes)
+    for (const GlbPrimitive& primitive : mesh.primitives)
+      if (&primitive == &splats) g.origin = TurnedToGltfAxes(mesh.translation);
   return g;
 }
 
@@ -93,6 +99,9 @@ Gaussians ReadSplats(const std::string& path, std::vector<std::string>* notes) {
   Gaussians g = ReadLayout(path, notes);
   if (g.size() == 0) throw Error(path, "has no splats");
   LeaveOutUndrawable(path, g, notes);
+  WorldOrigin near = OriginNearPoints(g.size(), [&](size_t i) { return g.at(kPosition, i); });
+  for (size_t k = 0; k < 3; ++k) near[k] += g.origin[k];
+  MoveOrigin(g, near);
   FindDegrees(g);
   return g;
 }
@@ -115,7 +124,10 @@ void WriteSceneGlb(const std::string& path, const Gaussians& gaussians, bool tru
   TurnToGltfAxes(turned);
   GlbDocument document;
   document.path = path;
-  document.meshes.push_back({"splats", {AddSplats(document, turned, truncate_degree)}, {}});
+  document.meshes.push_back({"splats",
+                             {AddSplats(document, turned, truncate_degree)},
+                             {},
+                             TurnedToGltfAxes(gaussians.origin)});
   document.scenes.push_back({"scene", {0}});
   document.extensions_used = {kSplatExtension};
   WriteGlb(document);

@@ -26,9 +26,10 @@ SplatLayout SplatLayoutOf(const std::string& path);
 std::string OtherKindOf(const std::string& path);
 
 // In 3DGS's SH, with OpenCV's axes if those are what the file was made of. What cannot be drawn is
-// left out (splat/io/splat_values.h). Adds lines to `notes`, if given: what a user should know of
-// how the file was read. Throws Error as the layout's reader does, for a file of none of these
-// layouts, and for one without splats.
+// left out (splat/io/splat_values.h). Positions far from zero are counted from an origin near
+// them; one that the file has is kept (docs/files.md). Adds lines to `notes`, if given: what a user
+// should know of how the file was read. Throws Error as the layout's reader does, for a file of
+// none of these layouts, and for one without splats.
 Gaussians ReadSplats(const std::string& path, std::vector<std::string>* notes = nullptr);
 
 // A static scene as a .glb file for other programs.

@@ -163,6 +163,22 @@ void CheckForSpz(const std::string& path, const Gaussians& g, int version) {
   if (g.size() > std::numeric_limits<uint32_t>::max())
     throw Error(path, "numPoints", "is " + std::to_string(g.size()) + ", beyond 32 bits");
   CheckForSplatFile(path, g);
+  // A few are nothing beside what the file rounds; a scene in another unit would be another scene.
+  const auto fits = [](double scale_log) {
+    return scale_log >= kLowestScaleLog && scale_log <= kLowestScaleLog + UINT8_MAX / kScaleSteps;
+  };
+  size_t beyond = 0;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const float* s = g.at(kScaleLog, i);
+    beyond += !fits(std::max({s[0], s[1], s[2]}));
+  }
+  if (beyond > g.size() / 100 + 1)
+    throw Error(
+        path,
+        "scale",
+        "of " + std::to_string(beyond) + " of " + std::to_string(g.size()) +
+            " Gaussians is not 4.5e-5 to 380 units, which is all that SPZ holds: write .sog, "
+            ".glb or .ply");
 }
 
 using SpzArrays = std::array<std::string, kSpzArrayCount>;

@@ -117,7 +117,7 @@ std::string ImageName(const std::string& named) {
 }
 
 // `transposed` counts matrices in the order of columns.
-PoseProblem SetFramePose(const JsonField& field, size_t& transposed, Camera& camera) {
+PoseProblem SetFramePose(const JsonField& field, size_t& transposed, SceneView& view) {
   const std::vector<double> values = field.NumbersOrNan();
   if (values.size() != 16 && values.size() != 12)
     throw Error(field.file(),
@@ -128,15 +128,15 @@ PoseProblem SetFramePose(const JsonField& field, size_t& transposed, Camera& cam
   const std::string problem = RowsOfPose(values, matrix, turned);
   if (!problem.empty()) return problem;
   transposed += turned;
-  return SetPoseFromOpenGlWorldFromCam(matrix, camera);
+  return SetPoseFromOpenGlWorldFromCam(matrix, view.camera, &view.center);
 }
 
 // The points that a file of cameras names, if it does.
 void LoadPoints(const JsonField& file, SceneData& scene) {
   if (!file.Has("ply_file_path")) return;
   const fs::path folder = fs::path(file.file()).parent_path();
-  ReadPointsPly(
-      (folder / file["ply_file_path"].String()).string(), scene.points, scene.point_colors);
+  scene.coarse_points = !ReadPointsPly(
+      (folder / file["ply_file_path"].String()).string(), scene.read_points, scene.point_colors);
 }
 
 // Adds the frames of one file to `views`, or to the scene's skipped ones.
@@ -156,7 +156,7 @@ void LoadFrames(const JsonField& file,
     const std::string named = frame["file_path"].String();
     SceneView view;
     view.name = ImageName(named);
-    const PoseProblem problem = SetFramePose(frame["transform_matrix"], transposed, view.camera);
+    const PoseProblem problem = SetFramePose(frame["transform_matrix"], transposed, view);
     const FoundImage found = FindImage(files, named, options.resolution);
     view.image_path = found.path;
     elsewhere += found.elsewhere;

@@ -43,8 +43,13 @@ void SettleHalfTurns(SceneData& scene);
 // spends its pixels on the rim. Throws Error(file, ...) if no such camera exists.
 Camera PinholeInside(const std::string& file, const Camera& lens, const Distortion& distortion);
 
-// One function per layout of scene data. Each sets layout, points and skipped, and adds views to
-// `train` (and `test` if the data has its own split); LoadScene splits and checks.
+// Makes the scene's coordinates floats: counted from `origin`, or where there is none from one that
+// is chosen by all views and points, read_points as `points`, near planes, and the extent.
+void PlaceScene(const std::optional<WorldOrigin>& origin, SceneData& scene);
+
+// One function per layout of scene data. Each sets layout, read_points and skipped, and adds views
+// with their centres to `train` (and `test` if the data has its own split); LoadScene splits,
+// checks and places.
 
 // <path>/sparse/0 or <path>/sparse, with images in <path>/images or images_N.
 bool IsColmapScene(const std::string& path);

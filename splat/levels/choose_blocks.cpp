@@ -33,7 +33,7 @@ class Frustum {
       planes_[p].offset =
           n[0] * c.translation[0] + n[1] * c.translation[1] + n[2] * c.translation[2];
     }
-    planes_[4].offset -= kNearPlane;
+    planes_[4].offset -= c.near_plane;
   }
 
   // False only if nothing of the box is inside.
@@ -54,13 +54,13 @@ class Frustum {
   std::array<Plane, 5> planes_;
 };
 
-float DistanceTo(const LevelBlock& box, const std::array<float, 3>& center) {
+float DistanceTo(const LevelBlock& box, const std::array<float, 3>& center, float least) {
   float squared = 0;
   for (size_t i = 0; i < 3; ++i) {
     const float outside = std::max({box.least[i] - center[i], center[i] - box.most[i], 0.0f});
     squared += outside * outside;
   }
-  return std::max(std::sqrt(squared), kNearPlane);
+  return std::max(std::sqrt(squared), least);
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ void ChooseBlocks(const SceneLevels& levels,
   size_t count = 0;
   const auto add = [&](uint32_t b) {
     const LevelBlock& block = levels.blocks[b];
-    coarsest.push({block.coarseness * focal / DistanceTo(block, center), b});
+    coarsest.push({block.coarseness * focal / DistanceTo(block, center, camera.near_plane), b});
     count += block.count;
   };
   const auto sees = [&](uint32_t b) { return frustum.Sees(levels.blocks[b]); };

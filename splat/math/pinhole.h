@@ -18,6 +18,7 @@ struct Pinhole {
   Mat3<T> rotation;
   Vec3<T> translation;
   T fx, fy, cx, cy, width, height;
+  T near_plane;  // smallest depth that is drawn
 };
 
 template <class T>
@@ -107,7 +108,7 @@ COSPLAT_HD T SamplingRate(const Pinhole<T>& camera, const Vec3<T>& p_in_cam) {
   const Vec2<T> at = ProjectPoint(camera, p_in_cam);
   const T margin_x = T(kJacobianMargin) * camera.width;
   const T margin_y = T(kJacobianMargin) * camera.height;
-  const auto seen = And(And(p_in_cam.z > T(kNearPlane),
+  const auto seen = And(And(p_in_cam.z > camera.near_plane,
                             Abs(at.x - T(0.5f) * camera.width) < T(0.5f) * camera.width + margin_x),
                         Abs(at.y - T(0.5f) * camera.height) < T(0.5f) * camera.height + margin_y);
   return Select(seen, Max(camera.fx, camera.fy) / p_in_cam.z, T(0));

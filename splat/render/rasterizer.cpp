@@ -88,6 +88,7 @@ ViewParameters ViewOfCamera(const Camera& camera, Basis basis, int degree) {
   v.cy = camera.cy;
   v.width = float(camera.width);
   v.height = float(camera.height);
+  v.near_plane = camera.near_plane;
   v.basis_constants = BasisConstants(basis);
   v.folds_direction = FoldsDirection(basis);
   v.degree = degree;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 #include <string>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr float kInitialOpacity = 0.1f;     // 3DGS
 constexpr float kMinDistance2 = 1e-7f;      // 3DGS: coincident points
 constexpr float kSyntheticHalfSize = 1.3f;  // 3DGS: half the cube of Synthetic-NeRF scenes
+constexpr float kSphere = 1.01f;            // ratio of distances that are alike
 
 // nanoflann adaptor for [P, 3] floats.
 struct PointCloud {
@@ -32,12 +34,20 @@ struct PointCloud {
 using Tree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud, 3>;
 
+// Of distances in the unit of Synthetic-NeRF scenes, whose cameras are 4 from their middle: 1.
+float UnitOf(float distance) {
+  constexpr float kMost = 100;
+  if (distance >= 1 && distance < kMost) return 1;
+  return distance > 0 ? std::pow(10.0f, std::floor(std::log10(distance))) : 1;
+}
+
 }  // namespace
 
 Gaussians InitializeFromPoints(const std::vector<float>& points,
                                const std::vector<uint8_t>& colors,
                                int degree,
-                               Basis basis) {
+                               Basis basis,
+                               float unit) {
   const size_t n = points.size() / 3;
   if (n == 0) throw Error("points", "there are no points to start from");
   for (size_t i = 0; i < points.size(); ++i)
@@ -56,7 +66,7 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
     float sum = 0;
     for (size_t k = 1; k < found; ++k) sum += distance2[k];
     const float mean = found > 1 ? sum / float(found - 1) : 1.0f;
-    const float scale_log = 0.5f * std::log(std::max(mean, kMinDistance2));
+    const float scale_log = 0.5f * std::log(std::max(mean, unit * unit * kMinDistance2));
     for (int k = 0; k < 3; ++k) {
       g.at(kPosition, i)[k] = points[3 * i + k];
       g.at(kScaleLog, i)[k] = scale_log;
@@ -111,15 +121,21 @@ void RandomPoints(const std::vector<Camera>& cameras,
                   std::vector<float>& points,
                   std::vector<uint8_t>& colors) {
   std::array<float, 3> focus = FocusPoint(cameras);
-  float nearest = 1e30f, from_origin = 0;
+  float nearest = std::numeric_limits<float>::max(), farthest = 0, from_origin = 0;
   for (const Camera& c : cameras) {
     const auto p = c.Center();
-    nearest = std::min(nearest, std::hypot(p[0] - focus[0], p[1] - focus[1], p[2] - focus[2]));
+    const float distance = std::hypot(p[0] - focus[0], p[1] - focus[1], p[2] - focus[2]);
+    nearest = std::min(nearest, distance);
+    farthest = std::max(farthest, distance);
   }
   for (const float f : focus) from_origin = std::max(from_origin, std::abs(f));
-  const bool around_origin = from_origin < 0.5f && nearest > kSyntheticHalfSize;
-  const float half = around_origin ? kSyntheticHalfSize : std::max(nearest * 0.5f, 1e-3f);
-  if (around_origin) focus = {0, 0, 0};
+  const float unit = UnitOf(nearest);
+  const bool around_origin = from_origin < 0.5f * unit;
+  const bool synthetic =
+      nearest > kSyntheticHalfSize * unit && (around_origin || farthest < kSphere * nearest);
+  const float half = synthetic ? kSyntheticHalfSize * unit
+                               : std::max(nearest * 0.5f, 1e-3f * std::min(unit, 1.0f));
+  if (synthetic && around_origin) focus = {0, 0, 0};
   for (size_t i = 0; i < 3 * count; ++i) {
     points.push_back(focus[i % 3] + half * (2 * rng.Uniform() - 1));
     colors.push_back(uint8_t(rng.Below(256)));

@@ -14,11 +14,12 @@ namespace cosplat {
 
 // One Gaussian per point: isotropic, its standard deviation the root mean square distance to the
 // three nearest points; opacity 0.1; the point's colour (3DGS). points: [P, 3]; colors: [P, 3].
-// Throws Error if there is no point or one is not finite.
+// unit: SmallUnit of the scene. Throws Error if there is no point or one is not finite.
 Gaussians InitializeFromPoints(const std::vector<float>& points,
                                const std::vector<uint8_t>& colors,
                                int degree,
-                               Basis basis);
+                               Basis basis,
+                               float unit = 1);
 
 // Keeps at most `most` points, evenly subsampled in their order.
 void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors);
@@ -28,6 +29,8 @@ std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);
 
 // Appends `count` points of random colour, uniform in the cube [-1.3, 1.3]^3 around the origin
 // (3DGS, for synthetic scenes) or, if the cameras do not surround it, in a cube around their focus.
+// Where the cameras lie on a sphere, as those of synthetic scenes do, its middle is such an origin;
+// where they are less than 1 or more than 100 away, 1.3 is in units of the power of ten below.
 void RandomPoints(const std::vector<Camera>& cameras,
                   size_t count,
                   Rng& rng,

@@ -165,7 +165,7 @@ std::string SceneGlb() {
 }
 
 std::string ReadPoints(const std::string& folder, const std::string&) {
-  std::vector<float> points;
+  std::vector<double> points;
   std::vector<uint8_t> colors;
   ReadPointsPly(folder + "/p.ply", points, colors);
   return points.size() == colors.size() ? NotFinite(points) : "points without colours";

@@ -221,7 +221,7 @@ TEST(Ply, BadHeadersSayWhatIsWrong) {
   WriteFileAtomically(folder / "word.ply",
                       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                       "property float y\nproperty float z\nend_header\n1 2 three\n");
-  std::vector<float> points;
+  std::vector<double> points;
   std::vector<uint8_t> colors;
   ExpectError([&] { ReadPointsPly(folder / "word.ply", points, colors); },
               {"vertex 0", "z is not a number"});
@@ -244,10 +244,10 @@ TEST(PointsPly, ReadsBack) {
   const std::vector<float> points{1, 2, 3, -4, 5, 6.5f};
   const std::vector<uint8_t> colors{0, 128, 255, 7, 8, 9};
   WritePointsPly(folder / "p.ply", points, colors);
-  std::vector<float> read_points;
+  std::vector<double> read_points;
   std::vector<uint8_t> read_colors;
   ReadPointsPly(folder / "p.ply", read_points, read_colors);
-  EXPECT_EQ(read_points, points);
+  EXPECT_EQ(read_points, (std::vector<double>{1, 2, 3, -4, 5, 6.5}));
   EXPECT_EQ(read_colors, colors);
   ExpectError([&] { WritePointsPly(folder / "q.ply", points, {1, 2, 3}); }, {"q.ply", "6", "3"});
 }

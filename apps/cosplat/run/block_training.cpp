@@ -33,6 +33,7 @@ Gaussians LayoutOf(const Gaussians& gaussians) {
   layout.degree = gaussians.degree;
   layout.basis = gaussians.basis;
   layout.antialiased = gaussians.antialiased;
+  layout.origin = gaussians.origin;
   return layout;
 }
 

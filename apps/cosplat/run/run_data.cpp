@@ -59,12 +59,14 @@ void NoteExpressions(const FlameModel& flame, TrackedVideo& video) {
 }  // namespace
 
 Json ToJson(const DataSplit& split) {
-  return {{"resolution", split.resolution},
-          {"eval", split.eval},
-          {"fold", split.fold},
-          {"fold_by_turn", split.fold_by_turn},
-          {"test_frames", split.test_frames},
-          {"focal_scale", split.focal_scale}};
+  Json json{{"resolution", split.resolution},
+            {"eval", split.eval},
+            {"fold", split.fold},
+            {"fold_by_turn", split.fold_by_turn},
+            {"test_frames", split.test_frames},
+            {"focal_scale", split.focal_scale}};
+  if (split.origin.value_or(WorldOrigin{}) != WorldOrigin{}) json["origin"] = *split.origin;
+  return json;
 }
 
 DataSplit SplitFromJson(const JsonField& run) {
@@ -76,13 +78,35 @@ DataSplit SplitFromJson(const JsonField& run) {
   split.fold_by_turn = json.raw().value("fold_by_turn", false);
   split.test_frames = json["test_frames"].Integer();
   if (json.Has("focal_scale")) split.focal_scale = json["focal_scale"].Number();
+  split.origin = WorldOrigin{};
+  for (size_t k = 0; k < 3 && json.Has("origin"); ++k)
+    (*split.origin)[k] = json["origin"][k].Number();
   return split;
 }
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
-  SceneData scene = LoadScene(source, {split.resolution, split.eval, split.fold});
+  SceneData scene = LoadScene(source, {split.resolution, split.eval, split.fold, split.origin});
   PrintNotes(scene.notes);
   return scene;
+}
+
+std::string PlaceLines(const SceneData& scene) {
+  if (scene.origin == WorldOrigin{}) return "";
+  std::string lines =
+      "coordinates are counted from " + ToString(scene.origin) + ", which splat files name\n";
+  if (scene.coarse_points)
+    lines += "the initial points are stored as 32-bit floats, which are coarse so far from zero\n";
+  return lines;
+}
+
+std::string UnitLines(const FlameModel& flame, const TrackedVideo& video) {
+  const auto line = [](const std::string& what, double unit) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g m", unit);
+    return unit == 1 ? "" : what + " is in units of " + text + ", and was converted to metres\n";
+  };
+  return line("FLAME model " + flame.name, flame.unit) +
+         line("the track " + video.source, video.unit);
 }
 
 TrackedVideo LoadSplitVideo(const std::string& source,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "apps/cosplat/options/train_options.h"
@@ -20,12 +21,20 @@ struct DataSplit {
   int test_frames = -1;
   bool fold_by_turn = false;
   double focal_scale = 1;  // of the track's focal length (flame/focal.h)
+  // Scenes only: SceneOptions::origin. What a run's files are counted from.
+  std::optional<WorldOrigin> origin{};
 };
 
 Json ToJson(const DataSplit& split);
 DataSplit SplitFromJson(const JsonField& run);
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
+
+// What is to be said of where the scene lies: lines, or nothing.
+std::string PlaceLines(const SceneData& scene);
+
+// Likewise of the units of a head and of its track.
+std::string UnitLines(const FlameModel& flame, const TrackedVideo& video);
 
 // Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
 // frames is held out in place of the test frames; with `fold_by_turn` the fifth in which the head

@@ -29,8 +29,11 @@ SceneStart StartScene(size_t random_points, TrainOptions& o, TrainingScene& scen
   const bool random = scene.points.empty() && FindPoints(random_points, o, scene);
   LimitPoints(o.max_gaussians, scene.points, scene.point_colors);
   SceneStart start{o.ToSettings(scene.extent),
-                   InitializeFromPoints(
-                       scene.points, scene.point_colors, o.sh_degree, BasisFromString(o.basis))};
+                   InitializeFromPoints(scene.points,
+                                        scene.point_colors,
+                                        o.sh_degree,
+                                        BasisFromString(o.basis),
+                                        SmallUnit(scene.extent))};
   // Random points cause floaters in front of the cameras, which only opacity resets remove.
   if (random) start.settings.schedule.opacity_reset_share = 1;
   return start;

@@ -100,7 +100,7 @@ void SaveInputs(const SceneTrainOptions& o,
   for (const auto* views : {&scene.test, &scene.train})
     for (const SceneView& view : *views) cameras.push_back({view.name, view.camera});
   WriteCamerasJson(o.model + "/cameras.json", cameras);
-  WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors);
+  WritePointsPly(o.model + "/input.ply", scene.points, scene.point_colors, scene.origin);
 }
 
 }  // namespace
@@ -125,13 +125,15 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
   if (device == Device::kCpu) o.device = "cpu";
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
-  const DataSplit split{o.resolution, o.eval, o.fold, -1};
+  DataSplit split{o.resolution, o.eval, o.fold, -1};
   SceneData scene = LoadSplitScene(o.source, split);
+  split.origin = scene.origin;
   const MemoryPlan plan = PlanMemory(o, scene);
   o.max_gaussians = plan.at_once();
   TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());
   SceneStart start = StartScene(o.random_points, o, loaded);
   start.settings.crop_loss.distance = lpips;
+  start.first.origin = scene.origin;
   const std::vector<TrainFrame> test = std::move(loaded.test);
   SceneSubject subject(std::move(loaded.train), loaded.extent);
   subject.LimitReduced(plan.for_reduced());
@@ -158,6 +160,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
                 subject.camera(0).height,
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
+  if (!o.quiet) std::printf("%s", PlaceLines(scene).c_str());
   const auto masked = std::count_if(scene.train.begin(), scene.train.end(), [](const SceneView& v) {
     return !v.mask_path.empty();
   });
@@ -185,6 +188,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
     Gaussians gaussians = trainer.CaughtUp();
+    gaussians.origin = scene.origin;
     if (writes && saves) SaveSplats(o.model, trainer.iteration(), std::move(gaussians));
     if (writes && o.exposure) WriteExposures(o.model, scene.train, trainer.state().exposures);
   };

@@ -69,7 +69,7 @@ Filling FillingOf(const std::vector<Point>& points, const std::vector<Camera>& c
       const Point& p = points[i];
       const float y = r[3] * p[0] + r[4] * p[1] + r[5] * p[2] + c.translation[1];
       const float z = r[6] * p[0] + r[7] * p[1] + r[8] * p[2] + c.translation[2];
-      rows[i] = c.fy * y / std::max(z, kNearPlane);
+      rows[i] = c.fy * y / std::max(z, c.near_plane);
     }
     const Range range = MostOf(rows);
     const float pixels = float(c.height) * float(cameras.size());

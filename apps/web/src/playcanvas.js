@@ -10,8 +10,9 @@ import { setGpuRenderer } from "./gpu.js";
 // px^2. The engine projects to half pixels and adds 0.3 of their area to a footprint's variances, 3DGS
 // trains with 0.3 px^2; FillViewSplats (splat/render/view_splats.h) adds the difference.
 const BLUR_VARIANCE = 0.3 - 0.3 / 4;
-const NEAR = 0.01;
-const FAR = 1e4;
+// Of the picture's farthest splat, whatever the unit. What is too near is left out by FillViewSplats.
+const NEAR = 1e-6;
+const FAR = 2;
 const STREAMS = { centers: "dataCenter", colors: "dataColor", scales: "dataScale", rotations: "dataRotation" };
 
 // deviceTypes: as of createGraphicsDevice; those that the browser has not are passed over.
@@ -45,6 +46,7 @@ class PlayCanvasRenderer extends EventTarget {
     this.device = device;
     this.blurVariance = BLUR_VARIANCE;
     this.container = null;
+    this.farthest = 1;
     device.maxPixelRatio = 1;
     this.lost = new Promise((resolve, reject) =>
       device.on("devicelost", () => {
@@ -73,10 +75,10 @@ class PlayCanvasRenderer extends EventTarget {
     gsplat.minContribution = 0;
     this.camera = new pc.Entity("camera");
     this.camera.addComponent("camera", {
-      clearColor: new pc.Color(0, 0, 0, 0), nearClip: NEAR, farClip: FAR,
+      clearColor: new pc.Color(0, 0, 0, 0),
       toneMapping: pc.TONEMAP_NONE, gammaCorrection: pc.GAMMA_SRGB,
     });
-    this.camera.camera.calculateProjection = (matrix) => matrix.data.set(projection(this.view));
+    this.camera.camera.calculateProjection = (matrix) => matrix.data.set(projection(this.view, this.farthest));
     this.app.root.addChild(this.camera);
     this.app.start();
   }
@@ -142,6 +144,9 @@ class PlayCanvasRenderer extends EventTarget {
         if (value < least[k]) least[k] = value;
         if (value > most[k]) most[k] = value;
       }
+    this.farthest = farthestDepth(this.view.camFromWorld, least, most);
+    this.camera.camera.nearClip = NEAR * this.farthest;
+    this.camera.camera.farClip = FAR * this.farthest;
     this.container.aabb.setMinMax(new pc.Vec3(least), new pc.Vec3(most));
     this.container.update(splats.count);
   }
@@ -172,12 +177,20 @@ class PlayCanvasRenderer extends EventTarget {
   }
 }
 
+// Of a box, > 0.
+function farthestDepth(m, least, most) {
+  let depth = m[11];
+  for (let k = 0; k < 3; ++k) depth += Math.max(m[8 + k] * least[k], m[8 + k] * most[k]);
+  return depth > 0 ? depth : 1;
+}
+
 // OpenGL's, column-major.
-function projection({ fx, fy, cx, cy, width, height }) {
+function projection({ fx, fy, cx, cy, width, height }, farthest) {
+  const near = NEAR * farthest, far = FAR * farthest;
   return [
     (2 * fx) / width, 0, 0, 0,
     0, (2 * fy) / height, 0, 0,
-    1 - (2 * cx) / width, (2 * cy) / height - 1, (FAR + NEAR) / (NEAR - FAR), -1,
-    0, 0, (2 * FAR * NEAR) / (NEAR - FAR), 0,
+    1 - (2 * cx) / width, (2 * cy) / height - 1, (far + near) / (near - far), -1,
+    0, 0, (2 * far * near) / (near - far), 0,
   ];
 }

@@ -35,6 +35,7 @@ COSPLAT_HD Pinhole<T> ToPinhole(const ViewParameters& v) {
   p.cy = T(v.cy);
   p.width = T(v.width);
   p.height = T(v.height);
+  p.near_plane = T(v.near_plane);
   return p;
 }
 
@@ -214,7 +215,7 @@ struct ProjectKernel {
     const Pinhole<T> camera = ToPinhole<T>(view);
     const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
     const Vec3<T> p = ToCamera(camera, position);
-    auto drawn = p.z > T(kNearPlane);
+    auto drawn = p.z > camera.near_plane;
     if (!AnyTrue(drawn)) return DrawNone(rows);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
     const T opacity = OpacityOf(camera, p, q, rows);

@@ -41,7 +41,7 @@ struct ViewSplatKernel {
     const Vec3<T> s = LoadVec3<T>(gaussians.scale_log, rows);
     const Vec3<T> scale{Widened(s.x, widening), Widened(s.y, widening), Widened(s.z, widening)};
 
-    auto drawn = And(depth > T(kNearPlane), Dot(q, q) > T(kMinQuaternionNorm2));
+    auto drawn = And(depth > T(view.near_plane), Dot(q, q) > T(kMinQuaternionNorm2));
     drawn = And(drawn, And(IsFinite(color.x), And(IsFinite(color.y), IsFinite(color.z))));
     drawn = And(drawn, And(IsFinite(scale.x), And(IsFinite(scale.y), IsFinite(scale.z))));
     const Quat<T> unit = Normalize(q);

@@ -48,6 +48,7 @@ struct ViewParameters {
   float translation[3];
   float center[3];  // camera centre in the world
   float fx, fy, cx, cy, width, height;
+  float near_plane;              // smallest depth that is drawn
   const float* basis_constants;  // splat/basis_constants.h
   bool folds_direction;          // whether Fold (splat/math/dcsh.h) precedes the basis
   int degree;                    // highest band evaluated, <= the stored one

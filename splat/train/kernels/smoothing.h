@@ -20,7 +20,7 @@ struct FindSmoothing {
       const math::Pinhole<float>& view = views[k];
       const math::Vec3<float> in_cam = math::ToCamera(view, p);
       seen = math::Max(seen, math::SamplingRate(view, in_cam));
-      const float distance = math::Max(math::Sqrt(math::Dot(in_cam, in_cam)), float(kNearPlane));
+      const float distance = math::Max(math::Sqrt(math::Dot(in_cam, in_cam)), view.near_plane);
       nearest = math::Max(nearest, math::Max(view.fx, view.fy) / distance);
     }
     const float rate = seen > 0 ? seen : nearest;

@@ -1,0 +1,68 @@
+#include "splat/base/world_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+constexpr double kSmall = 0.1;  // size below which a scene has small units
+constexpr double kFar = 100;    // spreads
+
+double MedianOf(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Exact for decimals: below 1 a power of ten is only representable as a divisor.
+double RoundedTo(double value, int exponent) {
+  const double power = std::pow(10.0, std::abs(exponent));
+  return exponent < 0 ? std::round(value * power) / power : std::round(value / power) * power;
+}
+
+}  // namespace
+
+float SmallUnit(double size) {
+  return size >= kSmall ? 1 : float(std::pow(10.0, std::floor(std::log10(size))));
+}
+
+WorldOrigin OriginNear(const std::array<double, 3>& center, double spread) {
+  WorldOrigin origin{};
+  if (!(spread > 0)) spread = 1;  // of a single place
+  for (size_t k = 0; k < 3; ++k)
+    if (std::abs(center[k]) > kFar * spread)
+      origin[k] = RoundedTo(center[k], int(std::ceil(std::log10(spread))));
+  return origin;
+}
+
+Middle MiddleOf(const std::vector<double>& points) {
+  Middle middle;
+  std::vector<double> values(points.size() / 3);
+  for (size_t k = 0; k < 3; ++k) {
+    for (size_t i = 0; i < values.size(); ++i) values[i] = points[3 * i + k];
+    middle.center[k] = MedianOf(values);
+  }
+  for (size_t i = 0; i < values.size(); ++i) {
+    values[i] = 0;
+    for (size_t k = 0; k < 3; ++k)
+      values[i] = std::max(values[i], std::abs(points[3 * i + k] - middle.center[k]));
+  }
+  middle.spread = MedianOf(values);
+  return middle;
+}
+
+std::string ToString(const WorldOrigin& origin) {
+  std::string text = "(";
+  for (size_t k = 0; k < 3; ++k) {
+    const std::string number = Json(origin[k]).dump();
+    text += (k > 0 ? ", " : "") +
+            (number.ends_with(".0") ? number.substr(0, number.size() - 2) : number);
+  }
+  return text + ")";
+}
+
+}  // namespace cosplat
