@@ -31,6 +31,7 @@ constexpr double kFewRegistered = 0.6;
 
 struct SceneCommand : SceneTrainOptions {
   std::string photographs, colmap = "colmap", matching = "auto";
+  std::vector<std::string> features;  // "NAME=VALUE"
   int frames = 100, max_size = 1600;
   bool cameras_only = false;
 
@@ -43,6 +44,7 @@ struct SceneCommand : SceneTrainOptions {
 Json InputOf(const SceneCommand& o) {
   Json input{{"files", IdentityOf(o.photographs)}};
   if (!fs::is_directory(o.photographs)) input["frames"] = o.frames;
+  if (!o.features.empty()) input["features"] = o.features;  // else COLMAP keeps those it found
   return input;
 }
 Json DataInputOf(const SceneCommand& o, Json input) {
@@ -73,13 +75,25 @@ Photographs Gather(const SceneCommand& o, const Json& input) {
   return PhotographsFromJson(JsonField(file, json));
 }
 
-std::string ProgramOf(const SceneCommand& o) {
+ColmapProgram ProgramOf(const SceneCommand& o) {
   const std::string program = FindProgram(o.colmap);
   if (program.empty())
     throw Error("--colmap " + o.colmap,
                 "is not installed: on Debian and Ubuntu `apt-get install colmap` does so, or give "
                 "its path");
-  return program;
+  return ColmapProgram(program);
+}
+
+// "FeatureExtraction.type=ALIKED_N16ROT", with or without dashes.
+std::vector<std::pair<std::string, std::string>> FeaturesOf(const SceneCommand& o) {
+  std::vector<std::pair<std::string, std::string>> features;
+  for (const std::string& text : o.features) {
+    const size_t name = text.find_first_not_of('-'), equals = text.find('=');
+    if (equals == std::string::npos || name >= equals)
+      throw Error("--colmap-features " + text, "is not NAME=VALUE");
+    features.emplace_back("--" + text.substr(name, equals - name), text.substr(equals + 1));
+  }
+  return features;
 }
 
 void Announce(const SceneCommand& o, const Photographs& photographs) {
@@ -148,15 +162,19 @@ void MakeDataset(const SceneCommand& o) {
   std::string note = " (kept from an earlier run)";
   if (!kept) {
     if (!o.overwrite) RequireNoRun(o.model);  // it would be on other data
-    const std::string program = ProgramOf(o);
+    ColmapProgram program = ProgramOf(o);
+    const auto features = FeaturesOf(o);
     const auto start = std::chrono::steady_clock::now();
     const Photographs photographs = Gather(o, input);
     Announce(o, photographs);
     const int threads =
         int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
     RemoveFile(file);
-    const Registration found = FindCameras(
-        photographs, {program, o.matching, o.max_size, threads, o.quiet}, o.Workspace(), o.Data());
+    const Registration found = FindCameras(photographs,
+                                           program,
+                                           {o.matching, o.max_size, threads, o.quiet, features},
+                                           o.Workspace(),
+                                           o.Data());
     RemoveRun(o.model);
     WriteRegistration(file, data_input, photographs, found);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
@@ -212,11 +230,21 @@ void AddScene(CLI::App& app) {
   command->add_option("--colmap", o->colmap, "COLMAP's program, a name or a path")
       ->configurable(false);
   command
+      ->add_option("--colmap-features",
+                   o->features,
+                   "NAME=VALUE of COLMAP's options for features and matches, passed on as it is, "
+                   "such as FeatureExtraction.type=ALIKED_N16ROT; may be repeated")
+      ->allow_extra_args(false)
+      ->default_str("");
+  command
       ->add_flag("--cameras-only", o->cameras_only, "stop at the data set that train-scene reads")
       ->configurable(false);
   o->DeclareTraining(*command);
   command->get_option("--eval")->default_str("true");  // config.ini has "false" for a flag else
-  command->callback([=, &app] { Scene(*o, ConfigOf(app, *command)); });
+  command->callback([=, &app] {
+    std::erase(o->features, "");  // config.ini has "" for an option that is left out
+    Scene(*o, ConfigOf(app, *command));
+  });
 }
 
 }  // namespace cosplat

@@ -129,6 +129,22 @@ cv::Matx33d OpenCvMatrix(const Camera& camera) {
   return {camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1};
 }
 
+// The rays' points (normalised) under the division model, px with the first pixel's centre at 0.
+// Not finite where the lens shows no such ray. Of the two points that have a ray, the one that
+// tends to it as k does to 0; written without its cancellation.
+std::vector<cv::Point2d> Divided(const std::vector<cv::Point2d>& rays,
+                                 const Camera& source,
+                                 double k) {
+  std::vector<cv::Point2d> points;
+  points.reserve(rays.size());
+  for (const cv::Point2d& ray : rays) {
+    const double scale = 2 / (1 + std::sqrt(1 - 4 * k * ray.dot(ray)));
+    points.emplace_back(source.fx * scale * ray.x + source.cx - 0.5,
+                        source.fy * scale * ray.y + source.cy - 0.5);
+  }
+  return points;
+}
+
 }  // namespace
 
 void QuietOpenCv() {
@@ -233,6 +249,19 @@ Image8 Undistort(const Image8& image,
     const cv::Vec4d k(distortion.k);
     cv::fisheye::initUndistortRectifyMap(
         source_matrix, k, cv::Matx33d::eye(), target_matrix, size, CV_32FC1, map_x, map_y);
+  } else if (distortion.model == Distortion::Model::kDivision) {
+    map_x.create(size, CV_32FC1);
+    map_y.create(size, CV_32FC1);
+    for (int y = 0; y < size.height; ++y) {
+      std::vector<cv::Point2d> rays;
+      for (int x = 0; x < size.width; ++x)
+        rays.emplace_back((x + 0.5 - target.cx) / target.fx, (y + 0.5 - target.cy) / target.fy);
+      const std::vector<cv::Point2d> points = Divided(rays, source, distortion.k[0]);
+      for (int x = 0; x < size.width; ++x) {
+        map_x.at<float>(y, x) = float(points[x].x);
+        map_y.at<float>(y, x) = float(points[x].y);
+      }
+    }
   } else {
     const cv::Vec<double, 8> k(distortion.k);
     cv::initUndistortRectifyMap(
@@ -248,19 +277,18 @@ std::vector<std::array<double, 2>> DistortedPixels(
     const Distortion& distortion,
     const Camera& target,
     const std::vector<std::array<double, 2>>& points) {
-  std::vector<cv::Point2d> out;
-  const auto ray = [&](const std::array<double, 2>& p) {
-    return cv::Point2d((p[0] - target.cx) / target.fx, (p[1] - target.cy) / target.fy);
-  };
+  std::vector<cv::Point2d> rays, out;
+  for (const auto& p : points)
+    rays.emplace_back((p[0] - target.cx) / target.fx, (p[1] - target.cy) / target.fy);
   if (distortion.model == Distortion::Model::kFisheye) {
-    std::vector<cv::Point2d> rays;
-    for (const auto& p : points) rays.push_back(ray(p));
     cv::fisheye::distortPoints(rays, out, OpenCvMatrix(source), cv::Vec4d(distortion.k));
+  } else if (distortion.model == Distortion::Model::kDivision) {
+    out = Divided(rays, source, distortion.k[0]);
   } else {
-    std::vector<cv::Point3d> rays;
-    for (const auto& p : points) rays.emplace_back(ray(p).x, ray(p).y, 1);
+    std::vector<cv::Point3d> far;
+    for (const cv::Point2d& ray : rays) far.emplace_back(ray.x, ray.y, 1);
     const cv::Vec<double, 8> k(distortion.k);
-    cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), OpenCvMatrix(source), k, out);
+    cv::projectPoints(far, cv::Vec3d(), cv::Vec3d(), OpenCvMatrix(source), k, out);
   }
   std::vector<std::array<double, 2>> result;
   for (const cv::Point2d& p : out) result.push_back({p.x + 0.5, p.y + 0.5});

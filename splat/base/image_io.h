@@ -58,9 +58,10 @@ Image8 ResizeByArea(const Image8& image, int width, int height);
 // has pixels of both kinds.
 Image SignedDistance(const Image8& mask, uint8_t threshold);
 
-// kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order) or kFisheye {k1,k2,k3,k4}.
+// kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order), kFisheye {k1,k2,k3,k4} or kDivision {k}
+// (Fitzgibbon 2001: the ray of the distorted point d is d / (1 + k |d|²)).
 struct Distortion {
-  enum class Model { kNone, kBrown, kFisheye } model = Model::kNone;
+  enum class Model { kNone, kBrown, kFisheye, kDivision } model = Model::kNone;
   double k[8] = {0, 0, 0, 0, 0, 0, 0, 0};
 };
 // Removes lens distortion: resamples `image` (bilinear, alpha-weighted; edge pixels are repeated

@@ -9,19 +9,28 @@
 namespace cosplat {
 namespace {
 
-// Ids and parameter counts of COLMAP's camera models.
-constexpr ColmapModelKind kModels[] = {{0, "SIMPLE_PINHOLE", 3},
-                                       {1, "PINHOLE", 4},
-                                       {2, "SIMPLE_RADIAL", 4},
-                                       {3, "RADIAL", 5},
-                                       {4, "OPENCV", 8},
-                                       {5, "OPENCV_FISHEYE", 8},
-                                       {6, "FULL_OPENCV", 12},
-                                       {7, "FOV", 5},
-                                       {8, "SIMPLE_RADIAL_FISHEYE", 4},
-                                       {9, "RADIAL_FISHEYE", 5},
-                                       {10, "THIN_PRISM_FISHEYE", 12},
-                                       {11, "RAD_TAN_THIN_PRISM_FISHEYE", 16}};
+using Model = Distortion::Model;
+
+// COLMAP's camera models (its source: sensor/models.h), 12 to 17 of 4.x.
+constexpr ColmapModelKind kModels[] = {{0, "SIMPLE_PINHOLE", 3, 1, Model::kNone},
+                                       {1, "PINHOLE", 4, 2, Model::kNone},
+                                       {2, "SIMPLE_RADIAL", 4, 1, Model::kBrown},
+                                       {3, "RADIAL", 5, 1, Model::kBrown},
+                                       {4, "OPENCV", 8, 2, Model::kBrown},
+                                       {5, "OPENCV_FISHEYE", 8, 2, Model::kFisheye},
+                                       {6, "FULL_OPENCV", 12, 2, Model::kBrown},
+                                       {7, "FOV", 5, 0, Model::kNone},
+                                       {8, "SIMPLE_RADIAL_FISHEYE", 4, 1, Model::kFisheye},
+                                       {9, "RADIAL_FISHEYE", 5, 1, Model::kFisheye},
+                                       {10, "THIN_PRISM_FISHEYE", 12, 0, Model::kNone},
+                                       {11, "RAD_TAN_THIN_PRISM_FISHEYE", 16, 0, Model::kNone},
+                                       {12, "SIMPLE_DIVISION", 4, 1, Model::kDivision},
+                                       {13, "DIVISION", 5, 2, Model::kDivision},
+                                       {14, "SIMPLE_FISHEYE", 3, 1, Model::kFisheye},
+                                       {15, "FISHEYE", 4, 2, Model::kFisheye},
+                                       {16, "EUCM", 6, 0, Model::kNone},
+                                       {17, "EQUIRECTANGULAR", 2, 0, Model::kNone}};
+constexpr int kEquirectangular = 17;
 
 const ColmapModelKind* FindByName(const std::string& name) {
   for (const ColmapModelKind& kind : kModels)
@@ -29,27 +38,20 @@ const ColmapModelKind* FindByName(const std::string& name) {
   return nullptr;
 }
 
-// Parameters are [f | fx fy] cx cy, then distortion in OpenCV's order; radial models lack the
-// tangential terms p1, p2 (OpenCV's third and fourth).
-void SetParams(const std::string& model, const std::vector<double>& p, ColmapCamera& camera) {
-  const bool two_focals = model == "PINHOLE" || model == "OPENCV" || model == "OPENCV_FISHEYE" ||
-                          model == "FULL_OPENCV";
-  const size_t center = two_focals ? 2 : 1;
+// Parameters are [f | fx fy] cx cy, then distortion in the order of Distortion; radial models lack
+// the tangential terms p1, p2 (OpenCV's third and fourth).
+void SetParams(const ColmapModelKind& kind, const std::vector<double>& p, ColmapCamera& camera) {
+  const size_t center = size_t(kind.focals);
   camera.lens.fx = float(p[0]);
-  camera.lens.fy = float(p[two_focals ? 1 : 0]);
+  camera.lens.fy = float(p[center - 1]);
   camera.lens.cx = float(p[center]);
   camera.lens.cy = float(p[center + 1]);
-  bool distorts = false;
+  bool distorts = kind.distortion == Model::kFisheye;  // also if all are zero
   for (size_t i = center + 2; i < p.size(); ++i) {
     camera.distortion.k[i - center - 2] = p[i];
     distorts = distorts || p[i] != 0;
   }
-  const bool fisheye = model.find("FISHEYE") != std::string::npos;
-  if (fisheye) {
-    camera.distortion.model = Distortion::Model::kFisheye;  // distorts even if all are zero
-  } else if (distorts) {
-    camera.distortion.model = Distortion::Model::kBrown;
-  }
+  if (distorts) camera.distortion.model = kind.distortion;
 }
 
 }  // namespace
@@ -66,10 +68,13 @@ ColmapCamera MakeColmapCamera(const std::string& file,
                               const std::array<int64_t, 2>& size,
                               const std::vector<double>& params) {
   const ColmapModelKind* kind = FindByName(model);
-  if (kind == nullptr || model == "FOV" || model.find("THIN_PRISM") != std::string::npos)
+  if (kind == nullptr || kind->focals == 0)
     throw Error(file,
                 field,
-                "camera model " + model + " cannot be undistorted: run COLMAP's image_undistorter");
+                "camera model " + model + " cannot be undistorted: " +
+                    (kind != nullptr && kind->id == kEquirectangular
+                         ? "cut the panoramas into perspective photographs first"
+                         : "run COLMAP's image_undistorter"));
   if (int(params.size()) != kind->params)
     throw Error(file,
                 field,
@@ -86,7 +91,7 @@ ColmapCamera MakeColmapCamera(const std::string& file,
   ColmapCamera camera;
   camera.lens.width = int(size[0]);
   camera.lens.height = int(size[1]);
-  SetParams(model, params, camera);
+  SetParams(*kind, params, camera);
   if (!(camera.lens.fx > 0) || !(camera.lens.fy > 0))
     throw Error(file, field, "focal length " + std::to_string(params[0]) + " is not positive");
   return camera;

@@ -36,22 +36,25 @@ struct ColmapModel {
 };
 
 // Reads cameras, images and points3D (.bin, or .txt if there is no .bin) from a folder; points3D is
-// optional. Throws Error naming the file, the record and what was expected.
+// optional. COLMAP 3.12 and later write rigs and frames as well, which are not read: each image's
+// pose is still in images. Throws Error naming the file, the record and what was expected.
 ColmapModel ReadColmapModel(const std::string& folder);
 
-// A camera of COLMAP's `model` ("OPENCV", ...). Throws Error(file, field, ...) for models whose
-// distortion OpenCV cannot undo, and for a wrong number or value of parameters.
+// A camera of COLMAP's `model` ("OPENCV", ...). Throws Error(file, field, ...) for models that
+// Distortion has not, and for a wrong number or value of parameters.
 ColmapCamera MakeColmapCamera(const std::string& file,
                               const std::string& field,
                               const std::string& model,
                               const std::array<int64_t, 2>& size,
                               const std::vector<double>& params);
 
-// Name and number of parameters of a model id in a binary file.
+// A camera model: its id in a binary file, its name in text, and its parameters.
 struct ColmapModelKind {
   int id;
   const char* name;
   int params;
+  int focals;  // of these focal lengths, which come first: f, or fx and fy; 0: it is refused
+  Distortion::Model distortion;
 };
 const ColmapModelKind* FindColmapModelKind(int id);
 

@@ -100,10 +100,15 @@ TEST(Colmap, TheMeanErrorIsOfThePointsThatHaveOne) {
   EXPECT_DOUBLE_EQ(ReadColmapModel(text / "sparse").mean_error, 0.0);
 }
 
+// With the rigs and frames that COLMAP 3.12 and later write beside them.
 TEST(Colmap, TextAndBinaryGiveTheSame) {
   const TemporaryFolder binary, text;
   WriteScene(binary, PinholeFixture());
   WriteTextModel(text, PinholeFixture());
+  WriteFileAtomically(binary / "sparse/0/rigs.bin", Bytes().Put<uint64_t>(1).str());
+  WriteFileAtomically(binary / "sparse/0/frames.bin", Bytes().Put<uint64_t>(4).str());
+  WriteFileAtomically(text / "sparse/rigs.txt", "1 1 CAMERA 7\n");
+  WriteFileAtomically(text / "sparse/frames.txt", "1 1 1 0 0 0 0 0 3 1 CAMERA 7 1\n");
   std::filesystem::copy(binary / "images", text / "images");
   const SceneData a = LoadScene(binary.path(), {}), b = LoadScene(text.path(), {});
   ASSERT_EQ(a.train.size(), b.train.size());
@@ -142,6 +147,18 @@ TEST(Colmap, UndistortsEveryModelThatOpenCvKnows) {
       return Point2{x * s, y * s};
     };
   };
+  // The distorted point whose ray, d / (1 + k |d|^2), is the given one: found by bisection of |d|.
+  const auto division = [](double k) {
+    return [=](double x, double y) {
+      const double r = std::hypot(x, y);
+      double low = 0, high = k > 0 ? 1 / std::sqrt(k) : 100;  // the ray grows up to there
+      for (int i = 0; i < 100; ++i) {
+        const double d = (low + high) / 2;
+        (k * d * d > -1 && d / (1 + k * d * d) < r ? low : high) = d;
+      }
+      return Point2{x * low / r, y * low / r};
+    };
+  };
   const std::vector<ColmapFixture> fixtures{
       {0, "SIMPLE_PINHOLE", {150, 80, 60}},
       {1, "PINHOLE", {150, 150, 80, 60}},
@@ -154,20 +171,53 @@ TEST(Colmap, UndistortsEveryModelThatOpenCvKnows) {
        {150, 150, 80, 60, .1, .02, .01, -.02, .03, .05, 0, 0},
        tangential(.1, .02, .01, -.02, .03, .05)},
       {8, "SIMPLE_RADIAL_FISHEYE", {150, 80, 60, .1}, fisheye(.1, 0)},
-      {9, "RADIAL_FISHEYE", {150, 80, 60, -.05, .02}, fisheye(-.05, .02)}};
+      {9, "RADIAL_FISHEYE", {150, 80, 60, -.05, .02}, fisheye(-.05, .02)},
+      {12, "SIMPLE_DIVISION", {150, 80, 60, -.3}, division(-.3)},
+      {12, "SIMPLE_DIVISION", {150, 80, 60, 0}},
+      {13, "DIVISION", {150, 140, 75, 62, .2}, division(.2), 150, 140, 75, 62},
+      {14, "SIMPLE_FISHEYE", {150, 80, 60}, fisheye(0, 0)},
+      {15, "FISHEYE", {150, 140, 75, 62}, fisheye(0, 0), 150, 140, 75, 62}};
   for (const ColmapFixture& fixture : fixtures) {
     SCOPED_TRACE(fixture.model);
     const TemporaryFolder folder;
     WriteScene(folder, fixture);
     ExpectSpots(LoadScene(folder.path(), {}).train, 0.1);
     ExpectSpots(LoadScene(folder.path(), {.resolution = 2}).train, 0.05);
+    const TemporaryFolder text;
+    WriteTextModel(text, fixture);
+    std::filesystem::copy(folder / "images", text / "images");
+    ExpectSpots(LoadScene(text.path(), {}).train, 0.1);
+  }
+}
+
+// There and back: the ray of each distorted point is the one that went in, up to the lens's edge.
+TEST(Colmap, TheDivisionModelIsInvertedExactly) {
+  for (const double k : {-2.0, -.3, -1e-12, 1e-12, .2, 2.0}) {
+    const ColmapCamera camera =
+        MakeColmapCamera("f", "c", "DIVISION", {160, 120}, {150, 140, 75, 62, k});
+    Camera target = camera.lens;
+    std::vector<Point2> points;
+    for (int i = 0; i < 16; ++i) points.push_back({75 + 150 * .02 * i, 62 - 140 * .01 * i});
+    const auto distorted = DistortedPixels(camera.lens, camera.distortion, target, points);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double x = (distorted[i][0] - 75) / 150, y = (distorted[i][1] - 62) / 140;
+      const double s = 1 + k * (x * x + y * y);
+      EXPECT_NEAR(x / s, .02 * double(i), 1e-9) << k;
+      EXPECT_NEAR(y / s, -.01 * double(i), 1e-9) << k;
+    }
+    // Beyond the edge of a lens with k > 0, at a ray of 1 / (2 sqrt(k)), it shows nothing.
+    const auto beyond = DistortedPixels(camera.lens, camera.distortion, target, {{75e9, 62}});
+    EXPECT_EQ(std::isfinite(beyond[0][0]), k < 0) << k;
   }
 }
 
 TEST(Colmap, RefusesOtherModelsByName) {
   const std::vector<ColmapFixture> fixtures{
       {7, "FOV", {150, 150, 80, 60, .1}},
-      {10, "THIN_PRISM_FISHEYE", {150, 150, 80, 60, 0, 0, 0, 0, 0, 0, 0, 0}}};
+      {10, "THIN_PRISM_FISHEYE", {150, 150, 80, 60, 0, 0, 0, 0, 0, 0, 0, 0}},
+      {11, "RAD_TAN_THIN_PRISM_FISHEYE", {150, 150, 80, 60, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}},
+      {16, "EUCM", {150, 150, 80, 60, .5, 1}},
+      {17, "EQUIRECTANGULAR", {160, 120}}};
   for (const ColmapFixture& fixture : fixtures) {
     const TemporaryFolder folder, text;
     WriteScene(folder, fixture);

@@ -1,14 +1,9 @@
 #include "apps/cosplat/capture/colmap.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <deque>
 #include <filesystem>
-#include <fstream>
-#include <memory>
+#include <iterator>
 
-#include "apps/cosplat/run/process.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/colmap_model.h"
@@ -37,79 +32,6 @@ constexpr size_t kMinForOpencvModel = 30;
 constexpr double kSuspiciousError = 0.7;
 constexpr int kCloserPair = 8;      // degrees between the first two photographs; COLMAP's own: 16
 constexpr int kMatchingBlock = 10;  // photographs; only how often progress is reported
-constexpr size_t kTail = 5;         // lines shown of a command that failed
-
-struct Progress {
-  int done = 0, total = 0;  // total 0: one per photograph
-};
-
-// From a line of COLMAP's output, such as "Processed file [3/50]", "Matching block [1/5, 2/5] in
-// 0.4s", "Registering image #12 (5)". Done is 0 where the line says nothing about progress.
-Progress ParseProgress(const std::string& line) {
-  int a = 0, n = 0, b = 0, m = 0;
-  const size_t bracket = line.find('[');
-  if (bracket != std::string::npos) {
-    const char* text = line.c_str() + bracket;
-    if (std::sscanf(text, "[%d/%d, %d/%d]", &a, &n, &b, &m) == 4) return {(a - 1) * m + b, n * m};
-    if (std::sscanf(text, "[%d/%d]", &a, &n) == 2) return {a, n};
-  }
-  if (std::sscanf(line.c_str(), "Registering image #%d (%d)", &n, &a) == 2) return {a, 0};
-  return {};
-}
-
-using Options = std::vector<std::pair<std::string, std::string>>;
-
-class ColmapRunner {
- public:
-  ColmapRunner(const ColmapSettings& settings, std::string log, int photographs)
-      : settings_(settings), log_(std::move(log)), photographs_(photographs) {}
-
-  // Returns the exit status (process.h).
-  int TryRun(const std::string& title, const std::string& command, const Options& options) {
-    std::vector<std::string> args{settings_.program, command};
-    for (const auto& [name, value] : options) args.insert(args.end(), {name, value});
-    std::ofstream log(log_, std::ios::app);
-    log << "$";
-    for (const std::string& arg : args) log << " " << arg;
-    log << std::endl;
-    if (!log) throw Error(log_, "cannot be written");
-    tail_.clear();
-    std::unique_ptr<ProgressBar> bar;
-    // COLMAP is a Qt program, which would need a display.
-    return RunProcess(args, {"QT_QPA_PLATFORM=offscreen"}, [&](const std::string& line) {
-      log << line << std::endl;
-      Remember(line);
-      const Progress progress = ParseProgress(line);
-      if (progress.done < 1) return;
-      const int total = progress.total > 0 ? progress.total : photographs_;
-      if (!bar)
-        bar = std::make_unique<ProgressBar>(title, total, settings_.quiet, OffTerminal::kLines);
-      bar->Update(std::min(progress.done, total), "");
-    });
-  }
-
-  void Run(const std::string& title, const std::string& command, const Options& options) {
-    const int status = TryRun(title, command, options);
-    if (status != 0) Fail(command, status);
-  }
-
-  [[noreturn]] void Fail(const std::string& command, int status) const {
-    for (const std::string& line : tail_) std::fprintf(stderr, "  %s\n", line.c_str());
-    throw Error("colmap " + command, ExitText(status) + "; its log is " + log_);
-  }
-
- private:
-  void Remember(const std::string& line) {
-    if (line.find_first_not_of(" =") == std::string::npos) return;  // empty, or a rule
-    tail_.push_back(line);
-    if (tail_.size() > kTail) tail_.pop_front();
-  }
-
-  const ColmapSettings& settings_;
-  std::string log_;
-  int photographs_;
-  std::deque<std::string> tail_;
-};
 
 struct LargestModel {
   std::string folder;  // empty: there is none
@@ -175,52 +97,71 @@ bool AreFew(const Photographs& photographs) {
   return photographs.names.size() < kMinForOpencvModel * size_t(photographs.lenses);
 }
 
-Options FeatureOptions(const Photographs& photographs,
-                       const Files& files,
-                       const ColmapSettings& settings) {
-  const std::string each = photographs.lenses == 1 ? "" : "_per_folder";
-  return {{"--database_path", files.database},
-          {"--image_path", files.images},
-          {"--ImageReader.camera_model", AreFew(photographs) ? "SIMPLE_RADIAL" : "OPENCV"},
-          {"--ImageReader.single_camera" + each, "1"},
-          {"--SiftExtraction.use_gpu", "0"},
-          {"--SiftExtraction.num_threads", std::to_string(settings.threads)},
-          {"--SiftExtraction.max_image_size", std::to_string(kFeatureSize)},
-          {"--SiftExtraction.max_num_features", std::to_string(kMaxFeatures)}};
-}
-
-Options MatchOptions(const std::string& matching,
-                     const Files& files,
-                     const ColmapSettings& settings) {
-  Options options{{"--database_path", files.database},
-                  {"--SiftMatching.use_gpu", "0"},
-                  {"--SiftMatching.num_threads", std::to_string(settings.threads)}};
-  if (matching == "exhaustive")
-    options.push_back({"--ExhaustiveMatching.block_size", std::to_string(kMatchingBlock)});
+// The settings' own options for features and matches that this command takes: each goes to every
+// command that does, in place of ours.
+ColmapOptions WithFeatures(ColmapOptions options,
+                           const std::string& command,
+                           const ColmapSettings& settings,
+                           ColmapProgram& program) {
+  for (const auto& [name, value] : settings.features) {
+    if (!program.Takes(command, name)) continue;
+    std::erase_if(options, [&](const ColmapOption& ours) {
+      return std::find(ours.names.begin(), ours.names.end(), name) != ours.names.end();
+    });
+    options.push_back({{name}, value});
+  }
   return options;
 }
 
-Options UndistortOptions(const LargestModel& largest,
-                         const Files& files,
-                         const ColmapSettings& settings) {
-  return {{"--image_path", files.images},
-          {"--input_path", largest.folder},
-          {"--output_path", files.undistorted},
-          {"--output_type", "COLMAP"},
-          {"--max_image_size", std::to_string(settings.max_size)}};
+ColmapOptions FeatureOptions(const Photographs& photographs,
+                             const Files& files,
+                             const ColmapSettings& settings) {
+  const std::string each = photographs.lenses == 1 ? "" : "_per_folder";
+  return {{{"--database_path"}, files.database},
+          {{"--image_path"}, files.images},
+          {{"--ImageReader.camera_model"}, AreFew(photographs) ? "SIMPLE_RADIAL" : "OPENCV"},
+          {{"--ImageReader.single_camera" + each}, "1"},
+          {{"--FeatureExtraction.use_gpu", "--SiftExtraction.use_gpu"}, "0", false},
+          {{"--FeatureExtraction.num_threads", "--SiftExtraction.num_threads"},
+           std::to_string(settings.threads),
+           false},
+          {{"--FeatureExtraction.max_image_size", "--SiftExtraction.max_image_size"},
+           std::to_string(kFeatureSize),
+           false},
+          {{"--SiftExtraction.max_num_features"}, std::to_string(kMaxFeatures), false}};
 }
 
-// Into the folder `sparse`; without a folder if there is no model.
+ColmapOptions MatchOptions(const Files& files, const ColmapSettings& settings) {
+  return {{{"--database_path"}, files.database},
+          {{"--FeatureMatching.use_gpu", "--SiftMatching.use_gpu"}, "0", false},
+          {{"--FeatureMatching.num_threads", "--SiftMatching.num_threads"},
+           std::to_string(settings.threads),
+           false},
+          {{"--ExhaustiveMatching.block_size"}, std::to_string(kMatchingBlock), false}};
+}
+
+ColmapOptions UndistortOptions(const LargestModel& largest,
+                               const Files& files,
+                               const ColmapSettings& settings) {
+  return {{{"--image_path"}, files.images},
+          {{"--input_path"}, largest.folder},
+          {{"--output_path"}, files.undistorted},
+          {{"--output_type"}, "COLMAP"},
+          {{"--max_image_size"}, std::to_string(settings.max_size)}};
+}
+
+// Into the folder `sparse`; without a folder if there is no model. By the incremental mapper, also
+// where the program has a global one, which is worse without known focal lengths (docs/scenes.md).
 LargestModel MapOnce(const Files& files,
                      const std::string& sparse,
-                     const Options& more,
+                     const ColmapOptions& more,
                      const ColmapSettings& settings,
                      ColmapRunner& colmap) {
   EmptyFolder(sparse);
-  Options options{{"--database_path", files.database},
-                  {"--image_path", files.images},
-                  {"--output_path", sparse},
-                  {"--Mapper.num_threads", std::to_string(settings.threads)}};
+  ColmapOptions options{{{"--database_path"}, files.database},
+                        {{"--image_path"}, files.images},
+                        {{"--output_path"}, sparse},
+                        {{"--Mapper.num_threads"}, std::to_string(settings.threads), false}};
   options.insert(options.end(), more.begin(), more.end());
   const int status = colmap.TryRun("cameras", "mapper", options);
   LargestModel largest = FindLargestModel(sparse);
@@ -245,7 +186,7 @@ LargestModel Map(const Photographs& photographs,
   if (!AreFew(photographs) || ErrorOf(first.model) <= kSuspiciousError) return first;
   LargestModel again = MapOnce(files,
                                files.sparse_again,
-                               {{"--Mapper.init_min_tri_angle", std::to_string(kCloserPair)}},
+                               {{{"--Mapper.init_min_tri_angle"}, std::to_string(kCloserPair)}},
                                settings,
                                colmap);
   const size_t before = first.model.images.size(), now = again.model.images.size();
@@ -263,14 +204,25 @@ std::string ResolveMatching(const std::string& matching, const Photographs& phot
 }
 
 Registration FindCameras(const Photographs& photographs,
+                         ColmapProgram& program,
                          const ColmapSettings& settings,
                          const std::string& workspace,
                          const std::string& folder) {
   const Files files(workspace);
-  ColmapRunner colmap(settings, workspace + "/log.txt", int(photographs.names.size()));
-  colmap.Run("features", "feature_extractor", FeatureOptions(photographs, files, settings));
-  const std::string matching = ResolveMatching(settings.matching, photographs);
-  colmap.Run("matches", matching + "_matcher", MatchOptions(matching, files, settings));
+  const std::string matcher = ResolveMatching(settings.matching, photographs) + "_matcher";
+  for (const auto& [name, value] : settings.features)
+    if (!program.Takes("feature_extractor", name) && !program.Takes(matcher, name))
+      throw Error("--colmap-features " + name,
+                  "is taken by neither `colmap feature_extractor` nor `colmap " + matcher + "`");
+  ColmapRunner colmap(
+      program, workspace + "/log.txt", int(photographs.names.size()), settings.quiet);
+  const auto with_features = [&](const ColmapOptions& options, const std::string& command) {
+    return WithFeatures(options, command, settings, program);
+  };
+  colmap.Run("features",
+             "feature_extractor",
+             with_features(FeatureOptions(photographs, files, settings), "feature_extractor"));
+  colmap.Run("matches", matcher, with_features(MatchOptions(files, settings), matcher));
   const LargestModel largest = Map(photographs, files, settings, colmap);
   const Registration result = RegistrationOf(largest.model, photographs.names);
   if (result.registered.size() < kMinPhotographs)

@@ -44,6 +44,21 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   return pointers;
 }
 
+// Without a terminal's control sequences ("\x1b[31m"), which programs write that take the pipe for
+// one, or their log's colours for wanted.
+std::string Plain(const std::string& line) {
+  std::string plain;
+  for (size_t i = 0; i < line.size(); ++i) {
+    if (line.compare(i, 2, "\x1b[") != 0) {
+      plain += line[i];
+      continue;
+    }
+    i += 2;
+    while (i < line.size() && (line[i] < 0x40 || line[i] > 0x7e)) ++i;
+  }
+  return plain;
+}
+
 // Closes both ends when it goes out of scope; the program that a child becomes has neither.
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -117,7 +132,7 @@ class Child {
       if (!ended && !open) Wait();
       if (ended || !open) break;
     }
-    if (!line_.empty()) on_line(line_);
+    if (!line_.empty()) on_line(Plain(line_));
     return status_;
   }
 
@@ -153,7 +168,7 @@ class Child {
     const bool end = c == '\n' || c == '\r';
     if (!end) line_ += c;
     if (line_.empty() || (!end && line_.size() < kMaxLine)) return;
-    const std::string line = std::move(line_);
+    const std::string line = Plain(line_);
     line_.clear();
     on_line(line);
   }

@@ -13,7 +13,7 @@ std::string FindProgram(const std::string& name);
 
 // Runs argv[0], a path, with these arguments until it ends. `environment` has NAME=VALUE, set
 // besides what this process has. The child reads nothing; `on_line` gets each line that it writes
-// to standard output or standard error, without its end ('\n' or '\r').
+// to standard output or standard error, without its end ('\n' or '\r') and a terminal's colours.
 //
 // Returns the exit status, or 128 + the signal that killed it. The child does not outlive this
 // process: it gets Ctrl-C as well, and SIGTERM if this process dies or `on_line` throws (which is
