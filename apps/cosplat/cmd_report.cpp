@@ -157,8 +157,10 @@ void WriteReport(const std::string& model, bool quiet) {
   const std::string key = fs::path(test).filename().string();
   const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
   const JsonField stats(model + "/stats.json", stats_json);
-  const NamedNumbers psnr =
-      NumbersIn(JsonField(model + "/per_view.json", per_view_json)[key]["PSNR"]);
+  const JsonField per_view = JsonField(model + "/per_view.json", per_view_json)[key];
+  if (per_view.raw().empty())
+    throw Error(model, "test", "each image is all of one colour, so that there is no figure");
+  const NamedNumbers psnr = NumbersIn(per_view["PSNR"]);
   std::vector<std::string> names;
   for (const auto& [name, value] : psnr) names.push_back(name);
   const bool avatar = run["kind"].String() == "avatar";

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "splat/base/error.h"
 #include "splat/eval/metrics.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss.h"
@@ -19,18 +20,25 @@ FileFigures Measure(const std::string& path,
   const auto rasterizer = MakeCpuRasterizer();
   const auto tape = rasterizer->MakeTape();
   const RenderSettings settings{background, gaussians.degree};
-  const double count = double(scene.test.size());
+  int measured = 0;
   RenderedImage image, truth;
   for (const SceneView& view : scene.test) {
     rasterizer->Forward(ViewOf(gaussians), gaussians.basis, view.camera, settings, image, *tape);
     truth.width = image.width;
     truth.height = image.height;
     CompositeTarget(LoadViewImage(view), background, truth.color);
-    const ImageMetrics m = CompareImages(ToBytes(image.ToImage()), ToBytes(truth.ToImage()));
-    figures.psnr += m.psnr / count;
-    figures.ssim += m.ssim / count;
     count_view();
+    const Image8 held_out = ToBytes(truth.ToImage());
+    if (!HasContent(held_out)) continue;
+    const ImageMetrics m = CompareImages(ToBytes(image.ToImage()), held_out);
+    figures.psnr += m.psnr;
+    figures.ssim += m.ssim;
+    ++measured;
   }
+  if (measured == 0)
+    throw Error("--measure", "there is nothing to compare: each test image is all of one colour");
+  figures.psnr /= measured;
+  figures.ssim /= measured;
   return figures;
 }
 

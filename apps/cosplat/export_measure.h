@@ -16,7 +16,8 @@ struct FileFigures {
 };
 
 // `path`: the file whose size is measured; `gaussians`: what was read from it. `count_view` is
-// called after each view.
+// called after each view. Views that show nothing are in no mean (HasContent); throws Error if none
+// shows anything.
 FileFigures Measure(const std::string& path,
                     const Gaussians& gaussians,
                     const SceneData& scene,

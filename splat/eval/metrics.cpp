@@ -25,13 +25,15 @@ double SquaredDifference(const Image8& a, const Image8& b, size_t pixel) {
   return sum / 3;
 }
 
-double ToDecibel(double squared, double weight) {
-  if (weight <= 0) return 0;
+std::optional<double> ToDecibel(double squared, double weight) {
+  if (weight <= 0) return {};
   return squared > 1e-10 * weight ? -10 * std::log10(squared / weight) : 100;
 }
 
 // Highlights are where colours depend most on the viewing direction.
-double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
+std::optional<double> HighlightPsnr(const Image8& rendered,
+                                    const Image8& truth,
+                                    const Image8& mask) {
   constexpr size_t kShare = 50;
   std::vector<std::pair<int, size_t>> by_brightness;
   for (size_t i = 0; i < truth.pixels(); ++i)
@@ -51,7 +53,21 @@ double HighlightPsnr(const Image8& rendered, const Image8& truth, const Image8& 
 
 }  // namespace
 
-double MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
+bool HasContent(const Image8& truth) {
+  // Noise and JPEG's artefacts in a picture of one colour span a few of the 255 steps.
+  constexpr int kOneColour = 8;
+  for (int c = 0; c < truth.channels; ++c) {
+    int least = 255, most = 0;
+    for (size_t i = size_t(c); i < truth.data.size(); i += size_t(truth.channels)) {
+      least = std::min(least, int(truth.data[i]));
+      most = std::max(most, int(truth.data[i]));
+      if (most - least > kOneColour) return true;
+    }
+  }
+  return false;
+}
+
+std::optional<double> MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask) {
   double sum = 0, weight = 0;
   for (size_t i = 0; i < truth.pixels(); ++i) {
     const double w = mask.data[i] / 255.0;

@@ -1,6 +1,7 @@
 // Image quality of a rendering against its ground truth.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,16 +14,23 @@ struct Rectangle {
 };
 
 struct ImageMetrics {
-  double psnr = 0;         // dB over all pixels and channels, values in [0, 1]
-  double ssim = 0;         // 11 x 11 Gaussian window, zero beyond the border (3DGS)
-  double psnr_mask = 0;    // dB, squared differences weighted by the mask; 0 without one
-  double psnr_region = 0;  // dB inside a rectangle; 0 without one
-  // dB over the brightest fiftieth (by ground truth) of the pixels fully in the mask; 0 without it.
-  double psnr_highlight = 0;
+  double psnr = 0;  // dB over all pixels and channels, values in [0, 1]
+  double ssim = 0;  // 11 x 11 Gaussian window, zero beyond the border (3DGS)
+  // None where there is no pixel to compare: a mask of zeros, a rectangle outside of the image.
+  std::optional<double> psnr_mask;    // dB, squared differences weighted by the mask
+  std::optional<double> psnr_region;  // dB inside a rectangle
+  // dB over the brightest fiftieth (by ground truth) of the pixels fully in the mask.
+  std::optional<double> psnr_highlight;
 };
 
-// dB, squared differences weighted by the mask. All three of equal size; RGB, RGB, one channel.
-double MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask);
+// Whether a rendering can be measured against this picture. One that is all of one colour, such as
+// the background under an empty mask, agrees with any rendering that shows nothing: 44 dB were
+// printed of empty avatars.
+bool HasContent(const Image8& truth);
+
+// dB, squared differences weighted by the mask; none if that is zero everywhere. All three of equal
+// size; RGB, RGB, one channel.
+std::optional<double> MaskedPsnr(const Image8& rendered, const Image8& truth, const Image8& mask);
 
 // Both images must be RGB and of equal size. `mask`: one channel of that size, or null. Throws
 // Error if sizes differ.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss.h"
@@ -43,14 +44,17 @@ std::vector<uint8_t> NotIgnored(const TrainFrame& frame) {
   return use;
 }
 
-double PsnrWhere(const std::vector<uint8_t>& use, const Buffer<float>& a, const Buffer<float>& b) {
+std::optional<double> PsnrWhere(const std::vector<uint8_t>& use,
+                                const Buffer<float>& a,
+                                const Buffer<float>& b) {
   Buffer<float> used_a, used_b;
   for (size_t i = 0; i < a.size(); ++i) {
     if (!use[i % use.size()]) continue;
     used_a.push_back(a[i]);
     used_b.push_back(b[i]);
   }
-  return used_a.empty() ? Psnr(a, a) : Psnr(used_a, used_b);
+  if (used_a.empty()) return {};
+  return Psnr(used_a, used_b);
 }
 
 }  // namespace
@@ -64,6 +68,7 @@ double MeanPsnrOfFrames(Subject& subject,
   RenderedImage image, on_host;
   Buffer<float> target;
   double sum = 0;
+  int measured = 0;
   for (size_t k = 0; k < choice.count(); ++k) {
     const TrainFrame& frame = subject.frame(choice[k]);
     rasterizer.Forward(subject.Place(gaussians, choice[k]),
@@ -78,10 +83,14 @@ double MeanPsnrOfFrames(Subject& subject,
     if (fits_exposure)
       ApplyExposure(FitExposure(on_host.color, target, NotIgnored(frame)), on_host.color.view());
     for (float& c : on_host.color) c = std::clamp(c, 0.0f, 1.0f);
-    sum += frame.ignored.empty() ? Psnr(on_host.color, target)
-                                 : PsnrWhere(NotIgnored(frame), on_host.color, target);
+    const std::optional<double> psnr = frame.ignored.empty()
+                                           ? Psnr(on_host.color, target)
+                                           : PsnrWhere(NotIgnored(frame), on_host.color, target);
+    if (!psnr) continue;  // nothing of this frame is to be compared
+    sum += *psnr;
+    ++measured;
   }
-  return choice.count() == 0 ? 0 : sum / double(choice.count());
+  return measured == 0 ? 0 : sum / measured;
 }
 
 std::vector<float> Significance(const Gaussians& gaussians,

@@ -16,8 +16,8 @@ TEST(CompareImages, KnownValues) {
   const ImageMetrics m = CompareImages(grey, black);
   EXPECT_NEAR(m.psnr, 13.9794, 1e-4);
   EXPECT_LT(m.ssim, 0.01);
-  EXPECT_EQ(m.psnr_mask, 0);
-  EXPECT_EQ(m.psnr_region, 0);
+  EXPECT_FALSE(m.psnr_mask);
+  EXPECT_FALSE(m.psnr_region);
   const ImageMetrics same = CompareImages(grey, grey);
   EXPECT_EQ(same.psnr, 100);
   EXPECT_NEAR(same.ssim, 1, 1e-6);
@@ -33,11 +33,11 @@ TEST(CompareImages, TheMaskWeighs) {
   Image8 mask(4, 1, 1);
   mask.data = {255, 0, 153, 0};
   const ImageMetrics m = CompareImages(rendered, truth, &mask);
-  EXPECT_NEAR(m.psnr_mask, -10 * std::log10(0.04 / 1.6), 1e-6);
+  EXPECT_NEAR(m.psnr_mask.value(), -10 * std::log10(0.04 / 1.6), 1e-6);
   mask.data = {0, 0, 255, 0};
   EXPECT_EQ(CompareImages(rendered, truth, &mask).psnr_mask, 100);
   mask.data = {0, 0, 0, 0};
-  EXPECT_EQ(CompareImages(rendered, truth, &mask).psnr_mask, 0);  // nothing to compare
+  EXPECT_FALSE(CompareImages(rendered, truth, &mask).psnr_mask) << "nothing to compare";
 }
 
 TEST(CompareImages, TheHighlightIsTheBrightestFiftiethOfTheMask) {
@@ -50,18 +50,20 @@ TEST(CompareImages, TheHighlightIsTheBrightestFiftiethOfTheMask) {
     rendered.at(5, 5, c) = 0;  // dark: does not count
   }
   const ImageMetrics m = CompareImages(rendered, truth, &mask);
-  EXPECT_NEAR(m.psnr_highlight, -10 * std::log10(0.04), 1e-4);  // of 99 pixels a fiftieth is one
-  EXPECT_EQ(CompareImages(rendered, truth).psnr_highlight, 0);
+  EXPECT_NEAR(
+      m.psnr_highlight.value(), -10 * std::log10(0.04), 1e-4);  // of 99 pixels a fiftieth is one
+  EXPECT_FALSE(CompareImages(rendered, truth).psnr_highlight);
 }
 
 TEST(CompareImages, TheRegionIsCutToTheImage) {
   Image8 truth(6, 6, 3), rendered(6, 6, 3);
   for (int c = 0; c < 3; ++c) rendered.at(5, 5, c) = 255;
   const Rectangle corner{4, 4, 10, 10}, left{-5, 0, 8, 6}, outside{10, 10, 3, 3};
-  EXPECT_NEAR(
-      CompareImages(rendered, truth, nullptr, &corner).psnr_region, -10 * std::log10(0.25), 1e-9);
+  EXPECT_NEAR(CompareImages(rendered, truth, nullptr, &corner).psnr_region.value(),
+              -10 * std::log10(0.25),
+              1e-9);
   EXPECT_EQ(CompareImages(rendered, truth, nullptr, &left).psnr_region, 100);
-  EXPECT_EQ(CompareImages(rendered, truth, nullptr, &outside).psnr_region, 0);
+  EXPECT_FALSE(CompareImages(rendered, truth, nullptr, &outside).psnr_region);
 }
 
 TEST(CompareImages, SizesThatDisagree) {

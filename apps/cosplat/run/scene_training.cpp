@@ -160,6 +160,8 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
                 subject.camera(0).height,
                 WithThousands(scene.points.size() / 3).c_str(),
                 NameOf(device).c_str());
+  if (!o.quiet && o.eval && scene.test.empty())
+    std::printf("--eval: the data has no test views, so there will be no figures\n");
   if (!o.quiet) std::printf("%s", PlaceLines(scene).c_str());
   const auto masked = std::count_if(scene.train.begin(), scene.train.end(), [](const SceneView& v) {
     return !v.mask_path.empty();

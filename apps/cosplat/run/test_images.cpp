@@ -59,15 +59,22 @@ Image8 Inside(Image8 mask, const Rectangle& r) {
   return mask;
 }
 
+// `empty`: counts the images that show nothing, which have no figures.
 Figures EvaluateFolder(const std::string& folder,
                        Lpips* lpips,
-                       const std::function<void()>& count_view) {
+                       const std::function<void()>& count_view,
+                       size_t& empty) {
   Figures figures;
   Json regions = Json::object();
   if (fs::exists(folder + "/regions.json")) regions = ReadJson(folder + "/regions.json");
   for (const std::string& name : SortedFiles(folder + "/renders")) {
     const Image8 rendered = ReadImage(folder + "/renders/" + name);
     const Image8 truth = ReadImage(folder + "/gt/" + name);
+    if (!HasContent(truth)) {
+      ++empty;
+      count_view();
+      continue;
+    }
     std::optional<Image8> mask;
     if (fs::exists(folder + "/masks/" + name)) mask = ReadImage(folder + "/masks/" + name);
     const auto region = [&](const char* of) -> std::optional<Rectangle> {
@@ -81,11 +88,13 @@ Figures EvaluateFolder(const std::string& folder,
         CompareImages(rendered, truth, mask ? &*mask : nullptr, mouth ? &*mouth : nullptr);
     figures["PSNR"][name] = m.psnr;
     figures["SSIM"][name] = m.ssim;
-    if (mask) figures["PSNR_mask"][name] = m.psnr_mask;
-    if (mask) figures["PSNR_highlight"][name] = m.psnr_highlight;
-    if (mouth) figures["PSNR_mouth"][name] = m.psnr_region;
-    if (mask && head)
-      figures["PSNR_head"][name] = MaskedPsnr(rendered, truth, Inside(*mask, *head));
+    const auto add = [&](const char* figure, const std::optional<double>& value) {
+      if (value) figures[figure][name] = *value;
+    };
+    add("PSNR_mask", m.psnr_mask);
+    add("PSNR_highlight", m.psnr_highlight);
+    add("PSNR_mouth", m.psnr_region);
+    if (mask && head) add("PSNR_head", MaskedPsnr(rendered, truth, Inside(*mask, *head)));
     if (lpips)
       figures[kLpips][name] = figures[kLpipsOfNet + lpips->net()][name] =
           lpips->Distance(rendered, truth);
@@ -115,6 +124,7 @@ std::map<std::string, Figures> ReadEarlier(const std::string& path,
 // Adds the LPIPS values that `earlier` has for other networks, if they are of the same images, that
 // is if PSNR and SSIM of every view are bit-identical. Returns the names of the values not kept.
 std::string KeepLpips(Figures& earlier, Figures& figures) {
+  if (figures.empty()) return "";
   const bool same = earlier["PSNR"] == figures["PSNR"] && earlier["SSIM"] == figures["SSIM"];
   std::string dropped;
   for (const auto& [figure, values] : earlier) {
@@ -133,14 +143,16 @@ double Mean(const std::map<std::string, double>& values) {
   return values.empty() ? 0 : sum / double(values.size());
 }
 
-void Summarize(const Figures& figures, TestSummary& summary) {
-  summary.views = figures.at("PSNR").size();
-  summary.psnr = Mean(figures.at("PSNR"));
-  summary.ssim = Mean(figures.at("SSIM"));
+void Summarize(const Figures& figures, size_t empty, TestSummary& summary) {
+  summary.empty_views = empty;
+  summary.views = figures.empty() ? 0 : figures.at("PSNR").size();
   summary.psnr_mask.reset();
   summary.psnr_head.reset();
   summary.psnr_mouth.reset();
   summary.lpips.clear();
+  if (summary.views == 0) return;
+  summary.psnr = Mean(figures.at("PSNR"));
+  summary.ssim = Mean(figures.at("SSIM"));
   if (figures.count("PSNR_mask")) summary.psnr_mask = Mean(figures.at("PSNR_mask"));
   if (figures.count("PSNR_head")) summary.psnr_head = Mean(figures.at("PSNR_head"));
   if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
@@ -235,9 +247,12 @@ TestSummary EvaluateTestImages(const std::string& folder,
   int latest = -1, done = 0, total = 0;
   for (const auto& [name, count] : views) total += count;
   for (const auto& [name, count] : views) {
-    Figures figures = EvaluateFolder(folder + "/test/" + name, lpips, [&] {
+    size_t empty = 0;
+    const auto count_view = [&] {
       if (progress) progress(++done, total);
-    });
+    };
+    Figures figures = EvaluateFolder(folder + "/test/" + name, lpips, count_view, empty);
+    results[name] = per_view[name] = Json::object();
     const std::string dropped = KeepLpips(earlier[name], figures);
     if (!dropped.empty())
       summary.dropped.push_back(name + ": " + dropped + " of images that have changed since");
@@ -248,13 +263,13 @@ TestSummary EvaluateTestImages(const std::string& folder,
     const int number = std::atoi(name.c_str() + 5);
     if (name != "ours_" + std::to_string(number)) {
       TestSummary other;
-      Summarize(figures, other);
+      Summarize(figures, empty, other);
       summary.others[name] = ToString(other);
       continue;
     }
     if (iteration >= 0 ? number != iteration : number < latest) continue;
     latest = number;
-    Summarize(figures, summary);
+    Summarize(figures, empty, summary);
   }
   if (latest < 0)
     throw Error(folder,
@@ -303,6 +318,9 @@ void WriteExposed(const std::string& folder) {
 }
 
 std::string ToString(const TestSummary& s) {
+  if (s.views == 0)
+    return "no figures: each of the " + std::to_string(s.empty_views) +
+           " test images is all of one colour, as under an empty mask";
   char text[160];
   std::snprintf(text, sizeof text, "PSNR %.2f dB  SSIM %.4f", s.psnr, s.ssim);
   std::string out = text;
@@ -322,7 +340,10 @@ std::string ToString(const TestSummary& s) {
     std::snprintf(text, sizeof text, "%.4f", value);
     out += "  LPIPS (" + net + ") " + text;
   }
-  return out + "  (" + std::to_string(s.views) + " views)";
+  out += "  (" + std::to_string(s.views) + " views";
+  if (s.empty_views > 0)
+    out += "; " + std::to_string(s.empty_views) + " of one colour are not measured";
+  return out + ")";
 }
 
 AvatarTestImages::AvatarTestImages(AvatarModel model,

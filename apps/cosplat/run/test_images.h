@@ -18,8 +18,8 @@
 namespace cosplat {
 
 struct TestSummary {
-  size_t views = 0;
-  double psnr = 0, ssim = 0;
+  size_t views = 0, empty_views = 0;  // measured, and those that show nothing (HasContent)
+  double psnr = 0, ssim = 0;          // of 0 views: not figures
   std::optional<double> psnr_mask, psnr_head, psnr_mouth;
   std::map<std::string, double> lpips;  // by network
   // Of images other than the run's own, ours_N_NAME: splats given to `render`, fitted frames. As
@@ -70,7 +70,7 @@ class TestImageWriter {
 //
 // With `lpips`, also writes LPIPS_<net>, and again as LPIPS, the name that other tools expect. An
 // earlier LPIPS measurement is kept if the images are unchanged. `progress` is called with the
-// number of views done and the total.
+// number of views done and the total. Views that show nothing have no figures and are in no mean.
 TestSummary EvaluateTestImages(const std::string& folder,
                                int iteration = -1,
                                Lpips* lpips = nullptr,
@@ -81,7 +81,7 @@ TestSummary EvaluateTestImages(const std::string& folder,
 // 2021, section 4.1), inside its mask if it has one. Throws Error if there are no images.
 void WriteExposed(const std::string& folder);
 
-// "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)".
+// "PSNR 29.31 dB  SSIM 0.9012  LPIPS (squeeze) 0.1479  (7 views)", or why there are no figures.
 std::string ToString(const TestSummary& summary);
 
 // Renders tracked frames of an avatar next to their ground truth, for training and `render`.
