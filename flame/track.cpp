@@ -262,7 +262,7 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   }
   CheckSkipped(path, video.train.size() + video.test.size(), video.skipped);
   if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
-  ConvertToMetres(video);
+  ConvertToMetres(request.options.flame, video);
   if (request.options.flame) {
     EyelidsToExpression(*request.options.flame, video);
     MoveHead(*request.options.flame, video);

@@ -111,7 +111,7 @@ void FlameInfo(const std::string& path) {
               m.faces.size(),
               m.shape_count,
               m.expression_count);
-  std::printf("%s", UnitLines(m, {}).c_str());
+  std::printf("%s", UnitLine("the model", m.unit).c_str());
   std::printf(
       "sha256 %s, %s\n",
       m.sha256.c_str(),
@@ -133,7 +133,7 @@ void TrackInfo(const std::string& path, bool need_images) {
               v.shape.size(),
               f.params.expression.size(),
               f.camera.fx);
-  std::printf("%s", UnitLines({}, v).c_str());
+  std::printf("%s", UnitLine("the track", v.unit).c_str());
 }
 
 // One line per evaluation.

@@ -190,8 +190,9 @@ std::vector<FlameParams> DrivenFaces(const RenderOptions& o,
   options.flame = &flame;
   if (avatar.blendshapes) options.blendshapes = &*avatar.blendshapes;
   std::vector<FlameParams> faces;
-  for (RecordedFrame& frame : LoadRecording(o.drive, options).frames)
-    faces.push_back(std::move(frame.params));
+  Recording recording = LoadRecording(o.drive, options);
+  if (!o.quiet) std::printf("%s", UnitLine("track " + o.drive, recording.unit).c_str());
+  for (RecordedFrame& frame : recording.frames) faces.push_back(std::move(frame.params));
   return faces;
 }
 

@@ -193,7 +193,10 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 flame.has_eyelids ? ", with eyelids" : "",
                 subject.has_bust() ? ", with a bust" : "",
                 NameOf(device).c_str());
-  if (!o.quiet) std::printf("%s", UnitLines(flame, video).c_str());
+  if (!o.quiet)
+    std::printf("%s%s",
+                UnitLine("FLAME model " + flame.name, flame.unit).c_str(),
+                UnitLine("track " + video.source, video.unit).c_str());
   RunHooks hooks;
   hooks.video = true;
   hooks.lpips = lpips.get();

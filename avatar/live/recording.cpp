@@ -116,6 +116,7 @@ Recording LoadRecording(const std::string& path, const LiveSourceOptions& option
   const std::vector<const TrackedFrame*> instants = InstantsOf(video);
   Recording recording;
   recording.path = path;
+  recording.unit = video.unit;
   recording.frames_per_second = FrameRate(video.source, video.frames_per_second, options);
   std::vector<FlameParams> params;
   for (const TrackedFrame* frame : instants) params.push_back(frame->params);

@@ -21,6 +21,7 @@ struct RecordedFrame {
 struct Recording {
   std::string path;
   double frames_per_second = 0;       // time steps per second
+  double unit = 1;                    // metres per unit of the track as stored
   std::vector<RecordedFrame> frames;  // at least one
 };
 

@@ -44,9 +44,10 @@ struct TrackRequest {
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request);
 
 // Recognises tracks in millimetres, centimetres and others by the size at which the head is seen,
-// sets video.unit and makes the lengths metres. Throws Error for a track so far from the origin
-// that floats have lost it.
-void ConvertToMetres(TrackedVideo& video);
+// sets video.unit and makes the lengths metres; offsets of a track in metres may still be in the
+// unit of the file of `flame`, or null. Throws Error for a track so far from the origin that floats
+// have lost it.
+void ConvertToMetres(const FlameModel* flame, TrackedVideo& video);
 
 // "imavatar": <path>/flame_params.json with image/ or images/ (or video.mp4, .avi, .mkv) and mask/.
 void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video);

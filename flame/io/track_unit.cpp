@@ -14,7 +14,7 @@ namespace {
 constexpr double kLeastShare = 0.015, kMostShare = 20;
 // Of a face that fills a video of a head.
 constexpr double kUsualShare = 0.3, kLeastUsual = 0.05, kMostUsual = 1.5;
-// Metres from the origin without a camera that would tell, and of hair: more is another unit.
+// Metres: of a head from the origin without a camera that would tell, and of hair from the head.
 constexpr double kMostPlace = 20, kMostOffset = 0.5;
 // The place of camera and head over the distance between them at which 32 bits of a number leave
 // half a millimetre of a metre.
@@ -67,7 +67,7 @@ double UnitOf(TrackedVideo& video) {
 
 }  // namespace
 
-void ConvertToMetres(TrackedVideo& video) {
+void ConvertToMetres(const FlameModel* flame, TrackedVideo& video) {
   video.unit = UnitOf(video);
   const auto unit = float(video.unit);
   if (unit != 1)
@@ -75,12 +75,12 @@ void ConvertToMetres(TrackedVideo& video) {
       for (float& x : frame.params.translation) x *= unit;
       for (float& x : frame.camera.translation) x *= unit;
     });
-  // By itself, since it comes from the model and not from the camera.
+  // Offsets may be in metres already: they are the model's, not the camera's.
+  const float offset_unit = unit == 1 && flame ? float(flame->unit) : unit;
   float most = 0;
   for (const float x : video.static_offset) most = std::max(most, std::abs(x));
-  if (most <= kMostOffset) return;
-  const float offset_unit = unit < 1 ? unit : 0.001f;
-  for (float& x : video.static_offset) x *= offset_unit;
+  if (most > kMostOffset)
+    for (float& x : video.static_offset) x *= offset_unit;
 }
 
 }  // namespace cosplat

@@ -99,14 +99,10 @@ std::string PlaceLines(const SceneData& scene) {
   return lines;
 }
 
-std::string UnitLines(const FlameModel& flame, const TrackedVideo& video) {
-  const auto line = [](const std::string& what, double unit) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g m", unit);
-    return unit == 1 ? "" : what + " is in units of " + text + ", and was converted to metres\n";
-  };
-  return line("FLAME model " + flame.name, flame.unit) +
-         line("the track " + video.source, video.unit);
+std::string UnitLine(const std::string& what, double unit) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g m", unit);
+  return unit == 1 ? "" : what + " is in units of " + text + ", and was converted to metres\n";
 }
 
 TrackedVideo LoadSplitVideo(const std::string& source,

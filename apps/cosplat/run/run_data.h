@@ -33,8 +33,8 @@ SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 // What is to be said of where the scene lies: lines, or nothing.
 std::string PlaceLines(const SceneData& scene);
 
-// Likewise of the units of a head and of its track.
-std::string UnitLines(const FlameModel& flame, const TrackedVideo& video);
+// Likewise of a head or track that is stored in units of so many metres.
+std::string UnitLine(const std::string& what, double unit);
 
 // Without `eval`, all frames are used for training. With `fold`, the last fifth of the training
 // frames is held out in place of the test frames; with `fold_by_turn` the fifth in which the head
