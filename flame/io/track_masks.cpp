@@ -63,7 +63,8 @@ std::string Percent(double share) {
 }  // namespace
 
 void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
-  std::vector<float> offset = video.static_offset;  // VHAP's has rows for teeth that a model may lack
+  std::vector<float> offset =
+      video.static_offset;  // VHAP's has rows for teeth that a model may lack
   if (!offset.empty()) offset.resize(3 * size_t(flame.vertex_count));
   const FlamePoser<float> poser(flame, video.shape, offset);
   std::vector<float> vertices;

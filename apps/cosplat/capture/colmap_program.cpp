@@ -106,7 +106,7 @@ int ColmapRunner::TryRun(const std::string& title,
                          const std::string& command,
                          const ColmapOptions& options) {
   ColmapOptions all = options;
-  all.push_back({{"--log_target"}, "stderr", false});  // since 4.0 also files in /tmp, else
+  all.push_back({{"--log_target"}, "stderr", false});  // 4.2 writes files to /tmp, too, else
   const std::vector<std::string> args = program_.Arguments(command, all);
   std::ofstream log(log_, std::ios::app);
   log << "$";
