@@ -147,7 +147,9 @@ std::string PreviewHtml(const std::string& test, const std::vector<std::string>&
 void WriteReport(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
              per_view_json = ReadJson(model + "/per_view.json"),
-             stats_json = ReadJson(model + "/stats.json");
+             // A folder of 3DGS's own has none.
+      stats_json = fs::exists(model + "/stats.json") ? ReadJson(model + "/stats.json")
+                                                     : Json{{"phases_ms", Json::object()}};
   const JsonField run(model + "/run.json", run_json);
   const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);

@@ -38,10 +38,10 @@ Camera LensOf(const JsonField& field, int width, int height) {
 }
 
 // world_mat: cam_from_world for the enlarged mesh with OpenGL's camera axes.
-PoseProblem SetImavatarPose(const JsonField& field, Camera& camera) {
-  const std::vector<double> m = field.NumbersOrNan();
-  if (m.size() != 12 && m.size() != 16)
-    return "world_mat has " + std::to_string(m.size()) + " numbers, expected 12";
+PoseProblem SetImavatarPose(const JsonField& field, size_t& transposed, Camera& camera) {
+  std::array<double, 12> m;
+  const std::string problem = CopyTransform(field, transposed, m);
+  if (!problem.empty()) return problem;
   std::array<double, 9> rotation;
   std::array<double, 3> translation;
   for (int r = 0; r < 3; ++r) {
@@ -112,13 +112,14 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
   const ImageInfo size = ImageSize(files, frames);
   const Camera lens = LensOf(file["intrinsics"], size.width, size.height);
   const size_t expression_count = frames.size() > 0 ? frames[0]["expression"].size() : 0;
+  size_t transposed = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
     const JsonField field = frames[i];
     TrackedFrame frame;
     frame.name = StemOf(field["file_path"].String());
     frame.timestep = int(i);
     frame.has_image = request.images != nullptr;
-    std::string problem = SetImavatarPose(field["world_mat"], frame.camera);
+    std::string problem = SetImavatarPose(field["world_mat"], transposed, frame.camera);
     if (problem.empty()) problem = SetParams(field, expression_count, frame.params);
     if (problem.empty()) {
       const std::string broken = Problem([&] {
@@ -129,6 +130,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
     }
     KeepOrSkip(std::move(frame), problem, video.train, video);
   }
+  NoteTransposed(json_path, transposed, video);
   CheckSkipped(path, video.train.size(), video.skipped);
   SplitLastFrames(ImavatarTestFrames(file, request.options, video.train.size()), video);
 }

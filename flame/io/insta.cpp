@@ -18,9 +18,9 @@ namespace fs = std::filesystem;
 // INSTA's own test set; its script leaves nothing to train on if there are no more frames.
 constexpr int kInstaTestFrames = 350;
 
-std::string SetInstaPose(const JsonField& field, Camera& camera) {
+std::string SetInstaPose(const JsonField& field, size_t& transposed, Camera& camera) {
   std::array<double, 12> matrix;
-  const std::string problem = CopyTransform(field, matrix);
+  const std::string problem = CopyTransform(field, transposed, matrix);
   return problem.empty() ? SetPoseFromWorldFromCam(matrix, camera) : problem;
 }
 
@@ -44,10 +44,11 @@ std::string LoadInstaFrame(const std::string& path,
                            const JsonField& field,
                            const TrackRequest& request,
                            DataFiles& files,
+                           size_t& transposed,
                            TrackedFrame& frame) {
   const std::string image = field["file_path"].String();
   const Camera lens = LensOfTransforms(file, field);
-  std::string problem = SetInstaPose(field["transform_matrix"], frame.camera);
+  std::string problem = SetInstaPose(field["transform_matrix"], transposed, frame.camera);
   if (!problem.empty()) return problem;
   const fs::path relative(ForwardSlashes(image));
   if (relative.is_relative() && !StaysInside(relative))
@@ -75,14 +76,17 @@ void LoadInstaFrames(const std::string& path,
   const JsonField file(path + name, json);
   const JsonField list = file["frames"];
   DataFiles files(path);
+  size_t transposed = 0;
   for (size_t i = 0; i < list.size(); ++i) {
     TrackedFrame frame;
     frame.name = StemOf(list[i]["file_path"].String());
     frame.timestep = NumberIn(frame.name).value_or(int(i));
     frame.has_image = request.images != nullptr;
-    const std::string problem = LoadInstaFrame(path, file, list[i], request, files, frame);
+    const std::string problem =
+        LoadInstaFrame(path, file, list[i], request, files, transposed, frame);
     KeepOrSkip(std::move(frame), problem, frames, video);
   }
+  NoteTransposed(path + name, transposed, video);
 }
 
 // The files are written as their frames are done: not in order.

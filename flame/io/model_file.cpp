@@ -93,7 +93,7 @@ class ModelArrays {
     const std::string_view begin(bytes.data(), std::min<size_t>(bytes.size(), 64));
     const std::string other = OtherContent(begin);
     if (!other.empty()) throw Error(path_, other);
-    if (extension == ".pkl" && begin.starts_with("PK"))
+    if (extension != ".npz" && begin.starts_with("PK"))
       throw Error(path_, "is a ZIP archive: unpack it, the model is the .pkl in it");
     // A pickle of protocol 2 and up begins with 0x80 and has lone line feeds among its numbers.
     if (extension == ".pkl" && begin.starts_with("\x80") && bytes.size() > 4096) {

@@ -124,8 +124,12 @@ Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
         frame.file(), frame.path(), "has an image size that is not positive or above 2^20 px");
   lens.width = int(width);
   lens.height = int(height);
-  lens.fx = float(number("fl_x"));
-  lens.fy = float(number("fl_y"));
+  if (frame.Has("camera_angle_x") && !frame.Has("fl_x")) {  // a frame's own, in another form
+    lens.fx = lens.fy = float(width / 2 / std::tan(frame["camera_angle_x"].Number() / 2));
+  } else {
+    lens.fx = float(number("fl_x"));
+    lens.fy = float(number("fl_y"));
+  }
   lens.cx = float(number("cx"));
   lens.cy = float(number("cy"));
   for (const float focal : {lens.fx, lens.fy})
@@ -185,9 +189,19 @@ void KeepOrSkip(TrackedFrame frame,
   }
 }
 
-std::string CopyTransform(const JsonField& field, std::array<double, 12>& matrix) {
-  bool transposed = false;
-  return RowsOfPose(field.NumbersOrNan(), matrix, transposed);
+std::string CopyTransform(const JsonField& field,
+                          size_t& transposed,
+                          std::array<double, 12>& matrix) {
+  bool turned = false;
+  const std::string problem = RowsOfPose(field.NumbersOrNan(), matrix, turned);
+  transposed += turned;
+  return problem;
+}
+
+void NoteTransposed(const std::string& file, size_t transposed, TrackedVideo& video) {
+  if (transposed > 0)
+    video.notes.push_back(file + ": " + std::to_string(transposed) +
+                          " matrices are in the order of columns and were transposed");
 }
 
 }  // namespace cosplat

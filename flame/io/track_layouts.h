@@ -128,7 +128,12 @@ void KeepOrSkip(TrackedFrame frame,
 
 // Reads the first three rows of transform_matrix, 3x4 or 4x4; returns what is wrong with it, if
 // anything.
-std::string CopyTransform(const JsonField& field, std::array<double, 12>& matrix);
+// `transposed` counts those in the order of columns.
+std::string CopyTransform(const JsonField& field,
+                          size_t& transposed,
+                          std::array<double, 12>& matrix);
+// What is said of them.
+void NoteTransposed(const std::string& file, size_t transposed, TrackedVideo& video);
 
 // Moves the last `count` time steps of video.train, with all cameras' frames, to video.test. Throws
 // Error if none would remain.

@@ -69,9 +69,9 @@ std::string ReadParams(const std::string& path, FlameParams& params) {
   return CopyFinite("expr", npz.Get("expr").values, params.expression);
 }
 
-std::string SetVhapPose(const JsonField& field, Camera& camera) {
+std::string SetVhapPose(const JsonField& field, size_t& transposed, Camera& camera) {
   std::array<double, 12> matrix;
-  const std::string problem = CopyTransform(field, matrix);
+  const std::string problem = CopyTransform(field, transposed, matrix);
   return problem.empty() ? SetPoseFromOpenGlWorldFromCam(matrix, camera) : problem;
 }
 
@@ -95,9 +95,10 @@ std::string LoadFrame(const JsonField& file,
                       const JsonField& field,
                       const TrackRequest& request,
                       DataFiles& files,
+                      size_t& transposed,
                       TrackedFrame& frame) {
   const fs::path folder = fs::path(file.file()).parent_path();
-  std::string problem = SetVhapPose(field["transform_matrix"], frame.camera);
+  std::string problem = SetVhapPose(field["transform_matrix"], transposed, frame.camera);
   if (!problem.empty()) return problem;
   const Camera lens = LensOfTransforms(file, field);
   const std::string named = field["flame_param_path"].String();
@@ -122,6 +123,7 @@ void LoadSplit(const std::string& json_path,
   const JsonField file(json_path, json);
   const JsonField list = file["frames"];
   DataFiles files(fs::path(json_path).parent_path().string());
+  size_t transposed = 0;
   for (size_t i = 0; i < list.size(); ++i) {
     const JsonField field = list[i];
     TrackedFrame frame;
@@ -129,9 +131,10 @@ void LoadSplit(const std::string& json_path,
     frame.timestep = int(field.NumberOr("timestep_index", double(i)));
     frame.camera_index = int(field.NumberOr("camera_index", 0));
     frame.has_image = request.images != nullptr;
-    const std::string problem = LoadFrame(file, field, request, files, frame);
+    const std::string problem = LoadFrame(file, field, request, files, transposed, frame);
     KeepOrSkip(std::move(frame), problem, frames, video);
   }
+  NoteTransposed(json_path, transposed, video);
 }
 
 // The file with the subject's parameters: canonical, or that of the first frame in the list.

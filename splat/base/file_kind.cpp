@@ -34,6 +34,10 @@ std::string OtherContent(std::string_view begin) {
     if (text.starts_with(page))
       return "is a web page, such as a log-in or an error, not the file itself: download it again";
   if (text.starts_with("%pdf")) return "is a PDF document";
+  if (begin.starts_with("\x93NUMPY"))
+    return "is one NumPy array (.npy), not an archive of them (.npz); a landmark embedding is not "
+           "needed, "
+           "the program has its own";
   using namespace std::string_view_literals;
   if (begin.starts_with("\xff\x0a") || begin.starts_with("\0\0\0\x0cJXL "sv))
     return "is a JPEG XL image, which is not read: convert it to PNG (djxl FILE FILE.png)";

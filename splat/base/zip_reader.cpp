@@ -3,8 +3,10 @@
 #include <zip.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "splat/base/error.h"
+#include "splat/base/file_kind.h"
 
 namespace cosplat {
 namespace {
@@ -18,7 +20,15 @@ void ZipReader::Discard::operator()(zip* archive) const { zip_discard(archive); 
 ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(path) {
   int code = 0;
   archive_.reset(zip_open(path.c_str(), ZIP_RDONLY, &code));
-  if (!archive_) throw Error(path, "cannot be read as " + kind + ": " + ReasonOfZipError(code));
+  if (!archive_) {
+    std::string begin(64, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(begin.data(), std::streamsize(begin.size()));
+    begin.resize(size_t(std::max<std::streamsize>(file.gcount(), 0)));
+    const std::string other = file.is_open() ? OtherContent(begin) : "";
+    throw Error(
+        path, other.empty() ? "cannot be read as " + kind + ": " + ReasonOfZipError(code) : other);
+  }
   uint64_t total = 0;
   zip_stat_t stat;
   for (size_t i = 0; i < size(); ++i) {

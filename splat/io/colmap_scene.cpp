@@ -82,6 +82,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
   scene.read_points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
+  FindPoints({fs::path(model.images_file).parent_path().string() + "/points3D.ply"}, scene);
   if (!HasImageFolder(path, options.resolution))
     throw Error(path, MissingFolderProblem(path, options.resolution));
   DataFiles files(path);

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
 
 #include "splat/base/error.h"
 #include "splat/io/dataset.h"
-#include "splat/io/ply.h"
 #include "splat/io/view_files.h"
 
 namespace cosplat {
@@ -43,18 +43,19 @@ void FindMasks(const std::string& path, std::vector<SceneView>& views) {
   }
 }
 
-// Points beside the cameras, as 3DGS and nerfstudio write them, of data that have none of their
-// own.
-void FindPoints(const std::string& path, SceneData& scene) {
-  for (const char* name : {"/sparse/0/points3D.ply",
-                           "/sparse/points3D.ply",
-                           "/points3D.ply",
-                           "/points3d.ply",
-                           "/sparse_pc.ply"}) {
-    if (!scene.read_points.empty() || !std::filesystem::is_regular_file(path + name)) continue;
-    scene.coarse_points = !ReadPointsPly(path + name, scene.read_points, scene.point_colors);
-    scene.notes.push_back("the points are those of " + path + name);
-  }
+// Two names that lead to one file: a folder of the data set is missing, and the end of the names
+// alone is not enough.
+void RefuseSharedImages(const SceneData& scene) {
+  std::map<std::string, std::string> names;
+  for (const auto* views : {&scene.train, &scene.test})
+    for (const SceneView& view : *views) {
+      const auto [found, is_new] = names.emplace(view.image_path, view.name);
+      if (!is_new && found->second != view.name)
+        throw Error(scene.source,
+                    view.name,
+                    "and " + found->second + " are both found as " + view.image_path +
+                        " only: a folder of images is missing");
+    }
 }
 
 }  // namespace
@@ -78,7 +79,8 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   }
   CheckSkipped(path, scene.train.size() + scene.test.size(), scene.skipped);
   for (std::vector<SceneView>* views : {&scene.train, &scene.test}) FindMasks(path, *views);
-  FindPoints(path, scene);
+  FindPoints({path + "/points3D.ply", path + "/points3d.ply", path + "/sparse_pc.ply"}, scene);
+  RefuseSharedImages(scene);
   if (scene.layout != "blender") SortByName(scene.train);  // whose order is kept
   const bool own_split = scene.own_split;
   if (!own_split && (options.eval || options.fold)) HoldOutEvery8th(scene);

@@ -32,6 +32,13 @@ class FrameFields {
   double NumberOr(const std::string& key, double fallback) const {
     return Has(key) ? Get(key).Number() : fallback;
   }
+  // A length in pixels along `side` (w or h). The file's is for the file's size, which a frame's
+  // own may differ from.
+  double Pixels(const std::string& key, const std::string& side) const {
+    const double number = Get(key).Number();
+    if (frame_.Has(key) || !frame_.Has(side) || !file_.Has(side)) return number;
+    return number * frame_[side].Number() / file_[side].Number();
+  }
 
  private:
   JsonField file_, frame_;
@@ -55,21 +62,21 @@ Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
     if (side.Integer() < 1) throw Error(side.file(), side.path(), "is not positive");
   }
   if (fields.Has("fl_x")) {
-    lens.fx = float(fields.Get("fl_x").Number());
+    lens.fx = float(fields.Pixels("fl_x", "w"));
   } else {
     lens.fx = float(FocalFromAngle(fields.Get("camera_angle_x"), lens.width));
   }
   lens.fy = lens.fx;
   if (fields.Has("fl_y")) {
-    lens.fy = float(fields.Get("fl_y").Number());
+    lens.fy = float(fields.Pixels("fl_y", "h"));
   } else if (!fields.Has("fl_x") && fields.Has("camera_angle_y")) {
     lens.fy = float(FocalFromAngle(fields.Get("camera_angle_y"), lens.height));
   }
   for (const char* key : {"fl_x", "fl_y"})
     if (fields.Has(key) && !(fields.Get(key).Number() > 0))
       throw Error(fields.Get(key).file(), fields.Get(key).path(), "is not positive");
-  lens.cx = float(fields.NumberOr("cx", lens.width / 2.0));
-  lens.cy = float(fields.NumberOr("cy", lens.height / 2.0));
+  lens.cx = float(fields.Has("cx") ? fields.Pixels("cx", "w") : lens.width / 2.0);
+  lens.cy = float(fields.Has("cy") ? fields.Pixels("cy", "h") : lens.height / 2.0);
   return lens;
 }
 
@@ -134,9 +141,12 @@ PoseProblem SetFramePose(const JsonField& field, size_t& transposed, SceneView& 
 // The points that a file of cameras names, if it does.
 void LoadPoints(const JsonField& file, SceneData& scene) {
   if (!file.Has("ply_file_path")) return;
-  const fs::path folder = fs::path(file.file()).parent_path();
-  scene.coarse_points = !ReadPointsPly(
-      (folder / file["ply_file_path"].String()).string(), scene.read_points, scene.point_colors);
+  const std::string named = file["ply_file_path"].String();
+  const std::string found = DataFiles(fs::path(file.file()).parent_path().string()).Find(named);
+  if (found.empty())
+    scene.notes.push_back(file.file() + ": ply_file_path " + named + " is missing");
+  else
+    scene.coarse_points = !ReadPointsPly(found, scene.read_points, scene.point_colors);
 }
 
 // Adds the frames of one file to `views`, or to the scene's skipped ones.
@@ -192,17 +202,46 @@ void LoadFrames(const JsonField& file,
                           " matrices are in the order of columns and were transposed");
 }
 
-// nerfstudio's lists of names. A view in none of them is for training.
+// nerfstudio's lists of names, each of which must be a view's. With a list for training, views in
+// no list are left out where there are test views, as nerfstudio does.
 void SplitByNames(const JsonField& file, SceneData& scene) {
-  const char* const list = file.Has("test_filenames") ? "test_filenames" : "val_filenames";
-  if (!file.Has(list)) return;
-  std::set<std::string> names;
-  for (size_t i = 0; i < file[list].size(); ++i) names.insert(ImageName(file[list][i].String()));
-  const auto is_test = [&](const SceneView& view) { return names.count(view.name) > 0; };
-  const auto first =
-      std::stable_partition(scene.train.begin(), scene.train.end(), std::not_fn(is_test));
-  std::move(first, scene.train.end(), std::back_inserter(scene.test));
-  scene.train.erase(first, scene.train.end());
+  DataFiles files(fs::path(file.file()).parent_path().string());
+  std::set<std::string> all;
+  for (const SceneView& view : scene.train) all.insert(view.name);
+  for (const SkippedFrame& frame : scene.skipped) all.insert(frame.name);
+  const auto views_of = [&](const char* list) {
+    std::set<std::string> names;
+    for (size_t i = 0; file.Has(list) && i < file[list].size(); ++i) {
+      const std::string name = file[list][i].String(), path = files.FindImage(name);
+      const auto found =
+          std::find_if(scene.train.begin(), scene.train.end(), [&](const SceneView& view) {
+            return view.name == ImageName(name) || (!path.empty() && view.image_path == path);
+          });
+      if (found != scene.train.end())
+        names.insert(found->name);
+      else if (!all.contains(ImageName(name)))
+        throw Error(file.file(), list, "has " + name + ", which is no frame's file_path");
+    }
+    return names;
+  };
+  const std::set<std::string> train = views_of("train_filenames");
+  std::set<std::string> test = views_of("test_filenames");
+  if (test.empty()) test = views_of("val_filenames");
+  if (train.empty() && test.empty()) return;
+  std::vector<SceneView> views = std::move(scene.train);
+  scene.train.clear();
+  size_t left = 0;
+  for (SceneView& view : views) {
+    const bool is_test = test.empty() ? !train.contains(view.name) : test.contains(view.name);
+    if (is_test)
+      scene.test.push_back(std::move(view));
+    else if (train.empty() || train.contains(view.name))
+      scene.train.push_back(std::move(view));
+    else
+      ++left;
+  }
+  if (left > 0)
+    scene.notes.push_back(std::to_string(left) + " views are in none of the file's lists");
   scene.own_split = true;
 }
 

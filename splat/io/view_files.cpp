@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "splat/base/error.h"
+#include "splat/io/ply.h"
 
 namespace cosplat {
 namespace {
@@ -79,9 +80,15 @@ FoundImage FindInFolder(DataFiles& files,
   if (resolution > 1) candidates.push_back(1);
   for (int k = resolution - 1; k > 1; --k)
     if (resolution % k == 0) candidates.push_back(k);
+  // An end of the name that has lost the reduced folder would be the full-size image.
+  const auto is_reduced = [&](const std::string& path, int k) {
+    const std::string name = fs::path(folder).filename().string() + "_" + std::to_string(k);
+    return path.find("/" + name + "/") != std::string::npos;
+  };
   for (int k : candidates) {
     found.path = files.FindImage(reduced(k));
     found.divide_by = resolution / k;
+    if (k > 1 && !is_reduced(found.path, k)) found.path.clear();
     if (!found.path.empty()) break;
   }
   if (found.path.empty() || found.divide_by == 1 || found.divide_by < resolution) return found;
@@ -97,6 +104,14 @@ FoundImage FindImage(DataFiles& files, const std::string& named, int resolution)
   if (path.has_parent_path() && path.parent_path() != ".")
     return FindInFolder(files, path.parent_path().string(), path.filename().string(), resolution);
   return {files.FindImage(named), resolution, named, false};
+}
+
+void FindPoints(const std::vector<std::string>& files, SceneData& scene) {
+  for (const std::string& file : files) {
+    if (!scene.read_points.empty() || !fs::is_regular_file(file)) continue;
+    scene.coarse_points = !ReadPointsPly(file, scene.read_points, scene.point_colors);
+    scene.notes.push_back("the points are those of " + file);
+  }
 }
 
 void NoteElsewhere(size_t count, int resolution, SceneData& scene) {

@@ -25,6 +25,9 @@ FoundImage FindInFolder(DataFiles& files,
 // The same of folder/name in one.
 FoundImage FindImage(DataFiles& files, const std::string& named, int resolution);
 
+// Points of the first of these PLY files that is there, with a note, if the scene has none.
+void FindPoints(const std::vector<std::string>& files, SceneData& scene);
+
 // What is said of images that a folder of reduced ones lacks.
 void NoteElsewhere(size_t count, int resolution, SceneData& scene);
 

@@ -50,6 +50,25 @@ TEST(Layouts, NamesOfAnotherMachine) {
   EXPECT_LT(PlaneDifference(data.train), kAlike);
 }
 
+TEST(Layouts, NamesThatLeadToOneFile) {
+  NerfScene scene;
+  WriteImage(scene.folder / "0.png", NerfScene::Photograph(0, 0));
+  for (int i = 0; i < 9; ++i)
+    scene.json["frames"][i]["file_path"] = "cam" + std::to_string(i) + "/0.png";
+  ExpectError([&] { scene.Load(); }, {"cam1/0.png", "cam0/0.png"});
+}
+
+TEST(Layouts, ImagesOfAnotherMachineAreReducedOnce) {
+  NerfScene scene;
+  for (int i = 0; i < 9; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    std::filesystem::rename(scene.folder / ("images/" + name), scene.folder / name);
+    scene.json["frames"][i]["file_path"] = "D:\\lego\\" + name;
+  }
+  const SceneData data = scene.Load({.resolution = 2});
+  EXPECT_EQ(LoadViewImage(data.train[0]).width, NerfScene::kWidth / 2);
+}
+
 TEST(Layouts, MatricesInTheOrderOfColumns) {
   NerfScene scene;
   for (auto& frame : scene.json["frames"]) {
@@ -83,9 +102,19 @@ TEST(Layouts, TheDatasOwnSplit) {
   SceneData data = scene.Load({.eval = true});
   ASSERT_EQ(data.test.size(), 2u);
   EXPECT_EQ(data.test[0].name, "images/2.png");
-  EXPECT_EQ(data.train.size(), 7u);
-  EXPECT_EQ(scene.Load().train.size(), 9u);  // without --eval all are trained on
+  EXPECT_EQ(data.train.size(), 2u);
+  EXPECT_TRUE(Notes(data.notes, "5 views are in none"));
+  EXPECT_EQ(scene.Load().train.size(), 4u);                    // without --eval all that are listed
+  scene.json["test_filenames"] = {"/home/ann/desk/images/7"};  // of another machine, no ending
+  data = scene.Load({.eval = true});
+  ASSERT_EQ(data.test.size(), 1u);
+  EXPECT_EQ(data.test[0].name, "images/7.png");
+  scene.json["test_filenames"] = {"images/70.png"};
+  ExpectError([&] { scene.Load(); }, {"test_filenames", "images/70.png"});
   scene.json.erase("test_filenames");
+  data = scene.Load({.eval = true});
+  EXPECT_EQ(data.test.size(), 7u);  // those that are not for training
+  scene.json.erase("train_filenames");
   scene.json["test_frames"] = {scene.json["frames"][8]};
   scene.json["frames"].erase(8);
   data = scene.Load({.eval = true});
@@ -146,6 +175,10 @@ TEST(Layouts, TheLargestOfColmapsModels) {
   const SceneData data = LoadScene(scene.folder.path(), {});
   EXPECT_EQ(data.train.size(), 8u);
   EXPECT_TRUE(Notes(data.notes, "0 3, 1 8"));
+  scene.WritePoints("sparse/0/points3D.ply");  // of the other model
+  EXPECT_TRUE(LoadScene(scene.folder.path(), {}).points.empty());
+  scene.WritePoints("sparse/1/points3D.ply");
+  EXPECT_EQ(LoadScene(scene.folder.path(), {}).points.size(), 3u * 400);
   EXPECT_LT(PlaneDifference(data.train), kAlike);
 }
 

@@ -21,7 +21,8 @@ TEST(Runs, Of3dgsAreReadByTheirArguments) {
   std::filesystem::create_directories(folder / "point_cloud/iteration_30000");
   Write(folder / "cfg_args",
         "Namespace(sh_degree=2, source_path='/data/it\\'s here, (1)', model_path=\"./out\", "
-        "images='images_4', depths='', resolution=-1, white_background=True, eval=True)");
+        "images='images_4', depths='', test_iterations=[7000, 30000], resolution=-1, "
+        "white_background=True, eval=True)");
   const Json run = RunOfCfgArgs(folder.path());
   EXPECT_EQ(run["source"], "/data/it's here, (1)");
   EXPECT_EQ(run["iterations"], 30000);

@@ -42,9 +42,13 @@ bool IsPhotograph(const fs::path& path) {
 
 std::vector<std::string> PhotographsIn(const std::string& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && IsPhotograph(entry.path()))
-      names.push_back(entry.path().lexically_relative(folder).generic_string());
+  for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::end(entry); ++entry) {
+    const std::string name = entry->path().filename().string();
+    if (entry->is_directory() && (name == "mask" || name == "masks"))
+      entry.disable_recursion_pending();
+    if (entry->is_regular_file() && IsPhotograph(entry->path()))
+      names.push_back(entry->path().lexically_relative(folder).generic_string());
+  }
   std::sort(names.begin(), names.end());
   if (names.empty()) ThrowNoPhotographs(folder);
   return names;

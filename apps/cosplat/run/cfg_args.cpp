@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_data.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -37,7 +38,9 @@ std::map<std::string, std::string> ArgumentsIn(const std::string& path) {
       }
       ++at;
     } else {
-      const size_t end = std::min(text.find_first_of(",)", equals), text.size());
+      const size_t list = quote == '[' ? text.find(']', equals) : equals;
+      const size_t end =
+          std::min(text.find_first_of(",)", std::min(list, text.size())), text.size());
       value = text.substr(equals + 1, end - equals - 1);
       at = end;
     }
@@ -89,9 +92,16 @@ Json RunOfCfgArgs(const std::string& folder) {
   if (text("source_path", "").empty()) throw Error(path, "source_path", "is missing");
   DataSplit split;
   split.eval = text("eval", "False") == "True";
-  // -1: full size, but for images wider than 1,600 pixels.
-  split.resolution = std::max(1, IntegerOr(arguments, "resolution", -1)) *
-                     std::max(1, ReductionOf(text("images", "images")));
+  const int reduced = ReductionOf(text("images", "images"));
+  if (reduced == 0)
+    throw Error(path, "images", "is " + text("images", "") + ", expected images or images_N");
+  // -1: full size. What is not 1, 2, 4 or 8 is a width in pixels (camera_utils.py).
+  const int resolution = IntegerOr(arguments, "resolution", -1);
+  const bool divides = resolution == 1 || resolution == 2 || resolution == 4 || resolution == 8;
+  if (!divides && resolution != -1)
+    PrintNotes({path + ": resolution " + std::to_string(resolution) +
+                " is a width; images are taken at full size (-r N divides them)"});
+  split.resolution = (divides ? resolution : 1) * reduced;
   const float background = text("white_background", "False") == "True" ? 1.0f : 0.0f;
   return {{"kind", "scene"},
           {"source", text("source_path", "")},

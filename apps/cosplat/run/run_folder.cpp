@@ -71,6 +71,7 @@ void RemoveRun(const std::string& folder) {
                                     "blocks",
                                     "report.html",
                                     "orbit.mp4",
+                                    "cfg_args",
                                     "run.json"};
   std::error_code code;
   const auto remove = [&](const fs::path& path) {
