@@ -89,25 +89,30 @@ cv::Mat Divided(const cv::Mat& bgra) {
   return Wrap(Unpremultiplied(floats)).clone();
 }
 
-// Decoders fill the blocks that a JPEG lacks with one colour.
-bool EndsInOneColor(const cv::Mat& image) {
-  constexpr int kBlock = 8;
-  const int width = std::min(kBlock, image.cols), height = std::min(kBlock, image.rows);
-  const cv::Mat last = image(cv::Rect(image.cols - width, image.rows - height, width, height));
-  const cv::Mat first = cv::Mat(last.size(), last.type(), cv::mean(last));
-  return cv::norm(last, first, cv::NORM_INF) <= 1;
+cv::Mat DecodeAny(const std::string& path, const std::vector<char>& bytes) {
+  try {
+    const cv::Mat raw(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+    return cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& error) {
+    throw Error(path, "cannot be decoded as an image: " + error.err);
+  }
+}
+
+// Whether all pixels of a JPEG without an end were there: what follows the last block is not
+// decoded, and what follows a cut is.
+bool IsWholeJpeg(const std::string& path, std::vector<char> bytes, const cv::Mat& image) {
+  constexpr size_t kMore = 512;
+  bytes.insert(bytes.end(), kMore, 0x5a);
+  bytes.insert(bytes.end(), {char(0xff), char(0xd9)});
+  const cv::Mat longer = DecodeAny(path, bytes);
+  return longer.size() == image.size() && longer.type() == image.type() &&
+         cv::norm(image, longer, cv::NORM_INF) == 0;
 }
 
 cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   QuietOpenCv();
   CheckImageIsComplete(path, bytes);
-  cv::Mat mat;
-  try {
-    const cv::Mat raw(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    mat = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception& error) {
-    throw Error(path, "cannot be decoded as an image: " + error.err);
-  }
+  cv::Mat mat = DecodeAny(path, bytes);
   if (mat.empty()) {
     const std::string other = OtherContent({bytes.data(), std::min<size_t>(bytes.size(), 64)});
     throw Error(path, other.empty() ? "cannot be decoded as an image" : other);
@@ -115,7 +120,7 @@ cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   const bool multiplied = mat.channels() == 4 && IsPremultiplied(bytes, mat.depth());
   if (mat.depth() == CV_16U) mat.convertTo(mat, CV_8U, 1.0 / 257);
   if (multiplied) mat = Divided(mat);
-  if (LacksJpegEnd(bytes) && EndsInOneColor(mat))
+  if (LacksJpegEnd(bytes) && !IsWholeJpeg(path, bytes, mat))
     throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
   const int n = mat.channels();
   if (mat.depth() != CV_8U || (n != 1 && n != 3 && n != 4))

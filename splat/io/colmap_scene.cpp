@@ -54,7 +54,8 @@ ColmapModel LargestModel(const std::string& sparse, SceneData& scene) {
   for (const auto& entry : fs::directory_iterator(sparse))
     if (fs::exists(entry.path() / "cameras.bin") || fs::exists(entry.path() / "cameras.txt"))
       folders.push_back(entry.path().string());
-  if (folders.empty()) return ReadColmapModel(sparse);
+  if (folders.empty())
+    return ReadColmapModel(fs::is_directory(sparse + "/0") ? sparse + "/0" : sparse);
   std::sort(folders.begin(), folders.end());
   ColmapModel largest;
   std::string chosen, all;

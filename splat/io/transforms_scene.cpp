@@ -24,8 +24,8 @@ class FrameFields {
   FrameFields(const JsonField& file, const JsonField& frame) : file_(file), frame_(frame) {}
   bool Has(const std::string& key) const {
     if (frame_.Has(key)) return true;
-    const bool focal = key == "fl_x" || key == "fl_y" || key.starts_with("camera_angle_");
-    if (focal && (frame_.Has("fl_x") || frame_.Has("camera_angle_x"))) return false;
+    if (key.starts_with("fl_") && frame_.Has("camera_angle_x")) return false;
+    if (key.starts_with("camera_angle_") && frame_.Has("fl_x")) return false;
     return file_.Has(key);
   }
   JsonField Get(const std::string& key) const { return frame_.Has(key) ? frame_[key] : file_[key]; }
@@ -143,10 +143,9 @@ void LoadPoints(const JsonField& file, SceneData& scene) {
   if (!file.Has("ply_file_path")) return;
   const std::string named = file["ply_file_path"].String();
   const std::string found = DataFiles(fs::path(file.file()).parent_path().string()).Find(named);
-  if (found.empty())
-    scene.notes.push_back(file.file() + ": ply_file_path " + named + " is missing");
-  else
-    scene.coarse_points = !ReadPointsPly(found, scene.read_points, scene.point_colors);
+  const std::string path =
+      found.empty() ? (fs::path(file.file()).parent_path() / named).string() : found;
+  scene.coarse_points = !ReadPointsPly(path, scene.read_points, scene.point_colors);
 }
 
 // Adds the frames of one file to `views`, or to the scene's skipped ones.

@@ -47,7 +47,7 @@ Image8 LoadViewImage(const SceneView& view) {
     throw Error(view.image_path,
                 "image is " + SizeText(image.width, image.height) + ", expected " +
                     SizeText(view.file_camera.width, view.file_camera.height));
-  if (!SaysAlpha(image)) image = RgbOf(image);
+  if (image.channels == 1) image = RgbOf(image);
   return Straight(std::move(image), view);
 }
 
