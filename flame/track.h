@@ -46,7 +46,7 @@ struct TrackedVideo {
   std::vector<TrackedFrame> test;
   std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
   std::vector<std::string> notes;     // what a user should know of how it was read
-  bool masks_inverted = false;        // their masks are dark where the person is
+  bool masks_inverted = false;        // their masks, or alpha, are dark where the person is
   // Each frame has a camera of its own about a head whose root stays in FLAME's rest place, as the
   // tracker wrote it: the head's motion is in the cameras. See MoveHead.
   bool head_is_fixed = false;

@@ -53,8 +53,6 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
     throw Error(frame.mask_path,
                 "mask is " + SizeText(matte.width, matte.height) + ", its image " +
                     SizeText(image.width, image.height));
-  if (video.masks_inverted)
-    for (uint8_t& value : matte.data) value = uint8_t(255 - value);
   const bool has_alpha = SaysAlpha(image);  // counts before the mask
   if (matte.empty() && !has_alpha && image.channels != 1)
     return ResizeByArea(RgbOf(image), camera.width, camera.height);
@@ -64,6 +62,8 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame) {
     for (int c = 0; c < 3; ++c) rgba.data[4 * i + c] = image.data[n * i + (n == 1 ? 0 : c)];
     if (has_alpha) rgba.data[4 * i + 3] = image.data[4 * i + 3];
     if (!has_alpha && !matte.empty()) rgba.data[4 * i + 3] = matte.data[i];
+    if (video.masks_inverted && (has_alpha || !matte.empty()))
+      rgba.data[4 * i + 3] = uint8_t(255 - rgba.data[4 * i + 3]);
   }
   return ResizeByArea(rgba, camera.width, camera.height);
 }

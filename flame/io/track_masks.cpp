@@ -88,7 +88,9 @@ void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
     throw Error(video.source,
                 "masks",
                 "show nothing in any of the " + std::to_string(masked) + " frames looked at");
-  if (head < kInverted && sum.corners / double(masked) > 1 - kInverted) {
+  if (image > 1 - kEmpty) {
+    video.notes.push_back(video.source + ": the masks hold the whole image, background included");
+  } else if (head < kInverted && sum.corners / double(masked) > 1 - kInverted) {
     video.masks_inverted = true;
     video.notes.push_back(video.source + ": the masks are bright where the head is not (" +
                           Percent(head) + " of it is inside): they are taken as inverted");
