@@ -9,6 +9,8 @@ namespace {
 
 constexpr uint32_t kOrientation = 0x0112, kExifFolder = 0x8769, kFocalLength = 0x920a;
 constexpr uint32_t kExtraSamples = 0x0152;
+// Of raw files (TIFF/EP, DNG): what the first image is, where the others are, and DNG's version.
+constexpr uint32_t kSubfileType = 0x00fe, kSubfolders = 0x014a, kDngVersion = 0xc612;
 
 // The TIFF structure that EXIF consists of: folders of 12-byte entries, in either byte order. What
 // lies outside reads as zero.
@@ -44,8 +46,14 @@ ExifInfo ParseTiff(const Tiff& tiff) {
   const size_t first = tiff.Read(4, 4);
   if (const size_t at = tiff.Find(first, kOrientation)) {
     const int orientation = int(tiff.Read(at, 2));
-    if (orientation >= 1 && orientation <= 8) info.orientation = orientation;
+    if (orientation >= 1 && orientation <= 8) {
+      info.orientation = orientation;
+      info.orientation_at = at;
+    }
   }
+  const size_t type = tiff.Find(first, kSubfileType);
+  info.is_raw = tiff.Find(first, kDngVersion) != 0 ||
+                (type != 0 && tiff.Read(type, 4) == 1 && tiff.Find(first, kSubfolders) != 0);
   if (const size_t at = tiff.Find(first, kExtraSamples)) info.extra_samples = int(tiff.Read(at, 2));
   if (const size_t at = tiff.Find(first, kExifFolder))
     if (const size_t focal = tiff.Find(tiff.Read(at, 4), kFocalLength)) {
@@ -101,7 +109,10 @@ std::string_view TiffIn(std::string_view bytes) {
 
 ExifInfo ParseExif(const std::vector<char>& bytes) {
   const std::string_view tiff = TiffIn({bytes.data(), bytes.size()});
-  return tiff.size() < 8 ? ExifInfo() : ParseTiff(Tiff(tiff.data(), tiff.size()));
+  if (tiff.size() < 8) return {};
+  ExifInfo info = ParseTiff(Tiff(tiff.data(), tiff.size()));
+  if (tiff.data() == bytes.data()) return info;
+  return {info.orientation, info.focal_length};  // the rest is of TIFF files themselves
 }
 
 Image8 Upright(const Image8& image, int orientation) {

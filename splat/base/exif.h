@@ -2,6 +2,7 @@
 // ReadImage ignores it; ReadUpright turns the image as viewers do.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "splat/base/image.h"
@@ -9,9 +10,11 @@
 namespace cosplat {
 
 struct ExifInfo {
-  int orientation = 1;      // 1 to 8, see Upright
-  double focal_length = 0;  // mm; 0: not stated
-  int extra_samples = 0;    // TIFF 6.0's: 1 if colours are multiplied by alpha, 2 if they are not
+  int orientation = 1;        // 1 to 8, see Upright
+  double focal_length = 0;    // mm; 0: not stated
+  int extra_samples = 0;      // TIFF 6.0's: 1 if colours are multiplied by alpha, 2 if they are not
+  bool is_raw = false;        // a TIFF of sensor values, whose first image is a preview of them
+  size_t orientation_at = 0;  // where a TIFF has its orientation, in bytes; 0: nowhere, or no TIFF
 };
 
 // `bytes`: a whole file or its beginning. What is absent or damaged keeps its default.

@@ -16,6 +16,7 @@ std::string IsoImage(std::string_view begin) {
   for (const char* heif : {"heic", "heix", "hevc", "heim", "heis", "mif1", "msf1"})
     if (brand == heif)
       return "is a HEIC image, which is not read: convert it to JPEG (heif-convert FILE FILE.jpg)";
+  if (brand == "crx ") return kRawImage;  // Canon's CR3
   return "is a video, not an image";
 }
 
@@ -23,14 +24,15 @@ std::string IsoImage(std::string_view begin) {
 
 std::string OtherContent(std::string_view begin) {
   if (begin.empty()) return "is empty";
-  if (begin.starts_with("version https://git-lfs"))
-    return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
   std::string text(begin);
   text.erase(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf"));
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
     return char(std::tolower(c));
   });
-  for (const char* page : {"<!doctype", "<html", "<?xml", "<head"})
+  if (text.starts_with("version https://git-lfs"))
+    return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
+  if (text.starts_with("<svg")) return "is a drawing in SVG: convert it to PNG";
+  for (const char* page : {"<!doctype", "<!--", "<html", "<?xml", "<head", "404: not found"})
     if (text.starts_with(page))
       return "is a web page, such as a log-in or an error, not the file itself: download it again";
   if (text.starts_with("%pdf")) return "is a PDF document";
@@ -42,8 +44,8 @@ std::string OtherContent(std::string_view begin) {
   if (begin.starts_with("\xff\x0a") || begin.starts_with("\0\0\0\x0cJXL "sv))
     return "is a JPEG XL image, which is not read: convert it to PNG (djxl FILE FILE.png)";
   if (begin.starts_with("II*\0\x10\0\0\0CR"sv) || begin.starts_with("FUJIFILM") ||
-      begin.starts_with("IIRO"))
-    return "is a camera's raw image, which is not read: develop it to JPEG or TIFF";
+      begin.starts_with("IIRO") || begin.starts_with("IIU\0"sv))
+    return kRawImage;
   return IsoImage(begin);
 }
 

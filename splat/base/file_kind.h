@@ -10,4 +10,8 @@ namespace cosplat {
 // a sentence ("is a web page ..., download it again"). Empty: nothing that people have by mistake.
 std::string OtherContent(std::string_view begin);
 
+// What that is of a camera's raw image.
+inline constexpr char kRawImage[] =
+    "is a camera's raw image, which is not read: develop it to JPEG or TIFF";
+
 }  // namespace cosplat

@@ -77,10 +77,8 @@ Image8 Unpremultiplied(cv::Mat mat) {
 
 // Whether a decoded RGBA image has its colours multiplied by alpha: a TIFF whose file says so, or
 // one of 8 bits that says it has not, which libtiff multiplies.
-bool IsPremultiplied(const std::vector<char>& bytes, int depth) {
-  if (bytes.size() < 4 || (bytes[0] != 'I' && bytes[0] != 'M')) return false;
-  const int extra = ParseExif(bytes).extra_samples;
-  return extra == 1 || (extra == 2 && depth == CV_8U);
+bool IsPremultiplied(const ExifInfo& exif, int depth) {
+  return exif.extra_samples == 1 || (exif.extra_samples == 2 && depth == CV_8U);
 }
 
 cv::Mat Divided(const cv::Mat& bgra) {
@@ -98,30 +96,54 @@ cv::Mat DecodeAny(const std::string& path, const std::vector<char>& bytes) {
   }
 }
 
-// Whether all pixels of a JPEG without an end were there: what follows the last block is not
-// decoded, and what follows a cut is.
-bool IsWholeJpeg(const std::string& path, std::vector<char> bytes, const cv::Mat& image) {
-  constexpr size_t kMore = 512;
-  bytes.insert(bytes.end(), kMore, 0x5a);
-  bytes.insert(bytes.end(), {char(0xff), char(0xd9)});
-  const cv::Mat longer = DecodeAny(path, bytes);
-  return longer.size() == image.size() && longer.type() == image.type() &&
-         cv::norm(image, longer, cv::NORM_INF) == 0;
+// A JPEG without an end marker. What follows the last block is not decoded, and what follows a cut
+// is: then the pixels depend on it. The last rows of blocks come out only if something follows.
+cv::Mat DecodeWithoutEnd(const std::string& path, const std::vector<char>& bytes) {
+  constexpr size_t kMore = 1 << 20;  // more than the widest row of blocks
+  cv::Mat decoded[2];
+  for (int i = 0; i < 2; ++i) {
+    std::vector<char> longer = bytes;
+    longer.insert(longer.end(), kMore, i == 0 ? 0x00 : 0x5a);
+    decoded[i] = DecodeAny(path, longer);
+  }
+  if (decoded[0].size() != decoded[1].size() || decoded[0].type() != decoded[1].type() ||
+      (!decoded[0].empty() && cv::norm(decoded[0], decoded[1], cv::NORM_INF) > 0))
+    throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
+  return decoded[0];
+}
+
+// A TIFF as it is stored: OpenCV turns it by its orientation, whatever it is asked.
+cv::Mat DecodeUnturned(const std::string& path, std::vector<char> bytes, size_t orientation_at) {
+  const bool little = bytes[0] == 'I';
+  bytes[orientation_at] = little ? 1 : 0;
+  bytes[orientation_at + 1] = little ? 0 : 1;
+  return DecodeAny(path, bytes);
+}
+
+// Labels of 16 bits (one channel, none above 255) are no brightness: they stay as they are.
+cv::Mat To8Bits(const cv::Mat& mat) {
+  double highest = 256;
+  if (mat.channels() == 1) cv::minMaxLoc(mat, nullptr, &highest);
+  cv::Mat bytes;
+  mat.convertTo(bytes, CV_8U, highest <= 255 ? 1 : 1.0 / 257);
+  return bytes;
 }
 
 cv::Mat Decode(const std::string& path, const std::vector<char>& bytes) {
   QuietOpenCv();
   CheckImageIsComplete(path, bytes);
-  cv::Mat mat = DecodeAny(path, bytes);
+  const ExifInfo exif = ParseExif(bytes);
+  if (exif.is_raw) throw Error(path, kRawImage);
+  cv::Mat mat = LacksJpegEnd(bytes)       ? DecodeWithoutEnd(path, bytes)
+                : exif.orientation_at > 0 ? DecodeUnturned(path, bytes, exif.orientation_at)
+                                          : DecodeAny(path, bytes);
   if (mat.empty()) {
     const std::string other = OtherContent({bytes.data(), std::min<size_t>(bytes.size(), 64)});
     throw Error(path, other.empty() ? "cannot be decoded as an image" : other);
   }
-  const bool multiplied = mat.channels() == 4 && IsPremultiplied(bytes, mat.depth());
-  if (mat.depth() == CV_16U) mat.convertTo(mat, CV_8U, 1.0 / 257);
+  const bool multiplied = mat.channels() == 4 && IsPremultiplied(exif, mat.depth());
+  if (mat.depth() == CV_16U) mat = To8Bits(mat);
   if (multiplied) mat = Divided(mat);
-  if (LacksJpegEnd(bytes) && !IsWholeJpeg(path, bytes, mat))
-    throw Error(path, "is truncated after " + std::to_string(bytes.size()) + " bytes");
   const int n = mat.channels();
   if (mat.depth() != CV_8U || (n != 1 && n != 3 && n != 4))
     throw Error(

@@ -44,21 +44,18 @@ Image8 RgbOf(const Image8& image) {
 
 Image8 MatteOf(const Image8& mask) {
   Image8 matte(mask.width, mask.height, 1);
-  if (SaysAlpha(mask)) {
-    for (size_t i = 0; i < mask.pixels(); ++i) matte.data[i] = mask.data[4 * i + 3];
-    return matte;
-  }
+  const bool by_alpha = SaysAlpha(mask);
   const size_t colors = size_t(std::min(mask.channels, 3));
   for (size_t i = 0; i < mask.pixels(); ++i) {
     const uint8_t* pixel = &mask.data[i * mask.channels];
-    matte.data[i] = *std::max_element(pixel, pixel + colors);
+    matte.data[i] = by_alpha ? pixel[3] : *std::max_element(pixel, pixel + colors);
   }
   std::bitset<256> values;
   for (const uint8_t value : matte.data) values.set(value);
   size_t highest = 255;
   while (highest > 0 && !values[highest]) --highest;
   const bool labels = highest <= kHighestLabel || (values.count() == 2 && values[0]) ||
-                      (colors == 3 && HasLabelColors(mask));
+                      (colors == 3 && !by_alpha && HasLabelColors(mask));
   if (labels)
     for (uint8_t& value : matte.data) value = value > 0 ? 255 : 0;
   return matte;

@@ -12,8 +12,8 @@ bool SaysAlpha(const Image8& image);
 // RGB of an RGB or RGBA image.
 Image8 RgbOf(const Image8& image);
 
-// One channel, 0 to 255. By the first of these that holds:
-//   an alpha that is not opaque everywhere counts;
+// One channel, 0 to 255: of an alpha that is not opaque everywhere, else of the colours. By the
+// first of these that holds:
 //   labels (none above 31, as 0 and 1; or at most 64 colours): all but black is 255;
 //   two values, of which one is 0: the other is 255;
 //   else the brightest channel, so that soft edges stay soft.
