@@ -15,7 +15,7 @@ RELEASE is a Debian release: 12, 13, sid, or another that debootstrap knows by i
   --folder DIR      where systems and logs are kept (default: out/machines in the checkout); a second
                     call reuses the system, and builds from the beginning
   --compiler C++    another compiler than g++, e.g. clang++ (its package is installed)
-  --quick           builds `cosplat` and runs the quick tests only (what CI does on a second release)
+  --quick           builds `cosplat` and runs the quick tests only
   --deb             builds cosplat.deb too, and installs it in another bare system
   --no-demo         leaves the demo out
   --mirror ADDRESS  where packages come from (default: where this machine's apt has them from)
