@@ -6,6 +6,7 @@
 
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
+#include "splat/base/matte.h"
 
 namespace cosplat {
 namespace {
@@ -86,15 +87,7 @@ Image8 FrameSource::ReadAll(int frame) const {
   return video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
 }
 
-Image8 FrameSource::Read(int frame) const {
-  const Image8 image = ReadAll(frame);
-  if (image.channels == 3) return image;
-  Image8 rgb(image.width, image.height, 3);
-  for (size_t i = 0; i < rgb.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c)
-      rgb.data[3 * i + c] = image.data[size_t(image.channels) * i + (image.channels < 3 ? 0 : c)];
-  return rgb;
-}
+Image8 FrameSource::Read(int frame) const { return RgbOf(ReadAll(frame)); }
 
 Image8 FrameSource::Alpha(int frame) const {
   const Image8 image = ReadAll(frame);
