@@ -1,6 +1,7 @@
 // Video by FFmpeg's libraries, shown as a player shows it: upright, with square pixels, in one
 // size.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -87,6 +88,7 @@ struct VideoReader::Impl {
   av::Frame frame{av_frame_alloc()};
   av::Packet packet{av_packet_alloc()};
   av::Scaler scaler;
+  std::array<int, 3> scaled{};  // width, height and format that it was made for
   int stream = -1;
   bool drained = false;
   int undecodable = 0;  // packets
@@ -251,7 +253,7 @@ void VideoReader::Impl::SetColors() {
 
 Image8 VideoReader::Impl::Converted() {
   const AVPixelFormat to = alpha ? AV_PIX_FMT_RGBA : AV_PIX_FMT_RGB24;
-  SwsContext* const kept = scaler.get();
+  const std::array<int, 3> kind = {frame->width, frame->height, frame->format};
   scaler.reset(sws_getCachedContext(scaler.release(),
                                     frame->width,
                                     frame->height,
@@ -264,7 +266,8 @@ Image8 VideoReader::Impl::Converted() {
                                     nullptr,
                                     nullptr));
   if (!scaler) throw Error(path, "has pixels of a kind that cannot be converted to RGB");
-  if (scaler.get() != kept) SetColors();
+  if (kind != scaled) SetColors();
+  scaled = kind;
   Image8 image(width, height, alpha ? 4 : 3);
   // The scaler may write some bytes beyond the end of a row.
   const int stride = (image.channels * width + 63) / 64 * 64;
