@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -77,6 +78,12 @@ bool ShapesDiffer(int width, int height, int other_width, int other_height) {
   return std::abs(one - other) > 0.05 * one;
 }
 
+std::string Seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", seconds);
+  return text;
+}
+
 std::string SizeOf(const AVFrame& frame) { return SizeText(frame.width, frame.height); }
 
 }  // namespace
@@ -91,8 +98,9 @@ struct VideoReader::Impl {
   std::array<int, 3> scaled{};  // width, height and format that it was made for
   int stream = -1;
   bool drained = false;
-  int undecodable = 0;  // packets
-  int next = 0;         // index of the frame that ReadFrame() decodes next
+  int undecodable = 0;    // packets
+  double read_until = 0;  // seconds, over all tracks
+  int next = 0;           // index of the frame that ReadFrame() decodes next
 
   // Of all frames, as the first pass found them.
   int count = 0;
@@ -123,6 +131,8 @@ void VideoReader::Impl::Open() {
   if (code < 0) throw Error(path, "cannot be opened as a video: " + av::ErrorText(code));
   const AVCodec* decoder = nullptr;
   stream = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  if (stream == AVERROR_DECODER_NOT_FOUND)
+    throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
   if (stream < 0) throw Error(path, "cannot be opened as a video: it has no video track");
   const AVStream& track = *opened->streams[stream];
   // FFmpeg's own decoders of WebM drop its alpha, which libvpx's keep.
@@ -159,6 +169,11 @@ bool VideoReader::Impl::Decode() {
       avcodec_send_packet(codec.get(), nullptr);
       continue;
     }
+    const int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
+    if (time != AV_NOPTS_VALUE)
+      read_until = std::max(read_until,
+                            double(time + packet->duration) *
+                                av_q2d(input->streams[packet->stream_index]->time_base));
     if (packet->stream_index == stream && avcodec_send_packet(codec.get(), packet.get()) < 0)
       ++undecodable;
     av_packet_unref(packet.get());
@@ -170,12 +185,13 @@ void VideoReader::Impl::FirstPass() {
   Open();
   int64_t first = AV_NOPTS_VALUE, last = AV_NOPTS_VALUE;
   std::string other_size;
-  int resized = 0;
+  int resized = 0, damaged = 0;
   while (Decode()) {
     if (count++ == 0) SetSize();
     if (frame->width != stored_width || frame->height != stored_height) {
       if (resized++ == 0) other_size = SizeOf(*frame);
     }
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) ++damaged;
     const int64_t time = frame->best_effort_timestamp;
     if (time == AV_NOPTS_VALUE) continue;
     if (first == AV_NOPTS_VALUE || time < first) first = time;
@@ -186,7 +202,17 @@ void VideoReader::Impl::FirstPass() {
   if (resized > 0)
     notes.push_back(path + ": " + std::to_string(resized) + " of " + std::to_string(count) +
                     " frames have another size (" + other_size + ") than the first (" +
-                    SizeText(stored_width, stored_height) + "), to which they are scaled");
+                    SizeText(stored_width, stored_height) + "), into which they are scaled");
+  if (damaged > 0)
+    notes.push_back(path + ": " + std::to_string(damaged) + " of " + std::to_string(count) +
+                    " frames are damaged; parts of them are made up");
+  // Only a length that the container states: others are guesses from what was read.
+  const double length = input->duration_estimation_method == AVFMT_DURATION_FROM_STREAM
+                            ? double(input->duration) / AV_TIME_BASE
+                            : 0;
+  if (frames_per_second > 0 && length - read_until > 1.5 / frames_per_second)
+    notes.push_back(path + ": is cut off: it is to be " + Seconds(length) +
+                    " s long, and ends at " + Seconds(read_until) + " s");
   if (undecodable > 0)
     notes.push_back(path + ": " + std::to_string(undecodable) +
                     " packets of it cannot be decoded; the " + std::to_string(count) +
@@ -251,15 +277,25 @@ void VideoReader::Impl::SetColors() {
       scaler.get(), table, from_range, to_table, to_range, brightness, contrast, saturation);
 }
 
+// A frame of another shape than the first keeps its shape: black bars fill the rest, as players
+// show it.
 Image8 VideoReader::Impl::Converted() {
   const AVPixelFormat to = alpha ? AV_PIX_FMT_RGBA : AV_PIX_FMT_RGB24;
+  int to_width = width, to_height = height;
+  if (ShapesDiffer(stored_width, stored_height, frame->width, frame->height)) {
+    const double scale =
+        std::min(double(stored_width) / frame->width, double(stored_height) / frame->height);
+    to_width = std::clamp(int(std::lround(scale * frame->width * width / stored_width)), 1, width);
+    to_height =
+        std::clamp(int(std::lround(scale * frame->height * height / stored_height)), 1, height);
+  }
   const std::array<int, 3> kind = {frame->width, frame->height, frame->format};
   scaler.reset(sws_getCachedContext(scaler.release(),
                                     frame->width,
                                     frame->height,
                                     AVPixelFormat(frame->format),
-                                    width,
-                                    height,
+                                    to_width,
+                                    to_height,
                                     to,
                                     SWS_BICUBIC,
                                     nullptr,
@@ -270,14 +306,15 @@ Image8 VideoReader::Impl::Converted() {
   scaled = kind;
   Image8 image(width, height, alpha ? 4 : 3);
   // The scaler may write some bytes beyond the end of a row.
-  const int stride = (image.channels * width + 63) / 64 * 64;
-  std::vector<uint8_t> rows(size_t(stride) * height + 64);
+  const int stride = (image.channels * to_width + 63) / 64 * 64;
+  std::vector<uint8_t> rows(size_t(stride) * to_height + 64);
   uint8_t* const planes[] = {rows.data()};
   const int strides[] = {stride};
   sws_scale(scaler.get(), frame->data, frame->linesize, 0, frame->height, planes, strides);
-  const size_t row = size_t(image.channels) * width;
-  for (int y = 0; y < height; ++y)
-    std::copy_n(&rows[size_t(y) * stride], row, &image.data[y * row]);
+  const int left = (width - to_width) / 2, top = (height - to_height) / 2;
+  for (int y = 0; y < to_height; ++y)
+    std::copy_n(
+        &rows[size_t(y) * stride], size_t(image.channels) * to_width, &image.at(left, top + y, 0));
   return Turned(image, orientation);
 }
 
@@ -308,12 +345,6 @@ Image8 VideoReader::ReadFrame(int index) {
     if (!video.Decode()) throw Error(video.path, field, "cannot be decoded");
     ++video.next;
   }
-  if (ShapesDiffer(
-          video.stored_width, video.stored_height, video.frame->width, video.frame->height))
-    throw Error(video.path,
-                field,
-                "has " + SizeOf(*video.frame) + " pixels, another shape than the first frame's " +
-                    SizeText(video.stored_width, video.stored_height));
   return video.Converted();
 }
 

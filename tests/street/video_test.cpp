@@ -91,14 +91,26 @@ TEST(Video, KeepsItsFirstSize) {
   EXPECT_NE(video.notes()[0].find("4 of 8 frames have another size (96x72)"), std::string::npos);
 }
 
-TEST(Video, NamesAFrameOfAnotherShape) {
+TEST(Video, KeepsTheShapeOfAllFrames) {
   const TemporaryFolder folder;
   Film film{.path = folder / "turned.webm", .encoder = "libvpx", .frames = Frames(6)};
   for (size_t i = 3; i < 6; ++i) std::swap(film.frames[i].width, film.frames[i].height);
   WriteFilm(film);
   VideoReader video(film.path);
-  EXPECT_EQ(video.ReadFrame(2).width, 64);
-  ExpectError([&] { video.ReadFrame(3); }, {"turned.webm", "frame 3", "48x64", "64x48"});
+  for (int i = 0; i < 6; ++i) {
+    const Image8 image = video.ReadFrame(i);
+    ASSERT_EQ(SizeText(image.width, image.height), "64x48") << i;
+    const uint8_t* left = &image.at(4, 24, 0);
+    if (i < 3) {
+      EXPECT_EQ(ColorsOf(image), "RBGW") << i;
+    } else {  // 36x48 px in the middle
+      EXPECT_EQ(int(left[0]) + left[1] + left[2], 0) << i;
+      EXPECT_GT(image.at(24, 10, 0), 128) << i;
+      EXPECT_GT(image.at(40, 40, 2), 128) << i;
+    }
+  }
+  ASSERT_EQ(video.notes().size(), 1u);
+  EXPECT_NE(video.notes()[0].find("3 of 6 frames have another size (48x64)"), std::string::npos);
 }
 
 TEST(Video, HasTheRateOfItsTimeStamps) {
@@ -140,16 +152,22 @@ TEST(Video, MayHaveAColonInItsName) {
   EXPECT_EQ(ColorsOf(video.ReadFrame(0)), "RBGW");
 }
 
-TEST(Video, ThatEndsTooEarlyKeepsWhatItHas) {
+TEST(Video, ThatEndsTooEarlyKeepsWhatItHasAndSaysSo) {
   const TemporaryFolder folder;
-  const std::string path = folder / "cut.avi";
-  WriteFilm({.path = path, .frames = Frames(50, 320, 240)});
-  std::filesystem::resize_file(path, std::filesystem::file_size(path) * 3 / 10);
-  VideoReader video(path);
-  EXPECT_GT(video.frame_count(), 5);
-  EXPECT_LT(video.frame_count(), 45);
-  for (int i = 0; i < video.frame_count(); ++i)
-    EXPECT_EQ(ColorsOf(video.ReadFrame(i)), "RBGW") << i;
+  for (const auto& [name, encoder] :
+       {std::pair{"cut.avi", "mpeg4"}, {"cut.mkv", "mpeg4"}, {"cut.webm", "libvpx"}}) {
+    const std::string path = folder / name;
+    WriteFilm({.path = path, .encoder = encoder, .frames = Frames(50, 320, 240)});
+    EXPECT_TRUE(VideoReader(path).notes().empty()) << name;
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) * 4 / 10);
+    VideoReader video(path);
+    EXPECT_GT(video.frame_count(), 5) << name;
+    EXPECT_LT(video.frame_count(), 45) << name;
+    for (int i = 0; i < video.frame_count(); ++i)
+      EXPECT_EQ(ColorsOf(video.ReadFrame(i)), "RBGW") << name << " " << i;
+    // FFmpeg takes an AVI's length from what is there of it.
+    EXPECT_EQ(video.notes().empty(), std::string(name) == "cut.avi") << name;
+  }
 }
 
 // Those of public reports, where they are: each against the same film without its property.
@@ -170,7 +188,7 @@ TEST(Video, OfPublicReportsLooksLikeItsUprightFilm) {
       const Image8 expected = upright.ReadFrame(frame);
       ASSERT_EQ(SizeText(image.width, image.height), SizeText(expected.width, expected.height))
           << name;
-      EXPECT_GT(PsnrOf(image, expected), 24) << name << " " << frame;
+      EXPECT_GT(PsnrOf(image, expected), 36) << name << " " << frame;
     }
   }
   EXPECT_TRUE(VideoReader(street + "alpha.webm").has_alpha());
