@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -168,6 +169,31 @@ double DepthOfHead(const TrackedFrame& frame) {
 double FaceSizeIn(const TrackedFrame& frame) {
   constexpr double kMinDistance = 0.01;  // metres
   return kFaceSize * frame.camera.fx / std::max(DepthOfHead(frame), kMinDistance);
+}
+
+std::string UnusedExpressions(const FlameModel& flame,
+                              const std::vector<const FlameParams*>& faces) {
+  const size_t used = size_t(flame.expression_count);
+  size_t given = 0;
+  double all = 0, left = 0;
+  for (const FlameParams* face : faces) {
+    given = std::max(given, face->expression.size());
+    for (size_t k = 0; k < face->expression.size(); ++k) {
+      const double square = double(face->expression[k]) * face->expression[k];
+      all += square;
+      if (k >= used) left += square;
+    }
+  }
+  if (left == 0) return "";
+  char text[160];
+  std::snprintf(text,
+                sizeof text,
+                "%zu of %zu expression coefficients are used, all that the model has; the others "
+                "are %.0f %% of the expressions (sum of squares)",
+                std::min(used, given),
+                given,
+                100 * left / all);
+  return text;
 }
 
 bool TracksEyelids(const TrackedVideo& video) {

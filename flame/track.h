@@ -95,6 +95,11 @@ double DepthOfHead(const TrackedFrame& frame);
 // How wide a face is in the frame's image, in px; at most as from a centimetre's distance.
 double FaceSizeIn(const TrackedFrame& frame);
 
+// What is lost of expressions that the model has no directions for, as FLAME's Open model has none:
+// "50 of 100 expression coefficients are used, ..."; empty if nothing is.
+std::string UnusedExpressions(const FlameModel& flame,
+                              const std::vector<const FlameParams*>& faces);
+
 // Whether any frame's eyelids are moved.
 bool TracksEyelids(const TrackedVideo& video);
 

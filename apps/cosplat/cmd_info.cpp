@@ -187,17 +187,8 @@ void RunInfo(const std::string& path) {
               results.c_str());
 }
 
-// At full size if available; some data sets contain reduced images only.
-SceneData LoadLargest(const std::string& path) {
-  int resolution = 1;
-  if (!fs::exists(path + "/images"))
-    for (const int reduced : {8, 4, 2})
-      if (fs::exists(path + "/images_" + std::to_string(reduced))) resolution = reduced;
-  return LoadScene(path, {resolution, true, false});
-}
-
 void SceneInfo(const std::string& path) {
-  const SceneData s = LoadLargest(path);
+  const SceneData s = LoadScene(path, {LargestResolution(path), true, false});
   std::printf("scene (%s): %zu training and %zu test views of %dx%d, %zu skipped\n",
               s.layout.c_str(),
               s.train.size(),

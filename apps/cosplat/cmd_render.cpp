@@ -15,6 +15,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
@@ -192,6 +193,7 @@ std::vector<FlameParams> DrivenFaces(const RenderOptions& o,
   std::vector<FlameParams> faces;
   Recording recording = LoadRecording(o.drive, options);
   if (!o.quiet) std::printf("%s", UnitLine("track " + o.drive, recording.unit).c_str());
+  if (!recording.note.empty()) PrintNotes({o.drive + ": " + recording.note});
   for (RecordedFrame& frame : recording.frames) faces.push_back(std::move(frame.params));
   return faces;
 }

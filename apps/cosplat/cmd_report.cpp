@@ -49,6 +49,7 @@ NamedNumbers NumbersIn(const JsonField& object) {
   return numbers;
 }
 
+// stats: of its training; null if there are none, as of a folder of 3DGS's own.
 std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   std::vector<std::pair<std::string, std::string>> rows;
   const auto row = [&](const std::string& name, const std::string& value) {
@@ -67,6 +68,7 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
   for (const auto& [result, value] : results)
     if (result.rfind("LPIPS_", 0) == 0)
       row("LPIPS (" + result.substr(6) + ")", FormatNumber(value, "%.4f"));
+  if (stats.raw().is_null()) return HtmlTable(rows);
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
   if (stats.NumberOr("rest_saved", 0) > 0) {
     row("Mean degree of the colours", FormatNumber(stats["mean_degree"].Number(), "%.2f"));
@@ -147,9 +149,8 @@ std::string PreviewHtml(const std::string& test, const std::vector<std::string>&
 void WriteReport(const std::string& model, bool quiet) {
   const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
              per_view_json = ReadJson(model + "/per_view.json"),
-             // A folder of 3DGS's own has none.
-      stats_json = fs::exists(model + "/stats.json") ? ReadJson(model + "/stats.json")
-                                                     : Json{{"phases_ms", Json::object()}};
+             stats_json =
+                 fs::exists(model + "/stats.json") ? ReadJson(model + "/stats.json") : Json();
   const JsonField run(model + "/run.json", run_json);
   const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);
@@ -172,7 +173,7 @@ void WriteReport(const std::string& model, bool quiet) {
                            "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
                            "</div></div><h2>Rendered beside what was held out</h2>" +
                            PairsHtml(test, names) + "<div class='row'>" + ViewChart(psnr) +
-                           PhaseChart(NumbersIn(stats["phases_ms"])) +
+                           (stats_json.is_null() ? "" : PhaseChart(NumbersIn(stats["phases_ms"]))) +
                            BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
                            EscapeXml(run_json.dump(2)) + "</pre>";
   WriteFileAtomically(model + "/report.html", HtmlPage(title, body));

@@ -6,6 +6,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
+#include "apps/cosplat/run/data_check.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -17,6 +18,7 @@
 #include "flame/eyelids.h"
 #include "flame/io/model_file.h"
 #include "flame/mouth.h"
+#include "flame/track_check.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
@@ -158,6 +160,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
   FlameModel flame = LoadFlameModel(o.flame);
   if (o.mouth == "yes") flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
+  PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);
   if (TracksEyelids(loaded)) {
     flame = WithEyelids(std::move(flame));
     EyelidsToExpression(flame, loaded);

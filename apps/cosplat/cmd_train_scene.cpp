@@ -34,6 +34,9 @@ void AddTrainScene(CLI::App& app) {
   CLI::App* command = app.add_subcommand("train-scene", "train a static scene from photographs");
   const auto options = std::make_shared<SceneTrainOptions>();
   options->DeclareFolders(*command);
+  command->add_option("-i,--images",
+                      options->images,
+                      "folder of the images, as 3DGS has it: images_4 divides their size by 4");
   options->DeclareTraining(*command);
   command->callback([options, command, &app] { TrainOnRanks(*options, ConfigOf(app, *command)); });
 }

@@ -12,6 +12,7 @@ struct TrackRunOptions;
 
 void AddAvatar(CLI::App& app);
 void AddBench(CLI::App& app);
+void AddCheck(CLI::App& app);
 void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
 void AddLandmarks(CLI::App& app);

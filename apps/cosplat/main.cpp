@@ -62,6 +62,7 @@ int Run(int argc, char** argv) {
   cosplat::AddAvatar(app);
   cosplat::AddLandmarks(app);
   cosplat::AddTrack(app);
+  cosplat::AddCheck(app);
   cosplat::AddTrainAvatar(app);
   cosplat::AddTrainScene(app);
   cosplat::AddScene(app);
@@ -77,6 +78,8 @@ int Run(int argc, char** argv) {
   cosplat::AddStudy(app);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& e) {  // of a command that ran
+    return e.get_exit_code();
   } catch (const CLI::ParseError& e) {
     const int code = app.exit(e);
     return code == 0 ? 0 : kBadInput;

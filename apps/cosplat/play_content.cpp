@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
@@ -177,6 +178,7 @@ void DriveSession(
   } else {
     if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
     const Recording recording = LoadRecording(drive, options);
+    if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
     session.SetSequence(
         fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
   }

@@ -119,7 +119,12 @@ Recording LoadRecording(const std::string& path, const LiveSourceOptions& option
   recording.unit = video.unit;
   recording.frames_per_second = FrameRate(video.source, video.frames_per_second, options);
   std::vector<FlameParams> params;
-  for (const TrackedFrame* frame : instants) params.push_back(frame->params);
+  std::vector<const FlameParams*> faces;
+  for (const TrackedFrame* frame : instants) {
+    params.push_back(frame->params);
+    faces.push_back(&frame->params);
+  }
+  if (options.flame != nullptr) recording.note = UnusedExpressions(*options.flame, faces);
   params = Retarget(std::move(params), options.rest);
   for (size_t i = 0; i < instants.size(); ++i)
     recording.frames.push_back({int64_t(instants[i]->timestep) - instants[0]->timestep, params[i]});

@@ -1,7 +1,6 @@
 #include "splat/base/compression.h"
 
 #include <zlib.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -14,7 +13,6 @@ namespace cosplat {
 namespace {
 
 constexpr int kGzipHeader = 16 + MAX_WBITS;  // zlib: gzip's header and checksum around the stream
-constexpr int kZstdLevel = 19;               // the highest that needs no more memory to inflate
 
 // zlib counts in 32 bits.
 uInt Chunk(size_t left) { return uInt(std::min<size_t>(left, 1u << 30)); }
@@ -57,6 +55,11 @@ size_t GunzipReader::Inflate(const std::string& field, unsigned char* out, size_
     done += room - z.avail_out;
     if (done == size) break;
     cut = status == Z_BUF_ERROR && stream_->left == 0;
+    // gzip files may follow each other in one; what else follows is not of the file.
+    if (status == Z_STREAM_END && z.avail_in >= 2 && z.next_in[0] == 0x1f && z.next_in[1] == 0x8b) {
+      inflateReset(&z);
+      continue;
+    }
     if (cut || status == Z_STREAM_END) break;
     if (status != Z_OK && status != Z_BUF_ERROR)
       throw Error(path_, field, std::string("is damaged: ") + (z.msg ? z.msg : "not gzip"));
@@ -108,10 +111,10 @@ std::string FirstBytes(const std::string& path, size_t count) {
   if (!IsGzip(bytes))
     return {bytes.begin(), bytes.begin() + ptrdiff_t(std::min(count, bytes.size()))};
   try {
-    const std::vector<unsigned char> first = GunzipReader(path, bytes).Read("gzip", count);
+    const std::vector<char> first = GunzipReader(path, bytes).ReadUpTo(count);
     return {first.begin(), first.end()};
-  } catch (const Error&) {
-    return "";  // of a damaged file nothing is known: its reader says so
+  } catch (const Error&) {  // damaged: its reader says so
+    return {bytes.begin(), bytes.begin() + ptrdiff_t(std::min(count, bytes.size()))};
   }
 }
 
@@ -130,30 +133,6 @@ std::string Gzip(const std::string& bytes) {
   out.resize(z.total_out);
   deflateEnd(&z);
   if (status != Z_STREAM_END) throw Error("gzip", "failed with code " + std::to_string(status));
-  return out;
-}
-
-std::vector<unsigned char> Unzstd(const std::string& path,
-                                  const std::string& field,
-                                  const char* bytes,
-                                  size_t count,
-                                  size_t size) {
-  std::vector<unsigned char> out(size);
-  const size_t written = ZSTD_decompress(out.data(), out.size(), bytes, count);
-  if (ZSTD_isError(written))
-    throw Error(path, field, std::string("is damaged: ") + ZSTD_getErrorName(written));
-  if (written != size)
-    throw Error(
-        path, field, "has " + std::to_string(written) + " bytes, expected " + std::to_string(size));
-  return out;
-}
-
-std::string Zstd(const std::string& bytes) {
-  std::string out(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t written =
-      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
-  if (ZSTD_isError(written)) throw Error("zstd", ZSTD_getErrorName(written));
-  out.resize(written);
   return out;
 }
 

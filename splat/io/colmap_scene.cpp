@@ -27,10 +27,18 @@ std::array<double, 9> RotationMatrix(const std::array<double, 4>& q) {
           1 - 2 * (x * x + y * y)};
 }
 
+// nerfstudio keeps COLMAP's model in colmap/, beside a transforms.json that comes first.
+std::string SparseFolder(const std::string& path) {
+  if (fs::is_directory(path + "/sparse")) return path + "/sparse";
+  const std::string kept = path + "/colmap/sparse";
+  return fs::is_directory(kept) && !fs::exists(path + "/transforms.json") ? kept : "";
+}
+
 // For example "has no folder images; found images_8: use -r 8".
-std::string MissingFolderProblem(const std::string& path, int resolution) {
-  std::string text = "has no folder images";
-  if (resolution > 1) text += " or images_" + std::to_string(resolution);
+std::string MissingFolderProblem(const std::string& path, const SceneOptions& options) {
+  std::string text = "has no folder " + options.images;
+  if (options.resolution > 1)
+    text += " or " + options.images + "_" + std::to_string(options.resolution);
   std::string found;
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
@@ -40,10 +48,12 @@ std::string MissingFolderProblem(const std::string& path, int resolution) {
   return text + found;
 }
 
-bool HasImageFolder(const std::string& path, int resolution) {
-  if (fs::is_directory(path + "/images")) return true;
-  for (int k = 2; k <= resolution; ++k)
-    if (resolution % k == 0 && fs::is_directory(path + "/images_" + std::to_string(k))) return true;
+bool HasImageFolder(const std::string& path, const SceneOptions& options) {
+  const std::string folder = path + "/" + options.images;
+  if (fs::is_directory(folder)) return true;
+  for (int k = 2; k <= options.resolution; ++k)
+    if (options.resolution % k == 0 && fs::is_directory(folder + "_" + std::to_string(k)))
+      return true;
   return false;
 }
 
@@ -75,17 +85,16 @@ ColmapModel LargestModel(const std::string& sparse, SceneData& scene) {
 
 }  // namespace
 
-bool IsColmapScene(const std::string& path) { return fs::is_directory(path + "/sparse"); }
+bool IsColmapScene(const std::string& path) { return !SparseFolder(path).empty(); }
 
 void LoadColmapScene(const std::string& path, const SceneOptions& options, SceneData& scene) {
   scene.layout = "colmap";
-  ColmapModel model = LargestModel(path + "/sparse", scene);
+  ColmapModel model = LargestModel(SparseFolder(path), scene);
   if (model.images.empty()) throw Error(model.images_file, "contains no images");
   scene.read_points = std::move(model.points);
   scene.point_colors = std::move(model.point_colors);
   FindPoints({fs::path(model.images_file).parent_path().string() + "/points3D.ply"}, scene);
-  if (!HasImageFolder(path, options.resolution))
-    throw Error(path, MissingFolderProblem(path, options.resolution));
+  if (!HasImageFolder(path, options)) throw Error(path, MissingFolderProblem(path, options));
   DataFiles files(path);
   size_t elsewhere = 0;
   for (const ColmapImage& image : model.images) {
@@ -96,7 +105,7 @@ void LoadColmapScene(const std::string& path, const SceneOptions& options, Scene
     const PoseProblem problem =
         SetPose(RotationMatrix(image.rotation), image.translation, view.camera, &view.center);
     const FoundImage found =
-        FindInFolder(files, "images", ForwardSlashes(image.name), options.resolution);
+        FindInFolder(files, options.images, ForwardSlashes(image.name), options.resolution);
     view.image_path = found.path;
     elsewhere += found.elsewhere;
     if (!problem.empty()) {

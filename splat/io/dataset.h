@@ -57,6 +57,7 @@ struct SceneOptions {
   // dropped: for choosing hyper-parameters without seeing test views.
   bool fold = false;
   std::optional<WorldOrigin> origin{};  // of a run on this data; otherwise chosen from the data
+  std::string images = "images";        // COLMAP's layout: the folder of the images
 };
 
 // Detects the layout from the files present: sparse/ (COLMAP), transforms_train.json (Blender),

@@ -180,6 +180,9 @@ TEST(Layouts, TheLargestOfColmapsModels) {
   scene.WritePoints("sparse/1/points3D.ply");
   EXPECT_EQ(LoadScene(scene.folder.path(), {}).points.size(), 3u * 400);
   EXPECT_LT(PlaneDifference(data.train), kAlike);
+  fs::create_directories(scene.folder / "colmap");  // as nerfstudio keeps it
+  fs::rename(scene.folder / "sparse", scene.folder / "colmap/sparse");
+  EXPECT_EQ(LoadScene(scene.folder.path(), {}).train.size(), 8u);
 }
 
 // What a phone stores: pixels on their side or upside down, and a tag that says so.

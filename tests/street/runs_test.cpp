@@ -5,6 +5,7 @@
 
 #include "apps/cosplat/run/cfg_args.h"
 #include "flame/io/model_file.h"
+#include "flame/track.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -50,6 +51,18 @@ TEST(HeadModels, AreNamedForWhatTheyAre) {
   for (int i = 0; i < 2000; ++i) pickle += "ab\r\n";
   expect("e.pkl", pickle, "download it again as a binary file");
   expect("F.PKL", "\x80\x02N.", "not a FLAME model");  // read, not refused for its name
+}
+
+TEST(HeadModels, SayWhatIsLostOfExpressions) {
+  FlameModel flame;
+  FlameParams face;
+  face.expression = {1, 2};
+  flame.expression_count = 2;
+  EXPECT_EQ(UnusedExpressions(flame, {&face}), "");
+  flame.expression_count = 1;
+  const std::string line = UnusedExpressions(flame, {&face});
+  EXPECT_NE(line.find("1 of 2 expression coefficients"), std::string::npos) << line;
+  EXPECT_NE(line.find("80 %"), std::string::npos) << line;
 }
 
 }  // namespace

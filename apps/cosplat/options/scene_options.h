@@ -8,6 +8,7 @@
 namespace cosplat {
 
 struct SceneTrainOptions : TrainOptions {
+  std::string images = "images";
   size_t random_points = 0;  // 0: the preset's choice
   float memory_gb = 0;       // 10^9 bytes; 0: no limit
   size_t blocks = 1;

@@ -59,6 +59,7 @@ struct TrainOptions {
   float scaling_lr = 0;         // 0: the preset's
   float checkpoint_every = 5;   // minutes; 0: only when stopped by a signal
   bool resume = false, overwrite = false;
+  bool strict = false;  // data that does not tell one story is refused
   bool quiet = false;
 
   // Declare the options on a sub-command; the current values become the defaults. First where the

@@ -185,6 +185,9 @@ void TrainOptions::DeclareTraining(CLI::App& command) {
   command.add_flag("--overwrite", overwrite, "replace the run that the results' folder holds")
       ->configurable(false)
       ->excludes(again);
+  command
+      .add_flag("--strict", strict, "refuse data of which `cosplat check` says that it is wrong")
+      ->configurable(false);
   command.add_flag("--quiet", quiet, "print nothing but errors");
 }
 

@@ -73,15 +73,6 @@ int LastIteration(const std::string& folder) {
 
 }  // namespace
 
-int ReductionOf(const std::string& images) {
-  if (images == "images") return 1;
-  int number = 0;
-  const char* const end = images.data() + images.size();
-  if (!images.starts_with("images_")) return 0;
-  const auto [last, code] = std::from_chars(images.data() + 7, end, number);
-  return code == std::errc() && last == end && number > 0 ? number : 0;
-}
-
 Json RunOfCfgArgs(const std::string& folder) {
   const std::string path = folder + "/cfg_args";
   const std::map<std::string, std::string> arguments = ArgumentsIn(path);
@@ -92,16 +83,14 @@ Json RunOfCfgArgs(const std::string& folder) {
   if (text("source_path", "").empty()) throw Error(path, "source_path", "is missing");
   DataSplit split;
   split.eval = text("eval", "False") == "True";
-  const int reduced = ReductionOf(text("images", "images"));
-  if (reduced == 0)
-    throw Error(path, "images", "is " + text("images", "") + ", expected images or images_N");
   // -1: full size. What is not 1, 2, 4 or 8 is a width in pixels (camera_utils.py).
   const int resolution = IntegerOr(arguments, "resolution", -1);
   const bool divides = resolution == 1 || resolution == 2 || resolution == 4 || resolution == 8;
   if (!divides && resolution != -1)
     PrintNotes({path + ": resolution " + std::to_string(resolution) +
                 " is a width; images are taken at full size (-r N divides them)"});
-  split.resolution = (divides ? resolution : 1) * reduced;
+  split.resolution = divides ? resolution : 1;
+  ChooseImages(text("images", "images"), split);
   const float background = text("white_background", "False") == "True" ? 1.0f : 0.0f;
   return {{"kind", "scene"},
           {"source", text("source_path", "")},

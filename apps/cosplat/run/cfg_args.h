@@ -11,7 +11,4 @@ namespace cosplat {
 // Throws Error naming the field if cfg_args is not 3DGS's line ("Namespace(eval=True, ...)").
 Json RunOfCfgArgs(const std::string& folder);
 
-// The number of "images_4", 1 of "images"; 0 of another name.
-int ReductionOf(const std::string& images);
-
 }  // namespace cosplat

@@ -1,7 +1,9 @@
 #include "apps/cosplat/run/run_data.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
 
 #include "apps/cosplat/run/notes.h"
@@ -30,33 +32,20 @@ void HoldOutFurthestTurned(TrackedVideo& video) {
   video.train = std::move(kept);
 }
 
-// Coefficients that the model has no directions for, as FLAME's Open model has none, do nothing.
-void NoteExpressions(const FlameModel& flame, TrackedVideo& video) {
-  const size_t used = size_t(flame.expression_count);
-  size_t given = 0;
-  double all = 0, left = 0;
-  for (const auto* frames : {&video.train, &video.test})
-    for (const TrackedFrame& frame : *frames) {
-      given = std::max(given, frame.params.expression.size());
-      for (size_t k = 0; k < frame.params.expression.size(); ++k) {
-        const double square = double(frame.params.expression[k]) * frame.params.expression[k];
-        all += square;
-        if (k >= used) left += square;
-      }
-    }
-  if (left == 0) return;
-  char text[160];
-  std::snprintf(text,
-                sizeof text,
-                ": %zu of %zu expression coefficients are used, all that the model has; the others "
-                "are %.0f %% of the expressions (sum of squares)",
-                std::min(used, given),
-                given,
-                100 * left / all);
-  video.notes.push_back(video.source + text);
-}
-
 }  // namespace
+
+void ChooseImages(const std::string& name, DataSplit& split) {
+  int reduced = 0;
+  const char* const end = name.data() + name.size();
+  if (name.starts_with("images_")) {
+    const auto [last, code] = std::from_chars(name.data() + 7, end, reduced);
+    if (code != std::errc() || last != end) reduced = 0;
+  }
+  if (reduced > 0)
+    split.resolution *= reduced;
+  else
+    split.images = name;
+}
 
 Json ToJson(const DataSplit& split) {
   Json json{{"resolution", split.resolution},
@@ -66,6 +55,7 @@ Json ToJson(const DataSplit& split) {
             {"test_frames", split.test_frames},
             {"focal_scale", split.focal_scale}};
   if (split.origin.value_or(WorldOrigin{}) != WorldOrigin{}) json["origin"] = *split.origin;
+  if (split.images != DataSplit{}.images) json["images"] = split.images;
   return json;
 }
 
@@ -77,6 +67,7 @@ DataSplit SplitFromJson(const JsonField& run) {
   split.fold = json.raw().value("fold", false);
   split.fold_by_turn = json.raw().value("fold_by_turn", false);
   split.test_frames = json["test_frames"].Integer();
+  if (json.Has("images")) split.images = json["images"].String();
   if (json.Has("focal_scale")) split.focal_scale = json["focal_scale"].Number();
   split.origin = WorldOrigin{};
   for (size_t k = 0; k < 3 && json.Has("origin"); ++k)
@@ -84,8 +75,18 @@ DataSplit SplitFromJson(const JsonField& run) {
   return split;
 }
 
+int LargestResolution(const std::string& path) {
+  int resolution = 1;
+  if (!std::filesystem::exists(path + "/images"))
+    for (const int reduced : {8, 4, 2})
+      if (std::filesystem::exists(path + "/images_" + std::to_string(reduced)))
+        resolution = reduced;
+  return resolution;
+}
+
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
-  SceneData scene = LoadScene(source, {split.resolution, split.eval, split.fold, split.origin});
+  SceneData scene =
+      LoadScene(source, {split.resolution, split.eval, split.fold, split.origin, split.images});
   PrintNotes(scene.notes);
   return scene;
 }
@@ -109,7 +110,10 @@ TrackedVideo LoadSplitVideo(const std::string& source,
                             const DataSplit& split,
                             const FlameModel& flame) {
   TrackedVideo video = LoadTrackedVideo(source, {split.test_frames, split.resolution, &flame});
-  NoteExpressions(flame, video);
+  std::vector<const FlameParams*> faces;
+  for (const TrackedFrame* frame : FramesInOrder(video)) faces.push_back(&frame->params);
+  const std::string unused = UnusedExpressions(flame, faces);
+  if (!unused.empty()) video.notes.push_back(video.source + ": " + unused);
   SettleMasks(flame, video);
   PrintNotes(video.notes);
   if (split.fold_by_turn) {

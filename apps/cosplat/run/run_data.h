@@ -23,10 +23,18 @@ struct DataSplit {
   double focal_scale = 1;  // of the track's focal length (flame/focal.h)
   // Scenes only: SceneOptions::origin. What a run's files are counted from.
   std::optional<WorldOrigin> origin{};
+  std::string images = "images";  // SceneOptions::images
 };
+
+// 3DGS's -i: "images_4" divides by 4 on top of `resolution`, another name is the folder's.
+void ChooseImages(const std::string& name, DataSplit& split);
 
 Json ToJson(const DataSplit& split);
 DataSplit SplitFromJson(const JsonField& run);
+
+// The least of 1, 2, 4, 8 whose folder of images a scene has; 1 if it has none of them. Some data
+// sets contain reduced images only.
+int LargestResolution(const std::string& path);
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split);
 

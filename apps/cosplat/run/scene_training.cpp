@@ -6,6 +6,7 @@
 
 #include "apps/cosplat/run/block_files.h"
 #include "apps/cosplat/run/block_training.h"
+#include "apps/cosplat/run/data_check.h"
 #include "apps/cosplat/run/memory_plan.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
@@ -18,6 +19,7 @@
 #include "splat/base/json.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/ply.h"
+#include "splat/io/scene_check.h"
 #include "splat/train/scene_subject.h"
 #include "splat/train/trainer.h"
 
@@ -126,8 +128,10 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   if (device == Device::kCpu) o.device = "cpu";
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   DataSplit split{o.resolution, o.eval, o.fold, -1};
+  ChooseImages(o.images, split);
   SceneData scene = LoadSplitScene(o.source, split);
   split.origin = scene.origin;
+  if (writes || o.strict) PrintFindings(o.source, CheckScene(scene), o.strict);
   const MemoryPlan plan = PlanMemory(o, scene);
   o.max_gaussians = plan.at_once();
   TrainingScene loaded = LoadTrainingScene(scene, plan.for_photographs());

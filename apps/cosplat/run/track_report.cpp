@@ -1,17 +1,16 @@
 #include "apps/cosplat/run/track_report.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "apps/cosplat/run/avatar_rounds.h"
-#include "apps/cosplat/run/data_uri.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/html_page.h"
+#include "apps/cosplat/run/overlay.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/study/charts/svg_chart.h"
 #include "apps/study/charts/svg_drawing.h"
-#include "apps/viewer/mesh_view.h"
 #include "flame/eyelids.h"
 #include "flame/pose.h"
 #include "splat/base/files.h"
@@ -21,20 +20,7 @@ namespace cosplat {
 namespace {
 
 constexpr size_t kOverlays = 12;
-constexpr int kOverlayWidth = 480;  // px, in the page
-constexpr viewer::Rgb kMeshColor{150, 170, 210};
-constexpr viewer::Rgb kSeenColor{60, 230, 90}, kFittedColor{240, 60, 50};
-
-void Dot(double x, double y, const viewer::Rgb& color, Image8& image) {
-  const int radius = std::max(1, image.width / 400);
-  for (int dy = -radius; dy <= radius; ++dy)
-    for (int dx = -radius; dx <= radius; ++dx) {
-      const int px = int(std::floor(x)) + dx, py = int(std::floor(y)) + dy;
-      if (dx * dx + dy * dy > radius * radius) continue;
-      if (px < 0 || py < 0 || px >= image.width || py >= image.height) continue;
-      for (int c = 0; c < 3; ++c) image.at(px, py, c) = color[size_t(c)];
-    }
-}
+constexpr std::array<uint8_t, 3> kSeenColor{60, 230, 90}, kFittedColor{240, 60, 50};
 
 std::vector<float> VerticesOf(const TrackRun& run, size_t f) {
   FlameParams params = run.fit.frames[f]->params;
@@ -117,13 +103,9 @@ std::string OverlaysHtml(const TrackRun& run, const FrameSource& frames) {
   const size_t count = std::min(kOverlays, run.kept.size());
   for (size_t i = 0; i < count; ++i) {
     const size_t f = run.kept[count == 1 ? 0 : i * (run.kept.size() - 1) / (count - 1)];
-    Image8 overlay = DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame));
-    if (overlay.width > kOverlayWidth)
-      overlay = ResizeByArea(
-          overlay, kOverlayWidth, std::max(1, overlay.height * kOverlayWidth / overlay.width));
-    html += "<figure><img src='" + ImageUri(overlay, ".jpg") + "'><figcaption>" +
-            EscapeXml(run.marks.frames[f].name) +
-            FormatNumber(run.fit.frames[f]->error, ": %.2f px") + "</figcaption></figure>";
+    html +=
+        FigureHtml(DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame)),
+                   run.marks.frames[f].name + FormatNumber(run.fit.frames[f]->error, ": %.2f px"));
   }
   return html;
 }
@@ -148,25 +130,12 @@ void WriteOverlays(const TrackRunOptions& o, const TrackRun& run, const FrameSou
 }  // namespace
 
 Image8 DrawOverlay(const TrackRun& run, size_t f, const Image8& image) {
-  viewer::SurfaceBuffer buffer;
-  buffer.Clear(image.width, image.height);
-  viewer::MeshPaint paint;
-  paint.faces.assign(run.model.faces.size(), kMeshColor);
-  viewer::DrawMesh(VerticesOf(run, f), run.model.faces, paint, run.fit.camera, buffer);
-  Image8 mesh;
-  viewer::Resolve(buffer, nullptr, mesh);
-  Image8 overlay = image;
-  for (size_t i = 0; i < image.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) {
-      const int alpha = mesh.data[4 * i + 3] / 2;
-      uint8_t& value = overlay.data[3 * i + c];
-      value = uint8_t((value * (255 - alpha) + mesh.data[4 * i + c] * alpha) / 255);
-    }
+  Image8 overlay = MeshOver(VerticesOf(run, f), run.model.faces, run.fit.camera, image);
   const FittedFrame& frame = *run.fit.frames[f];
   for (size_t p = 0; p < run.embedding.size(); ++p) {
     const auto& seen = run.chosen.faces[f]->points[size_t(run.embedding[p].landmark)];
-    Dot(seen[0], seen[1], kSeenColor, overlay);
-    Dot(frame.points[p][0], frame.points[p][1], kFittedColor, overlay);
+    DrawDot(seen[0], seen[1], kSeenColor, overlay);
+    DrawDot(frame.points[p][0], frame.points[p][1], kFittedColor, overlay);
   }
   return overlay;
 }

@@ -1,0 +1,216 @@
+// CheckScene on a scene that is right, and on the same with one thing broken.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+
+#include "splat/io/scene_check.h"
+#include "tests/street/nerf_scene.h"
+
+namespace cosplat::test {
+namespace {
+
+// 24 views of the plane over a wide path, with points.
+struct Scene : NerfScene {
+  Scene() : NerfScene(24) { WritePoints("points3D.ply"); }
+};
+
+std::string Said(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings)
+    text += (finding.wrong ? "WRONG: " : "note: ") + finding.text + "\n";
+  return text;
+}
+
+bool Wrong(const std::vector<Finding>& findings, const std::string& part) {
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+    return f.wrong && f.text.find(part) != std::string::npos;
+  });
+}
+
+void ChangeImages(const NerfScene& scene, const std::function<void(int, Image8&)>& change) {
+  for (int i = 0; i < int(scene.json["frames"].size()); ++i) {
+    Image8 image = ReadImage(scene.folder / scene.Frame(i));
+    change(i, image);
+    WriteImage(scene.folder / scene.Frame(i), image);
+  }
+}
+
+TEST(CheckScene, SaysNothingOfGoodData) {
+  const Scene scene;
+  EXPECT_EQ(Said(CheckScene(scene.Load())), "");
+  EXPECT_EQ(Said(CheckScene(scene.Load({1, true, false}))), "");
+}
+
+TEST(CheckScene, PointsThatAProgramStrewedSayNothing) {
+  const Scene scene;
+  SceneData data = scene.Load();
+  for (const bool alike : {false, true}) {
+    uint32_t state = 1;
+    for (uint8_t& value : data.point_colors) {
+      state = state * 1664525u + 1013904223u;
+      value = alike ? 128 : uint8_t(state >> 24);
+    }
+    EXPECT_EQ(Said(CheckScene(data)), "");
+  }
+}
+
+TEST(CheckScene, FindsExchangedImages) {
+  Scene scene;
+  const Json frames = scene.json["frames"];
+  for (size_t i = 0; i < frames.size(); ++i)
+    scene.json["frames"][i]["file_path"] = frames[(7 * i + 5) % frames.size()]["file_path"];
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(AnyWrong(findings)) << Said(findings);
+}
+
+TEST(CheckScene, FindsMirroredImages) {
+  const Scene scene;
+  ChangeImages(scene, [](int, Image8& image) {
+    const Image8 old = image;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = old.at(image.width - 1 - x, y, c);
+  });
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "mirrored left to right")) << Said(findings);
+}
+
+TEST(CheckScene, FindsTheWrongFocalLength) {
+  Scene scene;
+  scene.json["fl_x"] = scene.json["fl_y"] = 2 * NerfScene::kFocal;
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "focal length of half")) << Said(findings);
+}
+
+TEST(CheckScene, FindsTheOtherConventionOfAxes) {
+  Scene scene;
+  for (Json& frame : scene.json["frames"])
+    for (int row = 0; row < 3; ++row)
+      for (int column : {1, 2}) {
+        const double value = frame["transform_matrix"][row][column];
+        frame["transform_matrix"][row][column] = -value;
+      }
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "none of the points")) << Said(findings);
+}
+
+TEST(CheckScene, FindsCamerasInOneSpot) {
+  Scene scene;
+  for (Json& frame : scene.json["frames"])
+    for (int row = 0; row < 3; ++row) frame["transform_matrix"][row][3] = 0.25;
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "in one spot")) << Said(findings);
+}
+
+TEST(CheckScene, FindsTestImagesThatAreTrainingImages) {
+  const Scene scene;
+  WriteImage(scene.folder / scene.Frame(0), ReadImage(scene.folder / scene.Frame(1)));
+  const auto findings = CheckScene(scene.Load({1, true, false}));
+  EXPECT_TRUE(Wrong(findings, "test images are training images")) << Said(findings);
+}
+
+TEST(CheckScene, FindsImagesWithoutContent) {
+  const Scene scene;
+  ChangeImages(scene, [](int, Image8& image) {
+    std::fill(image.data.begin(), image.data.end(), uint8_t(90));
+  });
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "nearly of one colour")) << Said(findings);
+}
+
+TEST(CheckScene, FindsAlphaOfZero) {
+  const Scene scene;
+  ChangeImages(scene, [](int, Image8& image) { image = Image8(image.width, image.height, 4); });
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "transparent everywhere")) << Said(findings);
+}
+
+TEST(CheckScene, FindsOneImageUnderManyNames) {
+  const Scene scene;
+  const Image8 one = ReadImage(scene.folder / scene.Frame(3));
+  ChangeImages(scene, [&](int, Image8& image) { image = one; });
+  const auto findings = CheckScene(scene.Load());
+  EXPECT_TRUE(Wrong(findings, "of the view before")) << Said(findings);
+}
+
+// Published scenes, where they are: right as they are, and wrong once one thing is broken.
+class CheckRealScene : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    const std::string folder = COSPLAT_SOURCE_DIR "/../shared/data/" + std::string(GetParam());
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here";
+    SceneOptions options;
+    options.eval = true;
+    if (std::filesystem::exists(folder + "/images_8")) options.resolution = 8;
+    scene_ = LoadScene(folder, options);
+  }
+  void ChangeViews(const std::function<void(SceneView&)>& change) {
+    for (std::vector<SceneView>* list : {&scene_.train, &scene_.test})
+      for (SceneView& view : *list) change(view);
+  }
+  // Each view with the image of the one `by` places further on, by name.
+  void ShiftImages(size_t by) {
+    std::vector<SceneView*> views;
+    ChangeViews([&](SceneView& view) { views.push_back(&view); });
+    std::sort(views.begin(), views.end(), [](const SceneView* a, const SceneView* b) {
+      return a->name < b->name;
+    });
+    std::vector<std::string> images;
+    for (const SceneView* view : views) images.push_back(view->image_path);
+    for (size_t i = 0; i < views.size(); ++i)
+      views[i]->image_path = images[(i + by) % images.size()];
+  }
+  SceneData scene_;
+};
+
+TEST_P(CheckRealScene, AsItIs) { EXPECT_EQ(Said(CheckScene(scene_)), ""); }
+TEST_P(CheckRealScene, ImagesOfTheNextView) {
+  if (scene_.points.empty()) GTEST_SKIP() << "silhouettes of neighbours fit each other";
+  ShiftImages(1);
+  EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << Said(CheckScene(scene_));
+}
+TEST_P(CheckRealScene, ImagesOfOtherViews) {
+  ShiftImages(11);
+  EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << Said(CheckScene(scene_));
+}
+TEST_P(CheckRealScene, FocalLengths) {
+  if (scene_.points.empty()) GTEST_SKIP() << "silhouettes fit each other at any focal length";
+  for (const float factor : {0.5f, 0.7f, 1.4f, 2.0f}) {
+    const SceneData right = scene_;
+    ChangeViews([&](SceneView& view) {
+      view.camera.fx *= factor, view.camera.fy *= factor;
+      view.file_camera.fx *= factor, view.file_camera.fy *= factor;
+    });
+    EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << factor << ": " << Said(CheckScene(scene_));
+    scene_ = right;
+  }
+}
+TEST_P(CheckRealScene, OtherAxes) {
+  ChangeViews([](SceneView& view) {
+    for (int k = 3; k < 9; ++k) view.camera.rotation[size_t(k)] *= -1;
+    for (int k = 1; k < 3; ++k) view.camera.translation[size_t(k)] *= -1;
+  });
+  EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << Said(CheckScene(scene_));
+}
+TEST_P(CheckRealScene, InvertedPoses) {
+  ChangeViews([](SceneView& view) {
+    const std::array<float, 9> r = view.camera.rotation;
+    view.camera.translation = view.camera.Center();
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) view.camera.rotation[size_t(3 * i + k)] = r[size_t(3 * k + i)];
+  });
+  EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << Said(CheckScene(scene_));
+}
+TEST_P(CheckRealScene, CamerasInOtherUnits) {
+  ChangeViews([](SceneView& view) {
+    for (float& t : view.camera.translation) t *= 3;
+  });
+  if (scene_.points.empty()) GTEST_SKIP() << "silhouettes fit each other in any unit";
+  EXPECT_TRUE(AnyWrong(CheckScene(scene_))) << Said(CheckScene(scene_));
+}
+INSTANTIATE_TEST_SUITE_P(Shared, CheckRealScene, testing::Values("fox", "garden", "chair", "mic"));
+
+}  // namespace
+}  // namespace cosplat::test

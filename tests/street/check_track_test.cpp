@@ -1,0 +1,199 @@
+// CheckTrack on the procedural head's video, and on the same with one thing broken.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+
+#include "assets/head/video.h"
+#include "flame/io/model_file.h"
+#include "flame/track_check.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat::test {
+namespace {
+
+std::string Said(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings)
+    text += (finding.wrong ? "WRONG: " : "note: ") + finding.text + "\n";
+  return text;
+}
+
+bool Wrong(const std::vector<Finding>& findings, const std::string& part) {
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+    return f.wrong && f.text.find(part) != std::string::npos;
+  });
+}
+
+// 60 frames of 128 px, in memory.
+class CheckTrackOf : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    MakeHeadOptions options;
+    options.frames = 60, options.test_frames = 10, options.size = 128;
+    WriteProceduralVideo(folder_->path(), options);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  CheckTrackOf() : flame_(LoadFlameModel(*folder_ / "model.npz")) {
+    video_ = LoadTrackedVideo(folder_->path(), {-1, 1, &flame_});
+    for (TrackedFrame* frame : FramesInOrder(video_))
+      frame->image = std::make_shared<Image8>(LoadTrackedImage(video_, *frame));
+  }
+  std::vector<Finding> Check() const { return CheckTrack(flame_, video_); }
+  void Change(const std::function<void(Image8&)>& change) {
+    for (TrackedFrame* frame : FramesInOrder(video_)) {
+      Image8 image = *frame->image;
+      change(image);
+      frame->image = std::make_shared<Image8>(std::move(image));
+    }
+  }
+
+  static TemporaryFolder* folder_;
+  FlameModel flame_;
+  TrackedVideo video_;
+};
+TemporaryFolder* CheckTrackOf::folder_ = nullptr;
+
+TEST_F(CheckTrackOf, GoodDataSaysNothing) { EXPECT_EQ(Said(Check()), ""); }
+
+TEST_F(CheckTrackOf, ImagesUpsideDown) {
+  Change([](Image8& image) {
+    const Image8 old = image;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < image.channels; ++c)
+          image.at(x, y, c) = old.at(image.width - 1 - x, image.height - 1 - y, c);
+  });
+  EXPECT_TRUE(Wrong(Check(), "upside down")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, ImagesOfOtherMoments) {
+  for (const int shift : {-3, 3}) {
+    const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+    std::vector<std::shared_ptr<const Image8>> images;
+    for (const TrackedFrame* frame : frames) images.push_back(frame->image);
+    for (int i = 0; i < int(frames.size()); ++i)
+      frames[size_t(i)]->image = images[size_t(std::clamp(i + shift, 0, int(images.size()) - 1))];
+    EXPECT_TRUE(Wrong(Check(), "do not agree in time")) << shift << ": " << Said(Check());
+    for (size_t i = 0; i < frames.size(); ++i) frames[i]->image = images[i];
+  }
+}
+
+TEST_F(CheckTrackOf, HeadOutsideOfTheImage) {
+  for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx += 200;
+  EXPECT_TRUE(Wrong(Check(), "inside the image")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, MasksElsewhere) {
+  Change([](Image8& image) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) image.at(x, y, 3) = x < 20 && y > 100 ? 255 : 0;
+  });
+  EXPECT_TRUE(Wrong(Check(), "the masks hold only")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, MasksOfNothing) {
+  Change([](Image8& image) {
+    for (size_t i = 3; i < image.data.size(); i += 4) image.data[i] = 0;
+  });
+  EXPECT_TRUE(Wrong(Check(), "mask shows nothing")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, OneImageForAllFrames) {
+  const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+  for (TrackedFrame* frame : frames) frame->image = frames[0]->image;
+  EXPECT_TRUE(Wrong(Check(), "of the frame before")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, ImagesOfOneColour) {
+  Change([](Image8& image) {
+    for (size_t i = 0; i < image.data.size(); ++i)
+      if (i % 4 != 3) image.data[i] = 80;
+  });
+  EXPECT_TRUE(Wrong(Check(), "nearly of one colour")) << Said(Check());
+}
+
+TEST_F(CheckTrackOf, ExpressionsOfAnotherModel) {
+  for (TrackedFrame* frame : FramesInOrder(video_)) {
+    frame->params.expression.resize(size_t(flame_.expression_count) + 5, 0.5f);
+    frame->params.expression[0] = 9;
+  }
+  EXPECT_TRUE(Wrong(Check(), "beyond 6 standard deviations")) << Said(Check());
+  EXPECT_NE(Said(Check()).find("expression coefficients"), std::string::npos);
+}
+
+// Real heads, where they are.
+class CheckRealTrack : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    const std::string folder = COSPLAT_SOURCE_DIR "/../shared/data/tracked/";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the shared data are not here";
+    flame_ = LoadFlameModel(folder + "flame_for_tracks.npz");
+    video_ = LoadTrackedVideo(folder + GetParam(), {-1, 1, &flame_});
+  }
+  std::vector<Finding> Check() const { return CheckTrack(flame_, video_); }
+  void ShiftImages(int by) {
+    const std::vector<TrackedFrame*> frames = FramesInOrder(video_);
+    std::vector<TrackedFrame> old;
+    for (const TrackedFrame* frame : frames) old.push_back(*frame);
+    for (int i = 0; i < int(frames.size()); ++i) {
+      *frames[size_t(i)] = old[size_t(std::clamp(i + by, 0, int(old.size()) - 1))];
+      frames[size_t(i)]->params = old[size_t(i)].params;
+    }
+  }
+  void ChangeImages(const std::function<void(Image8&)>& change) {
+    for (TrackedFrame* frame : FramesInOrder(video_)) {
+      Image8 image = LoadTrackedImage(video_, *frame);
+      change(image);
+      frame->image = std::make_shared<Image8>(std::move(image));
+    }
+  }
+  FlameModel flame_;
+  TrackedVideo video_;
+};
+
+void Mirror(Image8& image, bool x, bool y) {
+  const Image8 old = image;
+  for (int v = 0; v < image.height; ++v)
+    for (int u = 0; u < image.width; ++u)
+      for (int c = 0; c < image.channels; ++c)
+        image.at(u, v, c) = old.at(x ? image.width - 1 - u : u, y ? image.height - 1 - v : v, c);
+}
+
+TEST_P(CheckRealTrack, AsItIs) { EXPECT_EQ(Said(Check()), ""); }
+TEST_P(CheckRealTrack, ImagesOfOtherMoments) {
+  const TrackedVideo right = video_;
+  for (const int by : {-1, 1, 2}) {
+    ShiftImages(by);
+    EXPECT_TRUE(AnyWrong(Check())) << by << ": " << Said(Check());
+    video_ = right;
+  }
+}
+TEST_P(CheckRealTrack, ImagesUpsideDown) {
+  ChangeImages([](Image8& image) { Mirror(image, true, true); });
+  EXPECT_TRUE(AnyWrong(Check())) << Said(Check());
+}
+TEST_P(CheckRealTrack, ImagesMirrored) {
+  ChangeImages([](Image8& image) { Mirror(image, true, false); });
+  EXPECT_TRUE(AnyWrong(Check())) << Said(Check());
+}
+TEST_P(CheckRealTrack, FocalLengths) {
+  const TrackedVideo right = video_;
+  for (const float factor : {0.7f, 1.5f}) {
+    for (TrackedFrame* frame : FramesInOrder(video_))
+      frame->camera.fx *= factor, frame->camera.fy *= factor;
+    EXPECT_TRUE(AnyWrong(Check())) << factor << ": " << Said(Check());
+    video_ = right;
+  }
+}
+TEST_P(CheckRealTrack, HeadsElsewhere) {
+  for (TrackedFrame* frame : FramesInOrder(video_)) frame->camera.cx += 60;  // of 512 px
+  EXPECT_TRUE(AnyWrong(Check())) << Said(Check());
+}
+INSTANTIATE_TEST_SUITE_P(Shared, CheckRealTrack, testing::Values("wojtek_vhap", "speaker_vhap"));
+
+}  // namespace
+}  // namespace cosplat::test
