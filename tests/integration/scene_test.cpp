@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "splat/base/webp.h"
 #include "splat/io/dataset.h"
 #include "tests/integration/fake_colmap.h"
 
@@ -197,11 +198,19 @@ TEST(Scene, TurnsPhotographsUprightAndSeparatesLenses) {
   fs::remove(fake.photographs + "/p9.png");
   const Image8 image = Photograph(9, FakeColmap::kWidth);
   WriteTurned(fake.photographs + "/p9.jpg", image, 6);
+  // A photograph in two forms counts once, and what COLMAP may not read is converted.
+  std::ofstream(fake.photographs + "/p9.HEIC") << "not read";
+  Image8 opaque(image.width, image.height, 4);
+  std::fill(opaque.data.begin(), opaque.data.end(), uint8_t(255));
+  fs::remove(fake.photographs + "/p8.png");
+  std::ofstream(fake.photographs + "/p8.webp", std::ios::binary)
+      << EncodeWebp("p8.webp", "image", opaque);
   fake.Run({"--matching", "sequential"});
   const Image8 turned = ReadImage(fake.out + "/colmap/photographs/2/p9.jpg");
   EXPECT_EQ(turned.width, image.height);
   EXPECT_EQ(turned.height, image.width);
   EXPECT_TRUE(fs::is_symlink(fake.out + "/colmap/photographs/1/p0.png"));
+  EXPECT_EQ(ReadImage(fake.out + "/colmap/photographs/1/p8.webp.png").width, image.width);
   const std::vector<std::string> calls = fake.TakeCalls();
   EXPECT_TRUE(Contains(calls[0], "SIMPLE_RADIAL --ImageReader.single_camera_per_folder 1"));
   EXPECT_TRUE(Contains(calls[1], "sequential_matcher "));
@@ -223,8 +232,11 @@ TEST(Scene, SaysWhatIsWrongWithThePhotographs) {
   const std::string empty = fake.folder / "empty", few = fake.folder / "few";
   fs::create_directories(empty);
   ExpectError(fake, fake.Run({}, empty), {empty, "contains no photographs"});
-  std::ofstream(empty + "/IMG_1.HEIC") << "heic";
-  ExpectError(fake, fake.Run({}, empty), {"1 .heic files", ".jpg"});
+  std::ofstream(empty + "/IMG_1.HEIC") << std::string(
+      "\0\0\0\x18"
+      "ftypheic\0\0\0\0mif1heic",
+      24);
+  ExpectError(fake, fake.Run({}, empty), {"1 of 1 frames", "IMG_1.HEIC", "convert it to JPEG"});
   WritePhotographs(few, FakeColmap::kWidth, 1);
   ExpectError(fake, fake.Run({}, few), {few, "has 1 photographs, expected at least 3"});
   for (int i = 1; i < 4; ++i) std::ofstream(few + "/" + NameOf(i)) << "no image";

@@ -1,6 +1,8 @@
 // `cosplat scene` with a program of each of COLMAP's dialects: 3.8's and 4.2's.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/integration/fake_colmap.h"
 
 namespace cosplat::test {
@@ -111,6 +113,8 @@ TEST(ColmapProgram, AnotherProgramIsNoColmap) {
     return result.err;
   };
   EXPECT_TRUE(Contains(refused("#!/bin/sh\nexit 1\n"), "bin/colmap: is not COLMAP"));
+  EXPECT_TRUE(
+      Contains(refused("#!/bin/sh\nkill -11 $$\n"), "`help` of it was killed by signal 11"));
   EXPECT_TRUE(Contains(refused("#!/bin/sh\nwhile echo help; do :; done\n"), "is not COLMAP"));
   EXPECT_TRUE(Contains(refused("\x7f"
                                "ELF"),

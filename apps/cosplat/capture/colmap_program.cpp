@@ -16,18 +16,21 @@ namespace {
 
 constexpr size_t kTail = 5;             // lines shown of a command that failed
 constexpr size_t kMaxHelpLines = 5000;  // `yes help` would print for ever
+constexpr int kSignal = 128;            // RunProcess: more says which signal killed the program
 
 // COLMAP is a Qt program, which would need a display.
 const std::vector<std::string> kEnvironment{"QT_QPA_PLATFORM=offscreen"};
 
-// The answer to a question about the program, line by line; its exit status says nothing about it.
+// The answer to a question about the program, line by line. Versions end it with any exit status.
 void Ask(const std::vector<std::string>& args,
          const std::function<void(const std::string& line)>& on_line) {
   size_t lines = 0;
-  RunProcess(args, kEnvironment, [&](const std::string& line) {
+  const int status = RunProcess(args, kEnvironment, [&](const std::string& line) {
     if (++lines > kMaxHelpLines) throw Error("--colmap " + args[0], "is not COLMAP");
     on_line(line);
   });
+  if (status >= kSignal)
+    throw Error("--colmap " + args[0], "`" + args[1] + "` of it " + ExitText(status));
 }
 
 struct Progress {

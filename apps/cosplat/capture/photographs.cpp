@@ -4,13 +4,14 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "apps/cosplat/capture/sharp_frames.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/exif.h"
-#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/base/image_io.h"
 
@@ -25,32 +26,43 @@ std::string LowerExtension(const fs::path& path) {
   return extension;
 }
 
-bool IsPhotograph(const fs::path& path) {
+// What COLMAP reads whatever its version; others become PNG.
+bool IsJpegOrPng(const fs::path& path) {
   const std::string extension = LowerExtension(path);
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
 }
 
-[[noreturn]] void ThrowNoPhotographs(const std::string& folder) {
-  std::string problem = "contains no photographs (.jpg, .jpeg, .png)";
-  size_t heic = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    heic += LowerExtension(entry.path()) == ".heic";
-  if (heic > 0)
-    problem += "; it has " + std::to_string(heic) + " .heic files: convert them to .jpg first";
-  throw Error(folder, problem);
+// What cameras and phones write and nothing here reads.
+bool IsUnreadPhotograph(const fs::path& path) {
+  const std::string extension = LowerExtension(path);
+  for (const char* other :
+       {".heic", ".heif", ".avif", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2"})
+    if (extension == other) return true;
+  return false;
 }
 
+// By name, with those that cannot be read, whose error says so, unless a readable one beside them
+// is the same photograph.
 std::vector<std::string> PhotographsIn(const std::string& folder) {
-  std::vector<std::string> names;
+  std::vector<std::string> names, unread;
+  std::set<std::string> stems;
   for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::end(entry); ++entry) {
     const std::string name = entry->path().filename().string();
     if (entry->is_directory() && (name == "mask" || name == "masks"))
       entry.disable_recursion_pending();
-    if (entry->is_regular_file() && IsPhotograph(entry->path()))
-      names.push_back(entry->path().lexically_relative(folder).generic_string());
+    if (!entry->is_regular_file()) continue;
+    const std::string path = entry->path().lexically_relative(folder).generic_string();
+    if (IsUnreadPhotograph(path)) {
+      unread.push_back(path);
+    } else if (IsImageName(path)) {
+      names.push_back(path);
+      stems.insert(fs::path(path).replace_extension().string());
+    }
   }
+  for (const std::string& path : unread)
+    if (!stems.count(fs::path(path).replace_extension().string())) names.push_back(path);
   std::sort(names.begin(), names.end());
-  if (names.empty()) ThrowNoPhotographs(folder);
+  if (names.empty()) throw Error(folder, "contains no photographs (.jpg, .png, .webp, .tif)");
   return names;
 }
 
@@ -62,7 +74,7 @@ Json FileIdentity(const std::string& path) {
 }
 
 struct Photograph {
-  std::string name;
+  std::string name, stored_name;
   int width, height;  // px, upright
   ExifInfo exif;
 };
@@ -74,16 +86,17 @@ Photograph Inspect(const std::string& folder, const std::string& name) {
   if (LacksJpegEnd(bytes)) ReadImage(path);  // throws Error if it is truncated
   ImageInfo info;
   if (!ParseImageHeader(bytes, info)) {
-    const std::string other = OtherContent({bytes.data(), std::min<size_t>(bytes.size(), 64)});
-    throw Error(path, other.empty() ? "is neither a JPEG nor a PNG file" : other);
+    const Image8 image = ReadImage(path);  // throws Error if it is none
+    info.width = image.width;
+    info.height = image.height;
   }
   const ExifInfo exif = ParseExif(bytes);
   if (exif.orientation >= 5) std::swap(info.width, info.height);
-  return {name, info.width, info.height, exif};
+  return {name, IsJpegOrPng(name) ? name : name + ".png", info.width, info.height, exif};
 }
 
 void Place(const std::string& path, const Photograph& photograph, const std::string& target) {
-  if (photograph.exif.orientation != 1)
+  if (photograph.exif.orientation != 1 || photograph.stored_name != photograph.name)
     return WriteImage(target, Upright(ReadImage(path), photograph.exif.orientation));
   std::error_code code;
   fs::create_symlink(fs::absolute(path), target, code);
@@ -109,9 +122,10 @@ void GatherFolder(const std::string& source, const std::string& folder, Photogra
   for (const Photograph& p : usable) {
     const int lens = lenses.at({p.width, p.height, p.exif.focal_length});
     const std::string below = result.lenses == 1 ? "" : std::to_string(lens) + "/";
-    MakeDirectories(fs::path(folder + "/" + below + p.name).parent_path().string());
-    Place(source + "/" + p.name, p, folder + "/" + below + p.name);
-    result.names.push_back(below + p.name);
+    const std::string stored = below + p.stored_name;
+    MakeDirectories(fs::path(folder + "/" + stored).parent_path().string());
+    Place(source + "/" + p.name, p, folder + "/" + stored);
+    result.names.push_back(stored);
   }
   std::sort(result.names.begin(), result.names.end());
 }
