@@ -72,7 +72,13 @@ GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // do not write a settings file
   SetUpStyle(scale_);
-  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_RELEASE) return;
+    static_cast<GlWindow*>(glfwGetWindowUserPointer(window))
+        ->pressed_.push_back({key, action == GLFW_REPEAT});
+  });
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // calls the callback before its own
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 

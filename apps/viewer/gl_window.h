@@ -4,7 +4,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "apps/viewer/key_bindings.h"
 #include "splat/base/image.h"
 
 struct GLFWwindow;
@@ -24,6 +27,8 @@ class GlWindow {
 
   // Waits for an event, at most `seconds`; then begins ImGui's frame.
   void BeginFrame(double seconds);
+  // What was pressed since the last call. ImGui's numbers for keys differ from version to version.
+  std::vector<KeyPress> TakePressed() { return std::exchange(pressed_, {}); }
   // Draws the ImGui frame. Show presents it; Read may be called first.
   void EndFrame();
   void Show();
@@ -35,6 +40,7 @@ class GlWindow {
  private:
   GLFWwindow* window_ = nullptr;
   float scale_ = 1;
+  std::vector<KeyPress> pressed_;
 };
 
 }  // namespace cosplat::viewer

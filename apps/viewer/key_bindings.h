@@ -16,4 +16,9 @@ struct KeyBinding {
 };
 const std::vector<KeyBinding>& KeyBindings();
 
+struct KeyPress {
+  int key = 0;             // GLFW key code
+  bool is_repeat = false;  // of a key that is held
+};
+
 }  // namespace cosplat::viewer

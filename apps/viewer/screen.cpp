@@ -13,13 +13,14 @@ constexpr float kPanelWidth = 330, kTimelineHeight = 46, kLetterHeight = 15;
 // From Debian's fonts-dejavu-core; ImGui's built-in font is small and coarse.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
-void PressKeys(Session& session, ScreenResult& result) {
+void PressKeys(Session& session, const ScreenState& state, ScreenResult& result) {
   if (ImGui::GetIO().WantTextInput) return;
-  for (const KeyBinding& binding : KeyBindings()) {
-    if (!ImGui::IsKeyPressed(binding.key, binding.repeats)) continue;
-    session.Do(binding.action);
-    result.actions.push_back(binding.action);
-  }
+  for (const KeyPress& press : state.pressed)
+    for (const KeyBinding& binding : KeyBindings()) {
+      if (binding.key != press.key || (press.is_repeat && !binding.repeats)) continue;
+      session.Do(binding.action);
+      result.actions.push_back(binding.action);
+    }
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ void PressKeys(Session& session, ScreenResult& result) {
 ScreenResult DrawScreen(Session& session, const ScreenState& state) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ScreenResult result;
-  PressKeys(session, result);
+  PressKeys(session, state, result);
   const float panel = session.panels_open ? kPanelWidth * state.scale : 0;
   const float bar =
       session.panels_open && session.has_sequence() ? kTimelineHeight * state.scale : 0;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/viewer/key_bindings.h"
 #include "apps/viewer/session.h"
 #include "apps/viewer/time_history.h"
 
@@ -23,6 +24,7 @@ struct ScreenState {
   double recorded_seconds = -1;  // length of the video being recorded; < 0: none
   std::string notice;            // one user-readable line; "": none
   bool notice_is_problem = false;
+  std::vector<KeyPress> pressed;  // since the last turn
 };
 
 struct ScreenResult {

@@ -52,7 +52,7 @@ void DrawTexture(const Session& session, const ScreenState& state, const Place& 
   const ImVec2 to{from.x + size.x, from.y + size.y};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   if (session.transparent) DrawCheckers(list, from, to, 14 * state.scale);
-  list.AddImage(reinterpret_cast<ImTextureID>(state.texture), from, to);
+  list.AddImage(ImTextureID(state.texture), from, to);  // a pointer before 1.91, then a number
 }
 
 // Text on a dark background. Returns its height.

@@ -209,6 +209,7 @@ bool ViewerWindow::Step() {
   impl.session.Advance(NowNs());
   impl.TakeImage();
   if (glfwGetTime() > impl.notice_end) impl.state.notice.clear();
+  impl.state.pressed = impl.gl.TakePressed();
   const ScreenResult result = DrawScreen(impl.session, impl.state);
   impl.Ask(result);
   impl.Capture(result);
