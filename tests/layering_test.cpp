@@ -65,7 +65,7 @@ const std::vector<FolderRule>& FolderRules() {
       {"splat/device/", {"splat/device/", "splat/base/", "splat/math/"}},
       {"splat/render/", kRender},
       {"splat/levels/", Join(kRender, {"splat/levels/"})},
-      {"splat/io/", Join(kRender, {"splat/io/"})},
+      {"splat/io/", Join(kSplat, {"splat/io/"})},
       {"splat/train/", kTrain},
       {"splat/prune/", kTrain},
       {"splat/eval/", Join(kTrain, {"splat/eval/"})},

@@ -1,5 +1,6 @@
 #include "avatar/train/light_fit.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "splat/basis_constants.h"

@@ -1,5 +1,6 @@
 #include "splat/io/spz.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>

@@ -3,7 +3,7 @@
 // lost, and a training goes on from its checkpoint to the same bytes.
 //
 // Prints what was injected, where, and what came out; with COSPLAT_ALL_FAULTS=1, which takes some
-// minutes, the table in docs/faults.md.
+// minutes, all rows of what docs/faults.md sums up.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -178,6 +178,7 @@ TEST_F(ModelFile, FaultsNameFileArrayAndShape) {
   WriteFileAtomically(folder_ / "list.pkl", pickle::File("]"));
   ExpectRefused(folder_ / "list.pkl", {"does not contain a dictionary"});
   ExpectRefused(folder_ / "absent.pkl", {"absent.pkl"});
+  WriteFileAtomically(folder_ / "model.obj", "v 0 0 0\n");
   ExpectRefused(folder_ / "model.obj", {"expected .pkl or .npz"});
 }
 

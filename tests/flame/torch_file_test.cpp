@@ -115,13 +115,13 @@ TEST_F(TorchFile, DamageGivesOneLine) {
   ExpectRefused(big, {"byteorder", "not little"});
   // The file is cut, is no archive, or its checksum is wrong.
   const std::string bytes = StoredZip(ArchiveOf(good));
-  for (const std::string& damaged : {bytes.substr(0, bytes.size() - 9),
-                                     bytes.substr(0, 40),
-                                     std::string("\x80\x02}."),
-                                     std::string()}) {
+  for (const std::string& damaged :
+       {bytes.substr(0, bytes.size() - 9), bytes.substr(0, 40), std::string("\x80\x02}.")}) {
     WriteFileAtomically(path_, damaged);
     ExpectError([&] { ReadTorchFile(path_); }, {"a.frame", "torch.save"});
   }
+  WriteFileAtomically(path_, std::string());
+  ExpectError([&] { ReadTorchFile(path_); }, {"a.frame", "is empty"});
   std::string flipped = bytes;
   flipped[flipped.find("storage") + 1] ^= 1;
   WriteFileAtomically(path_, flipped);

@@ -2,6 +2,7 @@
 // made by the table sees there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>

@@ -4,6 +4,7 @@
 #include <obs-nix-platform.h>
 #include <obs.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 

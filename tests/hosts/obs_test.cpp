@@ -1,6 +1,8 @@
 // The OBS source in OBS: what its canvas shows is what the library draws.
 #include <util/platform.h>
 
+#include <algorithm>
+
 #include "tests/hosts/obs_fixture.h"
 
 namespace cosplat::test {

@@ -1,6 +1,7 @@
 // The `cosplat` command from end to end: what it writes, and that the parts fit together.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 

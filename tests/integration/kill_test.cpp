@@ -110,6 +110,7 @@ TEST(Kill, ResumedRunsLeaveTheBytesOfUndisturbedOnes) {
     KillRuns(Kinds()[size_t(k)], kills / kinds + (k < kills % kinds), rng, tally);
   std::printf(
       "%d kills in %d runs, %d starts from a checkpoint\n", tally.kills, tally.runs, tally.resumed);
+  EXPECT_GT(tally.resumed, 0);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct Stage {
     MakeDirectories(folder / "out");
     MakeDirectories(folder / "bin");
     for (int i = 8; i < 11; ++i)
-      WriteImage(images + "/" + std::to_string(i) + ".png", Image8(kSide, kSide, 4, 90));
+      WriteImage(images + "/" + std::to_string(i) + ".png", Image8(kSide, kSide, 3, 90));
     Program("npm", "mkdir -p node_modules");
     Program("chromium", "exit 0");
   }

@@ -140,8 +140,9 @@ TEST_F(MetricsCommand, BadNetsAreOneLineAndChangeNothing) {
   Spill(folder_ / "other/other_backbone.onnx", "no network");
   ExpectRefused("other", {folder_ / "other/other_backbone.onnx"});
   WriteTinyLpips(folder_ / "tiny", "tiny");
-  for (const char* sub : {"renders", "gt"})
-    WriteImage(test_ + sub + "/00000.png", Image8(16, 3, 3));
+  Image8 low(16, 3, 3);
+  for (size_t i = 0; i < low.data.size(); ++i) low.data[i] = uint8_t(i * 37 % 220);
+  for (const char* sub : {"renders", "gt"}) WriteImage(test_ + sub + "/00000.png", low);
   ExpectRefused("tiny", {folder_ / "tiny/tiny_backbone.onnx", "at least 4x4", "16x3"});
 }
 

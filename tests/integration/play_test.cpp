@@ -1,6 +1,7 @@
 // cosplat play --headless as a user runs it, and what it says when something is wrong.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/integration/command.h"

@@ -2,6 +2,8 @@
 // that a folder holds is replaced unless that was asked for.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/integration/background_command.h"
 
 namespace cosplat::test {

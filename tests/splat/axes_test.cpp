@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "splat/basis_constants.h"
 #include "splat/io/splat_primitive.h"
 #include "splat/math/dcsh.h"

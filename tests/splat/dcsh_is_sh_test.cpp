@@ -3,6 +3,8 @@
 // the same run. For r a power of two the scaling is exact in floating point, so are the runs equal.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "splat/basis_constants.h"
 #include "splat/render/cpu/launch.h"
 #include "splat/render/rasterizer.h"

@@ -5,6 +5,7 @@
 #include <hwy/targets.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 

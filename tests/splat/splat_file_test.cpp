@@ -72,7 +72,7 @@ TEST(SplatRecords, BadFilesNameTheRecord) {
     WriteFileAtomically(folder / "bad.splat", bytes);
     ExpectError([&] { ReadSplats(folder / "bad.splat"); }, parts);
   };
-  refuse("", {"bad.splat", "0 bytes"});
+  refuse("", {"bad.splat", "is empty"});
   refuse(BytesOf({}).substr(1), {"bad.splat", "31 bytes", "32"});
   Record record;
   record.position[1] = NAN;

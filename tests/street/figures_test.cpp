@@ -23,7 +23,14 @@ Image8 Stripes(int period) {
 class Figures : public testing::Test {
  protected:
   Figures() {
-    WriteFile("run.json", Json{{"iterations", 60}, {"kind", "scene"}, {"source", "photos"}}.dump());
+    WriteFile("run.json",
+              Json{{"iterations", 60},
+                   {"kind", "scene"},
+                   {"source", "photos"},
+                   {"degree", 3},
+                   {"basis", "sh"},
+                   {"seed", 0}}
+                  .dump());
     WriteFile("point_cloud/iteration_60/point_cloud.ply", "");
     WriteFile("stats.json",
               Json{{"gaussians", 1},

@@ -1,6 +1,8 @@
 // Masks and images in the forms in which people have them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "splat/base/exif.h"
 #include "splat/base/matte.h"
 #include "tests/street/nerf_scene.h"

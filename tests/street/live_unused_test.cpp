@@ -2,6 +2,8 @@
 // nothing here, or it is damaged.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "apps/cosplat/run/verbose_source.h"
 #include "tests/street/live_source.h"
 

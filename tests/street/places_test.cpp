@@ -276,10 +276,10 @@ TEST(Places, SplatFilesSayWhereTheyAre) {
   // Those at home have the bytes that they had.
   WritePly(folder / "b.ply", test::RandomGaussians(3, 0, Basis::kSh, 7));
   EXPECT_EQ(test::Slurp(folder / "b.ply").find("comment"), std::string::npos);
-  std::ofstream(folder / "bad.ply")
-      << "ply\nformat ascii 1.0\ncomment offsetx east\nelement vertex "
-         "0\nend_header\n";
-  ExpectError([&] { ReadSplats(folder / "bad.ply"); }, {"bad.ply", "offsetx", "east"});
+  std::string bytes = test::Slurp(folder / "a.ply");
+  bytes.replace(bytes.find("500120.0"), 8, "eastward");
+  std::ofstream(folder / "bad.ply", std::ios::binary) << bytes;
+  ExpectError([&] { ReadSplats(folder / "bad.ply"); }, {"bad.ply", "offsetx", "eastward"});
 }
 
 // Of programs that write no offset: doubles keep what they have, floats what they still have.

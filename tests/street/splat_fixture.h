@@ -46,7 +46,7 @@ inline std::vector<PlyColumnData> ColumnsOfPly(const Gaussians& g) {
 }
 
 struct PlyLook {
-  std::string comments;  // whole lines
+  std::string comments = "";  // whole lines
   std::string newline = "\n";
   bool big_endian = false;
   size_t stated_count = 0;  // 0: the true one

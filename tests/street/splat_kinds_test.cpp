@@ -2,6 +2,8 @@
 // what is no splat file at all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "splat/base/compression.h"
 #include "splat/base/json.h"
 #include "tests/street/splat_fixture.h"
@@ -52,6 +54,10 @@ TEST_F(SplatKinds, PackedByGzip) {
   EXPECT_EQ(
       ReadSplats(Saved("a.splat.gz", Gzip(std::string(16, '\1') + std::string(48, '\2')))).size(),
       2u);
+  // Two gzip files in one, as parallel packers write.
+  EXPECT_EQ(
+      ReadSplats(Saved("parts.ply.gz", Gzip(ply.substr(0, 99)) + Gzip(ply.substr(99)))).values,
+      g_.values);
   const std::string packed = Gzip(ply);
   Refused(Saved("cut.ply.gz", packed.substr(0, packed.size() / 2)), {"cut.ply.gz", "truncated"});
   Refused(Saved("bomb.ply.gz", Gzip("ply\n" + std::string(1 << 25, '\0'))),
@@ -176,8 +182,8 @@ TEST_F(SplatKinds, EmptyFilesAreNamed) {
   Refused(Saved("none.ply", columns_), {"none.ply", "has no splats"});
   Refused(Saved("none.spz", Gzip(std::string("NGSP\3\0\0\0\0\0\0\0\0\0\0\0", 16))),
           {"none.spz", "has no splats"});
-  Refused(Saved("none.splat", ""), {"none.splat", "0 bytes"});
-  Refused(Saved("nothing.ply", ""), {"nothing.ply", "is not a splat file"});
+  Refused(Saved("none.splat", ""), {"none.splat", "is empty"});
+  Refused(Saved("nothing.ply", ""), {"nothing.ply", "is empty"});
 }
 
 TEST_F(SplatKinds, DegreesThatAreNoneAreNamed) {

@@ -1,6 +1,7 @@
 // Static scenes for the page: a file -> splats -> pictures from an orbiting camera. The functions
 // are called by apps/web/src/scene.js; what fails returns 0 and leaves its line in
 // cosplat_scene_error.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
