@@ -1,7 +1,7 @@
 // Half-resolution preview: renders a quarter of the pixels and enlarges the image to full size.
 //
 // Camera -> HalfResolution -> rasteriser -> EnlargeTwice -> image. For interactive viewing when the
-// full image is too slow; the loss of quality is measured in docs/decisions.md.
+// full image is too slow; the loss of quality is measured in docs/performance.md.
 #pragma once
 
 #include "splat/base/camera.h"

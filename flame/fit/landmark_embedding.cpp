@@ -14,7 +14,7 @@ constexpr int kFlameVertices = 5023;
 
 // Detectors have their own idea of where a point of the face is, which changes as the head turns.
 // That is several times their noise, and expression and shape must not take it up: chosen by the
-// avatars that train on the result (docs/results.md).
+// avatars that train on the result (docs/tried.md).
 constexpr double kDetectorLooseness = 7.5;
 
 // MediaPipe's landmarks on FLAME's mesh. From FLAME 2023 Open, (c) Max Planck Institute for

@@ -11,7 +11,7 @@
 
 namespace cosplat {
 
-constexpr uint32_t kBlockRounds = 2;  // after the whole scene's (measured: docs/decisions.md)
+constexpr uint32_t kBlockRounds = 2;  // after the whole scene's (measured: docs/tried.md)
 
 // The iteration, of a training of `iterations`, with which a round ends: a multiple of the batch
 // or, of the last one, `iterations`.

@@ -1,7 +1,7 @@
 // What a block of a scene is trained towards in a view, where the other blocks are in the image as
 // they were before (splat/train/layers.h): not the photograph itself, since each of several blocks
 // would then make up for the same error, and all of them together for more than that (measured:
-// docs/decisions.md).
+// docs/tried.md).
 #pragma once
 
 #include "splat/base/image.h"
@@ -18,7 +18,7 @@ namespace cosplat {
 // The whole scene is not quite what the layers show: it sorts Gaussians by their centres across all
 // blocks, layers sort blocks first, which differs for Gaussians that overlap across a plane. A
 // block is trained among layers, but what counts is what the finished scene shows; the difference
-// hardly changes in a round, and so is left as it is (measured: docs/decisions.md).
+// hardly changes in a round, and so is left as it is (measured: docs/tried.md).
 //
 // photograph: of any number of channels (1, 3, or 4 with straight alpha). own: the block's layer as
 // it was when `others` were made. whole: all blocks at that time, as the finished scene draws them.

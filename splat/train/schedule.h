@@ -31,7 +31,7 @@ struct Schedule {
 
   // 3DGS's steps scaled by iterations / 30,000. Two of them have a minimum: screen gradients
   // averaged over few steps are noise, and recovering from an opacity reset takes a few hundred
-  // steps (measured in docs/decisions.md).
+  // steps (measured in docs/tried.md).
   static Schedule Fractions(int iterations) {
     const Schedule full;
     const auto scaled = [iterations](int steps) {
@@ -87,7 +87,7 @@ struct Schedule {
   }
   // The final position learning rate of a scaled run. 3DGS's final rate, a hundredth of the first,
   // is meant for 30,000 steps. The distance that a Gaussian can still move is learning rate times
-  // steps, so the share grows as a run gets shorter (measured in docs/decisions.md).
+  // steps, so the share grows as a run gets shorter (measured in docs/tried.md).
   static float LastPositionRate(float first, int iterations) {
     return first * std::clamp(300.0f / float(iterations), 0.01f, 1.0f);
   }

@@ -64,7 +64,7 @@ AvatarSystem SystemOf(const std::string& preset) {
 
 AvatarOptions::AvatarOptions() {
   iterations = 6000;
-  sh_degree = 2;  // as good as 3 on held-out training frames (docs/results.md)
+  sh_degree = 2;  // as good as 3 on held-out training frames (docs/tried.md)
   // SplattingAvatar's 1.6e-4 is for 30,000 steps; the distance that a Gaussian can move is the
   // learning rate times the number of steps.
   rates.position_lr_init = 6.4e-4f;
@@ -182,7 +182,7 @@ TrainSettings AvatarOptions::ToSettings(float unit) const {
   // Pruning by triangle keeps at least one Gaussian on every triangle that has any.
   if (settings.prune.rule == PruneRule::kDcsharpTriangle) settings.prune.group_floor = 1;
   if (avatar.system == AvatarSystem::kCosplat && preset != "3dgs") {
-    // Chosen on held-out training frames of three heads (docs/results.md).
+    // Chosen on held-out training frames of three heads (docs/tried.md).
     if (num_downscales < 0) settings.schedule.num_downscales = 2;
     settings.schedule.last_rate_share = 0.2f;
   }
