@@ -1,9 +1,8 @@
 #include "splat/base/world_frame.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-
-#include "splat/base/json.h"
 
 namespace cosplat {
 namespace {
@@ -58,9 +57,10 @@ Middle MiddleOf(const std::vector<double>& points) {
 std::string ToString(const WorldOrigin& origin) {
   std::string text = "(";
   for (size_t k = 0; k < 3; ++k) {
-    const std::string number = Json(origin[k]).dump();
-    text += (k > 0 ? ", " : "") +
-            (number.ends_with(".0") ? number.substr(0, number.size() - 2) : number);
+    char number[512];
+    const auto end =
+        std::to_chars(number, number + sizeof number, origin[k], std::chars_format::fixed);
+    text += (k > 0 ? ", " : "") + std::string(number, end.ptr);
   }
   return text + ")";
 }
