@@ -154,12 +154,12 @@ step "Bringing the system up to date" \
 [[ $status -eq 0 ]] || fail "the system could not be brought up to date; the log is $log"
 rm -rf "$system/root/cosplat"
 git clone --quiet --no-hardlinks "$root" "$system/root/cosplat"
-row "system" "Debian $(cat "$system/etc/debian_version"), $(in_system "$system" '${CXX:-g++} --version 2>/dev/null | head -n 1' || true)"
 row "commit" "$(git -C "$root" rev-parse --short HEAD)"
 
 before=$(in_system "$system" "dpkg-query -W | wc -l")
 step "Installing packages" "cosplat/run packages$([[ $quick -eq 1 ]] || echo ' --tests')"
 packages=$(($(in_system "$system" "dpkg-query -W | wc -l") - before))
+row "system" "Debian $(cat "$system/etc/debian_version"), $(in_system "$system" '${CXX:-g++} --version 2>/dev/null | head -n 1' || true)"
 row "packages" "$(outcome "$packages new in $seconds s")"
 [[ $status -eq 0 ]] || failed=1
 if [[ $quick -eq 1 ]]; then
