@@ -39,6 +39,7 @@ include_directories(${PROJECT_SOURCE_DIR}/cmake/web)
 cosplat_library(base
   splat/base/camera_pose.cpp
   splat/base/codecs_web.cpp
+  splat/base/file_kind.cpp
   splat/base/files.cpp
   splat/base/image_bytes.cpp
   splat/base/json.cpp
@@ -46,6 +47,7 @@ cosplat_library(base
   splat/base/npz.cpp
   splat/base/sha256.cpp
   splat/base/skipped.cpp
+  splat/base/unpacked_file.cpp
   splat/base/world_frame.cpp
   splat/base/zip_reader_stb.cpp)
 target_link_libraries(cosplat_base PUBLIC nlohmann_json::nlohmann_json PRIVATE stb)
@@ -64,6 +66,7 @@ cosplat_library(io
   splat/io/splat_file.cpp
   splat/io/splat_primitive.cpp
   splat/io/splat_records.cpp
+  splat/io/splat_values.cpp
   splat/io/spz.cpp)
 target_link_libraries(cosplat_io PUBLIC cosplat::base cosplat::render
                       PRIVATE TinyGLTF::TinyGLTF hwy::hwy TBB::tbb)

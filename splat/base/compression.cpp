@@ -3,11 +3,9 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 
 #include "splat/base/error.h"
-#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {
@@ -16,10 +14,6 @@ constexpr int kGzipHeader = 16 + MAX_WBITS;  // zlib: gzip's header and checksum
 
 // zlib counts in 32 bits.
 uInt Chunk(size_t left) { return uInt(std::min<size_t>(left, 1u << 30)); }
-
-bool IsGzip(const std::vector<char>& bytes) {
-  return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
-}
 
 }  // namespace
 
@@ -86,36 +80,6 @@ std::vector<char> GunzipReader::ReadUpTo(size_t size) {
   if (cut)
     throw Error(path_, "gzip", "is truncated after " + std::to_string(out.size()) + " bytes");
   return out;
-}
-
-std::vector<char> ReadUnpacked(const std::string& path) {
-  std::vector<char> bytes = ReadFile(path);
-  if (!IsGzip(bytes)) return bytes;
-  constexpr size_t kMostPerByte = 100, kAlwaysAllowed = 1 << 24, kBlock = 1 << 20;
-  const size_t limit = std::max(kMostPerByte * bytes.size(), kAlwaysAllowed);
-  GunzipReader reader(path, bytes);
-  std::vector<char> unpacked;
-  for (std::vector<char> block; !(block = reader.ReadUpTo(kBlock)).empty();) {
-    unpacked.insert(unpacked.end(), block.begin(), block.end());
-    if (unpacked.size() > limit)
-      throw Error(path, "gzip", "inflates to more than " + std::to_string(limit) + " bytes");
-  }
-  return unpacked;
-}
-
-std::string FirstBytes(const std::string& path, size_t count) {
-  std::vector<char> bytes(1 << 12);
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(bytes.data(), std::streamsize(bytes.size()));
-  bytes.resize(size_t(std::max<std::streamsize>(stream.gcount(), 0)));
-  if (!IsGzip(bytes))
-    return {bytes.begin(), bytes.begin() + ptrdiff_t(std::min(count, bytes.size()))};
-  try {
-    const std::vector<char> first = GunzipReader(path, bytes).ReadUpTo(count);
-    return {first.begin(), first.end()};
-  } catch (const Error&) {  // damaged: its reader says so
-    return {bytes.begin(), bytes.begin() + ptrdiff_t(std::min(count, bytes.size()))};
-  }
 }
 
 std::string Gzip(const std::string& bytes) {

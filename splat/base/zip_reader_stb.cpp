@@ -231,6 +231,14 @@ std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t s
   return std::vector<unsigned char>(begin, begin + long(size));
 }
 
+std::vector<char> GunzipReader::ReadUpTo(size_t size) {
+  Stream& stream = *stream_;
+  const auto begin = stream.bytes.begin() + long(stream.next);
+  const size_t count = std::min(size, stream.bytes.size() - stream.next);
+  stream.next += count;
+  return std::vector<char>(begin, begin + long(count));
+}
+
 void ZipReader::Discard::operator()(zip* archive) const { delete archive; }
 
 ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(path) {
