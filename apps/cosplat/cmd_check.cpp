@@ -24,7 +24,7 @@ constexpr size_t kPictures = 12;
 constexpr int kPictureSide = 960;  // px
 
 struct CheckOptions {
-  std::string data, flame, page;
+  std::string data, flame, page, images = "images";
   int resolution = 0;  // 0: the largest that there is
 };
 
@@ -86,6 +86,7 @@ std::vector<Finding> Check(const CheckOptions& o) {
   DataSplit split;
   split.eval = true;
   split.resolution = o.resolution > 0 ? o.resolution : LargestResolution(o.data);
+  ChooseImages(o.images, split);
   std::vector<Finding> findings;
   std::string pictures;
   if (TrackLayoutOf(o.data).empty()) {
@@ -119,6 +120,7 @@ void AddCheck(CLI::App& app) {
   command->add_option("data", o->data, "the data set's folder")->required();
   command->add_option("-o,--out", o->page, "write a page with pictures of it (.html)");
   command->add_option("--flame", o->flame, "FLAME model file, of tracked videos");
+  command->add_option("-i,--images", o->images, "scenes: folder of the images, as of train-scene");
   command
       ->add_option("-r,--resolution",
                    o->resolution,

@@ -87,6 +87,7 @@ TEST(FolderOf3dgs, ItsOptionForImagesNamesTheirFolder) {
   EXPECT_EQ(other.code, 2);
   EXPECT_NE(other.err.find("has no folder images"), std::string::npos) << other.err;
   fs::rename(folder / "data/undistorted", folder / "data/photos_2");
+  EXPECT_EQ(Cosplat({"check", folder / "data", "-i", "photos", "-r", "2"}).code, 0);
   const CommandResult trained = Cosplat({"train-scene",
                                          "-s",
                                          folder / "data",

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "splat/io/scene_check.h"
+#include "tests/street/findings.h"
 #include "tests/street/nerf_scene.h"
 
 namespace cosplat::test {
@@ -15,19 +16,6 @@ namespace {
 struct Scene : NerfScene {
   Scene() : NerfScene(24) { WritePoints("points3D.ply"); }
 };
-
-std::string Said(const std::vector<Finding>& findings) {
-  std::string text;
-  for (const Finding& finding : findings)
-    text += (finding.wrong ? "WRONG: " : "note: ") + finding.text + "\n";
-  return text;
-}
-
-bool Wrong(const std::vector<Finding>& findings, const std::string& part) {
-  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
-    return f.wrong && f.text.find(part) != std::string::npos;
-  });
-}
 
 void ChangeImages(const NerfScene& scene, const std::function<void(int, Image8&)>& change) {
   for (int i = 0; i < int(scene.json["frames"].size()); ++i) {

@@ -8,23 +8,11 @@
 #include "assets/head/video.h"
 #include "flame/io/model_file.h"
 #include "flame/track_check.h"
+#include "tests/street/findings.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {
 namespace {
-
-std::string Said(const std::vector<Finding>& findings) {
-  std::string text;
-  for (const Finding& finding : findings)
-    text += (finding.wrong ? "WRONG: " : "note: ") + finding.text + "\n";
-  return text;
-}
-
-bool Wrong(const std::vector<Finding>& findings, const std::string& part) {
-  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
-    return f.wrong && f.text.find(part) != std::string::npos;
-  });
-}
 
 // 60 frames of 128 px, in memory.
 class CheckTrackOf : public testing::Test {

@@ -45,6 +45,7 @@ TEST(HeadModels, AreNamedForWhatTheyAre) {
   };
   expect("a.pkl", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "git lfs pull");
   expect("b.npz", "<!DOCTYPE html><html><head><title>Sign in</title>", "web page");
+  expect("landmark_embedding.npy", "\x93NUMPY\x01\x00v", "one NumPy array");
   expect("c.pkl", std::string("PK\x03\x04") + std::string(100, '\0'), "ZIP archive");
   expect("d.pkl", "", "empty");
   std::string pickle = "\x80\x02";

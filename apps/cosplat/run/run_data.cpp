@@ -34,12 +34,14 @@ void HoldOutFurthestTurned(TrackedVideo& video) {
 
 }  // namespace
 
+constexpr int kGreatestReduction = 64;  // as of -r
+
 void ChooseImages(const std::string& name, DataSplit& split) {
   int reduced = 0;
   const char* const end = name.data() + name.size();
   if (name.starts_with("images_")) {
     const auto [last, code] = std::from_chars(name.data() + 7, end, reduced);
-    if (code != std::errc() || last != end) reduced = 0;
+    if (code != std::errc() || last != end || reduced > kGreatestReduction) reduced = 0;
   }
   if (reduced > 0)
     split.resolution *= reduced;
