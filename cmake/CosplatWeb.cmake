@@ -39,6 +39,7 @@ include_directories(${PROJECT_SOURCE_DIR}/cmake/web)
 cosplat_library(base
   splat/base/camera_pose.cpp
   splat/base/codecs_web.cpp
+  splat/base/data_files.cpp
   splat/base/file_kind.cpp
   splat/base/files.cpp
   splat/base/image_bytes.cpp
@@ -62,6 +63,7 @@ cosplat_library(io
   splat/io/ply.cpp
   splat/io/ply_layouts.cpp
   splat/io/ply_reader.cpp
+  splat/io/ply_splats.cpp
   splat/io/sog_reader.cpp
   splat/io/splat_file.cpp
   splat/io/splat_primitive.cpp

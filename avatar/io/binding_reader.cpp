@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "avatar/io/binding_extension.h"
+#include "avatar/math/correct.h"
 #include "avatar/model/corrections.h"
 #include "flame/eyelids.h"
 #include "flame/mouth.h"

@@ -1,8 +1,8 @@
 #include "splat/base/world_frame.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <cstdio>
 
 namespace cosplat {
 namespace {
@@ -57,10 +57,9 @@ Middle MiddleOf(const std::vector<double>& points) {
 std::string ToString(const WorldOrigin& origin) {
   std::string text = "(";
   for (size_t k = 0; k < 3; ++k) {
-    char number[512];
-    const auto end =
-        std::to_chars(number, number + sizeof number, origin[k], std::chars_format::fixed);
-    text += (k > 0 ? ", " : "") + std::string(number, end.ptr);
+    char number[32];
+    std::snprintf(number, sizeof number, "%.15g", origin[k]);
+    text += (k > 0 ? ", " : "") + std::string(number);
   }
   return text + ")";
 }

@@ -44,7 +44,7 @@ WorldOrigin OriginNearPoints(size_t count, const At& at) {
   return OriginNear(middle.center, middle.spread);
 }
 
-// "(500120, 4600320, 0)", in full.
+// "(500120, 4600320, 0)".
 std::string ToString(const WorldOrigin& origin);
 
 }  // namespace cosplat
