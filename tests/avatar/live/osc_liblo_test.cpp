@@ -3,6 +3,7 @@
 #include <lo/lo.h>
 
 #include <memory>
+#include <type_traits>
 
 #include "avatar/live/osc.h"
 
@@ -16,8 +17,10 @@ std::string Serialised(lo_message message, const char* path) {
 }
 
 TEST(OscOfLiblo, Messages) {
-  const std::unique_ptr<void, decltype(&lo_message_free)> message(lo_message_new(),
-                                                                  lo_message_free);
+  // A pointer to void before liblo 0.32, to a struct since.
+  using Message = std::remove_pointer_t<lo_message>;
+  const std::unique_ptr<Message, decltype(&lo_message_free)> message(lo_message_new(),
+                                                                     lo_message_free);
   const std::string name = "browInnerUp";
   lo_message_add(message.get(), "sfidhTFNc", name.c_str(), 0.25f, -3, 1e-3, int64_t(1) << 40, 'c');
   lo_blob blob = lo_blob_new(3, "abc");
