@@ -40,10 +40,10 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/io/track_layouts.h
   flame/kernels/
   splat/base/compression.h
-  splat/base/libav.h
-  splat/base/onnx_file.h
-  splat/base/onnx_p
-  splat/base/webp.h
+  splat/media/libav.h
+  splat/onnx/onnx_file.h
+  splat/onnx/onnx_p
+  splat/media/webp.h
   splat/device/cuda/
   splat/device/for_each.h
   splat/device/gather.h
@@ -57,16 +57,18 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/splat_values.h
   splat/io/view_files.h
   splat/levels/merge.h
-  splat/prune/rounds.h
-  splat/prune/rules.h
+  splat/train/prune/rounds.h
+  splat/train/prune/rules.h
   splat/render/cpu/
   splat/render/cuda/
-  splat/train/cpu/
   splat/train/cuda/
-  splat/train/kernels/adam.h
-  splat/train/kernels/layers.h
-  splat/train/kernels/shards.h
-  splat/train/mpi/)
+  splat/train/loss/cpu/
+  splat/train/loss/cuda/
+  splat/train/optimize/cpu/
+  splat/train/optimize/kernels/adam.h
+  splat/train/blocks/kernels/layers.h
+  splat/train/ranks/kernels/shards.h
+  splat/train/ranks/mpi/)
 
 # Call it when every target exists.
 function(cosplat_install)

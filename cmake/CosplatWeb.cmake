@@ -38,11 +38,11 @@ include_directories(${PROJECT_SOURCE_DIR}/cmake/web)
 # The libraries under their usual names, without what reads images and listens to sockets.
 cosplat_library(base
   splat/base/camera_pose.cpp
-  splat/base/codecs_web.cpp
+  splat/media/codecs_web.cpp
   splat/base/data_files.cpp
   splat/base/file_kind.cpp
   splat/base/files.cpp
-  splat/base/image_bytes.cpp
+  splat/media/image_bytes.cpp
   splat/base/json.cpp
   splat/base/npy.cpp
   splat/base/npz.cpp

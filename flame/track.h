@@ -13,8 +13,8 @@
 #include "flame/model.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
-#include "splat/base/image_io.h"
 #include "splat/base/skipped.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

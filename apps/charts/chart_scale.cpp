@@ -1,4 +1,4 @@
-#include "apps/study/charts/chart_scale.h"
+#include "apps/charts/chart_scale.h"
 
 #include <algorithm>
 #include <cmath>

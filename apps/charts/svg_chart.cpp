@@ -1,12 +1,12 @@
-#include "apps/study/charts/svg_chart.h"
+#include "apps/charts/svg_chart.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "apps/study/charts/chart_scale.h"
-#include "apps/study/charts/svg_drawing.h"
-#include "apps/study/charts/svg_legend.h"
+#include "apps/charts/chart_scale.h"
+#include "apps/charts/svg_drawing.h"
+#include "apps/charts/svg_legend.h"
 
 namespace cosplat {
 namespace {

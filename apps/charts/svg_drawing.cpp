@@ -1,4 +1,4 @@
-#include "apps/study/charts/svg_drawing.h"
+#include "apps/charts/svg_drawing.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/charts/svg_chart.h"
-#include "apps/study/charts/svg_drawing.h"
+#include "apps/charts/svg_chart.h"
+#include "apps/charts/svg_drawing.h"
 
 namespace cosplat {
 

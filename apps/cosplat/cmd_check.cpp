@@ -3,18 +3,18 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/data_check.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/overlay.h"
 #include "apps/cosplat/run/run_data.h"
-#include "apps/study/charts/svg_drawing.h"
 #include "flame/io/model_file.h"
 #include "flame/track_check.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_glance.h"
 #include "splat/io/scene_check.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {

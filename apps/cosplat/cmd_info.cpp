@@ -21,7 +21,7 @@
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
 #include "splat/levels/levels_file.h"
-#include "splat/train/bands.h"
+#include "splat/train/density/bands.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;

@@ -4,16 +4,16 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/charts/svg_chart.h"
+#include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/data_uri.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
-#include "apps/study/charts/svg_chart.h"
-#include "apps/study/charts/svg_drawing.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;

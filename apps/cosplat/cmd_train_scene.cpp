@@ -6,7 +6,7 @@
 #include "apps/cosplat/run/scene_training.h"
 #include "apps/cosplat/run/stop_signals.h"
 #include "splat/base/error.h"
-#include "splat/train/join_ranks.h"
+#include "splat/train/ranks/join_ranks.h"
 
 namespace cosplat {
 namespace {

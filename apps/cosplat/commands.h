@@ -11,7 +11,6 @@ struct AvatarOptions;
 struct TrackRunOptions;
 
 void AddAvatar(CLI::App& app);
-void AddBench(CLI::App& app);
 void AddCheck(CLI::App& app);
 void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
@@ -24,7 +23,6 @@ void AddReport(CLI::App& app);
 void AddScene(CLI::App& app);
 void AddSend(CLI::App& app);
 void AddServe(CLI::App& app);
-void AddStudy(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);

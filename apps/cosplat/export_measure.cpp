@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/eval/metrics.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 

@@ -12,7 +12,7 @@
 #include "splat/io/seen_bands.h"
 #include "splat/io/significance.h"
 #include "splat/io/splat_file.h"
-#include "splat/train/importance.h"
+#include "splat/train/prune/importance.h"
 
 namespace cosplat {
 namespace {

@@ -1,104 +1,38 @@
 // cosplat: head avatars from tracked video, static scenes from images.
-#include <tbb/global_control.h>
-#include <unistd.h>
-
-#include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
-#include <memory>
-#include <new>
-#include <string>
-#include <vector>
-
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/stop_signals.h"
-#include "apps/cosplat/spelling.h"
+#include "apps/cosplat/program.h"
 
+namespace cosplat {
 namespace {
 
-constexpr int kBadInput = 2;
-
-// Shows each option by its first names: an earlier spelling is accepted, but not listed.
-class Formatter : public CLI::Formatter {
- public:
-  std::string make_option_name(const CLI::Option* option, bool positional) const override {
-    if (positional) return option->get_name(true, false);
-    const std::vector<std::string>& shorts = option->get_snames();
-    const std::vector<std::string>& longs = option->get_lnames();
-    std::string name = shorts.empty() ? "" : "-" + shorts[0];
-    if (!longs.empty()) name += (name.empty() ? "--" : ",--") + longs[0];
-    return name;
-  }
-};
-
-int Run(int argc, char** argv) {
-  CLI::App app("Direction-cosine splats: head avatars from tracked video, scenes from photographs.",
-               "cosplat");
-  app.formatter(std::make_shared<Formatter>());
-  app.option_defaults()->always_capture_default();  // so that config.ini is complete
+void AddCommands(CLI::App& app) {
   app.require_subcommand(1);
-  app.allow_config_extras(CLI::config_extras_mode::error);
-  app.failure_message([](const CLI::App* failed, const CLI::Error& e) {
-    std::string text = "cosplat: ";
-    if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr)
-      text += failed->get_config_ptr()->as<std::string>() + ": ";
-    // A misspelled name leaves what it stands for missing, which says less.
-    const std::string unknown = cosplat::UnknownArgument(*failed);
-    return text + (unknown.empty() ? e.what() : unknown) + " (--help lists the options)\n";
-  });
-  app.fallthrough();
-  app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");
-  app.set_version_flag("--version", COSPLAT_VERSION);
-  int threads = 0;
-  app.add_option("--threads", threads, "threads to use; 0: one per core")
-      ->check(CLI::Range(0, 1024));
-  std::unique_ptr<tbb::global_control> limit;
-  app.parse_complete_callback([&] {
-    if (threads > 0)
-      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                    threads);
-  });
-  cosplat::AddMakeHead(app);
-  cosplat::AddAvatar(app);
-  cosplat::AddLandmarks(app);
-  cosplat::AddTrack(app);
-  cosplat::AddCheck(app);
-  cosplat::AddTrainAvatar(app);
-  cosplat::AddTrainScene(app);
-  cosplat::AddScene(app);
-  cosplat::AddRender(app);
-  cosplat::AddPlay(app);
-  cosplat::AddMetrics(app);
-  cosplat::AddExport(app);
-  cosplat::AddReport(app);
-  cosplat::AddInfo(app);
-  cosplat::AddSend(app);
-  cosplat::AddServe(app);
-  cosplat::AddBench(app);
-  cosplat::AddStudy(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::RuntimeError& e) {  // of a command that ran
-    return e.get_exit_code();
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);
-    return code == 0 ? 0 : kBadInput;
-  }
-  return 0;
+  AddMakeHead(app);
+  AddAvatar(app);
+  AddLandmarks(app);
+  AddTrack(app);
+  AddCheck(app);
+  AddTrainAvatar(app);
+  AddTrainScene(app);
+  AddScene(app);
+  AddRender(app);
+  AddPlay(app);
+  AddMetrics(app);
+  AddExport(app);
+  AddReport(app);
+  AddInfo(app);
+  AddSend(app);
+  AddServe(app);
 }
 
 }  // namespace
+}  // namespace cosplat
 
 int main(int argc, char** argv) {
-  try {
-    return Run(argc, argv);
-  } catch (const cosplat::Stopped& e) {
-    std::fprintf(stderr, "cosplat: %s\n", e.what());
-    return 128 + e.signal;  // as a shell says that it was killed by the signal
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "cosplat: out of memory\n");
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "cosplat: %s\n", e.what());
-  }
-  return kBadInput;
+  return cosplat::RunProgram(
+      "cosplat",
+      "Direction-cosine splats: head avatars from tracked video, scenes from photographs.",
+      cosplat::AddCommands,
+      argc,
+      argv);
 }

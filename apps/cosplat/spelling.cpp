@@ -59,6 +59,8 @@ std::string UnknownArgument(const CLI::App& app) {
       for (const std::string& name : OptionNames(*command)) names.push_back(name);
     text += commands.empty() ? "option" : "option of " + commands[0]->get_name();
   } else if (commands.empty()) {
+    if (word == "study" || word == "bench")
+      return "'" + word + "' is of the program cosplat-study (docs/study.md)";
     for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
     text += "command";
   } else {

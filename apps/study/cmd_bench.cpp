@@ -1,4 +1,4 @@
-// cosplat bench: measures the CPU back end on this machine; figures and charts.
+// cosplat-study bench: measures the CPU back end on this machine; figures and charts.
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -6,14 +6,14 @@
 #include <memory>
 #include <optional>
 
-#include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_results.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/machine.h"
+#include "apps/study/commands.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -1,13 +1,13 @@
-// cosplat study: measures settings, data sets and seeds side by side.
+// cosplat-study: measures settings, data sets and seeds side by side.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
-#include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/avatar_stability/cases.h"
 #include "apps/study/bench/machine.h"
+#include "apps/study/commands.h"
 #include "apps/study/runs/study_page.h"
 #include "apps/study/runs/study_runner.h"
 #include "apps/study/runs/study_slurm.h"
@@ -115,7 +115,7 @@ void Submit(const StudyCommand& o, const std::vector<StudyRun>& all) {
   const std::string job = SubmitStudy(runs, o, {o.list, o.sbatch});
   if (!o.quiet)
     std::printf(
-        "%zu of %zu runs submitted as job %s; when they are done: cosplat study --page -o %s\n",
+        "%zu of %zu runs submitted as job %s; when they are done: cosplat-study --page -o %s\n",
         runs.size(),
         all.size(),
         job.c_str(),
@@ -146,7 +146,7 @@ size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
     } catch (const StudyStopped&) {
       throw;
     } catch (const std::exception& e) {  // includes file system errors
-      std::fprintf(stderr, "cosplat: study: %s: %s\n", runs[i].Id().c_str(), e.what());
+      std::fprintf(stderr, "cosplat-study: %s: %s\n", runs[i].Id().c_str(), e.what());
       ++failed;
     }
   }
@@ -195,6 +195,7 @@ void WriteStabilityPage(const std::string& folder, bool quiet) {
 }
 
 void Study(const StudyCommand& o) {
+  if (o.out.empty()) throw Error("--out", "is required");
   if (o.stability) return WriteStabilityPage(o.out, o.quiet);
   if (o.page) return WritePage(o);
   if (o.list.empty() || o.data.empty())
@@ -212,39 +213,37 @@ void Study(const StudyCommand& o) {
 
 }  // namespace
 
-void AddStudy(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("study", "train and measure settings, data sets and seeds side by side");
+void DeclareStudy(CLI::App& app) {
   const auto o = std::make_shared<StudyCommand>();
-  command->add_option("--list", o->list, "what to run (.json)")->default_str("");
-  command->add_option("--data", o->data, "folder of the list's data sets")->default_str("");
-  command->add_option("-o,--out", o->out, "folder of runs.jsonl and the page, index.html")
-      ->required();
-  command->add_option("--only", o->only, "only runs of which group/data/name/seed has this text")
+  app.add_option("--list", o->list, "what to run (.json)")->default_str("");
+  app.add_option("--data", o->data, "folder of the list's data sets")->default_str("");
+  app.add_option("-o,--out", o->out, "folder of runs.jsonl and the page, index.html")
       ->default_str("");
-  command
-      ->add_option("--run",
-                   o->run,
-                   "only this data/name/seed, with a file of lines of its own: others may run "
-                   "elsewhere at the same time")
+  app.add_option("--only", o->only, "only runs of which group/data/name/seed has this text")
       ->default_str("");
-  command->add_flag("--slurm", o->slurm, "submit the runs as an array job of Slurm, by sbatch");
-  command->add_option("--sbatch", o->sbatch, "with --slurm: sbatch's options, separated by spaces")
+  app.add_option("--run",
+                 o->run,
+                 "only this data/name/seed, with a file of lines of its own: others may run "
+                 "elsewhere at the same time")
       ->default_str("");
-  command->add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
+  app.add_flag("--slurm", o->slurm, "submit the runs as an array job of Slurm, by sbatch");
+  app.add_option("--sbatch", o->sbatch, "with --slurm: sbatch's options, separated by spaces")
       ->default_str("");
-  command->add_flag("--page", o->page, "run nothing, write the page of the runs that are done");
-  command->add_flag(
-      "--stability",
-      o->stability,
-      "run the stability suite instead of a list: known failure cases, naive form against "
-      "ours");
-  command->add_option("--charts", o->charts, "write the page's charts into this folder, too")
+  app.add_option("--lpips", o->lpips, "measure LPIPS too, with the net of this folder")
       ->default_str("");
-  command->add_flag("--dry-run", o->dry_run, "print the commands, those that are done included");
-  command->add_flag("--keep", o->keep, "keep the models");
-  command->add_flag("--quiet", o->quiet, "print nothing but errors");
-  command->callback([o] { Study(*o); });
+  app.add_flag("--page", o->page, "run nothing, write the page of the runs that are done");
+  app.add_flag("--stability",
+               o->stability,
+               "run the stability suite instead of a list: known failure cases, naive form against "
+               "ours");
+  app.add_option("--charts", o->charts, "write the page's charts into this folder, too")
+      ->default_str("");
+  app.add_flag("--dry-run", o->dry_run, "print the commands, those that are done included");
+  app.add_flag("--keep", o->keep, "keep the models");
+  app.add_flag("--quiet", o->quiet, "print nothing but errors");
+  app.callback([&app, o] {
+    if (app.get_subcommands().empty()) Study(*o);
+  });
 }
 
 }  // namespace cosplat

@@ -8,7 +8,7 @@
 #include "splat/base/world_frame.h"
 #include "splat/config.h"
 #include "splat/math/scalar.h"
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 namespace cosplat::viewer {
 namespace {

@@ -1,4 +1,4 @@
-// Decoders that the module asks the page for (splat/base/codecs_web.cpp): WebP, which SOG has, by libwebp
+// Decoders that the module asks the page for (splat/media/codecs_web.cpp): WebP, which SOG has, by libwebp
 // as @jsquash/webp compiles it, and Zstandard, which version 4 of SPZ has, by fzstd. bundle.mjs makes
 // dist/codecs.mjs of them, which is loaded with the first file that needs one.
 import webp from "@jsquash/webp/codec/dec/webp_dec.js";

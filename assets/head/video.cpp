@@ -11,7 +11,7 @@
 #include "flame/pose.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

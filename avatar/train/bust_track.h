@@ -9,7 +9,7 @@
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/surface/binding.h"
 #include "avatar/surface/kernels/bust.h"
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

@@ -12,7 +12,7 @@
 #include "avatar/surface/binding.h"
 #include "flame/track.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "avatar/surface/binding.h"
-#include "splat/train/density.h"
+#include "splat/train/density/density.h"
 
 namespace cosplat {
 

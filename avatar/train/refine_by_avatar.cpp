@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/bust_track.h"
-#include "splat/train/reduced_frames.h"
+#include "splat/train/subject/reduced_frames.h"
 
 namespace cosplat {
 namespace {

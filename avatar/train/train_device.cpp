@@ -1,5 +1,5 @@
 #include "avatar/train/trainer.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "avatar/surface/cuda/kernels.h"

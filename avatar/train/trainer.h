@@ -26,7 +26,7 @@
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/render/device.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {
@@ -226,8 +226,8 @@ class AvatarSubject : public Subject {
   Buffer<std::array<float, 2>> spare_barycentric_;
 };
 
-// For Trainer: as StepEngineOn (splat/train/step_engine.h), for avatars. On a device the engine
-// throws Error for AvatarSystem::kReleased, whose rule only the CPU supports.
+// For Trainer: as StepEngineOn (splat/train/step/step_engine.h), for avatars. On a device the
+// engine throws Error for AvatarSystem::kReleased, whose rule only the CPU supports.
 StepEngineMaker AvatarEngineOn(Device device, bool deterministic);
 
 }  // namespace cosplat

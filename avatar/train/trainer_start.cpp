@@ -12,7 +12,7 @@
 #include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/math/scalar.h"
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 namespace cosplat {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "flame/pose.h"
-#include "splat/base/image_glance.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {

@@ -2,8 +2,8 @@
 #include "flame/io/track_layouts.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
-#include "splat/base/exif.h"
-#include "splat/base/matte.h"
+#include "splat/media/exif.h"
+#include "splat/media/matte.h"
 
 namespace cosplat {
 namespace {

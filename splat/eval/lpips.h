@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "splat/base/image.h"
-#include "splat/base/onnx_net.h"
-#include "splat/train/crop_loss.h"
+#include "splat/onnx/onnx_net.h"
+#include "splat/train/loss/crop_loss.h"
 
 namespace cosplat {
 

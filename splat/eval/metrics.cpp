@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "splat/base/error.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "splat/base/camera.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

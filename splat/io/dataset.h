@@ -11,9 +11,9 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
-#include "splat/base/image_io.h"
 #include "splat/base/skipped.h"
 #include "splat/base/world_frame.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/base/exif.h"
 #include "splat/io/view_files.h"
+#include "splat/media/exif.h"
 
 namespace cosplat {
 namespace {

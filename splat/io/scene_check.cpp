@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <map>
 
-#include "splat/base/image_glance.h"
 #include "splat/io/scene_fit.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {

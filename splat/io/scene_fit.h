@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "splat/base/finding.h"
-#include "splat/base/image_glance.h"
 #include "splat/io/dataset.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 

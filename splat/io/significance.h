@@ -8,7 +8,7 @@
 namespace cosplat {
 
 // Opacity times the geometric mean of the standard deviations: a substitute for significance
-// (splat/train/importance.h) if no views are known. [N]
+// (splat/train/prune/importance.h) if no views are known. [N]
 std::vector<float> SizeSignificance(const Gaussians& gaussians);
 
 // [N] > 0: the weight of each Gaussian in k-means, its significance kept above 1e-4 of the mean.

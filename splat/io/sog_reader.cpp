@@ -6,12 +6,12 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/webp.h"
 #include "splat/base/zip_reader.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/sog.h"
 #include "splat/io/sog_format.h"
 #include "splat/io/splat_values.h"
+#include "splat/media/webp.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;

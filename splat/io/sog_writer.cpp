@@ -6,7 +6,6 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/webp.h"
 #include "splat/base/zip_writer.h"
 #include "splat/io/kmeans.h"
 #include "splat/io/packed_values.h"
@@ -16,6 +15,7 @@
 #include "splat/io/sog_format.h"
 #include "splat/io/splat_values.h"
 #include "splat/math/morton.h"
+#include "splat/media/webp.h"
 
 namespace cosplat {
 namespace {

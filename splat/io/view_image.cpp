@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "splat/base/error.h"
-#include "splat/base/exif.h"
-#include "splat/base/matte.h"
 #include "splat/io/dataset.h"
+#include "splat/media/exif.h"
+#include "splat/media/matte.h"
 
 namespace cosplat {
 namespace {

@@ -1,4 +1,4 @@
-// The values compared by the photometric loss (splat/train/loss.h), and its pointwise terms.
+// The values compared by the photometric loss (splat/train/loss/loss.h), and its pointwise terms.
 #if defined(COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_
 #undef COSPLAT_SPLAT_MATH_PHOTOMETRIC_H_

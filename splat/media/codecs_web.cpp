@@ -5,7 +5,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
-#include "splat/base/webp.h"
+#include "splat/media/webp.h"
 
 // Both return the number of bytes written, or -1: damaged, or of another size; or -2: no decoder.
 EM_JS(int,

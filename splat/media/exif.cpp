@@ -1,4 +1,4 @@
-#include "splat/base/exif.h"
+#include "splat/media/exif.h"
 
 #include <cstdint>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "splat/base/image_glance.h"
+#include "splat/media/image_glance.h"
 
 #include <algorithm>
 #include <cmath>

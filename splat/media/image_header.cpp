@@ -4,7 +4,7 @@
 
 #include "splat/base/crc32.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

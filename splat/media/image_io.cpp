@@ -1,4 +1,4 @@
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "splat/base/error.h"
-#include "splat/base/exif.h"
 #include "splat/base/file_kind.h"
 #include "splat/base/files.h"
+#include "splat/media/exif.h"
 
 namespace cosplat {
 namespace {

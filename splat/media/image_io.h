@@ -17,7 +17,7 @@ struct ImageInfo {
   int width = 0;
   int height = 0;
   int channels = 0;
-  int orientation = 1;  // EXIF's: see Upright (splat/base/exif.h)
+  int orientation = 1;  // EXIF's: see Upright (splat/media/exif.h)
 
   // As a viewer shows it.
   ImageInfo Upright() const {

@@ -1,4 +1,4 @@
-#include "splat/base/matte.h"
+#include "splat/media/matte.h"
 
 #include <algorithm>
 #include <bitset>

@@ -11,8 +11,8 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
-#include "splat/base/libav.h"
+#include "splat/media/image_io.h"
+#include "splat/media/libav.h"
 
 namespace cosplat {
 namespace {

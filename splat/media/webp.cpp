@@ -1,4 +1,4 @@
-#include "splat/base/webp.h"
+#include "splat/media/webp.h"
 
 #include <webp/decode.h>
 #include <webp/encode.h>

@@ -1,4 +1,4 @@
-#include "splat/base/onnx_file.h"
+#include "splat/onnx/onnx_file.h"
 
 #include <onnx/onnx_pb.h>
 

@@ -1,5 +1,5 @@
 // Reads the ONNX file of a convolutional network: file -> OnnxGraph -> OnnxNet
-// (splat/base/onnx_net.h). Knows the layers of AlexNet, VGG and SqueezeNet; refuses all others.
+// (splat/onnx/onnx_net.h). Knows the layers of AlexNet, VGG and SqueezeNet; refuses all others.
 // Source: the operator sets 1 to 13 of https://onnx.ai, which define these layers alike.
 #pragma once
 

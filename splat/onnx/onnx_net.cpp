@@ -1,4 +1,4 @@
-#include "splat/base/onnx_net.h"
+#include "splat/onnx/onnx_net.h"
 
 #include <omp.h>
 
@@ -6,7 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/image.h"
-#include "splat/base/onnx_passes.h"
+#include "splat/onnx/onnx_passes.h"
 
 namespace cosplat {
 namespace {

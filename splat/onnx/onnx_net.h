@@ -20,7 +20,7 @@ class OnnxNet {
  public:
   // The file's only input must be [1, 3, H, W] for any H and W; `outputs` name maps [1, C, h, w].
   // Throws Error if the file cannot be read, lacks an output, has layers that are not supported
-  // (splat/base/onnx_file.h) or does not accept such images.
+  // (splat/onnx/onnx_file.h) or does not accept such images.
   OnnxNet(const std::string& path, const std::vector<std::string>& outputs);
   ~OnnxNet();
   OnnxNet(OnnxNet&&) noexcept;

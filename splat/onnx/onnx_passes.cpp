@@ -1,4 +1,4 @@
-#include "splat/base/onnx_passes.h"
+#include "splat/onnx/onnx_passes.h"
 
 #include <algorithm>
 #include <cstring>

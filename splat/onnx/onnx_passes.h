@@ -1,12 +1,12 @@
-// The passes of a network (splat/base/onnx_file.h) over images of one size, by oneDNN.
+// The passes of a network (splat/onnx/onnx_file.h) over images of one size, by oneDNN.
 #pragma once
 
 #include <dnnl.hpp>
 #include <vector>
 
-#include "splat/base/onnx_file.h"
-#include "splat/base/onnx_net.h"
-#include "splat/base/onnx_program.h"
+#include "splat/onnx/onnx_file.h"
+#include "splat/onnx/onnx_net.h"
+#include "splat/onnx/onnx_program.h"
 
 namespace cosplat {
 

@@ -1,4 +1,4 @@
-// Descriptions of the oneDNN primitives that a network is made of (splat/base/onnx_passes.h).
+// Descriptions of the oneDNN primitives that a network is made of (splat/onnx/onnx_passes.h).
 // oneDNN 3 takes what describes a primitive in one call, oneDNN 2 a struct of it first: the only
 // place that knows which of them it is.
 #pragma once

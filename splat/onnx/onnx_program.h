@@ -1,5 +1,5 @@
 // A list of oneDNN primitives, with what they work on: the forward or the backward pass of a
-// network (splat/base/onnx_passes.h).
+// network (splat/onnx/onnx_passes.h).
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "splat/base/onnx_primitives.h"
+#include "splat/onnx/onnx_primitives.h"
 
 namespace cosplat {
 

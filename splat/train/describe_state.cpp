@@ -143,13 +143,6 @@ void Describe(
   Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }
 
-void Describe(StateArchive& a, const std::string& name, size_t count, LearnedMask& mask) {
-  a.Array(name + ".value", mask.value, count);
-  a.Array(name + ".m", mask.m, count);
-  a.Array(name + ".v", mask.v, count);
-  a.Value(name + ".step", mask.step);
-}
-
 void Describe(StateArchive& a, size_t frames, ExposureState& exposures) {
   const size_t numbers = frames * math::kExposureNumbers;
   a.Array("exposures.value", exposures.value, numbers);

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "splat/base/state_file.h"
-#include "splat/prune/learned_mask.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/ranks/shards.h"
+#include "splat/train/state/training_state.h"
 
 namespace cosplat {
 
@@ -25,7 +25,6 @@ void Describe(StateArchive& archive,
               Shards& shards,
               uint64_t& gaussians,
               TrainingState& state);
-void Describe(StateArchive& archive, const std::string& name, size_t count, LearnedMask& mask);
 // Of so many frames, or none; in host memory.
 void Describe(StateArchive& archive, size_t frames, ExposureState& exposures);
 

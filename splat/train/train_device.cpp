@@ -1,9 +1,10 @@
 #include "splat/base/error.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/device/cuda/device.h"
-#include "splat/train/cuda/step.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/loss/cuda/loss.h"
 #endif
 
 namespace cosplat {

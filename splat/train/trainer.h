@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "splat/prune/pruner.h"
-#include "splat/train/bands.h"
-#include "splat/train/step_engine.h"
-#include "splat/train/subject.h"
-#include "splat/train/train_settings.h"
+#include "splat/train/density/bands.h"
+#include "splat/train/prune/pruner.h"
+#include "splat/train/step/step_engine.h"
+#include "splat/train/step/train_settings.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

@@ -14,10 +14,10 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/base/json.h"
 #include "splat/base/rng.h"
 #include "splat/io/ply.h"
+#include "splat/media/image_io.h"
 #include "tests/altitudes/village.h"
 
 namespace cosplat {

@@ -8,7 +8,7 @@
 #include "avatar/play/player.h"
 #include "avatar/surface/binding.h"
 #include "flame/eyelids.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 #include "tests/avatar/meshes.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/avatar/with_corrections.h"

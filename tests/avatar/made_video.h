@@ -13,7 +13,7 @@
 #include "avatar/play/player.h"
 #include "avatar/train/trainer.h"
 #include "flame/pose.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat::test {
 

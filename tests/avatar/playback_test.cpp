@@ -9,7 +9,7 @@
 
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "assets/head/motion.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/restless_params.h"
 #include "tests/support/same_bits.h"

@@ -11,7 +11,7 @@
 #include "assets/head/motion.h"
 #include "avatar/play/player.h"
 #include "splat/math/pinhole.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/base/json.h"
+#include "splat/media/image_io.h"
 #include "tests/avatar/track_errors.h"
 #include "tests/avatar/training_fixture.h"
 #include "tests/support/expect_error.h"

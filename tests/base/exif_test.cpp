@@ -1,5 +1,5 @@
 // What a camera wrote into a JPEG: orientation and focal length.
-#include "splat/base/exif.h"
+#include "splat/media/exif.h"
 
 #include <gtest/gtest.h>
 

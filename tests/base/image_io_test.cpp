@@ -1,4 +1,4 @@
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 #include <gtest/gtest.h>
 

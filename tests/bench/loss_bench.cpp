@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "splat/base/rng.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 namespace {

@@ -15,7 +15,7 @@
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "assets/head/motion.h"
 #include "avatar/play/playback.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 #include "tests/avatar/with_corrections.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/restless_params.h"

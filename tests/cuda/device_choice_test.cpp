@@ -2,7 +2,7 @@
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"
 

@@ -5,7 +5,7 @@
 #include "apps/viewer/gl_window.h"
 #include "apps/viewer/image_texture.h"
 #include "avatar/play/avatar_renderer.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/support/cuda_on_host/cuda_gl_interop.h"
 #include "tests/support/expect_error.h"
 #include "tests/viewer/window_fixture.h"

@@ -4,7 +4,7 @@
 
 #include "splat/device/cuda/stream.h"
 #include "splat/render/device.h"
-#include "splat/train/target_store.h"
+#include "splat/train/subject/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 

@@ -5,8 +5,8 @@
 #include "splat/device/buffer.h"
 #include "splat/device/cuda/launch.cuh"
 #include "splat/device/cuda/stream.h"
-#include "splat/train/scene_subject.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/parity/parity_case.h"
 #include "tests/support/device_step.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/flame/pickle_builder.h"
 #include "tests/flame/tracked_head.h"
 #include "tests/support/stored_zip.h"

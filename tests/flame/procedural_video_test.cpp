@@ -12,7 +12,7 @@
 #include "flame/pose.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "flame/fit/hair_offset.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/flame/filmed_head.h"
 
 namespace cosplat {

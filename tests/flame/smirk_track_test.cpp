@@ -8,8 +8,8 @@
 
 #include "flame/track.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/base/npz.h"
+#include "splat/media/image_io.h"
 #include "tests/flame/tracked_head.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -7,9 +7,10 @@
 #include "avatar/surface/binding.h"
 #include "avatar/surface/cuda/kernels.h"
 #include "splat/render/cuda/rasterizer.h"
-#include "splat/train/cuda/step.h"
-#include "splat/train/loss.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/loss/cuda/loss.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/optimize/optimizer.h"
 #include "tests/gpu/made_avatar.h"
 
 namespace cosplat::test {

@@ -11,9 +11,9 @@
 
 #include "apps/study/bench/synthetic_view.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/device/cuda/device.h"
-#include "splat/train/loss.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/loss.h"
 #include "tests/gpu/avatar_times.h"
 #include "tests/gpu/scene_times.h"
 #include "tests/gpu/stage_times.h"

@@ -22,7 +22,7 @@
 #include <ostream>
 #include <string>
 
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat::test {
 

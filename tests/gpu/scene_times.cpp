@@ -6,11 +6,11 @@
 
 #include "apps/cosplat/run/scene_start.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/device/cuda/stream.h"
 #include "splat/eval/metrics.h"
-#include "splat/train/loss.h"
-#include "splat/train/step_engine.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/step/step_engine.h"
 #include "tests/gpu/packed_scene.h"
 
 namespace cosplat::test {

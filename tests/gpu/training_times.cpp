@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "splat/train/scene_subject.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat::test {

@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/hosts/expected_picture.h"
 
 namespace cosplat::test {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "splat/base/image_io.h"
 #include "splat/base/json.h"
+#include "splat/media/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {

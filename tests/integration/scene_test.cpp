@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "splat/base/webp.h"
 #include "splat/io/dataset.h"
+#include "splat/media/webp.h"
 #include "tests/integration/fake_colmap.h"
 
 namespace cosplat::test {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 
 namespace cosplat::test {
 

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "splat/device/cuda/stream.h"
-#include "splat/prune/pruner.h"
-#include "splat/train/cuda/step.h"
-#include "splat/train/mask_learner.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/prune/mask_learner.h"
+#include "splat/train/prune/pruner.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 

@@ -5,8 +5,8 @@
 
 #include "splat/base/rng.h"
 #include "splat/device/cuda/stream.h"
-#include "splat/train/cuda/step.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/optimize/optimizer.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/random_gaussians.h"

@@ -11,7 +11,7 @@
 #include "splat/device/cuda/stream.h"
 #include "splat/device/sum_tree.h"
 #include "splat/render/kernels/tile_range.h"
-#include "splat/train/cuda/step.h"
+#include "splat/train/cuda/kernels.h"
 #include "tests/parity/device_fixture.h"
 
 namespace cosplat::cuda {

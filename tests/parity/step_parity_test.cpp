@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/support/device_step.h"

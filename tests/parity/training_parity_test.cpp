@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "splat/device/cuda/stream.h"
-#include "splat/train/shards.h"
-#include "splat/train/target_store.h"
+#include "splat/train/ranks/shards.h"
+#include "splat/train/subject/target_store.h"
 #include "tests/parity/device_fixture.h"
 #include "tests/parity/training_run.h"
 #include "tests/support/expect_error.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "splat/render/cuda/tape.h"
-#include "splat/train/scene_subject.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"

@@ -12,9 +12,9 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/base/rng.h"
 #include "splat/io/dataset.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "avatar/play/player.h"
-#include "splat/base/image_io.h"
 #include "splat/basis_constants.h"
+#include "splat/media/image_io.h"
 #include "tests/plugin/plugin_fixture.h"
 #include "tests/support/restless_params.h"
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/io/splat_file.h"
 #include "splat/levels/frame_budget.h"
 #include "splat/levels/level_renderer.h"
-#include "splat/train/loss.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 namespace {

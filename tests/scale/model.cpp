@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/train/traffic.h"
+#include "splat/train/ranks/traffic.h"
 
 namespace cosplat::scale {
 namespace {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "apps/study/charts/svg_chart.h"
+#include "apps/charts/svg_chart.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"

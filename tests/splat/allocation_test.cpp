@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // Bands of colour: their energy, dropping them, each Gaussian at its own degree through the
 // renderer and files.
-#include "splat/train/bands.h"
+#include "splat/train/density/bands.h"
 
 #include <gtest/gtest.h>
 

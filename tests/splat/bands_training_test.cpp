@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "splat/train/bands.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/density/bands.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {

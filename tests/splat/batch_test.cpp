@@ -9,9 +9,9 @@
 #include <mutex>
 
 #include "splat/base/state_file.h"
-#include "splat/train/scene_subject.h"
-#include "splat/train/shards.h"
-#include "splat/train/traffic.h"
+#include "splat/train/ranks/shards.h"
+#include "splat/train/ranks/traffic.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -1,6 +1,6 @@
 // Scenes in blocks: how they are split, what the blocks show of each other, and that a block is
 // trained as the part of a scene that it is.
-#include "splat/train/blocks.h"
+#include "splat/train/blocks/blocks.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <set>
 
-#include "splat/train/block_schedule.h"
-#include "splat/train/block_target.h"
-#include "splat/train/layers.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/blocks/block_schedule.h"
+#include "splat/train/blocks/block_target.h"
+#include "splat/train/blocks/layers.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

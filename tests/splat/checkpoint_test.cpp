@@ -8,7 +8,7 @@
 #include "splat/base/files.h"
 #include "splat/base/state_file.h"
 #include "splat/train/budget.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -1,6 +1,6 @@
 // The crop loss in training: where crops are, that its gradient is added where it belongs, and that
 // it is off by default.
-#include "splat/train/crop_loss.h"
+#include "splat/train/loss/crop_loss.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/squared_distance.h"

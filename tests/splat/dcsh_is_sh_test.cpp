@@ -8,7 +8,7 @@
 #include "splat/basis_constants.h"
 #include "splat/render/cpu/launch.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {

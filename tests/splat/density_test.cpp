@@ -1,6 +1,6 @@
 // Density control: who is cloned, split and removed, and that everything which is per Gaussian
 // stays with its Gaussian.
-#include "splat/train/density.h"
+#include "splat/train/density/density.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "splat/prune/pruner.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/morton.h"
+#include "splat/train/density/morton.h"
+#include "splat/train/prune/pruner.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/support/expect_error.h"
 

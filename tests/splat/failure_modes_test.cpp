@@ -39,7 +39,7 @@
 #include "splat/math/blend.h"
 #include "splat/render/cpu/launch.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

@@ -1,13 +1,13 @@
 // Frames that are not kept in memory: training sees the same as if they were.
-#include "splat/train/frame_reader.h"
+#include "splat/train/subject/frame_reader.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 
-#include "splat/base/image_io.h"
-#include "splat/train/reduced_frames.h"
-#include "splat/train/scene_subject.h"
+#include "splat/media/image_io.h"
+#include "splat/train/subject/reduced_frames.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // What a Gaussian contributes to images, against images drawn without it.
-#include "splat/train/importance.h"
+#include "splat/train/prune/importance.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "splat/render/rasterizer.h"
-#include "splat/train/loss.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/random_gaussians.h"

@@ -1,5 +1,5 @@
 // First Gaussians: sizes from neighbours, colours, random points, and points that are not numbers.
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "splat/levels/levels_file.h"
 #include "splat/levels/merge.h"
 #include "splat/math/gaussian.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"

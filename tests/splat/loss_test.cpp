@@ -1,6 +1,6 @@
 // The photometric loss: its value against a plain double reference, its gradient against finite
 // differences, and the images that make SSIM's variances degenerate.
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>

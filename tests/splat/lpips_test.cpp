@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "splat/base/image_io.h"
 #include "splat/base/rng.h"
+#include "splat/media/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_onnx.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "splat/eval/lpips.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_onnx.h"

@@ -1,5 +1,5 @@
 // The order along a Morton curve.
-#include "splat/train/morton.h"
+#include "splat/train/density/morton.h"
 
 #include <gtest/gtest.h>
 

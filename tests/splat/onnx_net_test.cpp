@@ -1,6 +1,6 @@
 // Networks by oneDNN: each layer's result against loops, each layer's gradient against finite
 // differences, files that are not supported.
-#include "splat/base/onnx_net.h"
+#include "splat/onnx/onnx_net.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>

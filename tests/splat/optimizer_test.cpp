@@ -1,5 +1,5 @@
 // Adam over all attributes: against a plain double Adam, and with gradients that are not numbers.
-#include "splat/train/optimizer.h"
+#include "splat/train/optimize/optimizer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

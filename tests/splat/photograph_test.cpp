@@ -1,13 +1,13 @@
 // Training on real photographs: exposures that are found and do not drift, and pixels that are
 // ignored.
-#include "splat/train/photograph.h"
+#include "splat/train/loss/photograph.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "splat/train/reduced_frames.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/reduced_frames.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 
 namespace cosplat {

@@ -1,5 +1,5 @@
 // The rules of pruning: who goes, when, and that runs reach their count.
-#include "splat/prune/pruner.h"
+#include "splat/train/prune/pruner.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <map>
 
-#include "splat/prune/rounds.h"
-#include "splat/train/loss.h"
-#include "splat/train/mask_learner.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/prune/mask_learner.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/tagged_gaussians.h"
 #include "tests/splat/training_fixture.h"

@@ -1,9 +1,9 @@
 // Smaller images for the first steps: the means of blocks, under a camera that sees the same.
-#include "splat/train/reduced_frames.h"
+#include "splat/train/subject/reduced_frames.h"
 
 #include <gtest/gtest.h>
 
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/support/looking_at.h"
 
 namespace cosplat {

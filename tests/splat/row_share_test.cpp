@@ -1,5 +1,5 @@
 // Of several ranks each has whole blocks of rows, one after another; together they have all.
-#include "splat/train/row_share.h"
+#include "splat/train/ranks/row_share.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "splat/train/schedule.h"
+#include "splat/train/optimize/schedule.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Gaussians divided between ranks, of more than go into one exchange; and views added up.
-#include "splat/train/shards.h"
+#include "splat/train/ranks/shards.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "splat/base/rng.h"
-#include "splat/train/gradient_sum.h"
+#include "splat/train/step/gradient_sum.h"
 #include "tests/support/thread_ranks.h"
 
 namespace cosplat {

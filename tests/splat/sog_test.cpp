@@ -12,11 +12,11 @@
 
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/webp.h"
 #include "splat/base/zip_reader.h"
 #include "splat/base/zip_writer.h"
 #include "splat/io/significance.h"
 #include "splat/io/splat_file.h"
+#include "splat/media/webp.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"
 #include "tests/support/temporary_folder.h"

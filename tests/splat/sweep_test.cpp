@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 #include "tests/support/looking_at.h"
 
 namespace cosplat {

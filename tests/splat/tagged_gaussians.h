@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "splat/train/density.h"
+#include "splat/train/density/density.h"
 
 namespace cosplat::test {
 

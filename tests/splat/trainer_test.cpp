@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <map>
 
-#include "splat/train/morton.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/density/morton.h"
+#include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "splat/base/image_io.h"
 #include "splat/eval/metrics.h"
-#include "splat/train/initialize.h"
+#include "splat/media/image_io.h"
+#include "splat/train/start/initialize.h"
 #include "splat/train/trainer.h"
 #include "tests/support/looking_at.h"
 #include "tests/support/same_bits.h"

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "splat/base/exif.h"
-#include "splat/base/matte.h"
+#include "splat/media/exif.h"
+#include "splat/media/matte.h"
 #include "tests/street/nerf_scene.h"
 #include "tests/support/expect_error.h"
 

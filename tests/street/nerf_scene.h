@@ -11,8 +11,8 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/io/dataset.h"
+#include "splat/media/image_io.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat::test {

@@ -8,7 +8,6 @@
 #include <iomanip>
 #include <map>
 
-#include "splat/base/image_io.h"
 #include "splat/base/world_frame.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/dataset.h"
@@ -16,8 +15,9 @@
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/spz.h"
+#include "splat/media/image_io.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 #include "tests/integration/command.h"
 #include "tests/splat/scene_fixture.h"
 #include "tests/support/expect_error.h"

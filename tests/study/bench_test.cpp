@@ -10,7 +10,6 @@
 
 #include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/dense_tile.h"
-#include "apps/study/bench/half_adam.h"
 #include "apps/study/bench/held_memory.h"
 #include "apps/study/bench/machine.h"
 #include "apps/study/bench/step_timer.h"
@@ -20,7 +19,7 @@
 #include "splat/eval/metrics.h"
 #include "splat/math/adam.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/optimize/optimizer.h"
 
 namespace cosplat::test {
 namespace {
@@ -112,133 +111,6 @@ TEST(BenchPairCounts, NothingIsCountedBehindWhatIsOpaque) {
   EXPECT_EQ(counts.contributing, 14u * 40u * 40u);
   EXPECT_EQ(counts.evaluated, 16u * 40u * 40u);
   EXPECT_EQ(CountPairs(Splats(0, 1, 0), MiddleCamera(40)).evaluated, 0u);
-}
-
-TEST(BenchPairCounts, AGroupIsUpdatedWhereOneOfItIsDrawn) {
-  Gaussians g = Splats(10 * kGaussianGroup + 4, 3, 0);
-  for (size_t i = 0; i < g.size(); ++i)
-    if (i != kGaussianGroup && i + 1 != g.size()) g.at(kPosition, i)[2] = -1;  // behind the camera
-  EXPECT_DOUBLE_EQ(AdamShare(g, MiddleCamera(40)), (kGaussianGroup + 4) / double(g.size()));
-}
-
-uint32_t Bits(float x) { return std::bit_cast<uint32_t>(x); }
-uint16_t UpperHalf(float x) { return uint16_t(Bits(x) >> 16); }
-
-// Between 1 and 2 the last of 16 bits is 2^-7. Tolerance: five standard deviations of the mean,
-// that of a single error being at most half of the last bit.
-TEST(BenchHalfAdam, RoundingIsRightOnAverage) {
-  constexpr size_t kCount = 200000;
-  constexpr double kLastBit = 1.0 / 128, kTolerance = 5 * 0.5 / 447.2;
-  constexpr float kFirst = 1.2345f, kSecond = -1.07f;
-  for (const uint32_t step : {1u, 2u, 1000u}) {
-    std::vector<float> m(kCount, kFirst), v(kCount, kSecond);
-    RoundMoments(step, 0, kCount, m.data(), v.data());
-    double m_error = 0, v_error = 0, product = 0;
-    for (size_t i = 0; i < kCount; ++i) {
-      ASSERT_EQ(Bits(m[i]) & 0xffff, 0u);
-      const double m_here = (double(m[i]) - kFirst) / kLastBit;
-      const double v_here = (double(v[i]) - kSecond) / kLastBit;
-      ASSERT_LT(std::max(std::abs(m_here), std::abs(v_here)), 1);
-      m_error += m_here / kCount;
-      v_error += v_here / kCount;
-      product += m_here * v_here / kCount;
-    }
-    EXPECT_NEAR(m_error, 0, kTolerance);
-    EXPECT_NEAR(v_error, 0, kTolerance);
-    EXPECT_NEAR(product, 0, kTolerance);  // the two moments are rounded independently
-  }
-}
-
-TEST(BenchHalfAdam, RoundingDependsOnIndexAndStepAlone) {
-  constexpr size_t kCount = 1000;
-  const auto rounded = [](uint32_t step, size_t begin, size_t end) {
-    std::vector<float> m(kCount, 0.1f), v(kCount, 3e-9f);
-    RoundMoments(step, begin, end, m.data(), v.data());
-    m.insert(m.end(), v.begin(), v.end());
-    return m;
-  };
-  const std::vector<float> all = rounded(7, 0, kCount), part = rounded(7, 333, 500);
-  EXPECT_NE(all, rounded(8, 0, kCount));
-  for (size_t i = 0; i < kCount; ++i) EXPECT_EQ(part[i], i < 333 || i >= 500 ? 0.1f : all[i]);
-  for (const SimdTarget& target : SimdTargets()) {
-    const OnlySimdTarget only(target);
-    EXPECT_EQ(all, rounded(7, 0, kCount)) << target.name;
-  }
-}
-
-TEST(BenchHalfAdam, WhatSixteenBitsHoldStaysAndSoDoInfinitiesAndNan) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const std::vector<float> held{0, -0.0f, 1, -1.5f, 0x1p-126f, 0x1p-133f, kInfinity, -kInfinity};
-  std::vector<float> m = held, v = held;
-  RoundMoments(3, 0, held.size(), m.data(), v.data());
-  for (size_t i = 0; i < held.size(); ++i) {
-    EXPECT_EQ(Bits(m[i]), Bits(held[i]));
-    EXPECT_EQ(Bits(v[i]), Bits(held[i]));
-  }
-  // Also those whose mark is in the lower half alone, and the largest of them.
-  for (const uint32_t bits : {0x7f800001u, 0xff800001u, 0x7fc00000u, 0x7fffffffu, 0xffffffffu}) {
-    m.assign(100, std::bit_cast<float>(bits));
-    v = m;
-    RoundMoments(3, 0, m.size(), m.data(), v.data());
-    EXPECT_TRUE(std::all_of(m.begin(), m.end(), [](float x) { return std::isnan(x); })) << bits;
-    EXPECT_TRUE(std::all_of(v.begin(), v.end(), [](float x) { return std::isnan(x); })) << bits;
-  }
-}
-
-// Fused multiply-adds of one instruction set and separate ones of another differ in a float's last
-// bits, which is a last bit of 16 where the rounding's chance is that close: measured, in none of
-// 5,000.
-TEST(BenchHalfAdam, UpdatesAsAdamDoesAndRounds) {
-  constexpr size_t kCount = 5000, kBegin = 3;
-  constexpr uint32_t kStep = 11;
-  const math::AdamStep adam{0.9f, 0.999f, 1e-3f, 1e-9f};
-  Rng rng{9};
-  std::vector<float> gradient(kCount), value(kCount);
-  std::vector<uint16_t> m(kCount), v(kCount);
-  for (size_t i = 0; i < kCount; ++i) {
-    gradient[i] = rng.Normal();
-    value[i] = rng.Normal();
-    m[i] = UpperHalf(rng.Normal());
-    v[i] = UpperHalf(rng.Uniform());
-  }
-  gradient[100] = std::numeric_limits<float>::quiet_NaN();
-  gradient[2000] = 1e30f;  // its square is not finite
-  std::vector<float> want(value), want_m(kCount), want_v(kCount);
-  for (size_t i = 0; i < kCount; ++i) {
-    want_m[i] = std::bit_cast<float>(uint32_t(m[i]) << 16);
-    want_v[i] = std::bit_cast<float>(uint32_t(v[i]) << 16);
-    const float g = i == 100 || i == 2000 ? 0.0f : gradient[i];
-    if (i >= kBegin) AdamUpdate(adam, g, want[i], want_m[i], want_v[i]);
-  }
-  RoundMoments(kStep, kBegin, kCount, want_m.data(), want_v.data());
-  for (const SimdTarget& target : SimdTargets()) {
-    const OnlySimdTarget only(target);
-    std::vector<float> at = value;
-    std::vector<uint16_t> new_m = m, new_v = v;
-    const MomentArray<uint16_t> array{adam.beta1,
-                                      adam.beta2,
-                                      adam.step_size,
-                                      adam.scaled_eps,
-                                      gradient.data(),
-                                      at.data(),
-                                      new_m.data(),
-                                      new_v.data()};
-    EXPECT_EQ(AdamRange(array, kStep, kBegin, kCount), 2u);
-    size_t unequal = 0;
-    for (size_t i = 0; i < kCount; ++i) {
-      EXPECT_NEAR(at[i], want[i], 1e-6f) << i;
-      EXPECT_LE(std::abs(int(new_m[i]) - int(UpperHalf(want_m[i]))), 1) << i;
-      EXPECT_LE(std::abs(int(new_v[i]) - int(UpperHalf(want_v[i]))), 1) << i;
-      unequal += new_m[i] != UpperHalf(want_m[i]) || new_v[i] != UpperHalf(want_v[i]);
-    }
-    EXPECT_LE(unequal, 5u) << target.name;
-  }
-}
-
-TEST(BenchHalfAdam, TimesBothLoops) {
-  const AdamLoopTimes times = TimeAdamLoops(100001, 2);
-  ExpectFiniteAndPositive(times.float_ms);
-  ExpectFiniteAndPositive(times.half_ms);
 }
 
 TEST(BenchSyntheticView, TheSameSeedGivesTheSameBits) {

@@ -1,4 +1,4 @@
-// `cosplat study` from end to end: a small list is run, cut short, gone on with and shown.
+// `cosplat-study` from end to end: a small list is run, cut short, gone on with and shown.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct StudyFolder {
     std::ofstream(list) << json;
   }
   CommandResult Run(const Strings& more = {}, const std::string& before = "") const {
-    Strings arguments{"study", "--list", list, "--data", data, "-o", out};
+    Strings arguments{"--list", list, "--data", data, "-o", out};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Cosplat(arguments, before);
   }
@@ -122,8 +122,7 @@ TEST(Study, RemovesTheModelsUnlessTheyAreToBeKept) {
   EXPECT_FALSE(fs::exists(Made().out + "/models/balls/sh/0"));
   const StudyFolder& made = Made();
   const std::string out = made.folder / "kept";
-  const CommandResult result = Cosplat({"study",
-                                        "--list",
+  const CommandResult result = Cosplat({"--list",
                                         made.list,
                                         "--data",
                                         made.data,
@@ -174,7 +173,7 @@ TEST(Study, SubmitsAnArrayJobWhoseLinesComeBackTogether) {
                                     "echo 17\n";
   fs::permissions(bin + "/sbatch", fs::perms::owner_all);
   const auto submit = [&](const Strings& more) {
-    Strings arguments{"study", "--list", made.list, "--data", made.data, "-o", out, "--slurm"};
+    Strings arguments{"--list", made.list, "--data", made.data, "-o", out, "--slurm"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Cosplat(arguments, "PATH=" + bin + ":$PATH");
   };
@@ -185,7 +184,7 @@ TEST(Study, SubmitsAnArrayJobWhoseLinesComeBackTogether) {
   EXPECT_TRUE(fs::exists(out + "/run+balls+literal+1.jsonl"));
   EXPECT_FALSE(fs::exists(out + "/runs.jsonl"));
   EXPECT_TRUE(Has(submit({}).out, "all 5 runs are done"));
-  EXPECT_EQ(Cosplat({"study", "--page", "-o", out}).code, 0);
+  EXPECT_EQ(Cosplat({"--page", "-o", out}).code, 0);
   EXPECT_TRUE(Has(Slurp(out + "/index.html"), ">literal − sh<"));
   std::ofstream(bin + "/sbatch") << "#!/bin/sh\necho 'error: Invalid partition' >&2; exit 1\n";
   fs::remove(out + "/run+balls+literal+1.jsonl");
@@ -198,7 +197,7 @@ TEST(Study, SubmitsAnArrayJobWhoseLinesComeBackTogether) {
 TEST(Study, WritesThePageAlone) {
   const StudyFolder& made = Made();
   const std::string charts = made.folder / "charts";
-  const CommandResult result = Cosplat({"study", "--page", "-o", made.out, "--charts", charts});
+  const CommandResult result = Cosplat({"--page", "-o", made.out, "--charts", charts});
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(fs::exists(charts + "/balls-bases-psnr-gaussians.svg"));
   EXPECT_TRUE(fs::exists(charts + "/head-bases-psnr-glb-mb.svg"));
@@ -214,7 +213,7 @@ TEST(Study, GoesOnAfterARunThatFails) {
                      {"arguments", {"--eval", "--iterations", "5", "--random-points", "50"}}}}}};
   std::ofstream(folder / "list.json") << list;
   const CommandResult result =
-      Cosplat({"study", "--list", folder / "list.json", "--data", made.data, "-o", folder / "out"});
+      Cosplat({"--list", folder / "list.json", "--data", made.data, "-o", folder / "out"});
   EXPECT_EQ(result.code, 2);
   for (const std::string part :
        {"balls/bad/0", "--basis none", "failed with code 2", "1 of 2 runs failed"})
@@ -233,7 +232,7 @@ TEST(Study, LeavesAFolderAloneThatItDidNotMake) {
   fs::create_directories(folder / "out/head");
   std::ofstream(notes) << "mine";
   const CommandResult result =
-      Cosplat({"study", "--list", folder / "list.json", "--data", "data", "-o", folder / "out"});
+      Cosplat({"--list", folder / "list.json", "--data", "data", "-o", folder / "out"});
   EXPECT_EQ(result.code, 2);
   EXPECT_TRUE(Has(result.err, "head/any/0: " + (folder / "out/head"))) << result.err;
   EXPECT_EQ(Slurp(notes), "mine");
@@ -285,16 +284,15 @@ void ExpectRefused(const Strings& arguments, const Strings& parts) {
 TEST(Study, RefusesBadInput) {
   const StudyFolder& made = Made();
   const std::string out = made.folder / "none", list = made.folder / "bad.json";
-  ExpectRefused({"study", "-o", out}, {"--list, --data"});
-  ExpectRefused({"study", "--page", "-o", out}, {out, "no finished run"});
-  ExpectRefused({"study", "--list", list, "--data", made.data, "-o", out}, {"bad.json"});
-  ExpectRefused({"study", "--list", made.list, "--data", made.data, "-o", out, "--only", "fish"},
+  ExpectRefused({"-o", out}, {"--list, --data"});
+  ExpectRefused({"--page", "-o", out}, {out, "no finished run"});
+  ExpectRefused({"--list", list, "--data", made.data, "-o", out}, {"bad.json"});
+  ExpectRefused({"--list", made.list, "--data", made.data, "-o", out, "--only", "fish"},
                 {"--only 'fish'", made.list});
   const std::string net = made.folder / "net";
-  ExpectRefused({"study", "--list", made.list, "--data", made.data, "-o", out, "--lpips", net},
-                {net});
+  ExpectRefused({"--list", made.list, "--data", made.data, "-o", out, "--lpips", net}, {net});
   std::ofstream(list) << R"({"data": [{"name": "a", "kind": "scene"}], "runs": []})";
-  ExpectRefused({"study", "--list", list, "--data", made.data, "-o", out},
+  ExpectRefused({"--list", list, "--data", made.data, "-o", out},
                 {"bad.json", "data[0].source", "missing"});
   EXPECT_FALSE(fs::exists(out));
 }

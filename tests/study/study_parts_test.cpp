@@ -1,4 +1,4 @@
-// What `cosplat study` makes of lines and of figures, without training anything.
+// What `cosplat-study` makes of lines and of figures, without training anything.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 

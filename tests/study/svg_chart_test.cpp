@@ -1,12 +1,12 @@
-// apps/study/charts/svg_chart.h: what is drawn is what was given, in XML that any reader takes.
-#include "apps/study/charts/svg_chart.h"
+// apps/charts/svg_chart.h: what is drawn is what was given, in XML that any reader takes.
+#include "apps/charts/svg_chart.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "apps/study/charts/chart_scale.h"
+#include "apps/charts/chart_scale.h"
 #include "tests/study/well_formed.h"
 
 namespace cosplat::test {

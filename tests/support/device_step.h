@@ -5,9 +5,10 @@
 #include <memory>
 
 #include "splat/render/cuda/rasterizer.h"
-#include "splat/train/cuda/step.h"
-#include "splat/train/instance_forecast.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/cuda/kernels.h"
+#include "splat/train/loss/cuda/loss.h"
+#include "splat/train/optimize/optimizer.h"
+#include "splat/train/step/instance_forecast.h"
 
 namespace cosplat::test {
 

@@ -1,7 +1,7 @@
-// A distance for the crop loss (splat/train/crop_loss.h) that needs no network.
+// A distance for the crop loss (splat/train/loss/crop_loss.h) that needs no network.
 #pragma once
 
-#include "splat/train/crop_loss.h"
+#include "splat/train/loss/crop_loss.h"
 
 namespace cosplat::test {
 

@@ -1,4 +1,4 @@
-// Ranks (splat/train/ranks.h) that are threads of this process.
+// Ranks (splat/train/ranks/ranks.h) that are threads of this process.
 #pragma once
 
 #include <barrier>
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat::test {
 

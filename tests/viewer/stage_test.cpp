@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "apps/viewer/mesh_view.h"
-#include "splat/base/image_io.h"
 #include "splat/math/gaussian.h"
+#include "splat/media/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/looking_at.h"
 #include "tests/viewer/viewer_fixture.h"

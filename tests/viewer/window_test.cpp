@@ -4,7 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/viewer/window_fixture.h"
 

@@ -11,9 +11,9 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
-#include "splat/base/exif.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/exif.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;

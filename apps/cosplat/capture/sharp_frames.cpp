@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "apps/cosplat/run/notes.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "splat/render/device.h"
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace CLI {

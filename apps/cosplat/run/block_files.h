@@ -4,13 +4,14 @@
 //   blocks/N.bin                  a block's Gaussians after its last round, from 1
 //   blocks/N.record.bin           what that round came to; blocks/whole.record.bin likewise
 //   blocks/N.round-R.bin          checkpoint of its training in round R
-//   blocks/N/V.rgba               its layer in training view V (splat/train/layers.h), [height,
+//   blocks/N/V.rgba               its layer in training view V (splat/train/blocks/layers.h),
+//   [height,
 //                                 width, 4] without a header; one byte: nothing is there
 //   blocks/whole/V.rgba           all blocks there, as the finished scene draws them
 // and while block N is in training, read in every step:
 //   blocks/N/V.front.rgba         what others show in front of it
 //   blocks/N/V.behind.rgba        and behind it
-//   blocks/N/V.target.rgba        what it is trained towards (splat/train/block_target.h)
+//   blocks/N/V.target.rgba        what it is trained towards (splat/train/blocks/block_target.h)
 //   blocks/N/V.ignored            [height, width]: not 0 where it is not
 #pragma once
 
@@ -20,7 +21,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 #include "splat/gaussians.h"
-#include "splat/train/photograph.h"
+#include "splat/train/loss/photograph.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "splat/render/rasterizer.h"
-#include "splat/train/block_target.h"
-#include "splat/train/layers.h"
+#include "splat/train/blocks/block_target.h"
+#include "splat/train/blocks/layers.h"
 
 namespace cosplat {
 namespace {

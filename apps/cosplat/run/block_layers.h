@@ -1,13 +1,13 @@
 // What the blocks of a scene show in its training views, on disk (block_files.h), and the views as
-// a block is trained on them: between the layers of the others (splat/train/layers.h).
+// a block is trained on them: between the layers of the others (splat/train/blocks/layers.h).
 #pragma once
 
 #include <functional>
 #include <vector>
 
 #include "apps/cosplat/run/block_files.h"
-#include "splat/train/blocks.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/blocks/blocks.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat {
 
@@ -24,8 +24,9 @@ class BlockLayers {
   std::vector<std::vector<uint32_t>> ChooseViews() const;
 
   // For a round of a block, during which the others do not change: puts together what is in front
-  // of it and behind it, and what it is trained towards (splat/train/block_target.h), in every
-  // `step`-th of these views from the `first` on. exposures: of these views; empty: identities.
+  // of it and behind it, and what it is trained towards (splat/train/blocks/block_target.h), in
+  // every `step`-th of these views from the `first` on. exposures: of these views; empty:
+  // identities.
   void PutTogether(size_t block,
                    const std::vector<uint32_t>& views,
                    const ExposureState& exposures,

@@ -1,6 +1,6 @@
 #include "apps/cosplat/run/block_state.h"
 
-#include "splat/train/block_schedule.h"
+#include "splat/train/blocks/block_schedule.h"
 #include "splat/train/describe_state.h"
 
 namespace cosplat {

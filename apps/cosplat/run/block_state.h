@@ -7,8 +7,8 @@
 
 #include "apps/cosplat/run/block_files.h"
 #include "splat/base/state_file.h"
-#include "splat/train/blocks.h"
-#include "splat/train/photograph.h"
+#include "splat/train/blocks/blocks.h"
+#include "splat/train/loss/photograph.h"
 
 namespace cosplat {
 

@@ -21,8 +21,8 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
-#include "splat/train/block_schedule.h"
-#include "splat/train/blocks.h"
+#include "splat/train/blocks/block_schedule.h"
+#include "splat/train/blocks/blocks.h"
 #include "splat/train/describe_state.h"
 
 namespace cosplat {

@@ -2,11 +2,11 @@
 // groups of ranks.
 //
 // First the whole scene is trained with as many Gaussians as a block may have, on the small images
-// that training begins with; by their places it is split (splat/train/blocks.h). Each block is then
-// trained between what the others show in each view (splat/train/layers.h), in rounds
-// (splat/train/block_schedule.h), so that all of them see what became of their neighbours. A
-// Gaussian belongs to one block from then on: the scene is all of them together, and has no seams
-// to be cut.
+// that training begins with; by their places it is split (splat/train/blocks/blocks.h). Each block
+// is then trained between what the others show in each view (splat/train/blocks/layers.h), in
+// rounds (splat/train/blocks/block_schedule.h), so that all of them see what became of their
+// neighbours. A Gaussian belongs to one block from then on: the scene is all of them together, and
+// has no seams to be cut.
 //
 // While this goes on its files are in the run's folder (block_files.h), which is also how ranks
 // hand each other what they have trained. A checkpoint has the round, and each block that is in
@@ -22,7 +22,7 @@
 #include "apps/cosplat/run/scene_start.h"
 #include "splat/base/skipped.h"
 #include "splat/eval/lpips.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat {
 

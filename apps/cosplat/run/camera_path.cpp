@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "splat/math/quat.h"
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 namespace cosplat {
 namespace {

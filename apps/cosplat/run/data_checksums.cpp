@@ -8,7 +8,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "splat/base/crc32.h"
 #include "splat/base/files.h"
-#include "splat/train/frame_reader.h"
+#include "splat/train/subject/frame_reader.h"
 
 namespace cosplat {
 namespace {

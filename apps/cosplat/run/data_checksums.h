@@ -9,7 +9,7 @@
 #include "flame/track.h"
 #include "splat/base/image.h"
 #include "splat/gaussians.h"
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

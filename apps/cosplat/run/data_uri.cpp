@@ -1,6 +1,6 @@
 #include "apps/cosplat/run/data_uri.h"
 
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

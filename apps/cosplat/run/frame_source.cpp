@@ -6,7 +6,7 @@
 
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
-#include "splat/base/matte.h"
+#include "splat/media/matte.h"
 
 namespace cosplat {
 namespace {

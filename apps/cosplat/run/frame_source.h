@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "apps/study/charts/svg_drawing.h"
+#include "apps/charts/svg_drawing.h"
 
 namespace cosplat {
 namespace {

@@ -6,7 +6,7 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/gaussians.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat {
 namespace {

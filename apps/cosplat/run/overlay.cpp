@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/run/data_uri.h"
-#include "apps/study/charts/svg_drawing.h"
 #include "apps/viewer/mesh_view.h"
-#include "splat/base/image_glance.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {

@@ -15,7 +15,7 @@
 #include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/data_checksums.h"
 #include "splat/base/state_file.h"
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 

@@ -1,6 +1,6 @@
 #include "apps/cosplat/run/scene_start.h"
 
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 namespace cosplat {
 namespace {

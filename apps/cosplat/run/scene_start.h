@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/cosplat/options/train_options.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat {
 
@@ -14,8 +14,8 @@ struct SceneStart {
 
 // Resolves the background. Replaces the scene's points by the initial positions of its Gaussians,
 // no more than the options allow. A scene without points gets `random_points` random ones or, if
-// that is 0, those of the preset: points found in the images (splat/train/initialize.h), or 3DGS's
-// 100,000 random ones.
+// that is 0, those of the preset: points found in the images (splat/train/start/initialize.h), or
+// 3DGS's 100,000 random ones.
 SceneStart StartScene(size_t random_points, TrainOptions& choices, TrainingScene& scene);
 
 }  // namespace cosplat

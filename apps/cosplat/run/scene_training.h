@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/cosplat/options/scene_options.h"
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 

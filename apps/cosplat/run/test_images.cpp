@@ -9,11 +9,11 @@
 #include "avatar/surface/silhouette.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
 #include "splat/base/json.h"
-#include "splat/train/crop_loss.h"
-#include "splat/train/loss.h"
-#include "splat/train/photograph.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/crop_loss.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/loss/photograph.h"
 
 namespace cosplat {
 namespace fs = std::filesystem;

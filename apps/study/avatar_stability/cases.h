@@ -42,7 +42,7 @@ StabilityCase EyeballShareCase(const StudyHead& head);
 // Known failure cases of avatars bound to a mesh: the formulas of SplattingAvatar's released code,
 // or the most obvious ones, compared with ours. Not used in training or playback.
 //
-// AvatarStability -> apps/study/stability/stability_case.h -> `cosplat study --stability`;
+// AvatarStability -> apps/study/stability/stability_case.h -> `cosplat-study --stability`;
 // tests/study/avatar_stability_test.cpp checks each case against its bound. docs/stability.md
 // explains them.
 //

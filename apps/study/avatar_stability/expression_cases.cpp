@@ -6,7 +6,7 @@
 #include "apps/study/avatar_stability/cases.h"
 #include "apps/study/avatar_stability/steps.h"
 #include "avatar/surface/silhouette.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "apps/study/avatar_stability/cases.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 namespace {

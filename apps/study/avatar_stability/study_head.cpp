@@ -5,7 +5,7 @@
 
 #include "assets/head/motion.h"
 #include "avatar/play/player.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -11,9 +11,9 @@
 #include "assets/head/video.h"
 #include "avatar/train/trainer.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/base/json.h"
-#include "splat/train/loss.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 namespace {

@@ -1,6 +1,6 @@
 #include "apps/study/bench/bench_results.h"
 
-#include "apps/study/charts/svg_drawing.h"
+#include "apps/charts/svg_drawing.h"
 #include "splat/base/files.h"
 
 namespace cosplat {
@@ -44,8 +44,10 @@ std::string Page(const OrderedJson& head, const std::vector<BenchSeries>& series
                               head["simd"].get<std::string>() + ", " + head["threads"].dump() +
                               " threads";
   std::string html =
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>cosplat bench</title>" +
-      std::string(kPageStyle) + "<h1>cosplat bench</h1><p>" + EscapeXml(machine) + "</p><main>\n";
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>cosplat-study "
+      "bench</title>" +
+      std::string(kPageStyle) + "<h1>cosplat-study bench</h1><p>" + EscapeXml(machine) +
+      "</p><main>\n";
   for (const BenchSeries& s : series)
     html += "<figure>" + ToSvg(s.chart) + "<figcaption>" + EscapeXml(s.explanation) +
             "</figcaption></figure>\n";

@@ -1,12 +1,12 @@
-// Results of `cosplat bench` and their output: bench.json, one chart per series, and a page that
-// shows all charts.
+// Results of `cosplat-study bench` and their output: bench.json, one chart per series, and a page
+// that shows all charts.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "apps/study/charts/svg_chart.h"
+#include "apps/charts/svg_chart.h"
 #include "splat/base/json.h"
 
 namespace cosplat {

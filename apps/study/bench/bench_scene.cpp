@@ -7,15 +7,14 @@
 
 #include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/run_data.h"
-#include "apps/study/bench/half_adam.h"
 #include "assets/head/motion.h"
 #include "assets/head/video.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/eval/metrics.h"
-#include "splat/train/initialize.h"
-#include "splat/train/loss.h"
-#include "splat/train/scene_subject.h"
+#include "splat/media/image_io.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/start/initialize.h"
+#include "splat/train/subject/scene_subject.h"
 
 namespace cosplat {
 namespace {
@@ -44,21 +43,8 @@ std::vector<TrainFrame> Reduced(const std::vector<TrainFrame>& frames, int divis
   return reduced;
 }
 
-// Emulates storing the moments in 16 bits.
-class HalfMomentsSubject : public SceneSubject {
- public:
-  using SceneSubject::SceneSubject;
-  bool ActsAfter(int) const override { return true; }
-  void Act(int iteration, Gaussians&, AdamState& adam) override {
-    Buffer<float>&m = adam.m.values[kColorRest], &v = adam.v.values[kColorRest];
-    RoundMoments(uint32_t(iteration), 0, uint32_t(m.size()), m.data(), v.data());
-  }
-};
-
 std::unique_ptr<Subject> MakeSubject(const BenchScene& scene, const TrainingChoice& choice) {
   std::vector<TrainFrame> frames = Reduced(scene.train, choice.divisor);
-  if (choice.half_moments)
-    return std::make_unique<HalfMomentsSubject>(std::move(frames), scene.extent);
   return std::make_unique<SceneSubject>(std::move(frames), scene.extent);
 }
 

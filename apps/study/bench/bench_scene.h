@@ -1,4 +1,5 @@
-// Images that `cosplat bench` trains on: of the procedural head, or a scene given by the user.
+// Images that `cosplat-study bench` trains on: of the procedural head, or a scene given by the
+// user.
 #pragma once
 
 #include <cstdint>
@@ -42,13 +43,12 @@ struct TrainingChoice {
   int iterations = 0;
   uint64_t seed = 0;
   StepShortcuts shortcuts = {};
-  bool half_moments = false;  // for the higher colour bands (apps/study/bench/half_adam.h)
 };
 
 // Held-out views are rendered with the exact exponential, whichever one training used.
 TrainedScene TrainBenchScene(const BenchScene& scene, const TrainingChoice& choice);
 
-// Milliseconds per further step of such a run: the mean of `steps`. Moments are stored as floats.
+// Milliseconds per further step of such a run: the mean of `steps`.
 double StepMs(const BenchScene& scene,
               const TrainingChoice& choice,
               const Gaussians& trained,
@@ -65,9 +65,5 @@ struct PairCounts {
 
 // One view over a black background, with all stored colour bands.
 PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera);
-
-// Share of the Gaussians (at least 1) in groups that a step on this view updates with
-// AdamOn::kDrawn.
-double AdamShare(const Gaussians& gaussians, const Camera& camera);
 
 }  // namespace cosplat

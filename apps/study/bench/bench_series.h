@@ -1,4 +1,4 @@
-// `cosplat bench --splats`: rendering speed of a splat file on an orbit.
+// `cosplat-study bench --splats`: rendering speed of a splat file on an orbit.
 #pragma once
 
 #include <string>
@@ -30,33 +30,33 @@ struct OrbitResult {
 };
 OrbitResult MeasureOrbit(const BenchRun& run, const OrbitSubject& subject);
 
-// `cosplat bench`: the blend loop compared with the machine's limits.
+// `cosplat-study bench`: the blend loop compared with the machine's limits.
 //
 // Time per pixel-splat pair on every instruction set, its share of the FMA peak, and the memory
 // bandwidth. Adds the figures of the instruction set in use to `head`.
 std::vector<BenchSeries> MeasureLoops(const BenchRun& run, OrderedJson& head);
 
-// `cosplat bench`: memory held by a training run.
+// `cosplat-study bench`: memory held by a training run.
 //
 // Bytes per Gaussian, by component, of a synthetic view and of a run on each scene.
 BenchSeries MeasureMemory(const BenchRun& run, const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: frame rate of an animated avatar.
+// `cosplat-study bench`: frame rate of an animated avatar.
 //
 // As a function of the number of splats; adds avatar_fps, for an avatar of typical size, to `head`.
 BenchSeries MeasurePlayback(const BenchRun& run, OrderedJson& head);
 
-// `cosplat bench`: measurements on images: speed against accuracy, the pairs that the blend loop
-// evaluates, and the time per phase of a step.
+// `cosplat-study bench`: measurements on images: speed against accuracy, the pairs that the blend
+// loop evaluates, and the time per phase of a step.
 std::vector<BenchSeries> MeasureScenes(const BenchRun& run, const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: time gained and accuracy lost by each shortcut of the training step.
+// `cosplat-study bench`: time gained and accuracy lost by each shortcut of the training step.
 //
 // One chart per scene: `shortcuts` for the first, `shortcuts_given` for a second one.
 std::vector<BenchSeries> MeasureShortcuts(const BenchRun& run,
                                           const std::vector<BenchScene>& scenes);
 
-// `cosplat bench`: scaling of the time of a training step.
+// `cosplat-study bench`: scaling of the time of a training step.
 //
 // On synthetic views, with the number of Gaussians, of pixels and of threads.
 std::vector<BenchSeries> MeasureSteps(const BenchRun& run);

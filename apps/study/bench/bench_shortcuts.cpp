@@ -8,7 +8,6 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/bench_series.h"
-#include "apps/study/bench/half_adam.h"
 
 namespace cosplat {
 namespace {
@@ -18,9 +17,7 @@ struct Group {
   const char* name;
   const char* default_label;
 };
-constexpr Group kGroups[] = {{"exponential of degree", "5"},
-                             {"Adam on", "drawn"},
-                             {"moments of higher bands in", "32 bits"}};
+constexpr Group kGroups[] = {{"exponential of degree", "5"}, {"Adam on", "drawn"}};
 static_assert(kMaxExpDegree == 5);
 
 struct Variant {
@@ -41,8 +38,6 @@ std::vector<Variant> MakeVariants(int iterations) {
   }
   variants.push_back({1, "all", base});
   variants.back().choice.shortcuts.adam_on = AdamOn::kAll;
-  variants.push_back({2, "16 bits", base});
-  variants.back().choice.half_moments = true;
   return variants;
 }
 
@@ -76,32 +71,18 @@ Gaussians TrainVariants(const BenchRun& run,
   return first;
 }
 
-// Parameters of the higher colour bands that a step updates, mean over the views.
-uint32_t NumbersPerStep(const BenchScene& scene, const Gaussians& g) {
-  double share = 0;
-  for (const TrainFrame& frame : scene.train) share += AdamShare(g, frame.camera);
-  const double gaussians = share / double(scene.train.size()) * double(g.size());
-  return std::max(1u, uint32_t(gaussians * g.width(kColorRest)));
-}
-
-// Fills in `step_ms`, with all steps on the same Gaussians. The trainer does not support 16-bit
-// moments: their time is estimated as the default's minus the gain in the optimiser's loop.
-AdamLoopTimes TimeVariants(const BenchRun& run,
-                           const BenchScene& scene,
-                           const Gaussians& g,
-                           std::vector<Variant>& variants) {
+// Fills in `step_ms`, with all steps on the same Gaussians.
+void TimeVariants(const BenchRun& run,
+                  const BenchScene& scene,
+                  const Gaussians& g,
+                  std::vector<Variant>& variants) {
   // Many short measurements, as the differences are small and a quiet moment suffices.
   const int rounds = run.quick ? 1 : 25, steps = run.quick ? 3 : 8;
   for (int round = 0; round < rounds; ++round)
     for (Variant& v : variants) {
-      if (v.choice.half_moments) continue;
       run.progress("training step, " + scene.name + ", " + NameOf(v));
       v.step_ms = std::min(v.step_ms, StepMs(scene, v.choice, g, steps));
     }
-  const AdamLoopTimes loops = TimeAdamLoops(NumbersPerStep(scene, g), run.quick ? 2 : 100);
-  for (Variant& v : variants)
-    if (v.choice.half_moments) v.step_ms = variants[0].step_ms - (loops.float_ms - loops.half_ms);
-  return loops;
 }
 
 BenchSeries EmptySeries(const std::string& key, const BenchScene& scene, int iterations) {
@@ -109,10 +90,8 @@ BenchSeries EmptySeries(const std::string& key, const BenchScene& scene, int ite
   s.key = key;
   s.explanation =
       "What each shortcut of the training step gains in time and costs in accuracy, all else as it "
-      "is by default: the degree of the polynomial for the exponential, Adam on all Gaussians or, "
-      "put off for the others, on those drawn, and 16 bits for Adam's moments of the colours' "
-      "higher bands. The time of the last is not run but reckoned: the step's, less the difference "
-      "of two loops that update as many numbers as a step does, on all threads.";
+      "is by default: the degree of the polynomial for the exponential, and Adam on all Gaussians "
+      "or, put off for the others, on those drawn.";
   s.statistic =
       "step: fastest of several rounds, on the same Gaussians; PSNR: mean over the held-out views "
       "and over seeds, psnr_deviation being that of one seed";
@@ -131,11 +110,9 @@ BenchSeries MeasureScene(const BenchRun& run, const BenchScene& scene, const std
   const int iterations = run.quick ? 20 : 1000, seeds = run.quick ? 2 : 4;
   std::vector<Variant> variants = MakeVariants(iterations);
   const Gaussians g = TrainVariants(run, scene, seeds, variants);
-  const AdamLoopTimes loops = TimeVariants(run, scene, g, variants);
+  TimeVariants(run, scene, g, variants);
   BenchSeries s = EmptySeries(key, scene, iterations);
-  s.more = {{"iterations", iterations},
-            {"seeds", seeds},
-            {"adam_loop_ms", {{"32 bits", loops.float_ms}, {"16 bits", loops.half_ms}}}};
+  s.more = {{"iterations", iterations}, {"seeds", seeds}};
   for (const Variant& v : variants) {
     s.chart.series[v.group].marks.push_back({v.step_ms, Mean(v.psnr), v.label});
     s.more["psnr_deviation"][NameOf(v)] = Deviation(v.psnr);

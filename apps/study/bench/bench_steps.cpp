@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/charts/chart_scale.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/step_timer.h"
-#include "apps/study/charts/chart_scale.h"
 
 namespace cosplat {
 namespace {

@@ -1,5 +1,5 @@
 // Name and measured peak performance of the machine that a benchmark runs on, as references for the
-// blend loop and the optimiser (`cosplat bench`).
+// blend loop and the optimiser (`cosplat-study bench`).
 #pragma once
 
 #include <cstddef>

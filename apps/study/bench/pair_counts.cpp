@@ -7,7 +7,7 @@
 #include "splat/math/blend.h"
 #include "splat/render/cpu/launch.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/optimize/optimizer.h"
 
 namespace cosplat {
 namespace {
@@ -75,18 +75,6 @@ PairCounts CountPairs(const Gaussians& gaussians, const Camera& camera) {
       }
     }
   return counts;
-}
-
-double AdamShare(const Gaussians& gaussians, const Camera& camera) {
-  const Buffer<float> radii = Project(gaussians, camera).radii;
-  size_t updated = 0;
-  for (size_t begin = 0; begin < radii.size(); begin += kGaussianGroup) {
-    const size_t end = std::min(begin + kGaussianGroup, radii.size());
-    const bool drawn = std::any_of(
-        radii.begin() + begin, radii.begin() + end, [](float radius) { return radius > 0; });
-    if (drawn) updated += end - begin;
-  }
-  return double(updated) / double(radii.size());
 }
 
 }  // namespace cosplat

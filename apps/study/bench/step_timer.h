@@ -5,7 +5,7 @@
 
 #include "apps/study/bench/synthetic_view.h"
 #include "splat/render/phase_times.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "splat/base/image_io.h"
 #include "splat/base/rng.h"
 #include "splat/config.h"
 #include "splat/math/scalar.h"
+#include "splat/media/image_io.h"
 #include "splat/render/rasterizer.h"
 
 namespace cosplat {

@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 
 #include "apps/study/runs/study_list.h"
 #include "splat/base/error.h"
@@ -14,7 +15,10 @@
 namespace cosplat {
 namespace {
 
-constexpr const char* kProgram = "/proc/self/exe";
+// `cosplat`, which lies beside this program.
+std::string Program() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cosplat").string();
+}
 
 // Starts the child with the signal mask that the parent had before blocking signals.
 pid_t Spawn(const std::vector<std::string>& arguments, const sigset_t& signals) {
@@ -30,11 +34,13 @@ pid_t Spawn(const std::vector<std::string>& arguments, const sigset_t& signals) 
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
-  const int problem = posix_spawn(&child, kProgram, &files, &attributes, argv.data(), environ);
+  const std::string program = Program();
+  const int problem =
+      posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (problem != 0)
-    throw Error(kProgram, std::string("cannot be started: ") + std::strerror(problem));
+    throw Error(program, std::string("cannot be started: ") + std::strerror(problem));
   return child;
 }
 

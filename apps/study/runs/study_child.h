@@ -1,4 +1,4 @@
-// Runs this program as a child process for the steps of a study, each as a user would run it.
+// Runs `cosplat` as a child process for the steps of a study, each as a user would run it.
 #pragma once
 
 #include <signal.h>

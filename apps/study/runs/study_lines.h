@@ -1,4 +1,4 @@
-// The finished runs of a study, one JSON line each: the results of `cosplat study` and the command
+// The finished runs of a study, one JSON line each: the results of `cosplat-study` and the command
 // that produced them. Lines of several files are combined.
 #pragma once
 

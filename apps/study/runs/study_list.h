@@ -1,4 +1,4 @@
-// The runs of a `cosplat study`: settings crossed with data sets and seeds.
+// The runs of a `cosplat-study`: settings crossed with data sets and seeds.
 //
 // list.json -> ReadStudyList -> StudyRun -> study_runner.h. docs/study.md describes every field of
 // the file; arguments are those of the trainers and are passed on unchanged.

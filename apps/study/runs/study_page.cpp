@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/study/charts/svg_drawing.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -188,8 +188,8 @@ std::string Page(const StudyLines& all, const std::string& charts_folder) {
   const auto data_of = [](const StudyPoint& p) { return std::vector<std::string>{p.data}; };
   const auto groups_of = [](const StudyPoint& p) { return p.groups; };
   std::string html =
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>cosplat study</title>" +
-      std::string(kStyle) + "<h1>cosplat study</h1>" + Notes(all);
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>cosplat-study</title>" +
+      std::string(kStyle) + "<h1>cosplat-study</h1>" + Notes(all);
   const std::string differences = DifferencesTable(points);
   if (!differences.empty()) html += "<h2>Differences</h2>" + differences;
   for (const std::string& data : InOrder(points, data_of)) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/charts/svg_chart.h"
+#include "apps/charts/svg_chart.h"
 #include "apps/study/runs/study_figures.h"
 
 namespace cosplat {

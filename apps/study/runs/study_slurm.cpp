@@ -19,7 +19,6 @@ std::string ScriptOf(const std::vector<StudyRun>& runs,
   std::vector<std::string> ids;
   for (const StudyRun& run : runs) ids.push_back(run.Id());
   std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
-                                   "study",
                                    "--list",
                                    absolute(list),
                                    "--data",

@@ -1,5 +1,5 @@
 // The runs of a study as one array job of Slurm, for a cluster: each task is
-// `cosplat study --run ID` with a file of lines of its own, which the study's page reads together.
+// `cosplat-study --run ID` with a file of lines of its own, which the study's page reads together.
 #pragma once
 
 #include <string>

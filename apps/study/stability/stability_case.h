@@ -2,7 +2,7 @@
 // test checks ours against.
 //
 // SplatStability() (apps/study/stability/cases.h) and AvatarStability() make the cases;
-// tests/*/stability_test.cpp check them against their bounds, `cosplat study --stability` shows
+// tests/*/stability_test.cpp check them against their bounds, `cosplat-study --stability` shows
 // them.
 #pragma once
 

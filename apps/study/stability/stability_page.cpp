@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/charts/chart_scale.h"
+#include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/run/data_uri.h"
-#include "apps/study/charts/chart_scale.h"
-#include "apps/study/charts/svg_drawing.h"
 #include "splat/base/files.h"
-#include "splat/base/image_io.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/charts/svg_chart.h"
+#include "apps/charts/svg_chart.h"
 #include "apps/study/stability/basis_forms.h"
 #include "apps/study/stability/stability_case.h"
 #include "splat/base/json.h"

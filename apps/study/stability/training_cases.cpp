@@ -9,13 +9,13 @@
 #include "apps/study/stability/naive_render.h"
 #include "apps/study/stability/test_scene.h"
 #include "splat/base/error.h"
-#include "splat/base/image_io.h"
 #include "splat/math/blend.h"
 #include "splat/math/ssim.h"
+#include "splat/media/image_io.h"
 #include "splat/render/cpu/tile_lists.h"
-#include "splat/train/initialize.h"
-#include "splat/train/loss.h"
-#include "splat/train/scene_subject.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/start/initialize.h"
+#include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 
 namespace cosplat {

@@ -29,7 +29,7 @@ uint32_t BlendTileForward(const TileJob& job);
 void BlendTileBackward(const TileJob& job, const float* d_color, SplatGradient* records);
 
 // Sums each splat's contributions to the tile's pixels, the basis of pruning scores
-// (splat/train/importance.h). Writes records[entry.record] for each of the job's entries (the
+// (splat/train/prune/importance.h). Writes records[entry.record] for each of the job's entries (the
 // caller passes only those that the forward pass processed; job.color must be what it wrote).
 void SumContributions(const TileJob& job, Contribution* records);
 

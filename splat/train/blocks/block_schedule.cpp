@@ -1,4 +1,4 @@
-#include "splat/train/block_schedule.h"
+#include "splat/train/blocks/block_schedule.h"
 
 #include <algorithm>
 #include <numeric>

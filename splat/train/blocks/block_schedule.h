@@ -1,4 +1,4 @@
-// When the blocks of a scene (splat/train/blocks.h) are trained, and by which ranks.
+// When the blocks of a scene (splat/train/blocks/blocks.h) are trained, and by which ranks.
 //
 // The whole scene is trained first, in round 0. In each later round every block is trained, seeing
 // what the others had become by the end of the round before; so all blocks of a round can be

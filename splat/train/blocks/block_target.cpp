@@ -1,4 +1,4 @@
-#include "splat/train/block_target.h"
+#include "splat/train/blocks/block_target.h"
 
 #include <algorithm>
 #include <array>

@@ -1,12 +1,12 @@
 // What a block of a scene is trained towards in a view, where the other blocks are in the image as
-// they were before (splat/train/layers.h): not the photograph itself, since each of several blocks
-// would then make up for the same error, and all of them together for more than that (measured:
-// docs/tried.md).
+// they were before (splat/train/blocks/layers.h): not the photograph itself, since each of several
+// blocks would then make up for the same error, and all of them together for more than that
+// (measured: docs/tried.md).
 #pragma once
 
 #include "splat/base/image.h"
-#include "splat/train/layers.h"
-#include "splat/train/photograph.h"
+#include "splat/train/blocks/layers.h"
+#include "splat/train/loss/photograph.h"
 
 namespace cosplat {
 

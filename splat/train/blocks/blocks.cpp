@@ -1,4 +1,4 @@
-#include "splat/train/blocks.h"
+#include "splat/train/blocks/blocks.h"
 
 #include <algorithm>
 #include <cmath>

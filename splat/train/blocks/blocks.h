@@ -4,7 +4,7 @@
 // generation by a priori tree structures*): its leaves are the blocks, convex, without a bound
 // towards the outside, so that the background belongs to one of them, too. A camera sees them in an
 // order that its place alone decides, so that images of blocks add up to one of the scene
-// (splat/train/layers.h).
+// (splat/train/blocks/layers.h).
 #pragma once
 
 #include <array>

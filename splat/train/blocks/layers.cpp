@@ -1,10 +1,10 @@
-#include "splat/train/layers.h"
+#include "splat/train/blocks/layers.h"
 
 #include <algorithm>
 
 #include "splat/device/for_each.h"
 #include "splat/render/kernels/pixel_bytes.h"
-#include "splat/train/kernels/layers.h"
+#include "splat/train/blocks/kernels/layers.h"
 
 namespace cosplat {
 namespace {

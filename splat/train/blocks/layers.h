@@ -1,5 +1,5 @@
 // What other blocks of a scene show in a view while one block is trained: the part of the image in
-// front of the block and the part behind it, rendered before (splat/train/blocks.h).
+// front of the block and the part behind it, rendered before (splat/train/blocks/blocks.h).
 //
 // The blocks are convex and disjoint, so that a camera sees one wholly in front of another, and a
 // view is  front + (1 - alpha of front) (block + transmittance of the block * behind).  As bytes,

@@ -1,4 +1,4 @@
-#include "splat/train/bands.h"
+#include "splat/train/density/bands.h"
 
 #include <algorithm>
 #include <cmath>

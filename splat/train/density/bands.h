@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "splat/gaussians.h"
-#include "splat/train/importance.h"
+#include "splat/train/prune/importance.h"
 
 namespace cosplat {
 
@@ -51,9 +51,9 @@ struct BandSchedule {
 
 // Performs one such round, with weights from training images (of `frames`) over `background`.
 // Dropped coefficients stay zero since they get neither momentum nor gradients: their moments are
-// the caller's to zero (ZeroAbove). Adam must have caught up (splat/train/optimizer.h). threshold:
-// for all rounds together. `changed` is called after the bands are dropped and before `images` is
-// queried again. Returns the change in dB of the mean PSNR of up to 20 training images.
+// the caller's to zero (ZeroAbove). Adam must have caught up (splat/train/optimize/optimizer.h).
+// threshold: for all rounds together. `changed` is called after the bands are dropped and before
+// `images` is queried again. Returns the change in dB of the mean PSNR of up to 20 training images.
 double DropBandsInTraining(float threshold,
                            FrameImages& images,
                            View<const uint32_t> frames,

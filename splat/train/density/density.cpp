@@ -1,16 +1,15 @@
-#include "splat/train/density.h"
+#include "splat/train/density/density.h"
 
 #include <cmath>
 
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
-#include "splat/prune/pruner.h"
-#include "splat/prune/rounds.h"
-#include "splat/train/kernels/control.h"
-#include "splat/train/kernels/step.h"
-#include "splat/train/mask_learner.h"
-#include "splat/train/shards.h"
+#include "splat/train/density/kernels/control.h"
+#include "splat/train/prune/mask_learner.h"
+#include "splat/train/prune/pruner.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/ranks/shards.h"
 
 namespace cosplat {
 namespace {
@@ -57,55 +56,6 @@ void CheckCaughtUp(const AdamState& adam, const Stream& stream) {
 
 math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized) {
   return {math::Logit(settings.min_opacity), remove_oversized, settings.max_scale};
-}
-
-void DensityStatistics::Reset(size_t n, Stream& stream) {
-  for (Buffer<float>* b : all()) {
-    b->Refill(n, stream);
-    b->FillWithZeros(stream);
-  }
-}
-
-void DensityStatistics::Accumulate(View<const float> radii,
-                                   View<const float> screen,
-                                   View<const float> d_scale_log,
-                                   View<const float> scale_log,
-                                   int width,
-                                   int height,
-                                   const uint32_t* overflowed,
-                                   Stream& stream) {
-  ForEach(visible.size(),
-          stream,
-          AccumulateStep{radii,
-                         screen,
-                         d_scale_log,
-                         scale_log,
-                         width,
-                         height,
-                         screen_gradient.view(),
-                         plasticity.view(),
-                         visible.view(),
-                         overflowed});
-}
-
-void DensityStatistics::Upload(const DensityStatistics& from, Stream& stream) {
-  screen_gradient.Upload(from.screen_gradient.data(), from.screen_gradient.size(), stream);
-  plasticity.Upload(from.plasticity.data(), from.plasticity.size(), stream);
-  visible.Upload(from.visible.data(), from.visible.size(), stream);
-}
-
-void DensityStatistics::Download(DensityStatistics& to, Stream& stream) const {
-  to.Reset(visible.size());
-  screen_gradient.Download(to.screen_gradient.data(), stream);
-  plasticity.Download(to.plasticity.data(), stream);
-  visible.Download(to.visible.data(), stream);
-}
-
-void Placement::Move(View<const float> offsets,
-                     size_t first,
-                     Gaussians& gaussians,
-                     Stream& stream) {
-  ForEach(offsets.count, stream, AddOffsets{offsets, first, gaussians.values[kPosition].view()});
 }
 
 void Population::Gather(const Reordering& order) const {

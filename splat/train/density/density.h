@@ -1,5 +1,5 @@
 // Adaptive density control: adds and removes Gaussians during training.
-// Source: Kerbl et al. 2023, section 5; pruning: splat/prune/pruner.h.
+// Source: Kerbl et al. 2023, section 5; pruning: splat/train/prune/pruner.h.
 #pragma once
 
 #include <array>
@@ -10,10 +10,11 @@
 #include "splat/base/rng.h"
 #include "splat/device/sort.h"
 #include "splat/gaussians.h"
-#include "splat/render/rasterizer.h"
-#include "splat/train/kernels/density.h"
-#include "splat/train/morton.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/density/kernels/density.h"
+#include "splat/train/density/morton.h"
+#include "splat/train/optimize/optimizer.h"
+#include "splat/train/state/density_statistics.h"
+#include "splat/train/subject/placement.h"
 
 namespace cosplat {
 
@@ -21,38 +22,6 @@ class MaskLearner;
 class Pruner;
 class Shards;
 struct PruneRound;
-
-// How density control reorders Gaussians: entry i was source[i] before. Entries from first_fresh on
-// are new (cloned or split off); their moments and statistics start at zero.
-struct Reordering {
-  View<const uint32_t> source;
-  size_t first_fresh = 0;
-};
-
-// Accumulated over the steps since the last densification; one entry per Gaussian.
-struct DensityStatistics {
-  Buffer<float> screen_gradient;  // sum of |dL/d(centre)| in normalised device coordinates
-  Buffer<float> plasticity;       // sum of |dL/ds|
-  Buffer<float> visible;          // number of steps in which it was visible
-
-  std::array<Buffer<float>*, 3> all() { return {&screen_gradient, &plasticity, &visible}; }
-  void Reset(size_t n, Stream& stream = HostStream());
-  // Mean of |dL/ds| over the steps in which the Gaussian was visible; 0 if there were none.
-  float MeanPlasticity(size_t i) const { return math::MeanWhereVisible(plasticity[i], visible[i]); }
-  // radii: [N], 0 where invisible; screen: [N, 2] dL/d(centre) per px;
-  // d_scale_log, scale_log: [N, 3]. Does nothing if *overflowed is not 0.
-  void Accumulate(View<const float> radii,
-                  View<const float> screen,
-                  View<const float> d_scale_log,
-                  View<const float> scale_log,
-                  int width,
-                  int height,
-                  const uint32_t* overflowed,
-                  Stream& stream);
-  // Same as those of Gaussians (splat/gaussians.h).
-  void Upload(const DensityStatistics& from, Stream& stream);
-  void Download(DensityStatistics& to, Stream& stream) const;
-};
 
 struct DensitySettings {
   float gradient_threshold = 2e-4f;  // clone or split above this mean screen gradient
@@ -66,52 +35,8 @@ struct DensitySettings {
 
 math::RemovalRule RemovalRuleOf(const DensitySettings& settings, bool remove_oversized);
 
-// The renderer that density control may use between steps, with the steps' own buffers.
-struct Canvas {
-  Rasterizer& rasterizer;
-  RenderedImage& image;
-  RenderTape& tape;
-};
-
-// How density control moves and locates Gaussians: a static scene moves a point, an avatar
-// re-embeds it on its mesh. Arrays are in the stream's memory.
-class Placement {
- public:
-  virtual ~Placement() = default;
-  // Applies the same reordering to per-Gaussian data outside `Gaussians`.
-  virtual void Gather(View<const uint32_t> source, Stream& stream) {
-    (void)source;
-    (void)stream;
-  }
-  // Moves each Gaussian from `first` on by one row of `offsets` ([rows, 3]), in the frame that
-  // kRotation and kScaleLog refer to.
-  virtual void Move(View<const float> offsets, size_t first, Gaussians& gaussians, Stream& stream);
-  // [N, 3] positions in a coordinate frame where Gaussians that are close are close in every
-  // training frame. Valid until the next call.
-  virtual View<const float> Centers(const Gaussians& gaussians, Stream& stream) {
-    (void)stream;
-    return gaussians.values[kPosition].view();
-  }
-  // Group of each Gaussian for pruning, on the host; empty: a single group. Waits for the stream.
-  virtual std::vector<int32_t> Groups(Stream& stream) {
-    (void)stream;
-    return {};
-  }
-  // May veto removals (that would tear holes into an avatar): resets the flags in `unwanted`
-  // ([N], 1: remove) of Gaussians that must stay. canvas: null if nothing can be rendered.
-  virtual void Veto(const Gaussians& gaussians,
-                    const Canvas* canvas,
-                    View<uint8_t> unwanted,
-                    Stream& stream) {
-    (void)gaussians;
-    (void)canvas;
-    (void)unwanted;
-    (void)stream;
-  }
-};
-
 // All per-Gaussian data, so that a reordering applies to all of it. Adam must have caught up
-// (splat/train/optimizer.h); on the host, Error is thrown otherwise.
+// (splat/train/optimize/optimizer.h); on the host, Error is thrown otherwise.
 struct Population {
   Placement& placement;
   Gaussians& gaussians;
@@ -162,13 +87,13 @@ class DensityControl {
   // Removes the Gaussians that `unwanted` ([N], 1: remove) marks, unless the placement vetoes it.
   // Returns the number removed.
   size_t Remove(View<uint8_t> unwanted, const Population& population);
-  // Removes the Gaussians that a round of pruning (splat/prune/pruner.h) and the cap per group
-  // select. Returns the number removed.
+  // Removes the Gaussians that a round of pruning (splat/train/prune/pruner.h) and the cap per
+  // group select. Returns the number removed.
   size_t Prune(const PruneRound& round,
                int group_cap,
                int group_floor,
                const Population& population);
-  // Puts the Gaussians in Morton order (splat/train/morton.h).
+  // Puts the Gaussians in Morton order (splat/train/density/morton.h).
   void SortInSpace(const Population& population);
   size_t held() const;  // bytes
   void Release() { *this = DensityControl(); }

@@ -1,7 +1,7 @@
-#include "splat/train/morton.h"
+#include "splat/train/density/morton.h"
 
 #include "splat/device/for_each.h"
-#include "splat/train/kernels/control.h"
+#include "splat/train/density/kernels/control.h"
 
 namespace cosplat {
 

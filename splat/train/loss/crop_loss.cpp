@@ -1,4 +1,4 @@
-#include "splat/train/crop_loss.h"
+#include "splat/train/loss/crop_loss.h"
 
 #include <algorithm>
 #include <array>

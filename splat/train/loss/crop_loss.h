@@ -1,4 +1,4 @@
-// A loss of a random part of the image, added to the photometric loss (splat/train/loss.h):
+// A loss of a random part of the image, added to the photometric loss (splat/train/loss/loss.h):
 //   value = weight * distance(rendered crop, target crop)
 // The distance is measured on the host; LPIPS (splat/eval/lpips.h) is one. Crops, because a
 // network's time and memory grow with the pixels, and the mean over random crops stands for the

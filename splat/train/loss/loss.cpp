@@ -1,4 +1,4 @@
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,7 @@
 
 #include "splat/math/photometric.h"
 #include "splat/math/ssim.h"
-#include "splat/train/cpu/ssim_band.h"
+#include "splat/train/loss/cpu/ssim_band.h"
 
 namespace cosplat {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 // Fixed, so that sums do not depend on the number of threads. A band also processes up to ten rows
 // of each neighbour, so much smaller bands would cost more; an image of 1080 rows makes 27 jobs.
 constexpr int kBandRows = 120;
-constexpr int kRowsTogether = math::kSsimRadius;  // a group of splat/train/cpu/ssim_window.h
+constexpr int kRowsTogether = math::kSsimRadius;  // a group of splat/train/loss/cpu/ssim_window.h
 
 struct Bands {
   int count, rows;  // rows of each but the last

@@ -1,4 +1,4 @@
-#include "splat/train/photograph.h"
+#include "splat/train/loss/photograph.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -8,8 +8,8 @@
 
 #include "splat/device/buffer.h"
 #include "splat/math/exposure.h"
-#include "splat/train/kernels/photograph.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/kernels/photograph.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 

@@ -1,4 +1,4 @@
-#include "splat/train/optimizer.h"
+#include "splat/train/optimize/optimizer.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "splat/device/for_each.h"
-#include "splat/train/cpu/adam_runs.h"
-#include "splat/train/kernels/adam.h"
+#include "splat/train/optimize/cpu/adam_runs.h"
+#include "splat/train/optimize/kernels/adam.h"
 
 namespace cosplat {
 

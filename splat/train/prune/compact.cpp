@@ -1,10 +1,9 @@
-// Compact-3DGS's hard mask (splat/train/kernels/prune_mask.h). Gaussians that it hides are removed
-// at each densification and, afterwards, every 1,000 of 30,000 steps and at the end.
-#include "splat/prune/learned_mask.h"
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
-#include "splat/train/describe_state.h"
-#include "splat/train/kernels/prune_mask.h"
+// Compact-3DGS's hard mask (splat/train/prune/kernels/prune_mask.h). Gaussians that it hides are
+// removed at each densification and, afterwards, every 1,000 of 30,000 steps and at the end.
+#include "splat/train/prune/kernels/prune_mask.h"
+#include "splat/train/prune/learned_mask.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {
@@ -31,7 +30,7 @@ class CompactPruner : public Pruner {
   MaskInSteps Mask() override { return {MaskKind::kHard, weight_, &mask_, nullptr}; }
   size_t Held() const override { return mask_.Held(); }
   void Describe(StateArchive& archive, size_t count) override {
-    cosplat::Describe(archive, "compact", count, mask_);
+    mask_.Describe(archive, "compact", count);
   }
 
   PruneRound Rank(const PruneContext&) override {

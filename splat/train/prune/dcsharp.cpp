@@ -2,8 +2,8 @@
 // deviations) over the steps since the last densification in which the Gaussian was visible. The
 // least significant Gaussians are those whose shape the loss no longer changes. Prunes at each
 // densification. The supplement keeps the Top-K.
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

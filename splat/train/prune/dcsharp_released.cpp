@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "splat/device/buffer.h"
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

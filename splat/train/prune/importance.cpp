@@ -1,12 +1,12 @@
-#include "splat/train/importance.h"
+#include "splat/train/prune/importance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "splat/render/rasterizer.h"
-#include "splat/train/loss.h"
-#include "splat/train/photograph.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/loss/photograph.h"
 
 namespace cosplat {
 namespace {

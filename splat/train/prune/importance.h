@@ -9,7 +9,7 @@
 #include "splat/base/camera.h"
 #include "splat/gaussians.h"
 #include "splat/render/contribution.h"
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

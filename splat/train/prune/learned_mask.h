@@ -1,12 +1,14 @@
 // A trained value per Gaussian from which a pruning rule derives its mask
-// (splat/train/kernels/prune_mask.h).
+// (splat/train/prune/kernels/prune_mask.h).
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "splat/base/state_file.h"
 #include "splat/device/buffer.h"
 #include "splat/math/adam.h"
-#include "splat/train/kernels/prune_mask.h"
+#include "splat/train/prune/kernels/prune_mask.h"
 
 namespace cosplat {
 
@@ -15,6 +17,13 @@ struct LearnedMask {
       : rate(rate), value(gaussians, first), m(gaussians, 0.0f), v(gaussians, 0.0f) {}
 
   size_t size() const { return value.size(); }
+  // Writes it to a checkpoint under this name or reads it, for `count` Gaussians.
+  void Describe(StateArchive& archive, const std::string& name, size_t count) {
+    archive.Array(name + ".value", value, count);
+    archive.Array(name + ".m", m, count);
+    archive.Array(name + ".v", v, count);
+    archive.Value(name + ".step", step);
+  }
   size_t Held() const { return HeldBy(value, m, v); }
   float operator[](size_t i) const { return value[i]; }
 
@@ -23,8 +32,8 @@ struct LearnedMask {
   int64_t step = 0;                // Adam steps taken
 };
 
-// A mask that MaskLearner (splat/train/mask_learner.h) trains in every step. Its values are written
-// back to `learned` before a pruning round ranks.
+// A mask that MaskLearner (splat/train/prune/mask_learner.h) trains in every step. Its values are
+// written back to `learned` before a pruning round ranks.
 struct MaskInSteps {
   MaskKind kind = MaskKind::kHard;
   float weight = 0;                          // weight of the mask's mean in the loss

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "splat/base/error.h"
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

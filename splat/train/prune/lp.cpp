@@ -1,12 +1,12 @@
 // LP-3DGS: from step 19,500 to 20,000 of 30,000, a learned soft mask scales each opacity
-// (splat/train/kernels/prune_mask.h), where S is LightGaussian's score normalised to a maximum of
+// (splat/train/prune/kernels/prune_mask.h), where S is LightGaussian's score normalised to a
+// maximum of
 // 1. Then the Gaussians that the mask rather hides than shows (mu S < 0) are removed, once.
 #include <algorithm>
 
-#include "splat/prune/learned_mask.h"
-#include "splat/prune/rules.h"
-#include "splat/train/describe_state.h"
-#include "splat/train/kernels/prune_mask.h"
+#include "splat/train/prune/kernels/prune_mask.h"
+#include "splat/train/prune/learned_mask.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {
@@ -55,7 +55,7 @@ class LpPruner : public Pruner {
     learning_ = learning != 0;
     if (!learning_) return;
     archive.Array("lp.importance", importance_, count);
-    cosplat::Describe(archive, "lp.mu", count, mu_);
+    mu_.Describe(archive, "lp.mu", count);
   }
 
  private:

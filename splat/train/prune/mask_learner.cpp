@@ -1,4 +1,4 @@
-#include "splat/train/mask_learner.h"
+#include "splat/train/prune/mask_learner.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
 #include "splat/device/sum_tree.h"
-#include "splat/train/kernels/prune_mask.h"
+#include "splat/train/prune/kernels/prune_mask.h"
 
 namespace cosplat {
 namespace {

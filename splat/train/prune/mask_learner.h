@@ -1,4 +1,5 @@
-// Learns a pruning rule's mask in every step (splat/prune/learned_mask.h), on the host or a device.
+// Learns a pruning rule's mask in every step (splat/train/prune/learned_mask.h), on the host or a
+// device.
 //
 // BeforeDraw: replaces the Gaussians' opacities by masked ones for rendering -> ... ->
 // AfterBackward: gradients with respect to the mask and, through it, to the opacities; one step of
@@ -7,8 +8,8 @@
 
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
-#include "splat/prune/learned_mask.h"
 #include "splat/render/kernels/world_gaussians.h"
+#include "splat/train/prune/learned_mask.h"
 
 namespace cosplat {
 

@@ -1,6 +1,6 @@
 // Removes the least opaque, in DCSHARP's rounds: the baseline that any score must beat.
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

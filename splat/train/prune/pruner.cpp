@@ -1,10 +1,10 @@
-#include "splat/prune/pruner.h"
+#include "splat/train/prune/pruner.h"
 
 #include <algorithm>
 #include <array>
 
 #include "splat/base/error.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

@@ -15,11 +15,11 @@
 #include "splat/base/rng.h"
 #include "splat/base/state_file.h"
 #include "splat/gaussians.h"
-#include "splat/prune/learned_mask.h"
-#include "splat/prune/settings.h"
-#include "splat/train/density.h"
-#include "splat/train/importance.h"
-#include "splat/train/schedule.h"
+#include "splat/train/optimize/schedule.h"
+#include "splat/train/prune/importance.h"
+#include "splat/train/prune/learned_mask.h"
+#include "splat/train/prune/settings.h"
+#include "splat/train/state/density_statistics.h"
 
 namespace cosplat {
 

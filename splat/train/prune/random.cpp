@@ -1,6 +1,6 @@
 // Removes random Gaussians, in DCSHARP's rounds: shows what ranking is worth at all.
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

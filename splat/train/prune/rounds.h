@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "splat/device/buffer.h"
-#include "splat/train/schedule.h"
+#include "splat/train/optimize/schedule.h"
 
 namespace cosplat {
 
@@ -63,8 +63,9 @@ struct DensificationRounds {
   }
 };
 
-// Selects the Gaussians that a pruning round removes by their scores (splat/prune/pruner.h). Groups
-// are triangles for avatars, and a single group for a scene; this code does not depend on meshes.
+// Selects the Gaussians that a pruning round removes by their scores (splat/train/prune/pruner.h).
+// Groups are triangles for avatars, and a single group for a scene; this code does not depend on
+// meshes.
 
 struct PruneRequest {
   View<const float> score;     // [N] the lowest are removed first

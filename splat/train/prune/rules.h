@@ -1,10 +1,11 @@
-// The pruning rules, one per file (splat/prune/pruner.h documents them; MakePruner selects one).
+// The pruning rules, one per file (splat/train/prune/pruner.h documents them; MakePruner selects
+// one).
 #pragma once
 
 #include <memory>
 
-#include "splat/prune/pruner.h"
-#include "splat/train/importance.h"
+#include "splat/train/prune/importance.h"
+#include "splat/train/prune/pruner.h"
 
 namespace cosplat {
 

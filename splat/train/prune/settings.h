@@ -1,4 +1,4 @@
-// The pruning rules by name, and their settings (splat/prune/pruner.h).
+// The pruning rules by name, and their settings (splat/train/prune/pruner.h).
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct PruneSettings {
   size_t target = 0;
   // Rules that learn a mask: weight of its loss; 0: the rule's default.
   float mask_weight = 0;
-  // Any rule, at each densification and round, per group (splat/train/density.h,
+  // Any rule, at each densification and round, per group (splat/train/density/density.h,
   // Placement::Groups).
   int group_cap = 0;    // maximum: the lowest scores above it are removed; 0: none
   int group_floor = 0;  // minimum

@@ -2,8 +2,8 @@
 // views and pixels of (d(red + green + blue)/d(falloff))^2. Every 3,000 steps from step 6,000 of
 // 30,000: removes 80 % while densification refills the model (soft), 30 % afterwards (hard). With a
 // target, the hard rounds reach it.
-#include "splat/prune/rounds.h"
-#include "splat/prune/rules.h"
+#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

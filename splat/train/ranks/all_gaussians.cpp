@@ -1,4 +1,4 @@
-#include "splat/train/all_gaussians.h"
+#include "splat/train/ranks/all_gaussians.h"
 
 #include <algorithm>
 #include <utility>

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "splat/gaussians.h"
-#include "splat/train/density.h"
-#include "splat/train/shards.h"
+#include "splat/train/ranks/shards.h"
+#include "splat/train/state/density_statistics.h"
 
 namespace cosplat {
 

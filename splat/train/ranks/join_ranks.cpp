@@ -1,4 +1,4 @@
-#include "splat/train/join_ranks.h"
+#include "splat/train/ranks/join_ranks.h"
 
 #include <cstdlib>
 #include <string>
@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 
 #if defined(COSPLAT_HAS_MPI)
-#include "splat/train/mpi/mpi_ranks.h"
+#include "splat/train/ranks/mpi/mpi_ranks.h"
 #endif
 
 namespace cosplat {

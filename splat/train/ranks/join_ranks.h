@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 

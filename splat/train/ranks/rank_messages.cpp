@@ -1,4 +1,4 @@
-#include "splat/train/rank_messages.h"
+#include "splat/train/ranks/rank_messages.h"
 
 namespace cosplat {
 

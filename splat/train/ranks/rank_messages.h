@@ -1,10 +1,10 @@
-// Messages between ranks (splat/train/ranks.h) in a stream's memory: on the host as they are, from
-// and to a device by way of host memory.
+// Messages between ranks (splat/train/ranks/ranks.h) in a stream's memory: on the host as they are,
+// from and to a device by way of host memory.
 #pragma once
 
 #include <vector>
 
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 

@@ -1,4 +1,4 @@
-#include "splat/train/ranks.h"
+#include "splat/train/ranks/ranks.h"
 
 #include <algorithm>
 #include <cstring>

@@ -2,8 +2,8 @@
 //
 // All ranks run the same program on the same data. What they do not share, all of them compute,
 // from the same bits and with the same result: the order of the views, random numbers, density
-// control. They divide the Gaussians (splat/train/shards.h), with their moments and all that Adam
-// does to them, and the views of a step (splat/train/view_exchange.h).
+// control. They divide the Gaussians (splat/train/ranks/shards.h), with their moments and all that
+// Adam does to them, and the views of a step (splat/train/ranks/view_exchange.h).
 #pragma once
 
 #include <cstdint>

@@ -1,10 +1,10 @@
-#include "splat/train/shards.h"
+#include "splat/train/ranks/shards.h"
 
 #include <algorithm>
 
 #include "splat/device/for_each.h"
 #include "splat/device/gather.h"
-#include "splat/train/kernels/shards.h"
+#include "splat/train/ranks/kernels/shards.h"
 
 namespace cosplat {
 namespace {

@@ -1,9 +1,9 @@
-// Arrays of Gaussians that are divided between ranks (splat/train/row_share.h): assembled where all
-// are needed, handed over where density control reorders them.
+// Arrays of Gaussians that are divided between ranks (splat/train/ranks/row_share.h): assembled
+// where all are needed, handed over where density control reorders them.
 //
 // Each rank has the Gaussians of its share, with their moments and statistics, and no others
 // (ZeRO's third stage: Rajbhandari et al. 2020). What a step needs of the others':
-// splat/train/view_exchange.h.
+// splat/train/ranks/view_exchange.h.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 #include "splat/device/buffer.h"
 #include "splat/gaussians.h"
-#include "splat/train/density.h"
-#include "splat/train/rank_messages.h"
-#include "splat/train/ranks.h"
-#include "splat/train/row_share.h"
+#include "splat/train/ranks/rank_messages.h"
+#include "splat/train/ranks/ranks.h"
+#include "splat/train/ranks/row_share.h"
+#include "splat/train/state/density_statistics.h"
 
 namespace cosplat {
 

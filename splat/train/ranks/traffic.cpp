@@ -1,7 +1,7 @@
-#include "splat/train/traffic.h"
+#include "splat/train/ranks/traffic.h"
 
 #include "splat/render/kernels/projected_splat.h"
-#include "splat/train/photograph.h"
+#include "splat/train/loss/photograph.h"
 
 namespace cosplat {
 namespace {

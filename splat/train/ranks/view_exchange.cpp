@@ -1,11 +1,11 @@
-#include "splat/train/view_exchange.h"
+#include "splat/train/ranks/view_exchange.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "splat/device/for_each.h"
-#include "splat/train/kernels/shards.h"
-#include "splat/train/shards.h"
+#include "splat/train/ranks/kernels/shards.h"
+#include "splat/train/ranks/shards.h"
 
 namespace cosplat {
 namespace {

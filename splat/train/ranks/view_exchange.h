@@ -1,6 +1,6 @@
-// Views drawn from Gaussians that are divided between ranks (splat/train/shards.h), a round of as
-// many views as there are ranks at a time: rank r draws view r. Source: Grendel-GS (Zhao et al.
-// 2024, section 3).
+// Views drawn from Gaussians that are divided between ranks (splat/train/ranks/shards.h), a round
+// of as many views as there are ranks at a time: rank r draws view r. Source: Grendel-GS (Zhao et
+// al. 2024, section 3).
 //
 //   each rank projects its Gaussians for every view -> the rank that draws a view gets what shows
 //   in it -> draws, and differentiates -> the gradients of what was drawn go back -> each rank has
@@ -15,8 +15,8 @@
 
 #include "splat/base/camera.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/rank_messages.h"
-#include "splat/train/row_share.h"
+#include "splat/train/ranks/rank_messages.h"
+#include "splat/train/ranks/row_share.h"
 
 namespace cosplat {
 

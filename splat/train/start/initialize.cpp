@@ -1,4 +1,4 @@
-#include "splat/train/initialize.h"
+#include "splat/train/start/initialize.h"
 
 #include <tbb/parallel_for.h>
 

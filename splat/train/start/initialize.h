@@ -8,7 +8,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "splat/train/frame_reader.h"
-#include "splat/train/initialize.h"
-#include "splat/train/reduced_frames.h"
+#include "splat/train/start/initialize.h"
+#include "splat/train/subject/frame_reader.h"
+#include "splat/train/subject/reduced_frames.h"
 
 namespace cosplat {
 namespace {

@@ -1,11 +1,11 @@
-#include "splat/train/gradient_sum.h"
+#include "splat/train/step/gradient_sum.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "splat/device/for_each.h"
-#include "splat/train/kernels/shards.h"
-#include "splat/train/shards.h"
+#include "splat/train/ranks/kernels/shards.h"
+#include "splat/train/ranks/shards.h"
 
 namespace cosplat {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "splat/gaussians.h"
-#include "splat/train/density.h"
+#include "splat/train/state/density_statistics.h"
 
 namespace cosplat {
 

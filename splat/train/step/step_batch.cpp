@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 
 namespace cosplat {
 

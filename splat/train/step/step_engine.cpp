@@ -1,4 +1,4 @@
-#include "splat/train/step_engine.h"
+#include "splat/train/step/step_engine.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,10 @@
 #include "splat/device/for_each.h"
 #include "splat/device/sum_tree.h"
 #include "splat/render/kernels/project.h"
-#include "splat/train/bands.h"
-#include "splat/train/kernels/shards.h"
-#include "splat/train/kernels/smoothing.h"
+#include "splat/train/density/bands.h"
+#include "splat/train/density/kernels/smoothing.h"
+#include "splat/train/loss/kernels/crop.h"
+#include "splat/train/ranks/kernels/shards.h"
 
 namespace cosplat {
 namespace {

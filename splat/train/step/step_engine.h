@@ -17,40 +17,27 @@
 
 #include "splat/device/buffer.h"
 #include "splat/math/pinhole.h"
-#include "splat/prune/pruner.h"
 #include "splat/render/device.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/all_gaussians.h"
-#include "splat/train/gradient_sum.h"
-#include "splat/train/importance.h"
-#include "splat/train/instance_forecast.h"
-#include "splat/train/kernels/step.h"
-#include "splat/train/mask_learner.h"
-#include "splat/train/photograph.h"
-#include "splat/train/ranks.h"
-#include "splat/train/shards.h"
-#include "splat/train/subject.h"
-#include "splat/train/target_store.h"
-#include "splat/train/train_settings.h"
-#include "splat/train/view_exchange.h"
+#include "splat/train/loss/photograph.h"
+#include "splat/train/prune/importance.h"
+#include "splat/train/prune/mask_learner.h"
+#include "splat/train/prune/pruner.h"
+#include "splat/train/ranks/all_gaussians.h"
+#include "splat/train/ranks/ranks.h"
+#include "splat/train/ranks/shards.h"
+#include "splat/train/ranks/traffic.h"
+#include "splat/train/ranks/view_exchange.h"
+#include "splat/train/state/training_state.h"
+#include "splat/train/step/gradient_sum.h"
+#include "splat/train/step/instance_forecast.h"
+#include "splat/train/step/kernels/step.h"
+#include "splat/train/step/train_settings.h"
+#include "splat/train/subject/subject.h"
+#include "splat/train/subject/target_store.h"
 
 namespace cosplat {
-
-// The complete state of a run, except its subject's own state (AvatarTrainingState) and what a
-// pruning rule learns: with them it is an exact checkpoint (Trainer::Describe). Until the last
-// iteration, updates that `adam` has deferred may be pending for Gaussians that were not visible
-// lately. Of several ranks each has its share of the Gaussians, with their moments and statistics
-// (splat/train/row_share.h).
-struct TrainingState {
-  Gaussians gaussians;
-  AdamState adam;
-  DensityStatistics statistics;
-  Rng rng;
-  int iteration = 0;
-  std::vector<uint32_t> frames_left;  // rest of the current pass; the next one is at the back
-  ExposureState exposures;            // empty unless TrainSettings::exposure
-};
 
 // A step of one view, or one view of a step (StepEngine::StepBatch).
 struct StepPlan {
@@ -72,20 +59,6 @@ struct StepDevice {
   double memory_share = 1;  // of what is free: less where several ranks have one GPU
 };
 StepDevice HostStepDevice();
-
-// What ranks exchange (splat/train/ranks.h), counted since the start or since resuming, over all of
-// them. Calculated from the groups: TrafficOf (splat/train/traffic.h).
-struct ExchangeStatistics {
-  size_t ranks = 1;
-  uint64_t steps = 0;           // of several views
-  uint64_t views = 0;           // of those
-  uint64_t groups_drawn = 0;    // summed over views: with a visible Gaussian
-  uint64_t groups_updated = 0;  // summed over steps: with one that is visible in a view
-  uint64_t assembled = 0;       // numbers of Gaussians that all ranks were to have
-  uint64_t handed_over = 0;     // numbers of Gaussians that changed hands, and for checkpoints
-  uint64_t bytes_sent = 0;
-  double seconds = 0;  // mean over the ranks, waiting included
-};
 
 // Runs the forward pass, loss, backward pass and update, and adds and removes Gaussians.
 //
@@ -124,8 +97,8 @@ class StepEngine : public FrameImages {
   Shards& shards() { return shards_; }
   // Same as AdamCatchUpAll; needed before any of what follows.
   void CatchUp(const AdamSettings& rates);
-  // Same as those of DensityControl (splat/train/density.h). Stays below the settings' limit if the
-  // device's memory would not hold that many Gaussians; TakeNotice then reports it.
+  // Same as those of DensityControl (splat/train/density/density.h). Stays below the settings'
+  // limit if the device's memory would not hold that many Gaussians; TakeNotice then reports it.
   void ControlDensity(const DensitySettings& settings, bool remove_oversized);
   void Prune(const PruneRound& round, int group_cap, int group_floor);
   void SortInSpace();
@@ -145,7 +118,7 @@ class StepEngine : public FrameImages {
   Ranked FetchForRanking();
   // Takes over the state after it was changed.
   void Store();
-  // Drops bands (splat/train/bands.h). Returns the change of the mean PSNR.
+  // Drops bands (splat/train/density/bands.h). Returns the change of the mean PSNR.
   double DropBands(float threshold,
                    View<const uint32_t> frames,
                    const std::array<float, 3>& background);

@@ -4,18 +4,18 @@
 #include <array>
 #include <cstdint>
 
-#include "splat/prune/settings.h"
-#include "splat/train/crop_loss.h"
-#include "splat/train/density.h"
-#include "splat/train/loss.h"
-#include "splat/train/optimizer.h"
-#include "splat/train/schedule.h"
+#include "splat/train/density/density.h"
+#include "splat/train/loss/crop_loss.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/optimize/optimizer.h"
+#include "splat/train/optimize/schedule.h"
+#include "splat/train/prune/settings.h"
 
 namespace cosplat {
 
 // Which Gaussians Adam updates in a step: all, as in 3DGS, or only groups in which one has a
 // gradient, while momentum updates of the others are deferred until they have one again (lazy Adam;
-// splat/train/optimizer.h, docs/performance.md).
+// splat/train/optimize/optimizer.h, docs/performance.md).
 enum class AdamOn { kAll, kDrawn };
 
 enum class Background { kBlack, kWhite, kRandom };
@@ -66,12 +66,13 @@ struct TrainSettings {
   Schedule schedule;
   DensitySettings density;
   PruneSettings prune;
-  float drop_bands = 0;  // threshold of DropBandsInTraining (splat/train/bands.h); 0: keep all
+  float drop_bands =
+      0;  // threshold of DropBandsInTraining (splat/train/density/bands.h); 0: keep all
   AdamOn adam_on = AdamOn::kDrawn;
   // Trains Gaussians::antialiased and, where the subject is static, Gaussians::smoothing, which is
   // found again from the positions after every kSmoothingEvery steps.
   bool antialiasing = false;
-  // Trains an exposure of every frame (splat/train/photograph.h).
+  // Trains an exposure of every frame (splat/train/loss/photograph.h).
   bool exposure = false;
   int exp_degree = kMaxExpDegree;  // of the blend loop's exponential (splat/config.h)
 };

@@ -1,4 +1,4 @@
-#include "splat/train/frame_reader.h"
+#include "splat/train/subject/frame_reader.h"
 
 #include <utility>
 

@@ -3,7 +3,7 @@
 
 #include <future>
 
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

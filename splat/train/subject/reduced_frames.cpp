@@ -1,4 +1,4 @@
-#include "splat/train/reduced_frames.h"
+#include "splat/train/subject/reduced_frames.h"
 
 #include <string>
 #include <utility>

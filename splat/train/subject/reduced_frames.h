@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "splat/train/subject.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

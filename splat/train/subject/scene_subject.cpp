@@ -1,4 +1,4 @@
-#include "splat/train/scene_subject.h"
+#include "splat/train/subject/scene_subject.h"
 
 #include <tbb/parallel_for.h>
 

@@ -6,8 +6,8 @@
 
 #include "splat/io/dataset.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/frame_reader.h"
-#include "splat/train/subject.h"
+#include "splat/train/subject/frame_reader.h"
+#include "splat/train/subject/subject.h"
 
 namespace cosplat {
 

@@ -1,5 +1,5 @@
 // What is trained: its frames, and where its Gaussians are in each of them. Static scenes:
-// splat/train/scene_subject.h; avatars: avatar/train/trainer.h.
+// splat/train/subject/scene_subject.h; avatars: avatar/train/trainer.h.
 #pragma once
 
 #include <functional>
@@ -11,9 +11,9 @@
 #include "splat/base/state_file.h"
 #include "splat/gaussians.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/density.h"
-#include "splat/train/layers.h"
-#include "splat/train/optimizer.h"
+#include "splat/train/blocks/layers.h"
+#include "splat/train/optimize/optimizer.h"
+#include "splat/train/subject/placement.h"
 
 namespace cosplat {
 

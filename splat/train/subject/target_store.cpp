@@ -1,4 +1,4 @@
-#include "splat/train/target_store.h"
+#include "splat/train/subject/target_store.h"
 
 #include <utility>
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "splat/train/loss.h"
-#include "splat/train/reduced_frames.h"
+#include "splat/train/loss/loss.h"
+#include "splat/train/subject/reduced_frames.h"
 
 namespace cosplat {
 

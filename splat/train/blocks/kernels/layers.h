@@ -1,5 +1,5 @@
 // A block of a scene between what the blocks in front of it and behind it show in a view
-// (splat/train/layers.h). Layers are bytes, [pixels, 4]: colours multiplied by alpha, alpha.
+// (splat/train/blocks/layers.h). Layers are bytes, [pixels, 4]: colours multiplied by alpha, alpha.
 #pragma once
 
 #include "splat/device/buffer.h"

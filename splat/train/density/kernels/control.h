@@ -1,5 +1,5 @@
-// The kernels of density control (splat/train/density.h): which Gaussians are cloned, split or
-// removed, where each of them goes, and Morton order.
+// The kernels of density control (splat/train/density/density.h): which Gaussians are cloned, split
+// or removed, where each of them goes, and Morton order.
 #pragma once
 
 #include <cfloat>
@@ -7,7 +7,8 @@
 #include "splat/device/sort.h"
 #include "splat/math/morton.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/kernels/density.h"
+#include "splat/train/density/kernels/density.h"
+#include "splat/train/state/kernels/statistics.h"
 
 namespace cosplat {
 
@@ -145,13 +146,6 @@ struct LowerTo {
   COSPLAT_HD void operator()(size_t i) const {
     if (limit < numbers[i]) numbers[i] = limit;
   }
-};
-
-struct AddOffsets {
-  View<const float> offsets;
-  size_t first;
-  View<float> position;
-  COSPLAT_HD void operator()(size_t k) const { position[3 * first + k] += offsets[k]; }
 };
 
 struct FillNumbers {

@@ -1,15 +1,15 @@
-#include "splat/train/cpu/ssim_band.h"
+#include "splat/train/loss/cpu/ssim_band.h"
 
 #include <algorithm>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/train/cpu/ssim_band.cpp"
+#define HWY_TARGET_INCLUDE "splat/train/loss/cpu/ssim_band.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
 #include "splat/math/photometric.h"
-#include "splat/train/cpu/ssim_window.h"
+#include "splat/train/loss/cpu/ssim_window.h"
 
 COSPLAT_MATH_BEGIN
 

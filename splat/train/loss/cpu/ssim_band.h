@@ -1,7 +1,7 @@
 // The photometric loss over a band of rows of one channel: the vectorised inner part of
-// splat/train/loss.cpp. A single pass reads the rendered image and the bytes of the target image
-// and writes the gradient; intermediate rows for the window are kept for fifteen rows, not for the
-// whole image.
+// splat/train/loss/loss.cpp. A single pass reads the rendered image and the bytes of the target
+// image and writes the gradient; intermediate rows for the window are kept for fifteen rows, not
+// for the whole image.
 #pragma once
 
 #include <cstddef>

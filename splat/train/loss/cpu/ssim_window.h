@@ -1,4 +1,4 @@
-// The SSIM window on packs, along rows and down columns (splat/train/cpu/ssim_band.cpp).
+// The SSIM window on packs, along rows and down columns (splat/train/loss/cpu/ssim_band.cpp).
 // Re-included once per Highway target.
 //
 // Rows are processed in groups of as many rows as the window's radius: a window over a group's rows

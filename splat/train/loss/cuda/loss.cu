@@ -1,6 +1,6 @@
 #include "splat/math/photometric.h"
-#include "splat/train/cuda/ssim_tile.cuh"
-#include "splat/train/cuda/step.h"
+#include "splat/train/loss/cuda/loss.h"
+#include "splat/train/loss/cuda/ssim_tile.cuh"
 
 namespace cosplat::cuda {
 namespace {

@@ -7,7 +7,7 @@
 #include "splat/math/adam.h"
 #include "splat/math/exposure.h"
 #include "splat/math/photometric.h"
-#include "splat/train/loss.h"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat {
 

@@ -1,7 +1,7 @@
-#include "splat/train/cpu/adam_runs.h"
+#include "splat/train/optimize/cpu/adam_runs.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/train/cpu/adam_runs.cpp"
+#define HWY_TARGET_INCLUDE "splat/train/optimize/cpu/adam_runs.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 

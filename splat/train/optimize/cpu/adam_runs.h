@@ -1,4 +1,4 @@
-// The vectorised inner loop of splat/train/optimizer.cpp.
+// The vectorised inner loop of splat/train/optimize/optimizer.cpp.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Adam over groups of Gaussians (splat/train/optimizer.h), element by element.
+// Adam over groups of Gaussians (splat/train/optimize/optimizer.h), element by element.
 #pragma once
 
 #include "splat/device/buffer.h"
@@ -6,7 +6,7 @@
 #include "splat/math/adam.h"
 #include "splat/math/scalar.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/cpu/adam_runs.h"
+#include "splat/train/optimize/cpu/adam_runs.h"
 
 namespace cosplat {
 

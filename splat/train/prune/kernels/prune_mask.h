@@ -1,5 +1,5 @@
-// Masks that pruning rules (splat/prune/) learn together with the Gaussians, one Gaussian at a
-// time. Shared by both back ends.
+// Masks that pruning rules (splat/train/prune/) learn together with the Gaussians, one Gaussian at
+// a time. Shared by both back ends.
 #pragma once
 
 #include <cmath>
@@ -83,7 +83,7 @@ namespace cosplat {
 
 enum class MaskKind { kHard, kSoft };
 
-// The kernels of MaskLearner (splat/train/mask_learner.h), one call per Gaussian:
+// The kernels of MaskLearner (splat/train/prune/mask_learner.h), one call per Gaussian:
 
 struct HideMasked {
   View<const float> mu, opacity_logit;

@@ -1,5 +1,5 @@
 // Groups of Gaussians copied to messages between ranks and back, and views' gradients added up
-// (splat/train/shards.h, splat/train/view_exchange.h, splat/train/gradient_sum.h).
+// (splat/train/ranks/shards.h, splat/train/ranks/view_exchange.h, splat/train/step/gradient_sum.h).
 //
 // The kernels that process groups of kGaussianGroup do so whole on the host; on a device each of
 // kGroupParts threads has a part of a group's numbers.
@@ -12,9 +12,9 @@
 #include "splat/device/buffer.h"
 #include "splat/device/for_each.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/kernels/adam.h"
-#include "splat/train/kernels/step.h"
-#include "splat/train/row_share.h"
+#include "splat/train/optimize/kernels/adam.h"
+#include "splat/train/ranks/row_share.h"
+#include "splat/train/state/kernels/statistics.h"
 
 namespace cosplat {
 

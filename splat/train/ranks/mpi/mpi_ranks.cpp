@@ -1,4 +1,4 @@
-#include "splat/train/mpi/mpi_ranks.h"
+#include "splat/train/ranks/mpi/mpi_ranks.h"
 
 #include <mpi.h>
 #include <signal.h>

@@ -1,59 +1,11 @@
-// Smaller kernels of a training step: statistics for density control, the scale regulariser, sums
-// of contributions, parts of images.
+// Smaller kernels of a training step: the scale regulariser, sums of contributions.
 #pragma once
 
 #include "splat/device/buffer.h"
 #include "splat/device/sum.h"
 #include "splat/render/contribution.h"
-#include "splat/train/crop_loss.h"
-#include "splat/train/kernels/density.h"
 
 namespace cosplat {
-
-// One call per Gaussian. Does nothing if *overflowed is not 0, since the step will be repeated.
-struct AccumulateStep {
-  View<const float> radii, screen, d_scale_log, scale_log;
-  int width, height;
-  View<float> screen_gradient, plasticity, visible;
-  const uint32_t* overflowed;
-  COSPLAT_HD void operator()(size_t i) const { Add(i, i); }
-  // row: where the Gaussian's radius and gradients are.
-  COSPLAT_HD void Add(size_t i, size_t row) const {
-    if (!(radii[row] > 0) || *overflowed != 0) return;
-    const math::ShapeOfStep step =
-        math::ShapeOf(&screen[2 * row], &d_scale_log[3 * row], &scale_log[3 * i], width, height);
-    if (!step.IsUsable()) return;
-    screen_gradient[i] += step.screen;
-    plasticity[i] += step.plasticity;
-    visible[i] += 1;
-  }
-};
-
-// Where number i of a crop's planes [3, crop height, crop width] is in an image's.
-struct CropPlaces {
-  Crop crop;
-  int width, height;  // px, of the image
-  COSPLAT_HD size_t At(size_t i) const {
-    const size_t x = i % size_t(crop.width), row = i / size_t(crop.width);
-    const size_t y = row % size_t(crop.height), channel = row / size_t(crop.height);
-    return (channel * size_t(height) + y + size_t(crop.y)) * size_t(width) + x + size_t(crop.x);
-  }
-};
-
-struct CopyCrop {
-  CropPlaces places;
-  View<const float> image;
-  View<float> crop;
-  COSPLAT_HD void operator()(size_t i) const { crop[i] = image[places.At(i)]; }
-};
-
-struct AddCrop {
-  CropPlaces places;
-  float weight;
-  View<const float> crop;
-  View<float> image;
-  COSPLAT_HD void operator()(size_t i) const { image[places.At(i)] += weight * crop[i]; }
-};
 
 struct AddContributions {
   View<const Contribution> more;
@@ -61,7 +13,7 @@ struct AddContributions {
   COSPLAT_HD void operator()(size_t i) const { sums[i] += more[i]; }
 };
 
-// Which Gaussians ScaleRegularizer (splat/train/train_settings.h) acts on: large needle-like
+// Which Gaussians ScaleRegularizer (splat/train/step/train_settings.h) acts on: large needle-like
 // (high-anisotropy) ones.
 struct NeedleRule {
   float limit_log, ratio_log;

@@ -1,5 +1,5 @@
-// Density control, one Gaussian at a time: statistics of a step, offsets of split Gaussians,
-// removal. Shared by both back ends. Source: Kerbl et al. 2023, section 5.
+// Density control, one Gaussian at a time: offsets of split Gaussians, removal. Shared by both back
+// ends. Source: Kerbl et al. 2023, section 5.
 #pragma once
 
 #include <cmath>
@@ -12,33 +12,6 @@ namespace cosplat::math {
 
 constexpr float kSplitShrink = 1.6f;  // 3DGS: children's scale is the parent's over 0.8 * N, N = 2
 constexpr float kResetOpacity = 0.01f;  // 3DGS
-
-// What a step contributes to the statistics of a visible Gaussian.
-struct ShapeOfStep {
-  float screen = 0;      // |dL/d(centre)| in normalised device coordinates
-  float plasticity = 0;  // |dL/ds|, s the three standard deviations
-  // Steps with a non-finite gradient are not counted (Adam ignores such gradients, too).
-  COSPLAT_HD bool IsUsable() const { return std::isfinite(screen) && std::isfinite(plasticity); }
-};
-
-// screen: [2] dL/d(centre) per px. d_scale_log, scale_log: [3].
-COSPLAT_HD ShapeOfStep ShapeOf(
-    const float* screen, const float* d_scale_log, const float* scale_log, int width, int height) {
-  const float gx = screen[0] * 0.5f * width, gy = screen[1] * 0.5f * height;
-  float square = 0;
-  for (int k = 0; k < 3; ++k) {
-    const float s = std::exp(scale_log[k]);
-    const float d = s > 0 ? d_scale_log[k] / s : 0.0f;  // dL/ds; 0 if s is 0
-    square += d * d;
-  }
-  return {std::sqrt(gx * gx + gy * gy), std::sqrt(square)};
-}
-
-// A sum over steps divided by the number of steps in which the Gaussian was visible; 0 if there
-// were none.
-COSPLAT_HD float MeanWhereVisible(float sum, float visible) {
-  return visible > 0 ? sum / visible : 0.0f;
-}
 
 COSPLAT_HD float LargestScale(const float* scale_log) {
   float largest = scale_log[0];

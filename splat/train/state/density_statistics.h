@@ -1,0 +1,44 @@
+// What density control and pruning know of the steps since the last densification.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "splat/device/buffer.h"
+#include "splat/train/state/kernels/statistics.h"
+
+namespace cosplat {
+
+// How density control reorders Gaussians: entry i was source[i] before. Entries from first_fresh on
+// are new (cloned or split off); their moments and statistics start at zero.
+struct Reordering {
+  View<const uint32_t> source;
+  size_t first_fresh = 0;
+};
+
+// Accumulated over the steps since the last densification; one entry per Gaussian.
+struct DensityStatistics {
+  Buffer<float> screen_gradient;  // sum of |dL/d(centre)| in normalised device coordinates
+  Buffer<float> plasticity;       // sum of |dL/ds|
+  Buffer<float> visible;          // number of steps in which it was visible
+
+  std::array<Buffer<float>*, 3> all() { return {&screen_gradient, &plasticity, &visible}; }
+  void Reset(size_t n, Stream& stream = HostStream());
+  // Mean of |dL/ds| over the steps in which the Gaussian was visible; 0 if there were none.
+  float MeanPlasticity(size_t i) const { return math::MeanWhereVisible(plasticity[i], visible[i]); }
+  // radii: [N], 0 where invisible; screen: [N, 2] dL/d(centre) per px;
+  // d_scale_log, scale_log: [N, 3]. Does nothing if *overflowed is not 0.
+  void Accumulate(View<const float> radii,
+                  View<const float> screen,
+                  View<const float> d_scale_log,
+                  View<const float> scale_log,
+                  int width,
+                  int height,
+                  const uint32_t* overflowed,
+                  Stream& stream);
+  // Same as those of Gaussians (splat/gaussians.h).
+  void Upload(const DensityStatistics& from, Stream& stream);
+  void Download(DensityStatistics& to, Stream& stream) const;
+};
+
+}  // namespace cosplat
