@@ -6,6 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/ranks/traffic.h"
 
 namespace cosplat::scale {
