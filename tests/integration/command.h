@@ -28,11 +28,12 @@ inline std::string Slurp(const std::string& path) {
   return bytes.str();
 }
 
-// `before`: shell commands in front of it, such as limits.
+// `before`: shell commands in front of it, such as limits. program: its path.
 inline CommandResult Cosplat(const std::vector<std::string>& arguments,
-                             const std::string& before = "") {
+                             const std::string& before = "",
+                             const std::string& program = COSPLAT_COMMAND) {
   const TemporaryFolder logs;
-  std::string line = before + " '" COSPLAT_COMMAND "'";
+  std::string line = before + " '" + program + "'";
   for (const std::string& argument : arguments) line += " '" + argument + "'";
   line += " >'" + (logs / "out") + "' 2>'" + (logs / "err") + "' </dev/null";
   const int status = std::system(line.c_str());

@@ -267,7 +267,9 @@ TEST(Study, PeakMemoryIsTheRunsOwn) {
                                         "2",
                                         "--random-points",
                                         "50",
-                                        "--quiet"});
+                                        "--quiet"},
+                                       "",
+                                       COSPLAT_TRAINER);
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_LT(ReadJson(folder / "model/stats.json")["peak_mb"].get<double>(), 600);
   EXPECT_EQ(held.back(), 1);
