@@ -1,5 +1,5 @@
 # cmake -DCOMMAND=cosplat -DFOLDER=man -DVERSION=1.2.3 -P ManPages.cmake: cosplat.1 and a page
-# cosplat-NAME.1 per subcommand, from the text of --help. Its lines are CLI11's: a sentence, the
+# cosplat-NAME.1 per subcommand, from the text of --help, of subcommands of --help-all. Its lines are CLI11's: a sentence, the
 # usage, then sections whose entries begin after two spaces and whose text is 30 columns in.
 cmake_minimum_required(VERSION 3.22)
 
@@ -12,9 +12,14 @@ endfunction()
 
 # write_page(NAME ARGUMENTS...): of `cosplat ARGUMENTS --help`, whose text is then in `help`.
 function(write_page name)
-  execute_process(COMMAND ${COMMAND} ${ARGN} --help OUTPUT_VARIABLE help RESULT_VARIABLE status)
+  if(name STREQUAL "cosplat")
+    set(flag --help)
+  else()
+    set(flag --help-all)
+  endif()
+  execute_process(COMMAND ${COMMAND} ${ARGN} ${flag} OUTPUT_VARIABLE help RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${COMMAND} ${ARGN} --help failed")
+    message(FATAL_ERROR "${COMMAND} ${ARGN} ${flag} failed")
   endif()
   set(page ".TH ${name} 1 \"\" \"CoSplat ${VERSION}\" \"User Commands\"\n")
   set(rest "${help}")

@@ -5,6 +5,8 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/option_groups.h"
 #include "apps/cosplat/run/landmark_run.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
@@ -85,12 +87,14 @@ void AddAvatar(CLI::App& app) {
       "avatar", "from a video of a head to an avatar: landmarks, track, training, playback");
   const auto o = std::make_shared<AvatarCommand>();
   o->eval = true;
+  BeginGroup(*command, "Data");
   command->add_option("video", o->track.source, "a video file, or a folder of images")->required();
   command->add_option("-o,--out", o->out, "where results go")->required();
+  BeginGroup(*command, "More: track");
   DeclareTracking(o->track, *command);
   o->DeclareTraining(*command);
   command->callback([o, command, &app] {
-    o->ApplyPreset(*command);
+    o->Settle(*command);
     MakeAvatar(*o, ConfigOf(app, *command));
   });
 }

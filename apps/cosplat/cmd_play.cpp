@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/play_content.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -26,7 +27,8 @@ constexpr int kMaxSide = 8192;
 constexpr double kTurn = 6.283185307179586;
 
 struct PlayOptions {
-  std::string model, drive, flame, out, view = "splats", background, size, device = "cpu";
+  std::string model, drive, flame, out, view = "splats", background, size;
+  std::optional<Device> device = Device::kCpu;
   double fps = 0;
   int frames = 0;  // 0: the drive's length, or one without a drive
   float scale = 0;
@@ -94,7 +96,7 @@ constexpr size_t kLevelsFrom = 1000000;
 
 // For the window, on the CPU: a device draws all Gaussians, and files are to be exact.
 void FindLevels(const PlayOptions& o, Device device, Content& content) {
-  if (content.levels && o.device == "cuda")
+  if (content.levels && o.device == Device::kCuda)
     throw Error(o.model, "--device", "levels of detail are for the CPU: give the scene itself");
   if (device != Device::kCpu || o.headless || content.scene.size() <= kLevelsFrom) return;
   if (!o.quiet)
@@ -107,7 +109,7 @@ void FindLevels(const PlayOptions& o, Device device, Content& content) {
 void Play(const PlayOptions& o) {
   if (o.headless && o.out.empty())
     throw Error("--out", "is needed with --headless: a folder or a file that ends in .mp4");
-  const Device device = DeviceFromString(o.device);
+  const Device device = UsableDevice(o.device);
   Content content = LoadContent(o.model, o.flame);
   if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
   FindLevels(o, device, content);
@@ -152,10 +154,7 @@ void AddPlay(CLI::App& app) {
       ->check(CLI::Range(0.001, 10000.0));
   command->add_option("--flame", o->flame, "FLAME model file; the run's if not given");
   AddLook(*command, *o);
-  command
-      ->add_option(
-          "--device", o->device, "where to render splats: cpu, cuda (an NVIDIA GPU) or auto")
-      ->capture_default_str();
+  AddDevice(*command, o->device, "where to render splats; auto: on an NVIDIA GPU if there is one");
   auto* headless =
       command->add_flag("--headless", o->headless, "render to files; needs no window or display");
   command->add_option("-o,--out",

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/notes.h"
@@ -48,7 +49,8 @@ constexpr std::array<float, 3> kRandomNeck{0.1f, 0.3f, 0.05f};
 constexpr float kRandomJaw = 0.25f;  // radians, opened
 
 struct RenderOptions {
-  std::string model, source, splats, out, drive, flame, device = "cpu";
+  std::string model, source, splats, out, drive, flame;
+  std::optional<Device> device = Device::kCpu;
   bool orbit = false;
   int resolution = 0;  // 0: as in training
   int random = 0;      // faces by chance
@@ -113,7 +115,7 @@ void RenderScene(const RenderOptions& o, const JsonField& run) {
   for (const auto& [given, name] :
        {std::pair(!o.drive.empty(), "--drive"), {o.random > 0, "--random"}})
     if (given) throw Error(o.model, name, "is for avatars; this is a scene");
-  const auto rasterizer = MakeRasterizer(DeviceFromString(o.device));
+  const auto rasterizer = MakeRasterizer(UsableDevice(o.device));
   const int iteration = SavedIteration(o.model, run);
   Gaussians g = ReadSplatsAloud(o.splats.empty() ? SplatPath(o.model, iteration) : o.splats);
   SortByDegree(g);
@@ -266,7 +268,7 @@ void RenderFrames(const RenderOptions& o,
 
 void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
-  const Device device = DeviceFromString(o.device);
+  const Device device = UsableDevice(o.device);
   AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
   const FlameModel flame =
       FlameOf(model, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
@@ -302,7 +304,7 @@ void Render(const RenderOptions& o) {
 void RenderVideo(const std::string& model,
                  const std::string& drive,
                  const std::string& out,
-                 const std::string& device,
+                 std::optional<Device> device,
                  bool quiet) {
   RenderOptions o;
   o.model = model;
@@ -349,8 +351,7 @@ void AddRender(CLI::App& app) {
                     "hold an avatar's shoulders still instead of following the head");
   command->add_flag(
       "--preview", o->preview, "render at half the resolution and enlarge: faster and softer");
-  command->add_option("--device", o->device, "where to render: cpu, cuda (an NVIDIA GPU) or auto")
-      ->capture_default_str();
+  AddDevice(*command, o->device, "where to render; auto: on an NVIDIA GPU if there is one");
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
   command->callback([o] { Render(*o); });
 }

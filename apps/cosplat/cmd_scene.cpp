@@ -9,6 +9,8 @@
 
 #include "apps/cosplat/capture/colmap.h"
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/option_groups.h"
 #include "apps/cosplat/options/scene_options.h"
 #include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -212,14 +214,18 @@ void AddScene(CLI::App& app) {
   const auto o = std::make_shared<SceneCommand>();
   o->iterations = kIterations;
   o->eval = true;
+  BeginGroup(*command, "Photographs");
   command->add_option("photographs", o->photographs, "a folder of photographs, or a video")
       ->required();
   command->add_option("-o,--out", o->model, "where results go")->required();
-  command
-      ->add_option("--frames", o->frames, "of a video: how many frames to use, the sharpest ones")
+  command->add_option("--frames", o->frames, "of a video: how many to use, the sharpest ones")
       ->check(CLI::Range(int(kMinPhotographs), 10000));
   command->add_option("--max-size", o->max_size, "longer side of the images to train on, in pixels")
       ->check(CLI::Range(64, 16384));
+  command
+      ->add_flag("--cameras-only", o->cameras_only, "stop at the data set that train-scene reads")
+      ->configurable(false);
+  BeginGroup(*command, "More: COLMAP");
   command
       ->add_option(
           "--matching",
@@ -236,13 +242,11 @@ void AddScene(CLI::App& app) {
                    "such as FeatureExtraction.type=ALIKED_N16ROT; may be repeated")
       ->allow_extra_args(false)
       ->default_str("");
-  command
-      ->add_flag("--cameras-only", o->cameras_only, "stop at the data set that train-scene reads")
-      ->configurable(false);
   o->DeclareTraining(*command);
   command->get_option("--eval")->default_str("true");  // config.ini has "false" for a flag else
   command->callback([=, &app] {
     std::erase(o->features, "");  // config.ini has "" for an option that is left out
+    o->Settle(*command);
     Scene(*o, ConfigOf(app, *command));
   });
 }

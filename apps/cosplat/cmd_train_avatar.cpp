@@ -5,6 +5,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/options/config_file.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
 #include "apps/cosplat/run/data_check.h"
 #include "apps/cosplat/run/progress_bar.h"
@@ -48,7 +49,7 @@ void Evaluate(const AvatarOptions& o,
 }
 
 DataSplit SplitOf(const AvatarOptions& o) {
-  return {o.resolution, o.eval, o.fold, o.test_frames, o.fold_by_turn, o.focal_scale};
+  return {o.resolution, o.eval, o.fold, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
 }
 
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {
@@ -57,9 +58,9 @@ void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::st
                  {"flame", o.flame},
                  {"split", ToJson(SplitOf(o))},
                  {"iterations", o.iterations},
-                 {"preset", o.preset},
+                 {"preset", NameOf(o.preset)},
                  {"degree", o.sh_degree},
-                 {"basis", o.basis},
+                 {"basis", ToString(o.basis)},
                  {"seed", o.seed},
                  {"background", o.EvaluationBackground()},
                  {"refine_track", o.avatar.refine_track},
@@ -156,9 +157,9 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
     throw Error("--sh_degree " + std::to_string(o.sh_degree),
                 "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
                 "other programs read");
-  o.ResolveBackground("random");
+  o.ResolveBackground(Background::kRandom);
   FlameModel flame = LoadFlameModel(o.flame);
-  if (o.mouth == "yes") flame = WithMouth(std::move(flame));
+  if (o.mouth) flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
   PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);
   if (TracksEyelids(loaded)) {
@@ -174,16 +175,17 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
   settings.crop_loss.distance = lpips;
   Trainer trainer(settings,
                   subject,
-                  subject.InitialGaussians(o.sh_degree, BasisFromString(o.basis), o.seed),
+                  subject.InitialGaussians(o.sh_degree, o.basis, o.seed),
                   AvatarEngineOn(device, o.deterministic));
   RunCheckpoint checkpoint(
       o, config, how, ChecksumsOf(o, flame, subject, truth, trainer.state().gaussians));
   if (how == RunStart::kNew) RemoveRun(o.model);
   SaveInputs(o, video, config);
+  PrintSettled(o);
   if (!o.quiet) PrintSkipped(video.skipped);
   if (!o.quiet && o.OmitsLpips())
     std::printf("--preset %s: without its LPIPS loss, for which there is no network (--lpips)\n",
-                o.preset.c_str());
+                NameOf(o.preset).c_str());
   SaveFirstPoints(o, subject.Model(trainer.state().gaussians));
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test frames of %dx%d%s%s%s, on %s\n",
@@ -222,7 +224,7 @@ void AddTrainAvatar(CLI::App& app) {
   const auto o = std::make_shared<AvatarOptions>();
   o->Declare(*command);
   command->callback([o, command, &app] {
-    o->ApplyPreset(*command);
+    o->Settle(*command);
     TrainAvatar(*o, ConfigOf(app, *command));
   });
 }

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/options/config_file.h"
 #include "apps/cosplat/options/scene_options.h"
 #include "apps/cosplat/run/scene_training.h"
 #include "apps/cosplat/run/stop_signals.h"
@@ -38,7 +39,10 @@ void AddTrainScene(CLI::App& app) {
                       options->images,
                       "folder of the images, as 3DGS has it: images_4 divides their size by 4");
   options->DeclareTraining(*command);
-  command->callback([options, command, &app] { TrainOnRanks(*options, ConfigOf(app, *command)); });
+  command->callback([options, command, &app] {
+    options->Settle(*command);
+    TrainOnRanks(*options, ConfigOf(app, *command));
+  });
 }
 
 }  // namespace cosplat

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
+
+#include "splat/render/device.h"
 
 namespace cosplat {
 
@@ -36,7 +39,7 @@ void WriteReport(const std::string& model, bool quiet);
 void RenderVideo(const std::string& model,
                  const std::string& drive,
                  const std::string& out,
-                 const std::string& device,
+                 std::optional<Device> device,
                  bool quiet);
 // As `train-avatar`. `config`: of ConfigOf. Throws Error before anything is written if the data or
 // the options cannot be used.

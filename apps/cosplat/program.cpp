@@ -7,8 +7,9 @@
 #include <memory>
 #include <new>
 #include <string>
-#include <vector>
 
+#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/option_groups.h"
 #include "apps/cosplat/run/stop_signals.h"
 #include "apps/cosplat/spelling.h"
 
@@ -16,19 +17,6 @@ namespace cosplat {
 namespace {
 
 constexpr int kBadInput = 2;
-
-// Shows each option by its first names: an earlier spelling is accepted, but not listed.
-class Formatter : public CLI::Formatter {
- public:
-  std::string make_option_name(const CLI::Option* option, bool positional) const override {
-    if (positional) return option->get_name(true, false);
-    const std::vector<std::string>& shorts = option->get_snames();
-    const std::vector<std::string>& longs = option->get_lnames();
-    std::string name = shorts.empty() ? "" : "-" + shorts[0];
-    if (!longs.empty()) name += (name.empty() ? "--" : ",--") + longs[0];
-    return name;
-  }
-};
 
 // `name`: of the program, as it begins its messages.
 std::string FailureMessage(const std::string& name, const CLI::App& failed, const CLI::Error& e) {
@@ -46,14 +34,15 @@ int Parse(const char* name,
           int argc,
           char** argv) {
   CLI::App app(description, name);
-  app.formatter(std::make_shared<Formatter>());
+  app.formatter(MakeHelp());
+  app.set_help_all_flag("--help-all", "print all options, with their ranges, and exit");
   app.option_defaults()->always_capture_default();  // so that config.ini is complete
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.failure_message([name](const CLI::App* failed, const CLI::Error& e) {
     return FailureMessage(name, *failed, e);
   });
   app.fallthrough();
-  app.set_config("--config", "", "read options from a file that an earlier run wrote (config.ini)");
+  AddConfig(app);
   app.set_version_flag("--version", COSPLAT_VERSION);
   int threads = 0;
   app.add_option("--threads", threads, "threads to use; 0: one per core")

@@ -46,7 +46,7 @@ AvatarRendererMaker RendererFor(uint32_t device) {
                      "device",
                      std::to_string(device) + " is not a COSPLAT_DEVICE_ value");
   try {
-    return AvatarRendererOn(DeviceFromString("cuda", "device"));
+    return AvatarRendererOn(UsableDevice(Device::kCuda, "device"));
   } catch (const Error& error) {
     throw CodedError(COSPLAT_ERROR_DEVICE, error.what());
   }

@@ -22,13 +22,11 @@ std::string WhyNoCuda() {
 
 }  // namespace
 
-Device DeviceFromString(const std::string& name, const std::string& field) {
-  if (name == "cpu") return Device::kCpu;
-  if (name != "auto" && name != "cuda")
-    throw Error(field, "'" + name + "' is not a device: expected auto, cpu or cuda");
+Device UsableDevice(std::optional<Device> wanted, const std::string& field) {
+  if (wanted == Device::kCpu) return Device::kCpu;
   const std::string reason = WhyNoCuda();
   if (reason.empty()) return Device::kCuda;
-  if (name == "cuda") throw Error(field, "cuda: " + reason);
+  if (wanted) throw Error(field, "cuda: " + reason);
   return Device::kCpu;
 }
 

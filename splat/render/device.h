@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "splat/render/rasterizer.h"
@@ -11,9 +12,9 @@ namespace cosplat {
 
 enum class Device { kCpu, kCuda };
 
-// Parses "cpu", "cuda" or "auto", which is CUDA if both this program and this machine support it.
-// Throws Error naming `field` and the reason for "cuda" without support, and for other names.
-Device DeviceFromString(const std::string& name, const std::string& field = "--device");
+// The device that is wanted or, of none, CUDA if both this program and this machine support it.
+// Throws Error naming `field` and the reason for CUDA without support.
+Device UsableDevice(std::optional<Device> wanted, const std::string& field = "--device");
 
 // Display name: "CPU", or the GPU's name.
 std::string NameOf(Device device);

@@ -6,7 +6,7 @@ DeviceTextureMaker DeviceTextureOn(Device device) {
 #if defined(COSPLAT_HAS_CUDA)
   if (device == Device::kCuda) return cuda::MakeGlTexture;
 #else
-  (void)device;  // without CUDA, DeviceFromString returns only kCpu
+  (void)device;  // without CUDA, UsableDevice returns only kCpu
 #endif
   return {};
 }

@@ -10,12 +10,11 @@ namespace cosplat {
 namespace {
 
 TEST(DeviceChoice, TakesTheGpuIfThereIsOne) {
-  EXPECT_EQ(DeviceFromString("cpu"), Device::kCpu);
-  EXPECT_EQ(DeviceFromString("cuda"), Device::kCuda);
-  EXPECT_EQ(DeviceFromString("auto"), Device::kCuda);
+  EXPECT_EQ(UsableDevice(Device::kCpu), Device::kCpu);
+  EXPECT_EQ(UsableDevice(Device::kCuda), Device::kCuda);
+  EXPECT_EQ(UsableDevice({}), Device::kCuda);
   EXPECT_EQ(NameOf(Device::kCuda), "the host, pretending");
   EXPECT_EQ(NameOf(Device::kCpu), "CPU");
-  test::ExpectError([] { DeviceFromString("gpu"); }, {"--device", "auto, cpu or cuda"});
 }
 
 TEST(DeviceChoice, SaysWhyThereIsNone) {
@@ -29,11 +28,11 @@ TEST(DeviceChoice, SaysWhyThereIsNone) {
         Case{cudaErrorNoDevice, 13000, "no CUDA device was found"},
         Case{cudaErrorInvalidValue, 13000, "invalid argument"}}) {
     cuda_on_host::SetDriver(c.problem, c.driver);
-    test::ExpectError([] { DeviceFromString("cuda"); }, {"--device", c.text});
-    EXPECT_EQ(DeviceFromString("auto"), Device::kCpu);
+    test::ExpectError([] { UsableDevice(Device::kCuda); }, {"--device", c.text});
+    EXPECT_EQ(UsableDevice({}), Device::kCpu);
   }
   cuda_on_host::SetDriver(0, 13000);
-  EXPECT_EQ(DeviceFromString("auto"), Device::kCuda);
+  EXPECT_EQ(UsableDevice({}), Device::kCuda);
 }
 
 // Knows where it is trained.

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/options/avatar_options.h"
+#include "apps/cosplat/options/config_file.h"
 #include "apps/study/runs/study_list.h"
 #include "splat/base/compression.h"
 #include "splat/base/files.h"
@@ -139,7 +140,7 @@ struct ConfiguredCommand {
     app.option_defaults()->always_capture_default();
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();
-    app.set_config("--config");
+    AddConfig(app);
     command = app.add_subcommand("train-avatar");
     options.Declare(*command);
   }
@@ -148,7 +149,7 @@ struct ConfiguredCommand {
     reversed.insert(reversed.end(), {"head.npz", "--flame", "out", "-m", "video", "-s"});
     reversed.push_back("train-avatar");
     app.parse(std::move(reversed));
-    options.ApplyPreset(*command);
+    options.Settle(*command);
   }
 };
 

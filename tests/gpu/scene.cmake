@@ -1,6 +1,7 @@
 # A scene for machines that can decode no pictures: written here, read there (packed_scene.h).
 set(COSPLAT_PACKED_SCENE_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/packed_scene.cpp ${PROJECT_SOURCE_DIR}/apps/cosplat/run/scene_start.cpp
+  ${PROJECT_SOURCE_DIR}/apps/cosplat/options/presets.cpp
   ${PROJECT_SOURCE_DIR}/apps/cosplat/options/train_options.cpp)
 set(COSPLAT_SCENE_BENCH_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/scene_times.cpp ${COSPLAT_PACKED_SCENE_SOURCES})

@@ -33,7 +33,7 @@ struct Result {
 
 Options Parse(const std::vector<std::string>& arguments) {
   Options o;
-  o.choices.device = "cuda";
+  o.choices.device = Device::kCuda;
   const auto number = [](const std::string& name, const std::string& text) {
     char* end = nullptr;
     const long value = std::strtol(text.c_str(), &end, 10);
@@ -125,7 +125,7 @@ void Write(const Options& o, const std::string& card, const Result& r) {
                " \"peak_device_bytes\": %zu, \"views\": %zu, \"psnr\": %.4f, \"ssim\": %.6f}\n",
                card.c_str(),
                o.choices.iterations,
-               o.choices.prune_to,
+               o.choices.prune_to.value_or(0),
                r.training.seconds,
                r.training.ms_per_step,
                r.training.gaussians,

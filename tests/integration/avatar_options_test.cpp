@@ -9,6 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/cosplat/options/config_file.h"
+#include "splat/base/files.h"
+#include "tests/support/temporary_folder.h"
+
 namespace cosplat {
 namespace {
 
@@ -20,13 +24,15 @@ struct Parsed {
   std::string config;
 
   explicit Parsed(std::vector<std::string> arguments) {
-    app.set_config("--config");
+    command->fallthrough();
+    command->option_defaults()->always_capture_default();
+    AddConfig(app);
     options.Declare(*command);
     arguments.insert(arguments.begin(),
                      {"train-avatar", "-s", "video", "-m", "out", "--flame", "head.npz"});
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
     app.parse(arguments);
-    options.ApplyPreset(*command);
+    options.Settle(*command);
     config = ConfigOf(app, *command);
   }
   bool ConfigHas(const std::string& line) const {
@@ -40,7 +46,7 @@ TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
     const Parsed p(arguments);
     EXPECT_EQ(p.options.avatar.system, AvatarSystem::kCosplat);
     EXPECT_EQ(p.options.sh_degree, 2);
-    EXPECT_EQ(p.options.basis, "dcsh");
+    EXPECT_EQ(p.options.basis, Basis::kDcsh);
     EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
     EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kAuto);
     const TrainSettings s = p.options.ToSettings(0.25f);
@@ -60,7 +66,7 @@ TEST(AvatarPreset, CosplatIsTheDefaultAndOurs) {
 void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_EQ(o.avatar.initial_gaussians, 10000u);
   EXPECT_EQ(o.sh_degree, 0);
-  EXPECT_EQ(o.basis, "sh");
+  EXPECT_EQ(o.basis, Basis::kSh);
   EXPECT_EQ(o.avatar.color_frame, ColorFrame::kWorld);
   EXPECT_EQ(o.avatar.bust, AvatarSettings::BustChoice::kNo);
   EXPECT_EQ(o.avatar.walk_every, 100);
@@ -159,11 +165,11 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
     arguments.insert(arguments.end(), rest.begin(), rest.end());
     const Parsed p(arguments);
     EXPECT_EQ(p.options.avatar.system, AvatarSystem::kReleased);
-    EXPECT_EQ(p.options.basis, "dcsh");
+    EXPECT_EQ(p.options.basis, Basis::kDcsh);
     EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
     EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kYes);
     EXPECT_EQ(p.options.avatar.initial_gaussians, 5000u);
-    EXPECT_EQ(p.options.prune, "dcsharp");
+    EXPECT_EQ(p.options.prune, PruneRule::kDcsharp);
     const TrainSettings s = p.options.ToSettings(0.25f);
     EXPECT_EQ(s.degree, 3);
     EXPECT_EQ(s.first_degree, 3);  // all from the first step
@@ -268,7 +274,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
 
 TEST(ScenePreset, The3dgsOneIs3dgs) {
   TrainOptions o;
-  o.preset = "3dgs";
+  o.preset = Preset::k3dgs;
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);
@@ -289,6 +295,83 @@ TEST(AvatarOptions, AFoldByTurnIsAFold) {
   EXPECT_FALSE(off.options.fold);
   EXPECT_FALSE(off.options.fold_by_turn);
   EXPECT_THROW(Parsed({"--fold-by-turn=abc"}), CLI::ConversionError);
+}
+
+// A configuration file, read as the user's of `train-avatar --config FILE`.
+Parsed WithConfig(const std::string& text, std::vector<std::string> more = {}) {
+  const test::TemporaryFolder folder;
+  WriteFileAtomically(folder / "config.ini", text);
+  more.insert(more.begin(), {"--config", folder / "config.ini"});
+  return Parsed(more);
+}
+
+// Before the second format, what was left open was listed with a number.
+TEST(Config, AnEarlierFileMeansWhatItMeant) {
+  const std::string lines =
+      "train-avatar.densify_grad_threshold=0\ntrain-avatar.scaling_lr=0\n"
+      "train-avatar.rest-lr=0\ntrain-avatar.position_lr_final=0\n"
+      "train-avatar.densify_from_iter=-1\ntrain-avatar.densification_interval=-1\n"
+      "train-avatar.num-downscales=-1\ntrain-avatar.resolution-schedule=-1\n"
+      "train-avatar.test-frames=-1\ntrain-avatar.prune-to=0\ntrain-avatar.prune-lambda=0\n"
+      "train-avatar.opacity_lr=0\ntrain-avatar.budget=\"none\"\n"
+      "train-avatar.background=\"auto\"\ntrain-avatar.bust=\"no\"\n";
+  const Parsed p = WithConfig(lines);
+  const AvatarOptions& o = p.options;
+  for (const auto& rate :
+       {o.densify_grad_threshold, o.scaling_lr, o.rest_lr, o.position_lr_final, o.prune_lambda})
+    EXPECT_FALSE(rate.has_value());
+  for (const auto& steps : {o.densify_from, o.densify_every, o.num_downscales, o.test_frames})
+    EXPECT_FALSE(steps.has_value());
+  EXPECT_FALSE(o.prune_to.has_value());
+  EXPECT_FALSE(o.background.has_value());
+  EXPECT_EQ(o.rates.opacity, 0) << "it could always be 0";
+  EXPECT_EQ(o.avatar.bust, AvatarSettings::BustChoice::kNo);
+  const TrainSettings ours = o.ToSettings(1), usual = Parsed({}).options.ToSettings(1);
+  EXPECT_EQ(ours.rates.scale, usual.rates.scale);
+  EXPECT_EQ(ours.density.gradient_threshold, usual.density.gradient_threshold);
+  EXPECT_EQ(ours.rates.position_lr_final, usual.rates.position_lr_final);
+}
+
+TEST(Config, ARateOfNothingIsOne) {
+  const Parsed given({"--scaling_lr", "0", "--rest-lr", "0", "--position_lr_final", "0"});
+  const TrainSettings s = given.options.ToSettings(1);
+  EXPECT_EQ(s.rates.scale, 0);
+  EXPECT_EQ(s.rates.RestRate(), 0);
+  EXPECT_EQ(s.rates.position_lr_final, 0);
+  const Parsed again = WithConfig(given.config);
+  EXPECT_EQ(again.options.ToSettings(1).rates.scale, 0);
+  EXPECT_EQ(again.options.ToSettings(1).rates.RestRate(), 0);
+  EXPECT_EQ(again.config, given.config);
+}
+
+TEST(Config, IsReadAsItWasWritten) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{},
+        {"--quality", "draft"},
+        {"--preset", "quick"},
+        {"--preset", "splatting-avatar"},
+        {"--budget", "auto", "--mouth", "no", "--device", "auto", "--background", "white"},
+        {"--prune", "speedy", "--prune-to", "4000", "--densify_from_iter", "50"}}) {
+    const Parsed first(arguments), again = WithConfig(first.config);
+    EXPECT_EQ(again.config, first.config);
+  }
+}
+
+TEST(Quality, SetsWhatIsNotGivenAndSaysSo) {
+  const Parsed draft({"--quality", "draft"});
+  EXPECT_EQ(draft.options.iterations, 2000);
+  EXPECT_EQ(draft.options.avatar.iterations, 2000);
+  EXPECT_FLOAT_EQ(draft.options.ToSettings(1).density.gradient_threshold, 1.5e-4f);
+  EXPECT_EQ(draft.options.settled, " --iterations 2000 --densify_grad_threshold 0.00015");
+  EXPECT_TRUE(draft.ConfigHas("train-avatar.iterations=2000")) << draft.config;
+  EXPECT_EQ(Parsed({"--quality", "standard"}).options.iterations, Parsed({}).options.iterations);
+  EXPECT_EQ(Parsed({"--quality", "best"}).options.iterations, 15000);
+  const Parsed given({"--quality", "best", "--iterations", "70"});
+  EXPECT_EQ(given.options.iterations, 70);
+  EXPECT_EQ(given.options.settled, "");
+  EXPECT_EQ(Parsed({}).options.settled, "");
+  EXPECT_EQ(Parsed({"--preset", "quick", "--quality", "best"}).options.iterations, 15000);
+  EXPECT_THROW(Parsed({"--quality", "good"}), CLI::ParseError);
 }
 
 }  // namespace

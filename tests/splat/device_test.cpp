@@ -1,4 +1,4 @@
-// The choice of a back end by name.
+// The choice of a back end.
 #include "splat/render/device.h"
 
 #include <gtest/gtest.h>
@@ -10,13 +10,12 @@
 namespace cosplat {
 namespace {
 
-TEST(Device, IsChosenByName) {
+TEST(Device, IsTheOneThatIsWantedOrThere) {
   setenv("CUDA_VISIBLE_DEVICES", "-1", 1);  // no GPU, whatever the machine has
-  EXPECT_EQ(DeviceFromString("cpu"), Device::kCpu);
-  EXPECT_EQ(DeviceFromString("auto"), Device::kCpu);
-  test::ExpectError([] { DeviceFromString("cuda"); }, {"--device", "cuda"});
-  test::ExpectError([] { DeviceFromString("gpu", "--on"); }, {"--on", "gpu"});
-  test::ExpectError([] { DeviceFromString(""); }, {"--device"});
+  EXPECT_EQ(UsableDevice(Device::kCpu), Device::kCpu);
+  EXPECT_EQ(UsableDevice({}), Device::kCpu);
+  test::ExpectError([] { UsableDevice(Device::kCuda); }, {"--device", "cuda"});
+  test::ExpectError([] { UsableDevice(Device::kCuda, "--on"); }, {"--on", "cuda"});
 }
 
 TEST(Device, TheCpuIsAlwaysThere) { EXPECT_NE(MakeRasterizer(Device::kCpu), nullptr); }

@@ -1,4 +1,4 @@
-// Options of `cosplat train-avatar`, and the presets that set several of them at once.
+// Options of `cosplat train-avatar`, with what --preset and --quality stand for (presets.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,21 +9,14 @@
 
 namespace cosplat {
 
-// `preset` is one of
-//   cosplat                    this project's settings
-//   splatting-avatar           SplattingAvatar as published
-//   splatting-avatar-released  SplattingAvatar's released code, including the faults in which it
-//                              differs from the publication (avatar/train/trainer.h, AvatarSystem)
-//   3dgs                       as cosplat, but with 3DGS's absolute schedule steps
 struct AvatarOptions : TrainOptions {
   AvatarOptions();
 
   std::string flame, landmarks;
-  int test_frames = -1;
-  bool fold_by_turn = false;  // implies `fold`
-  double focal_scale = 1;     // of the track's focal length (flame/focal.h)
-  std::string color_frame = "surface";
-  std::string bust = "auto", mouth = "yes";
+  std::optional<int> test_frames;  // none: the video's own split
+  bool fold_by_turn = false;       // implies `fold`
+  double focal_scale = 1;          // of the track's focal length (flame/focal.h)
+  bool mouth = true;
   bool embed_flame = false;
   bool truncate_degree = false;
   int triangle_cap = 64;  // GaussianAvatars users report 8,000 on one face
@@ -32,10 +25,9 @@ struct AvatarOptions : TrainOptions {
   void Declare(CLI::App& command);
   // Without the folders of data and results.
   void DeclareTraining(CLI::App& command);
-  // Call once `command` has been parsed. Assigns the preset's values to all options that were not
-  // given on the command line, wherever --preset stands, also in what ConfigOf reads; then fills in
-  // `avatar`.
-  void ApplyPreset(CLI::App& command);
+  // Call once `command` has been parsed: sets what --preset and --quality stand for, wherever they
+  // stand, also in what ConfigOf reads; then fills in `avatar`.
+  void Settle(CLI::App& command);
   // Whether the preset has an LPIPS loss that is left out, as there is no network.
   bool OmitsLpips() const { return IsSplattingAvatar() && lpips.empty(); }
   // `unit`: AvatarSubject::extent.
@@ -44,5 +36,8 @@ struct AvatarOptions : TrainOptions {
  private:
   bool IsSplattingAvatar() const { return avatar.system != AvatarSystem::kCosplat; }
 };
+
+// The name of a preset of avatars.
+std::string NameOf(Preset preset);
 
 }  // namespace cosplat

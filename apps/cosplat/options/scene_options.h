@@ -9,12 +9,14 @@ namespace cosplat {
 
 struct SceneTrainOptions : TrainOptions {
   std::string images = "images";
-  size_t random_points = 0;  // 0: the preset's choice
-  float memory_gb = 0;       // 10^9 bytes; 0: no limit
+  std::optional<size_t> random_points;  // none: the preset's choice
+  float memory_gb = 0;                  // 10^9 bytes; 0: no limit
   size_t blocks = 1;
 
   // As TrainOptions::DeclareTraining, with those that only scenes have.
   void DeclareTraining(CLI::App& command);
+  // Call once `command` has been parsed: sets what --quality stands for.
+  void Settle(CLI::App& command);
   // Throws Error if `blocks` does not go with other options.
   void CheckBlocks() const;
 };

@@ -1,6 +1,7 @@
 #include "apps/cosplat/options/train_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "splat/base/error.h"
@@ -8,87 +9,85 @@
 namespace cosplat {
 namespace {
 
-// Differences from 3DGS in the training of scenes, apart from steps proportional to the run's
-// length; docs/reference.md lists the gain of each. Avatars have some of them (AvatarOptions):
-// shared opacity degrades their mouths.
-void ImproveOn3dgs(TrainSettings& s) {
-  s.rates.scale = 1e-2f;
-  s.density.shares_opacity = true;
-  // What is large beside the distance between the cameras is the background, not a fault.
-  s.density.max_scale = std::numeric_limits<float>::infinity();
-  s.schedule.opacity_reset_share = 0.25f;
-  s.schedule.num_downscales = 2;
-  s.schedule.last_rate_share = 0.2f;
-  // With its filters fewer Gaussians would be added (docs/scenes.md).
-  if (s.antialiasing) s.density.gradient_threshold = 1.6e-4f;
-}
+constexpr int kRuleSteps = 30000;  // that PresetRules::densify_from and densify_until are of
 
 }  // namespace
 
-TrainSettings TrainOptions::ToSettings(float extent) const {
+TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) const {
   TrainSettings s;
   s.iterations = iterations;
   s.batch = batch;
   s.degree = sh_degree;
+  s.first_degree = rules.all_bands_at_start ? sh_degree : 0;
   s.seed = seed;
   s.antialiasing = antialiasing;
   s.exposure = exposure;
-  s.loss = {1 - lambda_dssim, lambda_dssim, 0};
+  s.loss = {1 - lambda_dssim, lambda_dssim, rules.mse};
   if (lambda_lpips > 0 && lpips.empty())
     throw Error("--lambda_lpips", "needs a network: --lpips DIR (docs/lpips.md)");
   s.crop_loss.weight = lambda_lpips;
   s.crop_loss.side = lpips_crop;
   s.rates = rates;
-  s.schedule = preset == "3dgs" ? Schedule() : Schedule::Fractions(iterations);
-  if (position_lr_final > 0)
-    s.rates.position_lr_final = position_lr_final;
-  else if (preset != "3dgs")
+  s.rates.rest = rest_lr;
+  s.rates.scale = scaling_lr.value_or(rules.scaling_lr);
+  s.schedule = ScheduleBy(rules);
+  if (position_lr_final)
+    s.rates.position_lr_final = *position_lr_final;
+  else if (rules.in_proportion)
     s.rates.position_lr_final = Schedule::LastPositionRate(rates.position_lr_init, iterations);
-  s.density.split_scale = 0.01f * extent;  // 3DGS: percent_dense
-  s.density.max_scale = 0.1f * extent;     // 3DGS
+  s.density.split_scale = 0.01f * extent;                   // 3DGS: percent_dense
+  s.density.max_scale = rules.limits_scale ? 0.1f * extent  // 3DGS
+                                           : std::numeric_limits<float>::infinity();
   s.density.max_count = max_gaussians;
-  if (preset == "default") ImproveOn3dgs(s);
-  if (scaling_lr > 0) s.rates.scale = scaling_lr;
-  if (densify_grad_threshold > 0) s.density.gradient_threshold = densify_grad_threshold;
-  const auto override_with = [](int value, int& steps) {
-    if (value >= 0) steps = value;
-  };
-  override_with(densify_from, s.schedule.densify_from);
-  override_with(densify_until, s.schedule.densify_until);
-  override_with(densify_every, s.schedule.densify_every);
-  override_with(opacity_reset_every, s.schedule.opacity_reset_every);
-  if (opacity_reset_every >= 0) s.schedule.opacity_reset_share = 1;
-  override_with(num_downscales, s.schedule.num_downscales);
-  override_with(resolution_schedule, s.schedule.downscale_every);
-  if (budget == "auto" && prune_to > 0)
-    throw Error("--prune-to " + std::to_string(prune_to), "--budget auto finds the count");
-  if (budget == "auto" && prune != "none" && prune != "leave-one-out")
-    throw Error("--prune " + prune, "--budget auto prunes by leave-one-out");
-  if (budget == "auto" && batch > 1)
+  s.density.shares_opacity = rules.shares_opacity;
+  if (antialiasing && rules.antialiased_grad_threshold)
+    s.density.gradient_threshold = *rules.antialiased_grad_threshold;
+  if (densify_grad_threshold) s.density.gradient_threshold = *densify_grad_threshold;
+  if (finds_budget && prune_to)
+    throw Error("--prune-to " + std::to_string(*prune_to), "--budget auto finds the count");
+  if (finds_budget && prune != PruneRule::kNone && prune != PruneRule::kLeaveOneOut)
+    throw Error("--prune " + ToString(prune), "--budget auto prunes by leave-one-out");
+  if (finds_budget && batch > 1)
     throw Error("--batch " + std::to_string(batch), "--budget auto needs steps of one view");
-  const bool counts = prune_to > 0 || budget == "auto";
-  s.prune.rule = PruneRuleFromString(prune == "none" && counts ? "leave-one-out" : prune);
-  s.prune.target = prune_to;
-  s.prune.mask_weight = prune_lambda;
+  const bool counts = prune_to || finds_budget;
+  s.prune.rule = prune == PruneRule::kNone && counts ? PruneRule::kLeaveOneOut : prune;
+  s.prune.target = prune_to.value_or(0);
+  s.prune.mask_weight = prune_lambda.value_or(0);
   s.drop_bands = drop_bands / 255;
-  if (background == "white") s.background = Background::kWhite;
-  if (background == "random") s.background = Background::kRandom;
-  s.schedule.reset_opacity_at_start = preset == "3dgs" && background == "white";
+  s.background = background.value_or(Background::kBlack);
+  return s;
+}
+
+Schedule TrainOptions::ScheduleBy(const PresetRules& rules) const {
+  Schedule s = rules.in_proportion ? Schedule::Fractions(iterations) : Schedule();
+  const auto scaled = [&](int steps) {
+    return int(std::lround(double(steps) * iterations / kRuleSteps));
+  };
+  if (rules.densify_from) s.densify_from = scaled(*rules.densify_from);
+  if (rules.densify_until) s.densify_until = scaled(*rules.densify_until);
+  s.opacity_reset_share = opacity_reset_every ? 1 : rules.opacity_reset_share;
+  s.last_rate_share = rules.last_rate_share;
+  s.densify_from = densify_from.value_or(s.densify_from);
+  s.densify_until = densify_until.value_or(s.densify_until);
+  s.densify_every = densify_every.value_or(s.densify_every);
+  s.opacity_reset_every = opacity_reset_every.value_or(s.opacity_reset_every);
+  s.num_downscales = num_downscales.value_or(rules.num_downscales);
+  s.downscale_every = resolution_schedule.value_or(s.downscale_every);
+  s.reset_opacity_at_start = !rules.in_proportion && background == Background::kWhite;
   return s;
 }
 
 Device TrainOptions::ResolveDevice() const {
-  const bool processor_only = WorksOnProcessorOnly(PruneRuleFromString(prune));
-  return DeviceFromString(device == "auto" && processor_only ? "cpu" : device);
+  return UsableDevice(!device && WorksOnProcessorOnly(prune) ? Device::kCpu : device);
 }
 
-void TrainOptions::ResolveBackground(const std::string& automatic) {
-  if (white_background) background = "white";
-  if (background == "auto") background = automatic;
+void TrainOptions::ResolveBackground(Background automatic) {
+  if (white_background) background = Background::kWhite;
+  background = background.value_or(automatic);
 }
 
 std::array<float, 3> TrainOptions::EvaluationBackground() const {
-  const float c = background == "black" ? 0.0f : 1.0f;
+  const float c = background == Background::kBlack ? 0.0f : 1.0f;
   return {c, c, c};
 }
 

@@ -5,16 +5,19 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/cosplat/options/presets.h"
 #include "splat/render/device.h"
 #include "splat/train/step/step_engine.h"
 #include "splat/train/trainer.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace cosplat {
 
@@ -28,58 +31,71 @@ struct TrainOptions {
   bool fold = false;
   bool antialiasing = false;
   bool exposure = false;  // of scenes
+  std::optional<Quality> quality;
+  Preset preset = Preset::kCosplat;
   int iterations = 30000;
   int batch = 1;  // of scenes
   int sh_degree = 3;
-  std::string basis = "dcsh";
-  std::string preset = "default";
-  std::string background = "auto";
+  Basis basis = Basis::kDcsh;
+  std::optional<Background> background;  // none: what suits the data
   bool white_background = false;
   std::vector<int> test_iterations, save_iterations;
   uint64_t seed = 0;
   size_t max_gaussians = 2000000;
-  std::string device = "cpu";
+  std::optional<Device> device = Device::kCpu;  // none: a GPU if there is one
   bool deterministic = false;
-  std::string prune = "none";
-  size_t prune_to = 0;
-  float prune_lambda = 0;
+  PruneRule prune = PruneRule::kNone;
+  std::optional<size_t> prune_to;
+  std::optional<float> prune_lambda;
   float drop_bands = 0;  // grey levels of 255
-  std::string budget = "none";
+  bool finds_budget = false;
   float tolerance = 0.2f;  // dB
   float lambda_dssim = 0.2f;
   float lambda_lpips = 0;
-  int lpips_crop = 128;              // px
-  std::string lpips;                 // a network's folder; empty: none
-  float densify_grad_threshold = 0;  // 0: the preset's
-  // In steps; -1: as in the schedule.
-  int densify_from = -1, densify_until = -1, densify_every = -1, opacity_reset_every = -1;
-  int num_downscales = -1, resolution_schedule = -1;
+  int lpips_crop = 128;  // px
+  std::string lpips;     // a network's folder; empty: none
+  // Where there is none, the preset's or the schedule's.
+  std::optional<float> densify_grad_threshold, position_lr_final, scaling_lr, rest_lr;
+  std::optional<int> densify_from, densify_until, densify_every, opacity_reset_every;  // steps
+  std::optional<int> num_downscales, resolution_schedule;
   LearningRates rates;
-  float position_lr_final = 0;  // 0: Schedule::LastPositionRate
-  float scaling_lr = 0;         // 0: the preset's
-  float checkpoint_every = 5;   // minutes; 0: only when stopped by a signal
+  float checkpoint_every = 5;  // minutes; 0: only when stopped by a signal
   bool resume = false, overwrite = false;
   bool strict = false;  // data that does not tell one story is refused
   bool quiet = false;
+  std::string settled;  // what --quality has set, as a command line
 
   // Declare the options on a sub-command; the current values become the defaults. First where the
   // data is and where results go, which not all commands are told in this way, then the others.
   void DeclareFolders(CLI::App& command);
   void DeclareTraining(CLI::App& command);
-  // `extent`: scene size in world units; size limits are proportional to it. Leaves the network of
-  // the crop loss to the caller. Throws Error if options contradict each other.
-  TrainSettings ToSettings(float extent) const;
+  // description: what each quality takes and reaches.
+  void DeclareQuality(CLI::App& command, const std::string& description);
+  // Of a scene. `extent`: its size in world units; size limits are proportional to it. Leaves the
+  // network of the crop loss to the caller. Throws Error if options contradict each other.
+  TrainSettings ToSettings(float extent) const { return SettingsBy(SceneRules(preset), extent); }
   // Resolves --device. "auto" is the CPU for what is only implemented there: some pruning rules.
   Device ResolveDevice() const;
   // Resolves --background auto and -w.
-  void ResolveBackground(const std::string& automatic);
+  void ResolveBackground(Background automatic);
   // Background of held-out images: black if training uses black, otherwise white.
   std::array<float, 3> EvaluationBackground() const;
   // Whether a step to `iteration` that began after `before` reaches one of them, or the end.
   bool ReachesMilestone(const std::vector<int>& milestones, int before, int iteration) const;
+
+ protected:
+  TrainSettings SettingsBy(const PresetRules& rules, float extent) const;
+  Schedule ScheduleBy(const PresetRules& rules) const;
+  // Sets what is not given on the command line or in a configuration; values: of the preset, and of
+  // each quality.
+  void Settle(CLI::App& command,
+              const OptionValues& of_preset,
+              const OptionValues& (*of_quality)(Quality));
 };
 
-// All options of a sub-command with their values, in the format that `--config` reads.
-std::string ConfigOf(const CLI::App& app, const CLI::App& command);
+// Declares --device, of any command. none: "auto".
+CLI::Option* AddDevice(CLI::App& command,
+                       std::optional<Device>& device,
+                       const std::string& description);
 
 }  // namespace cosplat

@@ -23,8 +23,8 @@ std::shared_ptr<AvatarOptions> SmallAvatarOptions(const std::string& flame) {
   std::vector<std::string> arguments{"--flame", flame, "--preset", "quick", "--iterations", "800"};
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   command.parse(arguments);
-  options->ApplyPreset(command);
-  options->ResolveBackground("random");
+  options->Settle(command);
+  options->ResolveBackground(Background::kRandom);
   return options;
 }
 

@@ -27,7 +27,7 @@ std::string Quoted(const std::string& text) {
 // Formatted as Python prints it: 3DGS's tools evaluate this line.
 std::string CfgArgs(const TrainOptions& o) {
   const auto flag = [](bool b) { return std::string(b ? "True" : "False"); };
-  const bool white = o.background == "white";
+  const bool white = o.background == Background::kWhite;
   return "Namespace(data_device='cpu', eval=" + flag(o.eval) +
          ", images='images', model_path=" + Quoted(fs::absolute(o.model).string()) +
          ", resolution=" + std::to_string(o.resolution) +
@@ -126,10 +126,10 @@ std::string SplatPath(const std::string& folder, int iteration) {
 }
 
 bool CanSaveSplats(const TrainOptions& o) {
-  if (IsHarmonic(BasisFromString(o.basis), o.sh_degree)) return true;
+  if (IsHarmonic(o.basis, o.sh_degree)) return true;
   if (!o.quiet)
     std::printf("no splats will be saved: %s is not spherical harmonics, so no file can hold it\n",
-                o.basis.c_str());
+                ToString(o.basis).c_str());
   return false;
 }
 

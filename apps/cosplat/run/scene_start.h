@@ -13,9 +13,11 @@ struct SceneStart {
 };
 
 // Resolves the background. Replaces the scene's points by the initial positions of its Gaussians,
-// no more than the options allow. A scene without points gets `random_points` random ones or, if
-// that is 0, those of the preset: points found in the images (splat/train/start/initialize.h), or
+// no more than the options allow. A scene without points gets `random_points` random ones or, of
+// none, those of the preset: points found in the images (splat/train/start/initialize.h), or
 // 3DGS's 100,000 random ones.
-SceneStart StartScene(size_t random_points, TrainOptions& choices, TrainingScene& scene);
+SceneStart StartScene(std::optional<size_t> random_points,
+                      TrainOptions& choices,
+                      TrainingScene& scene);
 
 }  // namespace cosplat

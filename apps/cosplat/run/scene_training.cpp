@@ -92,7 +92,7 @@ void SaveInputs(const SceneTrainOptions& o,
                  {"split", ToJson(split)},
                  {"iterations", o.iterations},
                  {"degree", o.sh_degree},
-                 {"basis", o.basis},
+                 {"basis", ToString(o.basis)},
                  {"seed", o.seed},
                  {"device", NameOf(o.ResolveDevice())},
                  {"background", o.EvaluationBackground()},
@@ -108,9 +108,9 @@ void SaveInputs(const SceneTrainOptions& o,
 }  // namespace
 
 void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
-  if (o.prune == "dcsharp-triangle")
+  if (o.prune == PruneRule::kDcsharpTriangle)
     throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
-  if (o.blocks > 1 && o.device == "auto") o.device = "cpu";
+  if (o.blocks > 1 && !o.device) o.device = Device::kCpu;
   o.CheckBlocks();
   if (o.blocks > 1 && ranks->size() > o.blocks * size_t(o.batch))
     throw Error("--blocks " + std::to_string(o.blocks) + " --batch " + std::to_string(o.batch),
@@ -125,7 +125,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   }
   // "auto" is the CPU for all ranks if it is for one of them.
   const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
-  if (device == Device::kCpu) o.device = "cpu";
+  if (device == Device::kCpu) o.device = Device::kCpu;
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
   DataSplit split{o.resolution, o.eval, o.fold, -1};
   ChooseImages(o.images, split);
@@ -154,6 +154,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   scene.point_colors = std::move(loaded.point_colors);
   if (writes && how == RunStart::kNew) RemoveRun(o.model);
   if (writes) SaveInputs(o, split, scene, config);
+  PrintSettled(o);
   if (!o.quiet) PrintSkipped(scene.skipped);
   if (!o.quiet)
     std::printf("%s: %zu training and %zu test views of %dx%d, %s points, on %s\n",

@@ -30,6 +30,10 @@ void PrintFinished(const TrainOptions& o) {
   if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
 }
 
+void PrintSettled(const TrainOptions& o) {
+  if (!o.quiet && !o.settled.empty()) std::printf("--quality sets%s\n", o.settled.c_str());
+}
+
 std::string LossLine::operator()(const StepReport& step) {
   const bool first = step.iteration == 1 || std::isnan(loss_);  // of a run, or since resuming
   loss_ = first ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
@@ -84,7 +88,7 @@ class TrainingRun {
 
   void Start() {
     if (checkpoint_.resumes()) return Resume();
-    if (o_.budget == "auto") BeginSearch();
+    if (o_.finds_budget) BeginSearch();
   }
 
   void ChooseBudget() {

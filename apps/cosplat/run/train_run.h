@@ -49,6 +49,9 @@ void RunTraining(const TrainOptions& options,
 // Prints, unless quiet, that the folder holds this run already.
 void PrintFinished(const TrainOptions& options);
 
+// Prints, unless quiet, what --quality has set.
+void PrintSettled(const TrainOptions& options);
+
 // Prints the time it took and the number of Gaussians.
 void PrintTrained(const TrainingStatistics& statistics);
 

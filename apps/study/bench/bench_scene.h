@@ -19,7 +19,7 @@ struct BenchScene {
   std::vector<float> points;          // [P, 3] initial Gaussian positions, world units
   std::vector<uint8_t> point_colors;  // [P, 3]
   float extent = 1;
-  std::string background = "black";  // as for --background
+  Background background = Background::kBlack;
   size_t max_gaussians = 0;
 };
 

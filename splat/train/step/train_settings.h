@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "splat/train/density/density.h"
 #include "splat/train/loss/crop_loss.h"
@@ -25,14 +26,14 @@ struct LearningRates {
   float position_lr_init = 1.6e-4f;  // times the subject's extent
   float position_lr_final = 1.6e-6f;
   float color = 2.5e-3f;
-  float rest = 0;  // of the coefficients of bands >= 1; 0: color / 20 (3DGS)
+  std::optional<float> rest;  // of the coefficients of bands >= 1; none: color / 20 (3DGS)
   float opacity = 0.05f;
   float scale = 5e-3f;
   float rotation = 1e-3f;
   float correction = 3e-4f;  // of avatars, in the units of avatar/math/correct.h; it falls
   float exposure = 0.02f;    // of a training frame; it falls
 
-  float RestRate() const { return rest > 0 ? rest : color / 20; }
+  float RestRate() const { return rest.value_or(color / 20); }
 };
 
 // Penalises large needle-like (high-anisotropy) Gaussians: mean of the largest standard deviation

@@ -1,0 +1,79 @@
+#include "apps/cosplat/options/option_groups.h"
+
+#include <vector>
+
+namespace cosplat {
+namespace {
+
+class Help : public CLI::Formatter {
+ public:
+  Help() { column_width(32); }
+
+  // An earlier spelling is accepted, but not listed.
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    if (positional) return option->get_name(true, false);
+    const std::vector<std::string>& shorts = option->get_snames();
+    const std::vector<std::string>& longs = option->get_lnames();
+    std::string name = shorts.empty() ? "" : "-" + shorts[0];
+    if (!longs.empty()) name += (name.empty() ? "--" : ",--") + longs[0];
+    return name;
+  }
+
+  std::string make_help(const CLI::App* app,
+                        std::string name,
+                        CLI::AppFormatMode mode) const override {
+    ranges_ = mode != CLI::AppFormatMode::Normal;
+    if (mode == CLI::AppFormatMode::Sub) return CLI::Formatter::make_help(app, name, mode);
+    return make_description(app) + make_usage(app, name) + make_positionals(app) +
+           Groups(*app, mode) + make_subcommands(app, mode);
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return ranges_ ? CLI::Formatter::make_option_opts(option) : ShortOpts(*option);
+  }
+
+ private:
+  std::string Groups(const CLI::App& app, CLI::AppFormatMode mode) const {
+    std::string text;
+    size_t left = 0;
+    for (const std::string& group : app.get_groups()) {
+      const std::vector<const CLI::Option*> options =
+          app.get_options([&](const CLI::Option* option) {
+            return option->get_group() == group && option->nonpositional();
+          });
+      if (group.empty() || options.empty()) continue;
+      if (group.starts_with("More") && mode == CLI::AppFormatMode::Normal)
+        left += options.size();
+      else
+        text += make_group(group, false, options);
+    }
+    if (left > 0) text += "\n" + std::to_string(left) + " more options: --help-all\n";
+    return text;
+  }
+
+  // What it takes, and its default, without ranges.
+  std::string ShortOpts(const CLI::Option& option) const {
+    std::string text;
+    if (option.get_type_size() != 0) {
+      const std::string type = option.get_type_name();
+      const size_t choices = type.find('{'), range = type.find(':');
+      text = " " + (choices != std::string::npos ? type.substr(choices) : type.substr(0, range));
+      if (option.get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+    }
+    if (!option.get_default_str().empty() && option.get_type_size() != 0)
+      text += "=" + option.get_default_str();
+    return option.get_required() ? text + " REQUIRED" : text;
+  }
+
+  mutable bool ranges_ = false;  // of the text that is being made
+};
+
+}  // namespace
+
+void BeginGroup(CLI::App& command, const std::string& name) {
+  command.option_defaults()->group(name);
+}
+
+std::shared_ptr<CLI::Formatter> MakeHelp() { return std::make_shared<Help>(); }
+
+}  // namespace cosplat
