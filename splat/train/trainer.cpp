@@ -312,10 +312,9 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
 StepPlan Trainer::NextView(int iteration) { return PlanOf(iteration, NextFrame()); }
 
 double Trainer::Train(int begin, int end) {
-  if (settings_.batch == 1) return engine_->Step(NextView(begin + 1));
   std::vector<StepPlan> views;
   for (int view = begin; view < end; ++view) views.push_back(NextView(begin + 1));
-  return engine_->StepBatch(std::move(views));
+  return engine_->Step(std::move(views));
 }
 
 StepReport Trainer::Step() {

@@ -177,12 +177,12 @@ TEST(Layers, GradientsAreThoseOfWhatIsShown) {
   for (float& value : d) value = rng.Normal();
   LayerModel model;
   Buffer<float> pulled = d;
-  model.Pull(layers, pulled, HostStream());
+  model.Backward(layers, pulled, HostStream());
   for (size_t i = 0; i < color.size(); ++i) {
-    const float before = model.Show(layers, color, HostStream())[i];
+    const float before = model.Forward(layers, color, HostStream())[i];
     Buffer<float> moved = color;
     moved[i] += 0.5f;
-    const float slope = (model.Show(layers, moved, HostStream())[i] - before) / 0.5f;
+    const float slope = (model.Forward(layers, moved, HostStream())[i] - before) / 0.5f;
     EXPECT_NEAR(pulled[i], slope * d[i], 1e-5) << i;
   }
 }

@@ -50,11 +50,11 @@ struct Compared {
   TargetView view() const { return {kSide, kSide, 3, target.data.data(), ignored.data()}; }
   double Loss() {
     const Buffer<float>& shown =
-        model.Show(rendered, exposure.data(), view(), {0, 0, 0}, HostStream());
+        model.Forward(rendered, exposure.data(), view(), {0, 0, 0}, HostStream());
     loss.Evaluate(LossWeights(), shown, view(), {0, 0, 0}, d, HostStream());
     return *loss.value();
   }
-  void Pull() { model.Pull(rendered, exposure.data(), view(), d, HostStream()); }
+  void Pull() { model.Backward(rendered, exposure.data(), view(), d, HostStream()); }
 };
 
 TEST(Photograph, GradientsAreThoseOfTheLoss) {

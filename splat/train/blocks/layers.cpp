@@ -69,15 +69,15 @@ void LayerModel::AddBehind(const FrameLayers& layers,
                     image.color.view()});
 }
 
-const Buffer<float>& LayerModel::Show(const FrameLayers& layers,
-                                      View<const float> color,
-                                      Stream& stream) {
+const Buffer<float>& LayerModel::Forward(const FrameLayers& layers,
+                                         View<const float> color,
+                                         Stream& stream) {
   shown_.Refill(color.count, stream);
   ForEach(color.count / 3, stream, PutInFront{BytesOf(layers.front), color, shown_.view()});
   return shown_;
 }
 
-void LayerModel::Pull(const FrameLayers& layers, Buffer<float>& d_shown, Stream& stream) {
+void LayerModel::Backward(const FrameLayers& layers, Buffer<float>& d_shown, Stream& stream) {
   if (layers.front.empty()) return;
   ForEach(d_shown.size() / 3, stream, PutInFrontVjp{BytesOf(layers.front), d_shown.view()});
 }

@@ -47,9 +47,9 @@ class LayerModel {
                  RenderedImage& image,
                  Stream& stream);
   // That image with the layer in front. Valid until the next call.
-  const Buffer<float>& Show(const FrameLayers& layers, View<const float> color, Stream& stream);
-  // Turns the gradient of what Show returned into that of its argument, in place.
-  void Pull(const FrameLayers& layers, Buffer<float>& d_shown, Stream& stream);
+  const Buffer<float>& Forward(const FrameLayers& layers, View<const float> color, Stream& stream);
+  // Turns the gradient of what Forward returned into that of its argument, in place.
+  void Backward(const FrameLayers& layers, Buffer<float>& d_shown, Stream& stream);
   size_t held() const { return HeldBy(shown_); }
 
  private:

@@ -67,7 +67,7 @@ void ProvideTrainKernels() {
   };
   Provide<FindBehind>();
   Provide<AccumulateStep, AddContributions>();
-  Provide<SumBlocks<Needles>, SumBlocks<View<const NeedleSum>>, AddUpNeedles, PullNeedles>();
+  Provide<SumBlocks<Needles>, SumBlocks<View<const NeedleSum>>, AddUpNeedles, NeedlesBackward>();
   Provide<SumBlocks<ShownMasks>, SumBlocks<View<const double>>, AddUpShown>();
   Provide<FindKinds, StrengthKey, LetStay, ShareOpacity, FlagKinds, PlaceSources, DrawChild>();
   Provide<MarkUnwanted, FlagKept, PlaceKept, LowerTo, AddOffsets, FillNumbers>();
@@ -77,7 +77,7 @@ void ProvideTrainKernels() {
   Provide<FindDrawn, MarkSeen, ScatterRow, SpoilBroken>();
   ProvideGroups<CopyGroup, AddGroup, ZeroUnseenGroup>();
   Provide<FindSmoothing>();
-  Provide<ShowPhotograph, PullPhotograph, AddUpExposure, StepExposure, CenterExposures>();
+  Provide<PhotographForward, PhotographBackward, AddUpExposure, StepExposure, CenterExposures>();
   Provide<SumBlocks<View<const ExposureSum>>>();
   Provide<HideMasked, DimMasked, LearnMask>();
 }

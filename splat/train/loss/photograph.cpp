@@ -13,7 +13,7 @@ namespace {
 constexpr double kIdentityWeight = 1e-4;
 
 size_t BlocksOf(View<const float> rendered) {
-  return (rendered.count / 3 + PullPhotograph::kBlock - 1) / PullPhotograph::kBlock;
+  return (rendered.count / 3 + PhotographBackward::kBlock - 1) / PhotographBackward::kBlock;
 }
 
 }  // namespace
@@ -78,32 +78,32 @@ void ExposureState::SetToMeans(const std::vector<std::vector<uint32_t>>& frames,
   });
 }
 
-const Buffer<float>& PhotographModel::Show(View<const float> rendered,
-                                           const float* exposure,
-                                           const TargetView& target,
-                                           const std::array<float, 3>& background,
-                                           Stream& stream) {
+const Buffer<float>& PhotographModel::Forward(View<const float> rendered,
+                                              const float* exposure,
+                                              const TargetView& target,
+                                              const std::array<float, 3>& background,
+                                              Stream& stream) {
   shown_.Refill(rendered.count, stream);
   ForEach(rendered.count / 3,
           stream,
-          ShowPhotograph{rendered,
-                         exposure,
-                         target,
-                         {background[0], background[1], background[2]},
-                         shown_.view()});
+          PhotographForward{rendered,
+                            exposure,
+                            target,
+                            {background[0], background[1], background[2]},
+                            shown_.view()});
   return shown_;
 }
 
-void PhotographModel::Pull(View<const float> rendered,
-                           const float* exposure,
-                           const TargetView& target,
-                           Buffer<float>& d_shown,
-                           Stream& stream) {
+void PhotographModel::Backward(View<const float> rendered,
+                               const float* exposure,
+                               const TargetView& target,
+                               Buffer<float>& d_shown,
+                               Stream& stream) {
   const size_t blocks = BlocksOf(rendered);
   sums_.Refill(exposure ? blocks : 0, stream);
   ForEach(blocks,
           stream,
-          PullPhotograph{rendered, exposure, target.ignored, d_shown.view(), sums_.view()});
+          PhotographBackward{rendered, exposure, target.ignored, d_shown.view(), sums_.view()});
   if (!exposure) return;
   gradient_.Refill(math::kExposureNumbers, stream);
   const View<const ExposureSum> sums = std::as_const(sums_).view();

@@ -42,18 +42,18 @@ class PhotographModel {
  public:
   // The rendered image ([3, height, width]) as the photograph would show it. exposure: [12] in the
   // stream's memory, or null for the identity. Valid until the next call.
-  const Buffer<float>& Show(View<const float> rendered,
-                            const float* exposure,
-                            const TargetView& target,
-                            const std::array<float, 3>& background,
-                            Stream& stream);
-  // Turns the gradient of what Show returned, of the same arguments, into that of the rendered
+  const Buffer<float>& Forward(View<const float> rendered,
+                               const float* exposure,
+                               const TargetView& target,
+                               const std::array<float, 3>& background,
+                               Stream& stream);
+  // Turns the gradient of what Forward returned, of the same arguments, into that of the rendered
   // image, in place; and finds gradient() if there is an exposure.
-  void Pull(View<const float> rendered,
-            const float* exposure,
-            const TargetView& target,
-            Buffer<float>& d_shown,
-            Stream& stream);
+  void Backward(View<const float> rendered,
+                const float* exposure,
+                const TargetView& target,
+                Buffer<float>& d_shown,
+                Stream& stream);
   // [12] of the loss with respect to the exposure.
   const Buffer<float>& gradient() const { return gradient_; }
   // One step of Adam on a frame's exposure, unless *overflowed is not 0. gradient: [12].

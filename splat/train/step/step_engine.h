@@ -16,40 +16,26 @@
 #include <vector>
 
 #include "splat/device/buffer.h"
-#include "splat/math/pinhole.h"
 #include "splat/render/device.h"
 #include "splat/render/phase_times.h"
 #include "splat/render/rasterizer.h"
-#include "splat/train/loss/photograph.h"
+#include "splat/train/density/density.h"
+#include "splat/train/density/smoothing.h"
 #include "splat/train/prune/importance.h"
 #include "splat/train/prune/mask_learner.h"
 #include "splat/train/prune/pruner.h"
-#include "splat/train/ranks/all_gaussians.h"
 #include "splat/train/ranks/ranks.h"
-#include "splat/train/ranks/shards.h"
 #include "splat/train/ranks/traffic.h"
-#include "splat/train/ranks/view_exchange.h"
-#include "splat/train/state/training_state.h"
-#include "splat/train/step/gradient_sum.h"
-#include "splat/train/step/instance_forecast.h"
-#include "splat/train/step/kernels/step.h"
+#include "splat/train/step/drawing.h"
+#include "splat/train/step/frame_loss.h"
+#include "splat/train/step/needles.h"
+#include "splat/train/step/steps_in_flight.h"
 #include "splat/train/step/train_settings.h"
+#include "splat/train/step/trained_state.h"
+#include "splat/train/step/view_batch.h"
 #include "splat/train/subject/subject.h"
-#include "splat/train/subject/target_store.h"
 
 namespace cosplat {
-
-// A step of one view, or one view of a step (StepEngine::StepBatch).
-struct StepPlan {
-  int iteration = 0;  // of this step, from 1
-  size_t frame = 0;   // index of the subject's frame
-  RenderSettings render;
-  AdamSettings rates;
-  bool gathers_statistics = false;  // for density control
-  int downscale = 1;                // factor that the sides of its image are divided by
-  Crop crop;                        // for the crop loss; the engine draws it
-  float exposure_rate = 0;          // of Adam on the frame's exposure
-};
 
 // Where steps run: the components of a back end.
 struct StepDevice {
@@ -84,17 +70,17 @@ class StepEngine : public FrameImages {
 
   // Executes one step. Returns its loss or, if that would mean waiting for a device, the loss of
   // the previous step. Throws Error if one is not finite.
-  double Step(const StepPlan& plan);
-  // One step of several views, of the mean of their losses; complete when it returns. The plans
-  // differ in frame and background alone. Returns the mean loss. Every rank is given the same
-  // views, and draws its own. Throws Error, on all ranks, if a loss is not finite.
-  double StepBatch(std::vector<StepPlan> views);
+  //
+  // Of several views (settings.batch), the mean of their losses, complete when it returns: the
+  // plans differ in frame and background alone, every rank is given the same ones, and draws its
+  // own. Throws Error, on all ranks, if a loss is not finite.
+  double Step(std::vector<StepPlan> views);
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
 
   // Gaussians of all ranks.
-  size_t count() const { return count_; }
-  Shards& shards() { return shards_; }
+  size_t count() const { return state_.count(); }
+  Shards& shards() { return state_.shards(); }
   // Same as AdamCatchUpAll; needed before any of what follows.
   void CatchUp(const AdamSettings& rates);
   // Same as those of DensityControl (splat/train/density/density.h). Stays below the settings'
@@ -111,11 +97,7 @@ class StepEngine : public FrameImages {
   void Fetch();
   // Those of all ranks, in host memory: what pruning ranks by, without moments and coefficients of
   // bands >= 1. Valid until the next call.
-  struct Ranked {
-    const Gaussians& gaussians;
-    const DensityStatistics& statistics;
-  };
-  Ranked FetchForRanking();
+  StateView FetchForRanking();
   // Takes over the state after it was changed.
   void Store();
   // Drops bands (splat/train/density/bands.h). Returns the change of the mean PSNR.
@@ -134,48 +116,24 @@ class StepEngine : public FrameImages {
   double MeanPsnrOf(const Gaussians& gaussians, const FrameChoice& choice);
 
   // A message for the user, returned once; usually empty.
-  std::string TakeNotice() { return std::exchange(notice_, {}); }
+  std::string TakeNotice() { return std::exchange(memory_notice_.text, {}); }
   PhaseTimes Times() const;
   // All ranks call it.
   ExchangeStatistics Exchanged() const;
   std::vector<MemoryPart> Memory() const;
 
  private:
-  // A submitted step, and what it reports when it is done.
-  struct Submitted {
-    explicit Submitted(Stream& stream)
-        : counts(stream),
-          photometric(stream),
-          of_mask(stream),
-          of_needles(stream),
-          done(stream.MakeMoment()) {}
-    StepPlan plan;
-    Rng rng;              // before the step's draws
-    size_t capacity = 0;  // for instances
-    double of_crop = 0;   // the crop loss
-    bool masked = false;
-    Readback<InstanceCounts> counts;
-    Readback<double> photometric, of_mask, of_needles;
-    std::unique_ptr<Moment> done;
+  // That a device's memory limits the Gaussians: told once.
+  struct MemoryNotice {
+    std::string text;
+    bool was_told = false;
   };
 
-  // What a view of a step contributes besides gradients of Gaussians.
-  struct ViewResult {
-    double loss = 0;
-    Exposure exposure{};  // gradient
-  };
-
-  bool on_host() const { return now_ == &state_; }
+  bool on_host() const { return state_.on_host(); }
   // Bytes; not determined on the host.
   double FreeMemory() const { return device_.memory_share * double(stream_.FreeMemory()); }
+  void CheckBatch() const;
   Population Everyone();
-  // Before anything that needs the Gaussians of all ranks: assembles them in all_, unless they are
-  // there. All ranks do.
-  void Assemble(AllGaussians::Extent extent);
-  // Takes this rank's share of what density control has changed.
-  void TakeOwn();
-  // Of all ranks: all_, or what is trained.
-  const Gaussians& Shown() const;
   void ReleaseScratch();
   void StoreMask();
   // Of steps of several views: whether all own gradients are one part (kRowsPerPart), whose memory
@@ -184,98 +142,46 @@ class StepEngine : public FrameImages {
   double OfWhole(size_t numbers) const;
   // How many Gaussians fit in memory, given the most instances per Gaussian so far: of all ranks.
   size_t MostThatFit();
-  // Submits all of a step to the stream. waits: for the number of instances, ruling out overflow.
-  void Submit(const StepPlan& plan, const Rng& rng, bool waits);
-  void Draw(Submitted& step, bool waits);
-  // The part of it after the rasteriser has drawn the Gaussians.
-  void FinishDrawing(Submitted& step);
-  RenderSettings RenderOf(const StepPlan& plan);
-  // Loss of what was drawn, and its gradient with respect to the image.
-  void Evaluate(Submitted& step);
-  void Backward(Submitted& step);
-  void CheckBatch() const;
-  // Views [first, first + ranks) of a step: draws the one that is this rank's and adds up the
-  // gradients of its own Gaussians in all.
-  void RunRound(const std::vector<StepPlan>& views,
-                size_t first,
-                Submitted& step,
-                std::vector<ViewResult>& own);
-  ViewResult DrawOwn(Submitted& step, const StepPlan& plan);
-  // What all ranks have of a step, in the order of its views.
-  std::vector<ViewResult> ExchangeResults(const std::vector<ViewResult>& own, size_t views);
-  // The frame's exposure; null if none are trained.
+
+  // A step of one view: everything of it, submitted to the stream.
+  void Submit(SubmittedStep& step, bool waits);
+  void Draw(SubmittedStep& step, bool waits);
+  void Backward(SubmittedStep& step);
+  // The part of both that a view of several has, too.
+  void FinishDrawing(SubmittedStep& step);
+  void LearnMask(SubmittedStep& step);
+  // Which Gaussians Adam updates: visible ones, and those that the regulariser acts on.
+  View<const float> Regularize(SubmittedStep& step,
+                               View<const float> visible,
+                               Gaussians& gradients);
+  void Update(const StepPlan& plan, View<const float> updated, const Gaussians& gradients);
+  // [12] the frame's exposure; null if none are trained.
   const float* ExposureOf(size_t frame) const;
-  // Adam on the exposures of a step's views, which all ranks have drawn together.
-  void UpdateExposures(const std::vector<StepPlan>& views, const std::vector<ViewResult>& results);
-  // Adds the crop loss and its gradient to those of the photometric loss. shown: what is compared.
-  // Waits for a device.
-  void AddCropLoss(Submitted& step, const Buffer<float>& shown);
-  void LearnMask(Submitted& step);
-  // Sums of needles, over all ranks, as SumInTree gives them.
-  View<const NeedleSum> SumNeedles(const NeedleRule& rule);
-  // Adds the gradient of ScaleRegularizer; returns which Gaussians Adam updates: visible ones, and
-  // those that it acts on. visible: [own] positive if so.
-  View<const float> RegularizeScale(Submitted& step,
-                                    View<const float> visible,
-                                    Gaussians& gradients);
-  void Update(const StepPlan& plan, View<const float> moves, const Gaussians& gradients);
-  // Waits for all submitted steps except the last `left`, and repeats those that overflowed. Throws
-  // Error if a loss is not finite.
-  void Settle(size_t left);
-  // Resubmits the steps in flight after the oldest of them overflowed.
-  void Repeat();
-  double LossOf(const Submitted& step) const;
+  void UpdateExposure(const StepPlan& plan, const Buffer<float>& gradient);
+
+  // A step of several views (view_batch.h).
+  double StepOfSeveral(std::vector<StepPlan> views);
+  ViewResult DrawOwn(const StepPlan& plan);
 
   const TrainSettings& settings_;
   Subject& subject_;
-  TrainingState& state_;
   StepDevice device_;
   Stream& stream_;
-  Pruner* pruner_ = nullptr;
-  // What is trained: the state itself on the host, or its copy on a device.
-  TrainingState on_device_;
-  TrainingState* now_;
-  Gaussians gradients_;          // of several views, of a part of the Gaussians at a time
-  size_t count_ = 0;             // of all ranks
-  Buffer<uint32_t> overflowed_;  // [1] steps change nothing while it is not 0
+  TrainedState state_;
+  FrameLoss loss_;
+  NeedleRegularizer needles_;
   MaskLearner mask_;
+  StepsInFlight steps_;
+  ViewBatch batch_;
   DensityControl density_;
-  std::optional<Canvas> canvas_;
-  TargetStore targets_;
-  PhaseTimes times_;
-  Shards shards_;
-  ViewExchange exchange_;
-  AllGaussians all_;
-  GradientSum sum_;
-  // Of all ranks, on the host, where they are trained on a device.
-  Gaussians ranked_;
-  DensityStatistics ranked_statistics_;
-  ExchangeStatistics exchanged_;
-  // Scratch, reused between steps.
-  std::unique_ptr<RenderTape> tape_;
-  RenderedImage image_;
-  WorldGaussians world_;  // this step's
-  LayerModel layers_;
-  PhotographModel photograph_;
-  Buffer<float> exposure_gradient_;  // of one view, of several
-  Buffer<float> d_color_, screen_;
-  Buffer<float> crop_, rendered_crop_, target_crop_;  // the last two in host memory
-  std::vector<float> d_crop_;
-  Buffer<NeedleSum> needle_sums_, all_needle_sums_;  // of SumInTree
-  Buffer<NeedleTotal> needles_;                      // [1]
-  Buffer<float> moves_;
-  Buffer<math::Pinhole<float>> sampling_views_;  // [frames] once UpdateSmoothing was called
-  Buffer<Contribution> of_image_, contributions_;
-  InstanceForecast forecast_;
-  static constexpr size_t kInFlight = 2;
-  Submitted steps_[kInFlight];  // ring buffer
-  size_t oldest_ = 0, in_flight_ = 0;
-  std::optional<double> last_loss_;  // of the last completed step
+  std::optional<Canvas> canvas_;  // that density control draws on
+  SamplingFilter smoothing_;
+  Pruner* pruner_ = nullptr;
+  Drawing drawing_;
   // Most instances per Gaussian that there was capacity for since the last density control.
   double instances_per_gaussian_ = 0;
-  bool fetched_ = true;  // the state is up to date
-  bool told_of_memory_ = false;
-  std::string notice_;
+  PhaseTimes times_;
+  MemoryNotice memory_notice_;
 };
 
 using StepEngineMaker = std::function<std::unique_ptr<StepEngine>(
@@ -283,9 +189,6 @@ using StepEngineMaker = std::function<std::unique_ptr<StepEngine>(
 std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
                                                Subject& subject,
                                                TrainingState& state);
-
-// Throws Error, naming the iteration, if the loss is not finite.
-void CheckLoss(double loss, int iteration);
 
 // Makes the engines that `--device` and `--deterministic` choose (splat/render/device.h), for a
 // Trainer of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums are computed

@@ -16,9 +16,7 @@ class TargetStore {
       : frames_(subject), most_bytes_(most_bytes), kept_(subject.frame_count()) {}
 
   // downscale: as in ReducedFrames::At. Only the images of one downscale are kept at a time.
-  const Camera& CameraOf(size_t frame, int downscale) {
-    return frames_.At(frame, downscale).camera;
-  }
+
   // In host memory. Valid until another downscale is requested.
   const Image8& ImageOf(size_t frame, int downscale) { return frames_.At(frame, downscale).target; }
   const FrameLayers& LayersOf(size_t frame, int downscale) {

@@ -13,7 +13,7 @@ namespace cosplat {
 
 // One call per pixel: the rendered image as the photograph would show it. Ignored pixels get the
 // target's values, so that no loss, windowed or not, sees a difference there.
-struct ShowPhotograph {
+struct PhotographForward {
   View<const float> rendered;  // [3, pixels]
   const float* exposure;       // [12]; null: the identity
   TargetView target;
@@ -50,7 +50,7 @@ struct ExposureSum {
 
 // Its derivative, one call per block of pixels: `d` is that of what is shown and becomes that of
 // the rendered image. sums: of the block.
-struct PullPhotograph {
+struct PhotographBackward {
   static constexpr size_t kBlock = 256;
   View<const float> rendered;  // [3, pixels]
   const float* exposure;       // [12]; null: the identity

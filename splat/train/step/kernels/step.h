@@ -66,7 +66,7 @@ struct AddUpNeedles {
 
 // Adds the regulariser's gradient with respect to a needle's log length. `moves`: positive for the
 // Gaussians that Adam updates, i.e. visible ones and needles.
-struct PullNeedles {
+struct NeedlesBackward {
   NeedleRule rule;
   View<const float> scale_log, radii;
   const NeedleTotal* total;

@@ -1,0 +1,24 @@
+// A step, as it is planned.
+#pragma once
+
+#include <cstddef>
+
+#include "splat/render/rasterizer.h"
+#include "splat/train/loss/crop_loss.h"
+#include "splat/train/optimize/optimizer.h"
+
+namespace cosplat {
+
+// A step of one view, or one view of a step.
+struct StepPlan {
+  int iteration = 0;  // of this step, from 1
+  size_t frame = 0;   // index of the subject's frame
+  RenderSettings render;
+  AdamSettings rates;
+  bool gathers_statistics = false;  // for density control
+  int downscale = 1;                // factor that the sides of its image are divided by
+  Crop crop;                        // for the crop loss; the engine draws it
+  float exposure_rate = 0;          // of Adam on the frame's exposure
+};
+
+}  // namespace cosplat
