@@ -6,7 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
-#include "splat/device/buffer.h"
+#include "splat/device/arrays.h"
 #include "splat/math/gaussian.h"
 
 namespace cosplat {
@@ -34,28 +34,24 @@ void Gaussians::Resize(size_t n) {
 }
 
 void Gaussians::Gather(const std::vector<uint32_t>& source) {
-  for (int a = 0; a < kAttributeCount; ++a) {
-    const size_t w = width(a);
-    Buffer<float> gathered(source.size() * w);
-    for (size_t i = 0; i < source.size(); ++i)
-      for (size_t k = 0; k < w; ++k) gathered[i * w + k] = values[a][source[i] * w + k];
-    values[a] = std::move(gathered);
-  }
-  const auto gather = [&source](auto& of_each) {
-    if (of_each.empty()) return;
-    std::decay_t<decltype(of_each)> gathered;
-    for (const uint32_t i : source) gathered.push_back(of_each[i]);
-    of_each = std::move(gathered);
-  };
-  gather(degrees);
-  gather(smoothing);
+  ForEachArray(
+      [&](const std::string&, size_t w, auto& array) {
+        if (array.empty()) return;
+        std::decay_t<decltype(array)> gathered(source.size() * w);
+        for (size_t i = 0; i < source.size(); ++i)
+          for (size_t k = 0; k < w; ++k) gathered[i * w + k] = array[source[i] * w + k];
+        array = std::move(gathered);
+      },
+      *this);
 }
 
 void Gaussians::Append(const Gaussians& more) {
-  const auto append = [](auto& to, const auto& from) { to.append(from.begin(), from.end()); };
-  for (int a = 0; a < kAttributeCount; ++a) append(values[a], more.values[a]);
-  append(degrees, more.degrees);
-  append(smoothing, more.smoothing);
+  ForEachArray(
+      [](const std::string&, size_t, auto& to, const auto& from) {
+        to.append(from.begin(), from.end());
+      },
+      *this,
+      more);
 }
 
 Gaussians Gaussians::ZerosLike(size_t n) const {
@@ -67,32 +63,22 @@ Gaussians Gaussians::ZerosLike(size_t n) const {
   return zeros;
 }
 
-void Gaussians::Upload(const Gaussians& from, Stream& stream) {
+void Gaussians::TakeLayout(const Gaussians& from) {
   degree = from.degree;
   basis = from.basis;
   corrections = from.corrections;
   antialiased = from.antialiased;
   low_pass_variance = from.low_pass_variance;
-  degrees.Upload(from.degrees.data(), from.degrees.size(), stream);
-  smoothing.Upload(from.smoothing.data(), from.smoothing.size(), stream);
-  for (int a = 0; a < kAttributeCount; ++a)
-    values[a].Upload(from.values[a].data(), from.values[a].size(), stream);
+}
+
+void Gaussians::Upload(const Gaussians& from, Stream& stream) {
+  TakeLayout(from);
+  UploadArrays(from, *this, stream);
 }
 
 void Gaussians::Download(Gaussians& to, Stream& stream) const {
-  to.degree = degree;
-  to.basis = basis;
-  to.corrections = corrections;
-  to.antialiased = antialiased;
-  to.low_pass_variance = low_pass_variance;
-  to.degrees.resize(degrees.size());
-  degrees.Download(to.degrees.data(), stream);
-  to.smoothing.resize(smoothing.size());
-  smoothing.Download(to.smoothing.data(), stream);
-  for (int a = 0; a < kAttributeCount; ++a) {
-    to.values[a].resize(values[a].size());
-    values[a].Download(to.values[a].data(), stream);
-  }
+  to.TakeLayout(*this);
+  DownloadArrays(*this, to, stream);
 }
 
 void Gaussians::RefillLike(const Gaussians& other, Stream& stream, size_t n) {
@@ -180,11 +166,7 @@ bool IsRoundedFarAway(const Gaussians& g) {
   return true;
 }
 
-size_t HeldBy(const Gaussians& gaussians) {
-  size_t bytes = HeldBy(gaussians.degrees, gaussians.smoothing);
-  for (const Buffer<float>& values : gaussians.values) bytes += HeldBy(values);
-  return bytes;
-}
+size_t HeldBy(const Gaussians& gaussians) { return HeldByArrays(gaussians); }
 
 std::vector<uint32_t> SortByDegree(Gaussians& g) {
   FindDegrees(g);

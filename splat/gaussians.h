@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "splat/base/world_frame.h"
@@ -26,6 +27,9 @@ enum Attribute {
   kCorrection,    // [N, corrections, kCorrectionNumbers] of avatars (avatar/math/correct.h)
   kAttributeCount
 };
+
+constexpr std::array<const char*, kAttributeCount> kAttributeNames{
+    "position", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest", "correction"};
 
 constexpr int kMaxTrainedDegree = 4;
 
@@ -52,6 +56,16 @@ struct Gaussians {
   // keep it, training passes over it.
   WorldOrigin origin{};
   std::array<Buffer<float>, kAttributeCount> values;
+
+  // As in splat/device/arrays.h.
+  template <class Visit, class... Of>
+  static void ForEachArray(const Visit& visit, Of&... of) {
+    const Gaussians& first = std::get<0>(std::tie(of...));
+    for (int a = 0; a < kAttributeCount; ++a)
+      visit(kAttributeNames[a], size_t(first.width(a)), of.values[a]...);
+    visit("degrees", size_t(1), of.degrees...);
+    visit("smoothing", size_t(1), of.smoothing...);
+  }
 
   size_t size() const { return values[kOpacityLogit].size(); }
   // Floats per Gaussian of an attribute.
@@ -86,6 +100,9 @@ struct Gaussians {
     RefillLike(other, stream, other.size());
   }
   void FillWithZeros(Stream& stream);
+
+ private:
+  void TakeLayout(const Gaussians& from);
 };
 
 // Highest band of Gaussian i that has a non-zero coefficient.

@@ -6,9 +6,6 @@
 namespace cosplat {
 namespace {
 
-constexpr std::array<const char*, kAttributeCount> kNames{
-    "position", "rotation", "scale_log", "opacity_logit", "color_dc", "color_rest", "correction"};
-
 // Gaussians at most: what indices of 32 bits can count.
 constexpr uint64_t kMaxCount = 0x7fffffff;
 
@@ -70,7 +67,7 @@ void DescribeDivided(StateArchive& a,
   for (int k = 0; k < kAttributeCount; ++k) {
     const bool is_known = counted || k > 0;
     const Divided<float> array{
-        a, shards, name + "." + kNames[k], count, size_t(own.width(k)), 1, is_known};
+        a, shards, name + "." + kAttributeNames[k], count, size_t(own.width(k)), 1, is_known};
     array.Describe(own.values[k]);
   }
 }
@@ -107,7 +104,7 @@ void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards
 
 void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians& g) {
   for (int k = 0; k < kAttributeCount; ++k)
-    a.Array(name + "." + kNames[k], g.values[k], count * size_t(g.width(k)));
+    a.Array(name + "." + kAttributeNames[k], g.values[k], count * size_t(g.width(k)));
   a.ArrayUpTo(name + ".degrees", g.degrees, count);
   a.Require(g.degrees.empty() || g.degrees.size() == count, name + ".degrees", "are not all there");
   a.ArrayUpTo(name + ".smoothing", g.smoothing, count);
@@ -132,23 +129,23 @@ void Describe(
                             s.gaussians.degrees);
   DescribeOptional<float>({a, shards, "gaussians.smoothing", gaussians}, s.gaussians.smoothing);
   Describe(a, s.gaussians, gaussians, shards, s.adam);
-  const auto statistics = [&](const char* name, Buffer<float>& own) {
-    const Divided<float> array{a, shards, std::string("statistics.") + name, gaussians};
-    array.Describe(own);
-  };
-  statistics("screen_gradient", s.statistics.screen_gradient);
-  statistics("plasticity", s.statistics.plasticity);
-  statistics("visible", s.statistics.visible);
+  DensityStatistics::ForEachArray(
+      [&](const std::string& name, size_t width, Buffer<float>& own) {
+        const Divided<float> array{a, shards, "statistics." + name, gaussians, width};
+        array.Describe(own);
+      },
+      s.statistics);
   // Of as many frames as the run's settings have it.
   Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }
 
 void Describe(StateArchive& a, size_t frames, ExposureState& exposures) {
   const size_t numbers = frames * math::kExposureNumbers;
-  a.Array("exposures.value", exposures.value, numbers);
-  a.Array("exposures.m", exposures.m, numbers);
-  a.Array("exposures.v", exposures.v, numbers);
-  a.Array("exposures.updates", exposures.updates, numbers);
+  ExposureState::ForEachArray(
+      [&](const std::string& name, size_t, auto& array) {
+        a.Array("exposures." + name, array, numbers);
+      },
+      exposures);
 }
 
 }  // namespace cosplat

@@ -22,17 +22,12 @@ void GatherGaussians(Gaussians& gaussians,
                      View<const uint32_t> source,
                      size_t first_zero,
                      Stream& stream) {
-  for (int a = 0; a < kAttributeCount; ++a)
-    GatherRows(gaussians.values[a],
-               spare.values[a],
-               size_t(gaussians.width(a)),
-               source,
-               first_zero,
-               stream);
-  if (!gaussians.degrees.empty())
-    GatherRows(gaussians.degrees, spare.degrees, 1, source, first_zero, stream);
-  if (!gaussians.smoothing.empty())
-    GatherRows(gaussians.smoothing, spare.smoothing, 1, source, first_zero, stream);
+  Gaussians::ForEachArray(
+      [&](const std::string&, size_t width, auto& array, auto& swap) {
+        if (!array.empty()) GatherRows(array, swap, width, source, first_zero, stream);
+      },
+      gaussians,
+      spare);
 }
 
 // Own coefficients of bands >= 1 and moments.
@@ -69,8 +64,12 @@ void Population::Gather(const Reordering& order) const {
     GatherGaussians(adam.m, gradients, source, order.first_fresh, stream);
     GatherGaussians(adam.v, gradients, source, order.first_fresh, stream);
   }
-  for (Buffer<float>* b : statistics.all())
-    GatherRows(*b, gradients.values[kOpacityLogit], 1, source, order.first_fresh, stream);
+  DensityStatistics::ForEachArray(
+      [&](const std::string&, size_t width, Buffer<float>& array) {
+        GatherRows(
+            array, gradients.values[kOpacityLogit], width, source, order.first_fresh, stream);
+      },
+      statistics);
   placement.Gather(source, stream);
   if (pruner && stream.on_host()) pruner->Gather(order);
   if (mask) mask->Gather(source, order.first_fresh, stream);

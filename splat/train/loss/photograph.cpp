@@ -26,24 +26,6 @@ ExposureState::ExposureState(size_t frames)
     value.append(kIdentityExposure.begin(), kIdentityExposure.end());
 }
 
-void ExposureState::Upload(const ExposureState& from, Stream& stream) {
-  value.Upload(from.value.data(), from.value.size(), stream);
-  m.Upload(from.m.data(), from.m.size(), stream);
-  v.Upload(from.v.data(), from.v.size(), stream);
-  updates.Upload(from.updates.data(), from.updates.size(), stream);
-}
-
-void ExposureState::Download(ExposureState& to, Stream& stream) const {
-  to.value.resize(value.size());
-  to.m.resize(m.size());
-  to.v.resize(v.size());
-  to.updates.resize(updates.size());
-  value.Download(to.value.data(), stream);
-  m.Download(to.m.data(), stream);
-  v.Download(to.v.data(), stream);
-  updates.Download(to.updates.data(), stream);
-}
-
 ExposureState ExposureState::Of(const std::vector<uint32_t>& frames) const {
   constexpr size_t kNumbers = math::kExposureNumbers;
   ExposureState own(frames.size());

@@ -25,9 +25,14 @@ struct ExposureState {
   ExposureState() = default;
   // Identities, on the host.
   explicit ExposureState(size_t frames);
-  // Same as those of Gaussians (splat/gaussians.h).
-  void Upload(const ExposureState& from, Stream& stream);
-  void Download(ExposureState& to, Stream& stream) const;
+  // As in splat/device/arrays.h.
+  template <class Visit, class... Of>
+  static void ForEachArray(const Visit& visit, Of&... of) {
+    visit("value", size_t(1), of.value...);
+    visit("m", size_t(1), of.m...);
+    visit("v", size_t(1), of.v...);
+    visit("updates", size_t(1), of.updates...);
+  }
 
   // Of these frames, in host memory as what follows.
   ExposureState Of(const std::vector<uint32_t>& frames) const;

@@ -38,7 +38,7 @@ struct AdamState {
   Buffer<uint32_t> ignored;  // [1] number of non-finite gradients so far
   Buffer<uint32_t> behind;   // [groups] what the last of the functions below did (kernels/adam.h)
 
-  // Same as those of Gaussians (splat/gaussians.h).
+  // Same as those of Gaussians (splat/gaussians.h). Not `behind`, which each step finds anew.
   void Upload(const AdamState& from, Stream& stream);
   void Download(AdamState& to, Stream& stream) const;
 };

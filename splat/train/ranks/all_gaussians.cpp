@@ -17,8 +17,20 @@ RowArrays RowsOf(Gaussians& gaussians, DensityStatistics& statistics, bool bands
     if (a != kColorRest || bands)
       rows.Add({gaussians.values[a].data(), size_t(gaussians.width(a))});
   if (!gaussians.smoothing.empty()) rows.Add({gaussians.smoothing.data(), 1});
-  for (Buffer<float>* of_each : statistics.all()) rows.Add({of_each->data(), 1});
+  DensityStatistics::ForEachArray(
+      [&](const std::string&, size_t width, Buffer<float>& array) {
+        rows.Add({array.data(), width});
+      },
+      statistics);
   return rows;
+}
+
+void Refill(DensityStatistics& statistics, size_t n, Stream& stream) {
+  DensityStatistics::ForEachArray(
+      [&](const std::string&, size_t width, Buffer<float>& array) {
+        array.Refill(n * width, stream);
+      },
+      statistics);
 }
 
 }  // namespace
@@ -35,7 +47,7 @@ void AllGaussians::Assemble(Extent extent,
   gaussians_.RefillLike(layout, stream_, count);
   gaussians_.antialiased = own.antialiased;
   gaussians_.smoothing.Refill(shards_.AnyHas(own.smoothing) ? count : 0, stream_);
-  for (Buffer<float>* statistics : statistics_.all()) statistics->Refill(count, stream_);
+  Refill(statistics_, count, stream_);
   const RowArrays rows = RowsOf(gaussians_, statistics_, whole);
   shards_.Assemble(RowsOf(own, own_statistics, whole), rows, count, stream_);
   assembled_ += GroupCount(count) * rows.numbers();
@@ -57,7 +69,7 @@ void AllGaussians::ShareOut(Gaussians& own, DensityStatistics& own_statistics) {
   for (int a = 0; a < kAttributeCount; ++a)
     if (a != kColorRest) own.values[a].Refill(n * size_t(own.width(a)), stream_);
   own.smoothing.Refill(gaussians_.smoothing.empty() ? 0 : n, stream_);
-  for (Buffer<float>* statistics : own_statistics.all()) statistics->Refill(n, stream_);
+  Refill(own_statistics, n, stream_);
   shards_.TakeOwn(
       RowsOf(gaussians_, statistics_, false), RowsOf(own, own_statistics, false), count, stream_);
   own.degrees.Refill(gaussians_.degrees.empty() ? 0 : n, stream_);

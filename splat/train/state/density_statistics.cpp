@@ -1,14 +1,18 @@
 #include "splat/train/state/density_statistics.h"
 
+#include <string>
+
 #include "splat/device/for_each.h"
 
 namespace cosplat {
 
 void DensityStatistics::Reset(size_t n, Stream& stream) {
-  for (Buffer<float>* b : all()) {
-    b->Refill(n, stream);
-    b->FillWithZeros(stream);
-  }
+  ForEachArray(
+      [&](const std::string&, size_t, Buffer<float>& array) {
+        array.Refill(n, stream);
+        array.FillWithZeros(stream);
+      },
+      *this);
 }
 
 void DensityStatistics::Accumulate(View<const float> radii,
@@ -31,19 +35,6 @@ void DensityStatistics::Accumulate(View<const float> radii,
                          plasticity.view(),
                          visible.view(),
                          overflowed});
-}
-
-void DensityStatistics::Upload(const DensityStatistics& from, Stream& stream) {
-  screen_gradient.Upload(from.screen_gradient.data(), from.screen_gradient.size(), stream);
-  plasticity.Upload(from.plasticity.data(), from.plasticity.size(), stream);
-  visible.Upload(from.visible.data(), from.visible.size(), stream);
-}
-
-void DensityStatistics::Download(DensityStatistics& to, Stream& stream) const {
-  to.Reset(visible.size());
-  screen_gradient.Download(to.screen_gradient.data(), stream);
-  plasticity.Download(to.plasticity.data(), stream);
-  visible.Download(to.visible.data(), stream);
 }
 
 }  // namespace cosplat

@@ -22,7 +22,13 @@ struct DensityStatistics {
   Buffer<float> plasticity;       // sum of |dL/ds|
   Buffer<float> visible;          // number of steps in which it was visible
 
-  std::array<Buffer<float>*, 3> all() { return {&screen_gradient, &plasticity, &visible}; }
+  // As in splat/device/arrays.h.
+  template <class Visit, class... Of>
+  static void ForEachArray(const Visit& visit, Of&... of) {
+    visit("screen_gradient", size_t(1), of.screen_gradient...);
+    visit("plasticity", size_t(1), of.plasticity...);
+    visit("visible", size_t(1), of.visible...);
+  }
   void Reset(size_t n, Stream& stream = HostStream());
   // Mean of |dL/ds| over the steps in which the Gaussian was visible; 0 if there were none.
   float MeanPlasticity(size_t i) const { return math::MeanWhereVisible(plasticity[i], visible[i]); }
@@ -36,9 +42,6 @@ struct DensityStatistics {
                   int height,
                   const uint32_t* overflowed,
                   Stream& stream);
-  // Same as those of Gaussians (splat/gaussians.h).
-  void Upload(const DensityStatistics& from, Stream& stream);
-  void Download(DensityStatistics& to, Stream& stream) const;
 };
 
 }  // namespace cosplat

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "splat/device/arrays.h"
+
 namespace cosplat {
 
 TrainedState::TrainedState(TrainingState& host, Ranks& ranks, Stream& stream)
@@ -35,8 +37,8 @@ StateView TrainedState::Read(Where where, Extent extent) {
   if (where == Where::kHost && !on_host() && on_host_ != version_) {
     on_device_.gaussians.Download(host_.gaussians, stream_);
     on_device_.adam.Download(host_.adam, stream_);
-    on_device_.statistics.Download(host_.statistics, stream_);
-    on_device_.exposures.Download(host_.exposures, stream_);
+    DownloadArrays(on_device_.statistics, host_.statistics, stream_);
+    DownloadArrays(on_device_.exposures, host_.exposures, stream_);
     stream_.Wait();
     on_host_ = version_;
   }
@@ -63,7 +65,7 @@ StateView TrainedState::GeometryOnHost() {
   from.degrees.Download(to.degrees.data(), stream_);
   to.smoothing.resize(from.smoothing.size());
   from.smoothing.Download(to.smoothing.data(), stream_);
-  (divides ? all_.statistics() : now_->statistics).Download(statistics, stream_);
+  DownloadArrays(divides ? all_.statistics() : now_->statistics, statistics, stream_);
   stream_.Wait();
   return {to, statistics};
 }
@@ -89,8 +91,8 @@ void TrainedState::Store() {
   if (!on_host()) {
     on_device_.gaussians.Upload(host_.gaussians, stream_);
     on_device_.adam.Upload(host_.adam, stream_);
-    on_device_.statistics.Upload(host_.statistics, stream_);
-    on_device_.exposures.Upload(host_.exposures, stream_);
+    UploadArrays(host_.statistics, on_device_.statistics, stream_);
+    UploadArrays(host_.exposures, on_device_.exposures, stream_);
     stream_.Wait();  // the copies read the state's memory
   }
   on_host_ = ++version_;
@@ -104,7 +106,6 @@ void TrainedState::ReleaseRanked() {
 
 std::vector<MemoryPart> TrainedState::Memory() const {
   const AdamState& adam = now_->adam;
-  const DensityStatistics& statistics = now_->statistics;
   return {
       {"parameters", HeldBy(now_->gaussians)},
       {"messages between ranks", shards_.HeldByMessages(), MemoryOf::kFixed},
@@ -112,8 +113,7 @@ std::vector<MemoryPart> TrainedState::Memory() const {
       {"first moments", HeldBy(adam.m)},
       {"second moments", HeldBy(adam.v)},
       {"Adam group state", HeldBy(adam.updated, adam.behind)},
-      {"density statistics",
-       HeldBy(statistics.screen_gradient, statistics.plasticity, statistics.visible)},
+      {"density statistics", HeldByArrays(now_->statistics)},
   };
 }
 
