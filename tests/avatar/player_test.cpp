@@ -117,7 +117,9 @@ TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
   EXPECT_EQ(player.avatar().gaussians.degrees.back(), 3);
   RenderedImage played;
   player.RenderOver(Frame(3).params, Frame(3).camera, {0.3f, 0.5f, 0.7f}, played);
-  EXPECT_TRUE(SameBits(expected.color, played.color));
+  // Compilers contract the sums of each degree in their own way.
+  for (size_t i = 0; i < expected.color.size(); ++i)
+    ASSERT_NEAR(expected.color[i], played.color[i], 1e-6f);
 }
 
 // Of several degrees, whose order the player changes.

@@ -234,7 +234,10 @@ TEST(Bands, SortedByDegreeTheImageIsTheSame) {
     }
   }
   const Camera camera = test::LookingAt({0.3f, -0.2f, -3}, {0, 0, 0}, 64);
-  EXPECT_TRUE(test::SameBits(test::Image(g, camera).color, test::Image(before, camera).color));
+  const RenderedImage sorted = test::Image(g, camera), as_it_was = test::Image(before, camera);
+  // Compilers contract the sums of each degree in their own way.
+  for (size_t i = 0; i < sorted.color.size(); ++i)
+    ASSERT_NEAR(sorted.color[i], as_it_was.color[i], 1e-6f);
   Gaussians full = RandomGaussians(20, 3, Basis::kDcsh, 1);
   EXPECT_TRUE(SortByDegree(full).empty());
   EXPECT_EQ(full.size(), 20u);
