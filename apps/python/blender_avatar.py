@@ -1,4 +1,4 @@
-"""CoSplat avatars in Blender 3.0 to 4.x (tested with Debian's 3.4).
+"""CoSplat avatars in Blender 3.0 to 5.x (tested with Debian's 3.4, 4.3 and 5.2).
 
     blender [FILE.blend] --python blender_avatar.py        then Add > CoSplat Avatar
 
@@ -29,6 +29,11 @@ import cosplat  # noqa: E402
 EXPRESSIONS = 10  # coefficients that can be animated
 FROM_AVATAR = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))  # its y is up
 CV = Matrix.Diagonal((1, -1, -1, 1))  # Blender's camera looks along -z, cosplat.h's along +z
+
+# Bytes of sRGB as linear light (IEC 61966-2-1).
+LINEAR = numpy.arange(256, dtype=numpy.float32) / 255
+LINEAR = numpy.where(LINEAR <= 0.04045, LINEAR / 12.92, ((LINEAR + 0.055) / 1.055) ** 2.4)
+LINEAR = LINEAR.astype(numpy.float32)
 
 # A render runs in a thread of its own, and calls the same handlers.
 lock = threading.Lock()
@@ -103,8 +108,11 @@ def draw(scene, empty, depsgraph):
     rgba = avatar.render(width, height, alpha=cosplat.STRAIGHT)
     if tuple(image.size) != (width, height):
         image.scale(width, height)
-    rows = numpy.frombuffer(rgba, numpy.uint8).reshape(height, -1)[::-1]  # Blender's first is below
-    fill(image, (rows.astype(numpy.float32) / 255).ravel())
+    straight = numpy.frombuffer(rgba, numpy.uint8).reshape(height, width, 4)[::-1]  # its first is below
+    pixels = numpy.empty((height, width, 4), numpy.float32)
+    pixels[..., 3:] = straight[..., 3:] / numpy.float32(255)
+    pixels[..., :3] = LINEAR[straight[..., :3]] * pixels[..., 3:]
+    fill(image, pixels.ravel())
     drawn[image.name] = shows
 
 
@@ -120,10 +128,18 @@ def clear(image):
 
 
 def new_image(name, scene):
-    image = bpy.data.images.new(name, *size_of(scene.render), alpha=True)
-    image.alpha_mode, image.generated_color = "STRAIGHT", (0, 0, 0, 0)  # as it is loaded again
+    """Linear light, colours multiplied by alpha: from 4.2 on bytes are multiplied before they are
+    linear."""
+    image = bpy.data.images.new(name, *size_of(scene.render), alpha=True, float_buffer=True)
+    image.alpha_mode, image.generated_color = "PREMUL", (0, 0, 0, 0)  # as it is loaded again
     image["cosplat"] = True
     return image
+
+
+def needs_image(empty, shown):
+    """Also of a copy of an avatar, which has its image until now, and of files of before."""
+    image = empty["cosplat_image"]
+    return image is None or image.name in shown or not image.is_float
 
 
 def draw_all(scene, depsgraph=None):
@@ -132,8 +148,7 @@ def draw_all(scene, depsgraph=None):
         shown = set()
         for empty in avatars(scene):
             try:
-                # A copy of an avatar has its image until now.
-                if empty["cosplat_image"] is None or empty["cosplat_image"].name in shown:
+                if needs_image(empty, shown):
                     empty["cosplat_image"] = new_image(empty.name, scene)
                     compose(scene, empty["cosplat_image"])
                 image = empty["cosplat_image"]
@@ -160,19 +175,37 @@ def show_in_camera(camera, image):
 
 def compose(scene, image):
     """Lays the image over what the scene's compositor puts out."""
-    if not scene.use_nodes:
-        scene.use_nodes = True
-        scene.view_settings.view_transform = "Standard"
-    nodes, links = scene.node_tree.nodes, scene.node_tree.links
-    out = next((n for n in nodes if n.bl_idname == "CompositorNodeComposite"), None)
-    out = out or nodes.new("CompositorNodeComposite")
+    tree, kind = compositor_of(scene)
+    nodes, links = tree.nodes, tree.links
+    out = next((n for n in nodes if n.bl_idname == kind), None) or nodes.new(kind)
     link = next((k for k in links if k.to_node == out and k.to_socket.name == "Image"), None)
     over, node = nodes.new("CompositorNodeAlphaOver"), nodes.new("CompositorNodeImage")
-    node.image, over.use_premultiply = image, True
+    node.image = image
+    behind, front = ("Background", "Foreground") if "Background" in over.inputs else (1, 2)
+    if hasattr(over, "use_premultiply"):
+        over.use_premultiply = False
     if link:
-        links.new(link.from_socket, over.inputs[1])
-    links.new(node.outputs["Image"], over.inputs[2])
+        links.new(link.from_socket, over.inputs[behind])
+    links.new(node.outputs["Image"], over.inputs[front])
     links.new(over.outputs["Image"], out.inputs["Image"])
+
+
+def compositor_of(scene):
+    """The tree of the scene's compositor, made if there is none, and what its last node is."""
+    grouped = hasattr(scene, "compositing_node_group")  # from 5.0 on
+    made = scene.compositing_node_group is None if grouped else not scene.use_nodes
+    if made:
+        scene.view_settings.view_transform = "Standard"
+    if not grouped:
+        scene.use_nodes = True
+        return scene.node_tree, "CompositorNodeComposite"
+    if made:
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        layers, out = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("NodeGroupOutput")
+        tree.links.new(layers.outputs["Image"], out.inputs["Image"])
+        scene.compositing_node_group = tree
+    return scene.compositing_node_group, "NodeGroupOutput"
 
 
 def add_avatar(scene, path, flame=""):
