@@ -65,12 +65,18 @@ class Window : public testing::Test {
     GLFWwindow* handle = window->handle();
     const GLFWmousebuttonfun on_button = glfwSetMouseButtonCallback(handle, nullptr);
     glfwSetMouseButtonCallback(handle, on_button);
+    // ImGui asks for the place before 1.87, and is told since.
+    const GLFWcursorposfun on_move = glfwSetCursorPosCallback(handle, nullptr);
+    glfwSetCursorPosCallback(handle, on_move);
     for (int i = 0; i <= 5; ++i) {
-      glfwSetCursorPos(handle, 300 + i * dx / 5, 300 + i * dy / 5);
+      const double x = 300 + i * dx / 5, y = 300 + i * dy / 5;
+      glfwSetCursorPos(handle, x, y);
+      if (on_move) on_move(handle, x, y);
       // GLFW's own state is not pressed, so that ImGui has to be told in every turn.
       if (i > 0) on_button(handle, button, GLFW_PRESS, 0);
       window->Step();
     }
+    on_button(handle, button, GLFW_RELEASE, 0);
     window->Step();
   }
   void Scroll(double steps) {
