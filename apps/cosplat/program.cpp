@@ -20,12 +20,12 @@ constexpr int kBadInput = 2;
 
 // `name`: of the program, as it begins its messages.
 std::string FailureMessage(const std::string& name, const CLI::App& failed, const CLI::Error& e) {
-  std::string text = name + ": ";
+  const std::string end = " (--help lists the options)\n";
   if (dynamic_cast<const CLI::ConfigError*>(&e) != nullptr)
-    text += failed.get_config_ptr()->as<std::string>() + ": ";
+    return name + ": " + failed.get_config_ptr()->as<std::string>() + ": " + e.what() + end;
   // A misspelled name leaves what it stands for missing, which says less.
   const std::string unknown = UnknownArgument(failed);
-  return text + (unknown.empty() ? e.what() : unknown) + " (--help lists the options)\n";
+  return name + ": " + (unknown.empty() ? e.what() : unknown) + end;
 }
 
 int Parse(const char* name,

@@ -32,11 +32,13 @@ View<const float> NeedleRegularizer::Backward(const Gaussians& gaussians,
   return std::as_const(updated_).view();
 }
 
-View<const NeedleSum> NeedleRegularizer::Sum(const Needles& own, size_t count, Shards& shards) {
+View<const NeedleSum> NeedleRegularizer::Sum(const NeedleLengths& own,
+                                             size_t count,
+                                             Shards& shards) {
   if (!shards.divides()) return SumInTree(own, sums_, stream_);
   static_assert(kRowsPerBlock % kSumBlock == 0);
   sums_.Refill(SumBlockCount(own.size()), stream_);
-  ForEach(sums_.size(), stream_, SumBlocks<Needles>{own, sums_.view()});
+  ForEach(sums_.size(), stream_, SumBlocks<NeedleLengths>{own, sums_.view()});
   Buffer<NeedleSum> sums(sums_.size());
   sums_.Download(sums.data(), stream_);
   stream_.Wait();

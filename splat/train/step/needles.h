@@ -31,7 +31,7 @@ class NeedleRegularizer {
 
  private:
   // Of all ranks, as SumInTree gives them.
-  View<const NeedleSum> Sum(const Needles& own, size_t count, Shards& shards);
+  View<const NeedleSum> Sum(const NeedleLengths& own, size_t count, Shards& shards);
 
   const ScaleRegularizer& settings_;
   Stream& stream_;

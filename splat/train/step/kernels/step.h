@@ -37,7 +37,7 @@ struct NeedleSum {
     return *this;
   }
 };
-struct Needles {
+struct NeedleLengths {
   NeedleRule rule;
   View<const float> scale_log;  // [N, 3]
   COSPLAT_HD size_t size() const { return scale_log.count / 3; }
