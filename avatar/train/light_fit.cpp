@@ -49,7 +49,9 @@ void LightFit::Settle(AvatarModel& avatar) const {
   Gaussians& g = avatar.gaussians;
   const float black = -0.5f / BasisConstants(g.basis)[0];
   ParallelFor(g.size(), [&](size_t i) {
-    const auto& [u, v] = avatar.embedding.barycentric[i];
+    const float* offset = g.at(kPosition, i);
+    const float u = avatar.embedding.barycentric[i][0] + offset[0];
+    const float v = avatar.embedding.barycentric[i][1] + offset[1];
     const float weights[3] = {u, v, 1 - u - v};
     math::LightTerms<float> mean{};
     for (size_t c = 0; c < 3; ++c) {

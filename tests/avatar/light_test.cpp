@@ -101,6 +101,27 @@ TEST(Light, FollowsTheNormalInTheWorld) {
   EXPECT_EQ(PosedView(model.gaussians, rest, model.color_frame).color_dc, rest.color_dc.data());
 }
 
+// A walk within a triangle makes (du, dv) part of (u, v).
+TEST(Light, DoesNotJumpAtAWalk) {
+  const CanonicalMesh mesh = SphereMesh(1);
+  AvatarModel before = LitAvatar(mesh, 60), after = before;
+  for (size_t i = 0; i < before.size(); ++i) {
+    float* offset = before.gaussians.at(kPosition, i);
+    offset[0] = 0.05f;
+    offset[1] = -0.03f;
+    float* walked = after.gaussians.at(kPosition, i);
+    walked[0] = walked[1] = 0;
+    after.embedding.barycentric[i][0] += 0.05f;
+    after.embedding.barycentric[i][1] -= 0.03f;
+  }
+  Surface surface(mesh);
+  surface.Pose(Turned(mesh.vertices, {0.6f, 0, 0.8f}, 0.4));
+  PosedGaussians a, b;
+  Bind(before, surface, a);
+  Bind(after, surface, b);
+  for (size_t i = 0; i < a.color_dc.size(); ++i) EXPECT_NEAR(a.color_dc[i], b.color_dc[i], 1e-5f);
+}
+
 // All that BindBackward gives for lit and corrected colours, against differences.
 TEST(Light, BindBackwardIsTheDerivative) {
   const CanonicalMesh mesh = SphereMesh(1);
@@ -155,6 +176,7 @@ TEST(Light, BindBackwardIsTheDerivative) {
   };
   check(model.gaussians.values[kColorDc], d_gaussians.values[kColorDc], "colour ");
   check(model.gaussians.values[kCorrection], d_gaussians.values[kCorrection], "correction ");
+  check(model.gaussians.values[kPosition], d_gaussians.values[kPosition], "offset ");
   check(*model.light, d_light, "light ");
   check(vertices, d_vertices, "vertex ");
 }

@@ -74,27 +74,41 @@ COSPLAT_HD_FORCED Correction<T> LoadCorrection(const CorrectionArrays& correctio
   return CorrectionOf(sum);
 }
 
-// The light's terms at the Gaussians, less their mean.
+// The light's terms at the corners of the Gaussians' triangles, less their mean.
+template <class T>
+COSPLAT_HD_FORCED Three<LightTerms<T>> LightTermsAtCorners(const EmbedInput<T>& in,
+                                                           const EmbeddedArrays& gaussians,
+                                                           const Rows& rows) {
+  const LaneRows<T> faces = FacesOf<T>(gaussians, rows);
+  Three<LightTerms<T>> corners;
+  for (int c = 0; c < 3; ++c) {
+    corners[c] = LightTermsOf(in.vertices[c].normal);
+    if (!gaussians.light.mean) continue;
+    T mean[kLightTerms];
+    GatherRows<kLightTerms>(
+        gaussians.light.mean, kLightTerms, CornersOf<T>(gaussians, faces, c), mean);
+    for (int k = 0; k < kLightTerms; ++k) corners[c].y[k] = corners[c].y[k] - mean[k];
+  }
+  return corners;
+}
+
+// Those at the Gaussians: where they are on the triangle, so that a walk, which makes (du, dv) part
+// of (u, v), changes nothing.
+template <class T>
+COSPLAT_HD_FORCED LightTerms<T> LightTermsAt(const EmbedInput<T>& in,
+                                             const Three<LightTerms<T>>& corners) {
+  const Three<T> weights = BarycentricOf(in.gaussian);
+  LightTerms<T> sum;
+  for (int k = 0; k < kLightTerms; ++k) sum.y[k] = T(0.0f);
+  for (int c = 0; c < 3; ++c)
+    for (int k = 0; k < kLightTerms; ++k) sum.y[k] = sum.y[k] + weights[c] * corners[c].y[k];
+  return sum;
+}
 template <class T>
 COSPLAT_HD_FORCED LightTerms<T> LightTermsAt(const EmbedInput<T>& in,
                                              const EmbeddedArrays& gaussians,
                                              const Rows& rows) {
-  const T* uv = in.gaussian.barycentric;
-  const T weights[3] = {uv[0], uv[1], T(1.0f) - uv[0] - uv[1]};
-  const LaneRows<T> faces = FacesOf<T>(gaussians, rows);
-  LightTerms<T> sum;
-  for (int k = 0; k < kLightTerms; ++k) sum.y[k] = T(0.0f);
-  for (int c = 0; c < 3; ++c) {
-    LightTerms<T> at_vertex = LightTermsOf(in.vertices[c].normal);
-    if (gaussians.light.mean) {
-      T mean[kLightTerms];
-      GatherRows<kLightTerms>(
-          gaussians.light.mean, kLightTerms, CornersOf<T>(gaussians, faces, c), mean);
-      for (int k = 0; k < kLightTerms; ++k) at_vertex.y[k] = at_vertex.y[k] - mean[k];
-    }
-    for (int k = 0; k < kLightTerms; ++k) sum.y[k] = sum.y[k] + weights[c] * at_vertex.y[k];
-  }
-  return sum;
+  return LightTermsAt(in, LightTermsAtCorners(in, gaussians, rows));
 }
 
 template <class T>
@@ -124,7 +138,7 @@ COSPLAT_HD_FORCED PosedGaussian<T> EmbedInFrame(const EmbedInput<T>& in,
 }
 
 // color: the Gaussians' own, corrected. Returns its derivative, given that of the lit colour, and
-// adds to the corners' normals unless they are null.
+// that of (du, dv) in d_offset; adds to the corners' normals unless they are null.
 template <class T>
 COSPLAT_HD_FORCED Vec3<T> LightVjp(const EmbedInput<T>& in,
                                    const EmbeddedArrays& gaussians,
@@ -132,17 +146,24 @@ COSPLAT_HD_FORCED Vec3<T> LightVjp(const EmbedInput<T>& in,
                                    const Vec3<T>& d_lit,
                                    const EmbeddedGradients& out,
                                    Three<SurfaceVertex<T>>* d_corners,
+                                   T d_offset[2],
                                    const Rows& rows) {
   const LightArrays& light = gaussians.light;
-  const Vec3<T> log_light = LogLight(LightTermsAt<T>(in, gaussians, rows), light.coefficients);
+  const Three<LightTerms<T>> corners = LightTermsAtCorners(in, gaussians, rows);
+  const Vec3<T> log_light = LogLight(LightTermsAt(in, corners), light.coefficients);
   Vec3<T> d_color, d_log_light;
   LitVjp(color, log_light, light.black, d_lit, d_color, d_log_light);
   StoreVec3(d_color, out.color_dc, rows);
   StoreVec3(d_log_light, out.log_light, rows);
-  if (!d_corners) return d_color;
-  const T* uv = in.gaussian.barycentric;
-  const T weights[3] = {uv[0], uv[1], T(1.0f) - uv[0] - uv[1]};
   const LightTerms<T> d_terms = LogLightVjp<T>(light.coefficients, d_log_light);
+  Three<T> d_weights{{T(0.0f), T(0.0f), T(0.0f)}};
+  for (int c = 0; c < 3; ++c)
+    for (int k = 0; k < kLightTerms; ++k)
+      d_weights[c] = d_weights[c] + d_terms.y[k] * corners[c].y[k];
+  d_offset[0] = d_weights[0] - d_weights[2];
+  d_offset[1] = d_weights[1] - d_weights[2];
+  if (!d_corners) return d_color;
+  const Three<T> weights = BarycentricOf(in.gaussian);
   for (int c = 0; c < 3; ++c) {
     LightTerms<T> d_vertex;
     for (int k = 0; k < kLightTerms; ++k) d_vertex.y[k] = weights[c] * d_terms.y[k];
@@ -218,13 +239,14 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   Three<SurfaceVertex<T>>* const to_corners = out.corners ? &d_corners : nullptr;
   const bool corrected = gaussians.corrections.count > 0, lit = gaussians.light.coefficients;
   Vec3<T> d_color{zero, zero, zero};
+  T d_offset[2] = {zero, zero};  // by the light
   if (corrected || lit) d_color = LoadVec3<T>(d_posed.color_dc, rows);
   Correction<T> c;
   if (corrected) c = LoadCorrection<T>(gaussians.corrections, rows);
   if (lit) {
     Vec3<T> color = LoadVec3<T>(gaussians.color_dc, rows);
     if (corrected) color += c.color_dc;
-    d_color = LightVjp(in, gaussians, color, d_color, out, to_corners, rows);
+    d_color = LightVjp(in, gaussians, color, d_color, out, to_corners, d_offset, rows);
   }
   if (corrected) {
     Correction<T> d_c;
@@ -235,6 +257,8 @@ COSPLAT_HD_FORCED void Run(const EmbedVjpKernel& kernel, const Rows& rows) {
   } else {
     EmbedVjp(in.vertices, in.canonical_area, in.gaussian, d, d_local, to_corners);
   }
+  d_local.offset.x = d_local.offset.x + d_offset[0];
+  d_local.offset.y = d_local.offset.y + d_offset[1];
   StoreVec3(d_local.offset, out.offset, rows);
   StoreQuat(d_local.rotation, out.rotation, rows);
   StoreVec3(d_local.scale_log, out.scale_log, rows);
