@@ -57,7 +57,7 @@ Held HeldWith(size_t gaussians) {
   state.statistics.Reset(gaussians);
   const TrainSettings settings;
   const auto engine = AvatarEngineOn(Device::kCuda, true)(settings, subject, state);
-  engine->Step({1, 0, {}, {}, true});
+  engine->Step({StepPlan{1, 0, {}, {}, true}});
   engine->AfterStep(avatar.walk_every);
   engine->CatchUp({});
   PruneRound nothing;
