@@ -312,9 +312,9 @@ StepPlan Trainer::PlanOf(int iteration, size_t frame) {
 StepPlan Trainer::NextView(int iteration) { return PlanOf(iteration, NextFrame()); }
 
 double Trainer::Train(int begin, int end) {
-  std::vector<StepPlan> views;
-  for (int view = begin; view < end; ++view) views.push_back(NextView(begin + 1));
-  return engine_->Step(std::move(views));
+  views_.clear();
+  for (int view = begin; view < end; ++view) views_.push_back(NextView(begin + 1));
+  return engine_->Step(views_);
 }
 
 StepReport Trainer::Step() {

@@ -135,6 +135,7 @@ class Trainer {
   std::unique_ptr<Pruner> pruner_;  // null: no rule
   std::vector<uint32_t> frames_;    // frames that are trained on
   int least_side_ = 0;              // px, of all frames
+  std::vector<StepPlan> views_;     // of the step
   std::unique_ptr<StepEngine> engine_;
   // Measurements.
   PhaseTimes times_;  // besides the engine's

@@ -57,7 +57,8 @@ Held HeldWith(size_t gaussians) {
   state.statistics.Reset(gaussians);
   const TrainSettings settings;
   const auto engine = AvatarEngineOn(Device::kCuda, true)(settings, subject, state);
-  engine->Step({StepPlan{1, 0, {}, {}, true}});
+  StepPlan plan{1, 0, {}, {}, true};
+  engine->Step({&plan, 1});
   engine->AfterStep(avatar.walk_every);
   engine->CatchUp({});
   PruneRound nothing;

@@ -127,9 +127,9 @@ TEST(Races, NoneInTraining) {
       {std::make_unique<cuda::CudaRasterizer>(cuda::SumOrder::kFixed), cuda::MakeCudaLoss()});
   StepPlan plan{1, 0, c.settings, {}, true};
   plan.rates.rate.fill(1e-3f);
-  engine.Step({plan});
+  engine.Step({&plan, 1});
   plan.iteration = 2;
-  engine.Step({plan});  // the first that waits for nothing
+  engine.Step({&plan, 1});  // the first that waits for nothing
   engine.CatchUp(plan.rates);
   DensitySettings density;
   density.gradient_threshold = 0;

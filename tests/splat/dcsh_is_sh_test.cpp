@@ -157,9 +157,12 @@ struct BothBases {
   double rest = 0;   // largest difference of a higher band's coefficient
 };
 
-// Trains `dcsh` and `sh` with these rest rates (0: the default), the latter with its eps over
+// Trains `dcsh` and `sh` with these rest rates (none: the default), the latter with its eps over
 // `ratio`.
-BothBases TrainBoth(float eps, float ratio, float dcsh_rest, float sh_rest) {
+BothBases TrainBoth(float eps,
+                    float ratio,
+                    std::optional<float> dcsh_rest,
+                    std::optional<float> sh_rest) {
   constexpr int kSteps = 60;
   TrainSettings dcsh = FullDegreeRun();
   dcsh.schedule.densify_from = 1000;
@@ -205,22 +208,22 @@ TEST(DcshIsSh, TheTwoBasesTrainAlikeBeforeDensification) {
   const float rate = FullDegreeRun().rates.RestRate();
   // An eps above the gradients' rounding noise: only rounding sets the two apart. Measured after
   // 60 steps: 5e-7 to 2e-5 in a pixel, by the compiler's options, and 3e-7 in a coefficient.
-  const BothBases alike = TrainBoth(1e-6f, ratio, 0, ratio * rate);
+  const BothBases alike = TrainBoth(1e-6f, ratio, {}, ratio * rate);
   EXPECT_LT(alike.mean, 1e-6);         // 3e-8
   EXPECT_LT(alike.image, 2.0f / 255);  // a splat's rim may flip a pixel by one grey level
   EXPECT_LT(alike.rest, 1e-5);
   // The other way round: `dcsh` slowed down to `sh`.
-  const BothBases slow = TrainBoth(1e-6f, ratio, rate / ratio, 0);
+  const BothBases slow = TrainBoth(1e-6f, ratio, rate / ratio, {});
   EXPECT_LT(slow.mean, 1e-6);
   EXPECT_LT(slow.image, 2.0f / 255);
   EXPECT_LT(slow.rest, 1e-5);
   // 3DGS's eps makes full steps of gradients that are rounding noise, so single Gaussians go their
   // own way; the image does not.
-  const BothBases noisy = TrainBoth(1e-15f, ratio, 0, ratio * rate);
+  const BothBases noisy = TrainBoth(1e-15f, ratio, {}, ratio * rate);
   EXPECT_LT(noisy.mean, 3e-3);  // measured 1.0e-3
   EXPECT_LT(noisy.image, 0.1);  // measured 0.027
   // It is the rates that make them alike: as they stand, the bases train differently.
-  const BothBases apart = TrainBoth(1e-6f, 1, 0, 0);
+  const BothBases apart = TrainBoth(1e-6f, 1, {}, {});
   EXPECT_GT(apart.rest, 1e3 * alike.rest);  // measured 0.038
   EXPECT_GT(apart.mean, 5e-3);              // measured 0.014
 }

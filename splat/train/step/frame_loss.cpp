@@ -1,6 +1,7 @@
 #include "splat/train/step/frame_loss.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -37,21 +38,21 @@ void FrameLoss::Evaluate(const float* exposure, const RenderedImage& image, Subm
                          plan.render.background,
                          exposure,
                          &targets_.LayersOf(plan.frame, plan.downscale)};
-  // Of each stage that changes the image, with what it was given.
-  std::vector<std::pair<ImageStage*, const Buffer<float>*>> done;
+  // Of each stage that changes the image, with what it was given; a step allocates nothing.
+  std::array<std::pair<ImageStage*, const Buffer<float>*>, 2> done;
+  size_t count = 0;
   const Buffer<float>* compared = &image.color;
   for (ImageStage* stage :
        {static_cast<ImageStage*>(&layers_), static_cast<ImageStage*>(&photograph_)})
     if (stage->Changes(frame)) {
-      done.emplace_back(stage, compared);
+      done[count++] = {stage, compared};
       compared = &stage->Forward(*compared, frame, stream_);
     }
   loss_.Evaluate(
       settings_.loss, *compared, frame.target, plan.render.background, d_color_, stream_);
   step.photometric.Ask(loss_.value(), stream_);
   if (has_crop()) AddCropLoss(step, *compared, image);
-  for (auto stage = done.rbegin(); stage != done.rend(); ++stage)
-    stage->first->Backward(*stage->second, frame, d_color_, stream_);
+  while (count-- > 0) done[count].first->Backward(*done[count].second, frame, d_color_, stream_);
 }
 
 void FrameLoss::AddCropLoss(SubmittedStep& step,

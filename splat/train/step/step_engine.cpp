@@ -123,11 +123,11 @@ void StepEngine::AfterStep(int iteration) {
   subject_.Act(iteration, state.gaussians, state.adam);
 }
 
-double StepEngine::Step(std::vector<StepPlan> views) {
+double StepEngine::Step(std::span<StepPlan> views) {
   Rng& rng = state_.host().rng;
   if (loss_.has_crop())
     for (StepPlan& view : views) view.crop = loss_.ChooseCrop(view, rng);
-  if (settings_.batch > 1) return StepOfSeveral(std::move(views));
+  if (settings_.batch > 1) return StepOfSeveral(views);
   const Rng before = rng;
   rng = before.After(mask_.DrawsOf(count()));
   const bool waits =
@@ -261,7 +261,7 @@ void StepEngine::UpdateExposure(const StepPlan& plan, const Buffer<float>& gradi
                             stream_);
 }
 
-double StepEngine::StepOfSeveral(std::vector<StepPlan> views) {
+double StepEngine::StepOfSeveral(std::span<const StepPlan> views) {
   const StepPlan& plan = views.front();  // what does not differ between them
   TrainingState& state = state_.Write();
   const std::vector<ViewResult> results = batch_.Run(

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -74,7 +75,7 @@ class StepEngine : public FrameImages {
   // Of several views (settings.batch), the mean of their losses, complete when it returns: the
   // plans differ in frame and background alone, every rank is given the same ones, and draws its
   // own. Throws Error, on all ranks, if a loss is not finite.
-  double Step(std::vector<StepPlan> views);
+  double Step(std::span<StepPlan> views);
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
 
@@ -160,7 +161,7 @@ class StepEngine : public FrameImages {
   void UpdateExposure(const StepPlan& plan, const Buffer<float>& gradient);
 
   // A step of several views (view_batch.h).
-  double StepOfSeveral(std::vector<StepPlan> views);
+  double StepOfSeveral(std::span<const StepPlan> views);
   ViewResult DrawOwn(const StepPlan& plan);
 
   const TrainSettings& settings_;

@@ -16,7 +16,7 @@ ViewBatch::ViewBatch(Subject& subject, Ranks& ranks, StagedRasterizer& rasterize
       exchange_(ranks, rasterizer),
       sum_(stream_) {}
 
-std::vector<ViewResult> ViewBatch::Run(const std::vector<StepPlan>& views,
+std::vector<ViewResult> ViewBatch::Run(std::span<const StepPlan> views,
                                        TrainingState& state,
                                        Drawing& drawing,
                                        PhaseTimes& times,

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "splat/render/phase_times.h"
@@ -37,7 +38,7 @@ class ViewBatch {
   using DrawView = std::function<ViewResult(const StepPlan& view)>;
   // Draws views and sums the gradients of own Gaussians in all of them; gathers statistics if the
   // plans say so. Returns what all ranks have of each view.
-  std::vector<ViewResult> Run(const std::vector<StepPlan>& views,
+  std::vector<ViewResult> Run(std::span<const StepPlan> views,
                               TrainingState& state,
                               Drawing& drawing,
                               PhaseTimes& times,
