@@ -172,7 +172,9 @@ TEST(Scene, TakesTheSharpestFramesOfAVideo) {
     std::snprintf(name, sizeof name, "frame_%06d.jpg", 3 * i + 1);
     EXPECT_EQ(names[i], name);
   }
-  EXPECT_TRUE(Contains(fake.TakeCalls()[1], "sequential_matcher "));
+  const std::string call = fake.TakeCalls()[1];
+  EXPECT_TRUE(Contains(call, "sequential_matcher ")) << call;
+  EXPECT_TRUE(Contains(call, "quadratic_overlap 0 --SequentialMatching.overlap 12")) << call;
 }
 
 // The JPEG with an EXIF segment that has nothing but an orientation.

@@ -32,6 +32,10 @@ constexpr size_t kMinForOpencvModel = 30;
 constexpr double kSuspiciousError = 0.7;
 constexpr int kCloserPair = 8;      // degrees between the first two photographs; COLMAP's own: 16
 constexpr int kMatchingBlock = 10;  // photographs; only how often progress is reported
+// In `sequential` matching each photograph with so many that follow it. By default COLMAP adds
+// those at distances of powers of two up to 3.10, and has these alone in 4.2, half the pairs, by
+// which the fox's 50 photographs lose 0.9 dB.
+constexpr int kNeighbours = 12;
 
 struct LargestModel {
   std::string folder;  // empty: there is none
@@ -137,7 +141,10 @@ ColmapOptions MatchOptions(const Files& files, const ColmapSettings& settings) {
           {{"--FeatureMatching.num_threads", "--SiftMatching.num_threads"},
            std::to_string(settings.threads),
            false},
-          {{"--ExhaustiveMatching.block_size"}, std::to_string(kMatchingBlock), false}};
+          {{"--ExhaustiveMatching.block_size"}, std::to_string(kMatchingBlock), false},
+          // Neighbours alone: what is added by the other, or replaced, differs between versions.
+          {{"--SequentialMatching.quadratic_overlap"}, "0", false},
+          {{"--SequentialMatching.overlap"}, std::to_string(kNeighbours), false}};
 }
 
 ColmapOptions UndistortOptions(const LargestModel& largest,
