@@ -120,8 +120,8 @@ gboolean Stop(GstBaseSrc* src) {
   return TRUE;
 }
 
-// Not for a pause: the frame that is due ends by itself. A thread that came back to the base class as
-// flushing after the pause was over would not be started again.
+// Not for a pause: the frame that is due ends by itself. A thread that came back to the base class
+// as flushing after the pause was over would not be started again.
 gboolean Unlock(GstBaseSrc* src) {
   if (GST_PAD_IS_FLUSHING(GST_BASE_SRC_PAD(src))) StateOf(src).clock.Unlock();
   return TRUE;

@@ -138,7 +138,8 @@ inline std::string OptionsIn(Dialect dialect, const std::string& command) {
            (is_new ? "FeatureMatching.type FeatureMatching.num_threads FeatureMatching.use_gpu "
                      "SiftMatching.max_ratio "
                    : "SiftMatching.num_threads SiftMatching.use_gpu SiftMatching.max_ratio ") +
-           (command[0] == 'e' ? "ExhaustiveMatching.block_size" : "SequentialMatching.overlap SequentialMatching.quadratic_overlap");
+           (command[0] == 'e' ? "ExhaustiveMatching.block_size"
+                              : "SequentialMatching.overlap SequentialMatching.quadratic_overlap");
   if (command == "mapper")
     return common +
            "database_path image_path input_path output_path Mapper.num_threads "

@@ -67,7 +67,10 @@ void ProvideTrainKernels() {
   };
   Provide<FindBehind>();
   Provide<AccumulateStep, AddContributions>();
-  Provide<SumBlocks<NeedleLengths>, SumBlocks<View<const NeedleSum>>, AddUpNeedles, NeedlesBackward>();
+  Provide<SumBlocks<NeedleLengths>,
+          SumBlocks<View<const NeedleSum>>,
+          AddUpNeedles,
+          NeedlesBackward>();
   Provide<SumBlocks<ShownMasks>, SumBlocks<View<const double>>, AddUpShown>();
   Provide<FindKinds, StrengthKey, LetStay, ShareOpacity, FlagKinds, PlaceSources, DrawChild>();
   Provide<MarkUnwanted, FlagKept, PlaceKept, LowerTo, AddOffsets, FillNumbers>();
