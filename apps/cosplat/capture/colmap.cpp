@@ -33,8 +33,7 @@ constexpr double kSuspiciousError = 0.7;
 constexpr int kCloserPair = 8;      // degrees between the first two photographs; COLMAP's own: 16
 constexpr int kMatchingBlock = 10;  // photographs; only how often progress is reported
 // In `sequential` matching each photograph with so many that follow it. By default COLMAP adds
-// those at distances of powers of two up to 3.10, and has these alone in 4.2, half the pairs, by
-// which the fox's 50 photographs lose 0.9 dB.
+// those at distances of powers of two up to 3.10, and has these alone in 4.2: half the pairs.
 constexpr int kNeighbours = 12;
 
 struct LargestModel {
