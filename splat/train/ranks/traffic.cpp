@@ -1,6 +1,7 @@
 #include "splat/train/ranks/traffic.h"
 
 #include "splat/render/kernels/projected_splat.h"
+#include "splat/render/kernels/world_gaussians.h"
 #include "splat/train/loss/photograph.h"
 
 namespace cosplat {

@@ -13,6 +13,7 @@
 #include "splat/render/phase_times.h"
 #include "splat/train/loss/photograph.h"
 #include "splat/train/ranks/ranks.h"
+#include "splat/train/ranks/shards.h"
 #include "splat/train/ranks/traffic.h"
 #include "splat/train/ranks/view_exchange.h"
 #include "splat/train/state/training_state.h"
