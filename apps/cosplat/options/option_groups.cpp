@@ -7,7 +7,7 @@ namespace {
 
 class Help : public CLI::Formatter {
  public:
-  Help() { column_width(32); }
+  Help() { column_width(34); }
 
   // An earlier spelling is accepted, but not listed.
   std::string make_option_name(const CLI::Option* option, bool positional) const override {
