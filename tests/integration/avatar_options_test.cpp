@@ -332,6 +332,19 @@ TEST(Config, AnEarlierFileMeansWhatItMeant) {
   EXPECT_EQ(ours.rates.position_lr_final, usual.rates.position_lr_final);
 }
 
+// A threshold of nothing would fill the memory, so that it still stands for the preset's.
+TEST(Config, AThresholdOfNothingIsThePresets) {
+  EXPECT_FALSE(Parsed({"--densify_grad_threshold", "0"}).options.densify_grad_threshold);
+}
+
+// All of a run's options are given in its configuration, also those that are as they were by
+// default.
+TEST(Config, AQualityBesideItSaysThatItSetsNothing) {
+  const Parsed p = WithConfig(Parsed({}).config, {"--quality", "best"});
+  EXPECT_EQ(p.options.iterations, 6000);
+  EXPECT_EQ(p.options.settled, " --iterations as it is given");
+}
+
 TEST(Config, ARateOfNothingIsOne) {
   const Parsed given({"--scaling_lr", "0", "--rest-lr", "0", "--position_lr_final", "0"});
   const TrainSettings s = given.options.ToSettings(1);
@@ -342,6 +355,7 @@ TEST(Config, ARateOfNothingIsOne) {
   EXPECT_EQ(again.options.ToSettings(1).rates.scale, 0);
   EXPECT_EQ(again.options.ToSettings(1).rates.RestRate(), 0);
   EXPECT_EQ(again.config, given.config);
+  EXPECT_EQ(WithConfig("\r\n" + given.config).options.ToSettings(1).rates.scale, 0) << "edited";
 }
 
 TEST(Config, IsReadAsItWasWritten) {
@@ -368,7 +382,7 @@ TEST(Quality, SetsWhatIsNotGivenAndSaysSo) {
   EXPECT_EQ(Parsed({"--quality", "best"}).options.iterations, 15000);
   const Parsed given({"--quality", "best", "--iterations", "70"});
   EXPECT_EQ(given.options.iterations, 70);
-  EXPECT_EQ(given.options.settled, "");
+  EXPECT_EQ(given.options.settled, " --iterations as it is given");
   EXPECT_EQ(Parsed({}).options.settled, "");
   EXPECT_EQ(Parsed({"--preset", "quick", "--quality", "best"}).options.iterations, 15000);
   EXPECT_THROW(Parsed({"--quality", "good"}), CLI::ParseError);

@@ -11,13 +11,13 @@
 namespace cosplat {
 namespace {
 
-// The first line of files in which an option that is left open is not listed.
+// A line of files in which an option that is left open is not listed: the first, unless they were
+// edited.
 constexpr const char* kSecondFormat = "# options, format 2";
 
 // What stood for an option left open before.
 const std::vector<std::pair<std::string, double>>& OnceOpen() {
   static const std::vector<std::pair<std::string, double>> values{
-      {"densify_grad_threshold", 0},
       {"position_lr_final", 0},
       {"rest-lr", 0},
       {"rest_lr", 0},
@@ -39,7 +39,8 @@ class ConfigFormat : public CLI::ConfigTOML {
     const std::string text((std::istreambuf_iterator<char>(input)), {});
     std::istringstream stream(text);
     std::vector<CLI::ConfigItem> items = CLI::ConfigTOML::from_config(stream);
-    if (!text.starts_with(kSecondFormat)) std::erase_if(items, WasOpen);
+    const bool is_second = ("\n" + text).find(std::string("\n") + kSecondFormat) != text.npos;
+    if (!is_second) std::erase_if(items, WasOpen);
     return items;
   }
 };

@@ -63,7 +63,7 @@ struct TrainOptions {
   bool resume = false, overwrite = false;
   bool strict = false;  // data that does not tell one story is refused
   bool quiet = false;
-  std::string settled;  // what --quality has set, as a command line
+  std::string settled;  // what --quality has set, and what not, since it is given
 
   // Declare the options on a sub-command; the current values become the defaults. First where the
   // data is and where results go, which not all commands are told in this way, then the others.

@@ -181,7 +181,8 @@ void DeclareSchedule(TrainOptions& o, CLI::App& command) {
   AddOptional<float>(command,
                      "--densify_grad_threshold",
                      o.densify_grad_threshold,
-                     "mean screen gradient from which Gaussians are added (2e-4)")
+                     "mean screen gradient from which Gaussians are added (2e-4)",
+                     0.0f)
       ->check(kRate);
   AddOptional<int>(
       command, "--densify_from_iter", o.densify_from, "first step that adds Gaussians", -1)
@@ -274,18 +275,19 @@ void TrainOptions::DeclareQuality(CLI::App& command, const std::string& descript
 void TrainOptions::Settle(CLI::App& command,
                           const OptionValues& of_preset,
                           const OptionValues& (*of_quality)(Quality)) {
-  const auto set = [&](const auto& values, bool says) {
-    for (const auto& [name, value] : values) {
-      CLI::Option* option = command.get_option(name);
-      if (option->count() > 0) continue;
-      const bool before = option->get_run_callback_for_default();
-      option->run_callback_for_default()->default_val(value)->run_callback_for_default(before);
-      if (says) settled += " " + name + " " + value;
-    }
+  // Returns whether it was not given.
+  const auto set = [&](const std::string& name, const std::string& value) {
+    CLI::Option* option = command.get_option(name);
+    if (option->count() > 0) return false;
+    const bool before = option->get_run_callback_for_default();
+    option->run_callback_for_default()->default_val(value)->run_callback_for_default(before);
+    return true;
   };
-  set(of_preset, false);
+  for (const auto& [name, value] : of_preset) set(name, value);
   settled.clear();
-  if (quality) set(of_quality(*quality), true);
+  if (!quality) return;
+  for (const auto& [name, value] : of_quality(*quality))
+    settled += " " + name + " " + (set(name, value) ? value : "as it is given");
 }
 
 }  // namespace cosplat
