@@ -32,9 +32,6 @@ constexpr size_t kMinForOpencvModel = 30;
 constexpr double kSuspiciousError = 0.7;
 constexpr int kCloserPair = 8;      // degrees between the first two photographs; COLMAP's own: 16
 constexpr int kMatchingBlock = 10;  // photographs; only how often progress is reported
-// In `sequential` matching each photograph with so many that follow it. By default COLMAP adds
-// those at distances of powers of two up to 3.10, and has these alone in 4.2: half the pairs.
-constexpr int kNeighbours = 12;
 
 struct LargestModel {
   std::string folder;  // empty: there is none
@@ -140,10 +137,7 @@ ColmapOptions MatchOptions(const Files& files, const ColmapSettings& settings) {
           {{"--FeatureMatching.num_threads", "--SiftMatching.num_threads"},
            std::to_string(settings.threads),
            false},
-          {{"--ExhaustiveMatching.block_size"}, std::to_string(kMatchingBlock), false},
-          // Neighbours alone: what is added by the other, or replaced, differs between versions.
-          {{"--SequentialMatching.quadratic_overlap"}, "0", false},
-          {{"--SequentialMatching.overlap"}, std::to_string(kNeighbours), false}};
+          {{"--ExhaustiveMatching.block_size"}, std::to_string(kMatchingBlock), false}};
 }
 
 ColmapOptions UndistortOptions(const LargestModel& largest,
@@ -228,7 +222,15 @@ Registration FindCameras(const Photographs& photographs,
   colmap.Run("features",
              "feature_extractor",
              with_features(FeatureOptions(photographs, files, settings), "feature_extractor"));
-  colmap.Run("matches", matcher, with_features(MatchOptions(files, settings), matcher));
+  ColmapOptions matching = MatchOptions(files, settings);
+  colmap.Run("matches", matcher, with_features(matching, matcher));
+  // By default COLMAP up to 3.10 matches the ten next photographs and those at distances of powers
+  // of two, 4.2 the latter alone. Pairs that are matched already are passed over.
+  const char* const powers_of_two = "--SequentialMatching.quadratic_overlap";
+  if (program.Takes(matcher, powers_of_two)) {
+    matching.push_back({{powers_of_two}, "0"});
+    colmap.Run("matches of neighbours", matcher, with_features(matching, matcher));
+  }
   const LargestModel largest = Map(photographs, files, settings, colmap);
   const Registration result = RegistrationOf(largest.model, photographs.names);
   if (result.registered.size() < kMinPhotographs)
