@@ -95,7 +95,7 @@ void AllGaussians::ForgetBands() {
 void AllGaussians::Release() {
   gaussians_ = {};
   statistics_ = {};
-  extent_ = Extent::kNone;
+  extent_ = Extent::kOwn;
 }
 
 }  // namespace cosplat

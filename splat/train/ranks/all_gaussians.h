@@ -10,12 +10,12 @@
 
 namespace cosplat {
 
+// How much of the Gaussians, with their statistics, degrees and smoothing: this rank's; those of
+// all ranks, without coefficients of bands >= 1; or all of those.
+enum class Extent { kOwn, kGeometry, kWhole };
+
 class AllGaussians {
  public:
-  // What is assembled: all attributes but coefficients of bands >= 1, or all attributes; and
-  // statistics, and Gaussians' own degrees and smoothing.
-  enum class Extent { kNone, kGeometry, kWhole };
-
   // In the memory of `stream`. Both must outlive this.
   AllGaussians(Shards& shards, Stream& stream) : shards_(shards), stream_(stream) {}
 
@@ -41,7 +41,7 @@ class AllGaussians {
   Stream& stream_;
   Gaussians gaussians_;
   DensityStatistics statistics_;
-  Extent extent_ = Extent::kNone;
+  Extent extent_ = Extent::kOwn;  // kOwn: nothing is assembled
   uint64_t assembled_ = 0;
 };
 

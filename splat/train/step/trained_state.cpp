@@ -28,11 +28,7 @@ TrainingState& TrainedState::Write() {
 
 StateView TrainedState::Read(Where where, Extent extent) {
   if (extent != Extent::kOwn && shards_.divides())
-    all_.Assemble(
-        extent == Extent::kWhole ? AllGaussians::Extent::kWhole : AllGaussians::Extent::kGeometry,
-        now_->gaussians,
-        now_->statistics,
-        count());
+    all_.Assemble(extent, now_->gaussians, now_->statistics, count());
   if (where == Where::kHost && !on_host() && extent == Extent::kGeometry) return GeometryOnHost();
   if (where == Where::kHost && !on_host() && on_host_ != version_) {
     on_device_.gaussians.Download(host_.gaussians, stream_);

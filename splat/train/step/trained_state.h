@@ -16,9 +16,6 @@
 namespace cosplat {
 
 enum class Where { kHost, kStream };
-// Of the Gaussians and their statistics: this rank's, with all else of the state; those of all
-// ranks, without coefficients of bands >= 1; or all of those.
-enum class Extent { kOwn, kGeometry, kWhole };
 
 struct StateView {
   const Gaussians& gaussians;
@@ -39,9 +36,9 @@ class TrainedState {
   // What is not copied: iteration, random numbers, frames.
   TrainingState& host() { return host_; }
 
-  // Valid until the next call or change. On the host kGeometry is of arrays that have been copied
-  // for this (bands are out of date), kWhole is not to be had there. All ranks call it for more
-  // than kOwn.
+  // kOwn: with all else of the state. Valid until the next call or change. On the host kGeometry is
+  // of arrays that have been copied for this (bands are out of date), kWhole is not to be had
+  // there. All ranks call it for more than kOwn.
   StateView Read(Where where, Extent extent);
   // For density control, which reorders all of it: geometry of all ranks and, of this rank alone,
   // the state. ShareOut afterwards, before anything else.
