@@ -430,48 +430,5 @@ TEST(Cli, ASceneIsLearnt) {
   EXPECT_GT(ReadJson(Made().scene + "/results.json")["ours_120"]["PSNR"].get<double>(), 15);
 }
 
-TEST(Cli, HelpAndVersionSucceed) {
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"--help"}, {"--version"}, {"train-avatar", "--help"}, {"render", "--help"}}) {
-    const CommandResult result = Cosplat(arguments);
-    EXPECT_EQ(result.code, 0);
-    EXPECT_NE(result.out, "");
-    EXPECT_EQ(result.err, "");
-  }
-}
-
-// On one screen; the rest, with ranges, by --help-all.
-TEST(Cli, TheTrainersHelpIsShortUnlessAllIsAsked) {
-  for (const std::string command : {"train-avatar", "avatar", "train-scene", "scene"}) {
-    const std::string help = Cosplat({command, "--help"}).out;
-    const std::string all = Cosplat({command, "--help-all"}).out;
-    EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 45) << help;
-    EXPECT_TRUE(Contains(help, "--quality {draft,standard,best}")) << help;
-    EXPECT_TRUE(Contains(help, " more options: --help-all")) << help;
-    EXPECT_FALSE(Contains(help, "--rotation_lr")) << help;
-    EXPECT_TRUE(Contains(all, "--rotation_lr")) << all;
-    EXPECT_TRUE(Contains(all, "--quality")) << all;
-    EXPECT_TRUE(Contains(all, "[1 - 10000000]")) << all;
-  }
-}
-
-TEST(Cli, AQualitySaysWhatItSets) {
-  const TemporaryFolder folder;
-  const CommandResult run = Cosplat({"train-scene",
-                                     "-s",
-                                     Made().photos,
-                                     "-m",
-                                     folder / "out",
-                                     "-r",
-                                     "8",
-                                     "--random-points",
-                                     "50",
-                                     "--quality",
-                                     "draft"});
-  ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_TRUE(Contains(run.out, "--quality sets --iterations 2000\n")) << run.out;
-  EXPECT_EQ(ReadJson(folder / "out/run.json")["iterations"], 2000);
-}
-
 }  // namespace
 }  // namespace cosplat::test
