@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "flame/track.h"
-#include "splat/base/finding.h"
+#include "splat/base/skipped.h"
 
 namespace cosplat {
 

@@ -8,7 +8,6 @@
 
 #include "flame/io/pickle.h"
 #include "splat/base/error.h"
-#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
 

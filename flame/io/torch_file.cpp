@@ -2,7 +2,7 @@
 
 #include "flame/io/pickle.h"
 #include "splat/base/error.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 
 namespace cosplat {
 namespace {

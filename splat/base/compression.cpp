@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {
@@ -16,6 +17,11 @@ constexpr int kGzipHeader = 16 + MAX_WBITS;  // zlib: gzip's header and checksum
 uInt Chunk(size_t left) { return uInt(std::min<size_t>(left, 1u << 30)); }
 
 }  // namespace
+
+uint32_t Crc32(const void* bytes, size_t size, uint32_t before) {
+  if (size == 0) return before;  // zlib starts again at a null pointer
+  return uint32_t(crc32_z(before, static_cast<const Bytef*>(bytes), size));
+}
 
 struct GunzipReader::Stream {
   z_stream z{};

@@ -1,7 +1,7 @@
-#include "splat/base/file_kind.h"
-
 #include <algorithm>
 #include <cctype>
+
+#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {

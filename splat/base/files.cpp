@@ -11,7 +11,6 @@
 #include <system_error>
 
 #include "splat/base/error.h"
-#include "splat/base/sha256.h"
 
 namespace cosplat {
 namespace {

@@ -1,9 +1,13 @@
 // File reading, and atomic writing: to a temporary file beside the target, which is then renamed.
+// Checksums, and what a file is.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cosplat {
@@ -38,7 +42,22 @@ void RemoveTemporaries(const std::string& folder);
 // Creates a directory and its parents; throws Error with the system's reason.
 void MakeDirectories(const std::string& path);
 
-// Lower-case hexadecimal SHA-256 of a file's bytes: identifies a model without embedding it.
+// SHA-256 (FIPS 180-4) as 64 lower-case hexadecimal digits: identifies a model without embedding
+// it.
+std::string Sha256(const void* bytes, size_t size);
 std::string Sha256OfFile(const std::string& path);
+
+// CRC-32 (ISO 3309, as in zip and PNG) of `size` bytes that follow those with checksum `before`:
+// finds damage and changes that are not malicious.
+uint32_t Crc32(const void* bytes, size_t size, uint32_t before = 0);
+
+// From the first bytes of a file (64 are enough), for the errors of all readers: what it is that is
+// not what a reader expects, and what to do about it, as the end of a sentence ("is a web page ...,
+// download it again"). Empty: nothing that people have by mistake.
+std::string OtherContent(std::string_view begin);
+
+// What that is of a camera's raw image.
+inline constexpr char kRawImage[] =
+    "is a camera's raw image, which is not read: develop it to JPEG or TIFF";
 
 }  // namespace cosplat

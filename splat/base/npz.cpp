@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "splat/base/error.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 
 namespace cosplat {
 namespace {

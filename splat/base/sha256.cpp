@@ -1,9 +1,9 @@
-#include "splat/base/sha256.h"
-
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+
+#include "splat/base/files.h"
 
 namespace cosplat {
 namespace {

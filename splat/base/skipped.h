@@ -1,6 +1,8 @@
-// Unusable frames of a data set: they are skipped, counted and listed, up to a third of all frames.
+// What is wrong with a data set: unusable frames, which are skipped, counted and listed, up to a
+// third of all frames; and what a check of it found.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -31,5 +33,16 @@ std::string Problem(const F& load) {
 void CheckSkipped(const std::string& source,
                   size_t usable,
                   const std::vector<SkippedFrame>& skipped);
+
+// What a check found before the data are trained on: CheckScene (splat/io/scene_check.h),
+// CheckTrack (flame/track.h); `cosplat check` and the trainers print it.
+struct Finding {
+  bool wrong = false;  // it trains, but not what the user meant; else worth knowing
+  std::string text;    // one sentence: the figure, and what to do
+};
+
+inline bool AnyWrong(const std::vector<Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.wrong; });
+}
 
 }  // namespace cosplat

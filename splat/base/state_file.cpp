@@ -7,7 +7,6 @@
 #include <cstring>
 #include <ostream>
 
-#include "splat/base/crc32.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 

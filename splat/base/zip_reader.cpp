@@ -1,12 +1,11 @@
-#include "splat/base/zip_reader.h"
-
 #include <zip.h>
 
 #include <algorithm>
 #include <fstream>
 
 #include "splat/base/error.h"
-#include "splat/base/file_kind.h"
+#include "splat/base/files.h"
+#include "splat/base/zip_archive.h"
 
 namespace cosplat {
 namespace {

@@ -31,7 +31,7 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 
 namespace {
 

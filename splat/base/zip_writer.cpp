@@ -1,4 +1,4 @@
-#include "splat/base/zip_writer.h"
+// What is written by libzip: archives, Npz::Write.
 
 #include <zip.h>
 
@@ -6,7 +6,8 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/npz.h"
+#include "splat/base/zip_archive.h"
 
 namespace cosplat {
 namespace {
@@ -46,6 +47,12 @@ void WriteZip(const std::string& path, const std::vector<ZipMember>& members) {
       throw Error(path, std::string("write failed: ") + zip_strerror(archive.get()));
     archive.release();
   });
+}
+
+void Npz::Write(const std::string& path) const {
+  std::vector<ZipMember> members;
+  for (const auto& [name, array] : arrays_) members.push_back({name + ".npy", FormatNpy(array)});
+  WriteZip(path, members);
 }
 
 }  // namespace cosplat

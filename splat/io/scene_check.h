@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "splat/base/finding.h"
+#include "splat/base/skipped.h"
 #include "splat/io/dataset.h"
 
 namespace cosplat {

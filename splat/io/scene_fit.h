@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "splat/base/finding.h"
+#include "splat/base/skipped.h"
 #include "splat/io/dataset.h"
 #include "splat/media/image_glance.h"
 

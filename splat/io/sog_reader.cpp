@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/sog.h"
 #include "splat/io/sog_format.h"

@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/zip_writer.h"
+#include "splat/base/zip_archive.h"
 #include "splat/io/kmeans.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/seen_bands.h"

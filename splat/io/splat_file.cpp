@@ -8,7 +8,6 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
-#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/io/glb.h"
 #include "splat/io/ply.h"

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "splat/base/crc32.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "splat/base/crc32.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/config.h"
 #include "splat/levels/merge.h"
 #include "splat/math/scalar.h"

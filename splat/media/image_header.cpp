@@ -2,8 +2,8 @@
 #include <cstring>
 #include <functional>
 
-#include "splat/base/crc32.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {

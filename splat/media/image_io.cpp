@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "splat/base/error.h"
-#include "splat/base/file_kind.h"
 #include "splat/base/files.h"
 #include "splat/media/exif.h"
 

@@ -5,8 +5,6 @@
 
 #include <filesystem>
 
-#include "splat/base/crc32.h"
-#include "splat/base/sha256.h"
 #include "splat/base/skipped.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,10 +5,9 @@
 #include <fstream>
 
 #include "splat/base/compression.h"
-#include "splat/base/crc32.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 #include "tests/support/glb_bytes.h"
 #include "tests/support/stored_zip.h"
 #include "tests/support/temporary_folder.h"

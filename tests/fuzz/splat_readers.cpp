@@ -2,7 +2,6 @@
 #include <cstring>
 
 #include "splat/base/compression.h"
-#include "splat/base/crc32.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"
 #include "splat/io/significance.h"

@@ -7,7 +7,6 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/sha256.h"
 #include "splat/io/ply.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

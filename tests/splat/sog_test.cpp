@@ -12,8 +12,7 @@
 
 #include "splat/base/files.h"
 #include "splat/base/json.h"
-#include "splat/base/zip_reader.h"
-#include "splat/base/zip_writer.h"
+#include "splat/base/zip_archive.h"
 #include "splat/io/significance.h"
 #include "splat/io/splat_file.h"
 #include "splat/media/webp.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "splat/base/files.h"
-#include "splat/base/zip_writer.h"
+#include "splat/base/zip_archive.h"
 #include "splat/io/ply.h"
 #include "splat/io/significance.h"
 #include "splat/io/sog.h"

@@ -4,7 +4,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/json.h"
-#include "splat/base/zip_reader.h"
+#include "splat/base/zip_archive.h"
 #include "splat/config.h"
 #include "tests/street/splat_fixture.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "splat/base/crc32.h"
+#include "splat/base/files.h"
 
 namespace cosplat::test {
 

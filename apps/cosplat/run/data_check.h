@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "splat/base/finding.h"
+#include "splat/base/skipped.h"
 
 namespace cosplat {
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "apps/cosplat/run/run_folder.h"
-#include "splat/base/crc32.h"
 #include "splat/base/files.h"
 #include "splat/train/subject/frame_reader.h"
 

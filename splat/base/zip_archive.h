@@ -1,5 +1,5 @@
-// Reading the members of a ZIP archive into memory: .npz files, PyTorch's checkpoints. Nothing is
-// written to disk, so that a member's name is only a name.
+// ZIP archives: .npz files, PyTorch's checkpoints, bundles of SOG. Members are read into memory and
+// not to disk, so that a member's name is only a name.
 #pragma once
 
 #include <cstddef>
@@ -46,5 +46,15 @@ class ZipReader {
   std::string path_;
   std::unique_ptr<zip, Discard> archive_;
 };
+
+struct ZipMember {
+  std::string name;
+  std::string bytes;
+  bool compressed = true;  // deflated; false: stored, for what is compressed already
+};
+
+// In the order given, dated 1980, so that equal members give equal files. Atomic. Throws Error if
+// the file cannot be written.
+void WriteZip(const std::string& path, const std::vector<ZipMember>& members);
 
 }  // namespace cosplat
