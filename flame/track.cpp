@@ -223,8 +223,7 @@ std::string LayoutOfTransforms(const std::string& path) {
     return "vhap";
   for (const char* name : {"/transforms_train.json", "/transforms.json"}) {
     if (!fs::is_regular_file(path + name)) continue;
-    const Json json = ReadJson(path + name);
-    const JsonField frames = JsonField(path + name, json)["frames"];
+    const JsonField frames = JsonField(path + name, ReadJson(path + name))["frames"];
     if (frames.size() == 0) continue;
     if (frames[0].Has("flame_param_path")) return "vhap";
     if (frames[0].Has("exp_path") || frames[0].Has("mesh_path")) return "insta";

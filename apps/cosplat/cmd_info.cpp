@@ -139,10 +139,9 @@ void TrackInfo(const std::string& path, bool need_images) {
 // One line per evaluation.
 std::string ResultLines(const std::string& path) {
   if (!fs::exists(path)) return "";
-  const Json json = ReadJson(path);
-  const JsonField results(path, json);
+  const JsonField results(path, ReadJson(path));
   std::string lines;
-  for (const auto& [name, figures] : json.items()) {
+  for (const auto& [name, figures] : results.raw().items()) {
     lines += name + ":";
     for (const auto& [figure, value] : figures.items()) {
       char number[32];
@@ -157,8 +156,7 @@ std::string ResultLines(const std::string& path) {
 // Savings and cost of dropping colour bands; empty if none were dropped.
 std::string BandsLine(const std::string& path) {
   if (!fs::exists(path)) return "";
-  const Json json = ReadJson(path);
-  const JsonField stats(path, json);
+  const JsonField stats(path, ReadJson(path));
   if (stats.NumberOr("rest_saved", 0) == 0) return "";
   char line[160];
   std::snprintf(
@@ -173,8 +171,7 @@ std::string BandsLine(const std::string& path) {
 }
 
 void RunInfo(const std::string& path) {
-  const Json json = ReadRun(path);
-  const JsonField run(path + "/run.json", json);
+  const JsonField run = ReadRun(path);
   const std::string results = ResultLines(path + "/results.json");
   std::printf("trained %s: %d iterations, degree %d, basis %s, seed %s, of %s\n%s%s",
               run["kind"].String().c_str(),

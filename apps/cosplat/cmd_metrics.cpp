@@ -54,8 +54,7 @@ void WriteFitted(const MetricsOptions& o, const JsonField& run, int iteration) {
 
 void Measure(const MetricsOptions& o) {
   const std::string &model = o.model, &lpips_folder = o.lpips;
-  const Json json = ReadRun(model);
-  const JsonField run(model + "/run.json", json);
+  const JsonField run = ReadRun(model);
   const int iteration = SavedIteration(model, run);
   if (o.fit_track || o.fit_bust) WriteFitted(o, run, iteration);
   if (o.fit_exposure) WriteExposed(model + "/test/ours_" + std::to_string(iteration));

@@ -285,8 +285,7 @@ void RenderAvatar(const RenderOptions& o, const JsonField& run) {
 }
 
 void Render(const RenderOptions& o) {
-  const Json json = ReadRun(o.model);
-  const JsonField run(o.model + "/run.json", json);
+  const JsonField run = ReadRun(o.model);
   if (o.out.empty() && (o.orbit || !o.drive.empty() || o.random > 0))
     throw Error("--out", "is needed: a folder or a file that ends in .mp4");
   if (o.out.empty() && o.preview)

@@ -104,8 +104,7 @@ std::string ViewChart(const NamedNumbers& per_view) {
 // The trials of --budget auto; empty for other runs.
 std::string BudgetChart(const std::string& path) {
   if (!fs::exists(path)) return "";
-  const Json json = ReadJson(path);
-  const JsonField budget(path, json);
+  const JsonField budget(path, ReadJson(path));
   Chart chart{Chart::Kind::kLines,
               "Quality of training views held out, against the number of Gaussians",
               {"Gaussians", ""},
@@ -147,20 +146,21 @@ std::string PreviewHtml(const std::string& test, const std::vector<std::string>&
 }  // namespace
 
 void WriteReport(const std::string& model, bool quiet) {
-  const Json run_json = ReadRun(model), results_json = ReadJson(model + "/results.json"),
-             per_view_json = ReadJson(model + "/per_view.json"),
-             stats_json =
-                 fs::exists(model + "/stats.json") ? ReadJson(model + "/stats.json") : Json();
-  const JsonField run(model + "/run.json", run_json);
+  const auto read = [&](const char* name) {
+    return JsonField(model + name, ReadJson(model + name));
+  };
+  const JsonField run = ReadRun(model), all_results = read("/results.json"),
+                  all_views = read("/per_view.json");
+  const bool has_stats = fs::exists(model + "/stats.json");
+  const JsonField stats = has_stats ? read("/stats.json") : JsonField("", Json());
   const int iteration = SavedIteration(model, run);
   const std::string test = model + "/test/ours_" + std::to_string(iteration);
   if (!fs::exists(test))
     throw Error(
         model, "test", "contains no images: train with --eval or run `cosplat render` first");
   const std::string key = fs::path(test).filename().string();
-  const NamedNumbers results = NumbersIn(JsonField(model + "/results.json", results_json)[key]);
-  const JsonField stats(model + "/stats.json", stats_json);
-  const JsonField per_view = JsonField(model + "/per_view.json", per_view_json)[key];
+  const NamedNumbers results = NumbersIn(all_results[key]);
+  const JsonField per_view = all_views[key];
   if (per_view.raw().empty())
     throw Error(model, "test", "each image is all of one colour, so that there is no figure");
   const NamedNumbers psnr = NumbersIn(per_view["PSNR"]);
@@ -173,9 +173,9 @@ void WriteReport(const std::string& model, bool quiet) {
                            "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
                            "</div></div><h2>Rendered beside what was held out</h2>" +
                            PairsHtml(test, names) + "<div class='row'>" + ViewChart(psnr) +
-                           (stats_json.is_null() ? "" : PhaseChart(NumbersIn(stats["phases_ms"]))) +
+                           (has_stats ? PhaseChart(NumbersIn(stats["phases_ms"])) : "") +
                            BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
-                           EscapeXml(run_json.dump(2)) + "</pre>";
+                           EscapeXml(run.raw().dump(2)) + "</pre>";
   WriteFileAtomically(model + "/report.html", HtmlPage(title, body));
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

@@ -73,8 +73,7 @@ Photographs Gather(const SceneCommand& o, const Json& input) {
     json["input"] = input;
     WriteFileAtomically(file, json.dump(2) + "\n");
   }
-  const Json json = ReadJson(file);
-  return PhotographsFromJson(JsonField(file, json));
+  return PhotographsFromJson(JsonField(file, ReadJson(file)));
 }
 
 ColmapProgram ProgramOf(const SceneCommand& o) {
@@ -182,8 +181,7 @@ void MakeDataset(const SceneCommand& o) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     note = " in " + std::to_string(int(taken.count())) + " s";
   }
-  const Json json = ReadJson(file);
-  if (!o.quiet) PrintRegistration(JsonField(file, json), note);
+  if (!o.quiet) PrintRegistration(JsonField(file, ReadJson(file)), note);
 }
 
 // Trains, unless an earlier run did so, and writes the report and the orbit. What was interrupted

@@ -38,8 +38,7 @@ ExportSubject LoadImported(const ExportSource& source) {
 }
 
 ExportSubject LoadRun(const ExportSource& source) {
-  const Json json = ReadRun(source.model);
-  const JsonField run(source.model + "/run.json", json);
+  const JsonField run = ReadRun(source.model);
   RequireSplats(run);
   ExportSubject subject;
   subject.is_avatar = run["kind"].String() == "avatar";

@@ -104,8 +104,7 @@ Content LoadRunScene(const std::string& folder, const JsonField& run) {
 }
 
 Content LoadRunContent(const std::string& folder, const std::string& flame) {
-  const Json json = ReadRun(folder);
-  const JsonField run(folder + "/run.json", json);
+  const JsonField run = ReadRun(folder);
   RequireSplats(run);
   if (run["kind"].String() == "avatar") return LoadAvatar(folder + "/avatar.glb", &run, flame);
   return LoadRunScene(folder, run);
@@ -128,8 +127,7 @@ Content LoadFile(const std::string& path, const std::string& flame) {
   if (layout != SplatLayout::kGlb || !SummarizeGlb(path).avatar) return LoadSplatsOf(path);
   const std::string folder = fs::absolute(path).parent_path().string();
   if (!fs::exists(folder + "/run.json")) return LoadAvatar(path, nullptr, flame);
-  const Json json = ReadRun(folder);
-  const JsonField run(folder + "/run.json", json);
+  const JsonField run = ReadRun(folder);
   return LoadAvatar(path, &run, flame);
 }
 

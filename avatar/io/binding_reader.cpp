@@ -17,24 +17,10 @@ namespace {
 constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
 constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: allows any head in any unit
 
-[[noreturn]] void Fail(const JsonField& field, const std::string& problem) {
-  throw Error(field.file(), field.path(), problem);
-}
-
-int IntegerWithin(const JsonField& field, int least, int most) {
-  const int value = field.Integer();
-  if (value < least || value > most)
-    Fail(field,
-         "is " + std::to_string(value) + ", expected " + std::to_string(least) + " to " +
-             std::to_string(most));
-  return value;
-}
-
 void CheckCount(const JsonField& field, size_t found, size_t expected) {
   if (found != expected)
-    Fail(field,
-         "accessor has " + std::to_string(found) + " elements, expected " +
-             std::to_string(expected));
+    field.Fail("accessor has " + std::to_string(found) + " elements, expected " +
+               std::to_string(expected));
 }
 
 // Reads the accessor that `field` refers to. expected: its number of elements, 0 for any.
@@ -67,10 +53,10 @@ void ReadRule(const JsonField& rule, Embedding& embedding) {
   embedding.rigid = name == kRigidRule;
   if (embedding.rigid) return;
   if (name != kReleasedRule)
-    Fail(rule["name"], "is '" + name + "', expected " + kReleasedRule + " or " + kRigidRule);
+    rule["name"].Fail("is '" + name + "', expected " + kReleasedRule + " or " + kRigidRule);
   const double unit = rule["unit"].Number();
   if (!(unit >= kMinUnit && unit <= kMaxUnit))
-    Fail(rule["unit"], "is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
+    rule["unit"].Fail("is " + rule["unit"].raw().dump() + ", expected metres, 1e-9 to 1e9");
   embedding.released = ReleasedRule{float(unit)};
 }
 
@@ -89,13 +75,12 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
 // Checks that an array is at least as large as another, number by number.
 void CheckRange(const JsonField& field, View<const float> least, View<const float> most) {
   if (most.size() != least.size())
-    Fail(field,
-         "has " + std::to_string(most.size()) + " numbers, expected " +
-             std::to_string(least.size()));
+    field.Fail("has " + std::to_string(most.size()) + " numbers, expected " +
+               std::to_string(least.size()));
   for (size_t i = 0; i < least.size(); ++i)
     if (least[i] > most[i])
-      Fail(field[i],
-           "is " + std::to_string(most[i]) + ", below the minimum " + std::to_string(least[i]));
+      field[i].Fail("is " + std::to_string(most[i]) + ", below the minimum " +
+                    std::to_string(least[i]));
 }
 
 void ReadBustFollow(const JsonField& field, BustFollow& follow) {
@@ -118,7 +103,7 @@ Buffer<float> ReadSteps(const GlbDocument& document, const JsonField& field, siz
     const size_t k = i % step.size();
     bases[i] = float(steps[i]) * step[k];
     if (!std::isfinite(bases[i]))
-      Fail(field["step"][k], "is " + std::to_string(step[k]) + ", too large");
+      field["step"][k].Fail("is " + std::to_string(step[k]) + ", too large");
   }
   return bases;
 }
@@ -126,7 +111,7 @@ Buffer<float> ReadSteps(const GlbDocument& document, const JsonField& field, siz
 // After the embedding has been read.
 void ReadCorrections(const GlbDocument& document, const JsonField& field, AvatarModel& model) {
   CorrectionMap& map = model.correction_map;
-  model.gaussians.corrections = IntegerWithin(field["count"], 1, kMaxCorrections);
+  model.gaussians.corrections = field["count"].Integer(1, kMaxCorrections);
   const size_t count = size_t(model.gaussians.corrections);
   map.mean = field["mean"].Numbers();
   map.matrix = field["matrix"].Numbers(count * map.mean.size());
@@ -134,9 +119,8 @@ void ReadCorrections(const GlbDocument& document, const JsonField& field, Avatar
   map.most = field["most"].Numbers(count);
   CheckRange(field["most"], map.least, map.most);
   if (map.mean.size() < kMinCorrectionInputs)
-    Fail(field["mean"],
-         "has " + std::to_string(map.mean.size()) + " numbers, expected at least " +
-             std::to_string(kMinCorrectionInputs));
+    field["mean"].Fail("has " + std::to_string(map.mean.size()) + " numbers, expected at least " +
+                       std::to_string(kMinCorrectionInputs));
   const size_t expected =
       size_t(model.gaussians.width(kCorrection)) * model.embedding.triangle.size();
   Buffer<float>& bases = model.gaussians.values[kCorrection];
@@ -151,7 +135,7 @@ void ReadLight(const JsonField& field, AvatarModel& model) {
   FillNumbers(field, light);
   for (size_t k = 0; k < light.size(); ++k)
     if (std::abs(light[k]) > math::kMostLight)
-      Fail(field[k], "is " + std::to_string(light[k]) + ", expected -5 to 5");
+      field[k].Fail("is " + std::to_string(light[k]) + ", expected -5 to 5");
 }
 
 void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
@@ -166,30 +150,29 @@ void ReadBlendshapes(const GlbDocument& document, const JsonField& field, Avatar
   BlendshapeMap& map = model.blendshapes.emplace();
   const JsonField names = field["names"], fit = field["fit"];
   if (names.size() == 0 || names.size() > kMaxBlendshapes)
-    Fail(names,
-         "has " + std::to_string(names.size()) + " names, expected 1 to " +
-             std::to_string(kMaxBlendshapes));
+    names.Fail("has " + std::to_string(names.size()) + " names, expected 1 to " +
+               std::to_string(kMaxBlendshapes));
   for (size_t i = 0; i < names.size(); ++i) map.names.push_back(names[i].String());
   map.least = field["least"].Numbers(names.size());
   map.most = field["most"].Numbers(names.size());
   map.offset = field["offset"].Numbers();
   map.matrix = Floats(document, field["matrix"], 1, names.size() * map.offset.size());
-  map.fit.frames = IntegerWithin(fit["frames"], 0, kMaxCount);
+  map.fit.frames = fit["frames"].Integer(0, kMaxCount);
   map.fit.r2 = float(fit["r2"].Number());
   map.fit.error = float(fit["error"].Number());
   map.fit.mean_face_error = float(fit["meanFaceError"].Number());
-  if (const std::string problem = ProblemOf(map); !problem.empty()) Fail(field, problem);
+  if (const std::string problem = ProblemOf(map); !problem.empty()) field.Fail(problem);
 }
 
 // Reads all fields of the binding that are not accessors.
 void ReadHeader(const JsonField& binding, AvatarModel& model) {
-  const int version = IntegerWithin(binding["version"], 1, kBindingVersion);
+  const int version = binding["version"].Integer(1, kBindingVersion);
   if (version >= 2) ReadVersion2(binding, model);
-  model.gaussians.degree = IntegerWithin(binding["degree"], 0, kMaxTrainedDegree);
+  model.gaussians.degree = binding["degree"].Integer(0, kMaxTrainedDegree);
   const std::string basis = binding["basis"].String(), frame = binding["colorFrame"].String();
   model.gaussians.basis = BasisFromString(basis, binding.file(), binding["basis"].path());
   if (frame != ToString(ColorFrame::kSurface) && frame != ToString(ColorFrame::kWorld))
-    Fail(binding["colorFrame"], "is '" + frame + "', expected surface or world");
+    binding["colorFrame"].Fail("is '" + frame + "', expected surface or world");
   model.color_frame =
       frame == ToString(ColorFrame::kWorld) ? ColorFrame::kWorld : ColorFrame::kSurface;
   model.flame_name = binding["flame"]["name"].String();
@@ -197,7 +180,7 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   // A geometry that is not known here cannot be played. 0: none.
   const auto geometry = [&](const char* addition, int least, int most) {
     const JsonField flame = binding["flame"];
-    return version < 3 || !flame.Has(addition) ? 0 : IntegerWithin(flame[addition], least, most);
+    return version < 3 || !flame.Has(addition) ? 0 : flame[addition].Integer(least, most);
   };
   static_assert(kVhapTeethGeometry == kMouthGeometry + 1);
   const int mouth = geometry("mouth", kMouthGeometry, kVhapTeethGeometry);
@@ -220,9 +203,8 @@ std::vector<int32_t> ReadTriangles(const GlbDocument& document,
   const auto indices = ReadUnsigned(document, field.Integer(), field.path());
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= face_count)
-      Fail(field,
-           "Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) +
-               ", but the mesh has " + std::to_string(face_count) + " faces");
+      field.Fail("Gaussian " + std::to_string(i) + " is on face " + std::to_string(indices[i]) +
+                 ", but the mesh has " + std::to_string(face_count) + " faces");
   return {indices.begin(), indices.end()};
 }
 
@@ -231,9 +213,8 @@ void ReadColorRest(const GlbDocument& document, const JsonField& binding, Avatar
   if (rest == 0) return;
   const JsonField accessors = binding["colorRest"];
   if (accessors.size() != size_t(rest))
-    Fail(
-        accessors,
-        "has " + std::to_string(accessors.size()) + " accessors, expected " + std::to_string(rest));
+    accessors.Fail("has " + std::to_string(accessors.size()) + " accessors, expected " +
+                   std::to_string(rest));
   model.gaussians.values[kColorRest].resize(3 * rest * model.size());
   for (int k = 0; k < rest; ++k) {
     const auto values = Floats(document, accessors[k], 3, model.size());
@@ -243,15 +224,14 @@ void ReadColorRest(const GlbDocument& document, const JsonField& binding, Avatar
 }
 
 const GlbPrimitive& MeshPrimitive(const GlbDocument& document, const JsonField& field) {
-  const int index = IntegerWithin(field, 0, kMaxCount);
+  const int index = field.Integer(0, kMaxCount);
   if (size_t(index) >= document.meshes.size())
-    Fail(field,
-         "refers to mesh " + std::to_string(index) + ", but the file has " +
-             std::to_string(document.meshes.size()) + " meshes");
+    field.Fail("refers to mesh " + std::to_string(index) + ", but the file has " +
+               std::to_string(document.meshes.size()) + " meshes");
   const auto& primitives = document.meshes[index].primitives;
   if (primitives.size() != 1 || primitives[0].mode != kGlbTriangles ||
       !primitives[0].attributes.contains("POSITION"))
-    Fail(field, "refers to a mesh that is not a single triangle primitive with positions");
+    field.Fail("refers to a mesh that is not a single triangle primitive with positions");
   return primitives[0];
 }
 
@@ -270,16 +250,18 @@ void ReadMesh(const GlbDocument& document,
   CheckCount(index, indices.size(), 3 * face_count);
   for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= vertex_count)
-      Fail(index,
-           "face " + std::to_string(i / 3) + " refers to vertex " + std::to_string(indices[i]) +
-               ", but there are " + std::to_string(vertex_count) + " vertices");
+      index.Fail("face " + std::to_string(i / 3) + " refers to vertex " +
+                 std::to_string(indices[i]) + ", but there are " + std::to_string(vertex_count) +
+                 " vertices");
     if (i % 3 == 0) mesh.faces.emplace_back();
     mesh.faces.back()[i % 3] = int32_t(indices[i]);
   }
 }
 
-// Wraps the binding, so that errors show the full path of its fields.
-Json Named(const Json& binding) { return Json{{kBindingExtension, binding}}; }
+// Wrapped, so that errors show the full path of its fields.
+JsonField Named(const GlbDocument& document, const Json& binding) {
+  return JsonField(document.path, Json{{kBindingExtension, binding}})[kBindingExtension];
+}
 
 }  // namespace
 
@@ -291,13 +273,12 @@ Json FindBinding(const GlbPrimitive& splats) {
 }
 
 AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
-  const Json named = Named(json);
-  const JsonField binding = JsonField(document.path, named)[kBindingExtension];
+  const JsonField binding = Named(document, json);
   AvatarModel model;
   ReadHeader(binding, model);
   const JsonField mesh = binding["canonicalMesh"];
-  const size_t vertex_count = IntegerWithin(mesh["vertexCount"], 1, kMaxCount);
-  const size_t face_count = IntegerWithin(mesh["faceCount"], 1, kMaxCount);
+  const size_t vertex_count = mesh["vertexCount"].Integer(1, kMaxCount);
+  const size_t face_count = mesh["faceCount"].Integer(1, kMaxCount);
   ReadMesh(document, mesh, vertex_count, face_count, model.mesh);
   model.embedding.triangle = ReadTriangles(document, binding["triangle"], face_count);
   const size_t n = model.embedding.triangle.size();
@@ -319,9 +300,8 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
     const JsonField field = binding["staticOffset"];
     model.static_offset = Floats(document, field, 3, model.bust ? 0 : vertex_count);
     if (model.static_offset.size() / 3 > vertex_count)  // with a bust, FLAME has fewer vertices
-      Fail(field,
-           "accessor has " + std::to_string(model.static_offset.size() / 3) + " elements for " +
-               std::to_string(vertex_count) + " vertices");
+      field.Fail("accessor has " + std::to_string(model.static_offset.size() / 3) +
+                 " elements for " + std::to_string(vertex_count) + " vertices");
   }
   return model;
 }

@@ -38,21 +38,18 @@ void ReadEyes(const JsonField& field, FlameParams& params) {
 }
 
 uint64_t SequenceOf(const JsonField& field) {
-  if (!field.raw().is_number_unsigned())
-    throw Error(field.file(), field.path(), "is not a non-negative integer");
+  if (!field.raw().is_number_unsigned()) field.Fail("is not a non-negative integer");
   return field.raw().get<uint64_t>();
 }
 
 double TimeOf(const JsonField& field) {
   const double time = field.Number();
-  if (std::abs(time) > kMaxSeconds)
-    throw Error(field.file(), field.path(), "is out of range: at most 9e9 seconds");
+  if (std::abs(time) > kMaxSeconds) field.Fail("is out of range: at most 9e9 seconds");
   return time;
 }
 
 void ReadScores(const JsonField& field, JsonFrame& frame) {
-  if (!field.raw().is_object())
-    throw Error(field.file(), field.path(), "is not an object of names and scores");
+  if (!field.raw().is_object()) field.Fail("is not an object of names and scores");
   BlendshapeScores& scores = frame.blendshapes.emplace();
   for (const auto& [name, value] : field.raw().items()) {
     if (value.is_number() && std::abs(value.get<double>()) <= kMaxScore)
@@ -106,11 +103,10 @@ JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
   if (arrays + std::count(line.begin(), line.end(), '{') > kMaxArrays)
     throw Error(
         source, "", "holds more than " + std::to_string(kMaxArrays) + " arrays and objects");
-  const Json json = ParseJson(source, line);
-  const JsonField object(source, json);
+  const JsonField object(source, ParseJson(source, line));
   JsonFrame frame;
   frame.sequence = SequenceOf(object["seq"]);  // also throws if it is not an object
-  for (const auto& [name, value] : json.items()) ReadMember(object, name, frame);
+  for (const auto& [name, value] : object.raw().items()) ReadMember(object, name, frame);
   CheckScoresAlone(object);
   return frame;
 }

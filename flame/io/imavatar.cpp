@@ -32,8 +32,7 @@ Camera LensOf(const JsonField& field, int width, int height) {
   lens.fy = float(std::abs(k[1]) * sy);
   lens.cx = float(k[2] * sx);
   lens.cy = float(k[3] * sy);
-  if (!(lens.fx > 0 && lens.fy > 0))
-    throw Error(field.file(), field.path(), "has a focal length of zero");
+  if (!(lens.fx > 0 && lens.fy > 0)) field.Fail("has a focal length of zero");
   return lens;
 }
 
@@ -102,8 +101,7 @@ int ImavatarTestFrames(const JsonField& file, const TrackOptions& options, size_
 
 void LoadImavatarTrack(const std::string& path, const TrackRequest& request, TrackedVideo& video) {
   const std::string json_path = path + "/flame_params.json";
-  const Json json = ReadJson(json_path);
-  const JsonField file(json_path, json);
+  const JsonField file(json_path, ReadJson(json_path));
   const JsonField frames = file["frames"];
   video.shape = file["shape_params"].Numbers();
   // An addition to the layout: our own tracker's (flame/io/imavatar_writer.h).

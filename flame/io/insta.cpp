@@ -72,8 +72,7 @@ void LoadInstaFrames(const std::string& path,
                      const TrackRequest& request,
                      std::vector<TrackedFrame>& frames,
                      TrackedVideo& video) {
-  const Json json = ReadJson(path + name);
-  const JsonField file(path + name, json);
+  const JsonField file(path + name, ReadJson(path + name));
   const JsonField list = file["frames"];
   DataFiles files(path);
   size_t transposed = 0;

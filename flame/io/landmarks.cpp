@@ -40,40 +40,24 @@ LandmarkSet SetOf(const JsonField& field) {
   const std::string name = field.String();
   for (const NamedSet& known : kLandmarkSets)
     if (name == known.name) return known.set;
-  throw Error(field.file(),
-              field.path(),
-              "is '" + name + "', expected mediapipe-478, mediapipe-468, ibug-68 or other");
-}
-
-int SideOf(const JsonField& field) {
-  const int side = field.Integer();
-  if (side < 1 || side > kMaxImageSide)
-    throw Error(field.file(),
-                field.path(),
-                "is " + std::to_string(side) + ", expected 1 to " + std::to_string(kMaxImageSide));
-  return side;
+  field.Fail("is '" + name + "', expected mediapipe-478, mediapipe-468, ibug-68 or other");
 }
 
 std::array<double, 2> PointOf(const JsonField& field, const LandmarkVideo& video) {
   if (field.size() != 2 && field.size() != 3)
-    throw Error(field.file(),
-                field.path(),
-                "has " + std::to_string(field.size()) + " numbers, expected x and y");
+    field.Fail("has " + std::to_string(field.size()) + " numbers, expected x and y");
   const std::array<double, 2> point{field[0].Number(), field[1].Number()};
   const int sides[] = {video.width, video.height};
   for (int k = 0; k < 2; ++k)
     if (std::abs(point[k]) > kMaxOutside * sides[k])
-      throw Error(field.file(),
-                  field.path(),
-                  "is at " + std::to_string(point[k]) + " px of an image of " +
-                      std::to_string(sides[k]) + " px");
+      field.Fail("is at " + std::to_string(point[k]) + " px of an image of " +
+                 std::to_string(sides[k]) + " px");
   return point;
 }
 
 float FractionOf(const JsonField& field) {
   const double x = field.Number();
-  if (x < 0 || x > 1)
-    throw Error(field.file(), field.path(), "is " + std::to_string(x) + ", expected 0 to 1");
+  if (x < 0 || x > 1) field.Fail("is " + std::to_string(x) + ", expected 0 to 1");
   return float(x);
 }
 
@@ -81,17 +65,14 @@ DetectedFace FaceOf(const JsonField& field, const LandmarkVideo& video) {
   const JsonField points = field["points"];
   const size_t expected = size_t(video.point_count() > 0 ? video.point_count() : points.size());
   if (points.size() != expected || expected == 0)
-    throw Error(points.file(),
-                points.path(),
-                "has " + std::to_string(points.size()) + " points, expected " +
-                    std::to_string(expected) + " of " + NameOf(video.set));
+    points.Fail("has " + std::to_string(points.size()) + " points, expected " +
+                std::to_string(expected) + " of " + NameOf(video.set));
   DetectedFace face;
   for (size_t i = 0; i < expected; ++i) face.points.push_back(PointOf(points[i], video));
   if (field.Has("score")) face.score = FractionOf(field["score"]);
   if (!field.Has("blendshapes")) return face;
   const JsonField scores = field["blendshapes"];
-  if (!scores.raw().is_object())
-    throw Error(scores.file(), scores.path(), "is no object of names and scores");
+  if (!scores.raw().is_object()) scores.Fail("is no object of names and scores");
   for (const auto& [name, value] : scores.raw().items())
     face.blendshapes[name] = FractionOf(scores[name]);
   return face;
@@ -103,10 +84,8 @@ LandmarkFrame FrameOf(const JsonField& field, const LandmarkVideo& video) {
   frame.frame = field["frame"].Integer();
   const int earliest = video.frames.empty() ? 0 : video.frames.back().frame + 1;
   if (frame.frame < earliest)
-    throw Error(field.file(),
-                field["frame"].path(),
-                "is " + std::to_string(frame.frame) + ", expected at least " +
-                    std::to_string(earliest) + ": frames stand in order");
+    field["frame"].Fail("is " + std::to_string(frame.frame) + ", expected at least " +
+                        std::to_string(earliest) + ": frames stand in order");
   const JsonField faces = field["faces"];
   for (size_t i = 0; i < faces.size(); ++i) frame.faces.push_back(FaceOf(faces[i], video));
   if (field.Has("matte"))
@@ -146,8 +125,7 @@ int LandmarkVideo::point_count() const {
 }
 
 LandmarkVideo ReadLandmarks(const std::string& path) {
-  const Json json = ReadJson(path);
-  const JsonField file(path, json);
+  const JsonField file(path, ReadJson(path));
   const std::string format = file["format"].String();
   if (format != kLandmarkFormat)
     throw Error(path, "format", "is '" + format + "', expected '" + kLandmarkFormat + "'");
@@ -156,8 +134,8 @@ LandmarkVideo ReadLandmarks(const std::string& path) {
   LandmarkVideo video;
   video.file = path;
   video.source = file["source"].String();
-  video.width = SideOf(file["width"]);
-  video.height = SideOf(file["height"]);
+  video.width = file["width"].Integer(1, kMaxImageSide);
+  video.height = file["height"].Integer(1, kMaxImageSide);
   video.frames_per_second = FrameRateIn(file);
   video.set = SetOf(file["landmarks"]);
   const JsonField frames = file["frames"];

@@ -120,8 +120,7 @@ Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
   Camera lens;
   const double width = number("w"), height = number("h");
   if (!(width >= 1 && width <= kMaxSide && height >= 1 && height <= kMaxSide))
-    throw Error(
-        frame.file(), frame.path(), "has an image size that is not positive or above 2^20 px");
+    frame.Fail("has an image size that is not positive or above 2^20 px");
   lens.width = int(width);
   lens.height = int(height);
   if (frame.Has("camera_angle_x") && !frame.Has("fl_x")) {  // a frame's own, in another form
@@ -134,9 +133,9 @@ Camera LensOfTransforms(const JsonField& file, const JsonField& frame) {
   lens.cy = float(number("cy"));
   for (const float focal : {lens.fx, lens.fy})
     if (!(focal > 0) || !std::isfinite(focal))
-      throw Error(frame.file(), frame.path(), "has a focal length that is not positive and finite");
+      frame.Fail("has a focal length that is not positive and finite");
   if (!std::isfinite(lens.cx) || !std::isfinite(lens.cy))
-    throw Error(frame.file(), frame.path(), "has a principal point that is not finite");
+    frame.Fail("has a principal point that is not finite");
   return lens;
 }
 

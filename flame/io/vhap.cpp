@@ -119,8 +119,7 @@ void LoadSplit(const std::string& json_path,
                const TrackRequest& request,
                std::vector<TrackedFrame>& frames,
                TrackedVideo& video) {
-  const Json json = ReadJson(json_path);
-  const JsonField file(json_path, json);
+  const JsonField file(json_path, ReadJson(json_path));
   const JsonField list = file["frames"];
   DataFiles files(fs::path(json_path).parent_path().string());
   size_t transposed = 0;
@@ -142,8 +141,8 @@ std::string SubjectFile(const std::string& path) {
   const std::string canonical = path + "/canonical_flame_param.npz";
   if (fs::exists(canonical)) return canonical;
   const std::string json_path = path + "/transforms_train.json";
-  const Json json = ReadJson(json_path);
-  return path + "/" + JsonField(json_path, json)["frames"][0]["flame_param_path"].String();
+  return path + "/" +
+         JsonField(json_path, ReadJson(json_path))["frames"][0]["flame_param_path"].String();
 }
 
 }  // namespace

@@ -62,10 +62,8 @@ std::vector<double> NumbersOf(const JsonField& field, size_t count, bool null_is
   std::vector<double> numbers;
   Flatten(field, null_is_nan, kMaxLevels, numbers);
   if (count != 0 && numbers.size() != count)
-    throw Error(
-        field.file(),
-        field.path(),
-        "found " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+    field.Fail("found " + std::to_string(numbers.size()) + " numbers, expected " +
+               std::to_string(count));
   return numbers;
 }
 
@@ -89,52 +87,62 @@ Json ParseJson(const std::string& source, std::string text) {
   }
 }
 
+void JsonField::Fail(const std::string& problem) const { throw Error(file_, path_, problem); }
+
+JsonField JsonField::Within(const Json& value, const std::string& path) const {
+  JsonField field(file_, value);
+  field.path_ = path;
+  field.kept_ = kept_;
+  return field;
+}
+
 bool JsonField::Has(const std::string& key) const {
   return value_->is_object() && value_->contains(key);
 }
 
 JsonField JsonField::operator[](const std::string& key) const {
-  if (!value_->is_object())
-    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an object with " + key);
+  if (!value_->is_object()) Fail("found " + Shown(*value_) + ", expected an object with " + key);
   const auto found = value_->find(key);
   const std::string path = path_.empty() ? key : path_ + "." + key;
   if (found == value_->end()) throw Error(file_, path, "is missing");
-  JsonField field(file_, *found);
-  field.path_ = path;
-  return field;
+  return Within(*found, path);
 }
 
 JsonField JsonField::operator[](size_t index) const {
   const std::string path = path_ + "[" + std::to_string(index) + "]";
   if (index >= size())
     throw Error(file_, path, "is missing, the array has " + std::to_string(size()));
-  JsonField field(file_, (*value_)[index]);
-  field.path_ = path;
-  return field;
+  return Within((*value_)[index], path);
 }
 
 size_t JsonField::size() const {
-  if (!value_->is_array())
-    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an array");
+  if (!value_->is_array()) Fail("found " + Shown(*value_) + ", expected an array");
   return value_->size();
 }
 
 double JsonField::Number() const {
   if (!value_->is_number() || !std::isfinite(value_->get<double>()))
-    throw Error(file_, path_, "found " + Shown(*value_) + ", expected a finite number");
+    Fail("found " + Shown(*value_) + ", expected a finite number");
   return value_->get<double>();
 }
 
 int JsonField::Integer() const {
   const double number = Number();
   if (number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max())
-    throw Error(file_, path_, "found " + Shown(*value_) + ", expected an integer");
+    Fail("found " + Shown(*value_) + ", expected an integer");
   return int(number);
 }
 
+int JsonField::Integer(int least, int most) const {
+  const int value = Integer();
+  if (value < least || value > most)
+    Fail("is " + std::to_string(value) + ", expected " + std::to_string(least) + " to " +
+         std::to_string(most));
+  return value;
+}
+
 std::string JsonField::String() const {
-  if (!value_->is_string())
-    throw Error(file_, path_, "found " + Shown(*value_) + ", expected a string");
+  if (!value_->is_string()) Fail("found " + Shown(*value_) + ", expected a string");
   return value_->get<std::string>();
 }
 
@@ -142,7 +150,7 @@ std::vector<float> JsonField::Numbers(size_t count) const {
   std::vector<float> numbers;
   for (double number : NumbersOf(*this, count, false)) {
     if (std::abs(number) > std::numeric_limits<float>::max())
-      throw Error(file_, path_, "holds " + std::to_string(number) + ", too large");
+      Fail("holds " + std::to_string(number) + ", too large");
     numbers.push_back(float(number));
   }
   return numbers;

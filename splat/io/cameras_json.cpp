@@ -17,7 +17,7 @@ Camera CameraOf(const JsonField& json) {
   c.fx = float(json["fx"].Number());
   c.fy = float(json["fy"].Number());
   if (c.width < 1 || c.height < 1 || !(c.fx > 0 && c.fy > 0))
-    throw Error(json.file(), json.path(), "has a size or focal length that is not positive");
+    json.Fail("has a size or focal length that is not positive");
   c.cx = 0.5f * float(c.width);
   c.cy = 0.5f * float(c.height);
   const std::vector<float> rows = json["rotation"].Numbers(9), center = json["position"].Numbers(3);
@@ -56,8 +56,7 @@ void WriteCamerasJson(const std::string& path, const std::vector<NamedCamera>& c
 }
 
 std::vector<NamedCamera> ReadCamerasJson(const std::string& path) {
-  const Json json = ReadJson(path);
-  const JsonField list(path, json);
+  const JsonField list(path, ReadJson(path));
   std::vector<NamedCamera> cameras;
   for (size_t i = 0; i < list.size(); ++i)
     cameras.push_back({list[i]["img_name"].String(), CameraOf(list[i])});

@@ -97,10 +97,8 @@ size_t Whole(const JsonField& object, const std::string& key, size_t least, size
   field.Number();
   if (!field.raw().is_number_unsigned() || field.raw().get<uint64_t>() < least ||
       field.raw().get<uint64_t>() > most)
-    throw Error(field.file(),
-                field.path(),
-                "is " + field.raw().dump() + ", expected a whole number from " +
-                    std::to_string(least) + " to " + std::to_string(most));
+    field.Fail("is " + field.raw().dump() + ", expected a whole number from " +
+               std::to_string(least) + " to " + std::to_string(most));
   return field.raw().get<size_t>();
 }
 
@@ -120,17 +118,14 @@ void RefuseUri(const JsonField& object) {
   if (!object.Has("uri")) return;
   const JsonField uri = object["uri"];
   constexpr size_t kShown = 60;
-  throw Error(uri.file(),
-              uri.path(),
-              "is " + uri.raw().dump().substr(0, kShown) + ", only data inside the file is read");
+  uri.Fail("is " + uri.raw().dump().substr(0, kShown) + ", only data inside the file is read");
 }
 
 size_t CheckBuffers(const JsonField& root, size_t binary_size) {
   size_t length = 0;
   ForEach(root, "buffers", [&](const JsonField& buffer) {
     RefuseUri(buffer);
-    if (length > 0)
-      throw Error(buffer.file(), buffer.path(), "is a second buffer, expected only one");
+    if (length > 0) buffer.Fail("is a second buffer, expected only one");
     length = Whole(buffer, "byteLength", 1, binary_size);
   });
   return length;
@@ -149,9 +144,7 @@ BufferView CheckBufferView(const JsonField& field, size_t buffer_length) {
   if (field.Has("byteStride")) {
     view.stride = Whole(field, "byteStride", 4, 252);
     if (view.stride % 4 != 0)
-      throw Error(field.file(),
-                  field["byteStride"].path(),
-                  "is " + std::to_string(view.stride) + ", expected a multiple of 4");
+      field["byteStride"].Fail("is " + std::to_string(view.stride) + ", expected a multiple of 4");
   }
   return view;
 }
@@ -168,10 +161,8 @@ size_t ComponentBytes(const JsonField& accessor) {
     case 5126:
       return 4;
     default:
-      throw Error(
-          accessor.file(),
-          accessor["componentType"].path(),
-          "is " + accessor["componentType"].raw().dump() + ", expected 5120 to 5123, 5125 or 5126");
+      accessor["componentType"].Fail("is " + accessor["componentType"].raw().dump() +
+                                     ", expected 5120 to 5123, 5125 or 5126");
   }
 }
 
@@ -180,27 +171,21 @@ size_t Width(const JsonField& accessor) {
   const JsonField type = accessor["type"];
   const auto found = std::find(kTypes.begin(), kTypes.end(), type.String());
   if (found == kTypes.end())
-    throw Error(type.file(),
-                type.path(),
-                "is " + type.raw().dump() + ", expected SCALAR, VEC2, VEC3 or VEC4");
+    type.Fail("is " + type.raw().dump() + ", expected SCALAR, VEC2, VEC3 or VEC4");
   return 1 + size_t(found - kTypes.begin());
 }
 
 void CheckAccessor(const JsonField& field, const std::vector<BufferView>& views) {
-  if (field.Has("sparse"))
-    throw Error(field.file(), field["sparse"].path(), "sparse accessors are not supported");
-  if (views.empty()) throw Error(field.file(), field.path(), "there are no bufferViews");
+  if (field.Has("sparse")) field["sparse"].Fail("sparse accessors are not supported");
+  if (views.empty()) field.Fail("there are no bufferViews");
   const BufferView& view = views[Whole(field, "bufferView", 0, views.size() - 1)];
   const size_t component = ComponentBytes(field), element = component * Width(field);
   const size_t stride = view.stride > 0 ? view.stride : element;
   if (stride < element)
-    throw Error(
-        field.file(),
-        field.path(),
-        "has elements of " + std::to_string(element) + " bytes every " + std::to_string(stride));
+    field.Fail("has elements of " + std::to_string(element) + " bytes every " +
+               std::to_string(stride));
   const size_t offset = WholeOrZero(field, "byteOffset", view.length);
-  if ((view.offset + offset) % component != 0)
-    throw Error(field.file(), field.path(), "is not aligned to its components");
+  if ((view.offset + offset) % component != 0) field.Fail("is not aligned to its components");
   const size_t count = Whole(field, "count", 1, kMax);
   const size_t end = offset + (count - 1) * stride + element;
   if (end > view.length)
@@ -213,9 +198,7 @@ void CheckAccessor(const JsonField& field, const std::vector<BufferView>& views)
 void CheckRequiredExtensions(const JsonField& root, const std::vector<std::string>& known) {
   ForEach(root, "extensionsRequired", [&](const JsonField& extension) {
     if (std::find(known.begin(), known.end(), extension.String()) != known.end()) return;
-    throw Error(extension.file(),
-                extension.path(),
-                "is " + extension.raw().dump() + ", which is not supported");
+    extension.Fail("is " + extension.raw().dump() + ", which is not supported");
   });
 }
 

@@ -231,8 +231,7 @@ Gaussians ReadSog(const std::string& path) {
   const SogFiles files(path);
   const std::vector<char> text = files.Read(kSogMeta, kMaxMetaBytes);
   const std::string source = files.path() + ": " + kSogMeta;
-  const Json json = ParseJson(source, {text.begin(), text.end()});
-  const JsonField meta(source, json);
+  const JsonField meta(source, ParseJson(source, {text.begin(), text.end()}));
   return SogParser(files, meta).Parse();
 }
 

@@ -47,7 +47,7 @@ class FrameFields {
 double FocalFromAngle(const JsonField& angle, double side) {
   const double value = angle.Number();
   if (!(value > 0 && value < std::numbers::pi))
-    throw Error(angle.file(), angle.path(), std::to_string(value) + " is not in (0, pi)");
+    angle.Fail(std::to_string(value) + " is not in (0, pi)");
   return side / 2 / std::tan(value / 2);
 }
 
@@ -59,7 +59,7 @@ Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
   for (const char* key : {"w", "h"}) {
     if (!fields.Has(key)) continue;
     const JsonField side = fields.Get(key);
-    if (side.Integer() < 1) throw Error(side.file(), side.path(), "is not positive");
+    if (side.Integer() < 1) side.Fail("is not positive");
   }
   if (fields.Has("fl_x")) {
     lens.fx = float(fields.Pixels("fl_x", "w"));
@@ -73,8 +73,7 @@ Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
     lens.fy = float(FocalFromAngle(fields.Get("camera_angle_y"), lens.height));
   }
   for (const char* key : {"fl_x", "fl_y"})
-    if (fields.Has(key) && !(fields.Get(key).Number() > 0))
-      throw Error(fields.Get(key).file(), fields.Get(key).path(), "is not positive");
+    if (fields.Has(key) && !(fields.Get(key).Number() > 0)) fields.Get(key).Fail("is not positive");
   lens.cx = float(fields.Has("cx") ? fields.Pixels("cx", "w") : lens.width / 2.0);
   lens.cy = float(fields.Has("cy") ? fields.Pixels("cy", "h") : lens.height / 2.0);
   return lens;
@@ -83,7 +82,7 @@ Camera LensOf(const FrameFields& fields, const ImageInfo& info) {
 bool IsFisheye(const FrameFields& fields) {
   if (fields.Has("is_fisheye")) {
     const JsonField flag = fields.Get("is_fisheye");
-    if (!flag.raw().is_boolean()) throw Error(flag.file(), flag.path(), "expected true or false");
+    if (!flag.raw().is_boolean()) flag.Fail("expected true or false");
     if (flag.raw().get<bool>()) return true;
   }
   if (!fields.Has("camera_model")) return false;
@@ -93,7 +92,7 @@ bool IsFisheye(const FrameFields& fields) {
   if (name == "OPENCV" || name == "PINHOLE" || name == "SIMPLE_PINHOLE" ||
       name == "SIMPLE_RADIAL" || name == "RADIAL" || name == "PERSPECTIVE")
     return false;
-  throw Error(model.file(), model.path(), "camera model " + name + " cannot be undistorted");
+  model.Fail("camera model " + name + " cannot be undistorted");
 }
 
 Distortion DistortionOf(const FrameFields& fields) {
@@ -107,7 +106,7 @@ Distortion DistortionOf(const FrameFields& fields) {
   }
   if (k("k4") != 0) {
     const JsonField field = fields.Get("k4");
-    throw Error(field.file(), field.path(), "an eighth-order radial term cannot be undistorted");
+    field.Fail("an eighth-order radial term cannot be undistorted");
   }
   int i = 0;
   for (const char* key : {"k1", "k2", "p1", "p2", "k3"}) {
@@ -127,9 +126,7 @@ std::string ImageName(const std::string& named) {
 PoseProblem SetFramePose(const JsonField& field, size_t& transposed, SceneView& view) {
   const std::vector<double> values = field.NumbersOrNan();
   if (values.size() != 16 && values.size() != 12)
-    throw Error(field.file(),
-                field.path(),
-                "found " + std::to_string(values.size()) + " numbers, expected a 4x4 matrix");
+    field.Fail("found " + std::to_string(values.size()) + " numbers, expected a 4x4 matrix");
   std::array<double, 12> matrix;
   bool turned = false;
   const std::string problem = RowsOfPose(values, matrix, turned);
@@ -252,15 +249,14 @@ bool IsBlenderScene(const std::string& path) {
 
 void LoadBlenderScene(const std::string& path, const SceneOptions& options, SceneData& scene) {
   scene.layout = "blender";
-  const std::string train = path + "/transforms_train.json";
-  const Json json = ReadJson(train);
-  LoadFrames(JsonField(train, json), "frames", options, scene.train, scene);
-  LoadPoints(JsonField(train, json), scene);
+  const std::string path_of_json = path + "/transforms_train.json";
+  const JsonField train(path_of_json, ReadJson(path_of_json));
+  LoadFrames(train, "frames", options, scene.train, scene);
+  LoadPoints(train, scene);
   for (const char* split : {"test", "val"}) {
     const std::string file = path + "/transforms_" + split + ".json";
     if (scene.own_split || !fs::exists(file)) continue;
-    const Json views = ReadJson(file);
-    LoadFrames(JsonField(file, views), "frames", options, scene.test, scene);
+    LoadFrames(JsonField(file, ReadJson(file)), "frames", options, scene.test, scene);
     scene.own_split = true;
     if (split != std::string("test") && options.eval)
       scene.notes.push_back(file + " has the test views, since there is no transforms_test.json");
@@ -276,8 +272,7 @@ bool IsNerfstudioScene(const std::string& path) {
 void LoadNerfstudioScene(const std::string& path, const SceneOptions& options, SceneData& scene) {
   scene.layout = "nerfstudio";
   const std::string path_of_json = path + "/transforms.json";
-  const Json json = ReadJson(path_of_json);
-  const JsonField file(path_of_json, json);
+  const JsonField file(path_of_json, ReadJson(path_of_json));
   LoadFrames(file, "frames", options, scene.train, scene);
   LoadPoints(file, scene);
   if (file.Has("test_frames")) {  // ScanNet++

@@ -165,8 +165,7 @@ DetectedFace FaceIn(const JsonField& field) {
 LandmarkVideo FacesIn(const std::string& path,
                       const FrameSource& frames,
                       const std::string& source) {
-  const Json json = ReadJson(path);
-  const JsonField found(path, json);
+  const JsonField found(path, ReadJson(path));
   LandmarkVideo video;
   video.source = source;
   video.width = frames.width(), video.height = frames.height();

@@ -85,8 +85,7 @@ struct CheckpointHeader {
 };
 
 CheckpointHeader HeaderOf(const StateFile& file) {
-  const Json json = ParseJson(file.path(), file.header());
-  const JsonField field(file.path(), json);
+  const JsonField field(file.path(), ParseJson(file.path(), file.header()));
   CheckpointHeader header{field["version"].String(),
                           field["config"].String(),
                           field["iteration"].Integer(),

@@ -96,9 +96,9 @@ bool IsRun(const std::string& folder) {
   return fs::exists(folder + "/run.json") || fs::exists(folder + "/cfg_args");
 }
 
-Json ReadRun(const std::string& folder) {
+JsonField ReadRun(const std::string& folder) {
   const std::string own = folder + "/run.json";
-  return fs::exists(own) || !IsRun(folder) ? ReadJson(own) : RunOfCfgArgs(folder);
+  return {own, fs::exists(own) || !IsRun(folder) ? ReadJson(own) : RunOfCfgArgs(folder)};
 }
 
 Json CameraToJson(const Camera& c) {

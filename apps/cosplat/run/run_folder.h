@@ -28,7 +28,7 @@ void RemoveRun(const std::string& folder);
 bool IsRun(const std::string& folder);
 // run.json, or what it would say of a folder of 3DGS's own (cfg_args.h). Throws Error if `folder`
 // holds no run.
-Json ReadRun(const std::string& folder);
+JsonField ReadRun(const std::string& folder);
 
 Json CameraToJson(const Camera& camera);
 Camera CameraFromJson(const JsonField& json);

@@ -109,11 +109,11 @@ std::map<std::string, Figures> ReadEarlier(const std::string& path,
   std::map<std::string, Figures> earlier;
   if (!fs::exists(path)) return earlier;
   try {
-    const Json json = ReadJson(path);
-    for (const auto& [name, figures] : json.items())
+    const JsonField json(path, ReadJson(path));
+    for (const auto& [name, figures] : json.raw().items())
       for (const auto& [figure, values] : figures.items())
         for (const auto& [view, value] : values.items())
-          earlier[name][figure][view] = JsonField(path, json)[name][figure][view].Number();
+          earlier[name][figure][view] = json[name][figure][view].Number();
   } catch (const Error& error) {
     dropped.push_back(error.what());
     earlier.clear();

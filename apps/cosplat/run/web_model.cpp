@@ -13,14 +13,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // The FLAME model that the run beside an avatar names.
-std::string FlameOfRun(const std::string& folder) {
-  const Json json = ReadRun(folder);
-  return JsonField(folder + "/run.json", json)["flame"].String();
-}
+std::string FlameOfRun(const std::string& folder) { return ReadRun(folder)["flame"].String(); }
 
 std::string SplatsOfRun(const std::string& folder) {
-  const Json json = ReadRun(folder);
-  return SplatPath(folder, SavedIteration(folder, JsonField(folder + "/run.json", json)));
+  return SplatPath(folder, SavedIteration(folder, ReadRun(folder)));
 }
 
 }  // namespace

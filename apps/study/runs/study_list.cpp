@@ -18,7 +18,7 @@ void Append(const Strings& more, Strings& all) { all.insert(all.end(), more.begi
 
 // Otherwise a misspelt key would silently omit a setting.
 void ExpectKeys(const JsonField& object, const std::set<std::string>& known) {
-  if (!object.raw().is_object()) throw Error(object.file(), object.path(), "expected an object");
+  if (!object.raw().is_object()) object.Fail("expected an object");
   for (const auto& [key, value] : object.raw().items())
     if (known.count(key) == 0)
       throw Error(object.file(), object[key].path(), "is not a field that a study knows");
@@ -58,10 +58,7 @@ std::string CheckedName(const JsonField& field) {
       !name.empty() && name[0] != '.' && std::all_of(name.begin(), name.end(), [](char c) {
         return std::isalnum(uint8_t(c)) || c == '-' || c == '_' || c == '.';
       });
-  if (!ok)
-    throw Error(field.file(),
-                field.path(),
-                "'" + name + "' is not a name: letters, digits, '-', '_' and '.' are");
+  if (!ok) field.Fail("'" + name + "' is not a name: letters, digits, '-', '_' and '.' are");
   return name;
 }
 
@@ -112,7 +109,7 @@ StudyData DataOf(const JsonField& field, const Defaults& defaults) {
   data.name = CheckedName(field["name"]);
   const std::string kind = field["kind"].String();
   if (kind != "scene" && kind != "avatar")
-    throw Error(field.file(), field["kind"].path(), "found '" + kind + "': scene or avatar");
+    field["kind"].Fail("found '" + kind + "': scene or avatar");
   data.avatar = kind == "avatar";
   ReadSource(field, data);
   data.arguments = defaults.arguments;
@@ -138,16 +135,12 @@ std::vector<StudyRun> Expand(const JsonField& field, const StudyRun& run) {
   Strings values;
   const char* placeholder = uses(kCount) ? kCount : kValue;
   if (uses(kCount) && (uses(kValue) || field.Has("values")))
-    throw Error(field.file(),
-                field["arguments"].path(),
-                std::string("has ") + kCount + ", which does not go with values");
+    field["arguments"].Fail(std::string("has ") + kCount + ", which does not go with values");
   if (uses(kCount)) {
     for (const int count : run.data.counts) values.push_back(std::to_string(count));
     if (values.empty())
-      throw Error(
-          field.file(),
-          field["arguments"].path(),
-          std::string("has ") + kCount + ", but the data '" + run.data.name + "' has no counts");
+      field["arguments"].Fail(std::string("has ") + kCount + ", but the data '" + run.data.name +
+                              "' has no counts");
   } else if (uses(kValue) || field.Has("values")) {
     const JsonField array = field["values"];
     for (size_t i = 0; i < array.size(); ++i) {
@@ -184,8 +177,7 @@ std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData
   for (const std::string& name : wanted)
     if (std::none_of(
             all_data.begin(), all_data.end(), [&](const auto& d) { return d.name == name; }))
-      throw Error(
-          field.file(), field["data"].path(), "'" + name + "' is not among the list's data");
+      field["data"].Fail("'" + name + "' is not among the list's data");
   std::vector<StudyRun> runs;
   std::set<int> seeds;
   for (const StudyData& data : all_data) {
@@ -197,9 +189,7 @@ std::vector<StudyRun> RunsOf(const JsonField& field, const std::vector<StudyData
   }
   for (const int seed : run.seeds)
     if (seeds.count(seed) == 0)
-      throw Error(field.file(),
-                  field["seeds"].path(),
-                  "found " + std::to_string(seed) + ", which is no seed of its data");
+      field["seeds"].Fail("found " + std::to_string(seed) + ", which is no seed of its data");
   return runs;
 }
 
@@ -270,8 +260,7 @@ std::string StudyRun::Command() const {
 }
 
 std::vector<StudyRun> ReadStudyList(const std::string& path) {
-  const Json json = ReadJson(path);
-  const JsonField list(path, json);
+  const JsonField list(path, ReadJson(path));
   ExpectKeys(list, {"defaults", "data", "runs"});
   const std::vector<StudyData> data = AllDataOf(list, DefaultsOf(list));
   std::vector<StudyRun> once;

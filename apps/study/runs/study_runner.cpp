@@ -59,8 +59,8 @@ StudyFigures CheckpointOf(const std::string& model, int iteration, const JsonFie
 void AddNumbers(const std::string& path,
                 const std::vector<const char*>& keys,
                 StudyFigures& figures) {
-  const Json json = ReadJson(path);
-  for (const char* key : keys) figures[key] = JsonField(path, json)[key].Number();
+  const JsonField json(path, ReadJson(path));
+  for (const char* key : keys) figures[key] = json[key].Number();
 }
 
 // Cost of the finished model, and the quality of a scene's files.
@@ -110,10 +110,9 @@ void RunSteps(const StudyRun& run,
 
 void ReadResults(const StudyRun& run, const std::string& model, StudyLine& line) {
   const std::string path = model + "/results.json";
-  const Json json = ReadJson(path);
-  const JsonField results(path, json);
+  const JsonField results(path, ReadJson(path));
   const std::string prefix = "ours_";
-  for (const auto& [key, value] : json.items()) {
+  for (const auto& [key, value] : results.raw().items()) {
     if (key.rfind(prefix, 0) != 0) continue;
     const int iteration = std::atoi(key.c_str() + prefix.size());
     line.checkpoints.push_back(CheckpointOf(model, iteration, results[key]));

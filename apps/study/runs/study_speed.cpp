@@ -76,8 +76,7 @@ double AvatarRate(const std::string& folder, const JsonField& run) {
 
 double StudyFramesPerSecond(const std::string& folder) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, kThreads);
-  const Json json = ReadRun(folder);
-  const JsonField run(folder + "/run.json", json);
+  const JsonField run = ReadRun(folder);
   return run["kind"].String() == "avatar" ? AvatarRate(folder, run) : SceneRate(folder, run);
 }
 
