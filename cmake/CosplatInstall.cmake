@@ -34,7 +34,6 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/fit/landmark_cost.h
   flame/fit/robust.h
   flame/fit/silhouette.h
-  flame/fit/skin_faces.h
   flame/halfedges.h
   flame/io/pickle
   flame/io/track_layouts.h
@@ -49,7 +48,6 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/device/gather.h
   splat/device/sum_tree.h
   splat/io/glb
-  splat/io/nearest_row.h
   splat/io/packed_values.h
   splat/io/ply_
   splat/io/sog_format.h

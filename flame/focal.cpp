@@ -1,10 +1,9 @@
-#include "flame/focal.h"
-
 #include <tuple>
 #include <vector>
 
 #include "flame/mouth.h"
 #include "flame/pose.h"
+#include "flame/track.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

@@ -120,4 +120,27 @@ std::vector<TrackedFrame*> FramesInOrder(TrackedVideo& video);
 // returned unchanged. Throws Error naming the file if image or mask is missing or differs in size.
 Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 
+// Whether a tracked video's images, masks, cameras and parameters tell one story: what would train
+// into something wrong without an error, for `cosplat check` and before the first step of training.
+//
+// Looks at 24 frames at most, those that move most, and their neighbours: heads outside of the
+// image or of the mask, or of another size than the masks'; images upside down, mirrored, of other
+// moments than their parameters, or without content; expressions that the model cannot have. After
+// SettleMasks. flame: as in TrackOptions. Throws Error as FlamePoser and LoadTrackedImage do.
+std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& video);
+
+// A frame's mesh: [V, 3], world units. Coefficients that the model lacks do not move it.
+std::vector<float> PosedVertices(const FlameModel& flame,
+                                 const TrackedVideo& video,
+                                 const TrackedFrame& frame);
+
+// Whether one camera that stands still shows all frames, so that its focal length may be the
+// tracker's assumption. Several are calibrated to each other, and one that moves by its motion.
+bool HasOneStillCamera(const TrackedVideo& video);
+
+// Multiplies the camera's focal lengths, and the depth of every head in it, so that each head keeps
+// its size in the image and only its perspective changes. The poses stay. Throws Error unless
+// HasOneStillCamera.
+void ScaleFocal(const FlameModel& flame, double scale, TrackedVideo& video);
+
 }  // namespace cosplat

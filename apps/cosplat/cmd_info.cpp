@@ -13,7 +13,7 @@
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"

@@ -10,7 +10,7 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/train/fit_track.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

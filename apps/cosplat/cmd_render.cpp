@@ -30,7 +30,7 @@
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/playback.h"
 #include "avatar/play/preview.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/rng.h"

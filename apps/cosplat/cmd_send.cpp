@@ -14,7 +14,7 @@
 #include "avatar/live/score_recording.h"
 #include "avatar/live/udp_socket.h"
 #include "avatar/live/vmc_frame.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/rng.h"
 

@@ -7,10 +7,9 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
 #include "avatar/model/avatar_mesh.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
-#include "splat/io/seen_bands.h"
-#include "splat/io/significance.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/splat_file.h"
 #include "splat/train/prune/importance.h"
 

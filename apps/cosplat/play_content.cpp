@@ -12,7 +12,7 @@
 #include "avatar/io/gaussian_avatars.h"
 #include "avatar/live/recording.h"
 #include "avatar/model/avatar_mesh.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 #include "splat/io/splat_file.h"

@@ -7,7 +7,7 @@
 
 #include "assets/head/landmarks.h"
 #include "flame/io/imavatar_writer.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/pose.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"

@@ -10,8 +10,8 @@
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/image_bytes.h"
 #include "avatar/plugin/coded_error.h"
-#include "flame/io/model_file.h"
 #include "flame/math/rodrigues.h"
+#include "flame/model.h"
 
 namespace cosplat::plugin {
 namespace {

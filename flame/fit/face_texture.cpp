@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "flame/fit/skin_faces.h"
+#include "flame/fit/points_on_flame.h"
 
 namespace cosplat::internal {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flame/fit/points_on_flame.h"
 #include "flame/fit/silhouette.h"
-#include "flame/fit/skin_faces.h"
 
 namespace cosplat::internal {
 namespace {

@@ -67,4 +67,8 @@ class PointsOnFlame {
   std::vector<double> joint_directions_;  // [15, shape_count + expression_count]
 };
 
+// The triangles that a camera can compare, of head, neck and chest: without the eyes, which turn on
+// their own, and without an added mouth.
+std::vector<std::array<int32_t, 3>> SkinFaces(const FlameModel& model);
+
 }  // namespace cosplat

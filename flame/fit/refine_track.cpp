@@ -1,5 +1,3 @@
-#include "flame/fit/refine_track.h"
-
 #include <ceres/ceres.h>
 #include <tbb/parallel_for.h>
 
@@ -8,6 +6,7 @@
 #include <mutex>
 
 #include "flame/fit/face_texture.h"
+#include "flame/fit/fit_landmarks.h"
 #include "flame/fit/frame_priors.h"
 #include "flame/fit/points_on_flame.h"
 #include "flame/pose.h"

@@ -1,5 +1,3 @@
-#include "flame/io/model_file.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <map>
 
 #include "flame/io/pickle.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"

@@ -1,5 +1,3 @@
-#include "flame/track_check.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <cstdlib>
 
 #include "flame/pose.h"
+#include "flame/track.h"
 #include "splat/media/image_glance.h"
 
 namespace cosplat {

@@ -2,8 +2,7 @@
 #include "flame/io/track_layouts.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
-#include "splat/media/exif.h"
-#include "splat/media/matte.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "flame/pose.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {
@@ -39,15 +39,9 @@ Coverage CoverageOf(const Image8& image, const Camera& camera, const std::vector
   c.corners /= 2.0 * side * side;
   size_t seen = 0;
   for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
-    float p[3];
-    for (int r = 0; r < 3; ++r) {
-      p[r] = camera.translation[r];
-      for (int k = 0; k < 3; ++k) p[r] += camera.rotation[3 * r + k] * vertices[i + k];
-    }
-    if (!(p[2] > 0)) continue;
-    const float x = camera.fx * p[0] / p[2] + camera.cx, y = camera.fy * p[1] / p[2] + camera.cy;
-    if (!(x >= 0 && y >= 0 && x < float(image.width) && y < float(image.height))) continue;
-    c.head += AlphaAt(image, int(x), int(y));
+    const Sighting at = Sight(camera, &vertices[i]);
+    if (!at.inside) continue;
+    c.head += AlphaAt(image, int(at.x), int(at.y));
     ++seen;
   }
   c.head = seen == 0 ? 1 : c.head / double(seen);  // a head outside the image says nothing of masks
@@ -63,11 +57,6 @@ std::string Percent(double share) {
 }  // namespace
 
 void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
-  std::vector<float> offset =
-      video.static_offset;  // VHAP's has rows for teeth that a model may lack
-  if (!offset.empty()) offset.resize(3 * size_t(flame.vertex_count));
-  const FlamePoser<float> poser(flame, video.shape, offset);
-  std::vector<float> vertices;
   Coverage sum;
   size_t masked = 0;
   const size_t step = std::max<size_t>(1, video.train.size() / kFrames);
@@ -76,10 +65,7 @@ void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
     if (!frame.has_image) continue;
     const Image8 image = LoadTrackedImage(video, frame);
     if (image.channels != 4) continue;
-    FlameParams params = frame.params;  // what the model lacks does not move it
-    params.expression.resize(std::min(params.expression.size(), size_t(flame.expression_count)));
-    poser.Forward(FlamePoser<float>::ParametersOf(params), vertices);
-    sum.Add(CoverageOf(image, frame.camera, vertices));
+    sum.Add(CoverageOf(image, frame.camera, PosedVertices(flame, video, frame)));
     ++masked;
   }
   if (masked == 0) return;

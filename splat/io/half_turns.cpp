@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "splat/io/view_files.h"
-#include "splat/media/exif.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {
@@ -17,20 +17,14 @@ constexpr size_t kPoints = 4000;
 // them.
 double ColorDifference(const SceneView& view, const SceneData& scene) {
   const Image8 image = LoadViewImage(view);
-  const Camera& c = view.camera;
   const size_t count = scene.points.size() / 3, step = std::max<size_t>(1, count / kPoints);
   double sum = 0;
   size_t seen = 0;
   for (size_t i = 0; i < count; i += step) {
-    float p[3];
-    for (int r = 0; r < 3; ++r) {
-      p[r] = c.translation[r];
-      for (int k = 0; k < 3; ++k) p[r] += c.rotation[3 * r + k] * scene.points[3 * i + k];
-    }
-    if (!(p[2] > 0)) continue;
-    const float x = c.fx * p[0] / p[2] + c.cx, y = c.fy * p[1] / p[2] + c.cy;
-    if (!(x >= 0 && y >= 0 && x < float(image.width) && y < float(image.height))) continue;
-    const uint8_t* pixel = &image.data[image.channels * (size_t(y) * image.width + size_t(x))];
+    const Sighting at = Sight(view.camera, &scene.points[3 * i]);
+    if (!at.inside) continue;
+    const uint8_t* pixel =
+        &image.data[image.channels * (size_t(at.y) * image.width + size_t(at.x))];
     for (int k = 0; k < 3; ++k) sum += std::abs(pixel[k] - scene.point_colors[3 * i + k]);
     ++seen;
   }

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "splat/base/rng.h"
-#include "splat/io/nearest_row.h"
 
 namespace cosplat {
 namespace {

@@ -30,4 +30,18 @@ Clusters KMeans(View<const float> rows,
                 View<const float> weight,
                 const KMeansSettings& settings);
 
+// What takes most of its time, in nearest_row.cpp: compiled per instruction set, run in parallel by
+// oneTBB.
+struct NearestRow {
+  uint32_t index = 0;   // the lowest of those at equal distance
+  float distance2 = 0;  // squared Euclidean distance
+};
+
+// rows: [N, width]; of: [K, width], finite, 1 <= K < 2^24. nearest: [N], overwritten. Bit-identical
+// for any number of threads.
+void FindNearestRows(View<const float> rows,
+                     View<const float> of,
+                     size_t width,
+                     View<NearestRow> nearest);
+
 }  // namespace cosplat

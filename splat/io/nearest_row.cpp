@@ -1,9 +1,9 @@
-#include "splat/io/nearest_row.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
+
+#include "splat/io/kmeans.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/io/nearest_row.cpp"

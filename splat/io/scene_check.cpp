@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <map>
 
-#include "splat/io/scene_fit.h"
 #include "splat/media/image_glance.h"
 
 namespace cosplat {

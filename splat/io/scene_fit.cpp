@@ -1,11 +1,11 @@
-#include "splat/io/scene_fit.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+
+#include "splat/io/scene_check.h"
 
 namespace cosplat {
 namespace {

@@ -20,7 +20,7 @@
 namespace cosplat {
 
 struct SogSettings {
-  std::vector<float> seen_bands;  // of SeenBands (splat/io/seen_bands.h), or empty
+  std::vector<float> seen_bands;  // of SeenBands (splat/io/color_weights.h), or empty
   int palette = 16384;            // colours of bands 1 and up, at most: 1 to 65536
   uint64_t seed = 0;
 };

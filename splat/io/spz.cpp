@@ -9,8 +9,8 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/packed_values.h"
-#include "splat/io/seen_bands.h"
 #include "splat/io/splat_primitive.h"
 #include "splat/io/splat_values.h"
 

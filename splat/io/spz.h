@@ -20,7 +20,7 @@ namespace cosplat {
 // 3DGS's SH, of degree at most 3 (kMaxSplatFileDegree, splat/io/splat_file.h). The fixed point is
 // placed so that a step is no longer than 1/16 of the median Gaussian's smallest standard
 // deviation, as far as the farthest position allows. seen_bands: of SeenBands
-// (splat/io/seen_bands.h), by which constant colours make up for coarse bands; or empty. Atomic.
+// (splat/io/color_weights.h), by which constant colours make up for coarse bands; or empty. Atomic.
 // Throws Error if basis, degree or version is another, if a value is not finite, and if there are
 // no or more than 2^32 - 1 Gaussians.
 void WriteSpz(const std::string& path,

@@ -4,8 +4,7 @@
 
 #include "splat/base/error.h"
 #include "splat/io/dataset.h"
-#include "splat/media/exif.h"
-#include "splat/media/matte.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

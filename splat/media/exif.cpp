@@ -1,8 +1,8 @@
-#include "splat/media/exif.h"
-
 #include <cstdint>
 #include <string_view>
 #include <utility>
+
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

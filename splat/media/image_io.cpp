@@ -11,7 +11,6 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/media/exif.h"
 
 namespace cosplat {
 namespace {

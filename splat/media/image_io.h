@@ -17,7 +17,7 @@ struct ImageInfo {
   int width = 0;
   int height = 0;
   int channels = 0;
-  int orientation = 1;  // EXIF's: see Upright (splat/media/exif.h)
+  int orientation = 1;  // EXIF's: see Upright
 
   // As a viewer shows it.
   ImageInfo Upright() const {
@@ -36,6 +36,38 @@ Image8 ReadImage(const std::string& path);
 
 // The image as viewers show it: turned as its EXIF orientation says.
 Image8 ReadUpright(const std::string& path);
+
+// What a camera wrote into a JPEG, PNG, WebP or TIFF about the shot (EXIF 2.3, CIPA DC-008).
+struct ExifInfo {
+  int orientation = 1;        // 1 to 8, see Upright
+  double focal_length = 0;    // mm; 0: not stated
+  int extra_samples = 0;      // TIFF 6.0's: 1 if colours are multiplied by alpha, 2 if they are not
+  bool is_raw = false;        // a TIFF of sensor values, whose first image is a preview of them
+  size_t orientation_at = 0;  // where a TIFF has its orientation, in bytes; 0: nowhere, or no TIFF
+};
+
+// `bytes`: a whole file or its beginning. What is absent or damaged keeps its default.
+ExifInfo ParseExif(const std::vector<char>& bytes);
+
+// The image as it is meant to be seen: turned by a quarter clockwise for orientation 6, by half for
+// 3, counter-clockwise for 8; 2, 4, 5 and 7 are mirrored.
+Image8 Upright(const Image8& image, int orientation);
+
+// What a mask's file means. People's masks are 0 and 255, 0 and 1, labels, colours, or the alpha
+// channel of a cut-out image; all of them become one channel of coverage.
+
+// Whether an image's alpha says anything: it has four channels, not all of them opaque.
+bool SaysAlpha(const Image8& image);
+
+// RGB of an RGB or RGBA image.
+Image8 RgbOf(const Image8& image);
+
+// One channel, 0 to 255: of an alpha that is not opaque everywhere, else of the colours. By the
+// first of these that holds:
+//   labels (none above 31, as 0 and 1; or at most 64 colours): all but black is 255;
+//   two values, of which one is 0: the other is 255;
+//   else the brightest channel, so that soft edges stay soft.
+Image8 MatteOf(const Image8& mask);
 
 // Encodes 1, 3 or 4 channels as PNG or 1 or 3 as JPEG, chosen by the extension of `path`, which is
 // otherwise used only in errors.

@@ -1,8 +1,8 @@
-#include "splat/media/matte.h"
-
 #include <algorithm>
 #include <bitset>
 #include <set>
+
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -1,9 +1,9 @@
 // What a camera wrote into a JPEG: orientation and focal length.
-#include "splat/media/exif.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

@@ -18,7 +18,7 @@
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/plugin/cosplat.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "tests/avatar/with_corrections.h"
 #include "tests/bench/bench_head.h"
 #include "tests/support/soak.h"

@@ -1,7 +1,6 @@
 // Another focal length: each head keeps its place and size in the image, its perspective changes.
-#include "flame/focal.h"
-
 #include "flame/pose.h"
+#include "flame/track.h"
 #include "splat/base/error.h"
 #include "tests/flame/tracked_head.h"
 #include "tests/support/expect_error.h"

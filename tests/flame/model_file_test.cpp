@@ -1,11 +1,10 @@
-// flame/io/model_file.h: both kinds of file give the same model; faults are named.
-#include "flame/io/model_file.h"
-
+// LoadFlameModel: both kinds of file give the same model; faults are named.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "flame/io/pickle.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"

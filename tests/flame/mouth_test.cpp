@@ -11,7 +11,7 @@
 #include "assets/head/motion.h"
 #include "assets/head/procedural_head.h"
 #include "assets/head/raster.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/pose.h"
 #include "flame/topology.h"
 #include "tests/flame/hollow_head.h"

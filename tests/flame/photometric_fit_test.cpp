@@ -7,7 +7,6 @@
 #include "flame/fit/face_texture.h"
 #include "flame/fit/fit_landmarks.h"
 #include "flame/fit/frame_field.h"
-#include "flame/fit/refine_track.h"
 #include "flame/pose.h"
 #include "splat/base/rng.h"
 #include "tests/flame/filmed_head.h"

@@ -8,7 +8,7 @@
 #include "assets/head/raster.h"
 #include "assets/head/shading.h"
 #include "assets/head/video.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/pose.h"
 #include "flame/track.h"
 #include "splat/base/error.h"

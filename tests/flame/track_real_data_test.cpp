@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/pose.h"
 #include "flame/track.h"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "assets/head/procedural_head.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/mouth.h"
 #include "flame/pose.h"
 #include "flame/topology.h"

@@ -3,8 +3,8 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/files.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/ply.h"
-#include "splat/io/significance.h"
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"
 #include "splat/io/spz.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "tests/avatar/gaussian_avatars_fixture.h"
 #include "tests/integration/command.h"
 

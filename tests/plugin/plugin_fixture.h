@@ -10,7 +10,7 @@
 #include "apps/study/avatar_stability/painted_avatar.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/plugin/cosplat.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/camera.h"
 #include "tests/support/temporary_folder.h"
 

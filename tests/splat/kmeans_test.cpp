@@ -8,8 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "splat/io/nearest_row.h"
-#include "splat/io/significance.h"
+#include "splat/io/color_weights.h"
 #include "tests/support/random_gaussians.h"
 
 namespace cosplat {

@@ -13,7 +13,7 @@
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/base/zip_archive.h"
-#include "splat/io/significance.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/splat_file.h"
 #include "splat/media/webp.h"
 #include "tests/support/expect_error.h"

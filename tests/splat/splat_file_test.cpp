@@ -8,8 +8,8 @@
 
 #include "splat/base/files.h"
 #include "splat/base/zip_archive.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/ply.h"
-#include "splat/io/significance.h"
 #include "splat/io/sog.h"
 #include "splat/io/splat_records.h"
 #include "splat/io/spz.h"

@@ -11,7 +11,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/files.h"
-#include "splat/io/seen_bands.h"
+#include "splat/io/color_weights.h"
 #include "splat/io/splat_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_gaussians.h"

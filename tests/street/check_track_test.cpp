@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "assets/head/video.h"
-#include "flame/io/model_file.h"
-#include "flame/track_check.h"
+#include "flame/model.h"
+#include "flame/track.h"
 #include "tests/street/findings.h"
 #include "tests/support/temporary_folder.h"
 

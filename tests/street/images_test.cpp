@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "splat/media/exif.h"
-#include "splat/media/matte.h"
+#include "splat/media/image_io.h"
 #include "tests/street/nerf_scene.h"
 #include "tests/support/expect_error.h"
 

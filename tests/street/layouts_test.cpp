@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "splat/base/data_files.h"
-#include "splat/media/exif.h"
+#include "splat/media/image_io.h"
 #include "tests/street/nerf_scene.h"
 #include "tests/support/expect_error.h"
 

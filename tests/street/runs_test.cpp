@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "apps/cosplat/run/cfg_args.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/track.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/npz.h"
 #include "tests/integration/command.h"

@@ -12,7 +12,6 @@
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/media/exif.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {

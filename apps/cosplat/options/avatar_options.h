@@ -15,7 +15,7 @@ struct AvatarOptions : TrainOptions {
   std::string flame, landmarks;
   std::optional<int> test_frames;  // none: the video's own split
   bool fold_by_turn = false;       // implies `fold`
-  double focal_scale = 1;          // of the track's focal length (flame/focal.h)
+  double focal_scale = 1;          // of the track's focal length (ScaleFocal)
   bool mouth = true;
   bool embed_flame = false;
   bool truncate_degree = false;

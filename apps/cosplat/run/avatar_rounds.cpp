@@ -9,7 +9,7 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "avatar/train/refine_by_avatar.h"
 #include "flame/eyelids.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "flame/mouth.h"
 
 namespace cosplat {

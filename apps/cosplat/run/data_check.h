@@ -1,4 +1,4 @@
-// What the checks of a data set found (splat/io/scene_check.h, flame/track_check.h), for users.
+// What the checks of a data set found (splat/io/scene_check.h, flame/track.h), for users.
 #pragma once
 
 #include <string>

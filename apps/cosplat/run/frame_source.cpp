@@ -6,7 +6,7 @@
 
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
-#include "splat/media/matte.h"
+#include "splat/media/image_io.h"
 
 namespace cosplat {
 namespace {

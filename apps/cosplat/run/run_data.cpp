@@ -9,7 +9,7 @@
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/model/avatar_mesh.h"
-#include "flame/focal.h"
+#include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/io/cameras_json.h"
 

@@ -20,7 +20,7 @@ struct DataSplit {
   // Tracked videos only.
   int test_frames = -1;
   bool fold_by_turn = false;
-  double focal_scale = 1;  // of the track's focal length (flame/focal.h)
+  double focal_scale = 1;  // of the track's focal length (ScaleFocal)
   // Scenes only: SceneOptions::origin. What a run's files are counted from.
   std::optional<WorldOrigin> origin{};
   std::string images = "images";  // SceneOptions::images

@@ -12,7 +12,7 @@
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
 #include "flame/io/imavatar_writer.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 

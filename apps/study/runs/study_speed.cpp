@@ -11,7 +11,7 @@
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/play/player.h"
-#include "flame/io/model_file.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/gaussians.h"
 #include "splat/io/ply.h"

@@ -1,6 +1,7 @@
-// Which way the colour of a Gaussian leans over the directions from which it is seen: what lets a
-// file that stores bands 1 and up coarsely put the mean of their error into the constant colour.
+// What an error in a Gaussian's colour weighs when files are compressed (splat/io/sog.h, spz.h).
 //
+// SeenBands: which way the colour leans over the directions from which it is seen, which lets a
+// file that stores bands 1 and up coarsely put the mean of their error into the constant colour.
 // Gaussians, cameras -> SeenBands -> WriteSog, WriteSpz -> MoveErrorToDc. On garden (249,515
 // Gaussians, docs/files.md) this regains two fifths of what coarse bands lose, at no cost in bytes.
 #pragma once
@@ -22,5 +23,15 @@ std::vector<float> SeenBands(const Gaussians& gaussians, const std::vector<Camer
 // of SeenBands.
 void MoveErrorToDc(
     const float* bands, const float* stored, const float* seen, int degree, float* dc);
+
+// Opacity times the geometric mean of the standard deviations: a substitute for significance
+// (splat/train/prune/importance.h) if no views are known. [N]
+std::vector<float> SizeSignificance(const Gaussians& gaussians);
+
+// [N] > 0: the weight of each Gaussian in k-means, its significance kept above 1e-4 of the mean.
+// One that is not finite, as of a splat larger than any float, counts as 0. Over equal weights a
+// SOG of the fox of docs/dcsh.md gains 0.20 dB by this (32.12 to 32.32 dB), one of its chair 0.07
+// dB.
+std::vector<float> WeightsOf(View<const float> significance);
 
 }  // namespace cosplat

@@ -1,24 +1,21 @@
-#include "splat/io/seen_bands.h"
+#include "splat/io/color_weights.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "splat/base/error.h"
 #include "splat/basis_constants.h"
 #include "splat/math/dcsh.h"
+#include "splat/media/image_glance.h"
 
 namespace cosplat {
 namespace {
 
 // Depth of a point that the camera's image shows, or 0.
 float DepthInImage(const Camera& camera, const float* p) {
-  std::array<float, 3> c = camera.translation;
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) c[i] += camera.rotation[3 * i + k] * p[k];
-  if (!(c[2] > 0)) return 0;
-  const float x = camera.fx * c[0] / c[2] + camera.cx, y = camera.fy * c[1] / c[2] + camera.cy;
-  const bool inside = x >= 0 && x < float(camera.width) && y >= 0 && y < float(camera.height);
-  return inside ? c[2] : 0;
+  const Sighting at = Sight(camera, p);
+  return at.inside ? at.in_camera[2] : 0;
 }
 
 }  // namespace
@@ -57,6 +54,27 @@ void MoveErrorToDc(
   for (int k = 0; k < CoefficientCount(degree) - 1; ++k)
     for (int channel = 0; channel < 3; ++channel)
       dc[channel] += (bands[3 * k + channel] - stored[3 * k + channel]) * seen[k] / constant;
+}
+
+std::vector<float> SizeSignificance(const Gaussians& g) {
+  std::vector<float> significance;
+  for (size_t i = 0; i < g.size(); ++i) {
+    const float* s = g.at(kScaleLog, i);
+    const float opacity = 1 / (1 + std::exp(-*g.at(kOpacityLogit, i)));
+    significance.push_back(opacity * std::exp((s[0] + s[1] + s[2]) / 3));
+  }
+  return significance;
+}
+
+std::vector<float> WeightsOf(View<const float> significance) {
+  std::vector<float> finite;
+  for (const float s : significance) finite.push_back(std::isfinite(s) ? s : 0);
+  double sum = 0;
+  for (const float s : finite) sum += s;
+  const float least = sum > 0 ? float(1e-4 * sum / double(finite.size())) : 1;
+  std::vector<float> weights;
+  for (const float s : finite) weights.push_back(std::max(s, least));
+  return weights;
 }
 
 }  // namespace cosplat
