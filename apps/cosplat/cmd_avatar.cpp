@@ -5,9 +5,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
-#include "apps/cosplat/options/config_file.h"
-#include "apps/cosplat/options/option_groups.h"
-#include "apps/cosplat/run/landmark_run.h"
+#include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"

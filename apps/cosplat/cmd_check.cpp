@@ -5,8 +5,8 @@
 
 #include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/data_check.h"
 #include "apps/cosplat/run/html_page.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/overlay.h"
 #include "apps/cosplat/run/run_data.h"
 #include "flame/model.h"

@@ -11,7 +11,7 @@
 #include "apps/cosplat/export_measure.h"
 #include "apps/cosplat/export_subject.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/web_page.h"
+#include "apps/cosplat/run/web_model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"

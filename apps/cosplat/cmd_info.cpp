@@ -8,7 +8,6 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"

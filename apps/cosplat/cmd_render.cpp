@@ -18,7 +18,6 @@
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"

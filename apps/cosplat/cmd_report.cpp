@@ -7,7 +7,6 @@
 #include "apps/charts/svg_chart.h"
 #include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/data_uri.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"

@@ -9,17 +9,17 @@
 
 #include "apps/cosplat/capture/colmap.h"
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/options/config_file.h"
-#include "apps/cosplat/options/option_groups.h"
+#include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/options/scene_options.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/run_folder.h"
-#include "apps/cosplat/run/scene_training.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
 namespace {
@@ -190,7 +190,7 @@ void Train(SceneCommand o, const std::string& config) {
   const std::string orbit = o.model + "/orbit.mp4";
   o.source = o.Data();
   o.resume = !o.overwrite;
-  TrainScene(o, config);
+  TrainScene(o, config, OneRank());
   if (o.eval) WriteReport(o.model, o.quiet);
   if (!fs::exists(orbit)) RenderVideo(o.model, "", orbit, o.device, o.quiet);
 }

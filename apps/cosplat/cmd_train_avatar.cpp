@@ -5,9 +5,9 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
-#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
-#include "apps/cosplat/run/data_check.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"

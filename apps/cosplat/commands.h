@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -10,7 +11,9 @@
 
 namespace cosplat {
 
+class Ranks;
 struct AvatarOptions;
+struct SceneTrainOptions;
 struct TrackRunOptions;
 
 void AddAvatar(CLI::App& app);
@@ -30,7 +33,13 @@ void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
 
-// What the commands report and render do, for commands that include them.
+// What these commands do, for commands that include them.
+
+struct LandmarkRunOptions {
+  std::string source;  // a video, or a folder of images
+  std::string out;     // .json; mattes go into mattes/ beside it
+  bool quiet = false;
+};
 
 // Writes report.html of the run in `model`. Throws Error if it has no test images.
 void WriteReport(const std::string& model, bool quiet);
@@ -44,6 +53,17 @@ void RenderVideo(const std::string& model,
 // As `train-avatar`. `config`: of ConfigOf. Throws Error before anything is written if the data or
 // the options cannot be used.
 void TrainAvatar(AvatarOptions options, const std::string& config);
+// As `train-scene`: reads o.source, trains, and writes the run folder o.model (run_folder.h).
+// Prints what it reads and reaches, unless quiet. Resumes an interrupted run, and leaves a finished
+// one as it is, where the options say so. Throws Error before anything is written if the data or
+// the options cannot be used; Stopped as RunTraining does. ranks: with whom it trains; rank 0 alone
+// writes and prints.
+void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks);
+// As `landmarks`. The first use installs MediaPipe's packages by npm into the user's cache folder,
+// and says so; later ones need no network. Shows progress and prints a summary. Throws Error that
+// says what to install if node, npm or Chromium is missing, and if one of them fails or no frame
+// has a face; nothing is written then.
+void DetectLandmarks(const LandmarkRunOptions& options);
 // The options of `track` that `avatar` has, too.
 void DeclareTracking(TrackRunOptions& options, CLI::App& command);
 

@@ -1,20 +1,26 @@
 #include "apps/cosplat/export_subject.h"
 
-#include "apps/cosplat/run/imported_run.h"
-#include "apps/cosplat/run/read_splats.h"
+#include <cstdlib>
+#include <filesystem>
+
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/model.h"
+#include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/source.h"
 #include "splat/io/color_weights.h"
 #include "splat/io/splat_file.h"
 #include "splat/train/prune/importance.h"
 
 namespace cosplat {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::vector<Camera> TrainingCameras(const SceneData& data) {
   std::vector<Camera> cameras;
@@ -56,6 +62,40 @@ ExportSubject LoadRun(const ExportSource& source) {
   if (source.measure && subject.data.test.empty())
     throw Error(source.model, "--measure", "the run has no held-out views: train with --eval");
   return subject;
+}
+
+int IterationOf(const std::string& splats) {
+  const std::string folder = fs::absolute(splats).parent_path().filename().string();
+  const std::string prefix = "iteration_";
+  return folder.starts_with(prefix) ? std::atoi(folder.c_str() + prefix.size()) : 0;
+}
+
+// Writes what `render`, `metrics` and `play` read besides avatar.glb: run.json, cameras.json and
+// the splats at rest, as of the iteration in the splats' path (iteration_N), else 0. The frames
+// held out are those of the data set's own split. Throws Error as LoadDrivingSequence does.
+void WriteImportedRun(const std::string& folder,
+                      const ExportSource& source,
+                      const AvatarModel& avatar) {
+  const TrackedVideo video = LoadDrivingSequence(source.data);
+  const int iteration = IterationOf(source.splats);
+  DataSplit split;
+  split.eval = true;
+  const Json run{{"kind", "avatar"},
+                 {"source", fs::absolute(source.data).string()},
+                 {"flame", fs::absolute(source.flame).string()},
+                 {"imported", fs::absolute(source.splats).string()},
+                 {"split", ToJson(split)},
+                 {"iterations", iteration},
+                 {"degree", avatar.gaussians.degree},
+                 {"basis", ToString(avatar.gaussians.basis)},
+                 {"seed", nullptr},
+                 {"background", avatar.background},
+                 {"reference", ReferenceView(video)},
+                 {"version", COSPLAT_VERSION}};
+  MakeDirectories(folder);
+  WriteTrackCameras(folder, video);
+  SaveSplats(folder, iteration, RestPose(avatar));
+  WriteFileAtomically(folder + "/run.json", run.dump(2) + "\n");
 }
 
 }  // namespace
@@ -107,7 +147,7 @@ void ExportRun(const std::string& folder,
     throw Error(subject.path, "--run", "is for point clouds of GaussianAvatars");
   if (source.data.empty())
     throw Error("--run", "needs -s: the data set whose frames are rendered and measured");
-  WriteImportedRun(folder, {source.splats, source.data, source.flame}, subject.imported->model);
+  WriteImportedRun(folder, source, subject.imported->model);
   ExportGlb(folder + "/avatar.glb", subject, truncate_degree);
 }
 

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/read_splats.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"

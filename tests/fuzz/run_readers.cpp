@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/options/avatar_options.h"
-#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/command_line.h"
 #include "apps/study/runs/study_list.h"
 #include "splat/base/compression.h"
 #include "splat/base/files.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cosplat/options/config_file.h"
+#include "apps/cosplat/options/command_line.h"
 #include "splat/base/files.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "apps/cosplat/run/cfg_args.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "flame/model.h"
 #include "flame/track.h"
 #include "tests/support/expect_error.h"

@@ -1,7 +1,7 @@
 #include "apps/cosplat/options/avatar_options.h"
 
 #include "apps/cosplat/options/choice.h"
-#include "apps/cosplat/options/option_groups.h"
+#include "apps/cosplat/options/command_line.h"
 #include "avatar/model/corrections.h"
 
 namespace cosplat {

@@ -1,7 +1,7 @@
 #include "apps/cosplat/options/scene_options.h"
 
 #include "apps/cosplat/options/choice.h"
-#include "apps/cosplat/options/option_groups.h"
+#include "apps/cosplat/options/command_line.h"
 #include "splat/base/error.h"
 
 namespace cosplat {

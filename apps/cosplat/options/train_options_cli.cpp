@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "apps/cosplat/options/choice.h"
-#include "apps/cosplat/options/option_groups.h"
+#include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/options/train_options.h"
 
 namespace cosplat {

@@ -1,5 +1,3 @@
-#include "apps/cosplat/run/avatar_rounds.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -7,6 +5,7 @@
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/track_run.h"
 #include "avatar/train/refine_by_avatar.h"
 #include "flame/eyelids.h"
 #include "flame/model.h"

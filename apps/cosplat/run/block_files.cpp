@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/train/blocks/block_schedule.h"
 #include "splat/train/describe_state.h"
 
 namespace cosplat {
@@ -133,6 +134,21 @@ void BlockFiles::Remove(const std::string& run_folder) {
   std::error_code code;
   std::filesystem::remove_all(BlocksFolder(run_folder), code);
   if (code) throw Error(BlocksFolder(run_folder), "cannot be removed: " + code.message());
+}
+
+void BlockState::Describe(StateArchive& a, size_t frames, bool has_exposures) {
+  a.Value("round", round);
+  a.Value("cost", cost);
+  a.Require(round <= kBlockRounds, "round", "is beyond the run's end");
+  if (round == 0) return;
+  cosplat::Describe(a, counts.size(), blocks);
+  for (auto& of_block : views) {
+    a.ArrayUpTo("views", of_block, frames);
+    for (const uint32_t view : of_block)
+      a.Require(view < frames, "views", "names one that is not there");
+  }
+  a.Array("counts", counts, counts.size());
+  if (has_exposures) cosplat::Describe(a, frames, exposures);
 }
 
 }  // namespace cosplat

@@ -15,12 +15,15 @@
 //   blocks/N/V.ignored            [height, width]: not 0 where it is not
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/base/state_file.h"
 #include "splat/gaussians.h"
+#include "splat/train/blocks/blocks.h"
 #include "splat/train/loss/photograph.h"
 #include "splat/train/trainer.h"
 
@@ -74,6 +77,22 @@ class BlockFiles {
 
   std::string folder_;
   Gaussians layout_;
+};
+
+// How far a training in blocks is, and what all its blocks have in common: the same on all ranks,
+// and what the run's checkpoint has.
+struct BlockState {
+  explicit BlockState(size_t count) : views(count), counts(count, 0) {}
+
+  uint32_t round = 0;  // 0: the whole scene's, in which there is nothing else yet
+  RoundCost cost;      // of all rounds before this one
+  SceneBlocks blocks;
+  std::vector<std::vector<uint32_t>> views;  // that each block is trained on
+  std::vector<uint64_t> counts;              // Gaussians of each block
+  ExposureState exposures;                   // of all frames; empty unless they are trained
+
+  // frames: of the scene. Reading throws Error if it does not fit them.
+  void Describe(StateArchive& archive, size_t frames, bool has_exposures);
 };
 
 }  // namespace cosplat

@@ -12,7 +12,6 @@
 
 #include "apps/cosplat/run/block_files.h"
 #include "apps/cosplat/run/block_layers.h"
-#include "apps/cosplat/run/block_state.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/stop_signals.h"

@@ -1,5 +1,3 @@
-#include "apps/cosplat/run/cfg_args.h"
-
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -7,6 +5,7 @@
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_data.h"
+#include "apps/cosplat/run/run_folder.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 

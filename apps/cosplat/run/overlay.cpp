@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/charts/svg_drawing.h"
-#include "apps/cosplat/run/data_uri.h"
+#include "apps/cosplat/run/html_page.h"
 #include "apps/viewer/mesh_view.h"
 #include "splat/media/image_glance.h"
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "apps/cosplat/run/cfg_args.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/io/ply.h"

@@ -26,9 +26,13 @@ void RemoveRun(const std::string& folder);
 
 // Whether it is a run's folder, ours or one that 3DGS's code wrote.
 bool IsRun(const std::string& folder);
-// run.json, or what it would say of a folder of 3DGS's own (cfg_args.h). Throws Error if `folder`
-// holds no run.
+// run.json, or what it would say of a folder of 3DGS's own. Throws Error if `folder` holds no run.
 JsonField ReadRun(const std::string& folder);
+// The latter, of a folder that 3DGS's own code wrote: cfg_args in place of run.json.
+//
+// What run.json would say: source, split, degree, background, and the highest iteration saved.
+// Throws Error naming the field if cfg_args is not 3DGS's line ("Namespace(eval=True, ...)").
+Json RunOfCfgArgs(const std::string& folder);
 
 Json CameraToJson(const Camera& camera);
 Camera CameraFromJson(const JsonField& json);

@@ -1,16 +1,14 @@
-#include "apps/cosplat/run/track_report.h"
-
 #include <algorithm>
 #include <array>
 
 #include "apps/charts/svg_chart.h"
 #include "apps/charts/svg_drawing.h"
-#include "apps/cosplat/run/avatar_rounds.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/overlay.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
+#include "apps/cosplat/run/track_run.h"
 #include "flame/eyelids.h"
 #include "flame/pose.h"
 #include "splat/base/files.h"

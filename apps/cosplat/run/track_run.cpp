@@ -8,7 +8,6 @@
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/track_report.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
 #include "flame/io/imavatar_writer.h"

@@ -5,15 +5,17 @@
 // about it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "apps/cosplat/run/avatar_rounds.h"
 #include "apps/cosplat/run/frame_source.h"
 #include "flame/fit/fit_landmarks.h"
 #include "splat/base/skipped.h"
 
 namespace cosplat {
+
+constexpr int kAvatarRounds = 3;
 
 struct TrackRunOptions {
   std::string source;     // a video, or a folder of images
@@ -48,5 +50,34 @@ TrackRun FitTrack(const TrackRunOptions& options, const FrameSource& frames);
 // Fits and writes <out>/flame_params.json (last), image/, mask/ where there are mattes, track.json
 // and track.html; prints a summary. Throws Error as above, before anything is written.
 void RunTracking(const TrackRunOptions& options);
+
+// What a track looks like (track_report.cpp): the mesh over the video, and its distance from the
+// landmarks.
+
+// The frame with the fitted mesh shaded over it; landmarks as seen in green, as fitted in red.
+Image8 DrawOverlay(const TrackRun& run, size_t frame, const Image8& image);
+
+// Writes <out>/track.json (figures per frame), <out>/track.html (the same to look at),
+// <out>/skipped_frames.json if there are some, and, if asked for, the overlay of every frame that
+// is kept.
+void WriteTrackReport(const TrackRunOptions& options,
+                      const TrackRun& run,
+                      const FrameSource& frames);
+
+// The rounds in which small avatars make a track more exact (avatar_rounds.cpp): RefineByAvatar
+// (avatar/train/refine_by_avatar.h) with the settings of train-avatar's quick preset, but 800
+// steps.
+//
+// flame: the model's file; image: as RefineByAvatar has it. Frames' eyelids are apart from their
+// expressions, before and after. Returns what RefineByAvatar does, and nothing for no rounds.
+std::vector<double> RefineByAvatars(const std::string& flame,
+                                    TrackedVideo& video,
+                                    const std::function<Image8(const TrackedFrame&)>& image,
+                                    int rounds,
+                                    bool quiet);
+
+// "frames that small avatars had not seen: 24.31 dB, 25.50 dB after round 1, 25.45 dB after round
+// 2, which is undone".
+std::string AvatarRoundsText(const std::vector<double>& psnr);
 
 }  // namespace cosplat

@@ -17,15 +17,6 @@
 
 namespace cosplat {
 
-void PrintSkipped(const std::vector<SkippedFrame>& skipped) {
-  if (skipped.empty()) return;
-  std::printf("%zu frames skipped:\n", skipped.size());
-  constexpr size_t kListed = 5;
-  for (size_t i = 0; i < std::min(kListed, skipped.size()); ++i)
-    std::printf("  %s: %s\n", skipped[i].name.c_str(), skipped[i].reason.c_str());
-  if (skipped.size() > kListed) std::printf("  ... (all are in skipped_frames.json)\n");
-}
-
 void PrintFinished(const TrainOptions& o) {
   if (!o.quiet) std::printf("trained by an earlier run with the same options\n");
 }

@@ -55,7 +55,4 @@ void PrintSettled(const TrainOptions& options);
 // Prints the time it took and the number of Gaussians.
 void PrintTrained(const TrainingStatistics& statistics);
 
-// Prints the number of skipped frames, and up to five of them with their reasons.
-void PrintSkipped(const std::vector<SkippedFrame>& skipped);
-
 }  // namespace cosplat

@@ -24,4 +24,11 @@ WebModel FindWebModel(const std::string& model, const std::string& flame);
 // Throws Error if `file` (such as "dist/player.wasm") was not built.
 std::string WebFolder(const std::string& file);
 
+// `cosplat export --html`: the model with its player in one file.
+//
+// Puts the model into the page that `npm run offline` made (apps/web/dist/offline.html) and writes
+// it atomically. The FLAME model goes into it only if it may be passed on; otherwise the page asks
+// for it. Throws Error if the page was not built or a file cannot be read or written.
+void WriteWebPage(const std::string& path, const WebModel& model);
+
 }  // namespace cosplat

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "apps/cosplat/run/camera_path.h"
+#include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "apps/cosplat/run/read_splats.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "splat/base/error.h"

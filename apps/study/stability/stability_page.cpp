@@ -5,7 +5,7 @@
 
 #include "apps/charts/chart_scale.h"
 #include "apps/charts/svg_drawing.h"
-#include "apps/cosplat/run/data_uri.h"
+#include "apps/cosplat/run/html_page.h"
 #include "splat/base/files.h"
 #include "splat/media/image_io.h"
 
