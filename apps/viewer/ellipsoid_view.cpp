@@ -66,7 +66,7 @@ Rgb MeanColor(const float* dc) {
 }
 
 // Returns false if there is nothing to draw.
-bool Place(const WorldGaussians& g, size_t i, const Camera& camera, Ellipsoid& e) {
+bool PlaceEllipsoid(const WorldGaussians& g, size_t i, const Camera& camera, Ellipsoid& e) {
   const float *p = g.position + 3 * i, *q = g.rotation + 4 * i, *s = g.scale_log + 3 * i;
   if (!(g.opacity_logit[i] >= kFaintestLogit)) return false;
   Mat3<float> cam_from_world;
@@ -115,7 +115,7 @@ void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, Surfa
   std::vector<Ellipsoid> all(gaussians.count), drawn;
   std::vector<uint8_t> seen(gaussians.count);
   tbb::parallel_for(size_t(0), gaussians.count, [&](size_t i) {
-    seen[i] = Place(gaussians, i, samples, all[i]);
+    seen[i] = PlaceEllipsoid(gaussians, i, samples, all[i]);
   });
   for (size_t i = 0; i < all.size(); ++i)
     if (seen[i]) drawn.push_back(all[i]);

@@ -107,7 +107,7 @@ void DrawMesh(const std::vector<float>& vertices,
   });
 }
 
-std::vector<int> CountPerFace(View<const int32_t> triangle, size_t faces) {
+std::vector<int> CountPerFace(cosplat::View<const int32_t> triangle, size_t faces) {
   std::vector<int> counts(faces, 0);
   for (const int32_t t : triangle) ++counts[size_t(t)];
   return counts;

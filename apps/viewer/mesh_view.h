@@ -25,7 +25,7 @@ void DrawMesh(const std::vector<float>& vertices,
               SurfaceBuffer& buffer);
 
 // Number of Gaussians on each of `faces` faces. triangle: [N].
-std::vector<int> CountPerFace(View<const int32_t> triangle, size_t faces);
+std::vector<int> CountPerFace(cosplat::View<const int32_t> triangle, size_t faces);
 std::vector<Rgb> CountColors(const std::vector<int>& counts);
 
 // Draws Gaussians as lit one-standard-deviation ellipsoids in their mean colour. Shows positions

@@ -1,9 +1,10 @@
+#include "apps/viewer/screen.h"
+
 #include <imgui.h>
 
 #include <filesystem>
 
 #include "apps/viewer/key_bindings.h"
-#include "apps/viewer/screen_parts.h"
 
 namespace cosplat::viewer {
 namespace {

@@ -38,4 +38,19 @@ ScreenResult DrawScreen(Session& session, const ScreenState& state);
 // Sets sizes, colours and the font for `scale`; call before the first frame.
 void SetUpStyle(float scale);
 
+// The parts of DrawScreen, each in its own source file.
+
+// A rectangle of the window, in ImGui units.
+struct Place {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+
+// The panels on the right.
+void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenResult& result);
+// The timeline bar of a recorded sequence.
+void DrawTimeline(Session& session, Place place);
+// The image, its mouse controls and its overlays.
+void DrawImage(Session& session, const ScreenState& state, Place place, ScreenResult& result);
+void DrawHelp(bool& open, float scale);
+
 }  // namespace cosplat::viewer

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "apps/viewer/color_scale.h"
 #include "apps/viewer/key_bindings.h"
-#include "apps/viewer/screen_parts.h"
+#include "apps/viewer/screen.h"
+#include "apps/viewer/surface_buffer.h"
 
 namespace cosplat::viewer {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/viewer/screen_parts.h"
+#include "apps/viewer/screen.h"
 
 namespace cosplat::viewer {
 namespace {

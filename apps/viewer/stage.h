@@ -12,13 +12,23 @@
 
 #include "apps/viewer/mesh_view.h"
 #include "apps/viewer/orbit_camera.h"
-#include "apps/viewer/view.h"
 #include "avatar/play/player.h"
 #include "splat/levels/frame_budget.h"
 #include "splat/levels/level_renderer.h"
 #include "splat/render/scene_renderer.h"
 
 namespace cosplat::viewer {
+
+enum class View { kSplats, kEllipsoids, kTriangles, kWire };
+constexpr int kViewCount = 4;
+constexpr std::array<const char*, kViewCount> kViewNames{
+    "splats", "ellipsoids", "triangles", "wire"};  // in the order of View
+
+// Triangles and wire show the mesh, which scenes do not have.
+constexpr bool NeedsMesh(View view) { return view == View::kTriangles || view == View::kWire; }
+
+// Throws Error, naming `field`, if `text` is none of the names.
+View ViewFromString(const std::string& text, const std::string& field);
 
 // A scene, or an avatar with the FLAME model that poses it.
 struct Content {

@@ -5,14 +5,16 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "apps/viewer/color_scale.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 
 namespace cosplat::viewer {
+
+using Rgb = std::array<uint8_t, 3>;
 
 constexpr int kSamplesPerSide = 2;
 
@@ -45,5 +47,17 @@ void Resolve(const SurfaceBuffer& buffer, const std::array<float, 3>* background
 // Shades `rgb` by a lamp next to the camera. normal: unit length, in the camera's axes, of either
 // sign.
 Rgb Lit(const Rgb& rgb, const std::array<float, 3>& normal);
+
+// Colours for counts, shared by the image and its legend.
+
+// From dark blue over green to yellow, in even steps of brightness. t: [0, 1], clamped.
+Rgb ScaleColor(float t);
+
+// Position of a count on a scale from 0 to `most`, in [0, 1]: logarithmic, since counts per
+// triangle span decades.
+float CountPlace(int count, int most);
+
+// Triangles without any Gaussian.
+constexpr Rgb kNoneColor{70, 70, 74};
 
 }  // namespace cosplat::viewer

@@ -1,9 +1,9 @@
-#include "assets/head/landmarks.h"
+#include "flame/io/landmarks.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "flame/io/landmarks.h"
+#include "assets/head/video.h"
 #include "flame/pose.h"
 #include "splat/base/npz.h"
 #include "splat/base/rng.h"

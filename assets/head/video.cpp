@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <mutex>
 
-#include "assets/head/landmarks.h"
 #include "flame/io/imavatar_writer.h"
 #include "flame/model.h"
 #include "flame/pose.h"

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "assets/head/landmarks.h"
 #include "assets/head/motion.h"
 #include "assets/head/procedural_head.h"
+#include "assets/head/video.h"
 #include "flame/fit/fit_landmarks.h"
 #include "flame/fit/frame_field.h"
 #include "flame/pose.h"

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <map>
 
-#include "assets/head/landmarks.h"
 #include "assets/head/video.h"
 #include "flame/fit/points_on_flame.h"
 #include "flame/math/rodrigues.h"
