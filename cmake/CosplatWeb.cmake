@@ -48,6 +48,7 @@ cosplat_library(base
   splat/base/npz.cpp
   splat/base/sha256.cpp
   splat/base/skipped.cpp
+  splat/base/text.cpp
   splat/base/unpacked_file.cpp
   splat/base/world_frame.cpp
   splat/base/zip_reader_stb.cpp)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -128,8 +129,7 @@ class Eye {
       any = true;
     }
     if (!any || radius_ <= 0)
-      throw Error(
-          model_.name, "eyelids", "the eye of joint " + std::to_string(joint_) + " is shut");
+      throw Error(model_.name, "eyelids", Format("the eye of joint {} is shut", joint_));
   }
 
   const FlameModel& model_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -15,16 +16,10 @@ void CheckFinite(const FlameModel& model,
                  const std::vector<float>& values,
                  size_t expected) {
   if (values.size() != expected)
-    throw Error(
-        model.name,
-        array,
-        "has " + std::to_string(values.size()) + " numbers, expected " + std::to_string(expected));
+    throw Error(model.name, array, Format("has {} numbers, expected {}", values.size(), expected));
   for (size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
-      throw Error(
-          model.name,
-          array,
-          "number " + std::to_string(i) + " is not finite (" + std::to_string(values[i]) + ")");
+      throw Error(model.name, array, Format("number {} is not finite ({})", i, values[i]));
 }
 
 void CheckFaces(const FlameModel& model) {
@@ -46,9 +41,7 @@ void CheckRowsSumToOne(const FlameModel& model,
     double sum = 0;
     for (size_t c = 0; c < columns; ++c) sum += values[r * columns + c];
     if (std::abs(sum - 1) > kWeightSumTolerance)
-      throw Error(model.name,
-                  array,
-                  "row " + std::to_string(r) + " sums to " + std::to_string(sum) + ", expected 1");
+      throw Error(model.name, array, Format("row {} sums to {}, expected 1", r, sum));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "flame/math/rodrigues.h"
 #include "flame/math/skinning.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -95,9 +96,7 @@ FlamePoser<T>::Impl::Impl(const FlameModel& m,
   if (!offset.empty()) {
     if (Eigen::Index(offset.size()) != rows)
       throw Error(
-          m.name,
-          "static_offset",
-          "has " + std::to_string(offset.size()) + " numbers, expected " + std::to_string(rows));
+          m.name, "static_offset", Format("has {} numbers, expected {}", offset.size(), rows));
     CheckParameters(m, "static_offset", offset);
     shaped += Eigen::Map<const VectorX<float>>(offset.data(), rows).cast<T>();
   }
@@ -267,9 +266,7 @@ typename FlamePoser<T>::Parameters FlamePoser<T>::Backward(const Parameters& par
   const size_t size = m.shaped.size();
   if (d_vertices.size() != size)
     throw Error(
-        m.model.name,
-        "d_vertices",
-        "has " + std::to_string(d_vertices.size()) + " numbers, expected " + std::to_string(size));
+        m.model.name, "d_vertices", Format("has {} numbers, expected {}", d_vertices.size(), size));
   const auto rig = m.RigOf(parameters);
   m.Blend(parameters, rig, cache, [](Eigen::Index, Eigen::Index) {});
   VectorX<T> d_v = Eigen::Map<const VectorX<T>>(d_vertices.data(), size);

@@ -4,6 +4,7 @@
 
 #include "flame/halfedges.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -23,8 +24,7 @@ void CheckFaces(const std::string& name, const Faces& faces, int vertex_count) {
       if (a < 0 || a >= vertex_count)
         throw Error(name,
                     FaceField(f),
-                    "refers to vertex " + std::to_string(a) + ", but there are only " +
-                        std::to_string(vertex_count));
+                    Format("refers to vertex {}, but there are only {}", a, vertex_count));
       if (a == b) throw Error(name, FaceField(f), "uses vertex " + std::to_string(a) + " twice");
       const auto [entry, fresh] = face_of_edge.emplace(uint64_t(a) << 32 | uint32_t(b), f);
       if (!fresh)

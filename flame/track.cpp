@@ -15,6 +15,7 @@
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -84,8 +85,7 @@ void SplitLastFrames(int count, TrackedVideo& video) {
   if (count < 0 || size_t(count) >= instants.size())
     throw Error(video.source,
                 "test frames",
-                std::to_string(count) + " of " + std::to_string(instants.size()) +
-                    " frames would leave none to train on");
+                Format("{} of {} frames would leave none to train on", count, instants.size()));
   if (count == 0) return;
   const int first = *std::prev(instants.end(), count);
   const auto boundary =
@@ -185,15 +185,13 @@ std::string UnusedExpressions(const FlameModel& flame,
     }
   }
   if (left == 0) return "";
-  char text[160];
-  std::snprintf(text,
-                sizeof text,
-                "%zu of %zu expression coefficients are used, all that the model has; the others "
-                "are %.0f %% of the expressions (sum of squares)",
-                std::min(used, given),
-                given,
-                100 * left / all);
-  return text;
+  return Format(
+      "{} of {} expression coefficients are used, all that the model has; the others are {:.0f} % "
+      "of "
+      "the expressions (sum of squares)",
+      std::min(used, given),
+      given,
+      100 * left / all);
 }
 
 bool TracksEyelids(const TrackedVideo& video) {

@@ -28,16 +28,6 @@ struct CheckOptions {
   int resolution = 0;  // 0: the largest that there is
 };
 
-// Up to kPictures of `all`, evenly spread.
-template <class T>
-std::vector<T> SpreadOver(const std::vector<T>& all) {
-  const size_t count = std::min(kPictures, all.size());
-  std::vector<T> spread;
-  for (size_t i = 0; i < count; ++i)
-    spread.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
-  return spread;
-}
-
 std::string PicturesOf(const SceneData& scene) {
   std::vector<const SceneView*> views;
   for (const std::vector<SceneView>* list : {&scene.train, &scene.test})
@@ -48,7 +38,7 @@ std::string PicturesOf(const SceneData& scene) {
                                   "both are the same where the data is right.</p>"
                                 : "<h2>The images</h2>";
   html += has_points ? "<div class='pairs'>" : "<div class='many'>";
-  for (const SceneView* view : SpreadOver(views)) {
+  for (const SceneView* view : Spread(views, kPictures)) {
     const Image8 image = ReducedTo(LoadViewImage(*view), kPictureSide);
     const Camera camera = view->camera.Resized(image.width, image.height);
     html += FigureHtml(OverBlack(image), view->name);
@@ -61,7 +51,7 @@ std::string PicturesOf(const FlameModel& flame, const TrackedVideo& video) {
   std::string html =
       "<h2>The mesh over the frames</h2><p>Eyes, mouth and outline of both are in one place where "
       "the data is right.</p><div class='many'>";
-  for (const TrackedFrame* frame : SpreadOver(InstantsOf(video))) {
+  for (const TrackedFrame* frame : Spread(InstantsOf(video), kPictures)) {
     if (!frame->has_image) continue;
     const Image8 image = ReducedTo(LoadTrackedImage(video, *frame), kPictureSide);
     html += FigureHtml(MeshOver(PosedVertices(flame, video, *frame),

@@ -15,6 +15,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/io/ply.h"
 #include "splat/io/sog.h"
 #include "splat/io/splat_file.h"

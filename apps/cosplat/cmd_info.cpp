@@ -7,7 +7,6 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "avatar/io/avatar_file.h"
@@ -16,6 +15,7 @@
 #include "flame/track.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 #include "splat/io/dataset.h"
 #include "splat/io/ply.h"
 #include "splat/io/splat_file.h"
@@ -143,9 +143,7 @@ std::string ResultLines(const std::string& path) {
   for (const auto& [name, figures] : results.raw().items()) {
     lines += name + ":";
     for (const auto& [figure, value] : figures.items()) {
-      char number[32];
-      std::snprintf(number, sizeof number, " %.4f", results[name][figure].Number());
-      lines += " " + figure + number;
+      lines += Format(" {} {:.4f}", figure, results[name][figure].Number());
     }
     lines += "\n";
   }
@@ -157,16 +155,12 @@ std::string BandsLine(const std::string& path) {
   if (!fs::exists(path)) return "";
   const JsonField stats(path, ReadJson(path));
   if (stats.NumberOr("rest_saved", 0) == 0) return "";
-  char line[160];
-  std::snprintf(
-      line,
-      sizeof line,
-      "bands dropped: mean degree %.2f, %.0f %% of the coefficients of bands 1 and up; %+.2f "
+  return Format(
+      "bands dropped: mean degree {:.2f}, {:.0f} % of the coefficients of bands 1 and up; {:+.2f} "
       "dB on training images at the time\n",
       stats["mean_degree"].Number(),
       100 * stats["rest_saved"].Number(),
       stats["drop_psnr"].Number());
-  return line;
 }
 
 void RunInfo(const std::string& path) {

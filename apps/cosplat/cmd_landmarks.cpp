@@ -23,6 +23,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -187,9 +188,7 @@ Image8 ReadMatte(const std::string& path, const LandmarkVideo& video) {
   const std::vector<char> bytes = ReadFile(path);
   Image8 matte(video.width, video.height, 1);
   if (bytes.size() != matte.data.size())
-    throw Error(path,
-                "has " + std::to_string(bytes.size()) + " bytes, expected " +
-                    std::to_string(matte.data.size()));
+    throw Error(path, Format("has {} bytes, expected {}", bytes.size(), matte.data.size()));
   std::copy(bytes.begin(), bytes.end(), matte.data.begin());
   return matte;
 }
@@ -201,9 +200,8 @@ void WriteMattes(const FrameSource& frames,
                  LandmarkVideo& video) {
   MakeDirectories(to);
   const auto write = [&](size_t f) {
-    const Image8 matte = frames.has_alpha()
-                             ? frames.Alpha(int(f))
-                             : ReadMatte(from + "/" + std::to_string(f) + ".matte", video);
+    const Image8 matte = frames.has_alpha() ? frames.Alpha(int(f))
+                                            : ReadMatte(Format("{}/{}.matte", from, f), video);
     video.frames[f].matte = to + "/" + video.frames[f].name + ".png";
     WriteImage(video.frames[f].matte, matte);
   };

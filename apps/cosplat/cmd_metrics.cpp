@@ -60,13 +60,8 @@ void Measure(const MetricsOptions& o) {
   if (o.fit_exposure) WriteExposed(model + "/test/ours_" + std::to_string(iteration));
   std::unique_ptr<Lpips> lpips;
   if (!lpips_folder.empty()) lpips = std::make_unique<Lpips>(lpips_folder);
-  std::unique_ptr<ProgressBar> bar;
   const TestSummary summary =
-      EvaluateTestImages(model, iteration, lpips.get(), [&](int done, int total) {
-        if (!bar) bar = std::make_unique<ProgressBar>("metrics", total);
-        bar->Update(done, "views");
-      });
-  bar.reset();
+      EvaluateTestImages(model, iteration, lpips.get(), ShowProgress("metrics", "views"));
   std::printf("%s\n", ToString(summary).c_str());
   for (const auto& [name, figures] : summary.others)
     std::printf("%s: %s\n", name.c_str(), figures.c_str());

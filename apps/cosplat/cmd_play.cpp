@@ -13,6 +13,8 @@
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
+#include "splat/media/image_io.h"
 #include "splat/render/device_texture.h"
 
 namespace cosplat {
@@ -62,13 +64,6 @@ void SetLook(const PlayOptions& o, Session& session) {
   if (o.background == "white") session.background = {1, 1, 1};
 }
 
-Image8 WithoutAlpha(const Image8& rgba) {
-  Image8 rgb(rgba.width, rgba.height, 3);
-  for (size_t i = 0; i < rgba.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = rgba.data[4 * i + c];
-  return rgb;
-}
-
 // Renders the sequence's frames or, without a sequence, views of a full turn.
 void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size size) {
   if (IsLiveDrive(o.drive))
@@ -82,7 +77,7 @@ void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size si
   for (int i = 0; i < frames; ++i) {
     if (session.has_sequence()) session.timeline.Seek(i % session.timeline.frames());
     stage.Draw(session.ShotFor(size.width, size.height), image);
-    sink.Write(o.transparent ? image : WithoutAlpha(image));
+    sink.Write(o.transparent ? image : RgbOf(image));
     if (!session.has_sequence()) session.camera.Orbit(float(kTurn / frames), 0);
     bar.Update(i + 1, "frames");
   }

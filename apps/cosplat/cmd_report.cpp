@@ -8,10 +8,10 @@
 #include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/html_page.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -31,13 +31,6 @@ std::string Embed(const std::string& path, int width) {
   return ImageUri(image, ".jpg");
 }
 
-std::vector<std::string> Spread(const std::vector<std::string>& all, size_t count) {
-  std::vector<std::string> picked;
-  const size_t n = std::min(count, all.size());
-  for (size_t i = 0; i < n; ++i) picked.push_back(all[n == 1 ? 0 : i * (all.size() - 1) / (n - 1)]);
-  return picked;
-}
-
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
 // Reads an object of finite numbers.
@@ -55,30 +48,29 @@ std::string FiguresTable(const NamedNumbers& results, const JsonField& stats) {
     rows.push_back({name, value});
   };
   const std::vector<std::array<const char*, 3>> figures{
-      {"PSNR", "PSNR, whole image", "%.2f dB"},
-      {"PSNR_mask", "PSNR inside the mask", "%.2f dB"},
-      {"PSNR_head", "PSNR of the head alone, above the chin", "%.2f dB"},
-      {"PSNR_mouth", "PSNR of the mouth", "%.2f dB"},
-      {"PSNR_highlight", "PSNR of the brightest 2 %", "%.2f dB"},
-      {"SSIM", "SSIM", "%.4f"}};
+      {"PSNR", "PSNR, whole image", "{:.2f} dB"},
+      {"PSNR_mask", "PSNR inside the mask", "{:.2f} dB"},
+      {"PSNR_head", "PSNR of the head alone, above the chin", "{:.2f} dB"},
+      {"PSNR_mouth", "PSNR of the mouth", "{:.2f} dB"},
+      {"PSNR_highlight", "PSNR of the brightest 2 %", "{:.2f} dB"},
+      {"SSIM", "SSIM", "{:.4f}"}};
   for (const auto& [key, name, format] : figures)
     for (const auto& [result, value] : results)
-      if (result == key) row(name, FormatNumber(value, format));
+      if (result == key) row(name, Format(format, value));
   for (const auto& [result, value] : results)
     if (result.rfind("LPIPS_", 0) == 0)
-      row("LPIPS (" + result.substr(6) + ")", FormatNumber(value, "%.4f"));
+      row("LPIPS (" + result.substr(6) + ")", Format("{:.4f}", value));
   if (stats.raw().is_null()) return HtmlTable(rows);
   row("Gaussians", WithThousands(size_t(stats["gaussians"].Number())));
   if (stats.NumberOr("rest_saved", 0) > 0) {
-    row("Mean degree of the colours", FormatNumber(stats["mean_degree"].Number(), "%.2f"));
-    row("Coefficients dropped", FormatNumber(100 * stats["rest_saved"].Number(), "%.0f %%"));
-    row("PSNR in training as they were dropped",
-        FormatNumber(stats["drop_psnr"].Number(), "%+.2f dB"));
+    row("Mean degree of the colours", Format("{:.2f}", stats["mean_degree"].Number()));
+    row("Coefficients dropped", Format("{:.0f} %", 100 * stats["rest_saved"].Number()));
+    row("PSNR in training as they were dropped", Format("{:+.2f} dB", stats["drop_psnr"].Number()));
   }
   row("Iterations", WithThousands(size_t(stats["iterations"].Number())));
-  row("Training", FormatNumber(stats["seconds"].Number(), "%.0f s"));
-  row("One step", FormatNumber(stats["ms_per_step"].Number(), "%.1f ms"));
-  row("Memory at most", FormatNumber(stats["peak_mb"].Number(), "%.0f MB"));
+  row("Training", Format("{:.0f} s", stats["seconds"].Number()));
+  row("One step", Format("{:.1f} ms", stats["ms_per_step"].Number()));
+  row("Memory at most", Format("{:.0f} MB", stats["peak_mb"].Number()));
   return HtmlTable(rows);
 }
 

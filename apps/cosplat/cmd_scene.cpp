@@ -13,12 +13,12 @@
 #include "apps/cosplat/options/scene_options.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/process.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/train/ranks/ranks.h"
 
 namespace cosplat {
@@ -119,13 +119,12 @@ void PrintRegistration(const JsonField& json, const std::string& note) {
   const size_t registered = json["registered"].size(), missing = json["not_registered"].size();
   const size_t total = registered + missing;
   const double error = json.NumberOr("mean_error", 0);
-  char error_text[48] = "";
-  if (error > 0) std::snprintf(error_text, sizeof error_text, " with an error of %.2f px", error);
+  const std::string error_text = error > 0 ? Format(" with an error of {:.2f} px", error) : "";
   std::printf("cameras of %zu of %zu photographs, %s points%s%s\n",
               registered,
               total,
               WithThousands(size_t(json["points"].Number())).c_str(),
-              error_text,
+              error_text.c_str(),
               note.c_str());
   std::string names;
   for (size_t i = 0; i < missing; ++i) names += " " + json["not_registered"][i].String();

@@ -11,6 +11,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -80,8 +81,7 @@ void Serve(const ServeOptions& o) {
     if (!path.empty()) ServeFile(server, description[field], path);
   const int port = o.port == 0 ? server.bind_to_any_port("127.0.0.1")
                                : (server.bind_to_port("127.0.0.1", o.port) ? o.port : -1);
-  if (port < 0)
-    throw Error("--port", std::to_string(o.port) + " is in use; --port 0 takes a free one");
+  if (port < 0) throw Error("--port", Format("{} is in use; --port 0 takes a free one", o.port));
   const std::string name = o.page == "gallery" ? "index" : o.page;
   const std::string url = "http://127.0.0.1:" + std::to_string(port) + "/pages/" + name + ".html";
   std::printf("%s\nCtrl-C ends it.\n", url.c_str());

@@ -118,12 +118,9 @@ void RunRefinement(const TrackRunOptions& o) {
     throw Error("-o", "is the track's own folder '" + o.out + "', expected another");
   FlameModel model = LoadFlameModel(o.flame);
   TrackedVideo video = LoadVideo(o, model);
-  std::unique_ptr<ProgressBar> bar;
   const auto image = [&](const TrackedFrame& frame) { return LoadTrackedImage(video, frame); };
-  const std::vector<double> spread = RefineTrack(model, video, image, [&](int done, int total) {
-    if (!bar) bar = std::make_unique<ProgressBar>("refine", total, o.quiet);
-    bar->Update(done, "fits");
-  });
+  const std::vector<double> spread =
+      RefineTrack(model, video, image, ShowProgress("refine", "fits", o.quiet));
   EyelidsFromExpression(model, video);
   const std::vector<double> psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
   WriteRefined(o, spread, psnr, video);

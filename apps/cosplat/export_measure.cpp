@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/eval/metrics.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss/loss.h"
@@ -43,9 +44,7 @@ FileFigures Measure(const std::string& path,
 }
 
 std::string ToString(const FileFigures& f) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.2f MB  PSNR %.2f dB  SSIM %.4f", f.mb, f.psnr, f.ssim);
-  return text;
+  return Format("{:.2f} MB  PSNR {:.2f} dB  SSIM {:.4f}", f.mb, f.psnr, f.ssim);
 }
 
 }  // namespace cosplat

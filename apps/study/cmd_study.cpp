@@ -15,6 +15,7 @@
 #include "apps/study/stability/stability_page.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/eval/lpips.h"
 
 namespace cosplat {

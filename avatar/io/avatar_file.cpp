@@ -10,6 +10,7 @@
 #include "avatar/surface/binding.h"
 #include "avatar/surface/surface.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/glb.h"
 #include "splat/io/splat_primitive.h"
 
@@ -21,16 +22,10 @@ void CheckArray(const std::string& path,
                 View<const float> values,
                 size_t expected) {
   if (values.size() != expected)
-    throw Error(
-        path,
-        name,
-        "has " + std::to_string(values.size()) + " numbers, expected " + std::to_string(expected));
+    throw Error(path, name, Format("has {} numbers, expected {}", values.size(), expected));
   for (size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
-      throw Error(
-          path,
-          name,
-          "number " + std::to_string(i) + " is not finite (" + std::to_string(values[i]) + ")");
+      throw Error(path, name, Format("number {} is not finite ({})", i, values[i]));
 }
 
 void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
@@ -118,17 +113,14 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
 }
 
 std::string ToString(const BlendshapeFitFigures& fit, size_t scores) {
-  char text[160];
-  std::snprintf(text,
-                sizeof text,
-                "driven by %zu blendshape scores, fitted to %d frames; held out: R2 %.2f, %.2f mm "
-                "(%.2f mm without them)\n",
-                scores,
-                fit.frames,
-                fit.r2,
-                1e3 * fit.error,
-                1e3 * fit.mean_face_error);
-  return text;
+  return Format(
+      "driven by {} blendshape scores, fitted to {} frames; held out: R2 {:.2f}, {:.2f} mm ({:.2f} "
+      "mm without them)\n",
+      scores,
+      fit.frames,
+      fit.r2,
+      1e3 * fit.error,
+      1e3 * fit.mean_face_error);
 }
 
 // FLAME's vertices and faces must come first; those of a bust may follow.
@@ -302,14 +294,13 @@ std::string ToString(const GlbSummary& summary) {
             (a.has_mouth ? ", teeth and a mouth added" : "") +
             (a.has_vhap_teeth ? ", VHAP's teeth added" : "") +
             (a.has_eyelids ? ", eyelids added\n" : "\n");
-    text +=
-        "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
-        std::to_string(a.face_count) + " faces" +
-        (a.bust_follows ? " with a bust that follows the head, "
-         : a.has_bust   ? " with a bust, "
-                        : ", ") +
-        (a.has_mesh ? "in the file with " + std::to_string(a.expression_count) + " morph targets\n"
-                    : "not in the file: made from the FLAME model\n");
+    text += "canonical mesh of " + std::to_string(a.vertex_count) + " vertices and " +
+            std::to_string(a.face_count) + " faces" +
+            (a.bust_follows ? " with a bust that follows the head, "
+             : a.has_bust   ? " with a bust, "
+                            : ", ") +
+            (a.has_mesh ? Format("in the file with {} morph targets\n", a.expression_count)
+                        : "not in the file: made from the FLAME model\n");
     if (a.blendshapes > 0) text += ToString(a.blendshape_fit, a.blendshapes);
   }
   text += "extensions:";

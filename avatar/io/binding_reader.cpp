@@ -9,6 +9,7 @@
 #include "flame/mouth.h"
 #include "flame/vhap_teeth.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/splat_primitive.h"
 
 namespace cosplat {
@@ -19,8 +20,7 @@ constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: allows any head in
 
 void CheckCount(const JsonField& field, size_t found, size_t expected) {
   if (found != expected)
-    field.Fail("accessor has " + std::to_string(found) + " elements, expected " +
-               std::to_string(expected));
+    field.Fail(Format("accessor has {} elements, expected {}", found, expected));
 }
 
 // Reads the accessor that `field` refers to. expected: its number of elements, 0 for any.
@@ -75,12 +75,9 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
 // Checks that an array is at least as large as another, number by number.
 void CheckRange(const JsonField& field, View<const float> least, View<const float> most) {
   if (most.size() != least.size())
-    field.Fail("has " + std::to_string(most.size()) + " numbers, expected " +
-               std::to_string(least.size()));
+    field.Fail(Format("has {} numbers, expected {}", most.size(), least.size()));
   for (size_t i = 0; i < least.size(); ++i)
-    if (least[i] > most[i])
-      field[i].Fail("is " + std::to_string(most[i]) + ", below the minimum " +
-                    std::to_string(least[i]));
+    if (least[i] > most[i]) field[i].Fail(Format("is {}, below the minimum {}", most[i], least[i]));
 }
 
 void ReadBustFollow(const JsonField& field, BustFollow& follow) {
@@ -102,8 +99,7 @@ Buffer<float> ReadSteps(const GlbDocument& document, const JsonField& field, siz
   for (size_t i = 0; i < expected; ++i) {
     const size_t k = i % step.size();
     bases[i] = float(steps[i]) * step[k];
-    if (!std::isfinite(bases[i]))
-      field["step"][k].Fail("is " + std::to_string(step[k]) + ", too large");
+    if (!std::isfinite(bases[i])) field["step"][k].Fail(Format("is {}, too large", step[k]));
   }
   return bases;
 }
@@ -150,8 +146,7 @@ void ReadBlendshapes(const GlbDocument& document, const JsonField& field, Avatar
   BlendshapeMap& map = model.blendshapes.emplace();
   const JsonField names = field["names"], fit = field["fit"];
   if (names.size() == 0 || names.size() > kMaxBlendshapes)
-    names.Fail("has " + std::to_string(names.size()) + " names, expected 1 to " +
-               std::to_string(kMaxBlendshapes));
+    names.Fail(Format("has {} names, expected 1 to {}", names.size(), kMaxBlendshapes));
   for (size_t i = 0; i < names.size(); ++i) map.names.push_back(names[i].String());
   map.least = field["least"].Numbers(names.size());
   map.most = field["most"].Numbers(names.size());
@@ -213,8 +208,7 @@ void ReadColorRest(const GlbDocument& document, const JsonField& binding, Avatar
   if (rest == 0) return;
   const JsonField accessors = binding["colorRest"];
   if (accessors.size() != size_t(rest))
-    accessors.Fail("has " + std::to_string(accessors.size()) + " accessors, expected " +
-                   std::to_string(rest));
+    accessors.Fail(Format("has {} accessors, expected {}", accessors.size(), rest));
   model.gaussians.values[kColorRest].resize(3 * rest * model.size());
   for (int k = 0; k < rest; ++k) {
     const auto values = Floats(document, accessors[k], 3, model.size());

@@ -8,6 +8,7 @@
 #include "avatar/live/unused_input.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -101,8 +102,7 @@ void AppendScores(const BlendshapeScores& scores, std::string& line) {
 JsonFrame ParseJsonFrame(const std::string& source, const std::string& line) {
   const auto arrays = std::count(line.begin(), line.end(), '[');
   if (arrays + std::count(line.begin(), line.end(), '{') > kMaxArrays)
-    throw Error(
-        source, "", "holds more than " + std::to_string(kMaxArrays) + " arrays and objects");
+    throw Error(source, "", Format("holds more than {} arrays and objects", kMaxArrays));
   const JsonField object(source, ParseJson(source, line));
   JsonFrame frame;
   frame.sequence = SequenceOf(object["seq"]);  // also throws if it is not an object

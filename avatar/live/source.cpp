@@ -9,6 +9,7 @@
 #include "avatar/live/packet_input.h"
 #include "avatar/live/recording.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -32,8 +33,7 @@ ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions
   if (options.blendshapes) return {*options.blendshapes, "the avatar's own blendshape map"};
   const bool lids = options.flame && options.flame->has_eyelids;
   return {GeneralBlendshapeMap(options.flame),
-          std::string("the general blendshape map: jaw") + (lids ? ", eyelids" : "") +
-              " and gaze only"};
+          Format("the general blendshape map: jaw{} and gaze only", lids ? ", eyelids" : "")};
 }
 
 std::string NotesOf(const LiveCounts& counts) {
@@ -44,8 +44,7 @@ std::string NotesOf(const LiveCounts& counts) {
 
 std::string ToString(const LiveCounts& counts) {
   if (counts.packets == 0) return "no packet has arrived";
-  std::string text = std::to_string(counts.packets) + " packets, " + std::to_string(counts.frames) +
-                     " frames taken";
+  std::string text = Format("{} packets, {} frames taken", counts.packets, counts.frames);
   const auto add = [&](uint64_t count, const char* what) {
     if (count > 0) text += ", " + std::to_string(count) + " " + what;
   };

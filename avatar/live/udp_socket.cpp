@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -71,8 +72,7 @@ UdpSocket UdpSocket::Listen(const DriveAddress& address) {
   UdpSocket result(OpenDescriptor(address, target));
   setsockopt(result.descriptor_, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof(kReceiveBytes));
   if (bind(result.descriptor_, target.ai_addr, target.ai_addrlen) != 0)
-    throw Error(address.drive,
-                std::string("cannot listen on this address: ") + std::strerror(errno));
+    throw Error(address.drive, Format("cannot listen on this address: {}", std::strerror(errno)));
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -48,8 +49,7 @@ std::string NameCounts::Text() const {
       rest += names[i].second;
       continue;
     }
-    text += (i > 0 ? ", " : "") + PrintableName(names[i].first) + " (" +
-            std::to_string(names[i].second) + ")";
+    text += Format("{}{} ({})", i > 0 ? ", " : "", PrintableName(names[i].first), names[i].second);
   }
   return rest == 0 ? text : text + ", others (" + std::to_string(rest) + ")";
 }

@@ -5,6 +5,7 @@
 
 #include "avatar/plugin/boundary.h"
 #include "avatar/plugin/struct_size.h"
+#include "splat/base/text.h"
 
 using namespace cosplat::plugin;  // NOLINT: the C interface lies outside that namespace
 
@@ -33,16 +34,14 @@ constexpr std::array<const char*, 13> kStatusTexts = {"ok",
                                                       "bad drive"};
 
 void RequirePointer(const void* pointer, const char* name) {
-  if (!pointer) throw CodedError(COSPLAT_ERROR_ARGUMENT, name, "is NULL");
+  if (!pointer) Refuse(name, "is NULL");
 }
 
 template <class Names>
 void GiveName(const Names& names, uint32_t index, const char* what, const char** name) {
   RequirePointer(name, "name");
   if (index >= names.size())
-    throw CodedError(COSPLAT_ERROR_NOT_FOUND,
-                     what,
-                     std::to_string(index) + " of " + std::to_string(names.size()));
+    throw CodedError(COSPLAT_ERROR_NOT_FOUND, what, Format("{} of {}", index, names.size()));
   *name = std::data(names[index]);
 }
 

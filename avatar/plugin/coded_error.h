@@ -19,4 +19,9 @@ class CodedError : public Error {
   cosplat_status status_;
 };
 
+// COSPLAT_ERROR_ARGUMENT, which most are.
+[[noreturn]] inline void Refuse(const std::string& field, const std::string& problem) {
+  throw CodedError(COSPLAT_ERROR_ARGUMENT, field, problem);
+}
+
 }  // namespace cosplat::plugin

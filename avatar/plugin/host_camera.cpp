@@ -7,6 +7,7 @@
 #include "avatar/plugin/coded_error.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/base/text.h"
 #include "splat/math/vec.h"
 
 namespace cosplat::plugin {
@@ -29,10 +30,7 @@ void CheckBetween(float value, float least, float most, const char* field) {
   if (!std::isfinite(value))
     throw CodedError(COSPLAT_ERROR_NOT_FINITE, field, std::to_string(value) + " is not finite");
   if (value < least || value > most)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     field,
-                     std::to_string(value) + " is not from " + std::to_string(least) + " to " +
-                         std::to_string(most));
+    Refuse(field, Format("{} is not from {} to {}", value, least, most));
 }
 
 }  // namespace
@@ -40,11 +38,10 @@ void CheckBetween(float value, float least, float most, const char* field) {
 void CheckSize(uint32_t width, uint32_t height, const char* name) {
   if (width < 1 || height < 1 || width > COSPLAT_LARGEST_SIDE || height > COSPLAT_LARGEST_SIDE ||
       uint64_t(width) * height > kMaxPixels)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     std::string(name) + ".width, height",
-                     SizeText(width, height) + " pixels: sides are from 1 to " +
-                         std::to_string(COSPLAT_LARGEST_SIDE) + ", at most " +
-                         std::to_string(kMaxPixels) + " pixels in all");
+    Refuse(std::string(name) + ".width, height",
+           SizeText(width, height) + " pixels: sides are from 1 to " +
+               std::to_string(COSPLAT_LARGEST_SIDE) + ", at most " + std::to_string(kMaxPixels) +
+               " pixels in all");
 }
 
 Camera ToCamera(const cosplat_camera& given) {
@@ -71,7 +68,7 @@ Camera ToCamera(const cosplat_camera& given) {
   camera.cx = given.cx;
   camera.cy = given.cy;
   const PoseProblem problem = SetPose(rotation, translation, camera);
-  if (!problem.empty()) throw CodedError(COSPLAT_ERROR_ARGUMENT, "camera.cam_from_world", problem);
+  if (!problem.empty()) Refuse("camera.cam_from_world", problem);
   return camera;
 }
 

@@ -12,6 +12,7 @@
 #include "avatar/plugin/coded_error.h"
 #include "flame/math/rodrigues.h"
 #include "flame/model.h"
+#include "splat/base/text.h"
 
 namespace cosplat::plugin {
 namespace {
@@ -42,9 +43,7 @@ FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
 AvatarRendererMaker RendererFor(uint32_t device) {
   if (device == COSPLAT_DEVICE_AUTO || device == COSPLAT_DEVICE_CPU) return {};
   if (device != COSPLAT_DEVICE_CUDA)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     "device",
-                     std::to_string(device) + " is not a COSPLAT_DEVICE_ value");
+    Refuse("device", std::to_string(device) + " is not a COSPLAT_DEVICE_ value");
   try {
     return AvatarRendererOn(UsableDevice(Device::kCuda, "device"));
   } catch (const Error& error) {
@@ -56,9 +55,7 @@ Player MakePlayer(AvatarModel avatar,
                   const FlameModel& flame,
                   AvatarRendererMaker make_renderer,
                   uint32_t bust) {
-  if (bust > COSPLAT_BUST_STILL)
-    throw CodedError(
-        COSPLAT_ERROR_ARGUMENT, "bust", std::to_string(bust) + " is not a COSPLAT_BUST_ value");
+  if (bust > COSPLAT_BUST_STILL) Refuse("bust", Format("{} is not a COSPLAT_BUST_ value", bust));
   try {
     AttachMesh(avatar, flame);
     if (bust == COSPLAT_BUST_STILL) HoldBustStill(avatar);
@@ -124,32 +121,26 @@ ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char
   const int64_t row = 4 * int64_t(width);
   if (stride == 0) return ptrdiff_t(row);
   if (stride < -kMaxStride || stride > kMaxStride || std::abs(stride) < row || stride % step != 0)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     field,
-                     std::to_string(stride) + " bytes; its magnitude must be at least " +
-                         std::to_string(row) + (step > 1 ? " and a multiple of 4" : ""));
+    Refuse(field,
+           std::to_string(stride) + " bytes; its magnitude must be at least " +
+               std::to_string(row) + (step > 1 ? " and a multiple of 4" : ""));
   return ptrdiff_t(stride);
 }
 
 void CheckChoice(uint32_t value, uint32_t most, const char* field) {
-  if (value > most)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     field,
-                     std::to_string(value) + " is not from 0 to " + std::to_string(most));
+  if (value > most) Refuse(field, Format("{} is not from 0 to {}", value, most));
 }
 
 void CheckPicture(const cosplat_picture& picture) {
   CheckSize(picture.width, picture.height, "picture");
   CheckChoice(picture.format, COSPLAT_FORMAT_BGRA8, "picture.format");
   CheckChoice(picture.alpha, COSPLAT_ALPHA_OPAQUE, "picture.alpha");
-  if (!picture.pixels) throw CodedError(COSPLAT_ERROR_ARGUMENT, "picture.pixels", "is NULL");
+  if (!picture.pixels) Refuse("picture.pixels", "is NULL");
   if (reinterpret_cast<uintptr_t>(picture.depth) % alignof(float) != 0)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT, "picture.depth", "is not aligned to 4 bytes");
+    Refuse("picture.depth", "is not aligned to 4 bytes");
   if (picture.alpha != COSPLAT_ALPHA_OPAQUE) return;
   for (const float x : picture.background)
-    if (!(x >= 0 && x <= 1))
-      throw CodedError(
-          COSPLAT_ERROR_ARGUMENT, "picture.background", std::to_string(x) + " is not from 0 to 1");
+    if (!(x >= 0 && x <= 1)) Refuse("picture.background", Format("{} is not from 0 to 1", x));
 }
 
 }  // namespace
@@ -174,10 +165,9 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
 Camera Instance::CameraFor(const cosplat_picture& picture) const {
   if (!camera_) return OrbitCamera(orbit_target_, picture.width, picture.height, {});
   if (uint32_t(camera_->width) != picture.width || uint32_t(camera_->height) != picture.height)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     "picture.width, height",
-                     SizeText(picture.width, picture.height) + ", the camera has " +
-                         SizeText(camera_->width, camera_->height));
+    Refuse("picture.width, height",
+           SizeText(picture.width, picture.height) + ", the camera has " +
+               SizeText(camera_->width, camera_->height));
   return *camera_;
 }
 

@@ -1,6 +1,7 @@
 #include "avatar/plugin/live_face.h"
 
 #include "avatar/plugin/coded_error.h"
+#include "splat/base/text.h"
 
 namespace cosplat::plugin {
 namespace {
@@ -19,16 +20,12 @@ constexpr float kMaxBeta = 1e4f;
 float Within(float value, float least, float most, double otherwise, const char* field) {
   if (value == 0) return float(otherwise);
   if (!(value >= least && value <= most))
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     field,
-                     std::to_string(value) + " is neither 0 nor from " + std::to_string(least) +
-                         " to " + std::to_string(most));
+    Refuse(field, Format("{} is neither 0 nor from {} to {}", value, least, most));
   return value;
 }
 
 bool Flag(uint32_t value, const char* field) {
-  if (value > 1)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT, field, std::to_string(value) + " is neither 0 nor 1");
+  if (value > 1) Refuse(field, std::to_string(value) + " is neither 0 nor 1");
   return value == 1;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "avatar/live/face_blend.h"
+#include "splat/base/text.h"
 
 namespace cosplat::plugin {
 namespace {
@@ -15,10 +16,8 @@ static_assert(COSPLAT_JOINT_COUNT == kFlameJoints);
 void CheckNumber(float value, const char* field, size_t index) {
   const auto name = [&] { return std::string(field) + "[" + std::to_string(index) + "]"; };
   if (!std::isfinite(value))
-    throw BadFrame(Verdict::kNotFinite,
-                   COSPLAT_ERROR_NOT_FINITE,
-                   name(),
-                   std::to_string(value) + " is not finite");
+    throw BadFrame(
+        Verdict::kNotFinite, COSPLAT_ERROR_NOT_FINITE, name(), Format("{} is not finite", value));
   if (std::abs(value) > COSPLAT_LARGEST_PARAMETER)
     throw BadFrame(Verdict::kOutOfRange,
                    COSPLAT_ERROR_ARGUMENT,
@@ -52,12 +51,11 @@ void LiveParameters::Keep(const FlameParams& params, int64_t time_ns) {
 
 void LiveParameters::CheckTime(int64_t time_ns) const {
   if (time_ns < time_ns_)
-    throw BadFrame(Verdict::kLate,
-                   COSPLAT_ERROR_LATE,
-                   "time_ns",
-                   std::to_string(time_ns) +
-                       " is earlier than the time of the current parameters (" +
-                       std::to_string(time_ns_) + ")");
+    throw BadFrame(
+        Verdict::kLate,
+        COSPLAT_ERROR_LATE,
+        "time_ns",
+        Format("{} is earlier than the time of the current parameters ({})", time_ns, time_ns_));
 }
 
 void LiveParameters::Set(const cosplat_parameters& given) {
@@ -65,8 +63,7 @@ void LiveParameters::Set(const cosplat_parameters& given) {
     throw BadFrame(Verdict::kWrongSize,
                    COSPLAT_ERROR_ARGUMENT,
                    "parameters.expression_count",
-                   std::to_string(given.expression_count) + " is more than " +
-                       std::to_string(kMaxExpressions));
+                   Format("{} is more than {}", given.expression_count, kMaxExpressions));
   CheckNumbers(given.expression, given.expression_count, "parameters.expression");
   CheckNumbers(given.joints[0], 3 * kFlameJoints, "parameters.joints");
   CheckNumbers(given.translation, 3, "parameters.translation");
@@ -83,10 +80,9 @@ void LiveParameters::Set(const cosplat_parameters& given) {
 
 void LiveParameters::SetExpression(uint32_t expression, float value, int64_t time_ns) {
   if (expression >= current_.expression.size())
-    throw CodedError(
-        COSPLAT_ERROR_NOT_FOUND,
-        "expression",
-        std::to_string(expression) + " of " + std::to_string(current_.expression.size()));
+    throw CodedError(COSPLAT_ERROR_NOT_FOUND,
+                     "expression",
+                     Format("{} of {}", expression, current_.expression.size()));
   CheckNumber(value, "expression", expression);
   CheckTime(time_ns);
   current_.expression[expression] = value;
@@ -95,9 +91,7 @@ void LiveParameters::SetExpression(uint32_t expression, float value, int64_t tim
 
 void LiveParameters::SetJoint(uint32_t joint, const float* axis_angle, int64_t time_ns) {
   if (joint >= kFlameJoints)
-    throw CodedError(COSPLAT_ERROR_NOT_FOUND,
-                     "joint",
-                     std::to_string(joint) + " of " + std::to_string(kFlameJoints));
+    throw CodedError(COSPLAT_ERROR_NOT_FOUND, "joint", Format("{} of {}", joint, kFlameJoints));
   CheckNumbers(axis_angle, 3, "axis_angle");
   CheckTime(time_ns);
   std::copy_n(axis_angle, 3, current_.pose[joint].begin());

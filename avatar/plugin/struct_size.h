@@ -13,6 +13,7 @@
 
 #include "avatar/plugin/coded_error.h"
 #include "avatar/plugin/cosplat.h"
+#include "splat/base/text.h"
 
 namespace cosplat::plugin {
 
@@ -29,13 +30,11 @@ inline constexpr size_t kFirstSize<cosplat_health> = offsetof(cosplat_health, dr
 
 template <class T>
 uint32_t CheckedStructSize(const T* theirs, const char* name) {
-  if (!theirs) throw CodedError(COSPLAT_ERROR_ARGUMENT, name, "is NULL");
+  if (!theirs) Refuse(name, "is NULL");
   uint32_t size = 0;
   std::memcpy(&size, theirs, sizeof(size));  // every structure begins with it
   if (size < kFirstSize<T> || size > kMaxStruct)
-    throw CodedError(COSPLAT_ERROR_ARGUMENT,
-                     std::string(name) + ".struct_size",
-                     std::to_string(size) + ", expected " + std::to_string(sizeof(T)));
+    Refuse(std::string(name) + ".struct_size", Format("{}, expected {}", size, sizeof(T)));
   return size;
 }
 
@@ -45,8 +44,7 @@ T ReadStruct(const T* theirs, const char* name) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(theirs);
   const size_t known = std::min(size_t(size), sizeof(T));
   if (std::any_of(bytes + known, bytes + size, [](unsigned char b) { return b != 0; }))
-    throw CodedError(
-        COSPLAT_ERROR_ARGUMENT, name, "uses fields that this version of the library does not know");
+    Refuse(name, "uses fields that this version of the library does not know");
   T ours{};
   std::memcpy(&ours, theirs, known);
   return ours;

@@ -17,6 +17,7 @@
 #include "flame/fit/landmark_cost.h"
 #include "flame/fit/silhouette.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -413,8 +414,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
       int(std::count_if(faces.begin(), faces.end(), [](const auto& f) { return bool(f); }));
   if (seen < kMinFaces)
     throw Error("landmarks",
-                "a face is in " + std::to_string(seen) + " frames, expected at least " +
-                    std::to_string(kMinFaces));
+                Format("a face is in {} frames, expected at least {}", seen, kMinFaces));
   LandmarkFitter fitter(model, embedding, faces, width, height, options);
   const int sweeps = 2 + kSmoothingSweeps + (options.silhouette ? kRimRounds : 0) +
                      (options.image ? kMaxPhotometricRounds : 0);

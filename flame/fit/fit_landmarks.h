@@ -14,6 +14,7 @@
 
 #include "flame/fit/choose_faces.h"
 #include "flame/fit/landmark_embedding.h"
+#include "flame/track.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
 

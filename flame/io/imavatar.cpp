@@ -6,6 +6,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -65,8 +66,7 @@ std::string SetEyelids(const JsonField& field, FlameParams& params) {
 std::string SetParams(const JsonField& frame, size_t expression_count, FlameParams& params) {
   const std::vector<double> expression = frame["expression"].NumbersOrNan();
   if (expression.size() != expression_count)
-    return "expression has " + std::to_string(expression.size()) + " numbers, expected " +
-           std::to_string(expression_count);
+    return Format("expression has {} numbers, expected {}", expression.size(), expression_count);
   const std::vector<double> pose = frame["pose"].NumbersOrNan();
   if (pose.size() != 3 * kFlameJoints)
     return "pose has " + std::to_string(pose.size()) + " numbers, expected 15";

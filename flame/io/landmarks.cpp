@@ -7,6 +7,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -50,8 +51,7 @@ std::array<double, 2> PointOf(const JsonField& field, const LandmarkVideo& video
   const int sides[] = {video.width, video.height};
   for (int k = 0; k < 2; ++k)
     if (std::abs(point[k]) > kMaxOutside * sides[k])
-      field.Fail("is at " + std::to_string(point[k]) + " px of an image of " +
-                 std::to_string(sides[k]) + " px");
+      field.Fail(Format("is at {} px of an image of {} px", point[k], sides[k]));
   return point;
 }
 
@@ -95,8 +95,7 @@ LandmarkFrame FrameOf(const JsonField& field, const LandmarkVideo& video) {
 
 double FrameRateIn(const JsonField& file) {
   const double rate = file.NumberOr("frames_per_second", 0);
-  if (rate < 0)
-    throw Error(file.file(), "frames_per_second", "is " + std::to_string(rate) + ", below 0");
+  if (rate < 0) throw Error(file.file(), "frames_per_second", Format("is {}, below 0", rate));
   return rate;
 }
 

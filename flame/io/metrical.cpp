@@ -10,6 +10,7 @@
 #include "flame/math/rotation.h"
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -41,10 +42,7 @@ class Checkpoint {
     if (!key.empty()) value = value->Find(key);
     std::vector<double> numbers = ArrayOf(path_, name, *value).values;
     if (count > 0 && numbers.size() != count)
-      throw Error(
-          path_,
-          name,
-          "has " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(count));
+      throw Error(path_, name, Format("has {} numbers, expected {}", numbers.size(), count));
     return numbers;
   }
 
@@ -108,12 +106,10 @@ std::string SetMetricalCamera(const Checkpoint& file, Camera& camera) {
 // How a frame's shape differs from the subject's, if it does.
 std::string OtherShape(const std::vector<float>& shape, const std::vector<float>& subject) {
   if (shape.size() != subject.size())
-    return "flame.shape has " + std::to_string(shape.size()) + " numbers, in other frames " +
-           std::to_string(subject.size());
+    return Format("flame.shape has {} numbers, in other frames {}", shape.size(), subject.size());
   for (size_t i = 0; i < shape.size(); ++i)
     if (std::abs(shape[i] - subject[i]) > kSameShape)
-      return "flame.shape[" + std::to_string(i) + "] is " + std::to_string(shape[i]) +
-             ", in other frames " + std::to_string(subject[i]);
+      return Format("flame.shape[{}] is {}, in other frames {}", i, shape[i], subject[i]);
   return "";
 }
 

@@ -9,6 +9,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -25,8 +26,7 @@ std::string ShapeText(const std::vector<size_t>& shape) {
 class ModelArrays {
  public:
   explicit ModelArrays(const std::string& path) : path_(path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
     CheckContent(extension);
     if (extension == ".npz") {
       arrays_ = Npz::Read(path).arrays();
@@ -74,8 +74,7 @@ class ModelArrays {
     if (!(x >= low && x <= high) || x != std::floor(x))
       throw Error(path_,
                   name + "[" + std::to_string(i) + "]",
-                  "is " + std::to_string(x) + ", expected an integer from " + std::to_string(low) +
-                      " to " + std::to_string(high));
+                  Format("is {}, expected an integer from {} to {}", x, low, high));
     return int(x);
   }
   int Integer(const std::string& name, int low, int high) const {

@@ -3,6 +3,7 @@
 #include "flame/io/pickle.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -138,8 +139,7 @@ class Converter {
     std::vector<size_t> indices;
     for (double x : Convert(Field(state, key), depth + 1).values) {
       if (!(x >= 0 && x < double(limit)) || x != double(size_t(x)))
-        Fail(std::string("has a '") + key + "' entry of " + std::to_string(x) +
-             ", expected an integer below " + std::to_string(limit));
+        Fail(Format("has a '{}' entry of {}, expected an integer below {}", key, x, limit));
       indices.push_back(size_t(x));
     }
     return indices;
@@ -194,8 +194,7 @@ class Converter {
     size_t count = 1;
     for (size_t extent : out.shape) count *= extent;
     if (count != out.values.size())
-      Fail("selects " + std::to_string(out.values.size()) + " numbers for a shape of " +
-           std::to_string(count));
+      Fail(Format("selects {} numbers for a shape of {}", out.values.size(), count));
     return out;
   }
 
@@ -236,8 +235,7 @@ class Converter {
     for (size_t d = 0; d < index.size(); ++d)
       at += double(index[d]) * double(strides.items[d]->integer);
     if (!(at >= 0 && at < count))
-      Fail("has a tensor that reaches beyond its storage of " + std::to_string(numbers.size()) +
-           " numbers");
+      Fail(Format("has a tensor that reaches beyond its storage of {} numbers", numbers.size()));
     return numbers.values[size_t(at)];
   }
 

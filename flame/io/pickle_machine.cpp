@@ -1,6 +1,8 @@
 // The opcodes that create plain values, fill containers and rearrange the stack.
 #include "flame/io/pickle_machine.h"
 
+#include "splat/base/text.h"
+
 namespace cosplat {
 
 using Kind = PickleValue::Kind;
@@ -155,8 +157,7 @@ bool PickleMachine::Stack(uint8_t opcode) {
   switch (opcode) {
     case 0x80: {
       const uint64_t protocol = in_.Unsigned(1);
-      if (protocol > 4)
-        in_.Fail("pickle protocol " + std::to_string(protocol) + ", expected 0 to 4");
+      if (protocol > 4) in_.Fail(Format("pickle protocol {}, expected 0 to 4", protocol));
       return true;
     }
     case 0x95:

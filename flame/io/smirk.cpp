@@ -17,6 +17,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -47,10 +48,8 @@ std::string SmirkRow(const SmirkRows& rows,
                      std::vector<float>& out) {
   const std::string problem = CopyRow(name, rows.npz.Get(name), row, out);
   if (problem.empty() && width > 0 && out.size() != width)
-    throw Error(rows.npz.path(),
-                name,
-                "has " + std::to_string(out.size()) + " numbers a frame, expected " +
-                    std::to_string(width));
+    throw Error(
+        rows.npz.path(), name, Format("has {} numbers a frame, expected {}", out.size(), width));
   return problem.empty() ? "" : name + " of row " + std::to_string(row) + ": " + problem;
 }
 
@@ -89,8 +88,7 @@ std::string CropOf(const SmirkRows& rows, size_t row, CropAxis& x, CropAxis& y) 
   const double slack = kCropTolerance * std::abs(m[0]);
   if (!(m[0] > 0 && m[4] > 0) || std::abs(m[1]) > slack || std::abs(m[3]) > slack || m[6] != 0 ||
       m[7] != 0 || std::abs(m[8] - 1) > kCropTolerance)
-    return "tform of row " + std::to_string(row) + " is no scale and shift: [" +
-           std::to_string(m[0]) + ", " + std::to_string(m[1]) + ", ...]";
+    return Format("tform of row {} is no scale and shift: [{}, {}, ...]", row, m[0], m[1]);
   x = {1 / m[0], 0.5 - (0.5 + m[2]) / m[0]};
   y = {1 / m[4], 0.5 - (0.5 + m[5]) / m[4]};
   return "";
@@ -103,8 +101,7 @@ std::string SetSmirkCamera(const SmirkRows& rows, size_t row, FlameParams& param
   if (problem.empty()) problem = CropOf(rows, row, x, y);
   if (!problem.empty()) return problem;
   if (!(cam[0] > 0))
-    return "cam of row " + std::to_string(row) + " has a scale of " + std::to_string(cam[0]) +
-           ", expected a positive one";
+    return Format("cam of row {} has a scale of {}, expected a positive one", row, cam[0]);
   const double half = rows.crop_side / 2;
   lens.width = rows.image.width;
   lens.height = rows.image.height;
@@ -157,8 +154,7 @@ std::vector<std::string> FrameNames(const TrackFiles& files, SmirkRows& rows) {
   if (names.size() != rows.count && !rows.npz.Has("frame_numbers"))
     throw Error(rows.npz.path(),
                 "frame_numbers",
-                "is missing: there are " + std::to_string(rows.count) + " rows and " +
-                    std::to_string(names.size()) + " images");
+                Format("is missing: there are {} rows and {} images", rows.count, names.size()));
   return names;
 }
 
@@ -200,8 +196,7 @@ void CheckRows(const SmirkRows& rows) {
     if (shape.empty() || shape[0] != rows.count)
       throw Error(rows.npz.path(),
                   name,
-                  "has " + std::to_string(shape.empty() ? 0 : shape[0]) + " rows, expected " +
-                      std::to_string(rows.count));
+                  Format("has {} rows, expected {}", shape.empty() ? 0 : shape[0], rows.count));
   }
 }
 

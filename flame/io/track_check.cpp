@@ -8,6 +8,7 @@
 
 #include "flame/pose.h"
 #include "flame/track.h"
+#include "splat/base/text.h"
 #include "splat/media/image_glance.h"
 
 namespace cosplat {
@@ -39,12 +40,6 @@ struct SeenFrame {
 
   const Image8& image() const { return images[kShifts]; }
 };
-
-std::string Number(double value, const char* format = "%.1f") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::string Of(size_t count, size_t all) {
   return std::to_string(count) + " of " + std::to_string(all) + " frames looked at";
@@ -198,7 +193,7 @@ void CheckMasks(const std::vector<SeenFrame>& all, std::vector<Finding>& finding
   }
   if (points > 0 && held < kInside * points)
     findings.push_back({true,
-                        "the masks hold only " + Number(100 * held / points, "%.0f") +
+                        "the masks hold only " + Format("{:.0f}", 100 * held / points) +
                             " % of the head where the track says it is: look at masks, images and "
                             "cameras"});
 }
@@ -281,8 +276,8 @@ void CheckPlace(const FlameModel& flame,
     if (const double there = overlap(place); there > most) most = there, better = &place;
   if (better == nullptr) return;
   findings.push_back({true,
-                      "the masks overlap the head by " + Number(100 * given, "%.0f") +
-                          " %, and by " + Number(100 * most, "%.0f") + " % if it were seen " +
+                      "the masks overlap the head by " + Format("{:.0f}", 100 * given) +
+                          " %, and by " + Format("{:.0f}", 100 * most) + " % if it were seen " +
                           better->what + ": look at focal length, principal point and units"});
 }
 
@@ -334,9 +329,9 @@ void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findin
   if (given < 0 || all.size() < 4) return;
   const auto say = [&](double least, const std::string& with, const char* advice) {
     findings.push_back({true,
-                        "the head's points change colour by " + Number(given) +
-                            " of 255 from frame to frame, and by " + Number(least) + " with " +
-                            with + ": " + advice});
+                        "the head's points change colour by " + Format("{:.1f}", given) +
+                            " of 255 from frame to frame, and by " + Format("{:.1f}", least) +
+                            " with " + with + ": " + advice});
   };
   const char* what[4] = {"", "mirrored left to right", "mirrored top to bottom", "upside down"};
   int best = 0;
@@ -354,8 +349,7 @@ void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findin
   }
   if (best != 0)
     say(least,
-        "images " + std::to_string(std::abs(best)) +
-            (best > 0 ? " frames later" : " frames earlier"),
+        Format("images {}{}", std::abs(best), best > 0 ? " frames later" : " frames earlier"),
         "track and images do not agree in time; look for dropped or renumbered frames");
 }
 
@@ -379,8 +373,9 @@ void CheckExpressions(const FlameModel& flame,
   if (8 * great.frames > all.size())
     findings.push_back({2 * great.frames >= all.size(),
                         "in " + Of(great.frames, all.size()) +
-                            " expressions go beyond 6 standard deviations (to " + Number(greatest) +
-                            ", first: " + great.first + "): is it the tracker's model?"});
+                            " expressions go beyond 6 standard deviations (to " +
+                            Format("{:.1f}", greatest) + ", first: " + great.first +
+                            "): is it the tracker's model?"});
   if (more.frames > 0)
     findings.push_back({false,
                         "the track has " + std::to_string(most) +

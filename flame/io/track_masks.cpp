@@ -5,6 +5,7 @@
 
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/media/image_glance.h"
 
 namespace cosplat {
@@ -48,12 +49,6 @@ Coverage CoverageOf(const Image8& image, const Camera& camera, const std::vector
   return c;
 }
 
-std::string Percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
-  return text;
-}
-
 }  // namespace
 
 void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
@@ -71,17 +66,17 @@ void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
   if (masked == 0) return;
   const double image = sum.image / double(masked), head = sum.head / double(masked);
   if (image < kEmpty)
-    throw Error(video.source,
-                "masks",
-                "show nothing in any of the " + std::to_string(masked) + " frames looked at");
+    throw Error(
+        video.source, "masks", Format("show nothing in any of the {} frames looked at", masked));
   if (image > 1 - kEmpty) {
     video.notes.push_back(video.source + ": the masks hold the whole image, background included");
   } else if (head < kInverted && sum.corners / double(masked) > 1 - kInverted) {
     video.masks_inverted = true;
     video.notes.push_back(video.source + ": the masks are bright where the head is not (" +
-                          Percent(head) + " of it is inside): they are taken as inverted");
+                          Format("{:.0f} %", 100 * head) +
+                          " of it is inside): they are taken as inverted");
   } else if (head < kHeld) {
-    video.notes.push_back(video.source + ": the masks hold only " + Percent(head) +
+    video.notes.push_back(video.source + ": the masks hold only " + Format("{:.0f} %", 100 * head) +
                           " of the head where the track says it is");
   }
 }

@@ -7,6 +7,7 @@
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -38,8 +39,7 @@ std::string CopyVector(const Npz& npz,
                        std::array<float, 3>& out) {
   const std::vector<double>& values = npz.Get(name).values;
   if (values.size() != expected)
-    return name + " has " + std::to_string(values.size()) + " numbers, expected " +
-           std::to_string(expected);
+    return Format("{} has {} numbers, expected {}", name, values.size(), expected);
   std::vector<float> numbers;
   const std::string problem = CopyFinite(name, values, numbers);
   if (problem.empty()) std::copy_n(numbers.begin() + offset, 3, out.begin());

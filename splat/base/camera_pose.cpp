@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "splat/base/camera.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -15,12 +16,6 @@ double Dot(const Row& a, const Row& b) { return a[0] * b[0] + a[1] * b[1] + a[2]
 
 Row Cross(const Row& a, const Row& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-std::string Shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.4g", value);
-  return text;
 }
 
 }  // namespace
@@ -40,11 +35,12 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
       const double dot = Dot(r[i], r[k]);
       if (std::abs(dot - (i == k)) > kOrthonormalTolerance)
         return "pose has a rotation that is not orthonormal: the dot product of rows " +
-               std::to_string(i) + " and " + std::to_string(k) + " is " + Shown(dot);
+               std::to_string(i) + " and " + std::to_string(k) + " is " + Format("{:.4g}", dot);
     }
   const double determinant = Dot(Cross(r[0], r[1]), r[2]);
   if (determinant < 0)
-    return "pose has a reflection instead of a rotation: determinant " + Shown(determinant);
+    return "pose has a reflection instead of a rotation: determinant " +
+           Format("{:.4g}", determinant);
   // Gram-Schmidt; the third row follows from the others.
   const double n0 = std::sqrt(Dot(r[0], r[0]));
   for (double& x : r[0]) x /= n0;
@@ -104,8 +100,11 @@ PoseProblem RowsOfPose(const std::vector<double>& numbers,
   };
   if (is_last(12, 1)) return "";
   if (!is_last(3, 4))
-    return "pose has the last row " + Shown(numbers[12]) + " " + Shown(numbers[13]) + " " +
-           Shown(numbers[14]) + " " + Shown(numbers[15]) + ", expected 0 0 0 1";
+    return Format("pose has the last row {:.4g} {:.4g} {:.4g} {:.4g}, expected 0 0 0 1",
+                  numbers[12],
+                  numbers[13],
+                  numbers[14],
+                  numbers[15]);
   for (size_t r = 0; r < 3; ++r)
     for (size_t c = 0; c < 4; ++c) matrix[4 * r + c] = numbers[4 * c + r];
   transposed = true;

@@ -7,6 +7,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -72,10 +73,7 @@ std::vector<unsigned char> GunzipReader::Read(const std::string& field, size_t s
   bool cut = false;
   const size_t done = Inflate(field, out.data(), size, cut);
   if (done < size)
-    throw Error(
-        path_,
-        field,
-        "the file ends after " + std::to_string(done) + " of " + std::to_string(size) + " bytes");
+    throw Error(path_, field, Format("the file ends after {} of {} bytes", done, size));
   return out;
 }
 
@@ -83,8 +81,7 @@ std::vector<char> GunzipReader::ReadUpTo(size_t size) {
   std::vector<char> out(size);
   bool cut = false;
   out.resize(Inflate("gzip", reinterpret_cast<unsigned char*>(out.data()), size, cut));
-  if (cut)
-    throw Error(path_, "gzip", "is truncated after " + std::to_string(out.size()) + " bytes");
+  if (cut) throw Error(path_, "gzip", Format("is truncated after {} bytes", out.size()));
   return out;
 }
 

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <filesystem>
 
+#include "splat/base/text.h"
+
 namespace cosplat {
 namespace {
 
@@ -13,14 +15,9 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 8> kImageEndings = {
     ".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".jp2"};
 
-std::string Lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 // The place of the image ending in the list; its length if the name has none.
 size_t EndingOf(const std::string& name) {
-  const std::string ending = Lower(fs::path(name).extension().string());
+  const std::string ending = LowerCase(fs::path(name).extension().string());
   return size_t(std::find(kImageEndings.begin(), kImageEndings.end(), ending) -
                 kImageEndings.begin());
 }
@@ -54,7 +51,7 @@ const DataFiles::Names& DataFiles::NamesIn(const std::string& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (IsImageName(name)) found->second[Lower(WithoutImageEnding(name))].push_back(name);
+    if (IsImageName(name)) found->second[LowerCase(WithoutImageEnding(name))].push_back(name);
   }
   return found->second;
 }
@@ -66,7 +63,7 @@ std::string DataFiles::ImageAt(const std::string& path) {
   const std::string folder = fs::path(path).parent_path().string();
   const std::string stem = WithoutImageEnding(fs::path(path).filename().string());
   const Names& names = NamesIn(folder);
-  const auto found = names.find(Lower(stem));
+  const auto found = names.find(LowerCase(stem));
   if (found == names.end()) return "";
   const auto rank = [&](const std::string& name) {
     return std::make_pair(WithoutImageEnding(name) != stem, EndingOf(name));

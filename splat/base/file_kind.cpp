@@ -2,6 +2,7 @@
 #include <cctype>
 
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -24,11 +25,8 @@ std::string IsoImage(std::string_view begin) {
 
 std::string OtherContent(std::string_view begin) {
   if (begin.empty()) return "is empty";
-  std::string text(begin);
+  std::string text = LowerCase(std::string(begin));
   text.erase(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf"));
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
-    return char(std::tolower(c));
-  });
   if (text.starts_with("version https://git-lfs"))
     return "is a pointer of Git LFS, not the file itself: `git lfs pull` fetches it";
   if (text.starts_with("<svg")) return "is a drawing in SVG: convert it to PNG";

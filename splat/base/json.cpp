@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -62,8 +63,7 @@ std::vector<double> NumbersOf(const JsonField& field, size_t count, bool null_is
   std::vector<double> numbers;
   Flatten(field, null_is_nan, kMaxLevels, numbers);
   if (count != 0 && numbers.size() != count)
-    field.Fail("found " + std::to_string(numbers.size()) + " numbers, expected " +
-               std::to_string(count));
+    field.Fail(Format("found {} numbers, expected {}", numbers.size(), count));
   return numbers;
 }
 
@@ -110,8 +110,7 @@ JsonField JsonField::operator[](const std::string& key) const {
 
 JsonField JsonField::operator[](size_t index) const {
   const std::string path = path_ + "[" + std::to_string(index) + "]";
-  if (index >= size())
-    throw Error(file_, path, "is missing, the array has " + std::to_string(size()));
+  if (index >= size()) throw Error(file_, path, Format("is missing, the array has {}", size()));
   return Within((*value_)[index], path);
 }
 
@@ -135,9 +134,7 @@ int JsonField::Integer() const {
 
 int JsonField::Integer(int least, int most) const {
   const int value = Integer();
-  if (value < least || value > most)
-    Fail("is " + std::to_string(value) + ", expected " + std::to_string(least) + " to " +
-         std::to_string(most));
+  if (value < least || value > most) Fail(Format("is {}, expected {} to {}", value, least, most));
   return value;
 }
 

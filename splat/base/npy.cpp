@@ -4,6 +4,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/npz.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -128,8 +129,7 @@ size_t CheckedCount(const Header& header,
     count *= extent;
   }
   if (bytes < count * element_bytes)
-    header.Fail("holds " + std::to_string(bytes) + " bytes of data, its shape needs " +
-                std::to_string(count * element_bytes));
+    header.Fail(Format("holds {} bytes of data, its shape needs {}", bytes, count * element_bytes));
   return count;
 }
 

@@ -9,6 +9,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -76,8 +77,7 @@ class StateReader : public StateArchive {
   }
   void Bytes(const std::string& name, void* bytes, size_t size) override {
     const Field field = Next(name);
-    if (field.size != size)
-      Fail(name, "has " + std::to_string(field.size) + " bytes, expected " + std::to_string(size));
+    if (field.size != size) Fail(name, Format("has {} bytes, expected {}", field.size, size));
     if (size != 0) std::memcpy(bytes, field.bytes, size);
     next_ = field.bytes + size;
   }
@@ -97,9 +97,7 @@ class StateReader : public StateArchive {
   void CheckSize(const std::string& name, size_t count, size_t element) const override {
     const Field field = Next(name);
     if (field.size / element != count || field.size % element != 0)
-      Fail(name,
-           "has " + std::to_string(field.size / element) + " elements, expected " +
-               std::to_string(count));
+      Fail(name, Format("has {} elements, expected {}", field.size / element, count));
   }
 
   Field Next(const std::string& expected) const {
@@ -161,9 +159,7 @@ StateFile::StateFile(const std::string& path) : path_(path), bytes_(ReadFile(pat
   if (stored != Crc32(bytes_.data(), end_))
     throw Error(path, "is damaged: its checksum does not match");
   if (format != kStateFormat)
-    throw Error(path,
-                "has format " + std::to_string(format) + ", this program reads format " +
-                    std::to_string(kStateFormat));
+    throw Error(path, Format("has format {}, this program reads format {}", format, kStateFormat));
   StateReader reader(path_, bytes_.data() + kStart, bytes_.data() + end_);
   header_ = reader.Text(kHeaderField);
   fields_ = size_t(reader.next() - bytes_.data());

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "splat/base/text.h"
+
 namespace cosplat {
 namespace {
 
@@ -55,13 +57,7 @@ Middle MiddleOf(const std::vector<double>& points) {
 }
 
 std::string ToString(const WorldOrigin& origin) {
-  std::string text = "(";
-  for (size_t k = 0; k < 3; ++k) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.15g", origin[k]);
-    text += (k > 0 ? ", " : "") + std::string(number);
-  }
-  return text + ")";
+  return Format("({:.15g}, {:.15g}, {:.15g})", origin[0], origin[1], origin[2]);
 }
 
 }  // namespace cosplat

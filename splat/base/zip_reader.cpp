@@ -5,6 +5,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/base/zip_archive.h"
 
 namespace cosplat {
@@ -57,10 +58,8 @@ std::vector<char> ZipReader::Read(size_t index, uint64_t limit) const {
   if (zip_stat_index(archive_.get(), index, 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE))
     throw Error(path_, "entry " + std::to_string(index), "cannot be read");
   if (stat.size > limit)
-    throw Error(path_,
-                stat.name,
-                "has " + std::to_string(stat.size) + " bytes, at most " + std::to_string(limit) +
-                    " are accepted");
+    throw Error(
+        path_, stat.name, Format("has {} bytes, at most {} are accepted", stat.size, limit));
   const Member file(zip_fopen_index(archive_.get(), index, 0), zip_fclose);
   if (!file)
     throw Error(path_, stat.name, std::string("cannot be read: ") + zip_strerror(archive_.get()));
@@ -76,10 +75,7 @@ std::vector<char> ZipReader::Read(size_t index, uint64_t limit) const {
                 stat.name,
                 std::string("is damaged: ") + zip_error_strerror(zip_file_get_error(file.get())));
   if (bytes.size() != stat.size)
-    throw Error(
-        path_,
-        stat.name,
-        "holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(stat.size));
+    throw Error(path_, stat.name, Format("holds {} bytes, expected {}", bytes.size(), stat.size));
   return bytes;
 }
 

@@ -31,6 +31,7 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/base/zip_archive.h"
 
 namespace {
@@ -270,10 +271,8 @@ size_t ZipReader::Find(const std::string& name) const {
 std::vector<char> ZipReader::Read(size_t index, uint64_t limit) const {
   const Entry& entry = archive_->entries.at(index);
   if (entry.size > limit)
-    throw Error(path_,
-                entry.name,
-                "has " + std::to_string(entry.size) + " bytes, at most " + std::to_string(limit) +
-                    " are accepted");
+    throw Error(
+        path_, entry.name, Format("has {} bytes, at most {} are accepted", entry.size, limit));
   try {
     return Unpack(*archive_, entry);
   } catch (const std::string& problem) {

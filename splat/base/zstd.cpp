@@ -2,6 +2,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -19,9 +20,7 @@ std::vector<unsigned char> Unzstd(const std::string& path,
   const size_t written = ZSTD_decompress(out.data(), out.size(), bytes, count);
   if (ZSTD_isError(written))
     throw Error(path, field, std::string("is damaged: ") + ZSTD_getErrorName(written));
-  if (written != size)
-    throw Error(
-        path, field, "has " + std::to_string(written) + " bytes, expected " + std::to_string(size));
+  if (written != size) throw Error(path, field, Format("has {} bytes, expected {}", written, size));
   return out;
 }
 

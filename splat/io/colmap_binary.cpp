@@ -3,6 +3,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/colmap_model.h"
 
 namespace cosplat::colmap {
@@ -56,9 +57,8 @@ class Reader {
  private:
   void Require(uint64_t size, const char* what) const {
     if (bytes_.size() - at_ < size)
-      throw Error(path_,
-                  record_,
-                  "the file ends at byte " + std::to_string(bytes_.size()) + ", expected " + what);
+      throw Error(
+          path_, record_, Format("the file ends at byte {}, expected {}", bytes_.size(), what));
   }
 
   std::string path_;

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -78,16 +79,12 @@ ColmapCamera MakeColmapCamera(const std::string& file,
   if (int(params.size()) != kind->params)
     throw Error(file,
                 field,
-                model + " has " + std::to_string(params.size()) + " parameters, expected " +
-                    std::to_string(kind->params));
+                Format("{} has {} parameters, expected {}", model, params.size(), kind->params));
   for (double p : params)
     if (!std::isfinite(p)) throw Error(file, field, model + " has a parameter that is not finite");
   constexpr int64_t kMaxSide = 1 << 20;
   if (size[0] < 1 || size[1] < 1 || size[0] > kMaxSide || size[1] > kMaxSide)
-    throw Error(
-        file,
-        field,
-        "image size " + std::to_string(size[0]) + "x" + std::to_string(size[1]) + " is impossible");
+    throw Error(file, field, Format("image size {}x{} is impossible", size[0], size[1]));
   ColmapCamera camera;
   camera.lens.width = int(size[0]);
   camera.lens.height = int(size[1]);

@@ -4,6 +4,7 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/colmap_model.h"
 #include "splat/io/view_files.h"
 
@@ -37,8 +38,7 @@ std::string SparseFolder(const std::string& path) {
 // For example "has no folder images; found images_8: use -r 8".
 std::string MissingFolderProblem(const std::string& path, const SceneOptions& options) {
   std::string text = "has no folder " + options.images;
-  if (options.resolution > 1)
-    text += " or " + options.images + "_" + std::to_string(options.resolution);
+  if (options.resolution > 1) text += Format(" or {}_{}", options.images, options.resolution);
   std::string found;
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
@@ -52,8 +52,7 @@ bool HasImageFolder(const std::string& path, const SceneOptions& options) {
   const std::string folder = path + "/" + options.images;
   if (fs::is_directory(folder)) return true;
   for (int k = 2; k <= options.resolution; ++k)
-    if (options.resolution % k == 0 && fs::is_directory(folder + "_" + std::to_string(k)))
-      return true;
+    if (options.resolution % k == 0 && fs::is_directory(Format("{}_{}", folder, k))) return true;
   return false;
 }
 

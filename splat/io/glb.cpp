@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -81,10 +82,8 @@ std::vector<float> ReadFloats(const GlbDocument& document,
   auto values = Copy<float>(document, Find(document, accessor, kGlbFloat, width, field));
   for (size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
-      throw Error(document.path,
-                  field,
-                  "element " + std::to_string(i / width) + " is not finite (" +
-                      std::to_string(values[i]) + ")");
+      throw Error(
+          document.path, field, Format("element {} is not finite ({})", i / width, values[i]));
   return values;
 }
 

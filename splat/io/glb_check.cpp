@@ -7,6 +7,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/io/glb.h"
 
 namespace cosplat {
@@ -35,8 +36,7 @@ Chunks SplitChunks(const std::string& path, const std::vector<char>& bytes) {
   if (bytes.size() < kHeaderBytes + kChunkHeaderBytes || NumberAt(bytes, 0) != kMagic)
     throw Error(path, "is not a binary glTF file (.glb)");
   if (NumberAt(bytes, 4) != 2)
-    throw Error(
-        path, "version", "is " + std::to_string(NumberAt(bytes, 4)) + ", expected binary glTF 2");
+    throw Error(path, "version", Format("is {}, expected binary glTF 2", NumberAt(bytes, 4)));
   if (NumberAt(bytes, 8) != bytes.size())
     throw Error(path,
                 "length",
@@ -181,9 +181,7 @@ void CheckAccessor(const JsonField& field, const std::vector<BufferView>& views)
   const BufferView& view = views[Whole(field, "bufferView", 0, views.size() - 1)];
   const size_t component = ComponentBytes(field), element = component * Width(field);
   const size_t stride = view.stride > 0 ? view.stride : element;
-  if (stride < element)
-    field.Fail("has elements of " + std::to_string(element) + " bytes every " +
-               std::to_string(stride));
+  if (stride < element) field.Fail(Format("has elements of {} bytes every {}", element, stride));
   const size_t offset = WholeOrZero(field, "byteOffset", view.length);
   if ((view.offset + offset) % component != 0) field.Fail("is not aligned to its components");
   const size_t count = Whole(field, "count", 1, kMax);

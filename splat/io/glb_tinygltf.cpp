@@ -8,6 +8,7 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/glb.h"
 
 namespace cosplat {
@@ -33,8 +34,7 @@ void AddBounds(const GlbDocument& document,
                const GlbAccessor& accessor,
                tinygltf::Accessor& out,
                int index) {
-  const auto values =
-      ReadFloats(document, index, accessor.width, "accessors[" + std::to_string(index) + "]");
+  const auto values = ReadFloats(document, index, accessor.width, Format("accessors[{}]", index));
   out.minValues.assign(values.begin(), values.begin() + accessor.width);
   out.maxValues = out.minValues;
   for (size_t i = 0; i < values.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "splat/io/packed_values.h"
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/splat_file.h"
 
 namespace cosplat {
@@ -34,9 +35,8 @@ void CheckForSplatFile(const std::string& path, const Gaussians& g) {
   for (int a = 0; a < kAttributeCount; ++a)
     for (size_t i = 0; i < g.values[a].size(); ++i)
       if (!std::isfinite(g.values[a][i]))
-        throw Error(path,
-                    "Gaussian " + std::to_string(i / size_t(g.width(a))) + ", " + kNames[a],
-                    "is not finite");
+        throw Error(
+            path, Format("Gaussian {}, {}", i / size_t(g.width(a)), kNames[a]), "is not finite");
 }
 
 void CheckSplatCount(const std::string& path,
@@ -47,8 +47,7 @@ void CheckSplatCount(const std::string& path,
   if (count > kAlwaysAllowed && count > file_bytes)
     throw Error(path,
                 field,
-                "is " + std::to_string(count) + ", more splats than the file's " +
-                    std::to_string(file_bytes) + " bytes can hold");
+                Format("is {}, more splats than the file's {} bytes can hold", count, file_bytes));
 }
 
 }  // namespace cosplat

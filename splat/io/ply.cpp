@@ -7,6 +7,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/io/ply_layouts.h"
 #include "splat/io/ply_reader.h"
 #include "splat/io/splat_values.h"
@@ -27,8 +28,7 @@ std::string OffsetsOf(const WorldOrigin& origin) {
 
 // comments: whole lines.
 std::string HeaderOf(size_t count, const std::string& comments = "") {
-  return "ply\nformat binary_little_endian 1.0\n" + comments + "element vertex " +
-         std::to_string(count) + "\n";
+  return Format("ply\nformat binary_little_endian 1.0\n{}element vertex {}\n", comments, count);
 }
 
 void CheckForPly(const std::string& path, const Gaussians& gaussians) {
@@ -60,8 +60,7 @@ void WriteRows(const std::string& path,
     for (size_t k = 0; k < columns.size(); ++k) {
       const float value = gaussians.at(columns[k].attribute, i)[columns[k].component];
       if (!std::isfinite(value))
-        throw Error(
-            path, "vertex " + std::to_string(first + i) + ", " + columns[k].name, "is not finite");
+        throw Error(path, Format("vertex {}, {}", first + i, columns[k].name), "is not finite");
       row[k < kNormalsAt ? k : k + kNormals] = value;
     }
     // The last are opacity, scale_0..2, rot_0..3.
@@ -94,9 +93,7 @@ void WritePly(const std::string& path,
       written += gaussians.size();
     }
     if (written != count)
-      throw Error(
-          path,
-          "its parts have " + std::to_string(written) + " vertices, not " + std::to_string(count));
+      throw Error(path, Format("its parts have {} vertices, not {}", written, count));
   });
 }
 
@@ -108,8 +105,7 @@ void WritePointsPly(const std::string& path,
                     const WorldOrigin& origin) {
   if (points.size() != colors.size() || points.size() % 3 != 0)
     throw Error(path,
-                std::to_string(points.size()) + " coordinates do not fit " +
-                    std::to_string(colors.size()) + " colour values");
+                Format("{} coordinates do not fit {} colour values", points.size(), colors.size()));
   const size_t count = points.size() / 3;
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << HeaderOf(count, OffsetsOf(origin));

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/base/text.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/splat_values.h"
 
@@ -89,8 +90,7 @@ uint32_t Whole(const PlyReader& reader,
   const double value = row[index];
   if (!(value >= 0 && value <= largest && value == std::floor(value)))
     reader.Fail(reader.properties()[index],
-                "is " + std::to_string(value) + ", expected a whole number up to " +
-                    std::to_string(largest));
+                Format("is {}, expected a whole number up to {}", value, largest));
   return uint32_t(value);
 }
 
@@ -150,8 +150,7 @@ void ReadRest(PlyReader& reader, Gaussians& gaussians) {
   const size_t count = gaussians.size();
   reader.Enter("sh");
   if (reader.count() != count)
-    reader.Fail("has " + std::to_string(reader.count()) + " rows, expected one for each of " +
-                std::to_string(count) + " vertices");
+    reader.Fail(Format("has {} rows, expected one for each of {} vertices", reader.count(), count));
   gaussians.degree = DegreeOf(reader);
   gaussians.Resize(count);
   const std::vector<PlyColumn> columns = RestColumns(CoefficientCount(gaussians.degree) - 1);
@@ -229,10 +228,7 @@ void ReadMarks(const PlyReader& reader, Gaussians& gaussians) {
     std::istringstream words(comment);
     std::string name, value;
     words >> name >> value;
-    for (std::string* word : {&name, &value})
-      std::transform(word->begin(), word->end(), word->begin(), [](unsigned char c) {
-        return char(std::tolower(c));
-      });
+    name = LowerCase(name), value = LowerCase(value);
     if (name == "splatrendermode:") antialiased = value == "mip";
     if (name == kLowPassField) variance = std::strtod(value.c_str(), nullptr);
     if (name != "antialiased") continue;

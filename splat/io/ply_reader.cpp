@@ -10,6 +10,7 @@
 
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -115,11 +116,10 @@ size_t PlyReader::BytesLeftOver() const {
   if (end >= bytes_.size() - 1) return 0;
   const size_t left = bytes_.size() - 1 - end;
   if (crlf_ && left > 2)
-    throw Error(
-        path_,
-        "is " + std::to_string(left) +
-            " bytes longer than its header says, whose lines end in CR LF: it was converted "
-            "as if it were text, copy it as binary (ftp, git)");
+    throw Error(path_,
+                Format("is {} bytes longer than its header says, whose lines end in CR LF: it was "
+                       "converted as if it were text, copy it as binary (ftp, git)",
+                       left));
   return left < LeastRowBytes() ? 0 : left;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/dataset.h"
 #include "splat/io/view_files.h"
 
@@ -94,9 +95,8 @@ SceneData LoadScene(const std::string& path, const SceneOptions& options) {
   }
   if (options.fold) HoldOutEvery8th(scene);
   if (scene.train.empty())
-    throw Error(path,
-                "has no training views: all " + std::to_string(scene.test.size()) +
-                    " views are in the test set");
+    throw Error(
+        path, Format("has no training views: all {} views are in the test set", scene.test.size()));
   PlaceScene(options.origin, scene);
   SettleHalfTurns(scene);
   return scene;

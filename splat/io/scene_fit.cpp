@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "splat/base/text.h"
 #include "splat/io/scene_check.h"
 
 namespace cosplat {
@@ -92,11 +93,7 @@ struct Fit {
   }
 };
 
-std::string Grey(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
+std::string Grey(double value) { return Format("{:.1f}", value); }
 
 // The points' difference from their views' images, as a share of that from other views': 0.59 and
 // 0.72 of real scenes, 0.9 and more where cameras or images are wrong.

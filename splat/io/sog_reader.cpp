@@ -6,6 +6,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/base/zip_archive.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/sog.h"
@@ -58,9 +59,7 @@ class SogFiles {
       const std::string file = (folder_ / name).string();
       std::error_code missing;
       if (const uint64_t size = fs::file_size(file, missing); !missing && size > limit)
-        throw Error(file,
-                    "has " + std::to_string(size) + " bytes, at most " + std::to_string(limit) +
-                        " are accepted");
+        throw Error(file, Format("has {} bytes, at most {} are accepted", size, limit));
       return ReadFile(file);
     }
     const size_t index = zip_->Find(name);
@@ -80,8 +79,7 @@ class SogParser {
     if (!meta.Has("version") && meta.Has("means"))
       Fail("version", "is missing: this is SOG of version 1, this program reads 2");
     const int version = meta["version"].Integer();
-    if (version != kSogVersion)
-      Fail("version", "is " + std::to_string(version) + ", this program reads 2");
+    if (version != kSogVersion) Fail("version", Format("is {}, this program reads 2", version));
     const int count = meta["count"].Integer();
     if (count < 1) Fail("count", "is " + std::to_string(count));
     count_ = size_t(count);
@@ -154,8 +152,7 @@ class SogParser {
         const int value = upper.data[4 * i + k] << 8 | lower.data[4 * i + k];
         const double share = value / kSogMaxPosition;
         const auto x = float(SogUnlog(low[k] * (1 - share) + high[k] * share));
-        if (!std::isfinite(x))
-          Fail("means", "of splat " + std::to_string(i) + " are beyond a float's range");
+        if (!std::isfinite(x)) Fail("means", Format("of splat {} are beyond a float's range", i));
         g.at(kPosition, i)[k] = x;
       }
   }
@@ -166,8 +163,7 @@ class SogParser {
       const int largest = in[3] - kSogFirstMode;
       if (largest < 0)
         Fail(meta_["quats"]["files"][0].String(),
-             "alpha of splat " + std::to_string(i) + " is " + std::to_string(in[3]) +
-                 ", expected 252 to 255");
+             Format("alpha of splat {} is {}, expected 252 to 255", i, in[3]));
       double squares = 0;
       for (int k = 0, next = 0; k < 4; ++k) {
         if (k == largest) continue;
@@ -212,8 +208,7 @@ class SogParser {
       const int label = labels.data[4 * i] | labels.data[4 * i + 1] << 8;
       if (label >= colors)
         Fail(meta_["shN"]["files"][1].String(),
-             "label of splat " + std::to_string(i) + " is " + std::to_string(label) +
-                 ", the palette has " + std::to_string(colors));
+             Format("label of splat {} is {}, the palette has {}", i, label, colors));
       const uint8_t* in = &palette.data[4 * size_t(label) * size_t(coefficients)];
       for (int k = 0; k < 3 * coefficients; ++k)
         g.at(kColorRest, i)[k] = codebook[in[4 * (k / 3) + k % 3]];

@@ -9,6 +9,7 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/glb.h"
 #include "splat/io/ply.h"
 #include "splat/io/sog.h"
@@ -36,10 +37,7 @@ Gaussians ReadSceneGlb(const std::string& path, std::vector<std::string>* notes)
 
 // In lower case and without gzip's ending.
 std::string EndingOf(const std::string& path) {
-  std::string name = std::filesystem::path(path).filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
-    return char(std::tolower(c));
-  });
+  std::string name = LowerCase(std::filesystem::path(path).filename().string());
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   return std::filesystem::path(name).extension().string();
 }

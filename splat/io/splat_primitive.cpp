@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/splat_values.h"
 #include "splat/math/quat.h"
@@ -74,8 +75,7 @@ std::vector<float> ReadAttribute(const GlbDocument& document,
   if (count != 0 && values.size() != size_t(width) * count)
     throw Error(document.path,
                 name,
-                "has " + std::to_string(values.size() / size_t(width)) +
-                    " elements, POSITION has " + std::to_string(count));
+                Format("has {} elements, POSITION has {}", values.size() / size_t(width), count));
   return values;
 }
 
@@ -92,10 +92,9 @@ void Note(const GlbDocument& document, bool logarithms, std::vector<std::string>
 void CheckOpacities(const GlbDocument& document, const std::vector<float>& values) {
   for (size_t i = 0; i < values.size(); ++i)
     if (!(values[i] >= 0 && values[i] <= 1))
-      throw Error(
-          document.path,
-          kPrefix + "OPACITY",
-          "number " + std::to_string(i) + " is " + std::to_string(values[i]) + ", expected 0 to 1");
+      throw Error(document.path,
+                  kPrefix + "OPACITY",
+                  Format("number {} is {}, expected 0 to 1", i, values[i]));
 }
 
 }  // namespace
@@ -103,8 +102,7 @@ void CheckOpacities(const GlbDocument& document, const std::vector<float>& value
 std::string SplatCoefficientName(int coefficient) {
   int degree = 0;
   while (CoefficientCount(degree) <= coefficient) ++degree;
-  return kPrefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" +
-         std::to_string(coefficient - degree * degree);
+  return Format("{}SH_DEGREE_{}_COEF_{}", kPrefix, degree, coefficient - degree * degree);
 }
 
 GlbPrimitive AddSplats(GlbDocument& document, const Gaussians& gaussians, bool truncate_degree) {

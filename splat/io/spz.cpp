@@ -9,6 +9,7 @@
 #include "splat/base/compression.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/color_weights.h"
 #include "splat/io/packed_values.h"
 #include "splat/io/splat_primitive.h"
@@ -263,9 +264,8 @@ SpzHeader CheckedHeader(const std::string& path, const unsigned char* bytes, siz
   if (header.degree > kMaxTrainedDegree)
     throw Error(path, "shDegree", "is " + std::to_string(header.degree) + ", expected 0 to 4");
   if (header.fractional_bits > 30)
-    throw Error(path,
-                "fractionalBits",
-                "is " + std::to_string(header.fractional_bits) + ", expected at most 30");
+    throw Error(
+        path, "fractionalBits", Format("is {}, expected at most 30", header.fractional_bits));
   CheckSplatCount(path, "numPoints", header.count, file_bytes);
   return header;
 }
@@ -293,9 +293,7 @@ SpzBytes ReadVersion4(const std::string& path, const std::vector<char>& file, Sp
   size_t streams = 0;
   for (const size_t width : widths) streams += width * header.count > 0;
   if (header.streams != streams)
-    throw Error(path,
-                "numStreams",
-                "is " + std::to_string(header.streams) + ", expected " + std::to_string(streams));
+    throw Error(path, "numStreams", Format("is {}, expected {}", header.streams, streams));
   uint32_t offset;
   std::memcpy(&offset, &file[kSpzHeader], sizeof(offset));
   constexpr size_t kEntry = 16;
@@ -311,10 +309,7 @@ SpzBytes ReadVersion4(const std::string& path, const std::vector<char>& file, Sp
     std::memcpy(sizes, entry, sizeof(sizes));
     entry += kEntry;
     if (sizes[1] != expected)
-      throw Error(
-          path,
-          kSpzNames[a],
-          "has " + std::to_string(sizes[1]) + " bytes, expected " + std::to_string(expected));
+      throw Error(path, kSpzNames[a], Format("has {} bytes, expected {}", sizes[1], expected));
     if (sizes[0] > file.size() - next) throw Error(path, kSpzNames[a], "is truncated");
     arrays[a] = Unzstd(path, kSpzNames[a], file.data() + next, sizes[0], expected);
     next += sizes[0];

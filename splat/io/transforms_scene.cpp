@@ -9,6 +9,7 @@
 #include "splat/base/camera.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/io/ply.h"
 #include "splat/io/view_files.h"
 
@@ -46,8 +47,7 @@ class FrameFields {
 
 double FocalFromAngle(const JsonField& angle, double side) {
   const double value = angle.Number();
-  if (!(value > 0 && value < std::numbers::pi))
-    angle.Fail(std::to_string(value) + " is not in (0, pi)");
+  if (!(value > 0 && value < std::numbers::pi)) angle.Fail(Format("{} is not in (0, pi)", value));
   return side / 2 / std::tan(value / 2);
 }
 
@@ -236,8 +236,7 @@ void SplitByNames(const JsonField& file, SceneData& scene) {
     else
       ++left;
   }
-  if (left > 0)
-    scene.notes.push_back(std::to_string(left) + " views are in none of the file's lists");
+  if (left > 0) scene.notes.push_back(Format("{} views are in none of the file's lists", left));
   scene.own_split = true;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -14,8 +15,7 @@ Image8 ToBytes(const Image& image) {
     if (std::isnan(image.data[i])) {
       const size_t pixel = i / image.channels;
       throw Error("image",
-                  "pixel (" + std::to_string(pixel % image.width) + ", " +
-                      std::to_string(pixel / image.width) + ") is NaN");
+                  Format("pixel ({}, {}) is NaN", pixel % image.width, pixel / image.width));
     }
     bytes.data[i] = uint8_t(std::clamp(image.data[i], 0.f, 1.f) * 255 + 0.5f);
   }

@@ -11,6 +11,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -26,9 +27,7 @@ cv::Mat Wrap(const BasicImage<T>& image) {
 
 std::string ExtensionOf(const std::string& path) {
   const size_t dot = path.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : path.substr(dot);
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
+  return dot == std::string::npos ? "" : LowerCase(path.substr(dot));
 }
 
 // RGB <-> BGR, keeping alpha. Never in place, since `image` may wrap a caller's pixels.

@@ -11,6 +11,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 #include "splat/media/libav.h"
 
@@ -78,11 +79,7 @@ bool ShapesDiffer(int width, int height, int other_width, int other_height) {
   return std::abs(one - other) > 0.05 * one;
 }
 
-std::string Seconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", seconds);
-  return text;
-}
+std::string Seconds(double seconds) { return Format("{:.2f}", seconds); }
 
 std::string SizeOf(const AVFrame& frame) { return SizeText(frame.width, frame.height); }
 
@@ -231,8 +228,7 @@ void VideoReader::Impl::SetSize() {
   if (wide > 1) width = std::max(1, int(std::lround(width * wide)));
   if (wide < 1) height = std::max(1, int(std::lround(height / wide)));
   if (wide > kMostStretched || wide < 1 / kMostStretched)
-    throw Error(path,
-                "says that its pixels are " + std::to_string(wide) + " times as wide as high");
+    throw Error(path, Format("says that its pixels are {} times as wide as high", wide));
   const AVFrameSideData* side = av_frame_get_side_data(frame.get(), AV_FRAME_DATA_DISPLAYMATRIX);
   if (const int32_t* matrix =
           side != nullptr ? reinterpret_cast<const int32_t*>(side->data) : DisplayMatrixOf(track))

@@ -15,6 +15,7 @@
 #include "splat/base/data_files.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -22,11 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
+std::string LowerExtension(const fs::path& path) { return LowerCase(path.extension().string()); }
 
 // What COLMAP reads whatever its version; others become PNG.
 bool IsJpegOrPng(const fs::path& path) {
@@ -179,8 +176,7 @@ std::vector<std::string> WriteSharpFrames(
       }
       progress(next + 1, total);
     }
-    char name[32];
-    std::snprintf(name, sizeof name, "frame_%06d.jpg", best_index);
+    const std::string name = Format("frame_{:06d}.jpg", best_index);
     WriteImage(folder + "/" + name, best);
     names.push_back(name);
   }
@@ -192,12 +188,9 @@ void GatherFrames(const std::string& video,
                   const std::string& folder,
                   bool quiet,
                   Photographs& result) {
-  std::unique_ptr<ProgressBar> bar;
   result.is_video = true;
-  result.names = WriteSharpFrames(video, frames, folder, [&](int done, int total) {
-    if (!bar) bar = std::make_unique<ProgressBar>("frames", total, quiet, OffTerminal::kLines);
-    bar->Update(done, "read");
-  });
+  result.names = WriteSharpFrames(
+      video, frames, folder, ShowProgress("frames", "read", quiet, OffTerminal::kLines));
   const ImageInfo info = ReadImageInfo(folder + "/" + result.names[0]);
   result.width = info.width;
   result.height = info.height;

@@ -3,6 +3,7 @@
 #include "apps/cosplat/options/choice.h"
 #include "apps/cosplat/options/command_line.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 
@@ -61,8 +62,7 @@ void SceneTrainOptions::CheckBlocks() const {
   if (ResolveDevice() != Device::kCpu) refuse("--device cuda", "blocks are trained on the CPU");
   if (prune != PruneRule::kNone)
     refuse("--prune " + ToString(prune), "ranks the Gaussians of a whole scene");
-  if (prune_to)
-    refuse("--prune-to " + std::to_string(*prune_to), "ranks the Gaussians of a whole scene");
+  if (prune_to) refuse(Format("--prune-to {}", *prune_to), "ranks the Gaussians of a whole scene");
   if (finds_budget) refuse("--budget auto", "tries a whole scene several times");
   if (drop_bands > 0) refuse("--drop-bands", "measures images of a whole scene");
   if (preset == Preset::k3dgs) refuse("--preset 3dgs", "has a schedule in steps of a whole scene");

@@ -6,19 +6,16 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
 
 std::string ToString(const BlendshapeFitFigures& figures) {
-  char text[96];
-  std::snprintf(text,
-                sizeof text,
-                "R2 %.2f, %.2f mm (%.2f mm for the mean face)",
+  return Format("R2 {:.2f}, {:.2f} mm ({:.2f} mm for the mean face)",
                 figures.r2,
                 1e3 * figures.error,
                 1e3 * figures.mean_face_error);
-  return text;
 }
 
 Json ToJson(const BlendshapeFitFigures& figures) {

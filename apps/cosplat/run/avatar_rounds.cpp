@@ -10,6 +10,7 @@
 #include "flame/eyelids.h"
 #include "flame/model.h"
 #include "flame/mouth.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -47,12 +48,8 @@ std::vector<double> RefineByAvatars(const std::string& flame_file,
   settings.train = [&](float unit) { return options->ToSettings(unit); };
   settings.fit.steps = 40;
   settings.rounds = rounds;
-  std::unique_ptr<ProgressBar> bar;
   const std::vector<double> psnr =
-      RefineByAvatar(flame, track, image, settings, [&](int done, int total) {
-        if (!bar) bar = std::make_unique<ProgressBar>("avatars", total, quiet);
-        bar->Update(done, "steps");
-      });
+      RefineByAvatar(flame, track, image, settings, ShowProgress("avatars", "steps", quiet));
   EyelidsFromExpression(flame, track);
   video = std::move(track);
   return psnr;
@@ -60,9 +57,9 @@ std::vector<double> RefineByAvatars(const std::string& flame_file,
 
 std::string AvatarRoundsText(const std::vector<double>& psnr) {
   if (psnr.empty()) return "not refined by small avatars, which takes mattes and 20 frames";
-  std::string text = FormatNumber(psnr[0], "frames that small avatars had not seen: %.2f dB");
+  std::string text = Format("frames that small avatars had not seen: {:.2f} dB", psnr[0]);
   for (size_t round = 1; round < psnr.size(); ++round)
-    text += FormatNumber(psnr[round], ", %.2f dB") + " after round " + std::to_string(round);
+    text += Format(", {:.2f} dB", psnr[round]) + " after round " + std::to_string(round);
   if (psnr.back() <= psnr[psnr.size() - 2]) text += ", which is undone";
   return text;
 }

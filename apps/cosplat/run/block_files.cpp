@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/train/blocks/block_schedule.h"
 #include "splat/train/describe_state.h"
 
@@ -78,9 +79,7 @@ Image8 BlockFiles::ReadLayer(size_t block,
   if (bytes.size() == 1) return {};
   Image8 layer(camera.width, camera.height, kind == LayerKind::kIgnored ? 1 : 4);
   if (bytes.size() != layer.data.size())
-    throw Error(path,
-                "has " + std::to_string(bytes.size()) + " bytes, expected " +
-                    std::to_string(layer.data.size()));
+    throw Error(path, Format("has {} bytes, expected {}", bytes.size(), layer.data.size()));
   std::copy(bytes.begin(), bytes.end(), layer.data.begin());
   return layer;
 }

@@ -15,10 +15,10 @@
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/stop_signals.h"
-#include "apps/cosplat/run/test_images.h"
 #include "apps/cosplat/run/train_run.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 #include "splat/io/ply.h"
 #include "splat/train/blocks/block_schedule.h"
 #include "splat/train/blocks/blocks.h"
@@ -64,7 +64,7 @@ class BlockTraining {
   void Run(Gaussians first) {
     if (writes()) BlockFiles::Make(o_.model);
     const int reached = checkpoint_.resumes() ? Resume(first) : 0;
-    if (checkpoint_.resumes() && !o_.quiet) PrintResumed(reached);
+    if (checkpoint_.resumes()) PrintResumed(o_, reached);
     if (state_.round == 0) {
       if (TrainsWhole()) TrainWhole(std::move(first));
       ReleaseTrainer();
@@ -207,7 +207,8 @@ class BlockTraining {
     while (trainer_->iteration() < trainer_->settings().iterations) {
       show(trainer_->Step());
       const Agreement agreed = AgreeAfterStep(signals_.received(), checkpoint_, *group_);
-      if (agreed.signal != 0) Stop(agreed.signal);
+      if (agreed.signal != 0)
+        StopWithCheckpoint(agreed.signal, Iteration(), [&] { WriteCheckpoint(); });
       if (!agreed.checkpoint) continue;
       checkpoint_.Try([&] { WriteCheckpoint(); });
     }
@@ -260,8 +261,7 @@ class BlockTraining {
     MakeTrainer(files_.ReadBlock(b));
     if (o_.exposure) trainer_->SetExposures(std::move(exposures));
     if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
-    const std::string title =
-        "block " + std::to_string(b + 1) + " of " + std::to_string(o_.blocks) + "  ";
+    const std::string title = Format("block {} of {}  ", b + 1, o_.blocks);
     TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
     const RoundCost cost = CostOf(trainer_->statistics());
     const Gaussians trained = trainer_->TakeGaussians();
@@ -386,23 +386,6 @@ class BlockTraining {
       trainer_->Describe(a);
     });
   }
-  void PrintResumed(int iteration) const {
-    std::printf("resumed at step %s of %s\n",
-                WithThousands(size_t(iteration)).c_str(),
-                WithThousands(size_t(o_.iterations)).c_str());
-    std::fflush(stdout);
-  }
-
-  void Stop(int signal) {
-    try {
-      WriteCheckpoint();
-    } catch (const Error& error) {
-      throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
-    }
-    throw Stopped(signal,
-                  "stopped at step " + WithThousands(size_t(Iteration())) +
-                      ": the same command with --resume goes on");
-  }
 
   const SceneTrainOptions& o_;
   const TrainSettings& whole_;
@@ -452,10 +435,7 @@ void TrainInBlocks(const SceneTrainOptions& o,
   }
   training.Meet();
   if (!hooks.evaluate) return;
-  if (writes) {
-    const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
-    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-  }
+  if (writes) PrintEvaluation(o, hooks.lpips);
   training.Meet();
 }
 

@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -13,8 +14,7 @@ namespace {
 // Whether frames go into a video. Throws Error for a file of another kind, which would else become
 // a folder of that name.
 bool IsVideo(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = char(std::tolower(c));
+  const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
   for (const char* other : {".avi", ".gif", ".jpg", ".jpeg", ".mkv", ".mov", ".png", ".webm"})
     if (extension == other && !std::filesystem::is_directory(path))
       throw Error(path, "is neither a folder nor a file that ends in .mp4");
@@ -39,9 +39,7 @@ void FrameSink::Write(const Image8& image) {
         for (int c = 0; c < 3; ++c) even.at(x, y, c) = image.at(x, y, c);
     video_->Write(even);
   } else {
-    char name[16];
-    std::snprintf(name, sizeof name, "/%05d.png", count_);
-    WriteImage(path_ + name, image);
+    WriteImage(Format("{}/{:05d}.png", path_, count_), image);
   }
   ++count_;
 }

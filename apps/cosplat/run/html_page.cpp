@@ -32,12 +32,6 @@ std::string HtmlTable(const std::vector<std::pair<std::string, std::string>>& ro
   return html + "</table>";
 }
 
-std::string FormatNumber(double value, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 std::string Base64(const std::vector<uint8_t>& bytes) {
   constexpr const char* kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

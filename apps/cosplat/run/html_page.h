@@ -1,6 +1,8 @@
 // Self-contained HTML pages about a run, all in one style.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -16,8 +18,15 @@ std::string HtmlPage(const std::string& title, const std::string& body);
 // Rows of text: a name and a value each.
 std::string HtmlTable(const std::vector<std::pair<std::string, std::string>>& rows);
 
-// By a printf format for one double.
-std::string FormatNumber(double value, const char* format);
+// Up to `count` of `all`, evenly spread.
+template <class T>
+std::vector<T> Spread(const std::vector<T>& all, size_t count) {
+  count = std::min(count, all.size());
+  std::vector<T> spread;
+  for (size_t i = 0; i < count; ++i)
+    spread.push_back(all[count == 1 ? 0 : i * (all.size() - 1) / (count - 1)]);
+  return spread;
+}
 
 // RFC 4648, with padding.
 std::string Base64(const std::vector<uint8_t>& bytes);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/gaussians.h"
 #include "splat/train/subject/scene_subject.h"
 
@@ -44,11 +44,7 @@ size_t BytesPerGaussian(const SceneTrainOptions& o) {
   return std::max(trained / o.blocks, parameters + kDrawn);
 }
 
-std::string Gb(double bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f GB", bytes / kGb);
-  return text;
-}
+std::string Gb(double bytes) { return Format("{:.2f} GB", bytes / kGb); }
 
 }  // namespace
 

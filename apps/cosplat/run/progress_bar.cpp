@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+
+#include "splat/base/text.h"
 
 namespace cosplat {
 
@@ -31,9 +34,8 @@ std::string ProgressBar::Status(int done, const std::string& detail) const {
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = seconds > 0 ? (done - first_) / seconds : 0;
   const int left = rate > 0 ? int((total_ - done) / rate) : 0;
-  char numbers[64];
-  std::snprintf(numbers, sizeof numbers, "%.1f it/s  %d:%02d left", rate, left / 60, left % 60);
-  return std::to_string(done) + "/" + std::to_string(total_) + "  " + detail + "  " + numbers;
+  return Format(
+      "{}/{}  {}  {:.1f} it/s  {}:{:02d} left", done, total_, detail, rate, left / 60, left % 60);
 }
 
 void ProgressBar::WriteLine(int done, const std::string& detail) {
@@ -64,10 +66,14 @@ void ProgressBar::Tell(const std::string& line) {
   std::fprintf(stderr, "%s%s\n", visible_ ? "\r\033[K" : "", line.c_str());
 }
 
-std::string WithThousands(size_t n) {
-  std::string s = std::to_string(n);
-  for (int i = int(s.size()) - 3; i > 0; i -= 3) s.insert(size_t(i), 1, ',');
-  return s;
+std::function<void(int done, int total)> ShowProgress(std::string title,
+                                                      std::string detail,
+                                                      bool quiet,
+                                                      OffTerminal off_terminal) {
+  return [=, bar = std::shared_ptr<ProgressBar>()](int done, int total) mutable {
+    if (!bar) bar = std::make_shared<ProgressBar>(title, total, quiet, off_terminal);
+    bar->Update(done, detail);
+  };
 }
 
 }  // namespace cosplat

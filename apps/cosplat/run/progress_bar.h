@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace cosplat {
@@ -35,7 +36,11 @@ class ProgressBar {
   std::chrono::steady_clock::time_point start_, drawn_;
 };
 
-// 12345 -> "12,345".
-std::string WithThousands(size_t n);
+// For tasks that say how much is done of how much: a bar that begins with the first call.
+std::function<void(int done, int total)> ShowProgress(
+    std::string title,
+    std::string detail,
+    bool quiet = false,
+    OffTerminal off_terminal = OffTerminal::kSilent);
 
 }  // namespace cosplat

@@ -9,10 +9,10 @@
 #include <map>
 #include <sstream>
 
-#include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

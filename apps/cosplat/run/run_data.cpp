@@ -11,6 +11,7 @@
 #include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/io/cameras_json.h"
 
 namespace cosplat {
@@ -81,8 +82,7 @@ int LargestResolution(const std::string& path) {
   int resolution = 1;
   if (!std::filesystem::exists(path + "/images"))
     for (const int reduced : {8, 4, 2})
-      if (std::filesystem::exists(path + "/images_" + std::to_string(reduced)))
-        resolution = reduced;
+      if (std::filesystem::exists(Format("{}/images_{}", path, reduced))) resolution = reduced;
   return resolution;
 }
 
@@ -103,9 +103,8 @@ std::string PlaceLines(const SceneData& scene) {
 }
 
 std::string UnitLine(const std::string& what, double unit) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g m", unit);
-  return unit == 1 ? "" : what + " is in units of " + text + ", and was converted to metres\n";
+  if (unit == 1) return "";
+  return Format("{} is in units of {:g} m, and was converted to metres\n", what, unit);
 }
 
 TrackedVideo LoadSplitVideo(const std::string& source,

@@ -10,6 +10,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/media/image_io.h"
 #include "splat/train/loss/crop_loss.h"
 #include "splat/train/loss/loss.h"
@@ -31,12 +32,6 @@ Image8 PlanarToBytes(const Buffer<float>& planar, int width, int height) {
   image.height = height;
   image.color = planar;
   return ToBytes(image.ToImage());
-}
-
-std::string NumberedName(int i) {
-  char name[16];
-  std::snprintf(name, sizeof name, "%05d.png", i);
-  return name;
 }
 
 std::vector<std::string> SortedFiles(const std::string& folder) {
@@ -192,8 +187,7 @@ TestImageWriter::TestImageWriter(const std::string& folder,
                                  int iteration,
                                  std::array<float, 3> background,
                                  const std::string& suffix)
-    : path_(folder + "/" + set + "/ours_" + std::to_string(iteration) + suffix),
-      background_(background) {
+    : path_(Format("{}/{}/ours_{}{}", folder, set, iteration, suffix)), background_(background) {
   for (const char* sub : {"/renders", "/gt", "/masks"}) {
     std::error_code ignored;
     fs::remove_all(path_ + sub, ignored);  // or images of an earlier run would be counted
@@ -206,7 +200,7 @@ void TestImageWriter::Write(const RenderedImage& rendered,
                             const Image8& truth,
                             const Regions& regions,
                             const Image8& ignored) {
-  const std::string name = NumberedName(next_++);
+  const std::string name = Format("{:05d}.png", next_++);
   WriteImage(path_ + "/renders/" + name,
              PlanarToBytes(rendered.color, rendered.width, rendered.height));
   Buffer<float> planar;
@@ -272,9 +266,8 @@ TestSummary EvaluateTestImages(const std::string& folder,
     Summarize(figures, empty, summary);
   }
   if (latest < 0)
-    throw Error(folder,
-                "test",
-                "contains no ours_" + std::to_string(iteration) + ": run `cosplat render` first");
+    throw Error(
+        folder, "test", Format("contains no ours_{}: run `cosplat render` first", iteration));
   WriteFileAtomically(folder + "/results.json", results.dump(2) + "\n");
   WriteFileAtomically(folder + "/per_view.json", per_view.dump(2) + "\n");
   return summary;
@@ -321,28 +314,13 @@ std::string ToString(const TestSummary& s) {
   if (s.views == 0)
     return "no figures: each of the " + std::to_string(s.empty_views) +
            " test images is all of one colour, as under an empty mask";
-  char text[160];
-  std::snprintf(text, sizeof text, "PSNR %.2f dB  SSIM %.4f", s.psnr, s.ssim);
-  std::string out = text;
-  if (s.psnr_mask) {
-    std::snprintf(text, sizeof text, "  inside the mask %.2f dB", *s.psnr_mask);
-    out += text;
-  }
-  if (s.psnr_head) {
-    std::snprintf(text, sizeof text, "  head %.2f dB", *s.psnr_head);
-    out += text;
-  }
-  if (s.psnr_mouth) {
-    std::snprintf(text, sizeof text, "  mouth %.2f dB", *s.psnr_mouth);
-    out += text;
-  }
-  for (const auto& [net, value] : s.lpips) {
-    std::snprintf(text, sizeof text, "%.4f", value);
-    out += "  LPIPS (" + net + ") " + text;
-  }
+  std::string out = Format("PSNR {:.2f} dB  SSIM {:.4f}", s.psnr, s.ssim);
+  if (s.psnr_mask) out += Format("  inside the mask {:.2f} dB", *s.psnr_mask);
+  if (s.psnr_head) out += Format("  head {:.2f} dB", *s.psnr_head);
+  if (s.psnr_mouth) out += Format("  mouth {:.2f} dB", *s.psnr_mouth);
+  for (const auto& [net, value] : s.lpips) out += Format("  LPIPS ({}) {:.4f}", net, value);
   out += "  (" + std::to_string(s.views) + " views";
-  if (s.empty_views > 0)
-    out += "; " + std::to_string(s.empty_views) + " of one colour are not measured";
+  if (s.empty_views > 0) out += Format("; {} of one colour are not measured", s.empty_views);
   return out + ")";
 }
 

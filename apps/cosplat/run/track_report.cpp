@@ -13,6 +13,7 @@
 #include "flame/pose.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -76,15 +77,14 @@ std::string ErrorChart(const TrackRun& run) {
 
 // By the landmarks alone, and after the last round of refinement.
 std::string SpreadText(const std::vector<double>& spread) {
-  return FormatNumber(spread.front(), "%.2f") + " before, " + FormatNumber(spread.back(), "%.2f") +
+  return Format("{:.2f}", spread.front()) + " before, " + Format("{:.2f}", spread.back()) +
          " after " + std::to_string(spread.size() - 1) + " rounds";
 }
 
 std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
-  const auto px = [](double value) { return FormatNumber(value, "%.2f px"); };
+  const auto px = [](double value) { return Format("{:.2f} px", value); };
   return HtmlTable(
-      {{"Frames tracked",
-        std::to_string(run.kept.size()) + " of " + std::to_string(run.fit.frames.size())},
+      {{"Frames tracked", Format("{} of {}", run.kept.size(), run.fit.frames.size())},
        {"Distance from the landmarks, mean", px(run.fit.error)},
        {"95 % of the frames are below", px(Percentile(ErrorsOf(run), 0.95))},
        {"Points differ in brightness from frame to frame by (of 255), refining by the images",
@@ -92,18 +92,15 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
        {"Refining by avatars", AvatarRoundsText(run.held_out_psnr)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
-        FormatNumber(run.fit.camera.fx, "%.0f px")},
+        Format("{:.0f} px", run.fit.camera.fx)},
        {"Cuts, or changes to another face", std::to_string(run.chosen.cuts)}});
 }
 
 std::string OverlaysHtml(const TrackRun& run, const FrameSource& frames) {
   std::string html;
-  const size_t count = std::min(kOverlays, run.kept.size());
-  for (size_t i = 0; i < count; ++i) {
-    const size_t f = run.kept[count == 1 ? 0 : i * (run.kept.size() - 1) / (count - 1)];
-    html +=
-        FigureHtml(DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame)),
-                   run.marks.frames[f].name + FormatNumber(run.fit.frames[f]->error, ": %.2f px"));
+  for (const size_t f : Spread(run.kept, kOverlays)) {
+    html += FigureHtml(DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame)),
+                       run.marks.frames[f].name + Format(": {:.2f} px", run.fit.frames[f]->error));
   }
   return html;
 }

@@ -14,6 +14,7 @@
 #include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
@@ -40,8 +41,7 @@ void CheckOfVideo(const LandmarkVideo& marks,
     if (frame.frame >= frames.count())
       throw Error(marks.file,
                   field + ".frame",
-                  "is " + std::to_string(frame.frame) + ", " + source + " has " +
-                      std::to_string(frames.count()) + " frames");
+                  Format("is {}, {} has {} frames", frame.frame, source, frames.count()));
     if (frame.name != frames.Name(frame.frame))
       throw Error(marks.file,
                   field + ".name",
@@ -65,16 +65,12 @@ double MedianError(const LandmarkFit& fit) {
 
 // What is wrong with a fitted frame, if anything.
 std::string ProblemOf(const FittedFrame& frame, double size, double median) {
-  char text[128] = "";
   if (frame.error > std::max(kMaxErrorRatio * median, kMinError * size))
-    std::snprintf(text,
-                  sizeof text,
-                  "landmarks are %.1f px from the face, %.1f px in other frames",
-                  frame.error,
-                  median);
-  else if (frame.turned > kMaxTurned)
-    std::snprintf(text, sizeof text, "the face is turned away by %.0f degrees", frame.turned);
-  return text;
+    return Format(
+        "landmarks are {:.1f} px from the face, {:.1f} px in other frames", frame.error, median);
+  if (frame.turned > kMaxTurned)
+    return Format("the face is turned away by {:.0f} degrees", frame.turned);
+  return "";
 }
 
 void Keep(TrackRun& run) {
@@ -214,17 +210,13 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
   options.focal = o.focal;
   options.silhouette = o.silhouette;
   options.image = [&](size_t f) { return ImageOf(frames, run.marks.frames[f], run.marks); };
-  std::unique_ptr<ProgressBar> bar;
   run.fit = FitLandmarks(run.model,
                          run.embedding,
                          run.chosen.faces,
                          run.marks.width,
                          run.marks.height,
                          options,
-                         [&](int done, int total) {
-                           if (!bar) bar = std::make_unique<ProgressBar>("track", total, o.quiet);
-                           bar->Update(done, "fits");
-                         });
+                         ShowProgress("track", "fits", o.quiet));
   Keep(run);
   run.mattes = HasMattes(run);
   if (run.mattes) RefineKept(o, frames, run);

@@ -13,6 +13,7 @@
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "splat/base/text.h"
 #include "splat/train/budget.h"
 
 namespace cosplat {
@@ -28,14 +29,35 @@ void PrintSettled(const TrainOptions& o) {
 std::string LossLine::operator()(const StepReport& step) {
   const bool first = step.iteration == 1 || std::isnan(loss_);  // of a run, or since resuming
   loss_ = first ? step.loss : 0.95 * loss_ + 0.05 * step.loss;
-  char text[96];
-  std::snprintf(
-      text, sizeof text, "loss %.4f  %s Gaussians", loss_, WithThousands(step.gaussians).c_str());
-  return text;
+  return Format("loss {:.4f}  {} Gaussians", loss_, WithThousands(step.gaussians));
 }
 
 std::shared_ptr<Lpips> LoadLpips(const TrainOptions& o) {
   return o.lpips.empty() ? nullptr : std::make_shared<Lpips>(o.lpips);
+}
+
+void PrintResumed(const TrainOptions& o, int iteration) {
+  if (o.quiet) return;
+  std::printf("resumed at step %s of %s\n",
+              WithThousands(size_t(iteration)).c_str(),
+              WithThousands(size_t(o.iterations)).c_str());
+  std::fflush(stdout);
+}
+
+void StopWithCheckpoint(int signal, int iteration, const std::function<void()>& write_checkpoint) {
+  try {
+    write_checkpoint();
+  } catch (const Error& error) {
+    throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
+  }
+  throw Stopped(signal,
+                Format("stopped at step {}: the same command with --resume goes on",
+                       WithThousands(size_t(iteration))));
+}
+
+void PrintEvaluation(const TrainOptions& o, Lpips* lpips) {
+  const TestSummary summary = EvaluateTestImages(o.model, o.iterations, lpips);
+  if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
 }
 
 void PrintTrained(const TrainingStatistics& s) {
@@ -143,14 +165,7 @@ class TrainingRun {
 
   void StopFor(int signal) {
     if (signal == 0) return;
-    try {
-      WriteCheckpoint();
-    } catch (const Error& error) {
-      throw Stopped(signal, std::string("stopped, without a checkpoint: ") + error.what());
-    }
-    throw Stopped(signal,
-                  "stopped at step " + WithThousands(size_t(trainer_.iteration())) +
-                      ": the same command with --resume goes on");
+    StopWithCheckpoint(signal, trainer_.iteration(), [&] { WriteCheckpoint(); });
   }
 
   void TryToWriteCheckpoint() {
@@ -171,11 +186,7 @@ class TrainingRun {
       if (searches != 0) BeginSearch();
       DescribeRun(a);
     });
-    if (o_.quiet) return;
-    std::printf("resumed at step %s of %s\n",
-                WithThousands(size_t(trainer_.iteration())).c_str(),
-                WithThousands(size_t(o_.iterations)).c_str());
-    std::fflush(stdout);
+    PrintResumed(o_, trainer_.iteration());
   }
 
   void DescribeRun(StateArchive& a) { search_ ? search_->Describe(a) : trainer_.Describe(a); }
@@ -228,10 +239,7 @@ void RunTraining(const TrainOptions& o,
         100 * statistics.bands.rest_saved,
         statistics.drop_psnr);
   if (!hooks.evaluate) return;
-  if (writes) {
-    const TestSummary summary = EvaluateTestImages(o.model, o.iterations, hooks.lpips);
-    if (!o.quiet) std::printf("%s\n", ToString(summary).c_str());
-  }
+  if (writes) PrintEvaluation(o, hooks.lpips);
   run.StopIfAsked();
 }
 

@@ -52,6 +52,17 @@ void PrintFinished(const TrainOptions& options);
 // Prints, unless quiet, what --quality has set.
 void PrintSettled(const TrainOptions& options);
 
+// Prints, unless quiet, how far the run had come that is resumed.
+void PrintResumed(const TrainOptions& options, int iteration);
+
+// Throws Stopped, once a checkpoint is written or cannot be.
+[[noreturn]] void StopWithCheckpoint(int signal,
+                                     int iteration,
+                                     const std::function<void()>& write_checkpoint);
+
+// Evaluates the held-out images that were written and prints their figures, unless quiet.
+void PrintEvaluation(const TrainOptions& options, Lpips* lpips);
+
 // Prints the time it took and the number of Gaussians.
 void PrintTrained(const TrainingStatistics& statistics);
 

@@ -1,6 +1,6 @@
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/held_memory.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

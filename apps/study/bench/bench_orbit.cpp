@@ -9,10 +9,10 @@
 
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "splat/base/error.h"
+#include "splat/base/text.h"
 #include "splat/config.h"
 #include "splat/gaussians.h"
 #include "splat/io/splat_file.h"

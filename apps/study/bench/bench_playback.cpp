@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "assets/head/motion.h"
@@ -11,6 +10,7 @@
 #include "avatar/play/player.h"
 #include "avatar/surface/sample.h"
 #include "splat/base/rng.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/measure.h"
 #include "apps/study/bench/step_timer.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

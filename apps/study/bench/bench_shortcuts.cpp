@@ -5,9 +5,9 @@
 #include <numeric>
 #include <string>
 
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_scene.h"
 #include "apps/study/bench/bench_series.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include "apps/charts/chart_scale.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "apps/study/bench/bench_series.h"
 #include "apps/study/bench/step_timer.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

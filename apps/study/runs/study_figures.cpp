@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <set>
 
-#include "apps/cosplat/run/progress_bar.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "apps/charts/svg_drawing.h"
-#include "apps/cosplat/run/progress_bar.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/text.h"
 
 namespace cosplat {
 namespace {
