@@ -130,9 +130,9 @@ Image8 LoadTrackedImage(const TrackedVideo& video, const TrackedFrame& frame);
 std::vector<Finding> CheckTrack(const FlameModel& flame, const TrackedVideo& video);
 
 // A frame's mesh: [V, 3], world units. Coefficients that the model lacks do not move it.
-std::vector<float> PosedVertices(const FlameModel& flame,
-                                 const TrackedVideo& video,
-                                 const TrackedFrame& frame);
+std::vector<float> TrackedVertices(const FlameModel& flame,
+                                   const TrackedVideo& video,
+                                   const TrackedFrame& frame);
 
 // Whether one camera that stands still shows all frames, so that its focal length may be the
 // tracker's assumption. Several are calibrated to each other, and one that moves by its motion.

@@ -54,7 +54,7 @@ std::string PicturesOf(const FlameModel& flame, const TrackedVideo& video) {
   for (const TrackedFrame* frame : Spread(InstantsOf(video), kPictures)) {
     if (!frame->has_image) continue;
     const Image8 image = ReducedTo(LoadTrackedImage(video, *frame), kPictureSide);
-    html += FigureHtml(MeshOver(PosedVertices(flame, video, *frame),
+    html += FigureHtml(MeshOver(TrackedVertices(flame, video, *frame),
                                 flame.faces,
                                 frame->camera.Resized(image.width, image.height),
                                 OverBlack(image)),

@@ -386,9 +386,9 @@ void CheckExpressions(const FlameModel& flame,
 
 }  // namespace
 
-std::vector<float> PosedVertices(const FlameModel& flame,
-                                 const TrackedVideo& video,
-                                 const TrackedFrame& frame) {
+std::vector<float> TrackedVertices(const FlameModel& flame,
+                                   const TrackedVideo& video,
+                                   const TrackedFrame& frame) {
   return Posed(PoserOf(flame, video), flame, frame);
 }
 

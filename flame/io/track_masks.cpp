@@ -60,7 +60,7 @@ void SettleMasks(const FlameModel& flame, TrackedVideo& video) {
     if (!frame.has_image) continue;
     const Image8 image = LoadTrackedImage(video, frame);
     if (image.channels != 4) continue;
-    sum.Add(CoverageOf(image, frame.camera, PosedVertices(flame, video, frame)));
+    sum.Add(CoverageOf(image, frame.camera, TrackedVertices(flame, video, frame)));
     ++masked;
   }
   if (masked == 0) return;
