@@ -51,4 +51,5 @@ cosplat_static_library(avatar_stability apps/study/avatar_stability/painted_avat
 target_link_libraries(cosplat_avatar_stability PUBLIC cosplat::player cosplat::made_head)
 cosplat_static_library(bench apps/study/bench/synthetic_view.cpp)
 target_link_libraries(cosplat_bench PUBLIC cosplat::train)
+add_subdirectory(apps/study/rules)
 add_subdirectory(tests/gpu)

@@ -67,7 +67,7 @@ if [[ -n $scene ]]; then
   compare "scene" "${images[@]}" --iterations 600
   compare "scene, as 3DGS, SH" "${images[@]}" --iterations 600 --preset 3dgs --basis sh
   compare "scene, pruned to 3000" "${images[@]}" --iterations 600 --prune-to 3000
-  compare "scene, learned mask" "${images[@]}" --iterations 400 --prune compact
+  compare "scene, learned mask" "${images[@]}" --iterations 400 --prune lp
   compare "scene, budget" "${images[@]}" --iterations 400 --budget auto --eval
 fi
 exit $differing

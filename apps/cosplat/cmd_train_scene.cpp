@@ -112,8 +112,8 @@ void SaveInputs(const SceneTrainOptions& o,
 }  // namespace
 
 void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks) {
-  if (o.prune == PruneRule::kDcsharpTriangle)
-    throw Error("--prune dcsharp-triangle", "needs triangles: available in train-avatar only");
+  if (FindPruneRule(o.prune).group_floor > 0)
+    throw Error("--prune " + o.prune, "needs triangles: available in train-avatar only");
   if (o.blocks > 1 && !o.device) o.device = Device::kCpu;
   o.CheckBlocks();
   if (o.blocks > 1 && ranks->size() > o.blocks * size_t(o.batch))

@@ -24,7 +24,7 @@ BudgetSearch::BudgetSearch(const BudgetSettings& settings, Trainer& trainer)
   if (first_round_ == 0) throw Error("--budget auto", "the pruning rule has no round in this run");
   if (settings.held_out.empty())
     throw Error("--budget auto", "there are too few training frames to hold any out");
-  unpruned_.rule = PruneRule::kNone;
+  unpruned_.rule = "none";
   unpruned_.target = 0;
   start_ = trainer.Save();
   trainer.HoldOut(settings.held_out);

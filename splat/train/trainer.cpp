@@ -209,10 +209,9 @@ void Trainer::Describe(StateArchive& a) {
   CheckIsOfRun(a, state_);
   const std::shared_ptr<SubjectState> subject = subject_.SaveState();
   if (subject) subject->Describe(a, gaussians);
-  int32_t rule = int32_t(settings_.prune.rule);
-  a.Value("prune.rule", rule);
-  a.Require(rule >= 0 && rule <= int32_t(PruneRule::kRandom), "prune.rule", "is not a rule");
-  settings_.prune.rule = PruneRule(rule);
+  int32_t prunes = settings_.prune.prunes();  // by the rule of the run
+  a.Value("prune.rule", prunes);
+  if (prunes == 0) settings_.prune.rule = "none";
   a.Value("prune.target", settings_.prune.target);
   a.Value("drop_psnr", drop_psnr_);
   PhaseTimes times = times_;
@@ -235,22 +234,15 @@ void Trainer::Describe(StateArchive& a) {
 // per group alone.
 PruneRound Trainer::Rank(int iteration) {
   const auto [gaussians, statistics] = engine_->FetchForRanking();
-  if (PrunesAt(iteration)) {
-    return pruner_->Rank({iteration,
-                          *engine_,
-                          frames_,
-                          gaussians,
-                          statistics,
-                          active_degree(),
-                          MeanBackground(),
-                          state_.rng});
-  }
-  PruneRound round;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    round.score.push_back(statistics.MeanPlasticity(i));
-    round.exempt.push_back(!(statistics.visible[i] > 0));
-  }
-  return round;
+  const PruneContext context{iteration,
+                             *engine_,
+                             frames_,
+                             gaussians,
+                             statistics,
+                             active_degree(),
+                             MeanBackground(),
+                             state_.rng};
+  return PrunesAt(iteration) ? pruner_->Rank(context) : RankByPlasticity(context);
 }
 
 void Trainer::DropBands() {
@@ -272,7 +264,9 @@ void Trainer::ControlDensityAt(int iteration) {
   }
   if (densifies || prunes) {
     if (settings_.prune.group_cap > 0 || prunes)
-      engine_->Prune(Rank(iteration), settings_.prune.group_cap, settings_.prune.group_floor);
+      engine_->Prune(Rank(iteration),
+                     settings_.prune.group_cap,
+                     FindPruneRule(settings_.prune.rule).group_floor);
     CheckSomeAreLeft(iteration);
     engine_->SortInSpace();
     engine_->ResetStatistics();

@@ -22,7 +22,7 @@ struct AvatarRun : Training<> {
       : Training<>(LoadSmallVideo(6, 2), avatar, Settings()) {}
   static TrainSettings Settings() {
     TrainSettings settings = test::ShortRun(kAvatarSteps, 3000);
-    settings.prune.rule = PruneRule::kDcsharp;
+    settings.prune.rule = "dcsharp";
     settings.schedule.opacity_reset_every = 35;
     return settings;
   }

@@ -212,7 +212,7 @@ TEST(AvatarDensity, PruningTakesFromThePlainSideWhatTheDetailedOneNeeds) {
   TrainSettings settings = ShortRun(40, 20000);
   settings.rates = {0, 0, 0, 1e-30f, 0, 0, 0};
   settings.density.gradient_threshold = 1e9f;  // none is cloned or split
-  settings.prune.rule = PruneRule::kLeaveOneOut;
+  settings.prune.rule = "leave-one-out";
   settings.prune.target = 6000;
   AvatarSettings avatar = SmallAvatar(20000);
   avatar.light_rate = 0;

@@ -128,7 +128,7 @@ Outcome Train(uint64_t seed) {
   avatar.walk_every = 10;
   TrainSettings settings = ShortRun(80, 3000);
   settings.seed = seed;
-  settings.prune.rule = PruneRule::kDcsharp;
+  settings.prune.rule = "dcsharp";
   settings.schedule.opacity_reset_every = 35;
   Training<> run(LoadSmallVideo(6, 2), avatar, settings);
   const double loss = run.Run(80);

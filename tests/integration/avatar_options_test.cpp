@@ -95,7 +95,7 @@ void ExpectSplattingAvatar(const AvatarOptions& o) {
   EXPECT_FLOAT_EQ(s.density.min_opacity, 0.005f);
   EXPECT_FALSE(s.density.shares_opacity);
   EXPECT_EQ(s.schedule.opacity_reset_share, 1);
-  EXPECT_EQ(s.prune.rule, PruneRule::kNone);
+  EXPECT_EQ(s.prune.rule, "none");
   EXPECT_EQ(s.prune.group_cap, 0);
 }
 
@@ -169,7 +169,7 @@ TEST(AvatarPreset, WhatIsGivenCountsMoreInAnyOrder) {
     EXPECT_EQ(p.options.avatar.color_frame, ColorFrame::kSurface);
     EXPECT_EQ(p.options.avatar.bust, AvatarSettings::BustChoice::kYes);
     EXPECT_EQ(p.options.avatar.initial_gaussians, 5000u);
-    EXPECT_EQ(p.options.prune, PruneRule::kDcsharp);
+    EXPECT_EQ(p.options.prune, "dcsharp");
     const TrainSettings s = p.options.ToSettings(0.25f);
     EXPECT_EQ(s.degree, 3);
     EXPECT_EQ(s.first_degree, 3);  // all from the first step
@@ -365,7 +365,7 @@ TEST(Config, IsReadAsItWasWritten) {
         {"--preset", "quick"},
         {"--preset", "splatting-avatar"},
         {"--budget", "auto", "--mouth", "no", "--device", "auto", "--background", "white"},
-        {"--prune", "speedy", "--prune-to", "4000", "--densify_from_iter", "50"}}) {
+        {"--prune", "opacity", "--prune-to", "4000", "--densify_from_iter", "50"}}) {
     const Parsed first(arguments), again = WithConfig(first.config);
     EXPECT_EQ(again.config, first.config);
   }

@@ -41,7 +41,7 @@ const std::vector<Kind>& Kinds() {
       {"scene", false, {"--iterations", "1500", "--max-gaussians", "900"}},
       {"scene, learned mask and bands",
        false,
-       {"--iterations", "1200", "--prune", "compact", "--drop-bands", "2"}},
+       {"--iterations", "1200", "--prune", "lp", "--drop-bands", "2"}},
       {"scene, budget", false, {"--iterations", "500", "--budget", "auto"}},
   };
   return kinds;

@@ -54,10 +54,21 @@ TEST_F(PruneCommand, BudgetAutoSaysWhatItTried) {
 
 TEST_F(PruneCommand, WhatDoesNotFitIsAnError) {
   ExpectBadScene({"--prune", "dcsharp-triangle"}, "needs triangles");
-  ExpectBadScene({"--prune", "compact", "--prune-to", "100"}, "does not support a target count");
-  ExpectBadScene({"--prune", "speedy", "--prune-lambda", "1"}, "does not learn a mask");
+  ExpectBadScene({"--prune", "lp", "--prune-to", "100"}, "does not support a target count");
+  ExpectBadScene({"--prune", "opacity", "--prune-lambda", "1"}, "does not learn a mask");
   ExpectBadScene({"--budget", "auto", "--prune-to", "100"}, "--budget auto finds the count");
-  ExpectBadScene({"--budget", "auto", "--prune", "speedy"}, "prunes by leave-one-out");
+  ExpectBadScene({"--budget", "auto", "--prune", "opacity"}, "prunes by leave-one-out");
+}
+
+TEST_F(PruneCommand, RulesOfTheStudyAreKnownByName) {
+  const std::string config = folder_ / "config.ini";
+  std::ofstream(config) << "train-scene.prune=\"compact\"\n";
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"--prune", "compact"}, {"--config", config}})
+    ExpectBadScene(more, "cosplat: --prune compact: only cosplat-study has this rule");
+  for (const std::string rule : {"dcsharp-released", "lightgaussian", "speedy", "random"})
+    ExpectBadScene({"--prune", rule}, "--prune " + rule + ": only cosplat-study");
+  ExpectBadScene({"--prune", "best"}, "'best' is not a pruning rule; known: none, leave-one-out");
 }
 
 TEST_F(PruneCommand, AvatarsPruneByTriangleAndFindTheirBudget) {

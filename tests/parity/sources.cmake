@@ -13,7 +13,8 @@ set(COSPLAT_PARITY_SOURCES
 set(COSPLAT_TRAINING_PARITY_SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/density_parity_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mask_parity_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/training_parity_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/training_parity_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../support/study_rules.cpp)
 # Avatars on a device against the CPU: for the host's emulation of one (tests/cuda) and for a real one
 # (tests/gpu).
 set(COSPLAT_PLAYER_PARITY_SOURCES

@@ -112,7 +112,7 @@ TEST(Batch, WhereAdamUpdatesAllAndARegularizerMovesNeedles) {
 
 TEST(Batch, WhereARulePrunesByTheImages) {
   TrainSettings settings = BusyBatch();
-  settings.prune.rule = PruneRule::kLeaveOneOut;
+  settings.prune.rule = "leave-one-out";
   settings.prune.target = 2000;
   ExpectSameOnAnyRanks(settings);
   EXPECT_EQ(TrainOn(2, settings).gaussians.size(), 2000u);
@@ -120,7 +120,7 @@ TEST(Batch, WhereARulePrunesByTheImages) {
 
 TEST(Batch, WhereARulePrunesAndBandsAreDropped) {
   TrainSettings settings = BusyBatch();
-  settings.prune.rule = PruneRule::kOpacity;
+  settings.prune.rule = "opacity";
   settings.prune.target = 2000;
   settings.drop_bands = 2.0f / 255;
   ExpectSameOnAnyRanks(settings);
@@ -327,7 +327,7 @@ TEST(Batch, OfAViewThatIsNotFiniteEndsEveryRankAlike) {
 
 TEST(Batch, RejectsWhatNeedsStepsOfOneView) {
   TrainSettings settings = BusyBatch();
-  settings.prune.rule = PruneRule::kCompact;
+  settings.prune.rule = "compact";
   ExpectError([&] { BatchRun(settings, OneRank()); }, {"--prune compact", "--batch 1"});
   settings = BusyBatch();
   settings.batch = 2;

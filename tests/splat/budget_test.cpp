@@ -19,7 +19,7 @@ constexpr int kSteps = 300;
 
 TrainSettings Settings() {
   TrainSettings s = ShortRun(kSteps, 1);
-  s.prune.rule = PruneRule::kLeaveOneOut;
+  s.prune.rule = "leave-one-out";
   return s;
 }
 
@@ -95,7 +95,7 @@ TEST(Budget, WhatCannotBeJudgedIsAnError) {
   Trainer trainer(Settings(), subject, FirstGaussians(300, 1));
   ExpectError([&] { FindBudget({0.2, {}}, trainer); }, {"--budget auto", "frames"});
   TrainSettings none = Settings();
-  none.prune.rule = PruneRule::kNone;
+  none.prune.rule = "none";
   Trainer unpruned(none, subject, FirstGaussians(300, 1));
   ExpectError([&] { FindBudget({0.2, {1}}, unpruned); }, {"--budget auto", "no round"});
 }

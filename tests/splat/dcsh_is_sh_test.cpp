@@ -64,7 +64,7 @@ TrainSettings FullDegreeRun() {
   settings.schedule.densify_every = 20;
   settings.schedule.opacity_reset_every = 70;
   settings.density.split_scale = 0.12f;  // about half of them each way
-  settings.prune.rule = PruneRule::kDcsharp;
+  settings.prune.rule = "dcsharp";
   return settings;
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 using namespace test;  // NOLINT: tagged Gaussians and small scenes
 
-PruneSettings Rule(PruneRule rule, size_t target = 0) {
+PruneSettings Rule(const std::string& rule, size_t target = 0) {
   PruneSettings s;
   s.rule = rule;
   s.target = target;
@@ -57,16 +57,26 @@ struct Rounds {
 };
 
 TEST(Pruner, NamesAreKnownBothWays) {
-  for (const std::string& name : PruneRuleNames())
-    EXPECT_EQ(ToString(PruneRuleFromString(name)), name);
-  ExpectError([] { PruneRuleFromString("best"); }, {"prune", "'best'", "dcsharp", "leave-one-out"});
+  for (const std::string& name : PruneRuleNames()) EXPECT_EQ(FindPruneRule(name).name, name);
+  ExpectError([] { FindPruneRule("best"); }, {"prune", "'best'", "dcsharp", "leave-one-out"});
+}
+
+TEST(Pruner, ProgramsAddRules) {
+  EXPECT_EQ(PruneRuleNames().size(), 11u);  // with those of the study
+  const auto none = FindPruneRule("none").make;
+  RegisterPruneRule({.name = "of a program", .make = none, .ranks = true});
+  EXPECT_EQ(PruneRuleNames().back(), "of a program");
+  EXPECT_TRUE(FindPruneRule("of a program").ranks);
+  RegisterPruneRule({.name = "of a program", .make = none});
+  EXPECT_EQ(PruneRuleNames().size(), 12u);
+  EXPECT_FALSE(FindPruneRule("of a program").ranks);
 }
 
 TEST(Pruner, SettingsThatDoNotFitTheRuleAreErrors) {
   const auto make = [](PruneSettings s) { MakePruner(s, Every20(), 300, 10); };
-  ExpectError([&] { make(Rule(PruneRule::kCompact, 50)); }, {"--prune-to 50", "compact"});
-  ExpectError([&] { make(Rule(PruneRule::kNone, 50)); }, {"--prune-to 50", "none"});
-  PruneSettings opacity = Rule(PruneRule::kOpacity);
+  ExpectError([&] { make(Rule("compact", 50)); }, {"--prune-to 50", "compact"});
+  ExpectError([&] { make(Rule("none", 50)); }, {"--prune-to 50", "none"});
+  PruneSettings opacity = Rule("opacity");
   opacity.mask_weight = 1;
   ExpectError([&] { make(opacity); }, {"--prune-lambda", "opacity"});
   EXPECT_EQ(MakePruner({}, Every20(), 300, 10), nullptr);
@@ -99,7 +109,7 @@ TEST(Dcsharp, PlasticityIsOfTheIndicesAfterSplitting) {
   p.SetScale(0, kLarge);
   p.See(2, 0, 0.1f);
   Placement placement;
-  EXPECT_EQ(Rounds(p, Rule(PruneRule::kDcsharp, 5)).Run(placement), 1u);
+  EXPECT_EQ(Rounds(p, Rule("dcsharp", 5)).Run(placement), 1u);
   EXPECT_EQ(p.Tags(), Tags({2, 4, 5, 1, 1}));
   ExpectAligned(p);
 }
@@ -113,7 +123,7 @@ TEST(Dcsharp, PlasticityIsAMeanAndNewOnesAreExempt) {
   p.statistics.plasticity[2] = 3;  // mean 3, though the lowest sum
   p.See(3, 0, 4);
   Placement placement;
-  Rounds(p, Rule(PruneRule::kDcsharp, 4)).Run(placement);
+  Rounds(p, Rule("dcsharp", 4)).Run(placement);
   EXPECT_EQ(p.Tags(), Tags({1, 3, 4, 1}));
 }
 
@@ -123,7 +133,7 @@ TEST(Dcsharp, CountsOnlyThoseThatStay) {
   for (size_t i = 0; i < 10; ++i) p.See(i, 0, float(i));
   for (size_t i = 0; i < 5; ++i) p.g.at(kOpacityLogit, i)[0] = -9;
   Placement placement;
-  EXPECT_EQ(Rounds(p, Rule(PruneRule::kDcsharp, 3)).Run(placement), 2u);
+  EXPECT_EQ(Rounds(p, Rule("dcsharp", 3)).Run(placement), 2u);
   EXPECT_EQ(p.Tags(), Tags({8, 9, 10}));
 }
 
@@ -137,7 +147,7 @@ TEST(Dcsharp, CapAndFloorCountOnlyThoseThatStay) {
   }
   Recorder recorder(p);
   recorder.groups_of_tag = {0, 0, 0, 0, 0, 1, 1, 1, 1};
-  Rounds(p, Rule(PruneRule::kDcsharpTriangle, 1)).Run(recorder, 301, 2, 2);
+  Rounds(p, Rule("dcsharp-triangle", 1)).Run(recorder, 301, 2, 2);
   EXPECT_EQ(p.Tags(), Tags({3, 4, 7, 8}));
   EXPECT_EQ(recorder.tags, p.Tags());
 }
@@ -148,7 +158,7 @@ TEST(Dcsharp, TheCapTakesTheLowestOfItsGroup) {
   Recorder recorder(p);
   recorder.groups_of_tag = {0, 0, 0, 0, 0, 1, 1};
   // All are cloned: eight in group 0, four in group 1.
-  Rounds(p, Rule(PruneRule::kDcsharp, 12)).Run(recorder, 301, 3);
+  Rounds(p, Rule("dcsharp", 12)).Run(recorder, 301, 3);
   EXPECT_EQ(p.g.size(), 6u);
   for (const int group : {0, 1})
     EXPECT_EQ(std::count_if(recorder.tags.begin(),
@@ -165,7 +175,7 @@ TEST(DcsharpReleased, TakesTheHighestByTheirPlaceBeforeSplitting) {
   for (size_t i = 0; i < 100; ++i) p.See(i, 0, 1);
   p.See(0, 1, 1);
   p.SetScale(0, kLarge);
-  Rounds rounds(p, Rule(PruneRule::kDcsharpReleased));
+  Rounds rounds(p, Rule("dcsharp-released"));
   Gaussians gradients = p.g.ZerosLike();
   for (const size_t i : {9, 50}) gradients.at(kScaleLog, i)[0] = 3;
   gradients.at(kScaleLog, 70)[1] = 100;  // the other axes do not count
@@ -200,33 +210,28 @@ Outcome TrainUnder(const PruneSettings& prune) {
 TEST(Pruner, RulesThatRankReachTheirCount) {
   const Outcome all = TrainUnder({});
   ASSERT_GT(all.count, 250u);
-  for (const PruneRule rule : {PruneRule::kLeaveOneOut,
-                               PruneRule::kDcsharp,
-                               PruneRule::kLightGaussian,
-                               PruneRule::kSpeedy,
-                               PruneRule::kOpacity,
-                               PruneRule::kRandom}) {
+  for (const char* rule :
+       {"leave-one-out", "dcsharp", "lightgaussian", "speedy", "opacity", "random"}) {
     const Outcome run = TrainUnder(Rule(rule, 80));
-    EXPECT_NEAR(double(run.count), 80, 3) << ToString(rule);
-    EXPECT_GT(run.psnr, 15) << ToString(rule);
+    EXPECT_NEAR(double(run.count), 80, 3) << rule;
+    EXPECT_GT(run.psnr, 15) << rule;
   }
 }
 
 TEST(Pruner, RulesThatRankHaveSharesOfTheirOwn) {
   const size_t all = TrainUnder({}).count;
-  for (const PruneRule rule : {PruneRule::kLeaveOneOut,
-                               PruneRule::kDcsharp,
-                               PruneRule::kDcsharpReleased,
-                               PruneRule::kLightGaussian,
-                               PruneRule::kSpeedy,
-                               PruneRule::kOpacity,
-                               PruneRule::kRandom})
-    EXPECT_LT(TrainUnder(Rule(rule)).count, all) << ToString(rule);
+  for (const char* rule : {"leave-one-out",
+                           "dcsharp",
+                           "dcsharp-released",
+                           "lightgaussian",
+                           "speedy",
+                           "opacity",
+                           "random"})
+    EXPECT_LT(TrainUnder(Rule(rule)).count, all) << rule;
 }
 
 TEST(Pruner, LeavingOutByErrorBeatsChance) {
-  EXPECT_GT(TrainUnder(Rule(PruneRule::kLeaveOneOut, 60)).psnr,
-            TrainUnder(Rule(PruneRule::kRandom, 60)).psnr + 1);
+  EXPECT_GT(TrainUnder(Rule("leave-one-out", 60)).psnr, TrainUnder(Rule("random", 60)).psnr + 1);
 }
 
 // A rule's mask, learned as training does.
@@ -249,7 +254,7 @@ struct MaskInStep {
 // Gaussians that the images do not need give their masks no gradient: the mask's own loss hides
 // them in time. Those whose opacity the images ask for stay.
 TEST(Pruner, AMaskHidesWhatTheImagesDoNotAskFor) {
-  for (const PruneRule rule : {PruneRule::kCompact, PruneRule::kLp}) {
+  for (const char* rule : {"compact", "lp"}) {
     const Gaussians g = TrueScene(0);
     SceneSubject subject(TargetImages(g, Ring(2, 2.2f)), 1);
     const auto pruner = MakePruner(Rule(rule), Every20(), 300, g.size());
@@ -257,7 +262,7 @@ TEST(Pruner, AMaskHidesWhatTheImagesDoNotAskFor) {
     const std::vector<uint32_t> frames{0, 1};
     ImagesOf images(subject, g);
     const PruneContext context{195, images, frames, g, {}, 0, {0, 0, 0}, rng};
-    EXPECT_EQ(pruner->Rank(context).remove, 0u) << ToString(rule);
+    EXPECT_EQ(pruner->Rank(context).remove, 0u) << rule;
     const std::vector<float> radii(g.size(), 1.0f);
     MaskInStep mask(*pruner);
     for (int step = 0; step < 3000; ++step) {
@@ -268,15 +273,14 @@ TEST(Pruner, AMaskHidesWhatTheImagesDoNotAskFor) {
     }
     mask.learner.Download(HostStream());
     const PruneRound round = pruner->Rank(context);
-    EXPECT_EQ(round.remove, g.size() / 2) << ToString(rule);
-    for (size_t i = 0; i < g.size(); i += 2)
-      EXPECT_GT(round.score[i], round.score[i + 1]) << ToString(rule);
+    EXPECT_EQ(round.remove, g.size() / 2) << rule;
+    for (size_t i = 0; i < g.size(); i += 2) EXPECT_GT(round.score[i], round.score[i + 1]) << rule;
   }
 }
 
 TEST(Compact, WhatIsHiddenIsNotDrawn) {
   const Gaussians g = TrueScene(0);
-  const auto pruner = MakePruner(Rule(PruneRule::kCompact), Every20(), 300, g.size());
+  const auto pruner = MakePruner(Rule("compact"), Every20(), 300, g.size());
   Rng rng{1};
   const std::vector<float> radii(g.size(), 0.0f);
   Gaussians gradients = g.ZerosLike();
@@ -294,7 +298,7 @@ TEST(Lp, GradientsGoThroughTheMask) {
   Rng colors{3};
   for (float& c : g.values[kColorDc]) c += 0.3f * colors.Normal();
   for (float& o : g.values[kOpacityLogit]) o = 0.5f;
-  PruneSettings settings = Rule(PruneRule::kLp);
+  PruneSettings settings = Rule("lp");
   const auto pruner = MakePruner(settings, Every20(), 300, g.size());
   Rng unused{1};
   const std::vector<uint32_t> frames{0};
@@ -336,12 +340,12 @@ TEST(Lp, GradientsGoThroughTheMask) {
 }
 
 TEST(Pruner, SameSeedSameBits) {
-  for (const PruneRule rule : {PruneRule::kLeaveOneOut, PruneRule::kLp, PruneRule::kCompact}) {
+  for (const char* rule : {"leave-one-out", "lp", "compact"}) {
     SceneSubject subject(TargetImages(TrueScene(1), Ring(6, 2.2f)), 1);
     PruneSettings prune = Rule(rule);
     const TrainingState a = Train(RunSettings(prune), subject, FirstGaussians(300, 1), 220);
     const TrainingState b = Train(RunSettings(prune), subject, FirstGaussians(300, 1), 220);
-    EXPECT_TRUE(SameBits(a, b)) << ToString(rule);
+    EXPECT_TRUE(SameBits(a, b)) << rule;
   }
 }
 

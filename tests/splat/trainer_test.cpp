@@ -102,7 +102,7 @@ TrainSettings BusyRun() {
   settings.schedule.densify_every = 20;
   settings.schedule.opacity_reset_every = 60;
   settings.background = Background::kRandom;
-  settings.prune.rule = PruneRule::kDcsharp;
+  settings.prune.rule = "dcsharp";
   return settings;
 }
 
@@ -354,7 +354,7 @@ TEST(Trainer, PruningEverythingIsAnError) {
   settings.schedule.densify_until = 3;
   settings.schedule.densify_every = 2;
   // Also where a rule would rank those that are left.
-  for (const PruneRule rule : {PruneRule::kNone, PruneRule::kLp, PruneRule::kRandom}) {
+  for (const char* rule : {"none", "lp", "random"}) {
     settings.prune.rule = rule;
     Trainer trainer(settings, subject, g);
     trainer.Step();

@@ -37,7 +37,7 @@ struct StudyFolder {
                     {"runs",
                      {{{"name", "sh"}, {"arguments", {"--basis", "sh"}}, {"groups", {"bases"}}},
                       {{"name", "literal"},
-                       {"arguments", {"--basis", "dcsh-literal"}},
+                       {"arguments", {"--basis", "dcsh-literal", "--prune", "lightgaussian"}},
                        {"groups", {"bases"}},
                        {"minus", {"sh"}},
                        {"data", {"balls"}}}}}};

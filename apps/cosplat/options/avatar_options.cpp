@@ -132,8 +132,6 @@ TrainSettings AvatarOptions::ToSettings(float unit) const {
   TrainSettings settings = SettingsBy(AvatarRules(preset), 1);
   settings.scale_regularizer.weight = 1;  // as in SplattingAvatar, for every preset
   settings.prune.group_cap = triangle_cap;
-  // Pruning by triangle keeps at least one Gaussian on every triangle that has any.
-  if (settings.prune.rule == PruneRule::kDcsharpTriangle) settings.prune.group_floor = 1;
   ScaleToUnit(unit, settings);
   return settings;
 }

@@ -60,8 +60,7 @@ void SceneTrainOptions::CheckBlocks() const {
     throw Error(option, why + ": not with --blocks " + std::to_string(blocks));
   };
   if (ResolveDevice() != Device::kCpu) refuse("--device cuda", "blocks are trained on the CPU");
-  if (prune != PruneRule::kNone)
-    refuse("--prune " + ToString(prune), "ranks the Gaussians of a whole scene");
+  if (prune != "none") refuse("--prune " + prune, "ranks the Gaussians of a whole scene");
   if (prune_to) refuse(Format("--prune-to {}", *prune_to), "ranks the Gaussians of a whole scene");
   if (finds_budget) refuse("--budget auto", "tries a whole scene several times");
   if (drop_bands > 0) refuse("--drop-bands", "measures images of a whole scene");

@@ -45,12 +45,12 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
   if (densify_grad_threshold) s.density.gradient_threshold = *densify_grad_threshold;
   if (finds_budget && prune_to)
     throw Error("--prune-to " + std::to_string(*prune_to), "--budget auto finds the count");
-  if (finds_budget && prune != PruneRule::kNone && prune != PruneRule::kLeaveOneOut)
-    throw Error("--prune " + ToString(prune), "--budget auto prunes by leave-one-out");
+  if (finds_budget && prune != "none" && prune != "leave-one-out")
+    throw Error("--prune " + prune, "--budget auto prunes by leave-one-out");
   if (finds_budget && batch > 1)
     throw Error("--batch " + std::to_string(batch), "--budget auto needs steps of one view");
   const bool counts = prune_to || finds_budget;
-  s.prune.rule = prune == PruneRule::kNone && counts ? PruneRule::kLeaveOneOut : prune;
+  s.prune.rule = prune == "none" && counts ? "leave-one-out" : prune;
   s.prune.target = prune_to.value_or(0);
   s.prune.mask_weight = prune_lambda.value_or(0);
   s.drop_bands = drop_bands / 255;
@@ -78,7 +78,7 @@ Schedule TrainOptions::ScheduleBy(const PresetRules& rules) const {
 }
 
 Device TrainOptions::ResolveDevice() const {
-  return UsableDevice(!device && WorksOnProcessorOnly(prune) ? Device::kCpu : device);
+  return UsableDevice(!device && FindPruneRule(prune).on_host ? Device::kCpu : device);
 }
 
 void TrainOptions::ResolveBackground(Background automatic) {

@@ -44,7 +44,7 @@ struct TrainOptions {
   size_t max_gaussians = 2000000;
   std::optional<Device> device = Device::kCpu;  // none: a GPU if there is one
   bool deterministic = false;
-  PruneRule prune = PruneRule::kNone;
+  std::string prune = "none";  // a rule
   std::optional<size_t> prune_to;
   std::optional<float> prune_lambda;
   float drop_bands = 0;  // grey levels of 255

@@ -39,16 +39,6 @@ const Choices<Basis>& BasisChoices() {
   return choices;
 }
 
-const Choices<PruneRule>& PruneChoices() {
-  static const Choices<PruneRule> choices = [] {
-    Choices<PruneRule> all;
-    for (const std::string& name : PruneRuleNames())
-      all.emplace_back(name, PruneRuleFromString(name));
-    return all;
-  }();
-  return choices;
-}
-
 const Choices<std::optional<Background>> kBackgrounds{{"auto", std::nullopt},
                                                       {"black", Background::kBlack},
                                                       {"white", Background::kWhite},
@@ -134,11 +124,14 @@ void DeclareModel(TrainOptions& o, CLI::App& command) {
 
 void DeclarePruning(TrainOptions& o, CLI::App& command) {
   BeginGroup(command, "More: pruning");
+  Choices<std::string> rules;
+  for (const std::string& name : PruneRuleNames()) rules.emplace_back(name, name);
   AddChoice(command,
             "--prune",
             o.prune,
-            PruneChoices(),
-            "rule for pruning Gaussians in addition to density control (docs/study.md)");
+            rules,
+            "rule for pruning Gaussians in addition to density control (docs/study.md)")
+      ->transform([](const std::string& name) { return FindPruneRule(name).name; });
   AddOptional<size_t>(command,
                       "--prune-to",
                       o.prune_to,

@@ -15,9 +15,10 @@
 namespace cosplat {
 namespace {
 
-// `cosplat`, which lies beside this program.
-std::string Program() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cosplat").string();
+// This program for a training, by any rule, otherwise `cosplat`, which lies beside it.
+std::filesystem::path ProgramOf(const std::string& command) {
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
+  return command.starts_with("train-") ? self : self.parent_path() / "cosplat";
 }
 
 // Starts the child with the signal mask that the parent had before blocking signals.
@@ -34,7 +35,7 @@ pid_t Spawn(const std::vector<std::string>& arguments, const sigset_t& signals) 
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
-  const std::string program = Program();
+  const std::string program = ProgramOf(arguments[0]);
   const int problem =
       posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
   posix_spawn_file_actions_destroy(&files);
@@ -75,7 +76,7 @@ void StudyChildren::Run(const std::vector<std::string>& arguments) const {
   const std::string how = WIFSIGNALED(status)
                               ? "was killed by signal " + std::to_string(WTERMSIG(status))
                               : "failed with code " + std::to_string(WEXITSTATUS(status));
-  throw Error("cosplat " + ShellLine(arguments), how);
+  throw Error(ProgramOf(arguments[0]).filename().string() + " " + ShellLine(arguments), how);
 }
 
 }  // namespace cosplat

@@ -1,4 +1,4 @@
-// Runs `cosplat` as a child process for the steps of a study, each as a user would run it.
+// Runs the steps of a study as child processes, each as a user would run it.
 #pragma once
 
 #include <signal.h>
@@ -23,8 +23,8 @@ class StudyChildren {
   StudyChildren(const StudyChildren&) = delete;
   StudyChildren& operator=(const StudyChildren&) = delete;
 
-  // Runs `cosplat` with the arguments and discards its standard output. Throws Error with the
-  // command if it fails, and StudyStopped.
+  // Runs the command with its arguments, by `cosplat-study` if it trains, otherwise by `cosplat`,
+  // and discards its standard output. Throws Error with the command if it fails, and StudyStopped.
   void Run(const std::vector<std::string>& arguments) const;
 
  private:

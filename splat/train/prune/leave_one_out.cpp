@@ -43,15 +43,13 @@ class LeaveOneOutPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
-                                              const Schedule& schedule,
-                                              int iterations) {
-  const int first = std::max(1, schedule.densify_until);
-  if (first + 4 >= iterations)
+std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings, const PrunedRun& run) {
+  const int first = std::max(1, run.schedule.densify_until);
+  if (first + 4 >= run.iterations)
     throw Error("--prune leave-one-out",
-                "densification until step " + std::to_string(schedule.densify_until) + " of " +
-                    std::to_string(iterations) + " leaves no steps for pruning");
-  return std::make_unique<LeaveOneOutPruner>(settings, first, iterations);
+                "densification until step " + std::to_string(run.schedule.densify_until) + " of " +
+                    std::to_string(run.iterations) + " leaves no steps for pruning");
+  return std::make_unique<LeaveOneOutPruner>(settings, first, run.iterations);
 }
 
 }  // namespace cosplat

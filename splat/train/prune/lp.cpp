@@ -68,8 +68,8 @@ class LpPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeLpPruner(const PruneSettings& settings, int iterations) {
-  return std::make_unique<LpPruner>(settings, iterations);
+std::unique_ptr<Pruner> MakeLpPruner(const PruneSettings& settings, const PrunedRun& run) {
+  return std::make_unique<LpPruner>(settings, run.iterations);
 }
 
 }  // namespace cosplat

@@ -1,7 +1,6 @@
 #include "splat/train/prune/pruner.h"
 
 #include <algorithm>
-#include <array>
 
 #include "splat/base/error.h"
 #include "splat/train/prune/rules.h"
@@ -9,88 +8,70 @@
 namespace cosplat {
 namespace {
 
-struct NamedRule {
-  const char* name;
-  PruneRule rule;
-};
+std::unique_ptr<Pruner> MakeNoPruner(const PruneSettings&, const PrunedRun&) { return nullptr; }
 
-constexpr std::array<NamedRule, 11> kRules{{{"none", PruneRule::kNone},
-                                            {"leave-one-out", PruneRule::kLeaveOneOut},
-                                            {"dcsharp", PruneRule::kDcsharp},
-                                            {"dcsharp-released", PruneRule::kDcsharpReleased},
-                                            {"dcsharp-triangle", PruneRule::kDcsharpTriangle},
-                                            {"lightgaussian", PruneRule::kLightGaussian},
-                                            {"compact", PruneRule::kCompact},
-                                            {"lp", PruneRule::kLp},
-                                            {"speedy", PruneRule::kSpeedy},
-                                            {"opacity", PruneRule::kOpacity},
-                                            {"random", PruneRule::kRandom}}};
+std::vector<PruneRule>& Rules() {
+  static std::vector<PruneRule> rules{
+      {.name = "none", .make = MakeNoPruner},
+      {.name = "leave-one-out", .make = MakeLeaveOneOutPruner, .ranks = true},
+      {.name = "dcsharp", .make = MakeDcsharpPruner, .ranks = true},
+      {.name = "dcsharp-released"},  // where there is none: only cosplat-study has it
+      {.name = "dcsharp-triangle", .make = MakeDcsharpPruner, .ranks = true, .group_floor = 1},
+      {.name = "lightgaussian"},
+      {.name = "compact"},
+      {.name = "lp", .make = MakeLpPruner, .learns_mask = true},
+      {.name = "speedy"},
+      {.name = "opacity", .make = MakeOpacityPruner, .ranks = true},
+      {.name = "random"}};
+  return rules;
+}
+
+auto Position(const std::string& name) {
+  return std::find_if(
+      Rules().begin(), Rules().end(), [&](const PruneRule& rule) { return rule.name == name; });
+}
 
 }  // namespace
 
-std::string ToString(PruneRule rule) {
-  for (const NamedRule& r : kRules)
-    if (r.rule == rule) return r.name;
-  return "";
-}
-
-PruneRule PruneRuleFromString(const std::string& text) {
-  std::string known;
-  for (const NamedRule& r : kRules) {
-    if (text == r.name) return r.rule;
-    known += (known.empty() ? "" : ", ") + std::string(r.name);
-  }
-  throw Error("prune", "'" + text + "' is not a pruning rule; known: " + known);
+void RegisterPruneRule(const PruneRule& rule) {
+  const auto at = Position(rule.name);
+  if (at == Rules().end())
+    Rules().push_back(rule);
+  else
+    *at = rule;
 }
 
 std::vector<std::string> PruneRuleNames() {
   std::vector<std::string> names;
-  for (const NamedRule& r : kRules) names.push_back(r.name);
+  for (const PruneRule& rule : Rules())
+    if (rule.make) names.push_back(rule.name);
   return names;
 }
 
-bool LearnsMask(PruneRule rule) { return rule == PruneRule::kCompact || rule == PruneRule::kLp; }
-
-bool WorksOnProcessorOnly(PruneRule rule) { return rule == PruneRule::kDcsharpReleased; }
+PruneRule FindPruneRule(const std::string& name) {
+  const auto at = Position(name);
+  if (at == Rules().end()) {
+    std::string known;
+    for (const std::string& one : PruneRuleNames()) known += (known.empty() ? "" : ", ") + one;
+    throw Error("--prune", "'" + name + "' is not a pruning rule; known: " + known);
+  }
+  if (!at->make) throw Error("--prune " + name, "only cosplat-study has this rule (docs/study.md)");
+  return *at;
+}
 
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& s,
-                                   const Schedule& run_schedule,
+                                   const Schedule& schedule,
                                    int iterations,
                                    size_t gaussians) {
-  Schedule schedule = run_schedule;
-  schedule.densify_until = std::min(schedule.densify_until, iterations);
-  const std::string name = "--prune " + ToString(s.rule);
-  const bool ranks =
-      !LearnsMask(s.rule) && s.rule != PruneRule::kNone && s.rule != PruneRule::kDcsharpReleased;
-  if (s.target > 0 && !ranks)
+  const PruneRule rule = FindPruneRule(s.rule);
+  if (s.target > 0 && !rule.ranks)
     throw Error("--prune-to " + std::to_string(s.target),
-                name + " does not support a target count");
-  if (s.mask_weight > 0 && !LearnsMask(s.rule))
-    throw Error("--prune-lambda", name + " does not learn a mask");
-  switch (s.rule) {
-    case PruneRule::kNone:
-      return nullptr;
-    case PruneRule::kLeaveOneOut:
-      return MakeLeaveOneOutPruner(s, schedule, iterations);
-    case PruneRule::kDcsharp:
-    case PruneRule::kDcsharpTriangle:
-      return MakeDcsharpPruner(s, schedule);
-    case PruneRule::kDcsharpReleased:
-      return MakeDcsharpReleasedPruner(schedule, gaussians);
-    case PruneRule::kLightGaussian:
-      return MakeLightGaussianPruner(s, iterations);
-    case PruneRule::kCompact:
-      return MakeCompactPruner(s, schedule, iterations, gaussians);
-    case PruneRule::kLp:
-      return MakeLpPruner(s, iterations);
-    case PruneRule::kSpeedy:
-      return MakeSpeedyPruner(s, iterations);
-    case PruneRule::kOpacity:
-      return MakeOpacityPruner(s, schedule);
-    case PruneRule::kRandom:
-      return MakeRandomPruner(s, schedule);
-  }
-  return nullptr;
+                "--prune " + rule.name + " does not support a target count");
+  if (s.mask_weight > 0 && !rule.learns_mask)
+    throw Error("--prune-lambda", "--prune " + rule.name + " does not learn a mask");
+  PrunedRun run{schedule, iterations, gaussians};
+  run.schedule.densify_until = std::min(schedule.densify_until, iterations);
+  return rule.make(s, run);
 }
 
 }  // namespace cosplat

@@ -1,5 +1,6 @@
 // Pruning: training removes Gaussians beyond those that density control removes (transparent,
-// oversized). Each rule has its own file; rules rank the Gaussians, and the lowest are removed.
+// oversized). A rule is an entry of a table, to which programs may add theirs; rules rank the
+// Gaussians, and the lowest are removed.
 //
 //   step (with its Mask) -> AfterBackward -> density control -> PrunesAt? -> Rank -> removal
 //
@@ -50,7 +51,7 @@ class Pruner {
   // Ranks the Gaussians that remain after density control.
   virtual PruneRound Rank(const PruneContext& context) = 0;
 
-  // Called after a step's gradients and before Adam, on the host (WorksOnProcessorOnly). radii: [N]
+  // Called after a step's gradients and before Adam, on the host (PruneRule::on_host). radii: [N]
   // 0 where not rendered.
   virtual void AfterBackward(const Gaussians& gaussians,
                              const Gaussians& gradients,
@@ -73,8 +74,35 @@ class Pruner {
   virtual void Gather(const Reordering& order) { (void)order; }
 };
 
-// Null for PruneRule::kNone. `schedule`, `iterations`: of the run. Throws Error if the settings do
-// not fit the rule (such as a target count for a rule that has none).
+// By the mean of |dL/ds| (s: the three standard deviations) over the steps since the last
+// densification in which the Gaussian was visible: those whose shape the loss no longer changes
+// are the lowest. Removes none.
+PruneRound RankByPlasticity(const PruneContext& context);
+
+// What a rule is made for.
+struct PrunedRun {
+  Schedule schedule;  // densify_until is not beyond the end
+  int iterations;
+  size_t gaussians;
+};
+
+struct PruneRule {
+  std::string name;
+  std::unique_ptr<Pruner> (*make)(const PruneSettings& settings, const PrunedRun& run) = nullptr;
+  bool ranks = false;        // down to a target count
+  bool learns_mask = false;  // in every step
+  bool on_host = false;      // works in every step (AfterBackward), not supported on a device
+  int group_floor = 0;       // Gaussians that a group keeps: for subjects that have groups
+};
+
+// Adds a rule, or replaces that of its name, for the whole program: before any is asked for.
+void RegisterPruneRule(const PruneRule& rule);
+// Throws Error for an unknown name, and for a rule that only cosplat-study registers.
+PruneRule FindPruneRule(const std::string& name);
+std::vector<std::string> PruneRuleNames();
+
+// Null for "none". `schedule`, `iterations`: of the run. Throws Error if the settings do not fit
+// the rule (such as a target count for a rule that has none).
 std::unique_ptr<Pruner> MakePruner(const PruneSettings& settings,
                                    const Schedule& schedule,
                                    int iterations,

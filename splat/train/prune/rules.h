@@ -1,8 +1,9 @@
-// The pruning rules, one per file (splat/train/prune/pruner.h documents them; MakePruner selects
-// one).
+// What the files of pruning rules have in common, and the rules of the product
+// (splat/train/prune/pruner.h has their table).
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "splat/train/prune/importance.h"
 #include "splat/train/prune/pruner.h"
@@ -15,19 +16,14 @@ inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
   return c.images.Contributions({c.frames, c.degree, c.background, most_frames});
 }
 
-std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings,
-                                              const Schedule& schedule,
-                                              int iterations);
-std::unique_ptr<Pruner> MakeDcsharpPruner(const PruneSettings& settings, const Schedule& schedule);
-std::unique_ptr<Pruner> MakeDcsharpReleasedPruner(const Schedule& schedule, size_t gaussians);
-std::unique_ptr<Pruner> MakeLightGaussianPruner(const PruneSettings& settings, int iterations);
-std::unique_ptr<Pruner> MakeCompactPruner(const PruneSettings& settings,
-                                          const Schedule& schedule,
-                                          int iterations,
-                                          size_t gaussians);
-std::unique_ptr<Pruner> MakeLpPruner(const PruneSettings& settings, int iterations);
-std::unique_ptr<Pruner> MakeSpeedyPruner(const PruneSettings& settings, int iterations);
-std::unique_ptr<Pruner> MakeOpacityPruner(const PruneSettings& settings, const Schedule& schedule);
-std::unique_ptr<Pruner> MakeRandomPruner(const PruneSettings& settings, const Schedule& schedule);
+// Prunes in DCSHARP's rounds (DensificationRounds), which count what to remove of what is ranked.
+std::unique_ptr<Pruner> MakeDensificationPruner(const PruneSettings& settings,
+                                                const PrunedRun& run,
+                                                PruneRound (*rank)(const PruneContext& context));
+
+std::unique_ptr<Pruner> MakeLeaveOneOutPruner(const PruneSettings& settings, const PrunedRun& run);
+std::unique_ptr<Pruner> MakeDcsharpPruner(const PruneSettings& settings, const PrunedRun& run);
+std::unique_ptr<Pruner> MakeLpPruner(const PruneSettings& settings, const PrunedRun& run);
+std::unique_ptr<Pruner> MakeOpacityPruner(const PruneSettings& settings, const PrunedRun& run);
 
 }  // namespace cosplat

@@ -109,7 +109,7 @@ void StepEngine::CatchUp(const AdamSettings& rates) {
 
 // Bytes per Gaussian where rankings or dropped bands assemble all attributes.
 double StepEngine::OfWhole(size_t numbers) const {
-  const bool assembles = settings_.prune.rule != PruneRule::kNone || settings_.drop_bands > 0;
+  const bool assembles = settings_.prune.prunes() || settings_.drop_bands > 0;
   return state_.shards().divides() && assembles ? sizeof(float) * double(numbers) : 0;
 }
 

@@ -11,12 +11,6 @@ namespace {
 
 constexpr double kTargetShare = 0.25;  // of the initially free memory
 
-void CheckRule(PruneRule rule) {
-  if (WorksOnProcessorOnly(rule))
-    throw Error("--prune " + ToString(rule),
-                "runs on the CPU in every step: use --device cpu or another rule");
-}
-
 size_t TargetBytes(const Stream& stream, double share) {
   return stream.on_host() ? 0 : size_t(kTargetShare * share * double(stream.FreeMemory()));
 }
@@ -60,7 +54,7 @@ StepEngine::StepEngine(const TrainSettings& settings,
             mask_.TakeBack(int64_t(steps));
           }),
       batch_(subject, *device_.ranks, *device_.rasterizer) {
-  if (!on_host()) CheckRule(settings.prune.rule);
+  CheckRule(FindPruneRule(settings.prune.rule));
   CheckBatch();
   drawing_.tape = device_.rasterizer->MakeTape();
   subject_.WorkIn(stream_);
@@ -72,17 +66,23 @@ StepEngine::StepEngine(const TrainSettings& settings,
   }
 }
 
+void StepEngine::CheckRule(const PruneRule& rule) const {
+  if (rule.on_host && !on_host())
+    throw Error("--prune " + rule.name,
+                "runs on the CPU in every step: use --device cpu or another rule");
+  if ((rule.on_host || rule.learns_mask) && settings_.batch > 1)
+    throw Error("--prune " + rule.name,
+                "works in steps of one view: use --batch 1 or another rule");
+}
+
 void StepEngine::CheckBatch() const {
   const std::string option = "--batch " + std::to_string(settings_.batch);
   if (device_.ranks->size() > size_t(settings_.batch))
     throw Error(option,
                 "has fewer views than the " + std::to_string(device_.ranks->size()) +
                     " ranks that would share them");
-  if (settings_.batch == 1) return;
-  if (WorksOnProcessorOnly(settings_.prune.rule) || LearnsMask(settings_.prune.rule))
-    throw Error("--prune " + ToString(settings_.prune.rule),
-                "works in steps of one view: use --batch 1 or another rule");
-  if (!subject_.is_static()) throw Error(option, "needs a scene that does not move");
+  if (settings_.batch > 1 && !subject_.is_static())
+    throw Error(option, "needs a scene that does not move");
 }
 
 StepEngine::~StepEngine() {

@@ -133,6 +133,7 @@ class StepEngine : public FrameImages {
   bool on_host() const { return state_.on_host(); }
   // Bytes; not determined on the host.
   double FreeMemory() const { return device_.memory_share * double(stream_.FreeMemory()); }
+  void CheckRule(const PruneRule& rule) const;
   void CheckBatch() const;
   Population Everyone();
   void ReleaseScratch();

@@ -1,9 +1,9 @@
 // Compact-3DGS's hard mask (splat/train/prune/kernels/prune_mask.h). Gaussians that it hides are
 // removed at each densification and, afterwards, every 1,000 of 30,000 steps and at the end.
+#include "apps/study/rules/rules.h"
 #include "splat/train/prune/kernels/prune_mask.h"
 #include "splat/train/prune/learned_mask.h"
 #include "splat/train/prune/rounds.h"
-#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {
@@ -13,15 +13,12 @@ constexpr float kMaskWeight = 5e-4f;  // for captured scenes; 4e-3 for synthetic
 
 class CompactPruner : public Pruner {
  public:
-  CompactPruner(const PruneSettings& settings,
-                const Schedule& schedule,
-                int iterations,
-                size_t gaussians)
+  CompactPruner(const PruneSettings& settings, const PrunedRun& run)
       : weight_(settings.mask_weight > 0 ? settings.mask_weight : kMaskWeight),
-        schedule_(schedule),
-        iterations_(iterations),
-        late_(PruneRounds::Scaled(iterations, 15000, 1000, 30000)),
-        mask_(gaussians, kFirst, kRate) {}
+        schedule_(run.schedule),
+        iterations_(run.iterations),
+        late_(PruneRounds::Scaled(run.iterations, 15000, 1000, 30000)),
+        mask_(run.gaussians, kFirst, kRate) {}
 
   bool PrunesAt(int iteration) const override {
     return schedule_.DensifiesAt(iteration) || late_.At(iteration) || iteration == iterations_;
@@ -52,11 +49,8 @@ class CompactPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeCompactPruner(const PruneSettings& settings,
-                                          const Schedule& schedule,
-                                          int iterations,
-                                          size_t gaussians) {
-  return std::make_unique<CompactPruner>(settings, schedule, iterations, gaussians);
+std::unique_ptr<Pruner> MakeCompactPruner(const PruneSettings& settings, const PrunedRun& run) {
+  return std::make_unique<CompactPruner>(settings, run);
 }
 
 }  // namespace cosplat

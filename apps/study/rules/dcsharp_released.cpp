@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "apps/study/rules/rules.h"
 #include "splat/device/buffer.h"
 #include "splat/train/prune/rounds.h"
-#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {
@@ -86,8 +86,8 @@ class DcsharpReleasedPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeDcsharpReleasedPruner(const Schedule& schedule, size_t gaussians) {
-  return std::make_unique<DcsharpReleasedPruner>(schedule, gaussians);
+std::unique_ptr<Pruner> MakeDcsharpReleasedPruner(const PruneSettings&, const PrunedRun& run) {
+  return std::make_unique<DcsharpReleasedPruner>(run.schedule, run.gaussians);
 }
 
 }  // namespace cosplat

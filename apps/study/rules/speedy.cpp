@@ -2,6 +2,7 @@
 // views and pixels of (d(red + green + blue)/d(falloff))^2. Every 3,000 steps from step 6,000 of
 // 30,000: removes 80 % while densification refills the model (soft), 30 % afterwards (hard). With a
 // target, the hard rounds reach it.
+#include "apps/study/rules/rules.h"
 #include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
@@ -39,8 +40,8 @@ class SpeedyPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeSpeedyPruner(const PruneSettings& settings, int iterations) {
-  return std::make_unique<SpeedyPruner>(settings, iterations);
+std::unique_ptr<Pruner> MakeSpeedyPruner(const PruneSettings& settings, const PrunedRun& run) {
+  return std::make_unique<SpeedyPruner>(settings, run.iterations);
 }
 
 }  // namespace cosplat

@@ -1,6 +1,7 @@
 // LightGaussian (Fan et al. 2024): global significance, sum over views and pixels of
 // opacity T (V / V_90)^0.1. Removes 66 % at once and then fine-tunes the rest; here that is at step
 // 25,000 of 30,000, so that the run is as long as those of other rules.
+#include "apps/study/rules/rules.h"
 #include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
@@ -33,8 +34,9 @@ class LightGaussianPruner : public Pruner {
 
 }  // namespace
 
-std::unique_ptr<Pruner> MakeLightGaussianPruner(const PruneSettings& settings, int iterations) {
-  return std::make_unique<LightGaussianPruner>(settings, iterations);
+std::unique_ptr<Pruner> MakeLightGaussianPruner(const PruneSettings& settings,
+                                                const PrunedRun& run) {
+  return std::make_unique<LightGaussianPruner>(settings, run.iterations);
 }
 
 }  // namespace cosplat
