@@ -55,7 +55,6 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/io/splat_values.h
   splat/io/view_files.h
   splat/levels/merge.h
-  splat/train/prune/rounds.h
   splat/train/prune/rules.h
   splat/render/cpu/
   splat/render/cuda/
@@ -65,8 +64,7 @@ set(COSPLAT_PRIVATE_HEADERS
   splat/train/optimize/cpu/
   splat/train/optimize/kernels/adam.h
   splat/train/blocks/kernels/layers.h
-  splat/train/ranks/kernels/shards.h
-  splat/train/ranks/mpi/)
+  splat/train/ranks/kernels/shards.h)
 
 # Call it when every target exists.
 function(cosplat_install)

@@ -4,7 +4,6 @@
 #if defined(COSPLAT_HAS_CUDA)
 #include "splat/device/cuda/device.h"
 #include "splat/train/cuda/kernels.h"
-#include "splat/train/loss/cuda/loss.h"
 #endif
 
 namespace cosplat {

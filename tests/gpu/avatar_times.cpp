@@ -8,7 +8,6 @@
 #include "avatar/surface/cuda/kernels.h"
 #include "splat/render/cuda/rasterizer.h"
 #include "splat/train/cuda/kernels.h"
-#include "splat/train/loss/cuda/loss.h"
 #include "splat/train/loss/loss.h"
 #include "splat/train/optimize/optimizer.h"
 #include "tests/gpu/made_avatar.h"

@@ -7,7 +7,7 @@
 
 #include "splat/base/rng.h"
 #include "splat/io/ply.h"
-#include "splat/train/ranks/traffic.h"
+#include "splat/train/ranks/view_exchange.h"
 #include "tests/integration/background_command.h"
 
 namespace cosplat::test {

@@ -5,7 +5,7 @@
 
 #include "splat/base/rng.h"
 #include "splat/device/cuda/stream.h"
-#include "splat/train/loss/cuda/loss.h"
+#include "splat/train/loss/loss.h"
 #include "tests/parity/compare.h"
 #include "tests/parity/device_fixture.h"
 

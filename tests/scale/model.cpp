@@ -7,7 +7,7 @@
 #include "splat/base/files.h"
 #include "splat/base/json.h"
 #include "splat/render/kernels/world_gaussians.h"
-#include "splat/train/ranks/traffic.h"
+#include "splat/train/ranks/view_exchange.h"
 
 namespace cosplat::scale {
 namespace {

@@ -5,7 +5,7 @@
 //   rounds = ceil(B / R) views that a rank draws x (per drawn Gaussian x D + per pixel x P)
 //   + (B N x per Gaussian + B D x per summed Gaussian + U x per updated Gaussian) / R
 //   + bytes of a rank x (1 / copying + 1 / bandwidth) + messages x latency
-//   splat/train/ranks/traffic.h
+//   splat/train/ranks/view_exchange.h
 // N: Gaussians of the scene, D of them drawn in a view, U in one of the B views at least.
 #pragma once
 

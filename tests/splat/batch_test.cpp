@@ -10,7 +10,7 @@
 
 #include "splat/base/state_file.h"
 #include "splat/train/ranks/shards.h"
-#include "splat/train/ranks/traffic.h"
+#include "splat/train/ranks/view_exchange.h"
 #include "splat/train/subject/scene_subject.h"
 #include "tests/splat/training_fixture.h"
 #include "tests/support/expect_error.h"

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "splat/base/rng.h"
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

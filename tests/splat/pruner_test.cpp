@@ -9,7 +9,7 @@
 
 #include "splat/train/loss/loss.h"
 #include "splat/train/prune/mask_learner.h"
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 #include "splat/train/subject/scene_subject.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/tagged_gaussians.h"

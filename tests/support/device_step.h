@@ -6,7 +6,7 @@
 
 #include "splat/render/cuda/rasterizer.h"
 #include "splat/train/cuda/kernels.h"
-#include "splat/train/loss/cuda/loss.h"
+#include "splat/train/loss/loss.h"
 #include "splat/train/optimize/optimizer.h"
 #include "splat/train/step/instance_forecast.h"
 

@@ -3,7 +3,7 @@
 #include "apps/study/rules/rules.h"
 #include "splat/train/prune/kernels/prune_mask.h"
 #include "splat/train/prune/learned_mask.h"
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "apps/study/rules/rules.h"
 #include "splat/device/buffer.h"
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 namespace {

@@ -2,7 +2,6 @@
 // opacity T (V / V_90)^0.1. Removes 66 % at once and then fine-tunes the rest; here that is at step
 // 25,000 of 30,000, so that the run is as long as those of other rules.
 #include "apps/study/rules/rules.h"
-#include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
 namespace cosplat {

@@ -3,7 +3,6 @@
 // 30,000: removes 80 % while densification refills the model (soft), 30 % afterwards (hard). With a
 // target, the hard rounds reach it.
 #include "apps/study/rules/rules.h"
-#include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
 namespace cosplat {

@@ -8,7 +8,7 @@
 #include "splat/train/density/kernels/control.h"
 #include "splat/train/prune/mask_learner.h"
 #include "splat/train/prune/pruner.h"
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 #include "splat/train/ranks/shards.h"
 
 namespace cosplat {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "splat/base/image.h"
@@ -76,5 +77,14 @@ void CompositeTarget(const Image8& image,
 
 // 10 log10(1 / mean squared difference); 100 for equal images. a and b must have the same shape.
 double Psnr(View<const float> a, View<const float> b);
+
+namespace cuda {
+
+// The loss of a training step on a CUDA device: rendered image, bytes of the target image -> SSIM
+// partials -> dL/d(rendered), in two passes with 16x16 pixels per block; sums are computed in a
+// fixed order.
+std::unique_ptr<StepLoss> MakeCudaLoss();
+
+}  // namespace cuda
 
 }  // namespace cosplat

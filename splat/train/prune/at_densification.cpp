@@ -2,7 +2,6 @@
 //
 // DCSHARP: shape-aware pruning by plasticity. The supplement keeps the Top-K.
 // Opacity: the least opaque go, the baseline that any score must beat.
-#include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
 namespace cosplat {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "splat/base/error.h"
-#include "splat/train/prune/rounds.h"
 #include "splat/train/prune/rules.h"
 
 namespace cosplat {

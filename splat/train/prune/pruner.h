@@ -19,10 +19,22 @@
 #include "splat/train/optimize/schedule.h"
 #include "splat/train/prune/importance.h"
 #include "splat/train/prune/learned_mask.h"
-#include "splat/train/prune/settings.h"
 #include "splat/train/state/density_statistics.h"
 
 namespace cosplat {
+
+struct PruneSettings {
+  std::string rule = "none";
+  // Ranking rules: number of Gaussians left by the last round; 0: the rule's own shares.
+  size_t target = 0;
+  // Rules that learn a mask: weight of its loss; 0: the rule's default.
+  float mask_weight = 0;
+  // Any rule, at each densification and round: maximum per group (splat/train/density/density.h,
+  // Placement::Groups); the lowest scores above it are removed. 0: none.
+  int group_cap = 0;
+
+  bool prunes() const { return rule != "none"; }
+};
 
 // The state of the run that a pruner ranks by.
 struct PruneContext {

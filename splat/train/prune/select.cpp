@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "splat/train/prune/rounds.h"
+#include "splat/train/prune/rules.h"
 
 namespace cosplat {
 

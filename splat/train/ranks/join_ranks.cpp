@@ -5,10 +5,6 @@
 
 #include "splat/base/error.h"
 
-#if defined(COSPLAT_HAS_MPI)
-#include "splat/train/ranks/mpi/mpi_ranks.h"
-#endif
-
 namespace cosplat {
 
 std::shared_ptr<Ranks> JoinRanks() {

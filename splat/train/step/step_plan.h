@@ -1,7 +1,8 @@
-// A step, as it is planned.
+// A step as it is planned, and what its views are drawn in.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss/crop_loss.h"
@@ -19,6 +20,15 @@ struct StepPlan {
   int downscale = 1;                // factor that the sides of its image are divided by
   Crop crop;                        // for the crop loss; the engine draws it
   float exposure_rate = 0;          // of Adam on the frame's exposure
+};
+
+// What drawing a view and its backward pass leave, in the stream's memory; reused between steps.
+struct Drawing {
+  WorldGaussians world;
+  RenderedImage image;
+  std::unique_ptr<RenderTape> tape;
+  Gaussians gradients;   // of several views, of a part of the Gaussians at a time
+  Buffer<float> screen;  // [N, 2] gradients of the centres
 };
 
 }  // namespace cosplat

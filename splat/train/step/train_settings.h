@@ -10,7 +10,7 @@
 #include "splat/train/loss/loss.h"
 #include "splat/train/optimize/optimizer.h"
 #include "splat/train/optimize/schedule.h"
-#include "splat/train/prune/settings.h"
+#include "splat/train/prune/pruner.h"
 
 namespace cosplat {
 

@@ -1,6 +1,6 @@
 #include "splat/math/photometric.h"
-#include "splat/train/loss/cuda/loss.h"
 #include "splat/train/loss/cuda/ssim_tile.cuh"
+#include "splat/train/loss/loss.h"
 
 namespace cosplat::cuda {
 namespace {

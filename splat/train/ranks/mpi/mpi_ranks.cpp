@@ -1,5 +1,3 @@
-#include "splat/train/ranks/mpi/mpi_ranks.h"
-
 #include <mpi.h>
 #include <signal.h>
 #include <unistd.h>
@@ -12,6 +10,7 @@
 #include <thread>
 
 #include "splat/base/error.h"
+#include "splat/train/ranks/join_ranks.h"
 
 namespace cosplat {
 namespace {
