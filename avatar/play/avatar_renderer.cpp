@@ -14,7 +14,7 @@ AvatarRenderer::AvatarRenderer(std::unique_ptr<Rasterizer> rasterizer,
       surface_(avatar.mesh, images_.stream()) {
   gaussians_.Upload(avatar.gaussians, images_.stream());
   UploadEmbedding(avatar.embedding, embedding_, images_.stream());
-  if (avatar.light) light_.Upload(avatar.light->data(), avatar.light->size(), images_.stream());
+  if (avatar.light) light_.Upload(*avatar.light, images_.stream());
   images_.stream().Wait();  // the avatar may be freed after this call
 }
 
@@ -43,7 +43,7 @@ void AvatarRenderer::Place(const AvatarRig& rig, uint64_t placement) {
   if (placement != 0 && placement == placed_) return;
   placed_ = 0;
   surface_.Pose(poser_.Pose(rig, images_.stream()));
-  weights_.Upload(rig.weights.data(), rig.weights.size(), images_.stream());
+  weights_.Upload(rig.weights, images_.stream());
   Bind(gaussians_,
        embedding_,
        surface_,

@@ -43,7 +43,7 @@ RigPoser::RigPoser(const AvatarPosing& posing, DirectionStore& store, Stream& st
 
 const Buffer<float>& RigPoser::Pose(const AvatarRig& avatar_rig, Stream& stream) {
   const FlameRig<float>& rig = avatar_rig.flame;
-  terms_.Upload(rig.terms.data(), rig.terms.size(), stream);
+  terms_.Upload(rig.terms, stream);
   ForEach(3 * arrays_.vertex_count,
           stream,
           flame_math::BlendShapesKernel<float>{arrays_,

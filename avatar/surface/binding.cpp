@@ -110,8 +110,8 @@ void UploadEmbedding(const Embedding& from, Embedding& to, Stream& stream) {
     throw Error("avatar",
                 "mesh",
                 "uses the rule of SplattingAvatar's released code, which only the CPU supports");
-  to.triangle.Upload(from.triangle.data(), from.triangle.size(), stream);
-  to.barycentric.Upload(from.barycentric.data(), from.barycentric.size(), stream);
+  to.triangle.Upload(from.triangle, stream);
+  to.barycentric.Upload(from.barycentric, stream);
   to.rigid = from.rigid;
 }
 

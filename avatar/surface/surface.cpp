@@ -68,8 +68,8 @@ void Surface::UploadMesh(const CanonicalMesh& mesh) {
   face_vertices_.Upload(faces_.data()->data(), 3 * faces, *stream_);
   face_neighbors_.Upload(t.face_neighbors.data()->data(), 3 * faces, *stream_);
   neighbor_edges_.Upload(t.neighbor_edges.data()->data(), 3 * faces, *stream_);
-  vertex_face_begin_.Upload(t.vertex_face_begin.data(), t.vertex_face_begin.size(), *stream_);
-  vertex_faces_.Upload(t.vertex_faces.data(), t.vertex_faces.size(), *stream_);
+  vertex_face_begin_.Upload(t.vertex_face_begin, *stream_);
+  vertex_faces_.Upload(t.vertex_faces, *stream_);
   corner_places_.Upload(corner_places.data(), 3 * faces, *stream_);
   canonical_frames_.Upload(frames.data(), faces, *stream_);
   stream_->Wait();  // the uploads read local memory
@@ -79,8 +79,8 @@ void Surface::UploadMesh(const CanonicalMesh& mesh) {
 void Surface::PoseCanonically(const CanonicalMesh& mesh) {
   if (!stream_->on_host()) {
     const Surface host(mesh);
-    canonical_.Upload(host.canonical_.data(), host.canonical_.size(), *stream_);
-    canonical_areas_.Upload(host.canonical_areas_.data(), host.canonical_areas_.size(), *stream_);
+    canonical_.Upload(host.canonical_, *stream_);
+    canonical_areas_.Upload(host.canonical_areas_, *stream_);
     stream_->Wait();
     return;
   }

@@ -38,16 +38,11 @@ BustTrack::BustTrack(const AvatarPoser& poser,
   SetStates(states);
 }
 
-std::vector<BustState> BustTrack::States() const {
-  std::vector<BustState> states(states_.size());
-  states_.Download(states.data(), *stream_);
-  stream_->Wait();
-  return states;
-}
+std::vector<BustState> BustTrack::States() const { return states_.Downloaded(*stream_); }
 
 void BustTrack::SetStates(const std::vector<BustState>& states) {
-  states_.Upload(states.data(), states.size(), *stream_);
-  mean_.Upload(mean_on_host_.data(), mean_on_host_.size(), *stream_);
+  states_.Upload(states, *stream_);
+  mean_.Upload(mean_on_host_, *stream_);
   stream_->Wait();
 }
 

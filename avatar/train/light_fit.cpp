@@ -13,16 +13,11 @@ LightFit::LightFit(std::vector<float> mean, float rate, int iterations)
   SetStates({LightState{}});
 }
 
-std::vector<LightState> LightFit::States() const {
-  std::vector<LightState> states(state_.size());
-  state_.Download(states.data(), *stream_);
-  stream_->Wait();
-  return states;
-}
+std::vector<LightState> LightFit::States() const { return state_.Downloaded(*stream_); }
 
 void LightFit::SetStates(const std::vector<LightState>& states) {
-  state_.Upload(states.data(), states.size(), *stream_);
-  mean_.Upload(mean_on_host_.data(), mean_on_host_.size(), *stream_);
+  state_.Upload(states, *stream_);
+  mean_.Upload(mean_on_host_, *stream_);
   stream_->Wait();
 }
 

@@ -52,12 +52,9 @@ AvatarSubject::~AvatarSubject() = default;
 AvatarTrainingState AvatarSubject::State() const {
   AvatarTrainingState state;
   state.embedding.released = embedding_.released;
-  state.embedding.triangle.resize(embedding_.triangle.size());
-  state.embedding.barycentric.resize(embedding_.barycentric.size());
-  state.first_triangle.resize(first_triangle_.size());
-  embedding_.triangle.Download(state.embedding.triangle.data(), *stream_);
-  embedding_.barycentric.Download(state.embedding.barycentric.data(), *stream_);
-  first_triangle_.Download(state.first_triangle.data(), *stream_);
+  embedding_.triangle.Download(state.embedding.triangle, *stream_);
+  embedding_.barycentric.Download(state.embedding.barycentric, *stream_);
+  first_triangle_.Download(state.first_triangle, *stream_);
   stream_->Wait();
   if (settings_.refine_track) state.track = track_;
   state.busts = bust_track_.States();
@@ -113,7 +110,7 @@ Embedding AvatarSubject::EmbeddingIn(Stream& stream, const Embedding& on_host) {
 }
 
 void AvatarSubject::Take(Embedding embedding, const Buffer<int32_t>& first_triangle) {
-  first_triangle_.Upload(first_triangle.data(), first_triangle.size(), *stream_);
+  first_triangle_.Upload(first_triangle, *stream_);
   stream_->Wait();
   embedding_ = std::move(embedding);
   TrianglesChanged();
@@ -127,7 +124,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
   Embedding embedding = EmbeddingIn(stream, state.embedding);
   Surface surface(mesh_, stream);
   Buffer<float> face_rates;
-  face_rates.Upload(face_rates_on_host_.data(), face_rates_on_host_.size(), stream);
+  face_rates.Upload(face_rates_on_host_, stream);
   // Allocated now, because later, when children have to be placed, memory may be exhausted.
   Buffer<math::FaceSearch> searches;
   searches.Refill(on_host ? kHostSearchers : kDeviceSearchers, stream);
@@ -256,10 +253,7 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians,
   if (!light_.empty()) light_.Advance(overflowed);
   if (!refines) return;
   if (stream_->on_host()) return RefineFrame(d_vertices_);
-  std::vector<float> of_host(d_vertices_.size());
-  d_vertices_.Download(of_host.data(), *stream_);
-  stream_->Wait();
-  RefineFrame(of_host);
+  RefineFrame(d_vertices_.Downloaded(*stream_));
 }
 
 void AvatarSubject::RefineFrame(View<const float> d_vertices) {

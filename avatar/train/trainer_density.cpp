@@ -47,10 +47,7 @@ void AvatarSubject::Move(View<const float> offsets,
 }
 
 std::vector<int32_t> AvatarSubject::Groups(Stream& stream) {
-  std::vector<int32_t> triangles(embedding_.triangle.size());
-  embedding_.triangle.Download(triangles.data(), stream);
-  stream.Wait();
-  return triangles;
+  return embedding_.triangle.Downloaded(stream);
 }
 
 const Buffer<uint8_t>& AvatarSubject::SilhouetteOf(size_t k) {

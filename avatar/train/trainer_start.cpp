@@ -72,7 +72,7 @@ void AvatarSubject::SetFaceRates() {
         settings_.system == AvatarSystem::kCosplat
             ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
             : 1 / unit_);
-  face_rates_.Upload(face_rates_on_host_.data(), face_rates_on_host_.size(), *stream_);
+  face_rates_.Upload(face_rates_on_host_, *stream_);
   searches_.Refill(kHostSearchers, *stream_);
 }
 

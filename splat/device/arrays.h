@@ -19,7 +19,7 @@ template <class T>
 void UploadArrays(const T& from, T& to, Stream& stream) {
   T::ForEachArray(
       [&](const std::string&, size_t, auto& array, const auto& of_host) {
-        array.Upload(of_host.data(), of_host.size(), stream);
+        array.Upload(of_host, stream);
       },
       to,
       from);
@@ -30,8 +30,7 @@ template <class T>
 void DownloadArrays(const T& from, T& to, Stream& stream) {
   T::ForEachArray(
       [&](const std::string&, size_t, const auto& array, auto& of_host) {
-        of_host.resize(array.size());
-        array.Download(of_host.data(), stream);
+        array.Download(of_host, stream);
       },
       from,
       to);

@@ -75,9 +75,24 @@ class Buffer {
     Refill(n, stream);
     if (n != 0) stream.Upload(data_, from, n * sizeof(T));
   }
+  void Upload(View<const T> from, Stream& stream) { Upload(from.data, from.count, stream); }
   // Copies to [size()] elements of host memory, which are valid once the stream has completed.
   void Download(T* to, Stream& stream) const {
     if (size_ != 0) stream.Download(to, data_, size_ * sizeof(T));
+  }
+  // The same to a container, which is resized.
+  template <class Container>
+  requires requires(Container& to) { to.resize(0); }
+  void Download(Container& to, Stream& stream) const {
+    to.resize(size_);
+    Download(to.data(), stream);
+  }
+  // A copy in host memory; the host waits for it.
+  std::vector<T> Downloaded(Stream& stream) const {
+    std::vector<T> copy;
+    Download(copy, stream);
+    stream.Wait();
+    return copy;
   }
 
   // For host memory only, with the interface of std::vector.

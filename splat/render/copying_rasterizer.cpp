@@ -56,7 +56,7 @@ class CopyingRasterizer : public Rasterizer {
                 const WorldGradients& gradients) override {
     auto& tape = static_cast<CopyingTape&>(base_tape);
     image_.Upload(image, stream_);
-    d_color_.Upload(d_color.data(), d_color.size(), stream_);
+    d_color_.Upload(d_color, stream_);
     world_ = arrays_.Upload(gaussians, stream_);
     const WorldGradients d =
         gradients_.Prepare(gradients, gaussians.count, gaussians.rest_width, stream_);
@@ -73,8 +73,7 @@ class CopyingRasterizer : public Rasterizer {
     auto& tape = static_cast<CopyingTape&>(base_tape);
     image_.Upload(image, stream_);
     on_device_->Contributions(image_, *tape.on_device, contributions_);
-    contributions.resize(contributions_.size());
-    contributions_.Download(contributions.data(), stream_);
+    contributions_.Download(contributions, stream_);
     stream_.Wait();
   }
 

@@ -31,17 +31,15 @@ Image RenderedImage::ToStraightAlpha() const {
 void RenderedImage::Upload(const RenderedImage& host, Stream& stream) {
   width = host.width;
   height = host.height;
-  color.Upload(host.color.data(), host.color.size(), stream);
-  transmittance.Upload(host.transmittance.data(), host.transmittance.size(), stream);
+  color.Upload(host.color, stream);
+  transmittance.Upload(host.transmittance, stream);
 }
 
 void RenderedImage::Download(RenderedImage& host, Stream& stream) const {
   host.width = width;
   host.height = height;
-  host.color.resize(color.size());
-  host.transmittance.resize(transmittance.size());
-  color.Download(host.color.data(), stream);
-  transmittance.Download(host.transmittance.data(), stream);
+  color.Download(host.color, stream);
+  transmittance.Download(host.transmittance, stream);
 }
 
 WorldGaussians ViewOf(const Gaussians& g) {

@@ -121,7 +121,7 @@ CudaRasterizer::CudaRasterizer(SumOrder order) : order_(order) {
     const float* of_basis = BasisConstants(Basis(b));
     constants.insert(constants.end(), of_basis, of_basis + kMaxCoefficients);
   }
-  basis_constants_.Upload(constants.data(), constants.size(), stream_);
+  basis_constants_.Upload(constants, stream_);
 }
 
 ViewParameters CudaRasterizer::ViewIn(const Camera& camera, Basis basis, int degree) const {

@@ -230,10 +230,9 @@ size_t DensityControl::Prune(const PruneRound& round,
                              const Population& population) {
   Stream& stream = population.stream;
   const auto veto = [&](std::vector<uint8_t>& unwanted) {
-    unwanted_.Upload(unwanted.data(), unwanted.size(), stream);
+    unwanted_.Upload(unwanted, stream);
     population.placement.Veto(population.gaussians, population.canvas, unwanted_.view(), stream);
-    unwanted_.Download(unwanted.data(), stream);
-    stream.Wait();
+    unwanted = unwanted_.Downloaded(stream);
   };
   const std::vector<uint8_t> unwanted = UnwantedBy(round,
                                                    population.gaussians.size(),
@@ -241,7 +240,7 @@ size_t DensityControl::Prune(const PruneRound& round,
                                                    group_cap,
                                                    group_floor,
                                                    veto);
-  unwanted_.Upload(unwanted.data(), unwanted.size(), stream);
+  unwanted_.Upload(unwanted, stream);
   return Take(std::as_const(unwanted_).view(), population);
 }
 

@@ -13,7 +13,7 @@ void SamplingFilter::Find(const Subject& subject, Gaussians& gaussians, Stream& 
     Buffer<math::Pinhole<float>> views;
     for (size_t i = 0; i < subject.frame_count(); ++i)
       views.push_back(math::ToPinhole<float>(ViewOfCamera(subject.camera(i), {}, 0)));
-    views_.Upload(views.data(), views.size(), stream);
+    views_.Upload(views, stream);
     stream.Wait();
   }
   gaussians.smoothing.Refill(gaussians.size(), stream);

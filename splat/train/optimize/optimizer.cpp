@@ -89,18 +89,16 @@ void AdamState::Upload(const AdamState& from, Stream& stream) {
   m.Upload(from.m, stream);
   v.Upload(from.v, stream);
   step = from.step;
-  updated.Upload(from.updated.data(), from.updated.size(), stream);
-  ignored.Upload(from.ignored.data(), from.ignored.size(), stream);
+  updated.Upload(from.updated, stream);
+  ignored.Upload(from.ignored, stream);
 }
 
 void AdamState::Download(AdamState& to, Stream& stream) const {
   m.Download(to.m, stream);
   v.Download(to.v, stream);
   to.step = step;
-  to.updated.resize(updated.size());
-  updated.Download(to.updated.data(), stream);
-  to.ignored.resize(ignored.size());
-  ignored.Download(to.ignored.data(), stream);
+  updated.Download(to.updated, stream);
+  ignored.Download(to.ignored, stream);
 }
 
 void AdamStepAll(const AdamSettings& settings,

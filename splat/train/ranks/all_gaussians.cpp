@@ -53,11 +53,9 @@ void AllGaussians::Assemble(Extent extent,
   assembled_ += GroupCount(count) * rows.numbers();
   gaussians_.degrees.Refill(0, stream_);
   if (shards_.AnyHas(own.degrees)) {
-    Buffer<uint8_t> degrees(own.degrees.size());
-    own.degrees.Download(degrees.data(), stream_);
-    stream_.Wait();
+    Buffer<uint8_t> degrees = own.degrees.Downloaded(stream_);
     degrees = shards_.Assembled(degrees, {0, count}, ForWhom::kAllRanks);
-    gaussians_.degrees.Upload(degrees.data(), degrees.size(), stream_);
+    gaussians_.degrees.Upload(degrees, stream_);
     stream_.Wait();
   }
   extent_ = extent;
@@ -77,7 +75,7 @@ void AllGaussians::ShareOut(Gaussians& own, DensityStatistics& own_statistics) {
     std::vector<uint32_t> rows(n);
     for (size_t place = 0; place < n; ++place) rows[place] = uint32_t(share.RowAt(place));
     Buffer<uint32_t> source;
-    source.Upload(rows.data(), n, stream_);
+    source.Upload(rows, stream_);
     ForEach(n,
             stream_,
             GatherRow<uint8_t>{

@@ -30,8 +30,7 @@ Transfers TransfersOf(View<const uint32_t> source, size_t first_zero, const RowS
 std::vector<Buffer<uint32_t>> Uploaded(const std::vector<std::vector<uint32_t>>& lists,
                                        Stream& stream) {
   std::vector<Buffer<uint32_t>> copies(lists.size());
-  for (size_t r = 0; r < lists.size(); ++r)
-    copies[r].Upload(lists[r].data(), lists[r].size(), stream);
+  for (size_t r = 0; r < lists.size(); ++r) copies[r].Upload(lists[r], stream);
   return copies;
 }
 
@@ -95,7 +94,7 @@ View<const uint32_t> Shards::GroupsOf(const RowShare& share,
   std::vector<uint32_t> groups;
   for (size_t p = place; p < place + rows; p += kGaussianGroup)
     groups.push_back(uint32_t(share.RowAt(p) / kGaussianGroup));
-  groups_.Upload(groups.data(), groups.size(), stream);
+  groups_.Upload(groups, stream);
   stream.Wait();
   return std::as_const(groups_).view();
 }

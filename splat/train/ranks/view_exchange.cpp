@@ -66,9 +66,7 @@ ViewExchange::ViewExchange(Ranks& ranks, StagedRasterizer& rasterizer)
 std::vector<uint32_t> ViewExchange::DrawnGroups(View<const float> radii) {
   drawn_.Refill(GroupCount(radii.size()), stream_);
   ForEach(drawn_.size(), stream_, FindDrawn{radii, drawn_.view()});
-  std::vector<uint8_t> drawn(drawn_.size());
-  drawn_.Download(drawn.data(), stream_);
-  stream_.Wait();
+  const std::vector<uint8_t> drawn = drawn_.Downloaded(stream_);
   std::vector<uint32_t> groups;
   for (size_t g = 0; g < drawn.size(); ++g)
     if (drawn[g] != 0) groups.push_back(uint32_t(g));
@@ -92,7 +90,7 @@ void ViewExchange::Project(const WorldGaussians& own,
     rasterizer_.Project(own, basis, view.camera, view.degree, splats.data(), radii.data());
     groups_[v] = DrawnGroups(std::as_const(radii).view());
     if (alone) return;
-    lists_[v].Upload(groups_[v].data(), groups_[v].size(), stream_);
+    lists_[v].Upload(groups_[v], stream_);
     PackGroups({ArraysOf(splats.data(), radii.data()), own.count, std::as_const(lists_[v]).view()},
                groups_[v].size(),
                splats_[v],
@@ -136,7 +134,7 @@ void ViewExchange::Receive(RenderTape& tape) {
   tape.splats.Refill(count * kGaussianGroup, stream_);
   tape.radius.Refill(count * kGaussianGroup, stream_);
   for (uint32_t r = 0; r < lists.size(); ++r) {
-    places_[r].Upload(places[r].data(), places[r].size(), stream_);
+    places_[r].Upload(places[r], stream_);
     UnpackGroups(r == ranks_.rank() ? splats_[r] : messages_.From(r),
                  places[r].size(),
                  {ArraysOf(tape.splats.data(), tape.radius.data()),

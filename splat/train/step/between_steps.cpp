@@ -224,10 +224,7 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
     device_.rasterizer->Contributions(drawing_.image, *drawing_.tape, of_image);
     ForEach(count(), stream_, AddContributions{std::as_const(of_image).view(), sums.view()});
   }
-  std::vector<Contribution> on_host(count());
-  sums.Download(on_host.data(), stream_);
-  stream_.Wait();
-  return on_host;
+  return sums.Downloaded(stream_);
 }
 
 double StepEngine::MeanPsnr(const FrameChoice& choice) {

@@ -64,8 +64,7 @@ void FrameLoss::AddCropLoss(SubmittedStep& step,
   const size_t numbers = 3 * size_t(plan.crop.width) * size_t(plan.crop.height);
   crop_.Refill(numbers, stream_);
   ForEach(numbers, stream_, CopyCrop{places, compared.view(), crop_.view()});
-  rendered_crop_.resize(numbers);
-  crop_.Download(rendered_crop_.data(), stream_);
+  crop_.Download(rendered_crop_, stream_);
   stream_.Wait();
   // On a device this shows before its loss does.
   const bool finite = std::all_of(

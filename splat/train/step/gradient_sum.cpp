@@ -62,9 +62,7 @@ void GradientSum::ZeroUnseen() {
 }
 
 size_t GradientSum::CountSeen() const {
-  std::vector<uint8_t> seen(seen_.size());
-  seen_.Download(seen.data(), stream_);
-  stream_.Wait();
+  const std::vector<uint8_t> seen = seen_.Downloaded(stream_);
   return size_t(std::count(seen.begin(), seen.end(), uint8_t(1)));
 }
 

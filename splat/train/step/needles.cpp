@@ -39,11 +39,9 @@ View<const NeedleSum> NeedleRegularizer::Sum(const NeedleLengths& own,
   static_assert(kRowsPerBlock % kSumBlock == 0);
   sums_.Refill(SumBlockCount(own.size()), stream_);
   ForEach(sums_.size(), stream_, SumBlocks<NeedleLengths>{own, sums_.view()});
-  Buffer<NeedleSum> sums(sums_.size());
-  sums_.Download(sums.data(), stream_);
-  stream_.Wait();
+  Buffer<NeedleSum> sums = sums_.Downloaded(stream_);
   sums = shards.Assembled(sums, {0, count, 1, kSumBlock}, ForWhom::kAllRanks);
-  all_sums_.Upload(sums.data(), sums.size(), stream_);
+  all_sums_.Upload(sums, stream_);
   stream_.Wait();
   return SumInTree(std::as_const(all_sums_).view(), sums_, stream_);
 }

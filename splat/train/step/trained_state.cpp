@@ -56,11 +56,9 @@ StateView TrainedState::GeometryOnHost() {
   }
   to.Resize(count());
   for (int a = 0; a < kAttributeCount; ++a)
-    if (a != kColorRest && a != kCorrection) from.values[a].Download(to.values[a].data(), stream_);
-  to.degrees.resize(from.degrees.size());
-  from.degrees.Download(to.degrees.data(), stream_);
-  to.smoothing.resize(from.smoothing.size());
-  from.smoothing.Download(to.smoothing.data(), stream_);
+    if (a != kColorRest && a != kCorrection) from.values[a].Download(to.values[a], stream_);
+  from.degrees.Download(to.degrees, stream_);
+  from.smoothing.Download(to.smoothing, stream_);
   DownloadArrays(divides ? all_.statistics() : now_->statistics, statistics, stream_);
   stream_.Wait();
   return {to, statistics};

@@ -83,7 +83,7 @@ std::vector<ViewResult> ViewBatch::ExchangeResults(const std::vector<ViewResult>
 }
 
 const Buffer<float>& ViewBatch::Uploaded(const Exposure& gradient) {
-  exposure_gradient_.Upload(gradient.data(), gradient.size(), stream_);
+  exposure_gradient_.Upload(gradient, stream_);
   return exposure_gradient_;
 }
 
