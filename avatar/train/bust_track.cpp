@@ -34,7 +34,7 @@ BustTrack::BustTrack(const AvatarPoser& poser,
   for (size_t i = 0; i < instants_.size(); ++i)
     first_frames_[instants_[i]] = std::min(first_frames_[instants_[i]], i);
   std::vector<BustState> states;
-  for (const BustPose& pose : poses) states.push_back({pose, {}, {}, 0});
+  for (const BustPose& pose : poses) states.push_back({pose, {}});
   SetStates(states);
 }
 

@@ -10,7 +10,9 @@
 
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/surface/binding.h"
+#include "avatar/train/refined_frame.h"
 #include "flame/track.h"
+#include "splat/math/adam.h"
 #include "splat/render/rasterizer.h"
 #include "splat/train/loss/loss.h"
 
@@ -38,7 +40,7 @@ class TrackFitter {
            const std::array<float, 3>& background,
            const FitSettings& settings);
   // Of the last fit.
-  const AvatarPoser::Parameters& parameters() const { return parameters_; }
+  const AvatarPoser::Parameters& parameters() const { return frame_.params; }
   const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
   const RenderedImage& image() const { return image_; }             // over the background
 
@@ -51,8 +53,8 @@ class TrackFitter {
   Surface surface_;
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
-  AvatarPoser::Parameters parameters_;
-  std::vector<float> moments_;  // [2, numbers]
+  RefinedFrame frame_;
+  math::AdamMoments<kBustOutputs> bust_{};  // of a turn that follows the pose's, and of the shift
   std::vector<float> vertices_;
   PosedGaussians posed_, d_posed_;
   RenderedImage image_;

@@ -1,7 +1,5 @@
 #include "avatar/train/trainer.h"
 
-#include <cmath>
-
 #include "avatar/model/avatar_model.h"
 #include "avatar/model/bust.h"
 #include "avatar/model/corrections.h"
@@ -9,7 +7,6 @@
 #include "avatar/surface/kernels/place.h"
 #include "splat/base/error.h"
 #include "splat/device/for_each.h"
-#include "splat/math/adam.h"
 
 namespace cosplat {
 namespace {
@@ -19,24 +16,11 @@ constexpr float kSplitScale = 0.02f;
 constexpr float kMaxScale = 0.2f;
 constexpr float kNeedleScale = 0.008f;
 
-template <class F>
-void ForEachNumber(AvatarPoser::Parameters& a, const F& f) {
-  for (size_t k = 0; k < a.expression.size(); ++k) f(0, k, a.expression[k]);
-  for (size_t j = 0; j < a.pose.size(); ++j)
-    for (size_t k = 0; k < 3; ++k) f(1, 3 * j + k, a.pose[j][k]);
-  for (size_t k = 0; k < 3; ++k) f(2, k, a.translation[k]);
-}
-
 // Concurrent searches over the mesh, each with 12 kB. One round of density control on a head
 // creates some hundred children.
 constexpr size_t kDeviceSearchers = 1024;
 // Limit of the cache of posed vertices on a device: 8,000 frames of FLAME.
 constexpr size_t kPosedVertexBytes = size_t(480) << 20;
-
-float* NumberOf(AvatarPoser::Parameters& a, int group, size_t k) {
-  if (group == 0) return &a.expression[k];
-  return group == 1 ? &a.pose[k / 3][k % 3] : &a.translation[k];
-}
 
 }  // namespace
 
@@ -258,23 +242,10 @@ void AvatarSubject::PlaceBackward(const Gaussians& gaussians,
 
 void AvatarSubject::RefineFrame(View<const float> d_vertices) {
   RefinedFrame& frame = track_[current_];
-  Parameters gradient = poser_->Backward(frame.params, d_vertices);
-  gradient.expression.resize(frame.params.expression.size(), 0.0f);
-  const float rates[3] = {settings_.expression_rate,
-                          settings_.pose_rate,
-                          settings_.translation_rate * kEnlarged * unit_};
-  ++frame.step;
-  constexpr double kEps = 1e-15;
-  math::AdamStep steps[3];
-  for (int group = 0; group < 3; ++group)
-    steps[group] = math::AdamStepAt(rates[group], kEps, frame.step);
-  ForEachNumber(gradient, [&](int group, size_t k, float g) {
-    math::AdamUpdate(steps[group],
-                     std::isfinite(g) ? g : 0.0f,
-                     *NumberOf(frame.params, group, k),
-                     *NumberOf(frame.m, group, k),
-                     *NumberOf(frame.v, group, k));
-  });
+  frame.Step(poser_->Backward(frame.params, d_vertices),
+             {settings_.expression_rate,
+              settings_.pose_rate,
+              settings_.translation_rate * kEnlarged * unit_});
 }
 
 View<const float> AvatarSubject::PositionRateScale() {

@@ -23,6 +23,7 @@
 #include "avatar/train/hole_guard.h"
 #include "avatar/train/light_fit.h"
 #include "avatar/train/posed_vertices.h"
+#include "avatar/train/refined_frame.h"
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/render/device.h"
@@ -85,12 +86,6 @@ constexpr float kEnlarged = 4;
 // penalised, all times `unit` (metres per unit of a 4x FLAME mesh). The weight of that penalty,
 // which is given for lengths in those units, is divided by `unit`.
 void ScaleToUnit(float unit, TrainSettings& settings);
-
-// One training frame's parameters with their Adam moments; they change only with --refine-track.
-struct RefinedFrame {
-  AvatarPoser::Parameters params, m, v;
-  int64_t step = 0;
-};
 
 // The state of an avatar's training run that TrainingState does not contain; both together are an
 // exact checkpoint.
@@ -166,8 +161,6 @@ class AvatarSubject : public Subject {
   size_t BytesPerGaussian() const override;
 
  private:
-  using Parameters = AvatarPoser::Parameters;
-
   void LoadFrames();
   bool NeedsBust() const;
   Bust MeanBustOfTrack() const;
@@ -198,8 +191,8 @@ class AvatarSubject : public Subject {
   std::vector<float> face_rates_on_host_;
   std::vector<TrainFrame> frames_;
   size_t current_ = 0;
-  std::vector<RefinedFrame> track_;
-  std::vector<float> vertices_;  // the last output of poser_
+  std::vector<RefinedFrame> track_;  // they change only with --refine-track
+  std::vector<float> vertices_;      // the last output of poser_
   CorrectionMap correction_map_;
   BustTrack bust_track_;
   LightFit light_;

@@ -95,13 +95,8 @@ void AvatarSubject::LoadFrames() {
       continue;
     }
     frames_.push_back({frame.camera, std::move(images[i])});
-    RefinedFrame refined;
-    static_cast<FlamePoser<float>::Parameters&>(refined.params) =
-        FlamePoser<float>::ParametersOf(frame.params);
-    refined.params.expression.resize(flame_.expression_count, 0.0f);
-    refined.m.expression.resize(flame_.expression_count, 0.0f);
-    refined.v.expression.resize(flame_.expression_count, 0.0f);
-    track_.push_back(std::move(refined));
+    track_.push_back(
+        {{FlamePoser<float>::ParametersOf(frame.params)}, size_t(flame_.expression_count)});
     usable.push_back(frame);
   }
   CheckSkipped(video_.source, usable.size() + video_.test.size(), video_.skipped);

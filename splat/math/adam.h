@@ -23,6 +23,8 @@ struct AdamStep {
   float scaled_eps = 0;  // eps * sqrt(1 - beta2^t)
 };
 
+constexpr double kAdamEps = 1e-15;  // 3DGS
+
 // The constants of step t, counted from 1. `rate`: learning rate for a step of one view. A step of
 // `batch` views replaces as many: the rate grows with the square root of their number, and the
 // moments forget as they would in so many steps (Zhao et al. 2024, Grendel-GS, section 4.2).
@@ -39,9 +41,14 @@ COSPLAT_HD AdamStep AdamStepAt(float rate, double eps, int64_t t, int batch = 1)
   step.scaled_eps = float(eps * correction2);
   return step;
 }
+COSPLAT_HD AdamStep AdamStepAt(float rate, int64_t t) { return AdamStepAt(rate, kAdamEps, t); }
 
 // Whether a gradient and its square are finite; other gradients are treated as zero.
 COSPLAT_HD bool IsUsableGradient(float gradient) { return Abs(gradient) < 1e18f; }
+
+COSPLAT_HD float UsableGradient(float gradient) {
+  return IsUsableGradient(gradient) ? gradient : 0;
+}
 
 // `rate_scale` multiplies the learning rate of this parameter, for arrays whose parameters have
 // different units.
@@ -52,6 +59,16 @@ COSPLAT_HD void AdamUpdate(
   v = T(step.beta2) * v + T(1 - step.beta2) * gradient * gradient;
   value = value - rate_scale * T(step.step_size) * m / (Sqrt(v) + T(step.scaled_eps));
 }
+
+// The moments of a few numbers that take their steps together.
+template <size_t N>
+struct AdamMoments {
+  float m[N], v[N];
+  uint32_t step;  // taken so far
+  COSPLAT_HD void Update(const AdamStep& at, size_t k, float gradient, float& value) {
+    AdamUpdate(at, UsableGradient(gradient), value, m[k], v[k]);
+  }
+};
 
 // The effect of k steps without a gradient on one parameter, applied at once (lazy Adam's
 // catch-up): m and v decay, and the remaining momentum moves the value by

@@ -112,7 +112,7 @@ TEST_F(AvatarTrainingParity, FindsTheBust) {
   float moved = 0;
   for (size_t i = 0; i < there.size(); ++i) {
     moved = std::max(moved, std::abs(on_cpu[i].pose.shift.x));
-    EXPECT_EQ(there[i].step, on_cpu[i].step);
+    EXPECT_EQ(there[i].adam.step, on_cpu[i].adam.step);
     EXPECT_NEAR(there[i].pose.shift.x, on_cpu[i].pose.shift.x, 2e-5f);
     EXPECT_NEAR(there[i].pose.turn.y, on_cpu[i].pose.turn.y, 2e-4f);
   }
@@ -123,7 +123,7 @@ TEST_F(AvatarTrainingParity, FindsTheLight) {
   const AvatarRun cpu(Avatar(), {}, 6), device(Avatar(), SumOrder::kFixed, 6);
   const LightState on_cpu = cpu.subject.State().lights.at(0);
   const LightState there = device.subject.State().lights.at(0);
-  EXPECT_EQ(there.step, on_cpu.step);
+  EXPECT_EQ(there.adam.step, on_cpu.adam.step);
   float moved = 0;
   for (size_t k = 0; k < kLightNumbers; ++k) {
     moved = std::max(moved, std::abs(on_cpu.value[k]));

@@ -9,13 +9,10 @@
 
 namespace cosplat {
 
-constexpr double kBustEps = 1e-15;
-
-// The bust's pose at one instant, with the state of Adam.
+// The bust's pose at one instant.
 struct BustState {
   BustPose pose;
-  float m[kBustOutputs], v[kBustOutputs];  // of a turn that follows the pose's, and of the shift
-  uint32_t step;
+  math::AdamMoments<kBustOutputs> adam;  // of a turn that follows the pose's, and of the shift
 };
 
 // Sums dL/d(turn, shift) over a block of Gaussians, in order; those on the head count nothing.
@@ -61,18 +58,12 @@ struct AdvanceBust {
   COSPLAT_HD void operator()(size_t) const {
     if (overflowed && *overflowed != 0) return;
     BustState& state = states[instant];
-    ++state.step;
-    const float share = std::pow(decay, float(state.step));
+    ++state.adam.step;
+    const float share = std::pow(decay, float(state.adam.step));
     float change[kBustOutputs] = {};
     for (size_t k = 0; k < kBustOutputs; ++k) {
-      const float gradient = Sum(k);
-      const math::AdamStep step =
-          math::AdamStepAt(share * (k < 3 ? turn_rate : shift_rate), kBustEps, int64_t(state.step));
-      math::AdamUpdate(step,
-                       math::IsUsableGradient(gradient) ? gradient : 0.0f,
-                       change[k],
-                       state.m[k],
-                       state.v[k]);
+      const float rate = share * (k < 3 ? turn_rate : shift_rate);
+      state.adam.Update(math::AdamStepAt(rate, state.adam.step), k, Sum(k), change[k]);
     }
     const math::Vec3<float> turn{change[0], change[1], change[2]};
     const math::Vec3<float> shift{change[3], change[4], change[5]};

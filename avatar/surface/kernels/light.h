@@ -11,7 +11,6 @@
 namespace cosplat {
 
 constexpr size_t kLightNumbers = 3 * math::kLightTerms;
-constexpr double kLightEps = 1e-15;
 
 // dL/d(coefficients), or a part of it.
 struct LightSum {
@@ -55,10 +54,9 @@ struct AddUpLight {
   }
 };
 
-// The coefficients with the state of Adam.
 struct LightState {
-  float value[kLightNumbers], m[kLightNumbers], v[kLightNumbers];
-  uint32_t step;
+  float value[kLightNumbers];
+  math::AdamMoments<kLightNumbers> adam;
 };
 
 // Runs as a single call.
@@ -70,17 +68,13 @@ struct AdvanceLight {
   const uint32_t* overflowed;  // if it is not 0, nothing changes; or null
   COSPLAT_HD void operator()(size_t) const {
     if (overflowed && *overflowed != 0) return;
-    ++state->step;
-    const float left = math::Max(0.0f, 1 - float(state->step) / float(steps));
-    const math::AdamStep step = math::AdamStepAt(rate * left, kLightEps, int64_t(state->step));
+    ++state->adam.step;
+    const float left = math::Max(0.0f, 1 - float(state->adam.step) / float(steps));
+    const math::AdamStep step = math::AdamStepAt(rate * left, state->adam.step);
     const float most = math::kMostLight;
     for (size_t k = 0; k < kLightNumbers; ++k) {
       float& value = state->value[k];
-      math::AdamUpdate(step,
-                       math::IsUsableGradient(gradient[k]) ? gradient[k] : 0.0f,
-                       value,
-                       state->m[k],
-                       state->v[k]);
+      state->adam.Update(step, k, gradient[k], value);
       value = math::Clamp(value, -most, most);
     }
   }

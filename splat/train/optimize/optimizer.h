@@ -11,12 +11,15 @@
 
 namespace cosplat {
 
-constexpr std::array<float, kAttributeCount> kAdamEps{
-    1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f, 1e-15f};  // 3DGS
+constexpr auto kAttributeEps = [] {
+  std::array<float, kAttributeCount> eps{};
+  eps.fill(float(math::kAdamEps));
+  return eps;
+}();
 
 struct AdamSettings {
   std::array<float, kAttributeCount> rate{};
-  std::array<float, kAttributeCount> eps = kAdamEps;
+  std::array<float, kAttributeCount> eps = kAttributeEps;
   int batch = 1;  // views of a step (math/adam.h)
 };
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "splat/base/state_file.h"
-#include "splat/device/buffer.h"
+#include "splat/device/arrays.h"
 #include "splat/math/adam.h"
 #include "splat/train/prune/kernels/prune_mask.h"
 
@@ -16,20 +16,30 @@ struct LearnedMask {
   LearnedMask(size_t gaussians, float first, float rate)
       : rate(rate), value(gaussians, first), m(gaussians, 0.0f), v(gaussians, 0.0f) {}
 
+  // As in splat/device/arrays.h.
+  template <class Visit, class... Of>
+  static void ForEachArray(const Visit& visit, Of&... of) {
+    visit("value", size_t(1), of.value...);
+    visit("m", size_t(1), of.m...);
+    visit("v", size_t(1), of.v...);
+  }
+
   size_t size() const { return value.size(); }
   // Writes it to a checkpoint under this name or reads it, for `count` Gaussians.
   void Describe(StateArchive& archive, const std::string& name, size_t count) {
-    archive.Array(name + ".value", value, count);
-    archive.Array(name + ".m", m, count);
-    archive.Array(name + ".v", v, count);
+    ForEachArray(
+        [&](const std::string& array, size_t, auto& numbers) {
+          archive.Array(name + "." + array, numbers, count);
+        },
+        *this);
     archive.Value(name + ".step", step);
   }
-  size_t Held() const { return HeldBy(value, m, v); }
+  size_t Held() const { return HeldByArrays(*this); }
   float operator[](size_t i) const { return value[i]; }
 
   float rate;
-  std::vector<float> value, m, v;  // [N] value and Adam moments
-  int64_t step = 0;                // Adam steps taken
+  Buffer<float> value, m, v;  // [N] value and Adam moments
+  int64_t step = 0;           // Adam steps taken
 };
 
 // A mask that MaskLearner (splat/train/prune/mask_learner.h) trains in every step. Its values are

@@ -32,7 +32,7 @@ class MaskLearner {
                      Gaussians& gradients,
                      Stream& stream);
   // Takes back the count of steps that had no effect.
-  void TakeBack(int64_t steps) { step_ -= steps; }
+  void TakeBack(int64_t steps) { now_.step -= steps; }
   // [1] the mask's term of the loss, in the stream's memory.
   const double* value() const { return value_.data(); }
 
@@ -41,10 +41,10 @@ class MaskLearner {
   size_t held() const;  // bytes
 
  private:
-  MaskInSteps mask_;  // the rule's mask
-  int64_t step_ = 0;
-  Buffer<float> mu_, m_, v_, importance_;  // [N]
-  Buffer<float> shown_, opacity_logit_;    // [N] this step: masks in the loss; rendered opacities
+  MaskInSteps mask_;                     // the rule's mask
+  LearnedMask now_{0, 0, 0};             // in the stream's memory
+  Buffer<float> importance_;             // [N]
+  Buffer<float> shown_, opacity_logit_;  // [N] this step: masks in the loss; rendered opacities
   Buffer<float> spare_;
   Buffer<double> sums_, value_;
 };

@@ -63,7 +63,7 @@ struct TrainSettings {
   CropLossSettings crop_loss;
   ScaleRegularizer scale_regularizer;
   LearningRates rates;
-  std::array<float, kAttributeCount> eps = kAdamEps;
+  std::array<float, kAttributeCount> eps = kAttributeEps;
   Schedule schedule;
   DensitySettings density;
   PruneSettings prune;

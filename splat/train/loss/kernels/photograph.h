@@ -107,7 +107,7 @@ struct StepExposure {
     const size_t i = frame * math::kExposureNumbers + k;
     const float before = all.value[i];
     if (*overflowed == 0 && math::IsUsableGradient(gradient[k])) {
-      const math::AdamStep step = math::AdamStepAt(rate, 1e-15, int64_t(++all.updates[i]));
+      const math::AdamStep step = math::AdamStepAt(rate, ++all.updates[i]);
       math::AdamUpdate(step, gradient[k], all.value[i], all.m[i], all.v[i]);
     }
     moved[k] = all.value[i] - before;

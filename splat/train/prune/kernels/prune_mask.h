@@ -116,8 +116,7 @@ struct LearnMask {
   View<float> d_opacity_logit, mu, m, v;
   COSPLAT_HD void operator()(size_t i) const {
     if (*overflowed != 0) return;
-    const float d = Gradient(i);
-    math::AdamUpdate(adam, std::isfinite(d) ? d : 0.0f, mu[i], m[i], v[i]);
+    math::AdamUpdate(adam, math::UsableGradient(Gradient(i)), mu[i], m[i], v[i]);
   }
   COSPLAT_HD float Gradient(size_t i) const {
     const bool drawn = radii[i] > 0;
