@@ -49,7 +49,8 @@ void Evaluate(const AvatarOptions& o,
 }
 
 DataSplit SplitOf(const AvatarOptions& o) {
-  return {o.resolution, o.eval, o.fold, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
+  return {
+      {o.resolution, o.eval, o.fold}, o.test_frames.value_or(-1), o.fold_by_turn, o.focal_scale};
 }
 
 void SaveInputs(const AvatarOptions& o, const TrackedVideo& video, const std::string& config) {

@@ -131,7 +131,7 @@ void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<
   const Device device = Device(Smallest(uint32_t(o.ResolveDevice()), *ranks));
   if (device == Device::kCpu) o.device = Device::kCpu;
   const std::shared_ptr<Lpips> lpips = LoadLpips(o);
-  DataSplit split{o.resolution, o.eval, o.fold, -1};
+  DataSplit split{{o.resolution, o.eval, o.fold}};
   ChooseImages(o.images, split);
   SceneData scene = LoadSplitScene(o.source, split);
   split.origin = scene.origin;

@@ -87,8 +87,7 @@ int LargestResolution(const std::string& path) {
 }
 
 SceneData LoadSplitScene(const std::string& source, const DataSplit& split) {
-  SceneData scene =
-      LoadScene(source, {split.resolution, split.eval, split.fold, split.origin, split.images});
+  SceneData scene = LoadScene(source, split);
   PrintNotes(scene.notes);
   return scene;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 
 #include "apps/cosplat/options/train_options.h"
@@ -13,17 +12,11 @@
 namespace cosplat {
 
 // Determines which images are used for training and which are held out; part of run.json.
-struct DataSplit {
-  int resolution = 1;
-  bool eval = false;
-  bool fold = false;
+struct DataSplit : SceneOptions {
   // Tracked videos only.
   int test_frames = -1;
   bool fold_by_turn = false;
   double focal_scale = 1;  // of the track's focal length (ScaleFocal)
-  // Scenes only: SceneOptions::origin. What a run's files are counted from.
-  std::optional<WorldOrigin> origin{};
-  std::string images = "images";  // SceneOptions::images
 };
 
 // 3DGS's -i: "images_4" divides by 4 on top of `resolution`, another name is the folder's.
