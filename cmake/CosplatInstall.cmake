@@ -18,7 +18,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/handle_table.h
   avatar/plugin/host_camera.h
   avatar/plugin/instance.h
-  avatar/plugin/live_face.h
+  avatar/plugin/instance_face.h
   avatar/plugin/live_parameters.h
   avatar/plugin/struct_size.h
   avatar/surface/cuda/

@@ -15,7 +15,7 @@
 #include "avatar/plugin/cosplat.h"
 #include "avatar/plugin/depth_pass.h"
 #include "avatar/plugin/host_camera.h"
-#include "avatar/plugin/live_face.h"
+#include "avatar/plugin/instance_face.h"
 #include "avatar/plugin/live_parameters.h"
 
 namespace cosplat::plugin {
@@ -29,7 +29,7 @@ class Instance {
   const cosplat_info& info() const { return info_; }
   const std::vector<std::string>& expression_names() const { return expression_names_; }
   const LiveParameters& parameters() const { return parameters_; }
-  LiveFace& face() { return face_; }
+  InstanceFace& face() { return face_; }
   std::optional<Camera>& camera() { return camera_; }
   const OrbitTarget& orbit_target() const { return orbit_target_; }
 
@@ -67,7 +67,7 @@ class Instance {
   Player player_;
   FlameParams rest_;
   LiveParameters parameters_;
-  LiveFace face_;
+  InstanceFace face_;
   PlacedAvatar placed_;
   std::optional<Camera> camera_;
   std::optional<DepthPass> depth_;  // created when a depth is first requested

@@ -1,4 +1,4 @@
-#include "avatar/plugin/live_face.h"
+#include "avatar/plugin/instance_face.h"
 
 #include "avatar/plugin/coded_error.h"
 #include "splat/base/text.h"
@@ -48,14 +48,16 @@ GuardPolicy PolicyOf(const cosplat_policy& given) {
 
 }  // namespace
 
-LiveFace::LiveFace(const FlameParams& rest, const FlameModel& flame, const AvatarModel& avatar)
+InstanceFace::InstanceFace(const FlameParams& rest,
+                           const FlameModel& flame,
+                           const AvatarModel& avatar)
     : guard_(rest, avatar.trained_range) {
   source_options_.rest = rest;
   source_options_.flame = &flame;
   if (avatar.blendshapes) source_options_.blendshapes = &*avatar.blendshapes;
 }
 
-void LiveFace::SetPolicy(const cosplat_policy& given) {
+void InstanceFace::SetPolicy(const cosplat_policy& given) {
   const GuardPolicy policy = PolicyOf(given);
   const bool loop = Flag(given.loop, "policy.loop");
   source_options_.frames_per_second =
@@ -64,7 +66,7 @@ void LiveFace::SetPolicy(const cosplat_policy& given) {
   guard_.SetPolicy(policy);
 }
 
-void LiveFace::SetDrive(const char* drive) {
+void InstanceFace::SetDrive(const char* drive) {
   try {
     source_ = drive ? OpenLiveSource(drive, source_options_) : nullptr;
   } catch (const Error& error) {
@@ -72,11 +74,11 @@ void LiveFace::SetDrive(const char* drive) {
   }
 }
 
-void LiveFace::Offer(const LiveParameters& parameters) {
+void InstanceFace::Offer(const LiveParameters& parameters) {
   guard_.Offer(parameters.current(), parameters.time_ns());
 }
 
-void LiveFace::Advance(int64_t now_ns, LiveParameters& parameters) {
+void InstanceFace::Advance(int64_t now_ns, LiveParameters& parameters) {
   if (shown_ && now_ns < now_ns_)
     throw CodedError(COSPLAT_ERROR_LATE,
                      "now_ns",
@@ -89,12 +91,12 @@ void LiveFace::Advance(int64_t now_ns, LiveParameters& parameters) {
   now_ns_ = now_ns;
 }
 
-void LiveFace::Reset() {
+void InstanceFace::Reset() {
   guard_.Reset();
   shown_ = nullptr;
 }
 
-cosplat_health LiveFace::Health() {
+cosplat_health InstanceFace::Health() {
   const LiveCounts drive = source_ ? source_->Counts() : LiveCounts{};
   description_ = source_ ? source_->Description() : "";
   problem_ = drive.last_problem;

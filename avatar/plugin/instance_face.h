@@ -1,8 +1,8 @@
 // The time-dependent part of an open avatar: takes frames from a drive and applies the policy for
 // bad ones.
 //
-// cosplat_set_... and LiveSource -> LiveFace -> FaceGuard -> Instance::Render. Has no effect before
-// the first Advance: until then the parameters that were set are rendered.
+// cosplat_set_... and LiveSource -> InstanceFace -> FaceGuard -> Instance::Render. Has no effect
+// before the first Advance: until then the parameters that were set are rendered.
 #pragma once
 
 #include <memory>
@@ -15,10 +15,10 @@
 
 namespace cosplat::plugin {
 
-class LiveFace {
+class InstanceFace {
  public:
   // rest: must have as many coefficients as the model. Model and avatar must outlive this.
-  LiveFace(const FlameParams& rest, const FlameModel& flame, const AvatarModel& avatar);
+  InstanceFace(const FlameParams& rest, const FlameModel& flame, const AvatarModel& avatar);
 
   // Throws CodedError on a number out of range.
   void SetPolicy(const cosplat_policy& policy);
