@@ -3,7 +3,7 @@
 #include <string>
 
 #include "apps/viewer/orbit_camera.h"
-#include "flame/math/rodrigues.h"
+#include "avatar/model/avatar_mesh.h"
 #include "splat/base/error.h"
 #include "splat/base/world_frame.h"
 #include "splat/config.h"
@@ -15,10 +15,8 @@ namespace {
 
 using math::Vec3;
 
-constexpr int kSide = 768;  // image size of generated cameras; px
-// Focal lengths in image heights: 28 degrees, a portrait lens, for heads; 45 for scenes.
-constexpr float kHeadFocal = 2.0f, kSceneFocal = 1.2f;
-constexpr float kHeadShare = 0.7f;  // of the image, filled by a head
+constexpr int kSide = 768;           // image size of generated cameras; px
+constexpr float kSceneFocal = 1.2f;  // in image heights: 45 degrees
 // Splats farther from a scene's centre than this multiple of the median distance count as
 // surroundings or strays; this share of the others should be in the image.
 constexpr float kFarthestOfHalf = 3, kMax = 0.99f;
@@ -27,17 +25,13 @@ constexpr float kSceneMargin = 1.1f;
 // Camera at `distance` from `center` along `back`, upright; focal: in image heights.
 StartView Facing(
     const Vec3<float>& center, Vec3<float> back, Vec3<float> up, float distance, float focal) {
-  const Vec3<float> z = -math::Normalize(back);
-  const Vec3<float> x = math::Normalize(math::Cross(z, up));
-  const Vec3<float> y = math::Cross(z, x);
-  const Vec3<float> eye = center - z * distance;
+  const Vec3<float> forward = -math::Normalize(back);
   StartView view;
   Camera& c = view.camera;
   c.width = c.height = kSide;
   c.fx = c.fy = focal * kSide;
   c.cx = c.cy = 0.5f * kSide;
-  c.rotation = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
-  c.translation = {-math::Dot(x, eye), -math::Dot(y, eye), -math::Dot(z, eye)};
+  c = Looking(c, center - forward * distance, forward, up);
   view.center = {center.x, center.y, center.z};
   view.up = {up.x, up.y, up.z};
   return view;
@@ -69,23 +63,12 @@ float Distance(const Vec3<float>& a, const Vec3<float>& b) {
 }  // namespace
 
 StartView BeforeHead(const std::vector<float>& vertices, const std::array<float, 3>& root) {
-  math::Mat3<float> world_from_head;
-  const std::array<float, 9> turn = flame_math::Rodrigues(root);
-  std::copy(turn.begin(), turn.end(), world_from_head.m);
-  Vec3<float> least{1e30f, 1e30f, 1e30f}, most{-1e30f, -1e30f, -1e30f};  // in the head's own axes
-  for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
-    const Vec3<float> p = math::TransposeTimes(
-        world_from_head, Vec3<float>{vertices[i], vertices[i + 1], vertices[i + 2]});
-    least = {std::min(least.x, p.x), std::min(least.y, p.y), std::min(least.z, p.z)};
-    most = {std::max(most.x, p.x), std::max(most.y, p.y), std::max(most.z, p.z)};
-  }
-  const float across = std::max(most.x - least.x, most.y - least.y);
-  // FLAME's y is up and its face looks along +z.
-  return Facing(world_from_head * ((least + most) * 0.5f),
-                world_from_head * Vec3<float>{0, 0, 1},
-                world_from_head * Vec3<float>{0, 1, 0},
-                kHeadFocal * across / kHeadShare,
-                kHeadFocal);
+  const HeadPlace head = PlaceOfHead(vertices, root);
+  return Facing(head.center,
+                head.world_from_head * Vec3<float>{0, 0, 1},
+                head.world_from_head * Vec3<float>{0, 1, 0},
+                kPortraitFocal * head.extent / kPortraitShare,
+                kPortraitFocal);
 }
 
 StartView AtCamera(const std::vector<Camera>& cameras) {

@@ -33,6 +33,16 @@ Mat3<float> Orthonormal(const Mat3<float>& m) {
 
 }  // namespace
 
+Camera Looking(Camera lens,
+               const Vec3<float>& eye,
+               const Vec3<float>& forward,
+               const Vec3<float>& up) {
+  const Vec3<float> x = math::Normalize(math::Cross(forward, up)), y = math::Cross(forward, x);
+  lens.rotation = {x.x, x.y, x.z, y.x, y.y, y.z, forward.x, forward.y, forward.z};
+  lens.translation = {-math::Dot(x, eye), -math::Dot(y, eye), -math::Dot(forward, eye)};
+  return lens;
+}
+
 OrbitCamera::OrbitCamera(const StartView& start)
     : lens_(start.camera), up_(math::Normalize(ToVec(start.up))) {
   std::copy(lens_.rotation.begin(), lens_.rotation.end(), home_.cam_from_world.m);

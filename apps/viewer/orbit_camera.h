@@ -50,6 +50,12 @@ class OrbitCamera {
   Pose home_, pose_;
 };
 
+// `lens` at `eye`, looking along `forward` (unit), with `up` upwards in the image.
+Camera Looking(Camera lens,
+               const math::Vec3<float>& eye,
+               const math::Vec3<float>& forward,
+               const math::Vec3<float>& up);
+
 // Initial views: in front of a head, at a training camera, or with splats filling the image.
 //
 // Frontal view. vertices: [V, 3] of the posed head, metres; root: axis-angle of its root joint.

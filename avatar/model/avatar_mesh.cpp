@@ -8,6 +8,7 @@
 #include "avatar/model/bust.h"
 #include "avatar/model/place_bust.h"
 #include "flame/eyelids.h"
+#include "flame/math/rodrigues.h"
 #include "flame/mouth.h"
 #include "flame/topology.h"
 #include "flame/vhap_teeth.h"
@@ -160,6 +161,22 @@ AvatarPoser::Parameters AvatarPoser::Backward(const Parameters& parameters,
                                               View<const float> d_vertices) {
   return {poser_.Backward(
       parameters, {d_vertices.begin(), d_vertices.begin() + 3 * flame_vertices_}, cache_)};
+}
+
+HeadPlace PlaceOfHead(View<const float> vertices, const std::array<float, 3>& root) {
+  HeadPlace place;
+  const std::array<float, 9> turn = flame_math::Rodrigues(root);
+  std::copy(turn.begin(), turn.end(), place.world_from_head.m);
+  Vec3<float> least{1e30f, 1e30f, 1e30f}, most{-1e30f, -1e30f, -1e30f};
+  for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
+    const Vec3<float> p = math::TransposeTimes(
+        place.world_from_head, Vec3<float>{vertices[i], vertices[i + 1], vertices[i + 2]});
+    least = {std::min(least.x, p.x), std::min(least.y, p.y), std::min(least.z, p.z)};
+    most = {std::max(most.x, p.x), std::max(most.y, p.y), std::max(most.z, p.z)};
+  }
+  place.center = place.world_from_head * ((least + most) * 0.5f);
+  place.extent = std::max(most.x - least.x, most.y - least.y);
+  return place;
 }
 
 FlameParams MeanRoot(const std::vector<FlameParams>& frames) {

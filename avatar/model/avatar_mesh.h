@@ -66,6 +66,18 @@ class AvatarPoser {
   math::Vec3<float> bust_pivot_{0, 0, 0};
 };
 
+// Where a posed head is.
+struct HeadPlace {
+  math::Mat3<float> world_from_head;  // in its own axes y is up and the face looks along +z
+  math::Vec3<float> center;           // of its box in these axes; in the world, metres
+  float extent;                       // metres, that box's larger side seen from the front
+};
+// vertices: [V, 3], without the bust's; root: axis-angle of the root joint.
+HeadPlace PlaceOfHead(View<const float> vertices, const std::array<float, 3>& root);
+// A portrait of it: the lens's focal length in sides of the image, for 28 degrees across, and the
+// share of the side that the head fills.
+constexpr float kPortraitFocal = 2, kPortraitShare = 0.7f;
+
 // The frames' mean root rotation and translation, everything else zero.
 FlameParams MeanRoot(const std::vector<FlameParams>& frames);
 // By how much each frame's head, root and neck together, is turned from their mean: radians.

@@ -74,7 +74,7 @@ cosplat_status cosplat_orbit_camera(cosplat_avatar* avatar,
   return WithAvatar(avatar, [&](Instance& instance) {
     const Orbit orbit{azimuth, elevation, zoom};
     WriteStruct(
-        FromCamera(OrbitCamera(instance.orbit_target(), width, height, orbit)), camera, "camera");
+        FromCamera(OrbitCamera(instance.head_place(), width, height, orbit)), camera, "camera");
   });
 }
 

@@ -19,9 +19,6 @@ constexpr uint64_t kMaxPixels = uint64_t(1) << 26;
 // Larger than needed for any lens and any room, and far within the range of floats.
 constexpr float kMaxCameraNumber = 1e7f;
 
-// The orbit camera at zoom 1: a portrait lens (28 degrees across the shorter side) at the distance
-// where the head fills kHeadShare of that side.
-constexpr float kFocalPerSide = 2, kHeadShare = 0.7f;
 constexpr float kMaxElevation = 1.5f;  // short of the poles, where the up direction is undefined
 constexpr float kMaxAzimuth = 1000;    // many turns, but floats still resolve single degrees
 constexpr float kMaxZoom = 100;
@@ -87,35 +84,32 @@ cosplat_camera FromCamera(const Camera& camera) {
   return out;
 }
 
-Camera OrbitCamera(const OrbitTarget& target, uint32_t width, uint32_t height, const Orbit& orbit) {
+Camera OrbitCamera(const HeadPlace& head, uint32_t width, uint32_t height, const Orbit& orbit) {
   CheckSize(width, height, "camera");
   CheckBetween(orbit.azimuth, -kMaxAzimuth, kMaxAzimuth, "azimuth");
   CheckBetween(orbit.elevation, -kMaxElevation, kMaxElevation, "elevation");
   CheckBetween(orbit.zoom, 1 / kMaxZoom, kMaxZoom, "zoom");
-  math::Mat3<float> world_from_flame;
-  std::copy(target.rotation.begin(), target.rotation.end(), world_from_flame.m);
   const float sa = std::sin(orbit.azimuth), ca = std::cos(orbit.azimuth);
   const float se = std::sin(orbit.elevation), ce = std::cos(orbit.elevation);
-  // In FLAME, y is up and the face looks along +z; the camera looks back at it.
-  const Vec3<float> back = world_from_flame * Vec3<float>{sa * ce, se, ca * ce};
-  const Vec3<float> right = world_from_flame * Vec3<float>{ca, 0, -sa};
-  const Vec3<float> down = world_from_flame * Vec3<float>{sa * se, -ce, ca * se};
+  // The camera looks back at the face.
+  const Vec3<float> back = head.world_from_head * Vec3<float>{sa * ce, se, ca * ce};
+  const Vec3<float> right = head.world_from_head * Vec3<float>{ca, 0, -sa};
+  const Vec3<float> down = head.world_from_head * Vec3<float>{sa * se, -ce, ca * se};
   const float side = float(std::min(width, height));
-  const float distance = kFocalPerSide * target.extent / kHeadShare;
+  const float distance = kPortraitFocal * head.extent / kPortraitShare;
 
   Camera camera;
   camera.width = int(width);
   camera.height = int(height);
-  camera.fx = camera.fy = kFocalPerSide * side * orbit.zoom;
+  camera.fx = camera.fy = kPortraitFocal * side * orbit.zoom;
   camera.cx = 0.5f * float(width);
   camera.cy = 0.5f * float(height);
   const Vec3<float> rows[3] = {right, down, back * -1.0f};
-  const Vec3<float> center{target.center[0], target.center[1], target.center[2]};
   for (size_t i = 0; i < 3; ++i) {
     camera.rotation[3 * i] = rows[i].x;
     camera.rotation[3 * i + 1] = rows[i].y;
     camera.rotation[3 * i + 2] = rows[i].z;
-    camera.translation[i] = -math::Dot(rows[i], center) + (i == 2 ? distance : 0);
+    camera.translation[i] = -math::Dot(rows[i], head.center) + (i == 2 ? distance : 0);
   }
   return camera;
 }

@@ -10,18 +10,11 @@
 #include "avatar/play/avatar_renderer.h"
 #include "avatar/play/image_bytes.h"
 #include "avatar/plugin/coded_error.h"
-#include "flame/math/rodrigues.h"
 #include "flame/model.h"
 #include "splat/base/text.h"
 
 namespace cosplat::plugin {
 namespace {
-
-using Point = std::array<float, 3>;
-
-struct Box {
-  Point least{}, most{};
-};
 
 // Larger than any image needs: a larger stride means that it was not initialised.
 constexpr int64_t kMaxStride = int64_t(1) << 32;
@@ -65,38 +58,6 @@ Player MakePlayer(AvatarModel avatar,
   }
 }
 
-void Extend(Box& box, const Point& p, bool first) {
-  for (size_t k = 0; k < 3; ++k) {
-    box.least[k] = first ? p[k] : std::min(box.least[k], p[k]);
-    box.most[k] = first ? p[k] : std::max(box.most[k], p[k]);
-  }
-}
-
-// rotation * p or, with `back`, its transpose times p.
-Point Turned(const std::array<float, 9>& rotation, const Point& p, bool back) {
-  Point out{};
-  for (size_t i = 0; i < 3; ++i)
-    for (size_t k = 0; k < 3; ++k) out[i] += rotation[back ? 3 * k + i : 3 * i + k] * p[k];
-  return out;
-}
-
-OrbitTarget TargetOf(const std::vector<float>& vertices,
-                     const FlameModel& flame,
-                     const Point& root_pose) {
-  OrbitTarget target;
-  target.rotation = flame_math::Rodrigues(root_pose);
-  Box box;  // in FLAME's axes, of the head only, whose vertices come before those of the bust
-  for (size_t v = 0; v < size_t(flame.vertex_count); ++v) {
-    const Point p{vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
-    Extend(box, Turned(target.rotation, p, true), v == 0);
-  }
-  Point middle{};
-  for (size_t k = 0; k < 3; ++k) middle[k] = 0.5f * (box.least[k] + box.most[k]);
-  target.center = Turned(target.rotation, middle, false);
-  target.extent = std::max(box.most[0] - box.least[0], box.most[1] - box.least[1]);
-  return target;
-}
-
 cosplat_info InfoOf(const AvatarModel& avatar,
                     const FlameModel& flame,
                     const PosedGaussians& rest) {
@@ -106,11 +67,11 @@ cosplat_info InfoOf(const AvatarModel& avatar,
   info.expression_count = uint32_t(flame.expression_count);
   info.joint_count = kFlameJoints;
   const Buffer<float>& position = rest.position;
-  Box box;
-  for (size_t i = 0; i < position.size(); i += 3)
-    Extend(box, {position[i], position[i + 1], position[i + 2]}, i == 0);
-  std::copy(box.least.begin(), box.least.end(), info.box_min);
-  std::copy(box.most.begin(), box.most.end(), info.box_max);
+  for (size_t i = 0; i < position.size(); ++i) {
+    float &least = info.box_min[i % 3], &most = info.box_max[i % 3];
+    least = i < 3 ? position[i] : std::min(least, position[i]);
+    most = i < 3 ? position[i] : std::max(most, position[i]);
+  }
   std::copy(avatar.background.begin(), avatar.background.end(), info.background);
   return info;
 }
@@ -157,13 +118,15 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
       face_(parameters_.rest(), flame_, player_.avatar()) {
   player_.Place(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
-  orbit_target_ = TargetOf(player_.VerticesOf(placed_), flame_, rest_.pose[0]);
+  // Of the head only, whose vertices come before those of the bust.
+  head_place_ = PlaceOfHead({player_.VerticesOf(placed_).data(), 3 * size_t(flame_.vertex_count)},
+                            rest_.pose[0]);
   for (int i = 0; i < flame_.expression_count; ++i)
     expression_names_.push_back("expression_" + std::to_string(i));
 }
 
 Camera Instance::CameraFor(const cosplat_picture& picture) const {
-  if (!camera_) return OrbitCamera(orbit_target_, picture.width, picture.height, {});
+  if (!camera_) return OrbitCamera(head_place_, picture.width, picture.height, {});
   if (uint32_t(camera_->width) != picture.width || uint32_t(camera_->height) != picture.height)
     Refuse("picture.width, height",
            SizeText(picture.width, picture.height) + ", the camera has " +

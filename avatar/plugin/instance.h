@@ -31,7 +31,7 @@ class Instance {
   const LiveParameters& parameters() const { return parameters_; }
   InstanceFace& face() { return face_; }
   std::optional<Camera>& camera() { return camera_; }
-  const OrbitTarget& orbit_target() const { return orbit_target_; }
+  const HeadPlace& head_place() const { return head_place_; }
 
   // change(LiveParameters&) applies one cosplat_set_... call; refused parameters are counted.
   template <class Change>
@@ -72,7 +72,7 @@ class Instance {
   std::optional<Camera> camera_;
   std::optional<DepthPass> depth_;  // created when a depth is first requested
   cosplat_info info_{};
-  OrbitTarget orbit_target_;
+  HeadPlace head_place_;
   std::vector<std::string> expression_names_;
   std::array<char, 512> last_error_{};
   std::atomic<bool> busy_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/viewer/orbit_camera.h"
 #include "splat/math/quat.h"
 #include "splat/train/start/initialize.h"
 
@@ -17,15 +18,8 @@ constexpr float kMaxGap = kPi / 2;
 
 Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 
-// A camera like `lens`, at `eye`, looking at `target` with `up` pointing upwards in the image.
 Camera LookAt(const Camera& lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
-  const Vec3<float> z = math::Normalize(target - eye);
-  const Vec3<float> x = math::Normalize(math::Cross(z, up));
-  const Vec3<float> y = math::Cross(z, x);
-  Camera c = lens;
-  c.rotation = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
-  c.translation = {-math::Dot(x, eye), -math::Dot(y, eye), -math::Dot(z, eye)};
-  return c;
+  return viewer::Looking(lens, eye, math::Normalize(target - eye), up);
 }
 
 // The azimuths to sweep: the complement of the largest gap between sorted angles.
