@@ -10,6 +10,8 @@
 #define COSPLAT_SPLAT_KERNELS_PROJECT_H_
 #endif
 
+#include <cstddef>
+
 #include "splat/math/blend.h"
 #include "splat/math/dcsh.h"
 #include "splat/math/pinhole.h"
@@ -282,6 +284,33 @@ struct ProjectKernel {
   COSPLAT_HD void DrawNone(const Rows& rows) const { ZeroRows(radii, 1, rows); }
 };
 
+// What the backward pass reads of a ProjectedSplat, and the derivatives that SplatGradient has.
+template <class T>
+struct SplatParts {
+  Vec2<T> center;
+  Sym2<T> conic;
+  T opacity;
+  Vec3<T> color;
+};
+template <class T>
+COSPLAT_HD SplatParts<T> LoadSplat(const ProjectedSplat* splats, const Rows& rows) {
+  constexpr size_t kPower = offsetof(ProjectedSplat, power_xx) / sizeof(float),
+                   kOpacity = offsetof(ProjectedSplat, opacity) / sizeof(float),
+                   kColor = offsetof(ProjectedSplat, r) / sizeof(float);
+  T v[kProjectedFloats];
+  LoadRows<kProjectedFloats>(&splats->x, kProjectedStride, rows, v);
+  return {{v[0], v[1]},
+          {T(-2) * v[kPower], -v[kPower + 1], T(-2) * v[kPower + 2]},
+          v[kOpacity],
+          {v[kColor], v[kColor + 1], v[kColor + 2]}};
+}
+template <class T>
+COSPLAT_HD SplatParts<T> LoadSplatGradient(const SplatGradient* gradients, const Rows& rows) {
+  T v[9];  // in the order of the members
+  LoadRows<9>(&gradients->x, 9, rows, v);
+  return {{v[0], v[1]}, {T(-0.5f) * v[2], -v[3], T(-0.5f) * v[4]}, v[5], {v[6], v[7], v[8]}};
+}
+
 // Writes the gradients of the Gaussians in `rows` (zero for invisible ones).
 template <bool kAntialiased>
 struct ProjectVjpKernel {
@@ -296,18 +325,15 @@ struct ProjectVjpKernel {
   COSPLAT_HD void Run(const Rows& rows) const {
     const auto drawn = LoadScalar<T>(radii, rows) > T(0);
     if (!AnyTrue(drawn)) return ZeroAll(rows);
-    T splat[kProjectedFloats];
-    LoadRows<kProjectedFloats>(&splats->x, kProjectedStride, rows, splat);
-    const Sym2<T> conic{T(-2) * splat[2], -splat[3], T(-2) * splat[4]};
-    T d[9];  // in the order of SplatGradient's members
-    LoadRows<9>(&d_splats->x, 9, rows, d);
+    const SplatParts<T> splat = LoadSplat<T>(splats, rows),
+                        d = LoadSplatGradient<T>(d_splats, rows);
     const Pinhole<T> camera = ToPinhole<T>(view);
     const Vec3<T> position = LoadVec3<T>(gaussians.position, rows);
     const Vec3<T> p = ToCamera(camera, position);
     const Quat<T> q = LoadQuat<T>(gaussians.rotation, rows);
     const Vec3<T> s_log = LoadVec3<T>(gaussians.scale_log, rows);
     const Vec3<T> stored{Exp(s_log.x), Exp(s_log.y), Exp(s_log.z)};
-    Sym2<T> d_cov = ConicVjp(conic, Sym2<T>{T(-0.5f) * d[2], -d[3], T(-0.5f) * d[4]});
+    Sym2<T> d_cov = ConicVjp(splat.conic, d.conic);
     Vec3<T> s = stored;
     [[maybe_unused]] Filters<T> filters;
     if constexpr (kAntialiased) {
@@ -315,10 +341,10 @@ struct ProjectVjpKernel {
       s = filters.smoothed.scale;
       const Sym2<T> more = LowPassShareVjp(filters.sharp,
                                            T(gaussians.low_pass_variance),
-                                           d[5] * filters.opacity * filters.smoothed.share);
+                                           d.opacity * filters.opacity * filters.smoothed.share);
       d_cov = {d_cov.xx + more.xx, d_cov.xy + more.xy, d_cov.yy + more.yy};
     }
-    Vec3<T> d_p = ProjectPointVjp(camera, p, Vec2<T>{d[0], d[1]});
+    Vec3<T> d_p = ProjectPointVjp(camera, p, d.center);
     Sym3<T> d_covariance;
     ProjectCovarianceVjp(camera, p, Covariance(q, s), d_cov, d_covariance, d_p);
     Quat<T> d_q;
@@ -326,12 +352,12 @@ struct ProjectVjpKernel {
     CovarianceVjp(q, s, d_covariance, d_q, d_s);
     Vec3<T> d_position = TransposeTimes(camera.rotation, d_p);
 
-    d_position += ColorVjp(drawn, position, splat, d, rows);
+    d_position += ColorVjp(drawn, position, splat.color, d.color, rows);
 
     StoreWhere(drawn, d_position, out.position, rows);
     StoreWhere(drawn, d_q, out.rotation, rows);
     if constexpr (kAntialiased) {
-      const T d_smoothed = d[5] * LowPassShare(filters.sharp, T(gaussians.low_pass_variance));
+      const T d_smoothed = d.opacity * LowPassShare(filters.sharp, T(gaussians.low_pass_variance));
       const Vec3<T> d_scale_log = SmoothScaleVjp(
           stored, filters.variance, filters.smoothed, d_s, d_smoothed * filters.opacity);
       StoreWhere(drawn, d_scale_log, out.scale_log, rows);
@@ -341,9 +367,9 @@ struct ProjectVjpKernel {
                  rows);
     } else {
       StoreWhere(drawn, Vec3<T>{d_s.x * s.x, d_s.y * s.y, d_s.z * s.z}, out.scale_log, rows);
-      StoreWhere(drawn, SigmoidVjp(splat[8], d[5]), out.opacity_logit, rows);
+      StoreWhere(drawn, SigmoidVjp(splat.opacity, d.opacity), out.opacity_logit, rows);
     }
-    const T d_screen[2] = {Select(drawn, d[0], T(0)), Select(drawn, d[1], T(0))};
+    const T d_screen[2] = {Select(drawn, d.center.x, T(0)), Select(drawn, d.center.y, T(0))};
     StoreRows<2>(d_screen, out.screen, 2, rows);
   }
 
@@ -371,8 +397,11 @@ struct ProjectVjpKernel {
 
   // Writes the gradients of the colour's parameters; returns the colour's part of d_position.
   template <class T, class Mask>
-  COSPLAT_HD Vec3<T> ColorVjp(
-      Mask drawn, const Vec3<T>& position, const T* splat, const T* d, const Rows& rows) const {
+  COSPLAT_HD Vec3<T> ColorVjp(Mask drawn,
+                              const Vec3<T>& position,
+                              const Vec3<T>& color,
+                              const Vec3<T>& d_shown,
+                              const Rows& rows) const {
     const ColorView<T> color_view = ColorViewOf(gaussians, view, position, rows);
     // An invisible Gaussian may have no valid direction; its colour gradient is 0 times a basis
     // function, which must be finite.
@@ -380,12 +409,12 @@ struct ProjectVjpKernel {
     Vec3<T> direction{
         Select(drawn, seen.x, T(0)), Select(drawn, seen.y, T(0)), Select(drawn, seen.z, T(0))};
     if (view.folds_direction) direction = Fold(direction);
-    const Vec3<T> d_color{
-        Select(drawn, d[6], T(0)), Select(drawn, d[7], T(0)), Select(drawn, d[8], T(0))};
-    Vec3<T> d_direction = WithDegree(
-        HighestDegree(gaussians, view, rows),
-        ColorVjpOf<T>{
-            gaussians, view, out, rows, direction, {splat[9], splat[10], splat[11]}, d_color});
+    const Vec3<T> d_color{Select(drawn, d_shown.x, T(0)),
+                          Select(drawn, d_shown.y, T(0)),
+                          Select(drawn, d_shown.z, T(0))};
+    Vec3<T> d_direction =
+        WithDegree(HighestDegree(gaussians, view, rows),
+                   ColorVjpOf<T>{gaussians, view, out, rows, direction, color, d_color});
     ZeroUnusedBands(rows);
     if (view.folds_direction) d_direction = FoldVjp(seen, d_direction);
     const bool has_frame = gaussians.color_frame != nullptr;
