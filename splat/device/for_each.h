@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <string>
 #include <typeinfo>
@@ -37,16 +38,18 @@ void ParallelFor(size_t count, const Body& body, size_t grain = 256) {
   });
 }
 
-// How a device back end launches the kernel; null if it does not have it.
+// How a device back end launches the kernel; null if it does not have it. Threads that each make
+// something for the device register the same kernels again.
 template <class Kernel>
 struct KernelLaunch {
   using Function = void (*)(size_t n, Stream& stream, const Kernel& kernel);
-  static inline Function function = nullptr;
+  static inline std::atomic<Function> function = nullptr;
 
   static void Run(size_t n, Stream& stream, const Kernel& kernel) {
-    if (!function)
+    const Function launch = function;
+    if (!launch)
       throw Error("device", std::string("has no compiled kernel ") + typeid(Kernel).name());
-    function(n, stream, kernel);
+    launch(n, stream, kernel);
   }
 };
 

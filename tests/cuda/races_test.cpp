@@ -2,6 +2,8 @@
 // device (tests/support/cuda_on_host/races.h).
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "splat/device/buffer.h"
 #include "splat/device/cuda/launch.cuh"
 #include "splat/device/cuda/stream.h"
@@ -85,6 +87,14 @@ TEST(Races, BetweenBlocksAreFoundAndAtomicsAreNone) {
             }),
             0);
   EXPECT_EQ(RacesIn([p] { atomicAdd(p, 1u); }), 0);
+}
+
+TEST(Races, NoneWhereThreadsProvideTheSameKernels) {
+  const int before = reports;
+  std::thread other(cuda::ProvideTrainKernels);
+  cuda::ProvideTrainKernels();
+  other.join();
+  EXPECT_EQ(reports, before);
 }
 
 TEST(Races, NoneInAStep) {
