@@ -72,8 +72,9 @@ void LightMean::Add(const Surface& posed) {
   const float* vertices = posed.Arrays().vertices;
   constexpr auto kTerms = size_t(math::kLightTerms);
   ParallelFor(sum_.size() / kTerms, [&](size_t v) {
-    const float* n = vertices + kSurfaceVertexFloats * v + 3;
-    const auto terms = math::LightTermsOf(math::Vec3<float>{n[0], n[1], n[2]});
+    const math::SurfaceVertex<float> at =
+        math::SurfaceVertexOf(vertices + kSurfaceVertexFloats * v);
+    const auto terms = math::LightTermsOf(at.normal);
     for (size_t k = 0; k < kTerms; ++k) sum_[kTerms * v + k] += double(terms.y[k]);
   });
   ++count_;

@@ -47,7 +47,7 @@ COSPLAT_HD_FORCED EmbedInput<T> LoadEmbedInput(const EmbeddedArrays& gaussians, 
     const LaneRows<T> corner = CornersOf<T>(gaussians, faces, c);
     T v[kSurfaceVertexFloats];
     GatherRows<kSurfaceVertexFloats>(gaussians.vertices, kSurfaceVertexFloats, corner, v);
-    in.vertices[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
+    in.vertices[c] = SurfaceVertexOf(v);
   }
   T area[4];
   GatherRows<4>(gaussians.canonical_areas, 4, faces, area);
@@ -187,22 +187,8 @@ template <class T>
 COSPLAT_HD_FORCED void StoreCorners(const Three<SurfaceVertex<T>>& d,
                                     float* corners,
                                     const Rows& rows) {
-  for (int c = 0; c < 3; ++c) {
-    const SurfaceVertex<T>& v = d[c];
-    const T row[kSurfaceVertexFloats] = {v.position.x,
-                                         v.position.y,
-                                         v.position.z,
-                                         v.normal.x,
-                                         v.normal.y,
-                                         v.normal.z,
-                                         v.rotation.w,
-                                         v.rotation.x,
-                                         v.rotation.y,
-                                         v.rotation.z,
-                                         v.area};
-    StoreRows<kSurfaceVertexFloats>(
-        row, corners + c * kSurfaceVertexFloats, 3 * kSurfaceVertexFloats, rows);
-  }
+  for (int c = 0; c < 3; ++c)
+    StoreSurfaceVertex(d[c], corners + c * kSurfaceVertexFloats, 3 * kSurfaceVertexFloats, rows);
 }
 
 // Writes the derivative of every basis: weight_k d_c.
@@ -290,7 +276,7 @@ COSPLAT_HD_FORCED void Run(const RigidEmbedKernel& kernel, const Rows& rows) {
   StoreVec3(posed.position, kernel.out.position, rows);
   StoreQuat(posed.rotation, kernel.out.rotation, rows);
   StoreVec3(posed.scale_log, kernel.out.scale_log, rows);
-  StoreQuat(Quat<T>{face[4], face[5], face[6], face[7]}, kernel.out.frame, rows);
+  StoreQuat(PosedFaceOf(face).rotation, kernel.out.frame, rows);
 }
 
 // One vertex per index: sums the contributions of the Gaussians around it in a fixed order, by face

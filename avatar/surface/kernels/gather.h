@@ -10,6 +10,8 @@
 
 #include <cstdint>
 
+#include "avatar/math/embed.h"
+#include "avatar/surface/kernels/arrays.h"
 #include "splat/math/rows.h"
 
 // For kernel bodies and functions that pass many packs, which g++ would otherwise pass through
@@ -66,6 +68,42 @@ template <class T>
 COSPLAT_HD_FORCED void StoreQuat(const Quat<T>& q, float* array, const Rows& rows) {
   const T out[4] = {q.w, q.x, q.y, q.z};
   StoreRows<4>(out, array, 4, rows);
+}
+
+// Rows of kSurfaceVertexFloats and of kPosedFaceFloats.
+
+template <class T>
+COSPLAT_HD_FORCED SurfaceVertex<T> SurfaceVertexOf(const T* v) {
+  return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
+}
+template <class T>
+COSPLAT_HD_FORCED void StoreSurfaceVertex(const SurfaceVertex<T>& v,
+                                          float* array,
+                                          size_t width,
+                                          const Rows& rows) {
+  const T row[kSurfaceVertexFloats] = {v.position.x,
+                                       v.position.y,
+                                       v.position.z,
+                                       v.normal.x,
+                                       v.normal.y,
+                                       v.normal.z,
+                                       v.rotation.w,
+                                       v.rotation.x,
+                                       v.rotation.y,
+                                       v.rotation.z,
+                                       v.area};
+  StoreRows<kSurfaceVertexFloats>(row, array, width, rows);
+}
+
+template <class T>
+struct PosedFace {
+  Vec3<T> area_vector;
+  T area;
+  Quat<T> rotation;  // canonical to posed
+};
+template <class T>
+COSPLAT_HD_FORCED PosedFace<T> PosedFaceOf(const T* v) {
+  return {{v[0], v[1], v[2]}, v[3], {v[4], v[5], v[6], v[7]}};
 }
 
 COSPLAT_MATH_END

@@ -20,9 +20,8 @@ COSPLAT_HD Vec3<float> CanonicalPlace(const MeshArrays& mesh,
   Three<SurfaceVertex<float>> corners;
   Three<float> area;
   for (int c = 0; c < 3; ++c) {
-    const float* v = CanonicalVertex(mesh, triangle, c);
-    corners[c] = {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8], v[9]}, v[10]};
-    area[c] = v[10];
+    corners[c] = CanonicalVertex(mesh, triangle, c);
+    area[c] = corners[c].area;
   }
   const EmbeddedGaussian<float> local{
       barycentric[0], barycentric[1], {offset[0], offset[1], offset[2]}, {1, 0, 0, 0}, {0, 0, 0}};

@@ -90,13 +90,13 @@ COSPLAT_HD_FORCED VertexSums<T> SumFaces(const SurfaceArrays& s,
     LaneRows<T> faces;
     for (size_t l = 0; l < kLaneCount<T>; ++l)
       faces[l] = k < fans.count[l] ? s.vertex_faces[fans.begin[l] + k] : int32_t(s.face_count);
-    T face[kPosedFaceFloats];
-    GatherRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, faces, face);
-    const Quat<T> q{face[4], face[5], face[6], face[7]};
-    const T sign = HemisphereSign(sum.rotation, q);
-    sum.normal += Vec3<T>{face[0], face[1], face[2]};
-    sum.rotation = sum.rotation + q * (sign * face[3]);
-    sum.area += face[3];
+    T row[kPosedFaceFloats];
+    GatherRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, faces, row);
+    const PosedFace<T> face = PosedFaceOf(row);
+    const T sign = HemisphereSign(sum.rotation, face.rotation);
+    sum.normal += face.area_vector;
+    sum.rotation = sum.rotation + face.rotation * (sign * face.area);
+    sum.area += face.area;
     PerLane<float, T> signs;
     ToLanes(sign, signs);
     for (size_t l = 0; l < rows.count; ++l)
@@ -133,20 +133,19 @@ template <class T>
 COSPLAT_HD_FORCED void Run(const VerticesVjpKernel& kernel, const Rows& rows) {
   const SurfaceArrays& s = kernel.s;
   const T zero(0.0f), one(1.0f);
-  T d[kSurfaceVertexFloats], sum[kVertexSumFloats], mean_area[1];
-  LoadRows<kSurfaceVertexFloats>(kernel.d_vertices, kSurfaceVertexFloats, rows, d);
+  T row[kSurfaceVertexFloats], sum[kVertexSumFloats], mean_area[1];
+  LoadRows<kSurfaceVertexFloats>(kernel.d_vertices, kSurfaceVertexFloats, rows, row);
   LoadRows<kVertexSumFloats>(s.sums, kVertexSumFloats, rows, sum);
   LoadRows<1>(s.vertices + kSurfaceVertexFloats - 1, kSurfaceVertexFloats, rows, mean_area);
   const T count = Max(Fans<T>(s, rows).Counts(), one);
   const T area = mean_area[0] * count;
   const auto some = area > zero;
-  const Vec3<T> n = NormalizeVjp(Vec3<T>{sum[0], sum[1], sum[2]}, Vec3<T>{d[3], d[4], d[5]});
-  const Quat<T> q =
-      NormalizeVjp(Quat<T>{sum[3], sum[4], sum[5], sum[6]}, Quat<T>{d[6], d[7], d[8], d[9]}) *
-      Select(some, one / Select(some, area, one), zero);
-  const T row[kSurfaceVertexFloats] = {
-      d[0], d[1], d[2], n.x, n.y, n.z, q.w, q.x, q.y, q.z, d[10] / count};
-  StoreRows<kSurfaceVertexFloats>(row, kernel.d_sums, kSurfaceVertexFloats, rows);
+  SurfaceVertex<T> d = SurfaceVertexOf(row);
+  d.normal = NormalizeVjp(Vec3<T>{sum[0], sum[1], sum[2]}, d.normal);
+  d.rotation = NormalizeVjp(Quat<T>{sum[3], sum[4], sum[5], sum[6]}, d.rotation) *
+               Select(some, one / Select(some, area, one), zero);
+  d.area = d.area / count;
+  StoreSurfaceVertex(d, kernel.d_sums, kSurfaceVertexFloats, rows);
 }
 
 // The signs with which the faces' rotations were added at one of their corners.
@@ -168,23 +167,23 @@ COSPLAT_HD_FORCED void Run(const FacesVjpKernel& kernel, const Rows& rows) {
   const FaceCorners<T> at = LoadCorners<T>(s, rows);
   Mat3<T> canonical;
   LoadRows<9>(s.canonical_frames, 9, rows, canonical.m);
-  T face[kPosedFaceFloats];
-  LoadRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, rows, face);
-  const Quat<T> rotation{face[4], face[5], face[6], face[7]};
+  T posed[kPosedFaceFloats];
+  LoadRows<kPosedFaceFloats>(s.posed_faces, kPosedFaceFloats, rows, posed);
+  const PosedFace<T> face = PosedFaceOf(posed);
   Vec3<T> d_vector{zero, zero, zero};
   Quat<T> d_rotation{zero, zero, zero, zero};
   T d_area = zero;
   for (int c = 0; c < 3; ++c) {
-    T d[kSurfaceVertexFloats];
+    T row[kSurfaceVertexFloats];
     GatherRows<kSurfaceVertexFloats>(
-        kernel.d_sums, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), d);
+        kernel.d_sums, kSurfaceVertexFloats, CornerVertices<T>(s, rows, c), row);
+    const SurfaceVertex<T> d = SurfaceVertexOf(row);
     const T sign = SignsOf<T>(s, rows, c);
-    const Quat<T> d_q{d[6], d[7], d[8], d[9]};
-    d_vector += Vec3<T>{d[3], d[4], d[5]};
-    d_rotation = d_rotation + d_q * (sign * face[3]);
-    d_area += d[10] + sign * Dot(rotation, d_q);
+    d_vector += d.normal;
+    d_rotation = d_rotation + d.rotation * (sign * face.area);
+    d_area += d.area + sign * Dot(face.rotation, d.rotation);
   }
-  d_vector += LengthVjp(Vec3<T>{face[0], face[1], face[2]}, d_area);
+  d_vector += LengthVjp(face.area_vector, d_area);
   Vec3<T> d[3];
   for (Vec3<T>& corner : d) corner = {zero, zero, zero};
   AreaVectorVjp(at.p[0], at.p[1], at.p[2], d_vector, d[0], d[1], d[2]);

@@ -4,6 +4,7 @@
 
 #include "avatar/math/embed.h"
 #include "avatar/surface/kernels/arrays.h"
+#include "avatar/surface/kernels/gather.h"
 
 namespace cosplat::math {
 
@@ -28,16 +29,17 @@ COSPLAT_HD Weights KeepInsideTriangle(Weights w) {
   return w;
 }
 
-COSPLAT_HD const float* CanonicalVertex(const MeshArrays& mesh, int32_t face, int corner) {
-  return mesh.vertices + kSurfaceVertexFloats * size_t(mesh.faces[3 * size_t(face) + corner]);
+COSPLAT_HD SurfaceVertex<float> CanonicalVertex(const MeshArrays& mesh, int32_t face, int corner) {
+  const auto vertex = size_t(mesh.faces[3 * size_t(face) + corner]);
+  return SurfaceVertexOf(mesh.vertices + kSurfaceVertexFloats * vertex);
 }
 COSPLAT_HD Vec3<double> CanonicalPosition(const MeshArrays& mesh, int32_t face, int corner) {
-  const float* v = CanonicalVertex(mesh, face, corner);
-  return {v[0], v[1], v[2]};
+  const Vec3<float> p = CanonicalVertex(mesh, face, corner).position;
+  return {p.x, p.y, p.z};
 }
 COSPLAT_HD Vec3<double> CanonicalNormal(const MeshArrays& mesh, int32_t face, int corner) {
-  const float* v = CanonicalVertex(mesh, face, corner);
-  return {v[3], v[4], v[5]};
+  const Vec3<float> n = CanonicalVertex(mesh, face, corner).normal;
+  return {n.x, n.y, n.z};
 }
 
 COSPLAT_HD int32_t NeighborOf(const MeshArrays& mesh, int32_t face, int edge) {
