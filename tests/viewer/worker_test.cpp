@@ -67,8 +67,15 @@ TEST(RenderWorker, SaysWhatIsWrongAndGoesOn) {
 
 TEST(RenderWorker, EndsWithAJobWaiting) {
   Stage stage(SmallScene());
-  RenderWorker worker(stage, [] {});
-  for (int i = 0; i < 3; ++i) worker.Start({SceneShot(64 + i), 1, 0});
+  int finished = 0;
+  {
+    RenderWorker worker(stage, [&] { ++finished; });
+    for (int i = 0; i < 3; ++i) worker.Start({SceneShot(64 + i), 1, 0});
+  }
+  EXPECT_LE(finished, 3);
+  Image8 image;  // the stage is free again
+  stage.Draw(SceneShot(80), image);
+  EXPECT_EQ(image.width, 80);
 }
 
 TEST(Capture, NamesAreNew) {
