@@ -123,7 +123,7 @@ void ReadCorrections(const GlbDocument& document, const JsonField& field, Avatar
   if (field.Has("step"))  // since version 4
     bases = ReadSteps(document, field, expected);
   else
-    bases = Floats(document, field["bases"], 1, expected);
+    bases = Buffer<float>(Floats(document, field["bases"], 1, expected));
 }
 
 void ReadLight(const JsonField& field, AvatarModel& model) {
@@ -192,9 +192,9 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
     ReadBustFollow(binding["bust"]["follow"], model.bust->follow.emplace());
 }
 
-std::vector<int32_t> ReadTriangles(const GlbDocument& document,
-                                   const JsonField& field,
-                                   size_t face_count) {
+Buffer<int32_t> ReadTriangles(const GlbDocument& document,
+                              const JsonField& field,
+                              size_t face_count) {
   const auto indices = ReadUnsigned(document, field.Integer(), field.path());
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= face_count)

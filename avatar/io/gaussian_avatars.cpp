@@ -28,13 +28,11 @@ std::string NumberText(double value) {
 }
 
 // expected: how the faces are described in errors.
-std::vector<int32_t> ReadFaces(const std::string& path,
-                               size_t face_count,
-                               const std::string& expected) {
+Buffer<int32_t> ReadFaces(const std::string& path, size_t face_count, const std::string& expected) {
   PlyReader reader(path);
   reader.Enter("vertex");
   const int column = reader.Require(kBinding);
-  std::vector<int32_t> faces;
+  Buffer<int32_t> faces;
   for (size_t i = 0; i < reader.count(); ++i) {
     const double face = reader.Next()[size_t(column)];
     if (!(face >= 0 && face < double(face_count) && face == std::floor(face)))
@@ -106,7 +104,7 @@ AvatarModel ReadGaussianAvatar(const std::string& path,
 }
 
 std::string SummarizeGaussianAvatar(const std::string& path) {
-  const std::vector<int32_t> faces =
+  const Buffer<int32_t> faces =
       ReadFaces(path, std::numeric_limits<int32_t>::max(), "a whole number");
   const Gaussians g = ReadPly(path);
   const std::set<int32_t> used(faces.begin(), faces.end());

@@ -99,9 +99,7 @@ class Buffer {
 
   explicit Buffer(size_t n, const T& value = T()) { resize(n, value); }
   Buffer(std::initializer_list<T> values) { assign(values.begin(), values.end()); }
-  Buffer(const std::vector<T>& values)  // NOLINT: both hold the same
-      : Buffer(values.begin(), values.end()) {}
-  operator std::vector<T>() const { return {begin(), end()}; }  // NOLINT: likewise
+  explicit Buffer(const std::vector<T>& values) : Buffer(values.begin(), values.end()) {}
   template <std::forward_iterator It>
   Buffer(It first, It last) {
     assign(first, last);

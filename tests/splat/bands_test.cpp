@@ -102,7 +102,7 @@ TEST(Bands, WhatChangesTheImagesLeastPerCoefficientGoes) {
   const Weights weights(6, 1.0f);
   const float threshold = 0.075f;  // 6 of its squares: 0.034
   DropBands(weights, threshold, g);
-  EXPECT_EQ(g.degrees, (std::vector<uint8_t>{3, 2, 2, 1, 2, 0}));
+  EXPECT_EQ(g.degrees, (Buffer<uint8_t>{3, 2, 2, 1, 2, 0}));
   EXPECT_LE(PredictedChange(before, g, weights), threshold);
   EXPECT_FLOAT_EQ(BandEnergy(g, 4, 2), 0.2f);
   EXPECT_EQ(BandEnergy(g, 4, 3), 0);
@@ -112,12 +112,12 @@ TEST(Bands, WhatChangesTheImagesLeastPerCoefficientGoes) {
   EXPECT_DOUBLE_EQ(figures.mean, 10.0 / 6);
   EXPECT_DOUBLE_EQ(figures.rest_saved, 1 - (3 + 3 * 8 + 15) / (6 * 15.0));
   // None comes back, not even with a threshold of nothing.
-  const std::vector<uint8_t> degrees = g.degrees;
+  const Buffer<uint8_t> degrees = g.degrees;
   DropBands(weights, 0, g);
   EXPECT_EQ(g.degrees, degrees);
   // All of it can go.
   DropBands(weights, 10, g);
-  EXPECT_EQ(g.degrees, std::vector<uint8_t>(6, 0));
+  EXPECT_EQ(g.degrees, Buffer<uint8_t>(6, 0));
 }
 
 TEST(Bands, OpacityAndWeightCount) {
@@ -125,13 +125,13 @@ TEST(Bands, OpacityAndWeightCount) {
   Gaussians g = before;
   *g.at(kOpacityLogit, 0) = 0;
   DropBands({1, 1}, 0.06f, g);  // 0.0072 of the squares, of 0.005 and 0.01
-  EXPECT_EQ(g.degrees, (std::vector<uint8_t>{2, 3}));
+  EXPECT_EQ(g.degrees, (Buffer<uint8_t>{2, 3}));
   g = before;
   DropBands({1, 3}, 0.06f, g);  // 0.0144, of 0.01 and 0.03
-  EXPECT_EQ(g.degrees, (std::vector<uint8_t>{2, 3}));
+  EXPECT_EQ(g.degrees, (Buffer<uint8_t>{2, 3}));
   g = before;
   DropBands({0, 1}, 1e-3f, g);  // in no image
-  EXPECT_EQ(g.degrees, (std::vector<uint8_t>{0, 3}));
+  EXPECT_EQ(g.degrees, (Buffer<uint8_t>{0, 3}));
 }
 
 TEST(Bands, WhatIsNotFiniteStays) {
@@ -143,7 +143,7 @@ TEST(Bands, WhatIsNotFiniteStays) {
       g.at(kColorRest, 0)[3 * 3 + channel] = bad;  // band 2
       *g.at(kOpacityLogit, 1) = nan;
       DropBands({1, 1, 1}, 0.1f, g);
-      EXPECT_EQ(g.degrees, (std::vector<uint8_t>{2, 3, 0}));
+      EXPECT_EQ(g.degrees, (Buffer<uint8_t>{2, 3, 0}));
     }
 }
 
@@ -187,7 +187,7 @@ TEST(Bands, TheImageChangesAsTheEnergiesTell) {
 TEST(Bands, NoneWithoutBands) {
   Gaussians g = RandomGaussians(5, 0, Basis::kDcsh, 1);
   DropBands(Weights(5, 1.0f), 1, g);
-  EXPECT_EQ(g.degrees, std::vector<uint8_t>(5, 0));
+  EXPECT_EQ(g.degrees, Buffer<uint8_t>(5, 0));
   EXPECT_EQ(FiguresOf(CountDegrees(g), 0).rest_saved, 0);
   EXPECT_EQ(FiguresOf({}, 3).mean, 0);
 }
@@ -202,7 +202,7 @@ Gaussians OfAllDegrees(size_t count, int degree, Basis basis) {
 
 TEST(Bands, DegreesAreFoundAndKept) {
   Gaussians g = OfAllDegrees(50, 3, Basis::kDcsh);
-  const std::vector<uint8_t> degrees = g.degrees;
+  const Buffer<uint8_t> degrees = g.degrees;
   g.degrees.clear();
   FindDegrees(g);
   EXPECT_EQ(g.degrees, degrees);
@@ -210,7 +210,7 @@ TEST(Bands, DegreesAreFoundAndKept) {
   FindDegrees(g);
   EXPECT_EQ(g.degrees, degrees);
   g.Gather({5, 5, 1});
-  EXPECT_EQ(g.degrees, (std::vector<uint8_t>{degrees[5], degrees[5], degrees[1]}));
+  EXPECT_EQ(g.degrees, (Buffer<uint8_t>{degrees[5], degrees[5], degrees[1]}));
   g.Resize(4);
   EXPECT_EQ(g.degrees.back(), 3);
   EXPECT_TRUE(g.ZerosLike().degrees.empty());

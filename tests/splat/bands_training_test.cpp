@@ -51,7 +51,7 @@ TEST(BandsInTraining, WhatWasDroppedStaysSo) {
   const SmallRun run(1, 10 / 255.0f, 90);
   SceneSubject subject(run.frames, 1);
   Trainer trainer(run.settings, subject, run.first);
-  std::vector<uint8_t> degrees;
+  Buffer<uint8_t> degrees;
   int rounds = 0;
   for (int i = 1; i <= run.settings.iterations; ++i) {
     trainer.Step();

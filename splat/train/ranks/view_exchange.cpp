@@ -104,14 +104,15 @@ void ViewExchange::Project(const WorldGaussians& own,
 }
 
 void ViewExchange::Receive(RenderTape& tape) {
-  std::vector<Message> lists;
-  ranks_.Exchange({groups_.begin(), groups_.end()}, lists);
+  std::vector<Message> received;
+  ranks_.Exchange({groups_.begin(), groups_.end()}, received);
   messages_.Exchange(splats_, stream_);
   if (!has_view()) return;
+  std::vector<View<const uint32_t>> lists(received.begin(), received.end());
   lists[ranks_.rank()] = groups_[ranks_.rank()];
   // Sorted as they are among all.
   size_t count = 0;
-  for (const Message& list : lists) count += list.size();
+  for (const View<const uint32_t>& list : lists) count += list.size();
   struct Group {
     uint32_t among_all, rank, k;
   };
