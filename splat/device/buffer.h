@@ -241,6 +241,13 @@ struct MemoryPart {
   MemoryOf of = MemoryOf::kGaussians;
 };
 
+// Sum of the parts that grow with the same, bytes.
+inline size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of) {
+  size_t bytes = 0;
+  for (const MemoryPart& part : parts) bytes += part.of == of ? part.bytes : 0;
+  return bytes;
+}
+
 // Bytes allocated by buffers or vectors.
 template <class... Containers>
 size_t HeldBy(const Containers&... containers) {

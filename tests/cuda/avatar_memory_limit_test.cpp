@@ -65,10 +65,7 @@ Held HeldWith(size_t gaussians) {
   nothing.score.assign(gaussians, 1);
   engine->Prune(nothing, 0, 0);
   engine->SortInSpace();
-  Held held{0, subject.BytesPerGaussian()};
-  for (const MemoryPart& part : subject.Memory())
-    if (part.of == MemoryOf::kGaussians) held.bytes += part.bytes;
-  return held;
+  return {SumOf(subject.Memory(), MemoryOf::kGaussians), subject.BytesPerGaussian()};
 }
 
 TEST_F(AvatarMemoryLimit, BytesPerGaussianAreThoseThatAreHeld) {

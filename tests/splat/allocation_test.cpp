@@ -88,11 +88,9 @@ TEST(Allocation, TheTrainerHoldsWhatItSays) {
   for (int i = 0; i < settings.iterations; ++i) trainer.Step();
   const double held = double(live_bytes - before), count = double(trainer.state().gaussians.size());
   ASSERT_GT(count, kFirst);  // there was density control
-  double all = 0, of_gaussians = 0;
-  for (const MemoryPart& part : trainer.Memory()) {
-    all += double(part.bytes);
-    if (part.of == MemoryOf::kGaussians) of_gaussians += double(part.bytes);
-  }
+  double all = 0;
+  for (const MemoryPart& part : trainer.Memory()) all += double(part.bytes);
+  const double of_gaussians = double(SumOf(trainer.Memory(), MemoryOf::kGaussians));
   EXPECT_NEAR(all, held, 0.05 * held);
   EXPECT_LE(of_gaussians / count, 1300);
 }

@@ -36,12 +36,6 @@ double ResidentGrowth(size_t count, int side) {
 
 }  // namespace
 
-size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of) {
-  size_t bytes = 0;
-  for (const MemoryPart& part : parts) bytes += part.of == of ? part.bytes : 0;
-  return bytes;
-}
-
 std::vector<MemoryPart> MemoryOfSteps(SyntheticView view, int steps) {
   SceneSubject subject({std::move(view.frame)}, 1);
   Trainer trainer(SteadySettings(view.start.degree), subject, std::move(view.start));

@@ -8,9 +8,6 @@
 
 namespace cosplat {
 
-// Sum of the parts that grow with the number of Gaussians or of pixels, bytes.
-size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of);
-
 // After `steps` training steps on the view, at its full degree, without density control.
 std::vector<MemoryPart> MemoryOfSteps(SyntheticView view, int steps);
 

@@ -127,10 +127,8 @@ size_t StepEngine::MostThatFit() {
                               (shards().divides() ? kOfOtherRanks : 0) + OfWhole(numbers) +
                               device_.rasterizer->BytesPerGaussian(instances_per_gaussian_) +
                               double(subject_.BytesPerGaussian());
-  size_t held = 0;
-  for (const MemoryPart& part : Memory())
-    if (part.of == MemoryOf::kGaussians) held += part.bytes;
-  const double most = (double(held) + kUsableMemory * FreeMemory()) / (kGrowth * per_gaussian);
+  const double held = double(SumOf(Memory(), MemoryOf::kGaussians));
+  const double most = (held + kUsableMemory * FreeMemory()) / (kGrowth * per_gaussian);
   return Smallest(uint32_t(std::min(most, double(UINT32_MAX))), *device_.ranks);
 }
 
