@@ -23,9 +23,8 @@ G_END_DECLS
 GST_DEBUG_CATEGORY_STATIC(cosplat_src_debug);
 #define GST_CAT_DEFAULT cosplat_src_debug
 
-namespace {
-
-struct State {
+// Not in the anonymous namespace, since GObject's macros give _CosplatSrc linkage.
+struct CosplatSrcState {
   SrcSettings settings;              // under the object lock
   SrcStats stats;                    // likewise
   std::unique_ptr<AvatarView> view;  // while started
@@ -34,13 +33,15 @@ struct State {
   bool ended = false;  // the drive will deliver no more frames
 };
 
+namespace {
+
 constexpr guint kStats = 100;  // a property number that no setting uses
 
 }  // namespace
 
 struct _CosplatSrc {
   GstPushSrc parent;
-  State* state;
+  CosplatSrcState* state;
 };
 
 G_DEFINE_FINAL_TYPE(CosplatSrc, cosplat_src, GST_TYPE_PUSH_SRC)
@@ -57,7 +58,7 @@ GstStaticPadTemplate pad_template =
                                             "interlace-mode = progressive, "
                                             "pixel-aspect-ratio = 1/1, colorimetry = sRGB"));
 
-State& StateOf(gpointer object) { return *COSPLAT_SRC(object)->state; }
+CosplatSrcState& StateOf(gpointer object) { return *COSPLAT_SRC(object)->state; }
 
 // A copy, since any thread may set properties.
 SrcSettings SettingsOf(gpointer object) {
@@ -77,7 +78,7 @@ void SetProperty(GObject* object, guint property, const GValue* value, GParamSpe
 }
 
 void GetProperty(GObject* object, guint property, GValue* value, GParamSpec* spec) {
-  State& state = StateOf(object);
+  CosplatSrcState& state = StateOf(object);
   GST_OBJECT_LOCK(object);
   const bool known = GetSetting(state.settings, property, value);
   if (property == kStats) g_value_take_boxed(value, ToStructure(state.stats));
@@ -100,7 +101,7 @@ void PostError(gpointer src, const ViewError& error) {
 
 gboolean Start(GstBaseSrc* src) {
   const SrcSettings settings = SettingsOf(src);
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   try {
     state.view = std::make_unique<AvatarView>(settings.view);
   } catch (const ViewError& error) {
@@ -144,7 +145,7 @@ GstCaps* Fixate(GstBaseSrc* src, GstCaps* caps) {
 }
 
 gboolean SetCaps(GstBaseSrc* src, GstCaps* caps) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   if (!gst_video_info_from_caps(&state.info, caps)) return FALSE;
   state.clock.SetRate(state.info.fps_n, state.info.fps_d);
   gst_base_src_set_blocksize(src, guint(state.info.size));
@@ -155,7 +156,7 @@ gboolean SetCaps(GstBaseSrc* src, GstCaps* caps) {
 
 // Takes frames from a pool, downstream's if it has one, so that memory is reused.
 gboolean DecideAllocation(GstBaseSrc* src, GstQuery* query) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   GstBufferPool* pool = nullptr;
   guint size = guint(state.info.size), least = 0, most = 0;
   const bool offered = gst_query_get_n_allocation_pools(query) > 0;
@@ -181,7 +182,7 @@ gboolean DecideAllocation(GstBaseSrc* src, GstQuery* query) {
 // A live frame is rendered at its time and pushed when it is finished, at most one frame duration
 // later. The maximum latency is unlimited: frames that are not consumed are not rendered.
 gboolean Query(GstBaseSrc* src, GstQuery* query) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
     return GST_BASE_SRC_CLASS(cosplat_src_parent_class)->query(src, query);
   const bool live = SettingsOf(src).is_live;
@@ -189,7 +190,10 @@ gboolean Query(GstBaseSrc* src, GstQuery* query) {
   return TRUE;
 }
 
-void Draw(State& state, const SrcSettings& settings, GstClockTime now, GstVideoFrame& frame) {
+void Draw(CosplatSrcState& state,
+          const SrcSettings& settings,
+          GstClockTime now,
+          GstVideoFrame& frame) {
   const auto background = cosplat::hosts::ParseBackground(settings.background);
   if (!background)
     throw ViewError(
@@ -209,7 +213,7 @@ void Draw(State& state, const SrcSettings& settings, GstClockTime now, GstVideoF
 
 // Renders into the buffer's memory; returns false after posting an error.
 bool DrawInto(GstPushSrc* src, GstBuffer* buffer, GstClockTime now) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &state.info, buffer, GST_MAP_WRITE)) {
     GST_ELEMENT_ERROR(src, RESOURCE, WRITE, ("The frame's memory cannot be written"), (nullptr));
@@ -227,7 +231,7 @@ bool DrawInto(GstPushSrc* src, GstBuffer* buffer, GstClockTime now) {
 }
 
 void Count(GstPushSrc* src, const FrameTime& time) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   const cosplat_health health = state.view->Health();
   state.ended = health.drive_ended;
   GST_OBJECT_LOCK(src);
@@ -247,7 +251,7 @@ void Stamp(GstBuffer* buffer, const FrameTime& time) {
 }
 
 GstFlowReturn Fill(GstPushSrc* src, GstBuffer* buffer) {
-  State& state = StateOf(src);
+  CosplatSrcState& state = StateOf(src);
   const bool live = gst_base_src_is_live(GST_BASE_SRC(src));
   if (state.ended && !live) return GST_FLOW_EOS;
   FrameTime time = state.clock.Next();
@@ -263,7 +267,7 @@ GstFlowReturn Fill(GstPushSrc* src, GstBuffer* buffer) {
 }  // namespace
 
 static void cosplat_src_init(CosplatSrc* src) {
-  src->state = new State;
+  src->state = new CosplatSrcState;
   gst_video_info_init(&src->state->info);
   gst_base_src_set_format(GST_BASE_SRC(src), GST_FORMAT_TIME);
 }

@@ -99,7 +99,7 @@ class ScoreMatcher {
     if (found == by_name_.end()) return nullptr;
     ++named_;
     const DetectedFace* nearest = nullptr;
-    FaceBox box;
+    FaceBox box{};
     Pixel head{};
     for (const DetectedFace& face : found->second->faces) {
       if (face.blendshapes.empty()) continue;

@@ -38,10 +38,11 @@ StudyLine FromJson(const JsonField& json) {
   line.cpu = json["cpu"].String();
   const JsonField checkpoints = json["checkpoints"];
   for (size_t i = 0; i < checkpoints.size(); ++i) {
+    const JsonField checkpoint = checkpoints[i];
     StudyFigures figures;
-    for (const auto& [key, value] : checkpoints[i].raw().items())
-      figures[key] = checkpoints[i][key].Number();
-    checkpoints[i]["iterations"].Integer();
+    for (const auto& [key, value] : checkpoint.raw().items())
+      figures[key] = checkpoint[key].Number();
+    checkpoint["iterations"].Integer();
     line.checkpoints.push_back(std::move(figures));
   }
   if (line.checkpoints.empty()) throw Error(json.file(), checkpoints.path(), "has no entry");
