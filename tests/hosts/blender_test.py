@@ -29,7 +29,7 @@ def empty_scene():
     scene.render.resolution_x, scene.render.resolution_y = 96, 72
     scene.render.resolution_percentage, scene.render.dither_intensity = 100, 0
     scene.render.image_settings.file_format = "PNG"
-    scene.world.use_nodes, scene.world.color = False, (0, 0, 0)
+    scene.world = None  # black; later versions' world is grey
     return scene
 
 

@@ -30,8 +30,20 @@ class Help : public CLI::Formatter {
                         CLI::AppFormatMode mode) const override {
     ranges_ = mode != CLI::AppFormatMode::Normal;
     if (mode == CLI::AppFormatMode::Sub) return CLI::Formatter::make_help(app, name, mode);
-    return make_description(app) + make_usage(app, name) + make_positionals(app) +
+    return Lines(make_description(app)) + Lines(make_usage(app, name)) + make_positionals(app) +
            Groups(*app, mode) + make_subcommands(app, mode);
+  }
+
+  // Without folding descriptions, which later versions of CLI11 do.
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    std::string line = "  " + make_option_name(option, positional) + make_option_opts(option);
+    const std::string description = make_option_desc(option);
+    if (!description.empty()) {
+      if (line.size() >= get_column_width()) line += "\n" + std::string(get_column_width(), ' ');
+      line.resize(std::max(line.size(), get_column_width()), ' ');
+      line += description;
+    }
+    return line + "\n";
   }
 
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -55,6 +67,12 @@ class Help : public CLI::Formatter {
     }
     if (left > 0) text += "\n" + std::to_string(left) + " more options: --help-all\n";
     return text;
+  }
+
+  // Versions of CLI11 differ in the empty lines around a text; here there are none.
+  static std::string Lines(const std::string& text) {
+    const size_t first = text.find_first_not_of('\n'), last = text.find_last_not_of("\n ");
+    return first == std::string::npos ? "" : text.substr(first, last + 1 - first) + "\n";
   }
 
   // What it takes, and its default, without ranges.
@@ -117,8 +135,27 @@ void BeginGroup(CLI::App& command, const std::string& name) {
 std::shared_ptr<CLI::Formatter> MakeHelp() { return std::make_shared<Help>(); }
 
 std::string ConfigOf(const CLI::App& app, const CLI::App& command) {
-  return std::string(kSecondFormat) + "\n" +
-         app.get_config_formatter()->to_config(&command, true, true, command.get_name() + ".");
+  const std::string begin = command.get_name() + ".";
+  std::string all = app.get_config_formatter()->to_config(&command, true, true, begin);
+  all.resize(all.find_last_not_of('\n') + 1);
+  std::string text = std::string(kSecondFormat) + "\n";
+  // Later versions of CLI11 list options that are left open, too, and then refuse the empty value.
+  const auto is_open = [&](const std::string& paragraph) {
+    const size_t name = paragraph.rfind('\n' + begin), equals = paragraph.rfind("=\"\"");
+    if (name == paragraph.npos || equals == paragraph.npos || equals + 3 < paragraph.size())
+      return false;
+    const size_t first = name + 1 + begin.size();
+    const CLI::Option* option =
+        command.get_option_no_throw("--" + paragraph.substr(first, equals - first));
+    return option && option->empty();
+  };
+  for (size_t at = 0; at < all.size();) {
+    const size_t end = std::min(all.find("\n\n", at), all.size());
+    const std::string paragraph = all.substr(at, end - at);
+    if (!is_open(paragraph)) text += paragraph + "\n\n";
+    at = end + 2;
+  }
+  return text;
 }
 
 void AddConfig(CLI::App& app) {

@@ -201,7 +201,8 @@ void CheckAllDone() {
                 std::to_string(run.count) + " have ended");
 }
 
-void RunBlock(bool odd) {
+void PrepareBlock(bool odd) {
+  const UnseenWrites unseen;
   RenewMemory();
   run.shared_count = run.shared_used = 0;
   run.problem = nullptr;
@@ -210,6 +211,10 @@ void RunBlock(bool odd) {
   run.ready.resize(run.count);
   std::iota(run.ready.begin(), run.ready.end(), 0u);
   for (unsigned t = 0; t < run.count; ++t) Start(t, odd);
+}
+
+void RunBlock(bool odd) {
+  PrepareBlock(odd);
   Precede(&run.grid_begin);
   SwitchToNext(&run.scheduler);
   if (run.problem) std::rethrow_exception(run.problem);

@@ -17,6 +17,8 @@ void* __tsan_create_fiber(unsigned flags);
 void __tsan_switch_to_fiber(void* fiber, unsigned flags);
 void __tsan_acquire(void* at);
 void __tsan_release(void* at);
+void AnnotateIgnoreWritesBegin(const char* file, int line);
+void AnnotateIgnoreWritesEnd(const char* file, int line);
 }
 
 inline void* NewRaceContext() { return __tsan_create_fiber(0); }
@@ -25,6 +27,12 @@ inline void SwitchRaceContext(void* to) { __tsan_switch_to_fiber(to, /*no order*
 // All that the caller did is before what those do that `Follow` the same object later.
 inline void Precede(const void* object) { __tsan_release(const_cast<void*>(object)); }
 inline void Follow(const void* object) { __tsan_acquire(const_cast<void*>(object)); }
+// While one exists, the emulation writes to data of its own that nothing orders: it is not
+// instrumented, but may call functions that are (memset, templates of the standard library).
+struct UnseenWrites {
+  UnseenWrites() { AnnotateIgnoreWritesBegin(__FILE__, __LINE__); }
+  ~UnseenWrites() { AnnotateIgnoreWritesEnd(__FILE__, __LINE__); }
+};
 
 #else
 
@@ -35,6 +43,9 @@ inline void* CurrentRaceContext() { return nullptr; }
 inline void SwitchRaceContext(void*) {}
 inline void Precede(const void*) {}
 inline void Follow(const void*) {}
+struct UnseenWrites {
+  UnseenWrites() {}
+};
 
 #endif
 
