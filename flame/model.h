@@ -50,7 +50,7 @@ struct FlameModel {
   // The last two expression coefficients close the left and the right eyelid (flame/eyelids.h).
   bool has_eyelids = false;
 
-  // Of the file, without an added mouth.
+  // Vertices of the file, without an added mouth.
   int own_vertex_count() const { return vertex_count - mouth.count(); }
 };
 

@@ -89,7 +89,7 @@ TrackedVideo LoadDrivingSequence(const std::string& path, const FlameModel* flam
 void MoveHead(const FlameModel& flame, TrackedVideo& video);
 
 constexpr double kFaceSize = 0.14;  // metres
-// Of the head's root before the camera, metres.
+// Depth of the head's root before the camera, metres.
 double DepthOfHead(const TrackedFrame& frame);
 
 // How wide a face is in the frame's image, in px; at most as from a centimetre's distance.

@@ -19,7 +19,7 @@ constexpr LipRing kUpperLip = {
 constexpr LipRing kLowerLip = {
     1576, 1577, 1773, 1774, 1795, 1802, 1865, 3503, 2948, 2905, 2898, 2881, 2880, 2713, 2712};
 
-// Of a row: how far above and in front of the middle between the lips, in units of their distance.
+// How far a row is above and in front of the middle between the lips, in units of their distance.
 struct RowPlace {
   float up, forward;
 };

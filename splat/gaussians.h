@@ -52,7 +52,7 @@ struct Gaussians {
   // (SmoothScale in splat/math/gaussian.h), which is rendered and is not yet part of scale and
   // opacity. Empty: none.
   Buffer<float> smoothing;
-  // Of a scene: what kPosition is counted from, where its data is far from zero. Copies and files
+  // What kPosition of a scene is counted from, where its data is far from zero. Copies and files
   // keep it, training passes over it.
   WorldOrigin origin{};
   std::array<Buffer<float>, kAttributeCount> values;

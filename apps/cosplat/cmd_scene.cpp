@@ -37,7 +37,7 @@ struct SceneCommand : SceneTrainOptions {
   int frames = 100, max_size = 1600;
   bool cameras_only = false;
 
-  // Of the folder of results, which TrainOptions calls `model`.
+  // Subfolders of the folder of results, which TrainOptions calls `model`.
   std::string Workspace() const { return model + "/colmap"; }
   std::string Data() const { return model + "/data"; }
 };

@@ -54,7 +54,7 @@ TrackedVideo LoadVideo(const TrackRunOptions& o, FlameModel& model) {
   return video;
 }
 
-// Of the frames in order: how many at the end are the test set; -1 if that is not where it is.
+// How many frames at the end are the test set; -1 if that is not where it is.
 int TestFramesAtEnd(const TrackedVideo& video) {
   if (video.test.empty()) return -1;
   int last = video.train.empty() ? -1 : video.train[0].timestep;

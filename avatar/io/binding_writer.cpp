@@ -11,7 +11,7 @@
 namespace cosplat {
 namespace {
 
-// Of a basis's numbers, as steps of 16 bits; below the least, they change nothing that is seen.
+// The numbers of a basis are steps of 16 bits; below the minimum they change nothing visible.
 constexpr float kMostSteps = 32767;
 constexpr float kLeastCorrection = 1e-9f;
 

@@ -25,7 +25,7 @@ class NameCounts {
 
   void Count(std::string_view name);
   bool empty() const { return counts_.empty(); }
-  // Of one name.
+  // How often one name came.
   uint64_t Of(std::string_view name) const;
   // The most frequent ones: "Joy (27), A (3), others (5)".
   std::string Text() const;

@@ -266,7 +266,7 @@ class VmcSource : public LiveSource {
   bool eye_bones_turned_ = false;
   uint64_t applied_ = 0;  // number of complete frames
   LiveCounts counts_;
-  // Of the packet that is being read: the last message dropped, or null, and why.
+  // The last message dropped from the packet that is being read, or null, and why.
   const OscMessage* bad_ = nullptr;
   std::string_view problem_;
   std::string name_;  // scratch

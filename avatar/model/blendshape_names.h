@@ -17,7 +17,7 @@ constexpr size_t kArkitBlendshapes = 52;
 // In the order in which Live Link Face writes them, which is also the row order of a matrix file.
 extern const std::array<std::string_view, kArkitBlendshapes> kArkitNames;
 
-// Of ASCII's letters.
+// Ignores the case of ASCII's letters.
 bool SameIgnoringCase(std::string_view a, std::string_view b);
 
 // Equal for all spellings of a name: "mouthSmileLeft", "MouthSmileLeft", "mouth_smile_left",
@@ -28,7 +28,7 @@ std::string NormalName(std::string_view name);
 // Finds the place of a name in a list, in any spelling.
 class BlendshapeIndex {
  public:
-  // Of names with equal normal names the first counts.
+  // The first of several names with equal normal names counts.
   template <class Names>
   explicit BlendshapeIndex(const Names& names) {
     int place = 0;

@@ -118,7 +118,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
       face_(parameters_.rest(), flame_, player_.avatar()) {
   player_.Place(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
-  // Of the head only, whose vertices come before those of the bust.
+  // The head alone, whose vertices come before those of the bust.
   head_place_ = PlaceOfHead({player_.VerticesOf(placed_).data(), 3 * size_t(flame_.vertex_count)},
                             rest_.pose[0]);
   for (int i = 0; i < flame_.expression_count; ++i)

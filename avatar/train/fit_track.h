@@ -39,7 +39,7 @@ class TrackFitter {
            const Image8& target,
            const std::array<float, 3>& background,
            const FitSettings& settings);
-  // Of the last fit.
+  // The result of the last fit.
   const AvatarPoser::Parameters& parameters() const { return frame_.params; }
   const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
   const RenderedImage& image() const { return image_; }             // over the background

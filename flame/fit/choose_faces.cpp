@@ -6,7 +6,7 @@
 namespace cosplat {
 namespace {
 
-// Of one face in neighbouring frames, in units of its size: the furthest that it moves, and the
+// The furthest that one face moves between neighbouring frames, in units of its size, and the
 // largest ratio of its sizes. What exceeds them is a cut, or another face.
 constexpr double kMaxStep = 0.5, kMaxGrowth = 1.5;
 // Frames without a face after which the same face need not be found again.

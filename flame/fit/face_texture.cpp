@@ -16,8 +16,8 @@ constexpr int kSamples = 2000;
 constexpr int kHoldOutEvery = 4;
 // A point is visible where its normal is less than some 70 degrees from the viewer.
 constexpr double kMinFacing = 0.3;
-// Of brightness, besides how much a point's varies over the video: noise, and what interpolation
-// makes of fine detail. 8-bit levels.
+// Deviation of brightness beside a point's own variation over the video, in 8-bit levels: noise,
+// and what interpolation makes of fine detail.
 constexpr double kNoise = 4;
 // Neighbouring points' errors are alike, so that each counts less than one on its own.
 constexpr double kIndependence = 0.5;

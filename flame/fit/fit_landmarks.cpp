@@ -35,9 +35,9 @@ using internal::Silhouette;
 constexpr double kFree = std::numeric_limits<double>::infinity();
 // The noise of a landmark, as a fraction of the face's size: about a pixel for a face of 250.
 constexpr double kLandmarkSigma = 0.004;
-// Of the shape's coefficients about the mean head. Far below FLAME's unit variance, since errors of
-// the landmarks that are alike in all frames would go into the shape. Freer if mattes' rims measure
-// it, too.
+// Deviation of the shape's coefficients about the mean head. Far below FLAME's unit variance, since
+// errors of the landmarks that are alike in all frames would go into the shape. Freer if mattes'
+// rims measure it, too.
 constexpr double kShapeSigma = 0.035, kRimShapeSigma = 0.1;
 // A camera's focal length before anything is known: a lens of 45 mm on a full frame, and its
 // standard deviation as an exponent. Only a head that turns says more.

@@ -39,11 +39,11 @@ bool LandmarkCost::Evaluate(const double* const* parameters,
     const double factor = RobustFactor(r[0] * r[0] + r[1] * r[1], d_factor);
     for (size_t i = 0; i < 2; ++i) residuals[2 * p + i] = factor * r[i];
     if (!jacobians) continue;
-    // Of r with respect to the point and the focal length.
+    // Derivatives of r with respect to the point and the focal length.
     const std::array<double, 3> d_point[2] = {{k * scale, 0, k * scale * x / -z},
                                               {0, -k * scale, -k * scale * y / -z}};
     const double d_focal[2] = {k * scale * x, -k * scale * y};
-    // Of the residuals with respect to r.
+    // Derivatives of the residuals with respect to r.
     double d_robust[2][2];
     for (size_t i = 0; i < 2; ++i)
       for (size_t j = 0; j < 2; ++j)

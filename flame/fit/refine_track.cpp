@@ -22,7 +22,7 @@ using internal::FrameView;
 // FLAME's coefficients.
 constexpr double kGivenTranslation = 0.01, kGivenHead = 0.05, kGivenJawAndEyes = 0.1,
                  kGivenExpression = 0.5;
-// Of a head: the height of the part that is compared.
+// Height of the part of a head that is compared.
 constexpr double kHeadReach = 0.22;  // metres
 
 class TrackRefiner {

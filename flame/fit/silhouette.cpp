@@ -91,7 +91,7 @@ class Coverage {
 
 }  // namespace
 
-// Of the vertices: places in the image, x right and y down, and normals in the camera's axes.
+// The vertices' places in the image, x right and y down, and normals in the camera's axes.
 struct Silhouette::Posed {
   std::vector<Eigen::Vector2d> image;
   std::vector<Eigen::Vector3d> normal;

@@ -54,7 +54,7 @@ Camera DrivingCamera(const Npz& npz) {
   return lens;
 }
 
-// Of CAP4D, then of GaussianAvatars. CAP4D's eyes rotate alike.
+// The vectors of CAP4D, then of GaussianAvatars. CAP4D's eyes rotate alike.
 struct DrivingVectors {
   const char* name;
   size_t width;  // 3 per target, or 3 for all of them

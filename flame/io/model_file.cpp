@@ -185,7 +185,7 @@ void ReadParents(const ModelArrays& arrays, FlameModel& model) {
   }
 }
 
-// Of the template's triangles.
+// Sum over the template's triangles.
 double TotalArea(const FlameModel& model) {
   double total = 0;
   for (const auto& face : model.faces) {

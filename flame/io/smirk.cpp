@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 // or nearer: 0.2 px at 200 px.
 constexpr double kDistance = 100;
 constexpr double kDefaultCropSide = 224;
-// Of a crop's rotation or shear, relative to its scale: rounding.
+// Rounding of a crop's rotation or shear, relative to its scale.
 constexpr double kCropTolerance = 1e-4;
 constexpr float kMaxTranslation = 1000;  // metres
 

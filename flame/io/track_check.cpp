@@ -99,8 +99,8 @@ std::vector<float> Posed(const FlamePoser<float>& poser,
   return vertices;
 }
 
-// Of each part of the video the frame whose head has moved most since the frame before: motion
-// shows what does not agree.
+// From each part of the video the frame whose head has moved most since the frame before, since
+// motion shows what does not agree.
 std::vector<SeenFrame> LookAt(const FlameModel& flame, const TrackedVideo& video) {
   std::vector<const TrackedFrame*> frames = InstantsOf(video);
   std::erase_if(frames, [](const TrackedFrame* frame) { return !frame->has_image; });

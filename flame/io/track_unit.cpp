@@ -12,7 +12,7 @@ namespace {
 // The face's width as a share of the image's shorter side. Less is too little to track, more is
 // seen from within the head.
 constexpr double kLeastShare = 0.015, kMostShare = 20;
-// Of a face that fills a video of a head.
+// The share of the width that a face takes which fills a video of a head, and its limits.
 constexpr double kUsualShare = 0.3, kLeastUsual = 0.05, kMostUsual = 1.5;
 // Metres: of a head from the origin without a camera that would tell, and of hair from the head.
 constexpr double kMostPlace = 20, kMostOffset = 0.5;

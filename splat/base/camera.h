@@ -9,7 +9,7 @@
 namespace cosplat {
 
 // Smallest depth that is drawn, world units (gsplat; 3DGS has 0.2, too far for a head in metres).
-// Of scenes in small units it is as many SmallUnits (splat/base/world_frame.h).
+// In scenes of small units it is as many SmallUnits (splat/base/world_frame.h).
 constexpr float kNearPlane = 0.01f;
 
 struct Camera {

@@ -92,7 +92,7 @@ PoseProblem RowsOfPose(const std::vector<double>& numbers,
   std::copy_n(numbers.begin(), 12, matrix.begin());
   if (numbers.size() == 12) return "";
   constexpr double kRounding = 1e-4;
-  // Of the last row for step 1, of the last column for step 4.
+  // Step 1: the last row, step 4: the last column.
   const auto is_last = [&](size_t first, size_t step) {
     for (size_t i = 0; i < 4; ++i)
       if (!(std::abs(numbers[first + step * i] - (i == 3 ? 1 : 0)) <= kRounding)) return false;

@@ -51,7 +51,7 @@ class StateArchive {
     }
     Bytes(name, elements.data(), count * sizeof(T));
   }
-  // Of any number of elements, up to `most`.
+  // An array of any number of elements, up to `most`.
   template <class Container>
   void ArrayUpTo(const std::string& name, Container& elements, size_t most) {
     uint64_t count = elements.size();

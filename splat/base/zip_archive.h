@@ -18,8 +18,8 @@ namespace cosplat {
 // What libzip says of an error code of zip_open.
 std::string ReasonOfZipError(int code);
 
-// Of all members together, uncompressed: far more than a model or a track has, so that a small file
-// that inflates without end is refused before it is read.
+// Limit of all members together, uncompressed: far more than a model or a track has, so that a
+// small file that inflates without end is refused before it is read.
 constexpr uint64_t kMaxArchiveBytes = uint64_t(1) << 31;
 inline Error TooMuchUnpacked(const std::string& path, const std::string& member) {
   return Error(path, member, "and the members before it have more than 2 GiB when unpacked");

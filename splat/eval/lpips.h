@@ -40,7 +40,7 @@ class Lpips : public ImageDistance {
  private:
   Lpips(const std::string& folder, const std::string& net);
   std::vector<float> ToPlanes(const Image8& image) const;
-  // Of planes in [-1, 1]; keeps: what the gradient with respect to `a` needs.
+  // Compares planes in [-1, 1]; `keeps` what the gradient with respect to `a` needs.
   double Run(
       const std::vector<float>& a, const std::vector<float>& b, int width, int height, bool keeps);
 

@@ -47,7 +47,8 @@ struct GlbMesh {
   std::string name;
   std::vector<GlbPrimitive> primitives;
   Json extras;  // null: none
-  // Of its node, in doubles as JSON has them. Read from a node that has no other transform.
+  // Translation of its node, in doubles as JSON has them. Read from a node that has no other
+  // transform.
   std::array<double, 3> translation{};
 };
 

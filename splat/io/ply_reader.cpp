@@ -37,7 +37,7 @@ std::string WithoutPrefixes(std::string name) {
   return name;
 }
 
-// Of a name in the header, and of what a message quotes: a line may have thousands of characters.
+// Longest name in the header, and longest quotation: a line may have thousands of characters.
 constexpr size_t kLongestName = 80;
 std::string PlyQuote(const std::string& text) {
   return "'" + (text.size() > kLongestName ? text.substr(0, kLongestName) + "..." : text) + "'";

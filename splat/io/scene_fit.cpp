@@ -246,7 +246,7 @@ Middle MiddleOf(const std::vector<LookedAt>& looked) {
   return middle;
 }
 
-// Of a lattice about where the cameras look: the share of the points that lie in the silhouettes of
+// The share of a lattice's points, about where the cameras look, that lie in the silhouettes of
 // all images, the image of `looked[i]` being that of `looked[(i + shift) % n]`.
 double HullShare(const std::vector<LookedAt>& looked,
                  const Middle& middle,

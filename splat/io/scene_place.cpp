@@ -20,7 +20,7 @@ WorldOrigin ChooseOrigin(SceneData& scene) {
     centers.insert(centers.end(), view.center.begin(), view.center.end());
   });
   const Middle cameras = MiddleOf(centers);
-  // Of photographs from one side the points are farther apart than the cameras.
+  // The points of photographs from one side are farther apart than the cameras.
   return OriginNear(cameras.center, std::max(cameras.spread, MiddleOf(scene.read_points).spread));
 }
 

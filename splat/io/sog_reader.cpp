@@ -40,7 +40,7 @@ class SogFiles {
     }
   }
   const std::string& path() const { return path_; }
-  // Of all files together, as they are stored.
+  // Bytes of all files together, as they are stored.
   uint64_t StoredBytes(const std::vector<std::string>& names) const {
     if (zip_) return fs::file_size(path_);
     uint64_t bytes = 0;

@@ -27,7 +27,7 @@ constexpr double kLowestScaleLog = -10;  // of byte 0
 // deflate to little. On garden (docs/files.md) Niantic's 5 and 4 lose 0.31 dB at 5.9 MB, these 0.07
 // dB at 7.2 MB, 8 and 8 nothing at 11.1 MB.
 constexpr int kBitsOfBand1 = 6, kBitsOfHigherBands = 5;
-// Of the flags. The last, which SPZ leaves unused, says that the low-pass filter is ours.
+// Bits of the flags. The last, which SPZ leaves unused, says that the low-pass filter is ours.
 constexpr uint8_t kSpzAntialiased = 1, kSpzExtensions = 2, kSpzOurLowPass = 1 << 7;
 constexpr int kSpzHeader = 16, kHeaderOfVersion4 = 32;
 

@@ -28,7 +28,7 @@ class LevelRenderer {
   // next call. Throws Error if the file of the levels is damaged.
   const Gaussians& Select(const Camera& camera, const LevelLimits& limits);
 
-  // Of the last image: Gaussians drawn, and those among them that had to be copied.
+  // Gaussians drawn in the last image, and those among them that had to be copied.
   size_t drawn() const { return drawn_; }
   size_t copied() const { return copied_; }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr char kLevelsMagic[8] = {'C', 'O', 'S', 'P', 'L', 'O', 'D', '\n'};
 constexpr uint32_t kLevelsFormat = 1;
 constexpr uint64_t kAlignment = 64;
-// Of LevelsHeader::antialiased, which is 0 without.
+// Values of LevelsHeader::antialiased, which is 0 without.
 constexpr uint32_t kOurLowPass = 1, kOthersLowPass = 2;
 
 struct LevelsHeader {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kOrientation = 0x0112, kExifFolder = 0x8769, kFocalLength = 0x920a;
 constexpr uint32_t kExtraSamples = 0x0152;
-// Of raw files (TIFF/EP, DNG): what the first image is, where the others are, and DNG's version.
+// Tags of raw files (TIFF/EP, DNG): what the first image is, where the others are, DNG's version.
 constexpr uint32_t kSubfileType = 0x00fe, kSubfolders = 0x014a, kDngVersion = 0xc612;
 
 // The TIFF structure that EXIF consists of: folders of 12-byte entries, in either byte order. What

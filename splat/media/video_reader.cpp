@@ -99,7 +99,7 @@ struct VideoReader::Impl {
   double read_until = 0;  // seconds, over all tracks
   int next = 0;           // index of the frame that ReadFrame() decodes next
 
-  // Of all frames, as the first pass found them.
+  // What the first pass found in all frames.
   int count = 0;
   double frames_per_second = 0;
   Orientation orientation;

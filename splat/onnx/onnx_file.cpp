@@ -274,7 +274,7 @@ class Reader {
   std::map<std::string, int> values_;
 };
 
-// Of one axis; 0 or less: nothing is left.
+// The size of one axis after the layer; 0 or less: nothing is left.
 int SizeAfter(const OnnxLayer& layer, int k, int size) {
   const int room = size + layer.pad_begin[k] + layer.pad_end[k] - ReachOf(layer, k);
   if (room < 0) return 0;

@@ -10,7 +10,7 @@
 
 namespace cosplat {
 
-// Of kernels; {y, x}.
+// Sizes and steps of kernels, {y, x}.
 using OnnxPair = std::array<int, 2>;
 
 // A value is an array [1, channels, height, width]. Value 0 is the image, value i + 1 the result of

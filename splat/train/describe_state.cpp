@@ -94,7 +94,7 @@ void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards
   };
   const Divided<uint32_t> updated{a, shards, "adam.updated", count, 1, kGaussianGroup, true, check};
   updated.Describe(adam.updated);
-  // Of all ranks; the first goes on counting.
+  // The sum over all ranks; the first goes on counting.
   uint64_t ignored = a.reads() ? 0 : shards.SumOver(adam.ignored[0]);
   a.Value("adam.ignored", ignored);
   if (a.reads()) adam.ignored.assign(1, shards.share().rank == 0 ? uint32_t(ignored) : 0);
@@ -135,7 +135,7 @@ void Describe(
         array.Describe(own);
       },
       s.statistics);
-  // Of as many frames as the run's settings have it.
+  // As many frames as the run's settings say.
   Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }
 

@@ -25,7 +25,7 @@ void Describe(StateArchive& archive,
               Shards& shards,
               uint64_t& gaussians,
               TrainingState& state);
-// Of so many frames, or none; in host memory.
+// For so many frames, or none; in host memory.
 void Describe(StateArchive& archive, size_t frames, ExposureState& exposures);
 
 }  // namespace cosplat

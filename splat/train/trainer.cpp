@@ -290,7 +290,7 @@ void Trainer::UpdateSmoothing() {
   if (settings_.antialiasing && subject_.is_static()) engine_->UpdateSmoothing();
 }
 
-// Of the step that begins with this iteration.
+// The plan of the step that begins with this iteration.
 StepPlan Trainer::PlanOf(int iteration, size_t frame) {
   return {iteration,
           frame,

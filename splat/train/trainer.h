@@ -63,12 +63,13 @@ class Trainer {
   const TrainingState& state() const;
   int iteration() const { return state_.iteration; }
   size_t count() const { return engine_->count(); }
-  // Of all frames, with TrainSettings::exposure: those of an earlier training.
+  // Goes on with the exposures of all frames that an earlier training found
+  // (TrainSettings::exposure).
   void SetExposures(ExposureState exposures);
   // Excludes these frames from training (an empty list restores all) and begins a new pass. Used to
   // make choices during the run (splat/train/budget.h).
   void HoldOut(std::vector<uint32_t> frames);
-  // Of one rank only, as Save and Restore: mean PSNR of these frames with the current Gaussians,
+  // For one rank only, as Save and Restore. Mean PSNR of these frames with the current Gaussians,
   // over the background of training (mid-grey if that is random), with images clamped to [0, 1].
   double PsnrOf(View<const uint32_t> frames);
   // The first step that is followed by a round of pruning; 0 if there is none.

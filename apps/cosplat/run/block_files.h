@@ -39,7 +39,7 @@ struct RoundCost {
   RoundCost& operator+=(const RoundCost& other);
 };
 
-// Of a block in a view.
+// What an image shows of a block in a view.
 enum class LayerKind { kOwn, kFront, kBehind, kTarget, kIgnored };
 
 // What a block's last round came to.

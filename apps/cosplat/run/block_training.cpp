@@ -180,7 +180,7 @@ class BlockTraining {
     s.schedule.num_downscales = 0;                     // layers are of the full size
     return s;
   }
-  // Of this group: before it trains block b in a round.
+  // Steps of this group before it trains block b in a round.
   int StepsBefore(uint32_t round, size_t b) const {
     int steps = 0;
     for (uint32_t r = 1; r <= std::min(round, kBlockRounds); ++r)

@@ -29,7 +29,7 @@ namespace cosplat {
 struct BlockHooks {
   Lpips* lpips = nullptr;  // measures the held-out images; null: none
   std::function<void(const ExposureState&)> save_exposures;  // empty: none are trained
-  // Of the whole scene; empty: nothing held out.
+  // Evaluates the whole scene; empty: nothing held out.
   std::function<void(const Gaussians&)> evaluate;
 };
 

@@ -15,23 +15,23 @@ namespace {
 // (docs/performance.md, *Memory*), and a pixel in work takes 28 bytes of rendering, 12 of exposure
 // and 15 of evaluation.
 constexpr size_t kBesideParameters = 350;
-// Of which, by their sizes, 14 are statistics and counters: the rest is room.
+// 14 of these bytes are statistics and counters, by their sizes; the rest is room.
 constexpr size_t kBesideCopies = 50;
 constexpr size_t kPerPixel = 56;
 // Two layers, the target and the mask of two frames; floats while layers are put together, and of
 // what is shown.
 constexpr size_t kPerLayerPixel = 64;
-// Of a Gaussian that is only rendered, as all are at once in the images of evaluation and, of
-// blocks, all that a view shows between rounds.
+// Bytes of a Gaussian that is only rendered: all are at once in the images of evaluation, and
+// between rounds all Gaussians of blocks that a view shows.
 constexpr size_t kDrawn = 180;
 constexpr size_t kProgram = size_t(160) << 20;
 constexpr double kPhotographShare = 0.25;
 constexpr double kGb = 1e9;
 
-// Of parameters, which there are four times in a step: with gradients, of one view or summed, and
-// two moments. Six times, without gradients and what drawing takes, while a copy is made in the
-// middle of a run, which has moments of its own (StepEngine::CaughtUp), and while a checkpoint is
-// read, beside the bytes of its file. Several ranks take less.
+// Parameters are there four times in a step: with gradients (of one view or summed) and two
+// moments. They are there six times, without gradients and what drawing takes, while a copy is made
+// in the middle of a run, which has moments of its own (StepEngine::CaughtUp), and while a
+// checkpoint is read, beside the bytes of its file. Several ranks take less.
 size_t BytesPerGaussian(const SceneTrainOptions& o) {
   Gaussians one;
   one.degree = o.sh_degree;

@@ -22,15 +22,15 @@ struct TestSummary {
   double psnr = 0, ssim = 0;          // of 0 views: not figures
   std::optional<double> psnr_mask, psnr_head, psnr_mouth;
   std::map<std::string, double> lpips;  // by network
-  // Of images other than the run's own, ours_N_NAME: splats given to `render`, fitted frames. As
-  // text.
+  // Results of images other than the run's own, ours_N_NAME (splats given to `render`, fitted
+  // frames), as text.
   std::map<std::string, std::string> others;
   std::vector<std::string> dropped;  // earlier measurements that were discarded, one line each
 };
 
 using Regions = std::map<std::string, Rectangle>;
 
-// Of a posed avatar in an image: "mouth", a box around it, and "head", all that is above the chin.
+// Regions of a posed avatar in an image: "mouth", a box around it, and "head", above the chin.
 Regions RegionsOf(const std::vector<float>& vertices,
                   const AvatarModel& avatar,
                   const MeshTopology& topology,

@@ -38,7 +38,7 @@ struct SceneBlocks {
 // Error if there are not as many different places.
 SceneBlocks SplitByPlace(View<const float> points, size_t blocks);
 
-// Of `count` blocks. Reading throws Error if the planes are not a tree.
+// For `count` blocks. Reading throws Error if the planes are not a tree.
 void Describe(StateArchive& archive, size_t count, SceneBlocks& blocks);
 
 }  // namespace cosplat

@@ -12,7 +12,7 @@ struct Range {
   int begin, end;
 };
 
-// Of columns and rows that show something.
+// The ranges of columns and rows that show something.
 std::array<Range, 2> Shown(const Image8& image) {
   if (image.channels != 4) return {Range{0, image.width}, Range{0, image.height}};
   Range x{image.width, 0}, y{image.height, 0};

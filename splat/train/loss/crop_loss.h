@@ -19,7 +19,8 @@ class ImageDistance {
   virtual ~ImageDistance() = default;
   // Minimum width and height of the images, px.
   virtual int least_side() const = 0;
-  // Of planes [3, height, width] in [0, 1] (a rendering may exceed 1); d_rendered has their shape.
+  // Compares planes [3, height, width] in [0, 1] (a rendering may exceed 1); d_rendered has their
+  // shape.
   // Bit-identical for any number of threads. Throws Error if either is not finite.
   virtual double Evaluate(View<const float> rendered,
                           View<const float> target,

@@ -13,7 +13,7 @@ namespace cosplat {
 
 struct FrameLayers;
 
-// Of the frame that is drawn, in a stream's memory.
+// The frame that is drawn, in a stream's memory.
 struct StageFrame {
   TargetView target;
   std::array<float, 3> background;

@@ -34,10 +34,10 @@ struct ExposureState {
     visit("updates", size_t(1), of.updates...);
   }
 
-  // Of these frames, in host memory as what follows.
+  // The state of these frames, in host memory as what follows.
   ExposureState Of(const std::vector<uint32_t>& frames) const;
-  // Of frames that several trainings had a part of: each is set to the mean of what those that
-  // trained it have found, by frames[part]; a part may have found nothing. A frame of none stays.
+  // Sets each frame to the mean of what the trainings that had it have found, by frames[part]; a
+  // part may have found nothing. A frame of no training stays.
   void SetToMeans(const std::vector<std::vector<uint32_t>>& frames,
                   const std::vector<ExposureState>& found);
 };

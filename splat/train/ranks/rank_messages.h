@@ -17,7 +17,7 @@ class RankMessages {
   void Exchange(const std::vector<Message>& to, Stream& stream);
   // The same, with one message for all others.
   void ExchangeWithAll(const Message& message, Stream& stream);
-  // Of the last exchange, in the stream's memory; the own one is empty.
+  // The message received in the last exchange, in the stream's memory; the own one is empty.
   const Message& From(size_t rank) const { return from_[rank]; }
 
   void Release(Stream& stream);

@@ -36,7 +36,7 @@ class Ranks {
   // Those that call this with the same number, in the same order. All ranks call it.
   virtual std::shared_ptr<Ranks> Part(size_t part) = 0;
 
-  // Of this rank so far: the contents of its messages, and seconds in Exchange, waiting included.
+  // What this rank has sent so far, and its seconds in Exchange, waiting included.
   virtual uint64_t bytes_sent() const = 0;
   virtual double seconds() const = 0;
 };

@@ -100,7 +100,7 @@ View<const uint32_t> Shards::GroupsOf(const RowShare& share,
 }
 
 void Shards::Assemble(const RowArrays& own, const RowArrays& all, size_t count, Stream& stream) {
-  // Of all ranks together.
+  // Blocks of all ranks together.
   const size_t blocks = kRowsPerExchange / kRowsPerBlock / share_.ranks;
   const size_t part = std::max(blocks, size_t(1)) * kRowsPerBlock;
   const auto rows_from = [&](const RowShare& share, size_t place) {

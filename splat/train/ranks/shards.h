@@ -64,7 +64,7 @@ class Shards {
 
   // own: [own rows] -> all: [count], on all ranks.
   void Assemble(const RowArrays& own, const RowArrays& all, size_t count, Stream& stream);
-  // Of Gaussians that `order` reorders. Throws Error as CheckAlike does.
+  // Gathers the arrays of Gaussians by `order`. Throws Error as CheckAlike does.
   void Gather(const Reordering& order, const std::vector<HandedOver>& arrays, Stream& stream);
   // In host memory: the rows of all, on one rank or all of them; elsewhere none.
   template <class T>
@@ -99,7 +99,7 @@ class Shards {
   // For the blocks of a rank in a stretch: copy(entry of the stretch, entry of the rank, entries).
   template <class Copy>
   static void ForEachBlock(const RowShare& share, const Stretch& rows, const Copy& copy);
-  // Of all groups, those of so many rows of a rank's own from this one on.
+  // The groups of `rows` of a rank's own rows from `place` on.
   View<const uint32_t> GroupsOf(const RowShare& share, size_t place, size_t rows, Stream& stream);
 
   Ranks& ranks_;

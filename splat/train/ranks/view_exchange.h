@@ -61,7 +61,7 @@ class ViewExchange {
   size_t held() const;
 
  private:
-  // Of own groups, those with a visible Gaussian.
+  // The own groups that have a visible Gaussian.
   std::vector<uint32_t> DrawnGroups(View<const float> radii);
   void Receive(RenderTape& tape);
   void ReturnPart(size_t view, size_t first, size_t count, const std::function<void(const Part&)>&);
@@ -81,7 +81,7 @@ class ViewExchange {
   std::vector<Message> splats_, gradients_;
   // By the rank that they come from: their places among the groups of the tape.
   std::vector<Buffer<uint32_t>> places_;
-  // Of own Gaussians: all or, when gradients are returned, a part.
+  // All own Gaussians or, when gradients are returned, a part of them.
   Buffer<ProjectedSplat> projected_;
   Buffer<float> radii_;
   Buffer<SplatGradient> d_splats_;

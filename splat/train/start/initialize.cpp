@@ -34,7 +34,7 @@ struct PointCloud {
 using Tree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud, 3>;
 
-// Of distances in the unit of Synthetic-NeRF scenes, whose cameras are 4 from their middle: 1.
+// 1 for distances in the unit of Synthetic-NeRF scenes, whose cameras are 4 from their middle.
 float UnitOf(float distance) {
   constexpr float kMost = 100;
   if (distance >= 1 && distance < kMost) return 1;

@@ -121,7 +121,7 @@ size_t StepEngine::MostThatFit() {
   if (on_host()) return size_t(-1);
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(state_.now().gaussians.width(a));
-  // Of the rank's share parameters, gradients (of one view or summed) and moments.
+  // Parameters, gradients (of one view or summed) and moments of the rank's share.
   const double ranks = double(shards().share().ranks), copies = FitsInOnePart() ? 5 : 4;
   const double per_gaussian = copies * sizeof(float) * double(numbers) / ranks + kBesideParameters +
                               (shards().divides() ? kOfOtherRanks : 0) + OfWhole(numbers) +

@@ -38,7 +38,7 @@ void FrameLoss::Evaluate(const float* exposure, const RenderedImage& image, Subm
                          plan.render.background,
                          exposure,
                          &targets_.LayersOf(plan.frame, plan.downscale)};
-  // Of each stage that changes the image, with what it was given; a step allocates nothing.
+  // The stages that change the image, with what each was given; a step allocates nothing.
   std::array<std::pair<ImageStage*, const Buffer<float>*>, 2> done;
   size_t count = 0;
   const Buffer<float>* compared = &image.color;

@@ -8,7 +8,7 @@
 
 namespace cosplat {
 
-// Of one view, for a part of the Gaussians, in the stream's memory.
+// Gradients of one view for a part of the Gaussians, in the stream's memory.
 struct ViewGradients {
   Gaussians& gradients;       // valid in groups (kGaussianGroup) with a visible Gaussian
   View<const float> screen;   // [part, 2] as in WorldGradients

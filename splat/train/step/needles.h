@@ -30,7 +30,7 @@ class NeedleRegularizer {
   size_t held() const { return HeldBy(updated_); }  // bytes
 
  private:
-  // Of all ranks, as SumInTree gives them.
+  // The sums of all ranks, as SumInTree gives them.
   View<const NeedleSum> Sum(const NeedleLengths& own, size_t count, Shards& shards);
 
   const ScaleRegularizer& settings_;

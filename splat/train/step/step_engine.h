@@ -72,9 +72,9 @@ class StepEngine : public FrameImages {
   // Executes one step. Returns its loss or, if that would mean waiting for a device, the loss of
   // the previous step. Throws Error if one is not finite.
   //
-  // Of several views (settings.batch), the mean of their losses, complete when it returns: the
-  // plans differ in frame and background alone, every rank is given the same ones, and draws its
-  // own. Throws Error, on all ranks, if a loss is not finite.
+  // The mean loss of several views (settings.batch), complete when it returns. Their plans differ
+  // in frame and background alone; every rank is given the same ones and draws its own. Throws
+  // Error, on all ranks, if a loss is not finite.
   double Step(std::span<StepPlan> views);
   // Lets the subject change the Gaussians after a step and its density control.
   void AfterStep(int iteration);
@@ -138,7 +138,7 @@ class StepEngine : public FrameImages {
   Population Everyone();
   void ReleaseScratch();
   void StoreMask();
-  // Of steps of several views: whether all own gradients are one part (kRowsPerPart), whose memory
+  // Whether all own gradients in steps of several views are one part (kRowsPerPart), whose memory
   // grows with the Gaussians.
   bool FitsInOnePart() const;
   double OfWhole(size_t numbers) const;

@@ -28,8 +28,8 @@ struct SubmittedStep {
         of_mask(stream),
         of_needles(stream),
         done(stream.MakeMoment()) {}
-  // Of a step that is done; terms that the step does not have are 0. Throws Error if it is not
-  // finite.
+  // The loss of a step that is done; terms that the step does not have are 0. Throws Error if it
+  // is not finite.
   double Loss() const;
 
   StepPlan plan;

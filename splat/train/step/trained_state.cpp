@@ -43,7 +43,7 @@ StateView TrainedState::Read(Where where, Extent extent) {
   return {state.gaussians, state.statistics};
 }
 
-// Of one rank into the state's own copy, which stays out of date.
+// One rank's geometry goes into the state's own copy, which stays out of date.
 StateView TrainedState::GeometryOnHost() {
   const bool divides = shards_.divides();
   const Gaussians& from = divides ? all_.gaussians() : now_->gaussians;

@@ -23,8 +23,8 @@ struct TrainFrame {
   Image8 target;  // RGB or straight-alpha RGBA, of the camera's size
   // Empty, or one channel of that size: not 0 where the target is to be ignored.
   Image8 ignored = {};
-  // Of a frame that is not kept in memory, whose images are empty: reads them (frame_reader.h).
-  // Throws Error.
+  // Reads the images of a frame that is not kept in memory, which are empty here
+  // (frame_reader.h). Throws Error.
   std::function<TrainFrame()> read = {};
   // What else is to be seen besides the Gaussians that are trained; not in reduced copies.
   FrameLayers layers = {};
@@ -47,7 +47,7 @@ class Subject : public Placement {
   virtual const Camera& camera(size_t i) const { return frame(i).camera; }
   // That `frame(i)` will be called soon.
   virtual void Expect(size_t i) { (void)i; }
-  // Of reduced copies of the frames' images, those that are kept take no more bytes than this.
+  // Maximum bytes of the reduced copies of images that are kept.
   virtual size_t most_reduced_bytes() const { return size_t(-1); }
   // World units per unit of position learning rate: the scene's extent, or 1.
   virtual float extent() const = 0;

@@ -115,7 +115,7 @@ struct AddGroup {
   }
 };
 
-// Of the same groups.
+// Marks the groups that a view shows.
 struct MarkSeen {
   View<const float> radii;
   size_t first;
@@ -125,7 +125,7 @@ struct MarkSeen {
   }
 };
 
-// Of a group that no view shows.
+// Clears the sums of a group that no view shows.
 struct ZeroUnseenGroup {
   RowArrays sums;
   size_t gaussians;

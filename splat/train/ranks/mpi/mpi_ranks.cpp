@@ -128,7 +128,7 @@ class MpiRanks : public Ranks {
     return requests.emplace_back(MPI_REQUEST_NULL);
   }
 
-  // Of the first ranks.
+  // Counts among the first ranks.
   size_t CountOfThisMachine(size_t first) const {
     const auto here = [&](const Place& place) { return place.host == places_[rank_].host; };
     return size_t(std::count_if(places_.begin(), places_.begin() + ptrdiff_t(first), here));
