@@ -54,15 +54,15 @@ bool Meets(const Vector& to, const std::array<Vector, 3>& t) {
 class Eye {
  public:
   Eye(const FlameModel& model, int joint) : model_(model), joint_(joint) {
-    Vector least{1e9, 1e9, 1e9}, most{-1e9, -1e9, -1e9};
+    Vector min{1e9, 1e9, 1e9}, max{-1e9, -1e9, -1e9};
     for (int v = 0; v < model.vertex_count; ++v) {
       if (!IsEyeball(v)) continue;
       const Vector p = PointOf(v);
-      least = {std::min(least.x, p.x), std::min(least.y, p.y), std::min(least.z, p.z)};
-      most = {std::max(most.x, p.x), std::max(most.y, p.y), std::max(most.z, p.z)};
+      min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+      max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
     }
-    radius_ = (most.x - least.x) / 2;
-    centre_ = {(least.x + most.x) / 2, (least.y + most.y) / 2, (least.z + most.z) / 2};
+    radius_ = (max.x - min.x) / 2;
+    centre_ = {(min.x + max.x) / 2, (min.y + max.y) / 2, (min.z + max.z) / 2};
     FindOpening();
   }
 
@@ -71,7 +71,7 @@ class Eye {
     const Vector from = PointOf(v) - centre_;
     Polar p = PolarOf(from);
     if (IsEyeball(v) || p.distance > kReach * radius_ || from.z < 0) return {};
-    const double at = (p.azimuth / kDegree + kMostAzimuth) / kStep;
+    const double at = (p.azimuth / kDegree + kMaxAzimuth) / kStep;
     if (at < 0 || at >= double(kColumns - 1)) return {};
     const Gap &a = gaps_[size_t(at)], &b = gaps_[size_t(at) + 1];
     const double t = at - std::floor(at);
@@ -88,8 +88,8 @@ class Eye {
   struct Gap {
     double bottom = 0, top = 0;
   };
-  static constexpr double kMostAzimuth = 75, kMostElevation = 60, kStep = 1;  // degrees
-  static constexpr size_t kColumns = size_t(2 * kMostAzimuth / kStep) + 1;
+  static constexpr double kMaxAzimuth = 75, kMaxElevation = 60, kStep = 1;  // degrees
+  static constexpr size_t kColumns = size_t(2 * kMaxAzimuth / kStep) + 1;
   static constexpr double kReach = 2;  // in radii of the eyeball: farther skin is no lid
   static constexpr double kRim = 4 * kDegree, kFade = 45 * kDegree;
   static constexpr double kOverlap = 1.08;  // nothing shows between vertices of the rims
@@ -120,9 +120,9 @@ class Eye {
     };
     bool any = false;
     for (size_t c = 0; c < kColumns; ++c) {
-      const double azimuth = (double(c) * kStep - kMostAzimuth) * kDegree;
+      const double azimuth = (double(c) * kStep - kMaxAzimuth) * kDegree;
       std::vector<double> seen;
-      for (double e = -kMostElevation; e <= kMostElevation; e += kStep / 2)
+      for (double e = -kMaxElevation; e <= kMaxElevation; e += kStep / 2)
         if (open(azimuth, e * kDegree)) seen.push_back(e * kDegree);
       if (seen.empty()) continue;
       gaps_[c] = {seen.front(), seen.back()};

@@ -25,31 +25,31 @@ float JawWeight(const FlameModel& model, int v) {
 }
 
 struct Extent {
-  Point least{1e30f, 1e30f, 1e30f}, most{-1e30f, -1e30f, -1e30f};
-  float Middle(int axis) const { return 0.5f * (least[axis] + most[axis]); }
-  float Size(int axis) const { return most[axis] - least[axis]; }
+  Point min{1e30f, 1e30f, 1e30f}, max{-1e30f, -1e30f, -1e30f};
+  float Middle(int axis) const { return 0.5f * (min[axis] + max[axis]); }
+  float Size(int axis) const { return max[axis] - min[axis]; }
 };
 
 Extent ExtentOf(const FlameModel& model, const std::vector<int32_t>& vertices) {
   Extent extent;
   for (const int32_t v : vertices)
     for (int axis = 0; axis < 3; ++axis) {
-      extent.least[axis] = std::min(extent.least[axis], PointOf(model, v)[axis]);
-      extent.most[axis] = std::max(extent.most[axis], PointOf(model, v)[axis]);
+      extent.min[axis] = std::min(extent.min[axis], PointOf(model, v)[axis]);
+      extent.max[axis] = std::max(extent.max[axis], PointOf(model, v)[axis]);
     }
   return extent;
 }
 
 // How far the face reaches in front of the rim, where a ray from its middle leaves it.
 float DepthBehindFace(const FlameModel& model, const Extent& rim) {
-  float front = rim.most[2];
+  float front = rim.max[2];
   for (int v = 0; v < model.vertex_count; ++v) {
     const Point p = PointOf(model, v);
     if (std::abs(p[0] - rim.Middle(0)) < 0.25f * rim.Size(0) &&
         std::abs(p[1] - rim.Middle(1)) < 0.5f * rim.Size(1))
       front = std::max(front, p[2]);
   }
-  return front - rim.most[2];
+  return front - rim.max[2];
 }
 
 // The rim of the hole behind the lips, counter-clockwise seen from the front, or empty.

@@ -166,7 +166,7 @@ bool IsRoundedFarAway(const Gaussians& g) {
   return true;
 }
 
-size_t HeldBy(const Gaussians& gaussians) { return HeldByArrays(gaussians); }
+size_t AllocatedBytes(const Gaussians& gaussians) { return AllocatedByArrays(gaussians); }
 
 std::vector<uint32_t> SortByDegree(Gaussians& g) {
   FindDegrees(g);

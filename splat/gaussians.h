@@ -122,7 +122,7 @@ void MoveOrigin(Gaussians& gaussians, const WorldOrigin& to);
 bool IsRoundedFarAway(const Gaussians& gaussians);
 
 // Allocated bytes, by capacity.
-size_t HeldBy(const Gaussians& gaussians);
+size_t AllocatedBytes(const Gaussians& gaussians);
 
 // Converts the colours to another basis. Where both are spherical harmonics (IsHarmonic), they span
 // the same functions, so each coefficient is only rescaled (docs/dcsh.md); otherwise throws Error.

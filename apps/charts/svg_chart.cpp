@@ -149,7 +149,7 @@ class PointPlot {
   }
   // Placed where it covers least: right of the point, left, above or below.
   void DrawLabel(const Mark& mark, const std::string& color) {
-    struct Place {
+    struct LabelPosition {
       double x, y;  // of the text's anchor, on its baseline
       SvgAnchor anchor;
       SvgBox box;
@@ -158,19 +158,19 @@ class PointPlot {
     const double middle = std::clamp(x, kMarginLeft + width / 2, kChartWidth - 4 - width / 2);
     const SvgBox above{middle - width / 2, y - 22, middle + width / 2, y - 8};
     const SvgBox below{above.left, y + 8, above.right, y + 22};
-    const std::array<Place, 4> places{
-        Place{x + 8, y + 4.5, SvgAnchor::kStart, {x + 8, y - 7, x + 8 + width, y + 7}},
-        Place{x - 8, y + 4.5, SvgAnchor::kEnd, {x - 8 - width, y - 7, x - 8, y + 7}},
-        Place{middle, y - 11, SvgAnchor::kMiddle, above},
-        Place{middle, y + 19, SvgAnchor::kMiddle, below}};
+    const std::array<LabelPosition, 4> places{
+        LabelPosition{x + 8, y + 4.5, SvgAnchor::kStart, {x + 8, y - 7, x + 8 + width, y + 7}},
+        LabelPosition{x - 8, y + 4.5, SvgAnchor::kEnd, {x - 8 - width, y - 7, x - 8, y + 7}},
+        LabelPosition{middle, y - 11, SvgAnchor::kMiddle, above},
+        LabelPosition{middle, y + 19, SvgAnchor::kMiddle, below}};
     const SvgBox plot{kMarginLeft, top_, kChartWidth - 4, bottom_};
-    const auto cost = [&](const Place& place) {
+    const auto cost = [&](const LabelPosition& place) {
       double sum = 14 * width - Overlap(place.box, plot);
       for (const SvgBox& other : taken_) sum += Overlap(place.box, other);
       return sum;
     };
-    const Place* best = &places[0];
-    for (const Place& place : places)
+    const LabelPosition* best = &places[0];
+    for (const LabelPosition& place : places)
       if (cost(place) < cost(*best) - 1e-6) best = &place;
     taken_.push_back(best->box);
     drawing_.Label(best->x, best->y, mark.label, color, best->anchor);

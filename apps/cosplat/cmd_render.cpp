@@ -172,8 +172,8 @@ void RenderAvatarOrbit(const RenderOptions& o,
                        Player& player) {
   const FlameParams rest = ReferenceRoot(run);
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
-  PlacedAvatar placed;
-  player.Place(rest, placed);
+  PosedAvatar placed;
+  player.Pose(rest, placed);
   std::array<float, 3> center{}, up{};
   HeadFrame(player.VerticesOf(placed), flame, center, up);
   std::vector<PlaybackFrame> frames;
@@ -202,12 +202,12 @@ std::vector<FlameParams> DrivenFaces(const RenderOptions& o,
 // Expressions as they are spread over the heads that FLAME was built from, the same ones every
 // time.
 std::vector<FlameParams> RandomFaces(int count, const FlameParams& rest, const FlameModel& flame) {
-  constexpr float kMost = SoftRange::kUsualExpression;
+  constexpr float kMax = SoftRange::kUsualExpression;
   Rng rng{3};
   std::vector<FlameParams> faces(size_t(count), rest);
   for (FlameParams& face : faces) {
     face.expression.resize(size_t(flame.expression_count));
-    for (float& e : face.expression) e = std::clamp(rng.Normal(), -kMost, kMost);
+    for (float& e : face.expression) e = std::clamp(rng.Normal(), -kMax, kMax);
     for (size_t axis = 0; axis < 3; ++axis)
       face.pose[1][axis] += kRandomNeck[axis] * (2 * rng.Uniform() - 1);
     face.pose[2][0] += kRandomJaw * rng.Uniform();

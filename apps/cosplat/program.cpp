@@ -38,11 +38,11 @@ size_t EditDistance(const std::string& a, const std::string& b) {
 // The nearest of the names, or "" if more than a third of the letters differ.
 std::string Nearest(const std::string& word, const std::vector<std::string>& names) {
   std::string nearest;
-  size_t least = std::max(size_t(2), word.size() / 3) + 1;
+  size_t min = std::max(size_t(2), word.size() / 3) + 1;
   for (const std::string& name : names) {
     const size_t distance = EditDistance(word, name);
-    if (distance < least) {
-      least = distance;
+    if (distance < min) {
+      min = distance;
       nearest = name;
     }
   }

@@ -91,9 +91,9 @@ void InstallSide(GObjectClass* c, guint property, const Words& w, int value) {
 }
 
 void InstallNumber(
-    GObjectClass* c, guint property, const Words& w, double least, double most, double value) {
+    GObjectClass* c, guint property, const Words& w, double min, double max, double value) {
   g_object_class_install_property(
-      c, property, g_param_spec_double(w.name, w.nick, w.blurb, least, most, value, kControlled));
+      c, property, g_param_spec_double(w.name, w.nick, w.blurb, min, max, value, kControlled));
 }
 
 void InstallFps(GObjectClass* c, const Words& w, const Fraction& value) {

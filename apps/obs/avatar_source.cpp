@@ -46,7 +46,7 @@ obs_properties_t* AvatarSource::Properties() const {
 }
 
 void AvatarSource::Upload() {
-  if (!pictures_.Take(picture_)) return;
+  if (!pictures_.TakeImage(picture_)) return;
   const bool fits = texture_ && gs_texture_get_width(texture_) == picture_.width &&
                     gs_texture_get_height(texture_) == picture_.height;
   if (!fits) {

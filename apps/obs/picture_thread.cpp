@@ -35,7 +35,7 @@ void PictureThread::SetShown(bool shown) {
   changed_.notify_one();
 }
 
-bool PictureThread::Take(Picture& picture) {
+bool PictureThread::TakeImage(Picture& picture) {
   const std::lock_guard lock(mutex_);
   if (!fresh_) return false;
   std::swap(picture, newest_);

@@ -42,7 +42,7 @@ class PictureThread {
   // Nothing is drawn while the source is hidden.
   void SetShown(bool shown);
   // Swaps `picture` with the newest one; returns false if that was already taken.
-  bool Take(Picture& picture);
+  bool TakeImage(Picture& picture);
   // One line: the current problem or the state of the drive; "" before the first picture.
   std::string Status() const;
 

@@ -32,8 +32,8 @@ hosts::Background BackgroundOf(obs_data_t* settings) {
   return background;
 }
 
-void AddNumber(obs_properties_t* p, const char* name, double least, double most, double step) {
-  obs_properties_add_float_slider(p, name, obs_module_text(name), least, most, step);
+void AddNumber(obs_properties_t* p, const char* name, double min, double max, double step) {
+  obs_properties_add_float_slider(p, name, obs_module_text(name), min, max, step);
 }
 
 void AddPath(obs_properties_t* p, const char* name, const char* filter) {

@@ -21,7 +21,7 @@ constexpr float kFaintestLogit = -2.1972246f;  // opacity 0.1
 struct Ellipsoid {
   Mat3<float> sphere_from_cam;  // p -> unit sphere around the centre
   Vec3<float> center;           // the centre, transformed by sphere_from_cam
-  float least_x, most_x, least_y, most_y;
+  float min_x, max_x, min_y, max_y;
   float nearest;  // depth
   Rgb color;
 };
@@ -30,7 +30,7 @@ struct Ellipsoid {
 // roots of (Szz - z^2) u^2 - 2 (Skz - k z) u + (Skk - k^2) = 0. The discriminant is expanded, as S
 // would be lost in rounding next to the squares of k and z.
 struct Slopes {
-  float least, most;
+  float min, max;
 };
 Slopes TouchingSlopes(float skk, float skz, float szz, float k, float z) {
   const float square = z * z * skk - 2 * k * z * skz + k * k * szz - (skk * szz - skz * skz);
@@ -49,12 +49,12 @@ bool BoxOf(const Mat3<float>& axes, const Vec3<float>& c, const Camera& camera, 
   if (!(e.nearest > camera.near_plane)) return false;
   const Slopes x = TouchingSlopes(entry(0, 0), entry(0, 2), szz, c.x, c.z);
   const Slopes y = TouchingSlopes(entry(1, 1), entry(1, 2), szz, c.y, c.z);
-  e.least_x = camera.fx * x.least + camera.cx;
-  e.most_x = camera.fx * x.most + camera.cx;
-  e.least_y = camera.fy * y.least + camera.cy;
-  e.most_y = camera.fy * y.most + camera.cy;
-  return e.most_x > 0 && e.most_y > 0 && e.least_x < float(camera.width) &&
-         e.least_y < float(camera.height);
+  e.min_x = camera.fx * x.min + camera.cx;
+  e.max_x = camera.fx * x.max + camera.cx;
+  e.min_y = camera.fy * y.min + camera.cy;
+  e.max_y = camera.fy * y.max + camera.cy;
+  return e.max_x > 0 && e.max_y > 0 && e.min_x < float(camera.width) &&
+         e.min_y < float(camera.height);
 }
 
 Rgb MeanColor(const float* dc) {
@@ -88,8 +88,8 @@ bool PlaceEllipsoid(const WorldGaussians& g, size_t i, const Camera& camera, Ell
 // The ray d z through a sample meets the unit sphere around m where |d z - m| = 1. The discriminant
 // is computed from d x m, as (d m)^2 - d^2 (m^2 - 1) suffers from cancellation if m is far away.
 void FillRow(const Ellipsoid& e, int y, const Camera& camera, SurfaceBuffer& buffer) {
-  const int begin = std::max(0, int(std::floor(e.least_x)));
-  const int end = std::min(buffer.width, int(std::ceil(e.most_x)));
+  const int begin = std::max(0, int(std::floor(e.min_x)));
+  const int end = std::min(buffer.width, int(std::ceil(e.max_x)));
   const float* depth = &buffer.depth[size_t(y) * size_t(buffer.width)];
   const float slope_y = (float(y) + 0.5f - camera.cy) / camera.fy, per_x = 1 / camera.fx;
   const Vec3<float> row = e.sphere_from_cam * Vec3<float>{0, slope_y, 1};
@@ -125,8 +125,8 @@ void DrawEllipsoids(const WorldGaussians& gaussians, const Camera& camera, Surfa
   });
   ForBands(buffer, [&](int first, int end) {
     for (const Ellipsoid& e : drawn) {
-      const int from = std::max(first, int(std::floor(std::max(e.least_y, 0.0f))));
-      const int to = std::min(end, int(std::ceil(std::min(e.most_y, float(buffer.height)))));
+      const int from = std::max(first, int(std::floor(std::max(e.min_y, 0.0f))));
+      const int to = std::min(end, int(std::ceil(std::min(e.max_y, float(buffer.height)))));
       for (int y = from; y < to; ++y) FillRow(e, y, samples, buffer);
     }
   });

@@ -18,7 +18,7 @@ constexpr float kRandomShare = 0.3f;    // share of the joints' ranges
 struct JointSlider {
   const char* name;
   size_t joint, axis;
-  float least, most;
+  float min, max;
 };
 constexpr JointSlider kJointSliders[] = {{"Head nod", 0, 0, -0.7f, 0.7f},
                                          {"Head turn", 0, 1, -1.2f, 1.2f},
@@ -34,7 +34,7 @@ constexpr JointSlider kJointSliders[] = {{"Head nod", 0, 0, -0.7f, 0.7f},
                                          {"Right eye turn", 4, 1, -0.7f, 0.7f}};
 
 float Within(const Slider& slider, float value) {
-  return std::clamp(value, slider.least, slider.most);
+  return std::clamp(value, slider.min, slider.max);
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ FaceControls::FaceControls(int expression_count,
                             0});
   }
   for (const JointSlider& joint : kJointSliders)
-    joints_.push_back({joint.name, joint.least, joint.most, 0});
+    joints_.push_back({joint.name, joint.min, joint.max, 0});
 }
 
 void FaceControls::SetNeutral() {
@@ -68,16 +68,16 @@ void FaceControls::SetRandom(Rng& rng) {
   SetNeutral();
   for (int i = 0; i < kRandomExpressions && !expressions_.empty(); ++i) {
     const size_t which = rng.Below(expressions_.size());
-    const auto [least, most] = usual_[which];
+    const auto [min, max] = usual_[which];
     // The mean of two values favours the middle over the ends.
     const float place = (rng.Uniform() + rng.Uniform()) / 2;
-    expressions_[which].value = least + place * (most - least);
+    expressions_[which].value = min + place * (max - min);
   }
   for (Slider& joint : joints_)
-    joint.value = kRandomShare * (joint.least + rng.Uniform() * (joint.most - joint.least));
+    joint.value = kRandomShare * (joint.min + rng.Uniform() * (joint.max - joint.min));
 }
 
-void FaceControls::Take(const FlameParams& face) {
+void FaceControls::SetFace(const FlameParams& face) {
   for (size_t i = 0; i < expressions_.size(); ++i)
     expressions_[i].value =
         i < face.expression.size() ? Within(expressions_[i], face.expression[i]) : 0;

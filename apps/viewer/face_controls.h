@@ -16,7 +16,7 @@ namespace cosplat::viewer {
 // One slider. Its value is a coefficient, or a component of an axis-angle vector in radians.
 struct Slider {
   std::string name;
-  float least = -1, most = 1;
+  float min = -1, max = 1;
   float value = 0;
 };
 
@@ -35,7 +35,7 @@ class FaceControls {
   // Several random expressions and a turned head, within the range of the training frames.
   void SetRandom(Rng& rng);
   // Sets the sliders to `face`, as far as their ranges allow.
-  void Take(const FlameParams& face);
+  void SetFace(const FlameParams& face);
   FlameParams Face() const;
 
  private:

@@ -80,18 +80,18 @@ StartView AtCamera(const std::vector<Camera>& cameras) {
 }
 
 StartView BeforeSplats(const std::string& file, const Gaussians& gaussians) {
-  const float least = math::Logit(kMinAlpha);
+  const float min = math::Logit(kMinAlpha);
   std::vector<Vec3<float>> points;
   for (size_t i = 0; i < gaussians.size(); ++i) {
     const float* p = gaussians.at(kPosition, i);
     const bool finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-    if (finite && *gaussians.at(kOpacityLogit, i) >= least) points.push_back({p[0], p[1], p[2]});
+    if (finite && *gaussians.at(kOpacityLogit, i) >= min) points.push_back({p[0], p[1], p[2]});
   }
   if (points.empty()) throw Error(file, "vertex", "no splat is visible");
   Vec3<float> center = Middle(points, 0.5f);
   const auto from_center = [&](const Vec3<float>& p) { return Distance(p, center); };
-  const float most = kFarthestOfHalf * Quantile(points, 0.5f, from_center);
-  std::erase_if(points, [&](const Vec3<float>& p) { return Distance(p, center) > most; });
+  const float max = kFarthestOfHalf * Quantile(points, 0.5f, from_center);
+  std::erase_if(points, [&](const Vec3<float>& p) { return Distance(p, center) > max; });
   center = Middle(points, kMax);
   const float reach = Quantile(points, kMax, from_center);
   const float radius = reach > 0 ? reach : 1;

@@ -35,10 +35,10 @@ GLFWwindow* Open(const std::string& title, float& scale) {
     float across = 1, down = 1;
     glfwGetMonitorContentScale(monitor, &across, &down);
     if (scale <= 0) scale = across;
-    int x = 0, y = 0, most_width = 0, most_height = 0;
-    glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
-    width = std::min(int(kWidth * scale), int(kMaxOfScreen * float(most_width)));
-    height = std::min(int(kHeight * scale), int(kMaxOfScreen * float(most_height)));
+    int x = 0, y = 0, max_width = 0, max_height = 0;
+    glfwGetMonitorWorkarea(monitor, &x, &y, &max_width, &max_height);
+    width = std::min(int(kWidth * scale), int(kMaxOfScreen * float(max_width)));
+    height = std::min(int(kHeight * scale), int(kMaxOfScreen * float(max_height)));
   }
   if (scale <= 0) scale = 1;
   return glfwCreateWindow(

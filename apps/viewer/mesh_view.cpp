@@ -18,7 +18,7 @@ constexpr Rgb kHiddenColor{28, 32, 40};
 // A face in the image, in samples.
 struct Triangle {
   float x[3], y[3], inverse_z[3];
-  float least_x, most_x, least_y, most_y;
+  float min_x, max_x, min_y, max_y;
   float inverse_area;  // inverse of twice the signed area
   float height[3];     // of each corner over the opposite edge, samples
   Rgb color;
@@ -31,10 +31,10 @@ bool Project(const Vec3<float> corners[3], const Camera& c, Triangle& t) {
     t.x[k] = c.fx * corners[k].x * t.inverse_z[k] + c.cx;
     t.y[k] = c.fy * corners[k].y * t.inverse_z[k] + c.cy;
   }
-  t.least_x = std::min({t.x[0], t.x[1], t.x[2]});
-  t.most_x = std::max({t.x[0], t.x[1], t.x[2]});
-  t.least_y = std::min({t.y[0], t.y[1], t.y[2]});
-  t.most_y = std::max({t.y[0], t.y[1], t.y[2]});
+  t.min_x = std::min({t.x[0], t.x[1], t.x[2]});
+  t.max_x = std::max({t.x[0], t.x[1], t.x[2]});
+  t.min_y = std::min({t.y[0], t.y[1], t.y[2]});
+  t.max_y = std::max({t.y[0], t.y[1], t.y[2]});
   const float area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.x[2] - t.x[0]) * (t.y[1] - t.y[0]);
   if (!(std::abs(area) > 1e-9f)) return false;
   t.inverse_area = 1 / area;
@@ -42,13 +42,13 @@ bool Project(const Vec3<float> corners[3], const Camera& c, Triangle& t) {
     const int a = (k + 1) % 3, b = (k + 2) % 3;
     t.height[k] = std::abs(area) / std::hypot(t.x[b] - t.x[a], t.y[b] - t.y[a]);
   }
-  return t.most_x > 0 && t.most_y > 0 && t.least_x < float(c.width) && t.least_y < float(c.height);
+  return t.max_x > 0 && t.max_y > 0 && t.min_x < float(c.width) && t.min_y < float(c.height);
 }
 
 void FillRow(const Triangle& t, int y, bool edges_only, SurfaceBuffer& buffer) {
   const float py = float(y) + 0.5f;
-  const int begin = std::max(0, int(std::floor(t.least_x)));
-  const int end = std::min(buffer.width, int(std::ceil(t.most_x)));
+  const int begin = std::max(0, int(std::floor(t.min_x)));
+  const int end = std::min(buffer.width, int(std::ceil(t.max_x)));
   for (int x = begin; x < end; ++x) {
     const float px = float(x) + 0.5f;
     float weight[3], edge = 1e30f, inverse_z = 0;
@@ -100,8 +100,8 @@ void DrawMesh(const std::vector<float>& vertices,
       ProjectFaces(vertices, faces, paint, SampleCamera(camera));
   ForBands(buffer, [&](int first, int end) {
     for (const Triangle& t : triangles) {
-      const int from = std::max(first, int(std::floor(std::max(t.least_y, 0.0f))));
-      const int to = std::min(end, int(std::ceil(std::min(t.most_y, float(buffer.height)))));
+      const int from = std::max(first, int(std::floor(std::max(t.min_y, 0.0f))));
+      const int to = std::min(end, int(std::ceil(std::min(t.max_y, float(buffer.height)))));
       for (int y = from; y < to; ++y) FillRow(t, y, paint.edges_only, buffer);
     }
   });
@@ -114,11 +114,11 @@ std::vector<int> CountPerFace(cosplat::View<const int32_t> triangle, size_t face
 }
 
 std::vector<Rgb> CountColors(const std::vector<int>& counts) {
-  const int most = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  const int max = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
   std::vector<Rgb> colors;
   colors.reserve(counts.size());
   for (const int count : counts)
-    colors.push_back(count > 0 ? ScaleColor(CountPlace(count, most)) : kNoneColor);
+    colors.push_back(count > 0 ? ScaleColor(CountPlace(count, max)) : kNoneColor);
   return colors;
 }
 

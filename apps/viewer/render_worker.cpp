@@ -55,7 +55,7 @@ bool RenderWorker::Busy() const {
   return drawing_ || waiting_;
 }
 
-bool RenderWorker::Take(FinishedImage& out) {
+bool RenderWorker::TakeImage(FinishedImage& out) {
   const std::lock_guard lock(mutex_);
   if (!has_finished_) return false;
   std::swap(out, finished_);

@@ -1,7 +1,7 @@
 // Renders in a separate thread, so that the window stays responsive.
 //
-// Shot -> Start -> (thread) Stage -> Take -> texture. The latest request wins: a shot that has not
-// been started when the next one arrives is dropped.
+// Shot -> Start -> (thread) Stage -> TakeImage -> texture. The latest request wins: a shot that has
+// not been started when the next one arrives is dropped.
 #pragma once
 
 #include <condition_variable>
@@ -24,7 +24,7 @@ struct RenderJob {
   bool may_stay = false;  // the image may stay on the device that renders it
 };
 
-// Passing it back to Take reuses its memory.
+// Passing it back to TakeImage reuses its memory.
 struct FinishedImage {
   RenderJob job;
   std::string problem;  // why there is no image; otherwise it is in one of these:
@@ -46,7 +46,7 @@ class RenderWorker {
   bool Busy() const;
   // Swaps the newest image since the last call into `out`, whose memory is reused. Returns false if
   // there is none.
-  bool Take(FinishedImage& out);
+  bool TakeImage(FinishedImage& out);
 
  private:
   void Run();

@@ -33,7 +33,7 @@ ScreenResult DrawScreen(Session& session, const ScreenState& state) {
   const float panel = session.panels_open ? kPanelWidth * state.scale : 0;
   const float bar =
       session.panels_open && session.has_sequence() ? kTimelineHeight * state.scale : 0;
-  const Place image{0, 0, size.x - panel, size.y - bar};
+  const ScreenRect image{0, 0, size.x - panel, size.y - bar};
   DrawImage(session, state, image, result);
   if (panel > 0) DrawPanels(session, state, {size.x - panel, 0, panel, size.y}, result);
   if (bar > 0) DrawTimeline(session, {0, size.y - bar, size.x - panel, bar});

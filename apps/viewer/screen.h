@@ -41,16 +41,16 @@ void SetUpStyle(float scale);
 // The parts of DrawScreen, each in its own source file.
 
 // A rectangle of the window, in ImGui units.
-struct Place {
+struct ScreenRect {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
 // The panels on the right.
-void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenResult& result);
+void DrawPanels(Session& session, const ScreenState& state, ScreenRect place, ScreenResult& result);
 // The timeline bar of a recorded sequence.
-void DrawTimeline(Session& session, Place place);
+void DrawTimeline(Session& session, ScreenRect place);
 // The image, its mouse controls and its overlays.
-void DrawImage(Session& session, const ScreenState& state, Place place, ScreenResult& result);
+void DrawImage(Session& session, const ScreenState& state, ScreenRect place, ScreenResult& result);
 void DrawHelp(bool& open, float scale);
 
 }  // namespace cosplat::viewer

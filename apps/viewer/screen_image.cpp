@@ -16,7 +16,7 @@ constexpr ImGuiWindowFlags kImageWindow = ImGuiWindowFlags_NoDecoration | ImGuiW
                                           ImGuiWindowFlags_NoSavedSettings |
                                           ImGuiWindowFlags_NoBringToFrontOnFocus;
 
-void MoveCamera(OrbitCamera& camera, const Place& place, ScreenResult& result) {
+void MoveCamera(OrbitCamera& camera, const ScreenRect& place, ScreenResult& result) {
   const ImGuiIO& io = ImGui::GetIO();
   if (ImGui::IsItemHovered() && io.MouseWheel != 0) {
     camera.Zoom(io.MouseWheel);
@@ -44,7 +44,7 @@ void DrawCheckers(ImDrawList& list, ImVec2 from, ImVec2 to, float side) {
 }
 
 // As large as fits, centred.
-void DrawTexture(const Session& session, const ScreenState& state, const Place& place) {
+void DrawTexture(const Session& session, const ScreenState& state, const ScreenRect& place) {
   if (state.texture == 0) return;
   const float fit = std::min(place.width / float(state.width), place.height / float(state.height));
   const ImVec2 size{fit * float(state.width), fit * float(state.height)};
@@ -66,12 +66,12 @@ float DrawLabel(ImVec2 at, const char* text, float scale, ImU32 color) {
   return size.y + 2 * pad;
 }
 
-void DrawLegend(const Session& session, float scale, const Place& place) {
-  const int most = session.most_per_face();
+void DrawLegend(const Session& session, float scale, const ScreenRect& place) {
+  const int max = session.max_per_face();
   const float letters = ImGui::GetTextLineHeight(), row = letters + 4 * scale;
-  std::vector<int> counts;  // `most` and the powers of two below it
-  for (int count = 1; count < most; count *= 2) counts.push_back(count);
-  counts.push_back(most);
+  std::vector<int> counts;  // `max` and the powers of two below it
+  for (int count = 1; count < max; count *= 2) counts.push_back(count);
+  counts.push_back(max);
   std::reverse(counts.begin(), counts.end());
   counts.push_back(0);
   const char* title = "Gaussians per triangle";
@@ -84,7 +84,7 @@ void DrawLegend(const Session& session, float scale, const Place& place) {
   list.AddText(pen, IM_COL32_WHITE, title);
   for (const int count : counts) {
     pen.y += row;
-    const Rgb c = count > 0 ? ScaleColor(CountPlace(count, most)) : kNoneColor;
+    const Rgb c = count > 0 ? ScaleColor(CountPlace(count, max)) : kNoneColor;
     list.AddRectFilled(
         pen, {pen.x + 2 * letters, pen.y + letters}, IM_COL32(c[0], c[1], c[2], 255));
     char text[16];
@@ -93,7 +93,7 @@ void DrawLegend(const Session& session, float scale, const Place& place) {
   }
 }
 
-void DrawLabels(const Session& session, const ScreenState& state, const Place& place) {
+void DrawLabels(const Session& session, const ScreenState& state, const ScreenRect& place) {
   const float scale = state.scale, left = place.x + 12 * scale;
   float top = place.y + 12 * scale;
   const auto label = [&](const char* text, ImU32 color) {
@@ -112,7 +112,7 @@ void DrawLabels(const Session& session, const ScreenState& state, const Place& p
 
 }  // namespace
 
-void DrawImage(Session& session, const ScreenState& state, Place place, ScreenResult& result) {
+void DrawImage(Session& session, const ScreenState& state, ScreenRect place, ScreenResult& result) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});

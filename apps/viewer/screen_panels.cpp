@@ -61,8 +61,8 @@ void DrawSliders(Session& session, std::vector<Slider>& sliders, ScreenResult& r
     float value = slider.value;
     if (ImGui::SliderFloat(slider.name.c_str(),
                            &value,
-                           slider.least,
-                           slider.most,
+                           slider.min,
+                           slider.max,
                            "%.2f",
                            ImGuiSliderFlags_AlwaysClamp)) {
       session.TakeSliders();
@@ -94,7 +94,7 @@ void DrawFacePanel(Session& session, ScreenResult& result) {
   ImGui::SameLine();
   if (WideButton("Random", kHalf)) session.Do(Action::kRandomFace);
   // While something else drives the face, the sliders only show it.
-  if (session.driver != Driver::kSliders) session.face.Take(session.Face());
+  if (session.driver != Driver::kSliders) session.face.SetFace(session.Face());
   ImGui::SetNextItemOpen(true, ImGuiCond_Once);
   if (ImGui::TreeNode("Joints (radians)")) {
     DrawSliders(session, session.face.joints(), result);
@@ -152,7 +152,7 @@ void DrawLivePanel(const Session& session) {
 
 void DrawGraph(const char* name, const TimeHistory& history, float scale) {
   const std::vector<float> values = history.Values();
-  const float most = values.empty() ? 1 : *std::max_element(values.begin(), values.end());
+  const float max = values.empty() ? 1 : *std::max_element(values.begin(), values.end());
   const float last = values.empty() ? 0 : values.back();
   ImGui::Text("%s %.1f ms, median %.1f", name, double(last), double(history.Median()));
   ImGui::PushID(name);
@@ -162,7 +162,7 @@ void DrawGraph(const char* name, const TimeHistory& history, float scale) {
                    0,
                    nullptr,
                    0,
-                   1.15f * most,
+                   1.15f * max,
                    {ImGui::GetContentRegionAvail().x, 44 * scale});
   ImGui::PopID();
 }
@@ -189,7 +189,10 @@ void DrawCapturePanel(const ScreenState& state, ScreenResult& result) {
 
 }  // namespace
 
-void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenResult& result) {
+void DrawPanels(Session& session,
+                const ScreenState& state,
+                ScreenRect place,
+                ScreenResult& result) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::Begin("panels", nullptr, kPanelWindow & ~ImGuiWindowFlags_NoScrollbar);
@@ -205,7 +208,7 @@ void DrawPanels(Session& session, const ScreenState& state, Place place, ScreenR
   ImGui::End();
 }
 
-void DrawTimeline(Session& session, Place place) {
+void DrawTimeline(Session& session, ScreenRect place) {
   ImGui::SetNextWindowPos({place.x, place.y});
   ImGui::SetNextWindowSize({place.width, place.height});
   ImGui::Begin("timeline", nullptr, kPanelWindow);

@@ -11,7 +11,7 @@ FaceControls ControlsOf(const Content& content) {
   return {avatar.flame.expression_count, avatar.rest, avatar.model.trained_range};
 }
 
-int MostPerFace(const Content& content) {
+int MaxPerFace(const Content& content) {
   if (!content.avatar) return 0;
   const AvatarModel& model = content.avatar->model;
   const std::vector<int> counts = CountPerFace(model.embedding.triangle, model.mesh.faces.size());
@@ -27,7 +27,7 @@ Session::Session(const Content& content)
       title_(content.title),
       is_avatar_(content.avatar.has_value()),
       gaussian_count_(content.gaussian_count()),
-      most_per_face_(MostPerFace(content)) {}
+      max_per_face_(MaxPerFace(content)) {}
 
 void Session::SetSequence(const std::string& name,
                           std::vector<FlameParams> faces,
@@ -54,7 +54,7 @@ void Session::Advance(int64_t now_ns) {
 
 void Session::TakeSliders() {
   if (driver == Driver::kSliders) return;
-  face.Take(Face());
+  face.SetFace(Face());
   timeline.Pause();
   driver = Driver::kSliders;
 }

@@ -73,7 +73,7 @@ class Session {
   const std::string& title() const { return title_; }
   const std::string& sequence_name() const { return sequence_name_; }
   size_t gaussian_count() const { return gaussian_count_; }
-  int most_per_face() const { return most_per_face_; }  // most Gaussians on one triangle
+  int max_per_face() const { return max_per_face_; }  // most Gaussians on one triangle
   View view() const { return view_; }
 
   // Freely modified by mouse and panels.
@@ -92,7 +92,7 @@ class Session {
   std::string title_, sequence_name_;
   bool is_avatar_;
   size_t gaussian_count_;
-  int most_per_face_ = 0;
+  int max_per_face_ = 0;
   View view_ = View::kSplats;
   std::vector<FlameParams> sequence_;
   std::unique_ptr<LiveFace> live_;

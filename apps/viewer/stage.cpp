@@ -75,7 +75,7 @@ const RenderedImage& Stage::Levels(const Shot& shot) {
                                                             : nullptr;
   LevelLimits limits;
   if (budget) {
-    limits.most = budget->most();
+    limits.max = budget->max();
   } else {
     limits.coarseness = 0;
   }
@@ -122,7 +122,7 @@ void Stage::Prepare(const Shot& shot) {
                 "view",
                 std::string(kViewNames[size_t(shot.view)]) +
                     " is only available for avatars; this is a scene");
-  if (player_) player_->Place(shot.face, placed_);
+  if (player_) player_->Pose(shot.face, placed_);
 }
 
 bool Stage::DrawsOnDevice(const Shot& shot) const {

@@ -108,7 +108,7 @@ class Stage {
   std::unique_ptr<RenderTape> tape_;
   RenderedImage image_;
   std::unique_ptr<Player> player_;
-  PlacedAvatar placed_;
+  PosedAvatar placed_;
   MeshPaint counts_, wire_;
   SurfaceBuffer buffer_;
 };

@@ -86,9 +86,9 @@ Rgb ScaleColor(float t) {
   return color;
 }
 
-float CountPlace(int count, int most) {
-  if (most <= 1) return count > 0 ? 1.0f : 0.0f;
-  const float place = std::log(float(std::max(count, 1))) / std::log(float(most));
+float CountPlace(int count, int max) {
+  if (max <= 1) return count > 0 ? 1.0f : 0.0f;
+  const float place = std::log(float(std::max(count, 1))) / std::log(float(max));
   return std::clamp(place, 0.0f, 1.0f);
 }
 

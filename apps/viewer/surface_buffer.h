@@ -53,9 +53,9 @@ Rgb Lit(const Rgb& rgb, const std::array<float, 3>& normal);
 // From dark blue over green to yellow, in even steps of brightness. t: [0, 1], clamped.
 Rgb ScaleColor(float t);
 
-// Position of a count on a scale from 0 to `most`, in [0, 1]: logarithmic, since counts per
+// Position of a count on a scale from 0 to `max`, in [0, 1]: logarithmic, since counts per
 // triangle span decades.
-float CountPlace(int count, int most);
+float CountPlace(int count, int max);
 
 // Triangles without any Gaussian.
 constexpr Rgb kNoneColor{70, 70, 74};

@@ -97,7 +97,7 @@ double ViewerWindow::Impl::TurnSeconds() const {
 }
 
 void ViewerWindow::Impl::TakeImage() {
-  if (!worker.Take(picture)) return;
+  if (!worker.TakeImage(picture)) return;
   if (!picture.problem.empty()) return Notice(picture.problem, true);
   ShowImage();
   state.texture = intptr_t(texture.name());

@@ -44,7 +44,7 @@ constexpr RingShape kRings[] = {
 struct Placed {
   float share, height;
 };
-Placed Place(const RingShape& r, float angle) {
+Placed PointOn(const RingShape& r, float angle) {
   const float free_side = SmoothStep(-0.75f, 0.25f, std::cos(angle));
   const float lobe = SmoothStep(0.45f, 0.95f, -std::sin(angle));
   const float share = Mix(r.share_front, r.share_back, free_side);
@@ -86,7 +86,7 @@ void AddEar(MeshBuilder& builder, const std::vector<int>& loop, bool left) {
   for (int r = 0; r < 7; ++r) {
     for (size_t k = 0; k < n; ++k) {
       const float a = angle_of(k);
-      const Placed placed = Place(kRings[r], a);
+      const Placed placed = PointOn(kRings[r], a);
       ring[k] =
           builder.AddVertex(mirrored(at(a, placed.share, placed.height)), label(r + 1), false);
     }

@@ -101,8 +101,8 @@ Vec TurnLid(const Site& s, bool left, float degrees) {
   const float e = follow * degrees * 0.01745329f;
   Vec d = s.p - center;
   d = {d.x, d.y * std::cos(e) + d.z * std::sin(e), -d.y * std::sin(e) + d.z * std::cos(e)};
-  const float least = ring >= 0 ? kLidOuterRadius - 0.0003f : a.radius;
-  const float radius = std::max(Length(d), least);
+  const float min = ring >= 0 ? kLidOuterRadius - 0.0003f : a.radius;
+  const float radius = std::max(Length(d), min);
   return center + Normalized(d) * radius - s.p;
 }
 

@@ -36,8 +36,8 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
       CheckArray(path, "bust follow headMean", follow->head_mean, 9);
       CheckArray(path, "bust follow matrix", follow->matrix, 54);
       CheckArray(path, "bust follow mean", follow->mean, 6);
-      CheckArray(path, "bust follow least", follow->least, 6);
-      CheckArray(path, "bust follow most", follow->most, 6);
+      CheckArray(path, "bust follow least", follow->min, 6);
+      CheckArray(path, "bust follow most", follow->max, 6);
     }
   }
   if (model.gaussians.corrections > 0) {
@@ -45,13 +45,13 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
     const size_t count = size_t(model.gaussians.corrections);
     CheckArray(path, "corrections mean", map.mean, map.mean.size());
     CheckArray(path, "corrections matrix", map.matrix, count * map.mean.size());
-    CheckArray(path, "corrections least", map.least, count);
-    CheckArray(path, "corrections most", map.most, count);
+    CheckArray(path, "corrections least", map.min, count);
+    CheckArray(path, "corrections most", map.max, count);
   }
   if (model.light) {
     CheckArray(path, "light", *model.light, model.light->size());
     for (const float l : *model.light)
-      if (std::abs(l) > math::kMostLight)
+      if (std::abs(l) > math::kMaxLight)
         throw Error(path, "light", "holds " + std::to_string(l) + ", expected -5 to 5");
   }
   if (const auto& range = model.trained_range) {
@@ -95,9 +95,9 @@ void CheckModel(const std::string& path, const AvatarModel& model) {
   CheckArray(path, "background", model.background, 3);
   CheckOptionalParts(path, model);
   // With a bust the mesh has more vertices than FLAME; only FLAME's have an offset.
-  const size_t offsets = model.static_offset.size(), most = model.mesh.vertices.size();
-  const bool shorter = model.bust && offsets < most && offsets % 3 == 0;
-  if (offsets > 0) CheckArray(path, "static_offset", model.static_offset, shorter ? offsets : most);
+  const size_t offsets = model.static_offset.size(), max = model.mesh.vertices.size();
+  const bool shorter = model.bust && offsets < max && offsets % 3 == 0;
+  if (offsets > 0) CheckArray(path, "static_offset", model.static_offset, shorter ? offsets : max);
 }
 
 std::string Shown(const std::string& name, const std::string& sha256) {

@@ -73,20 +73,20 @@ void ReadVersion2(const JsonField& binding, AvatarModel& model) {
 }
 
 // Checks that an array is at least as large as another, number by number.
-void CheckRange(const JsonField& field, View<const float> least, View<const float> most) {
-  if (most.size() != least.size())
-    field.Fail(Format("has {} numbers, expected {}", most.size(), least.size()));
-  for (size_t i = 0; i < least.size(); ++i)
-    if (least[i] > most[i]) field[i].Fail(Format("is {}, below the minimum {}", most[i], least[i]));
+void CheckRange(const JsonField& field, View<const float> min, View<const float> max) {
+  if (max.size() != min.size())
+    field.Fail(Format("has {} numbers, expected {}", max.size(), min.size()));
+  for (size_t i = 0; i < min.size(); ++i)
+    if (min[i] > max[i]) field[i].Fail(Format("is {}, below the minimum {}", max[i], min[i]));
 }
 
 void ReadBustFollow(const JsonField& field, BustFollow& follow) {
   FillNumbers(field["headMean"], follow.head_mean);
   FillNumbers(field["matrix"], follow.matrix);
   FillNumbers(field["mean"], follow.mean);
-  FillNumbers(field["least"], follow.least);
-  FillNumbers(field["most"], follow.most);
-  CheckRange(field["most"], follow.least, follow.most);
+  FillNumbers(field["least"], follow.min);
+  FillNumbers(field["most"], follow.max);
+  CheckRange(field["most"], follow.min, follow.max);
 }
 
 // Bases of N Gaussians in steps: 14 numbers of a basis have a step each.
@@ -111,9 +111,9 @@ void ReadCorrections(const GlbDocument& document, const JsonField& field, Avatar
   const size_t count = size_t(model.gaussians.corrections);
   map.mean = field["mean"].Numbers();
   map.matrix = field["matrix"].Numbers(count * map.mean.size());
-  map.least = field["least"].Numbers(count);
-  map.most = field["most"].Numbers(count);
-  CheckRange(field["most"], map.least, map.most);
+  map.min = field["least"].Numbers(count);
+  map.max = field["most"].Numbers(count);
+  CheckRange(field["most"], map.min, map.max);
   if (map.mean.size() < kMinCorrectionInputs)
     field["mean"].Fail("has " + std::to_string(map.mean.size()) + " numbers, expected at least " +
                        std::to_string(kMinCorrectionInputs));
@@ -130,7 +130,7 @@ void ReadLight(const JsonField& field, AvatarModel& model) {
   Light& light = model.light.emplace();
   FillNumbers(field, light);
   for (size_t k = 0; k < light.size(); ++k)
-    if (std::abs(light[k]) > math::kMostLight)
+    if (std::abs(light[k]) > math::kMaxLight)
       field[k].Fail("is " + std::to_string(light[k]) + ", expected -5 to 5");
 }
 
@@ -148,8 +148,8 @@ void ReadBlendshapes(const GlbDocument& document, const JsonField& field, Avatar
   if (names.size() == 0 || names.size() > kMaxBlendshapes)
     names.Fail(Format("has {} names, expected 1 to {}", names.size(), kMaxBlendshapes));
   for (size_t i = 0; i < names.size(); ++i) map.names.push_back(names[i].String());
-  map.least = field["least"].Numbers(names.size());
-  map.most = field["most"].Numbers(names.size());
+  map.min = field["least"].Numbers(names.size());
+  map.max = field["most"].Numbers(names.size());
   map.offset = field["offset"].Numbers();
   map.matrix = Floats(document, field["matrix"], 1, names.size() * map.offset.size());
   map.fit.frames = fit["frames"].Integer(0, kMaxCount);
@@ -173,9 +173,9 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   model.flame_name = binding["flame"]["name"].String();
   model.flame_sha256 = binding["flame"]["sha256"].String();
   // A geometry that is not known here cannot be played. 0: none.
-  const auto geometry = [&](const char* addition, int least, int most) {
+  const auto geometry = [&](const char* addition, int min, int max) {
     const JsonField flame = binding["flame"];
-    return version < 3 || !flame.Has(addition) ? 0 : flame[addition].Integer(least, most);
+    return version < 3 || !flame.Has(addition) ? 0 : flame[addition].Integer(min, max);
   };
   static_assert(kVhapTeethGeometry == kMouthGeometry + 1);
   const int mouth = geometry("mouth", kMouthGeometry, kVhapTeethGeometry);

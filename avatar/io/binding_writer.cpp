@@ -12,8 +12,8 @@ namespace cosplat {
 namespace {
 
 // The numbers of a basis are steps of 16 bits; below the minimum they change nothing visible.
-constexpr float kMostSteps = 32767;
-constexpr float kLeastCorrection = 1e-9f;
+constexpr float kMaxSteps = 32767;
+constexpr float kMinCorrection = 1e-9f;
 
 int AddArray(GlbDocument& document, View<const float> values, int width) {
   return AddFloats(document, values, width, GlbUse::kData);
@@ -89,15 +89,15 @@ Json CorrectionsOf(GlbDocument& document, const AvatarModel& model) {
   for (size_t i = 0; i < bases.size(); ++i)
     step[i % step.size()] = std::max(step[i % step.size()], std::abs(bases[i]));
   for (float& s : step)
-    s = std::exp2(std::ceil(std::log2(std::max(s, kLeastCorrection) / kMostSteps)));
+    s = std::exp2(std::ceil(std::log2(std::max(s, kMinCorrection) / kMaxSteps)));
   std::vector<int16_t> steps(bases.size());
   for (size_t i = 0; i < bases.size(); ++i)
     steps[i] = int16_t(std::lround(bases[i] / step[i % step.size()]));
   return {{"count", model.gaussians.corrections},
           {"mean", Numbers(map.mean)},
           {"matrix", Numbers(map.matrix)},
-          {"least", Numbers(map.least)},
-          {"most", Numbers(map.most)},
+          {"least", Numbers(map.min)},
+          {"most", Numbers(map.max)},
           {"step", Numbers(step)},
           {"bases", AddShorts(document, steps, GlbUse::kData)}};
 }
@@ -109,8 +109,8 @@ void AddVersion3(const AvatarModel& model, Json& binding) {
     binding["bust"]["follow"] = {{"headMean", Numbers(follow.head_mean)},
                                  {"matrix", Numbers(follow.matrix)},
                                  {"mean", Numbers(follow.mean)},
-                                 {"least", Numbers(follow.least)},
-                                 {"most", Numbers(follow.most)}};
+                                 {"least", Numbers(follow.min)},
+                                 {"most", Numbers(follow.max)}};
   }
 }
 
@@ -118,8 +118,8 @@ void AddVersion3(const AvatarModel& model, Json& binding) {
 Json BlendshapesOf(GlbDocument& document, const BlendshapeMap& map) {
   const BlendshapeFitFigures& fit = map.fit;
   return {{"names", map.names},
-          {"least", Numbers(map.least)},
-          {"most", Numbers(map.most)},
+          {"least", Numbers(map.min)},
+          {"most", Numbers(map.max)},
           {"offset", Numbers(map.offset)},
           {"matrix", AddArray(document, map.matrix, 1)},
           {"fit",

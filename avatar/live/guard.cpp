@@ -86,7 +86,7 @@ float FaceGuard::ShareOfLive(const Course& course, int64_t now_ns) const {
   return 1 - math::Ease(float((age - policy_.hold) / policy_.decay));
 }
 
-void FaceGuard::Show(int64_t now_ns, FlameParams& out) {
+void FaceGuard::BlendFace(int64_t now_ns, FlameParams& out) {
   BlendFaces(rest_, live_.face, ShareOfLive(live_, now_ns), out);
   if (return_ns_ == kNever) return;
   const float returned = float(SecondsSince(return_ns_, now_ns) / policy_.blend_in);
@@ -103,7 +103,7 @@ void FaceGuard::BeginReturn(int64_t now_ns) {
   if (return_ns_ == kNever) {
     std::swap(before_, live_);
   } else {  // during the previous return
-    Show(now_ns, shown_);
+    BlendFace(now_ns, shown_);
     CopyFace(shown_, before_.face);
     before_.began_ns = now_ns;
   }
@@ -142,7 +142,7 @@ const FlameParams& FaceGuard::At(int64_t now_ns) {
   const bool fresh = has_pending_;
   if (has_pending_) TakeUp(now_ns);
   now_ns_ = now_ns;
-  Show(now_ns, shown_);
+  BlendFace(now_ns, shown_);
   const float share = ShareOfLive(live_, now_ns);
   if (live_.began_ns == kNever || share == 0)
     state_ = FaceState::kRest;

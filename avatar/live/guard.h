@@ -1,7 +1,7 @@
 // The policy for bad frames: what a live face does when its parameters are late, wrong or missing.
 //
 // LiveSource::Poll or a host -> FaceGuard::Offer -> [SoftRange] -> [FaceSmoother] -> FaceGuard::At,
-// once per image -> Player::Place.
+// once per image -> Player::Pose.
 //
 //   frames arrive            each is shown as it is
 //   none for `hold`          the last good one is held
@@ -97,7 +97,7 @@ class FaceGuard {
   void TakeUp(int64_t now_ns);
   void BeginReturn(int64_t now_ns);
   void SmoothPending(int64_t now_ns);
-  void Show(int64_t now_ns, FlameParams& out);
+  void BlendFace(int64_t now_ns, FlameParams& out);
   float ShareOfLive(const Course& course, int64_t now_ns) const;
 
   GuardPolicy policy_;

@@ -13,7 +13,7 @@ namespace cosplat {
 
 class NewestPackets {
  public:
-  explicit NewestPackets(size_t most) : slots_(most) {}
+  explicit NewestPackets(size_t max) : slots_(max) {}
 
   // Returns the number of older packets discarded.
   size_t Push(std::string_view packet) {

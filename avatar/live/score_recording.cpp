@@ -10,11 +10,11 @@ namespace cosplat {
 namespace {
 
 double HeightOf(const DetectedFace& face) {
-  const auto [least, most] =
+  const auto [min, max] =
       std::minmax_element(face.points.begin(), face.points.end(), [](const auto& a, const auto& b) {
         return a[1] < b[1];
       });
-  return (*most)[1] - (*least)[1];
+  return (*max)[1] - (*min)[1];
 }
 
 // Null if none has scores.

@@ -168,7 +168,7 @@ class VmcSource : public LiveSource {
     bool used = false;
     bad_ = nullptr;
     for (const OscMessage& message : messages_) {
-      const Use use = message.problem.empty() ? Take(message) : Drop(message, message.problem);
+      const Use use = message.problem.empty() ? Apply(message) : Drop(message, message.problem);
       used = used || use != Use::kNone;
       set_ = set_ || use == Use::kSet;
       if (use != Use::kEndedFrame) continue;
@@ -203,7 +203,7 @@ class VmcSource : public LiveSource {
     return Use::kNone;
   }
 
-  Use Take(const OscMessage& message) {
+  Use Apply(const OscMessage& message) {
     if (SameIgnoringCase(message.address, kApply)) return Use::kEndedFrame;
     if (SameIgnoringCase(message.address, kBone)) return TakeBone(message);
     if (SameIgnoringCase(message.address, kValue)) {

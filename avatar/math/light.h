@@ -25,7 +25,7 @@ COSPLAT_MATH_BEGIN
 constexpr int kLightTerms = 8;
 // The largest coefficient. A light of them all changes by a factor of e^22 at most, so that colours
 // stay finite; videos have coefficients below 1.
-constexpr float kMostLight = 5;
+constexpr float kMaxLight = 5;
 
 template <class T>
 struct LightTerms {

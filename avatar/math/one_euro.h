@@ -38,8 +38,8 @@ inline float Ease(float t) {
 
 // x itself within [least, most]. Outside it the excess e becomes margin * tanh(e / margin), which
 // starts with slope 1 and never exceeds the margin. Twice continuously differentiable.
-inline float SoftClamp(float x, float least, float most, float margin) {
-  const float excess = x - std::clamp(x, least, most);
+inline float SoftClamp(float x, float min, float max, float margin) {
+  const float excess = x - std::clamp(x, min, max);
   return excess == 0 ? x : x - excess + margin * std::tanh(excess / margin);
 }
 

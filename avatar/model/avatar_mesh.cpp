@@ -141,9 +141,9 @@ AvatarPoser::Parameters AvatarPoser::ParametersFor(const FlameParams& params) co
 }
 
 void AvatarPoser::ParametersFor(const FlameParams& params, Parameters& parameters) const {
-  const size_t most = poser_.model().expression_count;
+  const size_t max = poser_.model().expression_count;
   const auto begin = params.expression.begin();
-  parameters.expression.assign(begin, begin + std::min(params.expression.size(), most));
+  parameters.expression.assign(begin, begin + std::min(params.expression.size(), max));
   parameters.pose = params.pose;
   parameters.translation = params.translation;
   parameters.bust = bust_ ? PoseOfBust(*bust_, params) : kMeanBustPose;
@@ -167,15 +167,15 @@ HeadPlace PlaceOfHead(View<const float> vertices, const std::array<float, 3>& ro
   HeadPlace place;
   const std::array<float, 9> turn = flame_math::Rodrigues(root);
   std::copy(turn.begin(), turn.end(), place.world_from_head.m);
-  Vec3<float> least{1e30f, 1e30f, 1e30f}, most{-1e30f, -1e30f, -1e30f};
+  Vec3<float> min{1e30f, 1e30f, 1e30f}, max{-1e30f, -1e30f, -1e30f};
   for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
     const Vec3<float> p = math::TransposeTimes(
         place.world_from_head, Vec3<float>{vertices[i], vertices[i + 1], vertices[i + 2]});
-    least = {std::min(least.x, p.x), std::min(least.y, p.y), std::min(least.z, p.z)};
-    most = {std::max(most.x, p.x), std::max(most.y, p.y), std::max(most.z, p.z)};
+    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
   }
-  place.center = place.world_from_head * ((least + most) * 0.5f);
-  place.extent = std::max(most.x - least.x, most.y - least.y);
+  place.center = place.world_from_head * ((min + max) * 0.5f);
+  place.extent = std::max(max.x - min.x, max.y - min.y);
   return place;
 }
 

@@ -43,7 +43,7 @@ struct BustFollow {
   std::array<float, kBustInputs> head_mean{};
   std::array<float, kBustOutputs * kBustInputs> matrix{};  // row-major
   std::array<float, kBustOutputs> mean{};
-  std::array<float, kBustOutputs> least{}, most{};  // in the training frames
+  std::array<float, kBustOutputs> min{}, max{};  // in the training frames
 };
 
 // Shoulders and clothes, which FLAME does not cover: a sheet below the neck
@@ -88,11 +88,11 @@ struct TrainedRange {
 // neck, jaw, left and right eye. weight_k = matrix_k (z - mean), softly limited to [least_k,
 // most_k].
 struct CorrectionMap {
-  std::vector<float> mean;         // [Z]
-  std::vector<float> matrix;       // [K, Z]
-  std::vector<float> least, most;  // [K] in the training frames
+  std::vector<float> mean;      // [Z]
+  std::vector<float> matrix;    // [K, Z]
+  std::vector<float> min, max;  // [K] in the training frames
 
-  size_t count() const { return least.size(); }
+  size_t count() const { return min.size(); }
 };
 
 // Light that stands still in the world (avatar/math/light.h): [kLightTerms, 3] coefficients.

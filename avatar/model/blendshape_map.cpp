@@ -38,9 +38,9 @@ constexpr GeneralTurn kGeneralTurns[] = {{"jawOpen", kJawDown, kJawOpen},
                                          {"eyeLookOutRight", kRightEye + 1, -kGazeAside}};
 
 float Limited(const BlendshapeMap& map, size_t c, float score) {
-  const float least = map.least[c], most = map.most[c];
-  const float margin = kScoreMargin * (most - least);
-  return math::SoftClamp(std::clamp(score, 0.0f, 1.0f), least, most, margin);
+  const float min = map.min[c], max = map.max[c];
+  const float margin = kScoreMargin * (max - min);
+  return math::SoftClamp(std::clamp(score, 0.0f, 1.0f), min, max, margin);
 }
 
 std::string SizeProblem(const char* field, size_t found, size_t expected) {
@@ -70,9 +70,9 @@ std::string NameProblem(const std::vector<std::string>& names) {
 
 std::string RangeProblem(const BlendshapeMap& map) {
   for (size_t c = 0; c < map.names.size(); ++c)
-    if (!(0 <= map.least[c] && map.least[c] < map.most[c] && map.most[c] <= 1))
-      return "most: that of '" + map.names[c] + "' is " + std::to_string(map.most[c]) +
-             ", its least " + std::to_string(map.least[c]) + ", expected a range within 0 to 1";
+    if (!(0 <= map.min[c] && map.min[c] < map.max[c] && map.max[c] <= 1))
+      return "most: that of '" + map.names[c] + "' is " + std::to_string(map.max[c]) +
+             ", its least " + std::to_string(map.min[c]) + ", expected a range within 0 to 1";
   return "";
 }
 
@@ -98,11 +98,11 @@ std::string ProblemOf(const BlendshapeMap& map) {
            std::to_string(kMappedTurns);
   const BlendshapeFitFigures& fit = map.fit;
   const std::string problems[] = {
-      SizeProblem("least", map.least.size(), count),
-      SizeProblem("most", map.most.size(), count),
+      SizeProblem("least", map.min.size(), count),
+      SizeProblem("most", map.max.size(), count),
       SizeProblem("matrix", map.matrix.size(), count * map.offset.size()),
-      NumberProblem("least", map.least),
-      NumberProblem("most", map.most),
+      NumberProblem("least", map.min),
+      NumberProblem("most", map.max),
       NumberProblem("offset", map.offset),
       NumberProblem("matrix", map.matrix),
       NumberProblem("fit", {fit.r2, fit.error, fit.mean_face_error}),
@@ -150,8 +150,8 @@ BlendshapeMap GeneralBlendshapeMap(const FlameModel* flame) {
   map.offset.assign(expressions + kMappedTurns, 0.0f);
   const auto add = [&](const char* name, size_t output, float value) {
     map.names.push_back(name);
-    map.least.push_back(0);
-    map.most.push_back(1);
+    map.min.push_back(0);
+    map.max.push_back(1);
     map.matrix.resize(map.names.size() * map.offset.size());
     map.matrix[map.matrix.size() - map.offset.size() + output] = value;
   };

@@ -39,7 +39,7 @@ struct BlendshapeFitFigures {
 // most_c].
 struct BlendshapeMap {
   std::vector<std::string> names;  // [C], of the scores
-  std::vector<float> least, most;  // [C] in the frames that it was fitted to, within 0 to 1
+  std::vector<float> min, max;     // [C] in the frames that it was fitted to, within 0 to 1
   std::vector<float> offset;       // [E + kMappedTurns] at scores of zero
   std::vector<float> matrix;       // [C, E + kMappedTurns], a row per score
   BlendshapeFitFigures fit;

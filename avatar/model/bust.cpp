@@ -21,7 +21,7 @@ constexpr double kObservations = 4 * kBlocks;
 constexpr std::array<double, 5> kDampings{HUGE_VAL, 10, 1, 0.1, 0.01};
 // The most that an output can exceed its range, as a fraction of the range's width.
 constexpr float kBustMargin = 0.25f;
-constexpr float kLeastBustMargin = 1e-6f;
+constexpr float kMinBustMargin = 1e-6f;
 
 // The head's root turn relative to the bust's mean, its translation, and the neck's turn.
 std::array<float, kBustInputs> InputsOf(const Bust& bust, const FlameParams& params) {
@@ -113,8 +113,8 @@ BustPose PoseOfBust(const Bust& bust, const FlameParams& params) {
   for (size_t r = 0; r < kBustOutputs; ++r) {
     for (size_t c = 0; c < kBustInputs; ++c)
       out[r] += f.matrix[kBustInputs * r + c] * (inputs[c] - f.head_mean[c]);
-    const float margin = std::max(kLeastBustMargin, kBustMargin * (f.most[r] - f.least[r]));
-    out[r] = math::SoftClamp(out[r], f.least[r], f.most[r], margin);
+    const float margin = std::max(kMinBustMargin, kBustMargin * (f.max[r] - f.min[r]));
+    out[r] = math::SoftClamp(out[r], f.min[r], f.max[r], margin);
   }
   return {math::QuatOfAxisAngle({out[0], out[1], out[2]}), {out[3], out[4], out[5]}};
 }
@@ -123,7 +123,7 @@ void HoldBustStill(AvatarModel& avatar) {
   if (!avatar.bust || !avatar.bust->follow) return;
   BustFollow& follow = *avatar.bust->follow;
   follow.matrix = {};
-  follow.least = follow.most = follow.mean;
+  follow.min = follow.max = follow.mean;
 }
 
 BustFollow FitBustFollow(const Bust& bust,
@@ -146,8 +146,8 @@ BustFollow FitBustFollow(const Bust& bust,
       follow.matrix[kBustInputs * r + c] = float(map.slope[long(c)]);
     }
     follow.mean[r] = float(map.output_mean);
-    follow.least[r] = float(output.minCoeff());
-    follow.most[r] = float(output.maxCoeff());
+    follow.min[r] = float(output.minCoeff());
+    follow.max[r] = float(output.maxCoeff());
   }
   return follow;
 }

@@ -13,8 +13,8 @@ using Parameters = FlamePoser<float>::Parameters;
 
 // Components that move the mesh less are rounding: variance in square metres, and as a share of the
 // largest.
-constexpr double kLeastVariance = 1e-14;
-constexpr double kLeastShare = 1e-6;
+constexpr double kMinVariance = 1e-14;
+constexpr double kMinShare = 1e-6;
 // The most that a weight can exceed its range, as a fraction of the range's width.
 constexpr float kWeightMargin = 0.25f;
 // A basis that is weaker than this share of the strongest one is dropped after training.
@@ -61,7 +61,7 @@ std::vector<double> StrengthsOf(const AvatarModel& avatar) {
   for (size_t i = 0; i < bases.size(); ++i)
     strengths[i / kCorrectionNumbers % map.count()] += double(bases[i]) * bases[i];
   for (size_t k = 0; k < map.count(); ++k)
-    strengths[k] *= std::pow(std::max(std::abs(map.least[k]), std::abs(map.most[k])), 2);
+    strengths[k] *= std::pow(std::max(std::abs(map.min[k]), std::abs(map.max[k])), 2);
   return strengths;
 }
 
@@ -86,15 +86,15 @@ CorrectionMap FindCorrectionMap(const FlameModel& flame,
   for (size_t k = 0; k < std::min(count, inputs); ++k) {
     const long column = long(inputs - 1 - k);  // the largest first
     const double variance = solver.eigenvalues()[column];
-    if (!(variance > kLeastVariance && variance > kLeastShare * largest)) break;
+    if (!(variance > kMinVariance && variance > kMinShare * largest)) break;
     Eigen::VectorXd row = solver.eigenvectors().col(column).array() * reach.transpose().array();
     Eigen::VectorXd weights = z * row;
-    const double most = weights.cwiseAbs().maxCoeff();
-    row /= most;
-    weights /= most;
+    const double max = weights.cwiseAbs().maxCoeff();
+    row /= max;
+    weights /= max;
     map.matrix.insert(map.matrix.end(), row.data(), row.data() + inputs);
-    map.least.push_back(float(weights.minCoeff()));
-    map.most.push_back(float(weights.maxCoeff()));
+    map.min.push_back(float(weights.minCoeff()));
+    map.max.push_back(float(weights.maxCoeff()));
   }
   return map;
 }
@@ -109,27 +109,27 @@ void CorrectionWeights(const CorrectionMap& map,
     for (size_t i = 0; i < inputs; ++i)
       sum += double(map.matrix[k * inputs + i]) *
              (double(InputAt(parameters, i, inputs)) - map.mean[i]);
-    const float margin = kWeightMargin * (map.most[k] - map.least[k]);
-    weights[k] = math::SoftClamp(float(sum), map.least[k], map.most[k], margin);
+    const float margin = kWeightMargin * (map.max[k] - map.min[k]);
+    weights[k] = math::SoftClamp(float(sum), map.min[k], map.max[k], margin);
   }
 }
 
 void DropIdleCorrections(AvatarModel& avatar) {
   const std::vector<double> strengths = StrengthsOf(avatar);
   if (strengths.empty()) return;
-  const double least =
+  const double min =
       kIdleShare * kIdleShare * *std::max_element(strengths.begin(), strengths.end());
   const CorrectionMap& map = avatar.correction_map;
   const size_t inputs = map.mean.size();
   CorrectionMap kept{map.mean, {}, {}, {}};
   std::vector<size_t> from;
   for (size_t k = 0; k < strengths.size(); ++k) {
-    if (strengths[k] <= least) continue;
+    if (strengths[k] <= min) continue;
     from.push_back(k);
     const auto row = map.matrix.begin() + std::ptrdiff_t(k * inputs);
     kept.matrix.insert(kept.matrix.end(), row, row + std::ptrdiff_t(inputs));
-    kept.least.push_back(map.least[k]);
-    kept.most.push_back(map.most[k]);
+    kept.min.push_back(map.min[k]);
+    kept.max.push_back(map.max[k]);
   }
   Buffer<float> bases;
   for (size_t i = 0; i < avatar.size(); ++i)

@@ -16,9 +16,9 @@ TrainedRange RangeOf(const std::vector<FlameParams>& frames) {
     const std::vector<float>& expression = frames[f].expression;
     for (size_t i = 0; i < count; ++i) {
       const float x = i < expression.size() ? expression[i] : 0;
-      float &least = range.expression_least[i], &most = range.expression_most[i];
-      least = f == 0 ? x : std::min(least, x);
-      most = f == 0 ? x : std::max(most, x);
+      float &min = range.expression_least[i], &max = range.expression_most[i];
+      min = f == 0 ? x : std::min(min, x);
+      max = f == 0 ? x : std::max(max, x);
     }
     for (size_t j = 0; j < kFlameJoints; ++j) {
       const auto r = math::AxisAngleOf(math::ShorterWay(math::QuatOfAxisAngle(frames[f].pose[j])));

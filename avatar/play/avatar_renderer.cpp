@@ -23,7 +23,7 @@ void AvatarRenderer::Draw(const AvatarRig& rig,
                           const Camera& camera,
                           const RenderSettings& settings,
                           RenderedImage& image) {
-  Place(rig, placement);
+  Pose(rig, placement);
   Forward(camera, settings);
   images_.Download(image, times);
 }
@@ -34,12 +34,12 @@ void AvatarRenderer::DrawToStay(const AvatarRig& rig,
                                 const RenderSettings& settings,
                                 AlphaMode alpha,
                                 std::unique_ptr<DeviceImage>& out) {
-  Place(rig, placement);
+  Pose(rig, placement);
   Forward(camera, settings);
   images_.Keep(alpha, out, times);
 }
 
-void AvatarRenderer::Place(const AvatarRig& rig, uint64_t placement) {
+void AvatarRenderer::Pose(const AvatarRig& rig, uint64_t placement) {
   if (placement != 0 && placement == placed_) return;
   placed_ = 0;
   surface_.Pose(poser_.Pose(rig, images_.stream()));

@@ -47,7 +47,7 @@ class AvatarRenderer {
   PhaseTimes times;  // project, sort, blend; reset by the caller
 
  private:
-  void Place(const AvatarRig& rig, uint64_t placement);
+  void Pose(const AvatarRig& rig, uint64_t placement);
   void Forward(const Camera& camera, const RenderSettings& settings);
 
   ImageRenderer images_;

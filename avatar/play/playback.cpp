@@ -10,9 +10,9 @@ namespace cosplat {
 const RenderedImage* Playback::Next(PlaybackFrame frame) { return Step(std::move(frame)); }
 const RenderedImage* Playback::Finish() { return Step(std::nullopt); }
 
-std::exception_ptr Playback::Place(const PlaybackFrame& frame, size_t place) {
+std::exception_ptr Playback::Pose(const PlaybackFrame& frame, size_t place) {
   try {
-    player_.Place(frame.params, places_[place]);
+    player_.Pose(frame.params, places_[place]);
     return nullptr;
   } catch (...) {
     return std::current_exception();
@@ -26,7 +26,7 @@ const RenderedImage* Playback::Step(std::optional<PlaybackFrame> next) {
   std::exception_ptr next_error, error = waiting_error_;
   const RenderedImage* image = nullptr;
   tbb::task_group group;
-  if (next && !same_pose) group.run([&] { next_error = Place(*next, next_place); });
+  if (next && !same_pose) group.run([&] { next_error = Pose(*next, next_place); });
   if (waiting_ && !error) try {
       // Isolated, so that this thread does not start on the other frame while it waits for tiles.
       tbb::this_task_arena::isolate([&] {

@@ -38,10 +38,10 @@ class Playback {
  private:
   const RenderedImage* Step(std::optional<PlaybackFrame> next);
   // Places the frame while another is rendered; returns the exception, if any.
-  std::exception_ptr Place(const PlaybackFrame& frame, size_t place);
+  std::exception_ptr Pose(const PlaybackFrame& frame, size_t place);
 
   Player& player_;
-  std::array<PlacedAvatar, 2> places_;
+  std::array<PosedAvatar, 2> places_;
   std::optional<PlaybackFrame> waiting_;  // handed in, not yet rendered
   std::exception_ptr waiting_error_;      // why it could not be placed
   size_t waiting_place_ = 0;

@@ -42,7 +42,7 @@ void SortAvatar(AvatarModel& avatar) {
 
 }  // namespace
 
-bool PlacedAvatar::IsFor(const FlameParams& params) const {
+bool PosedAvatar::IsFor(const FlameParams& params) const {
   return id_ != 0 && SameBits(params.expression, params_.expression) &&
          SameBits(params.pose, params_.pose) && SameBits(params.translation, params_.translation);
 }
@@ -67,7 +67,7 @@ Player::Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings setti
   renderer_ = settings.make_renderer(avatar_, posing);
 }
 
-void Player::Place(const FlameParams& params, PlacedAvatar& out) {
+void Player::Pose(const FlameParams& params, PosedAvatar& out) {
   if (out.IsFor(params)) return;
   poser_.ParametersFor(params, frame_);
   if (renderer_)
@@ -81,13 +81,13 @@ void Player::Place(const FlameParams& params, PlacedAvatar& out) {
   if (!renderer_) out.posed_id_ = out.bound_id_ = out.id_;
 }
 
-void Player::PoseAndBind(PlacedAvatar& placed) {
+void Player::PoseAndBind(PosedAvatar& placed) {
   poser_.Forward(frame_, placed.vertices_);  // throws before it writes
   placed.id_ = 0;
   BindInto(placed);
 }
 
-void Player::Prepare(PlacedAvatar& placed) {
+void Player::Prepare(PosedAvatar& placed) {
   poser_.flame().Prepare(frame_, rig_.flame);
   reach_->Check(rig_.flame);
   rig_.bust = frame_.bust;
@@ -95,13 +95,13 @@ void Player::Prepare(PlacedAvatar& placed) {
   std::swap(placed.rig_, rig_);
 }
 
-void Player::BindInto(PlacedAvatar& placed) {
+void Player::BindInto(PosedAvatar& placed) {
   surface_.Pose(placed.vertices_);
   CorrectionWeights(avatar_.correction_map, frame_, weights_);
   Bind(avatar_, surface_, placed.gaussians_, weights_);
 }
 
-const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
+const std::vector<float>& Player::VerticesOf(PosedAvatar& placed) {
   if (placed.posed_id_ != placed.id_) {
     poser_.ParametersFor(placed.params_, frame_);
     poser_.Forward(frame_, placed.vertices_);
@@ -110,17 +110,17 @@ const std::vector<float>& Player::VerticesOf(PlacedAvatar& placed) {
   return placed.vertices_;
 }
 
-const PosedGaussians& Player::GaussiansOf(PlacedAvatar& placed) {
+const PosedGaussians& Player::GaussiansOf(PosedAvatar& placed) {
   if (placed.bound_id_ != placed.id_) {
     VerticesOf(placed);
-    poser_.ParametersFor(placed.params_, frame_);  // the last Place may have been of another
+    poser_.ParametersFor(placed.params_, frame_);  // the last Pose may have been of another
     BindInto(placed);
     placed.bound_id_ = placed.id_;
   }
   return placed.gaussians_;
 }
 
-const RenderedImage& Player::Draw(const PlacedAvatar& placed,
+const RenderedImage& Player::Draw(const PosedAvatar& placed,
                                   const Camera& camera,
                                   const std::array<float, 3>& background) {
   if (placed.id_ == 0) throw Error("avatar", "placed", "was not placed before rendering");
@@ -140,7 +140,7 @@ const RenderedImage& Player::Draw(const PlacedAvatar& placed,
   return last_.image;
 }
 
-void Player::DrawToStay(const PlacedAvatar& placed,
+void Player::DrawToStay(const PosedAvatar& placed,
                         const Camera& camera,
                         const std::array<float, 3>& background,
                         AlphaMode alpha,
@@ -151,7 +151,7 @@ void Player::DrawToStay(const PlacedAvatar& placed,
       placed.rig_, placed.id_, camera, {background, avatar_.gaussians.degree}, alpha, out);
 }
 
-void Player::DrawInto(const PlacedAvatar& placed,
+void Player::DrawInto(const PosedAvatar& placed,
                       const Camera& camera,
                       const RenderSettings& settings,
                       RenderedImage& image) {
@@ -168,12 +168,12 @@ void Player::RenderOver(const FlameParams& params,
                         const Camera& camera,
                         const std::array<float, 3>& background,
                         RenderedImage& out) {
-  Place(params, placed_);
+  Pose(params, placed_);
   out = Draw(placed_, camera, background);
 }
 
 void Player::Render(const FlameParams& params, const Camera& camera, Image8& out) {
-  Place(params, placed_);
+  Pose(params, placed_);
   ToStraightAlphaBytes(Draw(placed_, camera, {0, 0, 0}), out);
 }
 

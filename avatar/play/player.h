@@ -1,6 +1,6 @@
 // Renders an avatar: FLAME parameters + camera -> image. Links no training code.
 //
-// AvatarModel -> Player: Place (pose -> surface -> bind) -> PlacedAvatar -> Draw (rasterise) ->
+// AvatarModel -> Player: Pose (pose -> surface -> bind) -> PosedAvatar -> Draw (rasterise) ->
 // image. Results that have not changed since the last frame are reused; every image is
 // bit-identical to that of a new player. avatar/play/playback.h runs both halves in parallel.
 #pragma once
@@ -28,8 +28,8 @@ struct PlayerSettings {
   AvatarRendererMaker make_renderer{};
 };
 
-// An avatar's Gaussians in the world, for one frame's parameters. Player::Place fills it.
-class PlacedAvatar {
+// An avatar's Gaussians in the world, for one frame's parameters. Player::Pose fills it.
+class PosedAvatar {
  public:
   // Whether it was placed for bit-identical parameters. Shape and static offset are not compared,
   // since the avatar has its own.
@@ -37,7 +37,7 @@ class PlacedAvatar {
 
  private:
   friend class Player;
-  uint64_t id_ = 0;        // of the call of Place that filled it; 0: none
+  uint64_t id_ = 0;        // of the call of Pose that filled it; 0: none
   uint64_t posed_id_ = 0;  // the id_ that vertices_ belong to
   uint64_t bound_id_ = 0;  // the id_ that gaussians_ belong to
   FlameParams params_;
@@ -52,21 +52,21 @@ class Player {
   // reference to `flame`. Throws Error when avatar and model do not match.
   Player(AvatarModel avatar, const FlameModel& flame, PlayerSettings settings = {});
 
-  // Place and Draw are the two halves of a frame. They may run in parallel, one call of each at a
+  // Pose and Draw are the two halves of a frame. They may run in parallel, one call of each at a
   // time, as long as the avatar being drawn is not the one being placed.
   //
   // Expression coefficients that the model does not have are ignored. Throws Error when a parameter
   // is not finite; `out` then keeps its content. Does nothing if `out.IsFor(params)`: `out` must be
   // new or have been placed by this player.
-  void Place(const FlameParams& params, PlacedAvatar& out);
+  void Pose(const FlameParams& params, PosedAvatar& out);
   // The posed vertices, [V, 3] metres, and the Gaussians of an avatar placed by this player. When
   // rendering on a device, which has its own, they are computed by these calls on the CPU, which
-  // therefore must not run in parallel with Place.
-  const std::vector<float>& VerticesOf(PlacedAvatar& placed);
-  const PosedGaussians& GaussiansOf(PlacedAvatar& placed);
+  // therefore must not run in parallel with Pose.
+  const std::vector<float>& VerticesOf(PosedAvatar& placed);
+  const PosedGaussians& GaussiansOf(PosedAvatar& placed);
   // Renders an avatar placed by this player over a background. The image is owned by the player and
   // valid until the next call; it is reused for the same avatar, camera and background.
-  const RenderedImage& Draw(const PlacedAvatar& placed,
+  const RenderedImage& Draw(const PosedAvatar& placed,
                             const Camera& camera,
                             const std::array<float, 3>& background);
   // Whether images can stay on the device: the player renders on one, at full resolution.
@@ -74,13 +74,13 @@ class Player {
   // As Draw, but the image stays on the device and is rendered on every call. out: null, or an
   // image of this player. The background must be black except with AlphaMode::kOpaque. Throws Error
   // unless DrawsOnDevice().
-  void DrawToStay(const PlacedAvatar& placed,
+  void DrawToStay(const PosedAvatar& placed,
                   const Camera& camera,
                   const std::array<float, 3>& background,
                   AlphaMode alpha,
                   std::unique_ptr<DeviceImage>& out);
 
-  // Place and Draw; throws as they do, and `out` then keeps its content.
+  // Pose and Draw; throws as they do, and `out` then keeps its content.
   void RenderOver(const FlameParams& params,
                   const Camera& camera,
                   const std::array<float, 3>& background,
@@ -99,16 +99,16 @@ class Player {
 
  private:
   struct Image {
-    uint64_t id = 0;  // of the PlacedAvatar; 0: none yet
+    uint64_t id = 0;  // of the PosedAvatar; 0: none yet
     Camera camera;
     std::array<float, 3> background{};
     RenderedImage image;
   };
 
-  void Prepare(PlacedAvatar& placed);
-  void PoseAndBind(PlacedAvatar& placed);
-  void BindInto(PlacedAvatar& placed);
-  void DrawInto(const PlacedAvatar& placed,
+  void Prepare(PosedAvatar& placed);
+  void PoseAndBind(PosedAvatar& placed);
+  void BindInto(PosedAvatar& placed);
+  void DrawInto(const PosedAvatar& placed,
                 const Camera& camera,
                 const RenderSettings& settings,
                 RenderedImage& image);
@@ -116,14 +116,14 @@ class Player {
   AvatarModel avatar_;
   bool half_resolution_;
   AvatarPoser poser_;
-  AvatarPoser::Parameters frame_;  // of the last Place; reused for its memory
+  AvatarPoser::Parameters frame_;  // of the last Pose; reused for its memory
   std::vector<float> weights_;     // of corrections; reused for its memory
   Surface surface_;
   uint64_t last_id_ = 0;
-  PlacedAvatar placed_;
+  PosedAvatar placed_;
   std::unique_ptr<AvatarRenderer> renderer_;  // null: rendered on the CPU by rasterizer_ and tape_
   std::optional<PosingReach> reach_;          // set if renderer_ is
-  AvatarRig rig_;                             // of the next Place; reused for its memory
+  AvatarRig rig_;                             // of the next Pose; reused for its memory
   std::unique_ptr<Rasterizer> rasterizer_;
   std::unique_ptr<RenderTape> tape_;
   Image last_;

@@ -23,11 +23,10 @@ constexpr float kMaxElevation = 1.5f;  // short of the poles, where the up direc
 constexpr float kMaxAzimuth = 1000;    // many turns, but floats still resolve single degrees
 constexpr float kMaxZoom = 100;
 
-void CheckBetween(float value, float least, float most, const char* field) {
+void CheckBetween(float value, float min, float max, const char* field) {
   if (!std::isfinite(value))
     throw CodedError(COSPLAT_ERROR_NOT_FINITE, field, std::to_string(value) + " is not finite");
-  if (value < least || value > most)
-    Refuse(field, Format("{} is not from {} to {}", value, least, most));
+  if (value < min || value > max) Refuse(field, Format("{} is not from {} to {}", value, min, max));
 }
 
 }  // namespace
@@ -43,9 +42,9 @@ void CheckSize(uint32_t width, uint32_t height, const char* name) {
 
 Camera ToCamera(const cosplat_camera& given) {
   CheckSize(given.width, given.height, "camera");
-  const float least_focal = 1 / kMaxCameraNumber;
-  CheckBetween(given.fx, least_focal, kMaxCameraNumber, "camera.fx");
-  CheckBetween(given.fy, least_focal, kMaxCameraNumber, "camera.fy");
+  const float min_focal = 1 / kMaxCameraNumber;
+  CheckBetween(given.fx, min_focal, kMaxCameraNumber, "camera.fx");
+  CheckBetween(given.fy, min_focal, kMaxCameraNumber, "camera.fy");
   CheckBetween(given.cx, -kMaxCameraNumber, kMaxCameraNumber, "camera.cx");
   CheckBetween(given.cy, -kMaxCameraNumber, kMaxCameraNumber, "camera.cy");
   std::array<double, 9> rotation;

@@ -68,9 +68,9 @@ cosplat_info InfoOf(const AvatarModel& avatar,
   info.joint_count = kFlameJoints;
   const Buffer<float>& position = rest.position;
   for (size_t i = 0; i < position.size(); ++i) {
-    float &least = info.box_min[i % 3], &most = info.box_max[i % 3];
-    least = i < 3 ? position[i] : std::min(least, position[i]);
-    most = i < 3 ? position[i] : std::max(most, position[i]);
+    float &min = info.box_min[i % 3], &max = info.box_max[i % 3];
+    min = i < 3 ? position[i] : std::min(min, position[i]);
+    max = i < 3 ? position[i] : std::max(max, position[i]);
   }
   std::copy(avatar.background.begin(), avatar.background.end(), info.background);
   return info;
@@ -88,8 +88,8 @@ ptrdiff_t CheckedStride(int64_t stride, uint32_t width, int64_t step, const char
   return ptrdiff_t(stride);
 }
 
-void CheckChoice(uint32_t value, uint32_t most, const char* field) {
-  if (value > most) Refuse(field, Format("{} is not from 0 to {}", value, most));
+void CheckChoice(uint32_t value, uint32_t max, const char* field) {
+  if (value > max) Refuse(field, Format("{} is not from 0 to {}", value, max));
 }
 
 void CheckPicture(const cosplat_picture& picture) {
@@ -116,7 +116,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
       rest_(RestRoot(player_.avatar(), flame_)),
       parameters_(size_t(flame_.expression_count), rest_),
       face_(parameters_.rest(), flame_, player_.avatar()) {
-  player_.Place(parameters_.current(), placed_);
+  player_.Pose(parameters_.current(), placed_);
   info_ = InfoOf(player_.avatar(), flame_, player_.GaussiansOf(placed_));
   // The head alone, whose vertices come before those of the bust.
   head_place_ = PlaceOfHead({player_.VerticesOf(placed_).data(), 3 * size_t(flame_.vertex_count)},
@@ -144,12 +144,12 @@ void Instance::SetDrive(const char* drive) {
   parameters_.ForgetTime();
 }
 
-void Instance::Place() {
-  player_.Place(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
+void Instance::Pose() {
+  player_.Pose(face_.shown() ? *face_.shown() : parameters_.current(), placed_);
 }
 
 WorldGaussians Instance::Placed() {
-  Place();
+  Pose();
   const AvatarModel& avatar = player_.avatar();
   return PosedView(avatar.gaussians, player_.GaussiansOf(placed_), avatar.color_frame);
 }
@@ -164,7 +164,7 @@ void Instance::Render(const cosplat_picture& picture) {
   if (picture.alpha == COSPLAT_ALPHA_OPAQUE) std::copy_n(picture.background, 3, background.begin());
 
   // Both images are rendered before anything is written, so that a failure writes nothing.
-  Place();
+  Pose();
   const RenderedImage& image = player_.Draw(placed_, camera, background);
   if (picture.depth) {
     if (!depth_) depth_.emplace();

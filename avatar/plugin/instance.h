@@ -61,14 +61,14 @@ class Instance {
 
  private:
   Camera CameraFor(const cosplat_picture& picture) const;
-  void Place();
+  void Pose();
 
   FlameModel flame_;
   Player player_;
   FlameParams rest_;
   LiveParameters parameters_;
   InstanceFace face_;
-  PlacedAvatar placed_;
+  PosedAvatar placed_;
   std::optional<Camera> camera_;
   std::optional<DepthPass> depth_;  // created when a depth is first requested
   cosplat_info info_{};

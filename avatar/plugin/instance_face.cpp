@@ -17,10 +17,10 @@ constexpr float kMinSeconds = 1e-6f, kMaxSeconds = 1e6f;
 constexpr float kMinCutoff = 1e-3f, kMaxCutoff = 1e4f;
 constexpr float kMaxBeta = 1e4f;
 
-float Within(float value, float least, float most, double otherwise, const char* field) {
+float Within(float value, float min, float max, double otherwise, const char* field) {
   if (value == 0) return float(otherwise);
-  if (!(value >= least && value <= most))
-    Refuse(field, Format("{} is neither 0 nor from {} to {}", value, least, most));
+  if (!(value >= min && value <= max))
+    Refuse(field, Format("{} is neither 0 nor from {} to {}", value, min, max));
   return value;
 }
 

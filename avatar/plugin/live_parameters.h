@@ -1,7 +1,7 @@
 // The current parameters of an avatar's face. New ones are checked completely before any is stored,
 // so that bad ones leave the last good ones in place.
 //
-// cosplat_set_... -> LiveParameters -> current() -> Player::Place, directly or through
+// cosplat_set_... -> LiveParameters -> current() -> Player::Pose, directly or through
 // InstanceFace.
 #pragma once
 

@@ -28,8 +28,9 @@ struct PosedGaussians {
   // Resizes all but opacities and colours; the values are undefined.
   void Refill(size_t n, Stream& stream);
   void Resize(size_t n) { Refill(n, HostStream()); }
-  size_t held() const {  // bytes
-    return HeldBy(position, rotation, scale_log, frame) + HeldBy(opacity_logit, color_dc);
+  size_t allocated_bytes() const {  // bytes
+    return AllocatedBytes(position, rotation, scale_log, frame) +
+           AllocatedBytes(opacity_logit, color_dc);
   }
   static constexpr size_t kBytesPerGaussian = (3 + 4 + 3 + 4) * sizeof(float);
 };
@@ -54,8 +55,8 @@ class FaceLists {
   // To be called when the embedding has changed.
   void Forget() { known_ = false; }
   // Bytes of buffers per Gaussian, and of buffers per face.
-  size_t held() const { return by_face_.held(); }
-  size_t HeldForMesh() const { return HeldBy(begin_); }
+  size_t allocated_bytes() const { return by_face_.allocated_bytes(); }
+  size_t MeshBytes() const { return AllocatedBytes(begin_); }
   static constexpr size_t kBytesPerGaussian = 4 * sizeof(uint32_t);
 
  private:

@@ -145,10 +145,11 @@ void Surface::Backward(const Buffer<SurfaceVertex>& d_surface, Buffer<float>& d_
           math::SumCornersKernel{arrays, d_sums, d_corners_.data(), d_vertices.data()});
 }
 
-size_t Surface::held() const {
-  return HeldBy(face_vertices_, face_neighbors_, vertex_face_begin_, vertex_faces_) +
-         HeldBy(corner_places_, neighbor_edges_, canonical_frames_, canonical_, canonical_areas_) +
-         HeldBy(vertices_, posed_faces_, sums_, signs_, d_sums_, d_corners_);
+size_t Surface::allocated_bytes() const {
+  return AllocatedBytes(face_vertices_, face_neighbors_, vertex_face_begin_, vertex_faces_) +
+         AllocatedBytes(
+             corner_places_, neighbor_edges_, canonical_frames_, canonical_, canonical_areas_) +
+         AllocatedBytes(vertices_, posed_faces_, sums_, signs_, d_sums_, d_corners_);
 }
 
 double FaceArea(const CanonicalMesh& mesh, size_t face) {

@@ -58,7 +58,7 @@ class Surface {
   SurfaceArrays Arrays() const;
   // The canonical mesh and its adjacency as kernel arguments.
   MeshArrays CanonicalArrays() const;
-  size_t held() const;  // bytes of the stream's memory
+  size_t allocated_bytes() const;  // bytes of the stream's memory
 
  private:
   void UploadMesh(const CanonicalMesh& mesh);

@@ -58,8 +58,10 @@ class TriangleWalk {
 
   const Buffer<uint8_t>& outcomes() const { return outcomes_; }  // [N] WalkOutcome of the last walk
   // Bytes of buffers per Gaussian, and of buffers per face.
-  size_t held() const { return HeldBy(ends_, taken_, outcomes_, places_, at_boundary_); }
-  size_t HeldForMesh() const { return HeldBy(face_count_); }
+  size_t allocated_bytes() const {
+    return AllocatedBytes(ends_, taken_, outcomes_, places_, at_boundary_);
+  }
+  size_t MeshBytes() const { return AllocatedBytes(face_count_); }
   static constexpr size_t kBytesPerGaussian =
       sizeof(math::WalkEnd) + 2 * sizeof(uint8_t) + sizeof(uint64_t) + sizeof(uint32_t);
 

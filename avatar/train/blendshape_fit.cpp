@@ -134,8 +134,8 @@ class Regression {
     map.offset.assign(offset.data(), offset.data() + offset.size());
     for (long c = 0; c < b.rows(); ++c) {
       // Constant outside the fold: the range must not be empty.
-      map.least.push_back(float(std::min(least_[c], 1 - kMinRange)));
-      map.most.push_back(float(std::max(most_[c], map.least.back() + kMinRange)));
+      map.min.push_back(float(std::min(least_[c], 1 - kMinRange)));
+      map.max.push_back(float(std::max(most_[c], map.min.back() + kMinRange)));
       for (long o = 0; o < b.cols(); ++o) map.matrix.push_back(float(b(c, o)));
     }
     return map;
@@ -285,8 +285,8 @@ void AddGeneral(const FlameModel& model, const BlendshapeSamples& samples, Blend
         mean += double(samples.scores[i][c]) / double(samples.size());
     const RowVectorXd row = RowOf(general, g);
     map.names.push_back(name);
-    map.least.push_back(0);
-    map.most.push_back(1);
+    map.min.push_back(0);
+    map.max.push_back(1);
     for (long o = 0; o < row.size(); ++o) {
       map.matrix.push_back(float(row[o]));
       map.offset[size_t(o)] -= float(mean * row[o]);

@@ -23,14 +23,14 @@ struct FaceBox {
 };
 
 FaceBox BoxOf(const DetectedFace& face) {
-  Pixel least = face.points[0], most = face.points[0];
+  Pixel min = face.points[0], max = face.points[0];
   for (const Pixel& p : face.points)
     for (size_t k = 0; k < 2; ++k) {
-      least[k] = std::min(least[k], p[k]);
-      most[k] = std::max(most[k], p[k]);
+      min[k] = std::min(min[k], p[k]);
+      max[k] = std::max(max[k], p[k]);
     }
-  return {{(least[0] + most[0]) / 2, (least[1] + most[1]) / 2},
-          std::max(most[0] - least[0], most[1] - least[1])};
+  return {{(min[0] + max[0]) / 2, (min[1] + max[1]) / 2},
+          std::max(max[0] - min[0], max[1] - min[1])};
 }
 
 double Distance(const Pixel& a, const Pixel& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }

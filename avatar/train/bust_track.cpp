@@ -60,7 +60,7 @@ void BustTrack::WorkIn(Stream& stream) {
   SetStates(states);
 }
 
-void BustTrack::Place(size_t frame, View<float> vertices) {
+void BustTrack::PoseBust(size_t frame, View<float> vertices) {
   const size_t numbers = mean_.size();
   ForEach(numbers / 3,
           *stream_,

@@ -1,6 +1,6 @@
 // Where the bust is at each instant of the training video, found from the images below the neck.
 //
-// RegisterBusts -> BustTrack: Place -> Surface::Pose ... BindBackward -> Advance (Adam).
+// RegisterBusts -> BustTrack: PoseBust -> Surface::Pose ... BindBackward -> Advance (Adam).
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class BustTrack {
   bool empty() const { return instants_.empty(); }
   void WorkIn(Stream& stream);
   // Moves the bust, whose vertices are the last of [V, 3] in the stream's memory.
-  void Place(size_t frame, View<float> vertices);
+  void PoseBust(size_t frame, View<float> vertices);
   // One Adam step on the pose at a frame's instant. first_face: of the bust's. If *overflowed is
   // not 0, nothing changes.
   void Advance(size_t frame,
@@ -51,7 +51,7 @@ class BustTrack {
   // The complete state, in host memory.
   std::vector<BustState> States() const;
   void SetStates(const std::vector<BustState>& states);
-  size_t held() const { return HeldBy(states_, mean_, sums_); }
+  size_t allocated_bytes() const { return AllocatedBytes(states_, mean_, sums_); }
 
  private:
   Stream* stream_ = &HostStream();

@@ -45,12 +45,12 @@ void TrackFitter::Fit(const TrackedFrame& frame,
   bust_ = {};
   gradients_.RefillLike(model_.gaussians, HostStream());
   AvatarPoser::Parameters best = frame_.params;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int step = 1; step <= settings.steps; ++step) {
     Draw(frame.camera, background);
     const double loss = loss_.Evaluate({}, image_.color, target, background, d_color_);
-    if (loss < least) {
-      least = loss;
+    if (loss < min) {
+      min = loss;
       best = frame_.params;
     }
     d_posed_.Resize(model_.size());

@@ -28,8 +28,8 @@ class HoleGuard {
              const Buffer<uint8_t>& silhouette,
              View<uint8_t> unwanted);
   // Bytes of buffers per Gaussian, and of buffers per pixel.
-  size_t held() const { return HeldBy(last_, logits_); }
-  size_t HeldForPixels() const { return HeldBy(holes_, after_); }
+  size_t allocated_bytes() const { return AllocatedBytes(last_, logits_); }
+  size_t PixelBytes() const { return AllocatedBytes(holes_, after_); }
   static constexpr size_t kBytesPerGaussian = sizeof(uint8_t) + sizeof(float);
 
  private:

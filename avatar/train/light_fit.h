@@ -32,7 +32,7 @@ class LightFit {
   void SetStates(const std::vector<LightState>& states);
   // Sets the avatar's light, and its colours so that they need no mean.
   void Settle(AvatarModel& avatar) const;
-  size_t held() const { return HeldBy(state_, mean_, gradient_); }
+  size_t allocated_bytes() const { return AllocatedBytes(state_, mean_, gradient_); }
   static constexpr size_t kBytesPerGaussian = 6 * sizeof(float);  // lit colours, derivatives
 
  private:

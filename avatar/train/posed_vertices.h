@@ -38,7 +38,7 @@ class PosedVertices {
     return {row, frame_numbers_};
   }
   size_t kept_frames() const { return sent_.size(); }
-  size_t held() const { return HeldBy(kept_, passing_); }
+  size_t allocated_bytes() const { return AllocatedBytes(kept_, passing_); }
 
  private:
   size_t frame_numbers_ = 0;

@@ -13,11 +13,11 @@
 namespace cosplat {
 namespace {
 
-constexpr int kLevels = 3;             // each with twice the resolution of the one before
-constexpr int kCoarseSide = 64;        // px: about the longer side of the first level's images
-constexpr int kReach = 14;             // px at the first level: about a fifth of the image
-constexpr int kRefinedReach = 2;       // px at the others
-constexpr double kLeastOverlap = 0.5;  // of the reference's pixels
+constexpr int kLevels = 3;           // each with twice the resolution of the one before
+constexpr int kCoarseSide = 64;      // px: about the longer side of the first level's images
+constexpr int kReach = 14;           // px at the first level: about a fifth of the image
+constexpr int kRefinedReach = 2;     // px at the others
+constexpr double kMinOverlap = 0.5;  // of the reference's pixels
 
 // A frame at one level.
 struct Level {
@@ -78,19 +78,19 @@ double Difference(const Level& reference, const Level& other, const Offset& offs
         sum += double(d * d);
       }
     }
-  const bool enough = compared > 0 && double(compared) >= kLeastOverlap * double(all);
+  const bool enough = compared > 0 && double(compared) >= kMinOverlap * double(all);
   return enough ? sum / double(compared) : HUGE_VAL;
 }
 
 Offset FindOffset(const Level& reference, const Level& other, const Offset& near, int reach) {
   Offset best = near;
-  double least = Difference(reference, other, near);
+  double min = Difference(reference, other, near);
   for (int dy = -reach; dy <= reach; ++dy)
     for (int dx = -reach; dx <= reach; ++dx) {
       const Offset offset{near[0] + dx, near[1] + dy};
       const double difference = Difference(reference, other, offset);
-      if (!(difference < least)) continue;
-      least = difference;
+      if (!(difference < min)) continue;
+      min = difference;
       best = offset;
     }
   return best;

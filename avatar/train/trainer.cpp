@@ -51,7 +51,7 @@ std::shared_ptr<SubjectState> AvatarSubject::SaveState() const {
 }
 
 // The track, whose frames and coefficients are there, and the busts keep their numbers.
-void AvatarTrainingState::Describe(StateArchive& a, size_t count) {
+void AvatarTrainingState::Serialize(StateArchive& a, size_t count) {
   a.Array("embedding.triangle", embedding.triangle, count);
   a.Array("embedding.barycentric", embedding.barycentric, count);
   a.Array("first_triangle", first_triangle, count);
@@ -79,7 +79,7 @@ void AvatarSubject::RestoreState(const SubjectState& saved) {
             "checkpoint",
             "embedding.triangle",
             std::to_string(triangle) + " is not one of the mesh's " + std::to_string(faces));
-  Take(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
+  SetEmbedding(EmbeddingIn(*stream_, state.embedding), state.first_triangle);
   if (settings_.refine_track) track_ = state.track;
   bust_track_.SetStates(state.busts);
   light_.SetStates(state.lights);
@@ -93,7 +93,7 @@ Embedding AvatarSubject::EmbeddingIn(Stream& stream, const Embedding& on_host) {
   return embedding;
 }
 
-void AvatarSubject::Take(Embedding embedding, const Buffer<int32_t>& first_triangle) {
+void AvatarSubject::SetEmbedding(Embedding embedding, const Buffer<int32_t>& first_triangle) {
   first_triangle_.Upload(first_triangle, *stream_);
   stream_->Wait();
   embedding_ = std::move(embedding);
@@ -124,7 +124,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
   surface_ = std::move(surface);
   face_rates_ = std::move(face_rates);
   searches_ = std::move(searches);
-  Take(std::move(embedding), state.first_triangle);
+  SetEmbedding(std::move(embedding), state.first_triangle);
 }
 
 AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
@@ -183,7 +183,7 @@ const std::vector<float>& AvatarSubject::VerticesOf(size_t i) {
   return vertices_;
 }
 
-WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
+WorldGaussians AvatarSubject::ToWorld(const Gaussians& gaussians, size_t i) {
   current_ = i;
   const auto pose = [&]() -> const std::vector<float>& {
     const std::vector<float>& vertices = VerticesOf(i);
@@ -191,7 +191,7 @@ WorldGaussians AvatarSubject::Place(const Gaussians& gaussians, size_t i) {
     return vertices;
   };
   const View<float> vertices = posed_vertices_.Of(i, pose, *stream_);
-  if (!bust_track_.empty()) bust_track_.Place(i, vertices);
+  if (!bust_track_.empty()) bust_track_.PoseBust(i, vertices);
   surface_.Pose(vertices);
   const std::vector<float> weights = CorrectionWeights(correction_map_, track_[i].params);
   weights_.Refill(weights.size(), *stream_);
@@ -219,9 +219,9 @@ WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients,
   return view;
 }
 
-void AvatarSubject::PlaceBackward(const Gaussians& gaussians,
-                                  Gaussians& gradients,
-                                  const uint32_t* overflowed) {
+void AvatarSubject::ToWorldBackward(const Gaussians& gaussians,
+                                    Gaussians& gradients,
+                                    const uint32_t* overflowed) {
   if (!bust_track_.empty())
     bust_track_.Advance(current_, embedding_, flame_.faces.size(), posed_, d_posed_, overflowed);
   const bool refines = settings_.refine_track;
@@ -260,7 +260,7 @@ View<const float> AvatarSubject::PositionRateScale() {
   return std::as_const(rate_scale_).view();
 }
 
-void AvatarSubject::Act(int, Gaussians& gaussians, AdamState& adam) {
+void AvatarSubject::Change(int, Gaussians& gaussians, AdamState& adam) {
   walk_.Run(surface_, kBoundaryFaceCap, scratch_.by_face, embedding_, gaussians.values[kPosition]);
   Buffer<float>& bases = gaussians.values[kCorrection];
   ForEach(bases.size(), *stream_, ScaleEach{bases.view(), 1 - settings_.correction_decay});
@@ -274,19 +274,21 @@ void AvatarSubject::Act(int, Gaussians& gaussians, AdamState& adam) {
 std::vector<MemoryPart> AvatarSubject::Memory() const {
   if (stream_->on_host()) return {};
   size_t silhouettes = 0;
-  for (const Buffer<uint8_t>& s : silhouettes_) silhouettes += HeldBy(s);
-  return {{"embedding",
-           HeldBy(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
-               HeldBy(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
-               scratch_.by_face.held() + walk_.held() + holes_.held()},
-          {"posed Gaussians",
-           posed_.held() + d_posed_.held() + HeldBy(scratch_.d_corners, scratch_.d_log_light)},
-          {"hole detection", holes_.HeldForPixels() + silhouettes, MemoryOf::kPixels},
-          {"mesh and posed vertices",
-           surface_.held() + posed_vertices_.held() + scratch_.by_face.HeldForMesh() +
-               walk_.HeldForMesh() + light_.held() +
-               HeldBy(scratch_.d_surface, searches_, face_rates_, d_vertices_),
-           MemoryOf::kFixed}};
+  for (const Buffer<uint8_t>& s : silhouettes_) silhouettes += AllocatedBytes(s);
+  return {
+      {"embedding",
+       AllocatedBytes(embedding_.triangle, embedding_.barycentric, spare_triangle_) +
+           AllocatedBytes(spare_barycentric_, first_triangle_, rate_scale_, centers_) +
+           scratch_.by_face.allocated_bytes() + walk_.allocated_bytes() + holes_.allocated_bytes()},
+      {"posed Gaussians",
+       posed_.allocated_bytes() + d_posed_.allocated_bytes() +
+           AllocatedBytes(scratch_.d_corners, scratch_.d_log_light)},
+      {"hole detection", holes_.PixelBytes() + silhouettes, MemoryOf::kPixels},
+      {"mesh and posed vertices",
+       surface_.allocated_bytes() + posed_vertices_.allocated_bytes() +
+           scratch_.by_face.MeshBytes() + walk_.MeshBytes() + light_.allocated_bytes() +
+           AllocatedBytes(scratch_.d_surface, searches_, face_rates_, d_vertices_),
+       MemoryOf::kFixed}};
 }
 
 size_t AvatarSubject::BytesPerGaussian() const {

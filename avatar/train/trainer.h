@@ -96,7 +96,7 @@ struct AvatarTrainingState : SubjectState {
   std::vector<BustState> busts;     // [training frames], or empty
   std::vector<LightState> lights;   // [1], or empty
 
-  void Describe(StateArchive& archive, size_t count) override;
+  void Serialize(StateArchive& archive, size_t count) override;
 };
 
 // Concurrent searches over the mesh on the host, each with 12 kB.
@@ -134,17 +134,17 @@ class AvatarSubject : public Subject {
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
   float extent() const override { return unit_; }
   void WorkIn(Stream& stream) override;
-  WorldGaussians Place(const Gaussians& gaussians, size_t i) override;
+  WorldGaussians ToWorld(const Gaussians& gaussians, size_t i) override;
   WorldGradients WorldGradientsFor(Gaussians& gradients,
                                    Buffer<float>& screen,
                                    Stream& stream) override;
-  void PlaceBackward(const Gaussians& gaussians,
-                     Gaussians& gradients,
-                     const uint32_t* overflowed) override;
+  void ToWorldBackward(const Gaussians& gaussians,
+                       Gaussians& gradients,
+                       const uint32_t* overflowed) override;
   bool WaitsInSteps() const override { return settings_.refine_track; }
   View<const float> PositionRateScale() override;
-  bool ActsAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
-  void Act(int iteration, Gaussians& gaussians, AdamState& adam) override;
+  bool ChangesAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
+  void Change(int iteration, Gaussians& gaussians, AdamState& adam) override;
   std::shared_ptr<SubjectState> SaveState() const override;
   void RestoreState(const SubjectState& state) override;
 
@@ -174,7 +174,7 @@ class AvatarSubject : public Subject {
   void TrianglesChanged();
   const std::vector<float>& VerticesOf(size_t i);
   static Embedding EmbeddingIn(Stream& stream, const Embedding& on_host);
-  void Take(Embedding embedding, const Buffer<int32_t>& first_triangle);
+  void SetEmbedding(Embedding embedding, const Buffer<int32_t>& first_triangle);
   // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
   // Silhouette of the mesh in the k-th frame that is searched for holes.

@@ -75,7 +75,7 @@ void AvatarSubject::Veto(const Gaussians& gaussians,
     return;
   for (size_t k = 0; k < std::min(math::kHoleFrames, frames_.size()); ++k) {
     const size_t f = math::HoleFrame(k, frames_.size());
-    WorldGaussians world = Place(gaussians, f);
+    WorldGaussians world = ToWorld(gaussians, f);
     world.color_frame = nullptr;  // colours are not used
     holes_.Spare(*canvas, world, gaussians.basis, frames_[f].camera, SilhouetteOf(k), unwanted);
   }

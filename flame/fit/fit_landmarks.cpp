@@ -102,7 +102,7 @@ class LandmarkFitter {
                  const LandmarkFitOptions& options);
 
   // Rigid motion of a mean face: no iteration, so that it needs no start.
-  void Place();
+  void InitializePoses();
   void SettleBody();
   // Every frame on its own, with the subject as it is. near: drawn to its neighbours, too.
   void FitFrames(bool near);
@@ -212,7 +212,7 @@ void LandmarkFitter::PlaceFrame(size_t f, const PointsOnFlame::Tape& rest) {
   frame[kFitTranslation + 2] = -std::exp(log_focal_) / scale - turned[2];
 }
 
-void LandmarkFitter::Place() {
+void LandmarkFitter::InitializePoses() {
   PointsOnFlame::Tape rest;
   const std::vector<double> zero(size_t(points_.frame_size()));
   points_.Pose(shape_.data(), zero.data(), rest);
@@ -426,7 +426,7 @@ LandmarkFit FitLandmarks(const FlameModel& model,
     ++done;
     if (progress) progress(done, total);
   };
-  fitter.Place();
+  fitter.InitializePoses();
   fitter.FitFrames(false);
   fitter.FitSubject();
   fitter.FitFrames(false);

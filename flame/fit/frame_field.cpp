@@ -109,8 +109,8 @@ std::optional<FrameField> RimDistance(const Image8& frame,
   auto [out, part] = PartOf(frame, box, scale);
   Image8 matte(part.width, part.height, 1);
   for (size_t i = 0; i < part.pixels(); ++i) matte.data[i] = part.data[4 * i + 3];
-  const auto [least, most] = std::minmax_element(matte.data.begin(), matte.data.end());
-  if (*least >= kInside || *most < kInside) return std::nullopt;
+  const auto [min, max] = std::minmax_element(matte.data.begin(), matte.data.end());
+  if (*min >= kInside || *max < kInside) return std::nullopt;
   out.image = SignedDistance(matte, kInside);
   for (float& d : out.image.data) d /= float(out.scale);
   return out;

@@ -16,7 +16,7 @@ namespace {
 // The outline changes with the offset, and is found anew as often.
 constexpr int kRounds = 6;
 // Metres: beyond it, what the rim shows is not hair on this head.
-constexpr double kMostHair = 0.08;
+constexpr double kMaxHair = 0.08;
 // Metres behind the eyes' joint, from where on there may be hair.
 constexpr double kBehindEyes = 0.01;
 // Weights against one point of one frame's outline: of differences along an edge, and of the
@@ -114,7 +114,7 @@ std::vector<float> FitHairOffset(const FlameModel& model,
         const double t = point.toward_second;
         const double now = (a < 0 ? 0 : (1 - t) * hair[a]) + (b < 0 ? 0 : t * hair[b]);
         const double should = now - point.distance / point.pixels_per_metre;
-        if ((a < 0 && b < 0) || should > kMostHair) continue;
+        if ((a < 0 && b < 0) || should > kMaxHair) continue;
         Add({{a, b}, {1 - t, t}, std::max(should, 0.0), 1}, matrix, right);
         ++seen;
       }
@@ -128,7 +128,7 @@ std::vector<float> FitHairOffset(const FlameModel& model,
     Eigen::SparseMatrix<double> normal_matrix(hair.size(), hair.size());
     normal_matrix.setFromTriplets(matrix.begin(), matrix.end());
     hair = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal_matrix).solve(right);
-    hair = hair.cwiseMax(0.0).cwiseMin(kMostHair);
+    hair = hair.cwiseMax(0.0).cwiseMin(kMaxHair);
     for (size_t v = 0; v < unknown.size(); ++v)
       for (size_t k = 0; unknown[v] >= 0 && k < 3; ++k)
         with_hair.template_vertices[3 * v + k] =

@@ -70,8 +70,8 @@ class Coverage {
   void Add(const Triangle& triangle) {
     std::array<int, 2> low, high;
     for (int k = 0; k < 2; ++k) {
-      const auto [least, most] = std::minmax({triangle[0][k], triangle[1][k], triangle[2][k]});
-      low[k] = int(std::floor(least / square_)), high[k] = int(std::floor(most / square_));
+      const auto [min, max] = std::minmax({triangle[0][k], triangle[1][k], triangle[2][k]});
+      low[k] = int(std::floor(min / square_)), high[k] = int(std::floor(max / square_));
     }
     for (int x = low[0]; x <= high[0]; ++x)
       for (int y = low[1]; y <= high[1]; ++y) squares_[{x, y}].push_back(triangle);
@@ -195,8 +195,8 @@ std::unique_ptr<FieldCost> Silhouette::Cost(const double* shape,
   LandmarkEmbedding embedding;
   std::vector<FieldPoint> points;
   for (const OutlinePoint& point : Outline(shape, log_focal, frame, rim, view)) {
-    const double least = point.more_in_matte ? 0 : -kNear * view.face_size;
-    if (!(point.distance > least)) continue;
+    const double min = point.more_in_matte ? 0 : -kNear * view.face_size;
+    if (!(point.distance > min)) continue;
     points.push_back({int(points.size()), 0, kRimSigma * view.face_size});
     embedding.push_back(PointBetween(point.vertices[0], point.vertices[1], point.toward_second));
   }

@@ -122,14 +122,14 @@ std::vector<SeenFrame> LookAt(const FlameModel& flame, const TrackedVideo& video
   for (size_t part = 0; part < parts; ++part) {
     const size_t first = ends + part * middle / parts, last = ends + (part + 1) * middle / parts;
     SeenFrame before = seen_at(first > 0 ? first - 1 : 0), best;
-    double most = -1;
+    double max = -1;
     at.push_back(first);
     for (size_t i = first; i < std::min(last, first + kCandidates); ++i) {
       SeenFrame seen = seen_at(i);
       const double motion = Motion(before, seen);
       before = seen;
-      if (motion <= most) continue;
-      most = motion, best = std::move(seen), at.back() = i;
+      if (motion <= max) continue;
+      max = motion, best = std::move(seen), at.back() = i;
     }
     all.push_back(std::move(best));
   }
@@ -200,25 +200,25 @@ void CheckMasks(const std::vector<SeenFrame>& all, std::vector<Finding>& finding
 
 // How the head could lie instead: larger about the principal point, and aside by a share of the
 // image's size.
-struct Place {
+struct Misfit {
   float scale = 1, right = 0, down = 0;
   const char* what = "";
 };
-constexpr Place kPlaces[] = {{0.5f, 0, 0, "half as large"},
-                             {0.7f, 0, 0, "0.7 times as large"},
-                             {1.4f, 0, 0, "1.4 times as large"},
-                             {2, 0, 0, "twice as large"},
-                             {1, -0.25f, 0, "a quarter of the image to the left"},
-                             {1, -0.12f, 0, "an eighth of the image to the left"},
-                             {1, 0.12f, 0, "an eighth of the image to the right"},
-                             {1, 0.25f, 0, "a quarter of the image to the right"},
-                             {1, 0, -0.25f, "a quarter of the image higher"},
-                             {1, 0, -0.12f, "an eighth of the image higher"},
-                             {1, 0, 0.12f, "an eighth of the image lower"},
-                             {1, 0, 0.25f, "a quarter of the image lower"}};
+constexpr Misfit kPlaces[] = {{0.5f, 0, 0, "half as large"},
+                              {0.7f, 0, 0, "0.7 times as large"},
+                              {1.4f, 0, 0, "1.4 times as large"},
+                              {2, 0, 0, "twice as large"},
+                              {1, -0.25f, 0, "a quarter of the image to the left"},
+                              {1, -0.12f, 0, "an eighth of the image to the left"},
+                              {1, 0.12f, 0, "an eighth of the image to the right"},
+                              {1, 0.25f, 0, "a quarter of the image to the right"},
+                              {1, 0, -0.25f, "a quarter of the image higher"},
+                              {1, 0, -0.12f, "an eighth of the image higher"},
+                              {1, 0, 0.12f, "an eighth of the image lower"},
+                              {1, 0, 0.25f, "a quarter of the image lower"}};
 
 // The head's silhouette, of the model's own triangles, which are small: a few points of each.
-Image8 SilhouetteOf(const FlameModel& flame, const SeenFrame& seen, const Place& place) {
+Image8 SilhouetteOf(const FlameModel& flame, const SeenFrame& seen, const Misfit& place) {
   constexpr int kSteps = 4;
   Image8 shape(seen.image().width, seen.image().height, 1);
   const Camera& c = seen.camera;
@@ -259,7 +259,7 @@ double OverlapOf(const Image8& shape, const Image8& image) {
 void CheckPlace(const FlameModel& flame,
                 const std::vector<SeenFrame>& all,
                 std::vector<Finding>& findings) {
-  const auto overlap = [&](const Place& place) {
+  const auto overlap = [&](const Misfit& place) {
     double sum = 0;
     size_t count = 0;
     for (const SeenFrame& seen : all) {
@@ -270,14 +270,14 @@ void CheckPlace(const FlameModel& flame,
     return count == 0 ? 0 : sum / double(count);
   };
   const double given = overlap({});
-  double most = given + kOverlapGain;
-  const Place* better = nullptr;
-  for (const Place& place : kPlaces)
-    if (const double there = overlap(place); there > most) most = there, better = &place;
+  double max = given + kOverlapGain;
+  const Misfit* better = nullptr;
+  for (const Misfit& place : kPlaces)
+    if (const double there = overlap(place); there > max) max = there, better = &place;
   if (better == nullptr) return;
   findings.push_back({true,
                       "the masks overlap the head by " + Format("{:.0f}", 100 * given) +
-                          " %, and by " + Format("{:.0f}", 100 * most) + " % if it were seen " +
+                          " %, and by " + Format("{:.0f}", 100 * max) + " % if it were seen " +
                           better->what + ": look at focal length, principal point and units"});
 }
 
@@ -327,28 +327,28 @@ double SpreadOf(const std::vector<SeenFrame>& all, const Reading& reading) {
 void CheckColors(const std::vector<SeenFrame>& all, std::vector<Finding>& findings) {
   const double given = SpreadOf(all, {});
   if (given < 0 || all.size() < 4) return;
-  const auto say = [&](double least, const std::string& with, const char* advice) {
+  const auto say = [&](double min, const std::string& with, const char* advice) {
     findings.push_back({true,
                         "the head's points change colour by " + Format("{:.1f}", given) +
-                            " of 255 from frame to frame, and by " + Format("{:.1f}", least) +
+                            " of 255 from frame to frame, and by " + Format("{:.1f}", min) +
                             " with " + with + ": " + advice});
   };
   const char* what[4] = {"", "mirrored left to right", "mirrored top to bottom", "upside down"};
   int best = 0;
-  double least = (1 - kFlipGain) * given;
+  double min = (1 - kFlipGain) * given;
   for (int flip = 1; flip < 4; ++flip) {
     const double spread = SpreadOf(all, {0, (flip & 1) != 0, (flip & 2) != 0});
-    if (spread >= 0 && spread < least) least = spread, best = flip;
+    if (spread >= 0 && spread < min) min = spread, best = flip;
   }
   if (best != 0)
-    return say(least, std::string("the images ") + what[best], "turn the images, or the track");
-  least = (1 - kShiftGain) * given;
+    return say(min, std::string("the images ") + what[best], "turn the images, or the track");
+  min = (1 - kShiftGain) * given;
   for (int shift = -kShifts; shift <= kShifts; ++shift) {
     const double spread = SpreadOf(all, {shift});
-    if (spread >= 0 && spread < least) least = spread, best = shift;
+    if (spread >= 0 && spread < min) min = spread, best = shift;
   }
   if (best != 0)
-    say(least,
+    say(min,
         Format("images {}{}", std::abs(best), best > 0 ? " frames later" : " frames earlier"),
         "track and images do not agree in time; look for dropped or renumbered frames");
 }
@@ -358,7 +358,7 @@ void CheckExpressions(const FlameModel& flame,
                       std::vector<Finding>& findings) {
   Count great, more;
   float greatest = 0;
-  size_t most = 0;
+  size_t max = 0;
   for (const SeenFrame& seen : all) {
     const std::vector<float>& e = seen.frame->params.expression;
     float frame_greatest = 0;
@@ -368,7 +368,7 @@ void CheckExpressions(const FlameModel& flame,
     size_t used = e.size();
     while (used > 0 && e[used - 1] == 0) --used;
     if (used > size_t(flame.expression_count)) more.Add(seen);
-    most = std::max(most, used);
+    max = std::max(max, used);
   }
   if (8 * great.frames > all.size())
     findings.push_back({2 * great.frames >= all.size(),
@@ -378,7 +378,7 @@ void CheckExpressions(const FlameModel& flame,
                             "): is it the tracker's model?"});
   if (more.frames > 0)
     findings.push_back({false,
-                        "the track has " + std::to_string(most) +
+                        "the track has " + std::to_string(max) +
                             " expression coefficients, and the model " +
                             std::to_string(flame.expression_count) +
                             ": the rest is not used; pass the tracker's model"});

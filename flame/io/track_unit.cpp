@@ -11,11 +11,11 @@ namespace {
 
 // The face's width as a share of the image's shorter side. Less is too little to track, more is
 // seen from within the head.
-constexpr double kLeastShare = 0.015, kMostShare = 20;
+constexpr double kMinShare = 0.015, kMaxShare = 20;
 // The share of the width that a face takes which fills a video of a head, and its limits.
-constexpr double kUsualShare = 0.3, kLeastUsual = 0.05, kMostUsual = 1.5;
+constexpr double kUsualShare = 0.3, kMinUsual = 0.05, kMaxUsual = 1.5;
 // Metres: of a head from the origin without a camera that would tell, and of hair from the head.
-constexpr double kMostPlace = 20, kMostOffset = 0.5;
+constexpr double kMaxPlace = 20, kMaxOffset = 0.5;
 // The place of camera and head over the distance between them at which 32 bits of a number leave
 // half a millimetre of a metre.
 constexpr double kFarthest = 1e4;
@@ -35,12 +35,12 @@ double Length(const std::array<float, 3>& v) { return std::hypot(v[0], v[1], v[2
 
 // In metres, the closest of those in use to what a usual picture needs; 1 if none does.
 double UnitByShare(double share) {
-  if (share >= kLeastShare && share <= kMostShare) return 1;
-  double unit = 1, least = std::numeric_limits<double>::max();
+  if (share >= kMinShare && share <= kMaxShare) return 1;
+  double unit = 1, min = std::numeric_limits<double>::max();
   for (const double candidate : {0.001, 0.01, 100.0, 1000.0}) {
     const double seen = share / candidate, off = std::abs(std::log(seen / kUsualShare));
-    if (seen < kLeastUsual || seen > kMostUsual || off >= least) continue;
-    least = off;
+    if (seen < kMinUsual || seen > kMaxUsual || off >= min) continue;
+    min = off;
     unit = candidate;
   }
   return unit;
@@ -62,7 +62,7 @@ double UnitOf(TrackedVideo& video) {
                       " from the head, too far for 32-bit numbers: move the track to the origin");
   });
   if (!shares.empty()) return UnitByShare(MedianOf(shares));
-  return !places.empty() && MedianOf(places) > kMostPlace ? 0.001 : 1;
+  return !places.empty() && MedianOf(places) > kMaxPlace ? 0.001 : 1;
 }
 
 }  // namespace
@@ -77,9 +77,9 @@ void ConvertToMetres(const FlameModel* flame, TrackedVideo& video) {
     });
   // Offsets may be in metres already: they are the model's, not the camera's.
   const float offset_unit = unit == 1 && flame ? float(flame->unit) : unit;
-  float most = 0;
-  for (const float x : video.static_offset) most = std::max(most, std::abs(x));
-  if (most > kMostOffset)
+  float max = 0;
+  for (const float x : video.static_offset) max = std::max(max, std::abs(x));
+  if (max > kMaxOffset)
     for (float& x : video.static_offset) x *= offset_unit;
 }
 

@@ -132,9 +132,9 @@ int JsonField::Integer() const {
   return int(number);
 }
 
-int JsonField::Integer(int least, int most) const {
+int JsonField::Integer(int min, int max) const {
   const int value = Integer();
-  if (value < least || value > most) Fail(Format("is {}, expected {} to {}", value, least, most));
+  if (value < min || value > max) Fail(Format("is {}, expected {} to {}", value, min, max));
   return value;
 }
 

@@ -31,7 +31,7 @@ class JsonField {
   size_t size() const;    // of an array; Error otherwise
   double Number() const;  // finite; Error on a NaN, null, string, ...
   int Integer() const;
-  int Integer(int least, int most) const;
+  int Integer(int min, int max) const;
   std::string String() const;
   // An array of `count` finite numbers (any length when count is 0); nested arrays are flattened.
   std::vector<float> Numbers(size_t count = 0) const;

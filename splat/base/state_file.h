@@ -1,10 +1,10 @@
 // Files that hold the state of a computation exactly: checkpoints of training.
 //
-// One description serves both directions. `Describe(archive, state)` visits the fields of a state
+// One description serves both directions. `Serialize(archive, state)` visits the fields of a state
 // in a fixed order, and the archive either writes each field or sets it:
 //
-//   WriteStateFile(path, header, [&](StateArchive& a) { Describe(a, state); });
-//   StateFile(path).Read([&](StateArchive& a) { Describe(a, state); });
+//   WriteStateFile(path, header, [&](StateArchive& a) { Serialize(a, state); });
+//   StateFile(path).Read([&](StateArchive& a) { Serialize(a, state); });
 //
 // Layout, little-endian: kStateMagic; uint32 kStateFormat; the header, which says what state it is;
 // the fields; the CRC-32 (ISO 3309) of everything before. Header and fields alike are a uint32 with
@@ -51,12 +51,12 @@ class StateArchive {
     }
     Bytes(name, elements.data(), count * sizeof(T));
   }
-  // An array of any number of elements, up to `most`.
+  // An array of any number of elements, up to `max`.
   template <class Container>
-  void ArrayUpTo(const std::string& name, Container& elements, size_t most) {
+  void ArrayUpTo(const std::string& name, Container& elements, size_t max) {
     uint64_t count = elements.size();
     Value(name + ".count", count);
-    if (count > most) Fail(name, Counted(count, most));
+    if (count > max) Fail(name, Counted(count, max));
     Array(name, elements, size_t(count));
   }
   // Throws Error that names the file and the field.

@@ -20,8 +20,8 @@ bool IsGzip(const std::vector<char>& bytes) {
 std::vector<char> ReadUnpacked(const std::string& path) {
   std::vector<char> bytes = ReadFile(path);
   if (!IsGzip(bytes)) return bytes;
-  constexpr size_t kMostPerByte = 100, kAlwaysAllowed = 1 << 24, kBlock = 1 << 20;
-  const size_t limit = std::max(kMostPerByte * bytes.size(), kAlwaysAllowed);
+  constexpr size_t kMaxPerByte = 100, kAlwaysAllowed = 1 << 24, kBlock = 1 << 20;
+  const size_t limit = std::max(kMaxPerByte * bytes.size(), kAlwaysAllowed);
   GunzipReader reader(path, bytes);
   std::vector<char> unpacked;
   for (std::vector<char> block; !(block = reader.ReadUpTo(kBlock)).empty();) {

@@ -38,10 +38,10 @@ void DownloadArrays(const T& from, T& to, Stream& stream) {
 
 // Allocated bytes, by capacity.
 template <class T>
-size_t HeldByArrays(const T& of) {
+size_t AllocatedByArrays(const T& of) {
   size_t bytes = 0;
-  T::ForEachArray([&](const std::string&, size_t, const auto& array) { bytes += HeldBy(array); },
-                  of);
+  T::ForEachArray(
+      [&](const std::string&, size_t, const auto& array) { bytes += AllocatedBytes(array); }, of);
   return bytes;
 }
 

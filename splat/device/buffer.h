@@ -250,7 +250,7 @@ inline size_t SumOf(const std::vector<MemoryPart>& parts, MemoryOf of) {
 
 // Bytes allocated by buffers or vectors.
 template <class... Containers>
-size_t HeldBy(const Containers&... containers) {
+size_t AllocatedBytes(const Containers&... containers) {
   return (size_t(0) + ... + (containers.capacity() * sizeof(*containers.data())));
 }
 

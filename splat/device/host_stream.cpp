@@ -40,7 +40,7 @@ void SortByDigit(KeyedValues& pairs, int shift, int bits) {
 }
 
 // Host work is complete as soon as it is submitted.
-class NoMoment : public Moment {
+class HostEvent : public StreamEvent {
  public:
   void Record() override {}
   void Wait() const override {}
@@ -57,7 +57,7 @@ class OwnStream : public Stream {
   }
   void Wait() override {}
   Memory& readback_memory() const override { return Own(); }
-  std::unique_ptr<Moment> MakeMoment() override { return std::make_unique<NoMoment>(); }
+  std::unique_ptr<StreamEvent> MakeEvent() override { return std::make_unique<HostEvent>(); }
   std::unique_ptr<Stream> Another() const override { return std::make_unique<OwnStream>(); }
   void Sort(KeyedValues& pairs, int bits) override {
     for (int shift = 0; shift < bits; shift += kDigitBits)

@@ -23,7 +23,9 @@ struct KeyedValues {
   void Refill(size_t n, Stream& stream) {
     for (Buffer<uint32_t>* b : {&keys, &values, &keys_swap, &values_swap}) b->Refill(n, stream);
   }
-  size_t held() const { return HeldBy(keys, values, keys_swap, values_swap); }  // bytes
+  size_t allocated_bytes() const {
+    return AllocatedBytes(keys, values, keys_swap, values_swap);
+  }  // bytes
 };
 
 }  // namespace cosplat

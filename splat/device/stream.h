@@ -27,9 +27,9 @@ class Memory {
 };
 
 // A point in a stream's work, like a CUDA event.
-class Moment {
+class StreamEvent {
  public:
-  virtual ~Moment() = default;
+  virtual ~StreamEvent() = default;
   virtual void Record() = 0;
   // Blocks the host until the recorded point is reached; returns at once if none was recorded.
   virtual void Wait() const = 0;
@@ -56,13 +56,13 @@ class Stream {
   virtual void Sort(KeyedValues& pairs, int bits) = 0;
   // Replaces each number by the sum of those before it.
   virtual void ExclusiveSum(Buffer<uint64_t>& numbers) = 0;
-  virtual size_t held() const { return 0; }  // bytes of scratch
+  virtual size_t allocated_bytes() const { return 0; }  // bytes of scratch
 
   // Free bytes of its memory. Not determined for the host, for which the maximum is returned.
   virtual size_t FreeMemory() const { return size_t(-1); }
   // Host memory to which Download is asynchronous.
   virtual Memory& readback_memory() const = 0;
-  virtual std::unique_ptr<Moment> MakeMoment() = 0;
+  virtual std::unique_ptr<StreamEvent> MakeEvent() = 0;
   // Another stream of the same device, for concurrent work.
   virtual std::unique_ptr<Stream> Another() const = 0;
 };

@@ -25,9 +25,9 @@ class Lpips : public ImageDistance {
 
   // NET. Distances of different nets are not comparable, so this is part of the result.
   const std::string& net() const { return net_; }
-  int least_side() const override { return nets_[0].least_side(); }
+  int min_side() const override { return nets_[0].min_side(); }
 
-  // Both images must be RGB, of equal size and at least least_side() wide and high; throws Error
+  // Both images must be RGB, of equal size and at least min_side() wide and high; throws Error
   // otherwise. Not thread-safe. Bit-identical for any number of threads.
   double Distance(const Image8& a, const Image8& b);
   // The same of images in training, with the gradient.

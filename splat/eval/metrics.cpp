@@ -57,11 +57,11 @@ bool HasContent(const Image8& truth) {
   // Noise and JPEG's artefacts in a picture of one colour span a few of the 255 steps.
   constexpr int kOneColour = 8;
   for (int c = 0; c < truth.channels; ++c) {
-    int least = 255, most = 0;
+    int min = 255, max = 0;
     for (size_t i = size_t(c); i < truth.data.size(); i += size_t(truth.channels)) {
-      least = std::min(least, int(truth.data[i]));
-      most = std::max(most, int(truth.data[i]));
-      if (most - least > kOneColour) return true;
+      min = std::min(min, int(truth.data[i]));
+      max = std::max(max, int(truth.data[i]));
+      if (max - min > kOneColour) return true;
     }
   }
   return false;

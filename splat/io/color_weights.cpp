@@ -71,9 +71,9 @@ std::vector<float> WeightsOf(View<const float> significance) {
   for (const float s : significance) finite.push_back(std::isfinite(s) ? s : 0);
   double sum = 0;
   for (const float s : finite) sum += s;
-  const float least = sum > 0 ? float(1e-4 * sum / double(finite.size())) : 1;
+  const float min = sum > 0 ? float(1e-4 * sum / double(finite.size())) : 1;
   std::vector<float> weights;
-  for (const float s : finite) weights.push_back(std::max(s, least));
+  for (const float s : finite) weights.push_back(std::max(s, min));
   return weights;
 }
 

@@ -92,18 +92,18 @@ Json Parse(const std::string& path, std::string_view text) {
 }
 
 // A member that must be an integer in [least, most], written as an integer.
-size_t Whole(const JsonField& object, const std::string& key, size_t least, size_t most) {
+size_t Whole(const JsonField& object, const std::string& key, size_t min, size_t max) {
   const JsonField field = object[key];
   field.Number();
-  if (!field.raw().is_number_unsigned() || field.raw().get<uint64_t>() < least ||
-      field.raw().get<uint64_t>() > most)
+  if (!field.raw().is_number_unsigned() || field.raw().get<uint64_t>() < min ||
+      field.raw().get<uint64_t>() > max)
     field.Fail("is " + field.raw().dump() + ", expected a whole number from " +
-               std::to_string(least) + " to " + std::to_string(most));
+               std::to_string(min) + " to " + std::to_string(max));
   return field.raw().get<size_t>();
 }
 
-size_t WholeOrZero(const JsonField& object, const std::string& key, size_t most) {
-  return object.Has(key) ? Whole(object, key, 0, most) : 0;
+size_t WholeOrZero(const JsonField& object, const std::string& key, size_t max) {
+  return object.Has(key) ? Whole(object, key, 0, max) : 0;
 }
 
 // Calls `check` with each element of an array that may be absent.

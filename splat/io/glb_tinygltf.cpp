@@ -38,9 +38,9 @@ void AddBounds(const GlbDocument& document,
   out.minValues.assign(values.begin(), values.begin() + accessor.width);
   out.maxValues = out.minValues;
   for (size_t i = 0; i < values.size(); ++i) {
-    double &least = out.minValues[i % accessor.width], &most = out.maxValues[i % accessor.width];
-    least = std::min(least, double(values[i]));
-    most = std::max(most, double(values[i]));
+    double &min = out.minValues[i % accessor.width], &max = out.maxValues[i % accessor.width];
+    min = std::min(min, double(values[i]));
+    max = std::max(max, double(values[i]));
   }
 }
 

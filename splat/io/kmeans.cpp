@@ -25,10 +25,10 @@ std::vector<uint32_t> Draw(size_t count, size_t n, Rng& rng) {
   return all;
 }
 
-Rows Take(View<const float> rows,
-          size_t width,
-          View<const float> weight,
-          const std::vector<uint32_t>& taken) {
+Rows SelectRows(View<const float> rows,
+                size_t width,
+                View<const float> weight,
+                const std::vector<uint32_t>& taken) {
   Rows out;
   for (const uint32_t i : taken) {
     out.values.append(rows.data + i * width, rows.data + (i + 1) * width);
@@ -100,10 +100,10 @@ Clusters KMeans(View<const float> rows,
   Clusters clusters;
   if (n == 0) return clusters;
   Rng rng{settings.seed};
-  const Rows sample = Take(rows, width, weight, Draw(std::min(settings.sample, n), n, rng));
+  const Rows sample = SelectRows(rows, width, weight, Draw(std::min(settings.sample, n), n, rng));
   const size_t centers = std::min(settings.centers, sample.weight.size());
   const std::vector<uint32_t> first = DrawByWeight(centers, sample.weight, rng);
-  clusters.centers = Take(sample.values, width, sample.weight, first).values;
+  clusters.centers = SelectRows(sample.values, width, sample.weight, first).values;
   std::vector<NearestRow> nearest(sample.weight.size());
   for (int i = 0; i < settings.iterations; ++i) {
     FindNearestRows(sample.values, clusters.centers, width, nearest);

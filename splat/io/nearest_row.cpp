@@ -94,21 +94,21 @@ void NearestOfTask(const TaskRows& task, const Panels& panels) {
   for (size_t v = 0; v < panels.vectors; v += kVectorsAtOnce)
     for (size_t r = 0; r < task.count; r += kRowsAtOnce) TryVectors(task, panels, v, r, best);
   for (size_t r = 0; r < task.count; ++r) {
-    float least = std::numeric_limits<float>::infinity(), norm2 = 0;
+    float min = std::numeric_limits<float>::infinity(), norm2 = 0;
     NearestRow& nearest = task.nearest[r];
     nearest.index = 0;
     for (size_t l = 0; l < panels.lanes; ++l) {
       const uint32_t index = uint32_t(best.vector[r][l]) * uint32_t(panels.lanes) + uint32_t(l);
       const float score = best.score[r][l];
-      if (score > least || (score == least && index > nearest.index)) continue;
-      least = score;
+      if (score > min || (score == min && index > nearest.index)) continue;
+      min = score;
       nearest.index = index;
     }
     for (size_t k = 0; k < panels.width; ++k) {
       const float x = task.rows[r * panels.width + k];
       norm2 += x * x;
     }
-    nearest.distance2 = std::max(0.0f, norm2 + 2 * least);
+    nearest.distance2 = std::max(0.0f, norm2 + 2 * min);
   }
 }
 

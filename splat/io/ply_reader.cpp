@@ -97,10 +97,10 @@ void PlyReader::EnterNext() {
   const size_t left = bytes_.size() - at_;
   if (element_.count > left / std::max<size_t>(1, element_.properties.size()))
     Fail("the header says " + std::to_string(element_.count) + " of them, the file ends after " +
-         std::to_string(left / LeastRowBytes()));
+         std::to_string(left / MinRowBytes()));
 }
 
-size_t PlyReader::LeastRowBytes() const {
+size_t PlyReader::MinRowBytes() const {
   size_t bytes = 0;
   for (const Property& p : element_.properties)
     bytes += ascii_ ? 2 : kTypeBytes[size_t(p.is_list ? p.count_type : p.type)];
@@ -112,7 +112,7 @@ size_t PlyReader::BytesLeftOver() const {
                                  element_.properties.end(),
                                  [](const Property& p) { return p.is_list; });
   if (ascii_ || lists || next_element_ < elements_.size()) return 0;
-  const size_t end = at_ + (element_.count - row_) * LeastRowBytes();
+  const size_t end = at_ + (element_.count - row_) * MinRowBytes();
   if (end >= bytes_.size() - 1) return 0;
   const size_t left = bytes_.size() - 1 - end;
   if (crlf_ && left > 2)
@@ -120,7 +120,7 @@ size_t PlyReader::BytesLeftOver() const {
                 Format("is {} bytes longer than its header says, whose lines end in CR LF: it was "
                        "converted as if it were text, copy it as binary (ftp, git)",
                        left));
-  return left < LeastRowBytes() ? 0 : left;
+  return left < MinRowBytes() ? 0 : left;
 }
 
 int PlyReader::Find(const std::string& name) const {

@@ -70,7 +70,7 @@ class PlyReader {
   void ReadRow();
   double ReadNumber(Type type, const Property& property);
   double ReadBinary(Type type, const Property& property);
-  size_t LeastRowBytes() const;
+  size_t MinRowBytes() const;
   double ReadAscii(const Property& property);
 
   std::string path_;

@@ -121,12 +121,12 @@ bool HaveColors(const SceneData& scene) {
   for (size_t a = 0; a < sample.size(); ++a) {
     const float* p = &scene.points[3 * sample[a]];
     size_t nearest = a;
-    float least = INFINITY;
+    float min = INFINITY;
     for (size_t b = 0; b < sample.size(); ++b) {
       const float* q = &scene.points[3 * sample[b]];
       const float d = (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
                       (p[2] - q[2]) * (p[2] - q[2]);
-      if (b != a && d < least) least = d, nearest = b;
+      if (b != a && d < min) min = d, nearest = b;
     }
     near += difference(sample[a], sample[nearest]);
     any += difference(sample[a], sample[(a + sample.size() / 2) % sample.size()]);
@@ -163,7 +163,7 @@ void CheckColors(const SceneData& scene,
                             " views looked at see none of the points (" + blind_name +
                             "): look at their poses, or the convention of their axes"});
   const Reading* better = nullptr;
-  double least = kFitsBetter * given.mean();
+  double min = kFitsBetter * given.mean();
   for (const Reading& reading : kReadings) {
     Fit fit;
     for (const LookedAt& one : looked) {
@@ -172,8 +172,8 @@ void CheckColors(const SceneData& scene,
       fit.Add(difference, seen);
     }
     const bool enough = 2 * fit.pairs >= looked.size();
-    if (enough && given.mean() > kMinGrey && fit.mean() < least) {
-      least = fit.mean();
+    if (enough && given.mean() > kMinGrey && fit.mean() < min) {
+      min = fit.mean();
       better = &reading;
     }
   }
@@ -181,7 +181,7 @@ void CheckColors(const SceneData& scene,
                               " of 255 from the images where the cameras see them";
   if (better != nullptr) {
     findings.push_back({true,
-                        figures + ", and by " + Grey(least) + " with " + better->what +
+                        figures + ", and by " + Grey(min) + " with " + better->what +
                             ": look at the cameras and images"});
     return;
   }
@@ -284,17 +284,17 @@ void CheckSilhouettes(const std::vector<LookedAt>& looked, std::vector<Finding>&
   for (const size_t shift : {size_t(1), size_t(2), kNeighbours})
     exchanged = std::max(exchanged, HullShare(looked, middle, shift, {}));
   const Reading* better = nullptr;
-  double most = std::max(1.5 * given, 1e-3);
+  double max = std::max(1.5 * given, 1e-3);
   for (const Reading& reading : kReadings) {
     if (reading.focal != 1) continue;  // a longer one always leaves more of it
     const double share = HullShare(looked, middle, 0, reading);
-    if (share > most) most = share, better = &reading;
+    if (share > max) max = share, better = &reading;
   }
   const std::string figures = "the silhouettes have " + Grey(1000 * given) +
                               " thousandths of the volume looked at in common";
   if (better != nullptr)
     findings.push_back({true,
-                        figures + ", and " + Grey(1000 * most) + " with " + better->what +
+                        figures + ", and " + Grey(1000 * max) + " with " + better->what +
                             ": look at the cameras and images"});
   else if (given <= exchanged)
     findings.push_back({true,

@@ -127,9 +127,9 @@ class SogParser {
     return meta_[property]["codebook"].Numbers(kSogCodebook);
   }
   Image8 Decode(const std::string& name, size_t max_pixels) const {
-    constexpr uint64_t kMostPerPixel = 8, kOverhead = 1 << 16;  // lossless WebP has 4 at most
+    constexpr uint64_t kMaxPerPixel = 8, kOverhead = 1 << 16;  // lossless WebP has 4 at most
     return DecodeWebp(
-        files_.path(), name, files_.Read(name, kMostPerPixel * max_pixels + kOverhead), max_pixels);
+        files_.path(), name, files_.Read(name, kMaxPerPixel * max_pixels + kOverhead), max_pixels);
   }
   // An image with a pixel per splat; those that follow are ignored.
   Image8 PerSplat(const char* property, size_t index) const {

@@ -41,7 +41,7 @@ class Frustum {
     return std::all_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
       float farthest = plane.offset;
       for (size_t i = 0; i < 3; ++i)
-        farthest += plane.normal[i] * (plane.normal[i] > 0 ? box.most[i] : box.least[i]);
+        farthest += plane.normal[i] * (plane.normal[i] > 0 ? box.max[i] : box.min[i]);
       return farthest >= 0;
     });
   }
@@ -54,13 +54,13 @@ class Frustum {
   std::array<Plane, 5> planes_;
 };
 
-float DistanceTo(const LevelBlock& box, const std::array<float, 3>& center, float least) {
+float DistanceTo(const LevelBlock& box, const std::array<float, 3>& center, float min) {
   float squared = 0;
   for (size_t i = 0; i < 3; ++i) {
-    const float outside = std::max({box.least[i] - center[i], center[i] - box.most[i], 0.0f});
+    const float outside = std::max({box.min[i] - center[i], center[i] - box.max[i], 0.0f});
     squared += outside * outside;
   }
-  return std::max(std::sqrt(squared), least);
+  return std::max(std::sqrt(squared), min);
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ void ChooseBlocks(const SceneLevels& levels,
         seen[seen_count++] = block.first_child + k;
         finer += levels.blocks[block.first_child + k].count;
       }
-    if (!refine || finer > limits.most) {
+    if (!refine || finer > limits.max) {
       chosen.push_back(b);
       continue;
     }

@@ -18,7 +18,7 @@ struct LevelLimits {
   float coarseness = 0.5f;
   // Gaussians: the blocks that are coarsest in the image are refined first, until there would be
   // more. One block is drawn at least.
-  size_t most = std::numeric_limits<size_t>::max();
+  size_t max = std::numeric_limits<size_t>::max();
 };
 
 // Overwrites `chosen` with indices of blocks, in ascending order; none of them stands for another.

@@ -12,7 +12,7 @@ class FrameBudget {
   explicit FrameBudget(double milliseconds) : milliseconds_(milliseconds) {}
 
   // Limit for the next image; at least kMin, however slow the machine is.
-  size_t most() const { return size_t(std::clamp(milliseconds_ / per_gaussian_, kMin, kMax)); }
+  size_t max() const { return size_t(std::clamp(milliseconds_ / per_gaussian_, kMin, kMax)); }
 
   // Reports an image. A dearer one counts at once, a cheaper one little by little, so that single
   // images that happen to be fast do not make the next ones late.

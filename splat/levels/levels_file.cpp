@@ -29,7 +29,7 @@ struct LevelsHeader {
   uint64_t gaussians;
 };
 struct StoredBlock {
-  std::array<float, 3> least, most;
+  std::array<float, 3> min, max;
   float coarseness;
   uint32_t crc;
 };
@@ -68,8 +68,7 @@ class Mapping {
 bool HasFiniteBounds(const StoredBlock& b) {
   bool finite = std::isfinite(b.coarseness) && b.coarseness >= 0;
   for (size_t k = 0; k < 3; ++k)
-    finite =
-        finite && std::isfinite(b.least[k]) && std::isfinite(b.most[k]) && b.least[k] <= b.most[k];
+    finite = finite && std::isfinite(b.min[k]) && std::isfinite(b.max[k]) && b.min[k] <= b.max[k];
   return finite;
 }
 
@@ -97,8 +96,8 @@ void WriteLevels(const std::string& path, const SceneLevels& levels) {
   for (size_t b = 0; b < levels.blocks.size(); ++b) {
     const LevelBlock& block = levels.blocks[b];
     const uint64_t of_block = block.count * levels.width();
-    const StoredBlock stored{block.least,
-                             block.most,
+    const StoredBlock stored{block.min,
+                             block.max,
                              block.coarseness,
                              Crc32(levels.ValuesOf(b), of_block * sizeof(float))};
     table.append(reinterpret_cast<const char*>(&stored), sizeof stored);
@@ -162,8 +161,8 @@ SceneLevels OpenLevels(const std::string& path) {
     if (!HasFiniteBounds(stored))
       throw Error(path, "blocks[" + std::to_string(b) + "]", "has no finite bounds");
     LevelBlock& block = levels.blocks[b];
-    block.least = stored.least;
-    block.most = stored.most;
+    block.min = stored.min;
+    block.max = stored.max;
     block.coarseness = stored.coarseness;
     levels.checksums.push_back(stored.crc);
   }

@@ -21,12 +21,12 @@ namespace {
 // Standard deviations at which the most opaque Gaussian falls below kMinAlpha, rounded up.
 constexpr float kReach = 3.34f;
 
-struct Place {
+struct PlacedGaussian {
   std::array<float, 3> at;
   uint32_t index;
 };
 
-int WidestAxis(const Place* places, size_t count) {
+int WidestAxis(const PlacedGaussian* places, size_t count) {
   std::array<double, 3> sum{}, squares{};
   for (size_t i = 0; i < count; ++i)
     for (size_t k = 0; k < 3; ++k) {
@@ -40,14 +40,17 @@ int WidestAxis(const Place* places, size_t count) {
 }
 
 // Orders places so that every aligned range of a power of two of them is a cell of a k-d tree.
-void SortIntoCells(Place* places, size_t count) {
+void SortIntoCells(PlacedGaussian* places, size_t count) {
   if (count <= 2) return;
   size_t left = 1;
   while (2 * left < count) left *= 2;
   const auto axis = size_t(WidestAxis(places, count));
-  std::nth_element(places, places + left, places + count, [axis](const Place& a, const Place& b) {
-    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.index < b.index;
-  });
+  std::nth_element(places,
+                   places + left,
+                   places + count,
+                   [axis](const PlacedGaussian& a, const PlacedGaussian& b) {
+                     return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.index < b.index;
+                   });
   constexpr size_t kAlone = 8192;
   if (count <= kAlone) {
     SortIntoCells(places, left);
@@ -70,8 +73,8 @@ bool IsRendered(const Gaussians& g, size_t i) {
 }
 
 // The order of level 0.
-std::vector<Place> PlacesOf(const Gaussians& scene) {
-  std::vector<Place> places;
+std::vector<PlacedGaussian> PlacesOf(const Gaussians& scene) {
+  std::vector<PlacedGaussian> places;
   places.reserve(scene.size());
   for (size_t i = 0; i < scene.size(); ++i) {
     const float* p = scene.at(kPosition, i);
@@ -90,7 +93,7 @@ class Builder {
     for (int a = 0; a < kAttributeCount; ++a) widths_[a] = size_t(levels.layout.width(a));
   }
 
-  void CopyFinest(const Gaussians& scene, const std::vector<Place>& places) {
+  void CopyFinest(const Gaussians& scene, const std::vector<PlacedGaussian>& places) {
     tbb::parallel_for(size_t(0), places.size(), [&](size_t i) {
       const OneGaussian<float> to = At(0, i);
       for (int a = 0; a < kAttributeCount; ++a)
@@ -127,8 +130,8 @@ class Builder {
         const LevelBlock& child = levels_.blocks[c];
         block.coarseness = std::max(block.coarseness, child.coarseness);
         for (size_t k = 0; k < 3; ++k) {
-          block.least[k] = std::min(block.least[k], child.least[k]);
-          block.most[k] = std::max(block.most[k], child.most[k]);
+          block.min[k] = std::min(block.min[k], child.min[k]);
+          block.max[k] = std::max(block.max[k], child.max[k]);
         }
       }
     }
@@ -157,16 +160,16 @@ class Builder {
   void Describe(size_t first_block, size_t count) {
     tbb::parallel_for(size_t(0), BlocksOf(count), [&](size_t b) {
       LevelBlock& block = levels_.blocks[first_block + b];
-      block.least.fill(std::numeric_limits<float>::max());
-      block.most.fill(std::numeric_limits<float>::lowest());
+      block.min.fill(std::numeric_limits<float>::max());
+      block.max.fill(std::numeric_limits<float>::lowest());
       double lost = 0, sum = 0;
       for (size_t i = b * kLevelBlock; i < b * kLevelBlock + block.count; ++i) {
         const OneGaussian<const float> g = ConstAt(first_block, i);
         const float* log_scale = g.values[kScaleLog];
         const float reach = kReach * std::exp(std::max({log_scale[0], log_scale[1], log_scale[2]}));
         for (size_t k = 0; k < 3; ++k) {
-          block.least[k] = std::min(block.least[k], g.values[kPosition][k] - reach);
-          block.most[k] = std::max(block.most[k], g.values[kPosition][k] + reach);
+          block.min[k] = std::min(block.min[k], g.values[kPosition][k] - reach);
+          block.max[k] = std::max(block.max[k], g.values[kPosition][k] + reach);
         }
         const double weight = Coverage(g);
         lost += weight * double(lost_[i]);
@@ -249,7 +252,7 @@ SceneLevels BuildLevels(Gaussians scene) {
   levels.layout.basis = scene.basis;
   levels.layout.antialiased = scene.antialiased;
   levels.layout.low_pass_variance = scene.low_pass_variance;
-  const std::vector<Place> places = PlacesOf(scene);
+  const std::vector<PlacedGaussian> places = PlacesOf(scene);
   if (places.empty()) return levels;
   const std::shared_ptr<float[]> values(new float[levels.LayOut(places.size())]);
   Builder builder(levels, values.get());

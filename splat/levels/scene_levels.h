@@ -26,7 +26,7 @@ constexpr float kMaxLevelScaleLog = 40, kMaxLevelPosition = 1e18f;
 
 struct LevelBlock {
   // The box of all that is drawn of the block's Gaussians, world units.
-  std::array<float, 3> least{}, most{};
+  std::array<float, 3> min{}, max{};
   // World units: how far the scene's Gaussians are from those that stand for them here, root of the
   // mean square; not less than that of a child. 0 at level 0.
   float coarseness = 0;

@@ -8,7 +8,7 @@ namespace cosplat {
 namespace {
 
 constexpr uint8_t kHighestLabel = 31;
-constexpr size_t kMostColors = 64;  // of data sets' palettes; an anti-aliased rim has more
+constexpr size_t kMaxColors = 64;  // of data sets' palettes; an anti-aliased rim has more
 
 // Whether a mask of three channels shows labels by colours: some pixels are no grey, and few are
 // alike.
@@ -19,7 +19,7 @@ bool HasLabelColors(const Image8& mask) {
     const uint8_t* p = &mask.data[i * mask.channels];
     colored = colored || p[0] != p[1] || p[1] != p[2];
     colors.insert(uint32_t(p[0]) << 16 | uint32_t(p[1]) << 8 | p[2]);
-    if (colors.size() > kMostColors) return false;
+    if (colors.size() > kMaxColors) return false;
   }
   return colored;
 }

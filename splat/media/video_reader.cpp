@@ -20,7 +20,7 @@ namespace {
 
 namespace av = libav;
 
-constexpr double kMostStretched = 8;  // anamorphic formats stay below 2
+constexpr double kMaxStretched = 8;  // anamorphic formats stay below 2
 
 // One of the eight ways in which a rectangle can lie: columns and rows exchanged first, then either
 // reversed.
@@ -227,7 +227,7 @@ void VideoReader::Impl::SetSize() {
   // No line or column is lost: pixels are only ever stretched.
   if (wide > 1) width = std::max(1, int(std::lround(width * wide)));
   if (wide < 1) height = std::max(1, int(std::lround(height / wide)));
-  if (wide > kMostStretched || wide < 1 / kMostStretched)
+  if (wide > kMaxStretched || wide < 1 / kMaxStretched)
     throw Error(path, Format("says that its pixels are {} times as wide as high", wide));
   const AVFrameSideData* side = av_frame_get_side_data(frame.get(), AV_FRAME_DATA_DISPLAYMATRIX);
   if (const int32_t* matrix =

@@ -214,8 +214,8 @@ class Reader {
       if (attribute.name() == name) return attribute;
     return onnx::AttributeProto::default_instance();
   }
-  int Checked(const onnx::NodeProto& node, int64_t value, int most) const {
-    if (value < 0 || value > most)
+  int Checked(const onnx::NodeProto& node, int64_t value, int max) const {
+    if (value < 0 || value > max)
       throw Error(path_, NameOf(node), "contains the number " + std::to_string(value));
     return int(value);
   }

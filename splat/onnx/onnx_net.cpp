@@ -57,8 +57,8 @@ OnnxNet::OnnxNet(const std::string& path, const std::vector<std::string>& output
   }
   std::string refusal;
   do {
-    if (++least_side_ > kMaxMinSide) throw Error(path, "does not accept an RGB image: " + refusal);
-  } while (ValueSizes(graph, {least_side_, least_side_}, &refusal).empty());
+    if (++min_side_ > kMaxMinSide) throw Error(path, "does not accept an RGB image: " + refusal);
+  } while (ValueSizes(graph, {min_side_, min_side_}, &refusal).empty());
 }
 
 OnnxNet::~OnnxNet() = default;
@@ -68,9 +68,9 @@ std::vector<FeatureMap> OnnxNet::Run(const std::vector<float>& planes,
                                      int width,
                                      int height,
                                      bool keeps) {
-  if (width < least_side_ || height < least_side_)
+  if (width < min_side_ || height < min_side_)
     throw Error(impl_->path,
-                "takes images of at least " + SizeText(least_side_, least_side_) + ", not " +
+                "takes images of at least " + SizeText(min_side_, min_side_) + ", not " +
                     SizeText(width, height));
   const OneThread one_thread;
   try {

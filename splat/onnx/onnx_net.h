@@ -27,7 +27,7 @@ class OnnxNet {
 
   const std::vector<int>& channels() const { return channels_; }  // of each output
   // Minimum width and height, px, below which the output of some layer would be empty.
-  int least_side() const { return least_side_; }
+  int min_side() const { return min_side_; }
 
   // The outputs for planes [3, height, width]. Memory is reused between images of the same size.
   // keeps: what Backward needs. Each net works on the calling thread alone, so that its results are
@@ -41,7 +41,7 @@ class OnnxNet {
  private:
   struct Impl;
   std::vector<int> channels_;
-  int least_side_ = 0;
+  int min_side_ = 0;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -12,7 +12,7 @@ struct CopyingTape : RenderTape {
   size_t capacity() const override { return on_device->capacity(); }
   std::vector<MemoryPart> Memory() const override {
     std::vector<MemoryPart> parts = on_device->Memory();
-    parts.push_back({"radii on the host", HeldBy(radius)});
+    parts.push_back({"radii on the host", AllocatedBytes(radius)});
     return parts;
   }
 

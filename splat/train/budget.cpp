@@ -70,8 +70,8 @@ void BudgetSearch::EndTrial() {
   trainer_.Restore(start_, held_ < 1 ? prune_ : unpruned_);
 }
 
-void BudgetSearch::Describe(StateArchive& a) {
-  trainer_.Describe(a);
+void BudgetSearch::Serialize(StateArchive& a) {
+  trainer_.Serialize(a);
   a.Value("budget.held", held_);
   a.Value("budget.failed", failed_);
   a.Value("budget.share", share_);
@@ -79,7 +79,7 @@ void BudgetSearch::Describe(StateArchive& a) {
   uint8_t has_before = HasBefore();
   a.Value("budget.has_before", has_before);
   a.Require(has_before || trials() == 0, "budget.trials", "are there before the first");
-  if (has_before) trainer_.Describe(a, before_);
+  if (has_before) trainer_.Serialize(a, before_);
 }
 
 std::vector<uint32_t> FramesForBudget(size_t count, bool video) {

@@ -46,8 +46,8 @@ class BudgetSearch {
   const BudgetReport& report() const { return report_; }   // once done
 
   // Writes the search, with its trainer, to a checkpoint, or reads it into a search that was just
-  // constructed. Not once it is done. Throws Error as Trainer::Describe does.
-  void Describe(StateArchive& archive);
+  // constructed. Not once it is done. Throws Error as Trainer::Serialize does.
+  void Serialize(StateArchive& archive);
 
  private:
   bool HasBefore() const { return !before_.state.gaussians.values[kOpacityLogit].empty(); }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "splat/base/error.h"
-#include "splat/train/describe_state.h"
+#include "splat/train/serialize_state.h"
 
 namespace cosplat {
 namespace {
@@ -16,13 +16,13 @@ constexpr int kMinReducedSide = 100;          // px
 constexpr float kLastCorrectionRate = 0.01f;  // as a fraction of the first
 constexpr float kLastExposureRate = 0.1f;     // likewise
 
-int LeastSide(const Subject& subject) {
-  int least = INT_MAX;
+int MinSide(const Subject& subject) {
+  int min = INT_MAX;
   for (size_t i = 0; i < subject.frame_count(); ++i) {
     const Camera& camera = subject.camera(i);
-    least = std::min({least, camera.width, camera.height});
+    min = std::min({min, camera.width, camera.height});
   }
-  return least;
+  return min;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ Trainer::Trainer(const TrainSettings& settings,
                  const StepEngineMaker& make_engine)
     : settings_(settings), subject_(subject) {
   if (subject.frame_count() == 0) throw Error("training frames", "there are no training frames");
-  least_side_ = LeastSide(subject);
+  min_side_ = MinSide(subject);
   CheckCropLoss();
   state_.gaussians = std::move(first);
   state_.gaussians.antialiased = settings.antialiasing;
@@ -49,11 +49,11 @@ Trainer::Trainer(const TrainSettings& settings,
 
 void Trainer::CheckCropLoss() const {
   if (settings_.crop_loss.weight == 0) return;
-  const int least = settings_.crop_loss.distance->least_side();
-  if (std::min(least_side_, settings_.crop_loss.side) < least)
+  const int min = settings_.crop_loss.distance->min_side();
+  if (std::min(min_side_, settings_.crop_loss.side) < min)
     throw Error("training frames",
-                "the perceptual loss needs crops of at least " + SizeText(least, least) +
-                    " pixels; the smallest side is " + std::to_string(least_side_) +
+                "the perceptual loss needs crops of at least " + SizeText(min, min) +
+                    " pixels; the smallest side is " + std::to_string(min_side_) +
                     ", that of the crops " + std::to_string(settings_.crop_loss.side));
 }
 
@@ -185,7 +185,7 @@ void Trainer::CheckIsOfRun(const StateArchive& archive, const TrainingState& sta
   archive.Require(state.iteration <= settings_.iterations, "iteration", "is beyond the run's end");
 }
 
-void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
+void Trainer::Serialize(StateArchive& a, Checkpoint& checkpoint) const {
   if (a.reads()) {
     // The layout; and the subject's state, whose arrays are then replaced.
     checkpoint.state.gaussians.degree = state_.gaussians.degree;
@@ -196,19 +196,19 @@ void Trainer::Describe(StateArchive& a, Checkpoint& checkpoint) const {
     checkpoint.subject = subject_.SaveState();
   }
   uint64_t gaussians = checkpoint.state.gaussians.size();
-  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), gaussians, checkpoint.state);
+  cosplat::Serialize(a, subject_.frame_count(), engine_->shards(), gaussians, checkpoint.state);
   CheckIsOfRun(a, checkpoint.state);
-  if (checkpoint.subject) checkpoint.subject->Describe(a, gaussians);
+  if (checkpoint.subject) checkpoint.subject->Serialize(a, gaussians);
   a.Value("drop_psnr", checkpoint.drop_psnr);
 }
 
-void Trainer::Describe(StateArchive& a) {
+void Trainer::Serialize(StateArchive& a) {
   if (!a.reads()) engine_->Fetch();
   uint64_t gaussians = count();
-  cosplat::Describe(a, subject_.frame_count(), engine_->shards(), gaussians, state_);
+  cosplat::Serialize(a, subject_.frame_count(), engine_->shards(), gaussians, state_);
   CheckIsOfRun(a, state_);
   const std::shared_ptr<SubjectState> subject = subject_.SaveState();
-  if (subject) subject->Describe(a, gaussians);
+  if (subject) subject->Serialize(a, gaussians);
   int32_t prunes = settings_.prune.prunes();  // by the rule of the run
   a.Value("prune.rule", prunes);
   if (prunes == 0) settings_.prune.rule = "none";
@@ -226,7 +226,7 @@ void Trainer::Describe(StateArchive& a) {
     times_ = times;
     MakePrunerFor(settings_.prune, gaussians);
   }
-  if (pruner_) pruner_->Describe(a, gaussians);
+  if (pruner_) pruner_->Serialize(a, gaussians);
   if (a.reads()) engine_->Store();
 }
 
@@ -279,10 +279,10 @@ void Trainer::ControlDensityAt(int iteration) {
 // too small for a windowed loss or a network.
 int Trainer::DownscaleAt(int iteration) const {
   int downscale = settings_.schedule.DownscaleAt(iteration);
-  int least = kMinReducedSide;
+  int min = kMinReducedSide;
   if (settings_.crop_loss.weight != 0)
-    least = std::max(least, settings_.crop_loss.distance->least_side());
-  while (downscale > 1 && least_side_ < least * downscale) downscale /= 2;
+    min = std::max(min, settings_.crop_loss.distance->min_side());
+  while (downscale > 1 && min_side_ < min * downscale) downscale /= 2;
   return downscale;
 }
 
@@ -373,7 +373,8 @@ TrainingStatistics Trainer::statistics() const {
 
 std::vector<MemoryPart> Trainer::Memory() const {
   std::vector<MemoryPart> parts = engine_->Memory();
-  if (pruner_ && pruner_->Held() > 0) parts.push_back({"rule of pruning", pruner_->Held()});
+  if (pruner_ && pruner_->allocated_bytes() > 0)
+    parts.push_back({"rule of pruning", pruner_->allocated_bytes()});
   return parts;
 }
 

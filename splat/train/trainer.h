@@ -1,6 +1,7 @@
 // The training loop, shared by static scenes and avatars.
 //
-// frame -> Subject::Place -> Rasterizer -> loss -> Rasterizer::Backward -> Subject::PlaceBackward
+// frame -> Subject::ToWorld -> Rasterizer -> loss -> Rasterizer::Backward ->
+// Subject::ToWorldBackward
 // -> Adam, with density control at intervals. The Subject (SceneSubject, or avatar/train/trainer.h
 // for avatars) defines the frames, where the Gaussians are in them and what becomes of their
 // gradients. The StepEngine determines where the work is done; Trainer determines when, in which
@@ -87,10 +88,10 @@ class Trainer {
   // with any number of threads. Settings and data must be those that it was written with, and are
   // not in it, except for the rule and the target of pruning, which Restore changes. Throws Error
   // if what is read does not fit them; the trainer is then not to be used. Of several ranks all
-  // call it (splat/train/describe_state.h).
-  void Describe(StateArchive& archive);
+  // call it (splat/train/serialize_state.h).
+  void Serialize(StateArchive& archive);
   // The same for a state to return to.
-  void Describe(StateArchive& archive, Checkpoint& checkpoint) const;
+  void Serialize(StateArchive& archive, Checkpoint& checkpoint) const;
   // The Gaussians with Adam's deferred updates applied and the 3D smoothing filter baked in, to
   // save or evaluate in the middle of a run. A copy, since catching up in place would change the
   // results of the run. All ranks call it; rank 0 has them, the others none.
@@ -135,7 +136,7 @@ class Trainer {
   TrainingState state_;
   std::unique_ptr<Pruner> pruner_;  // null: no rule
   std::vector<uint32_t> frames_;    // frames that are trained on
-  int least_side_ = 0;              // px, of all frames
+  int min_side_ = 0;                // px, of all frames
   std::vector<StepPlan> views_;     // of the step
   std::unique_ptr<StepEngine> engine_;
   // Measurements.

@@ -154,10 +154,10 @@ void WritePoints(const Scene& scene) {
   WritePointsPly(scene.out + "/points.ply", points, colors);
 }
 
-int Number(const char* text, const char* name, int most) {
+int Number(const char* text, const char* name, int max) {
   const int number = std::atoi(text);
-  if (number < 1 || number > most)
-    throw Error(name, std::string(text) + " is not from 1 to " + std::to_string(most));
+  if (number < 1 || number > max)
+    throw Error(name, std::string(text) + " is not from 1 to " + std::to_string(max));
   return number;
 }
 

@@ -97,15 +97,15 @@ void ExpectSameAvatar(const AvatarModel& a, const AvatarModel& b) {
       EXPECT_EQ(a.bust->follow->head_mean, b.bust->follow->head_mean);
       EXPECT_EQ(a.bust->follow->matrix, b.bust->follow->matrix);
       EXPECT_EQ(a.bust->follow->mean, b.bust->follow->mean);
-      EXPECT_EQ(a.bust->follow->least, b.bust->follow->least);
-      EXPECT_EQ(a.bust->follow->most, b.bust->follow->most);
+      EXPECT_EQ(a.bust->follow->min, b.bust->follow->min);
+      EXPECT_EQ(a.bust->follow->max, b.bust->follow->max);
     }
   }
   EXPECT_EQ(a.gaussians.corrections, b.gaussians.corrections);
   ExpectSameBits(a.correction_map.mean, b.correction_map.mean, "corrections mean");
   ExpectSameBits(a.correction_map.matrix, b.correction_map.matrix, "corrections matrix");
-  ExpectSameBits(a.correction_map.least, b.correction_map.least, "corrections least");
-  ExpectSameBits(a.correction_map.most, b.correction_map.most, "corrections most");
+  ExpectSameBits(a.correction_map.min, b.correction_map.min, "corrections least");
+  ExpectSameBits(a.correction_map.max, b.correction_map.max, "corrections most");
   EXPECT_EQ(a.flame_name, b.flame_name);
   EXPECT_EQ(a.flame_sha256, b.flame_sha256);
 }
@@ -197,7 +197,7 @@ TEST_F(AvatarFile, ABustComesBackToo) {
     follow.head_mean = {0.1f, 0.2f, 0.3f, 4, 5, 6, 7, 8, 9};
     for (size_t i = 0; i < follow.matrix.size(); ++i) follow.matrix[i] = 0.01f * float(i);
     follow.mean.fill(0.05f);
-    follow.most.fill(0.2f);
+    follow.max.fill(0.2f);
     WriteAvatarGlb(path_, model, &flame_);
     EXPECT_EQ(SummarizeGlb(path_).avatar->version, 3);
     EXPECT_TRUE(SummarizeGlb(path_).avatar->bust_follows);
@@ -497,7 +497,7 @@ TEST_F(AvatarFile, BadAvatarsAreNotWritten) {
     EXPECT_NE(refused([&](AvatarModel& m) { m.gaussians.values[a].pop_back(); }), "") << a;
   }
   EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.mesh = {}; }), "mesh"));
-  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.correction_map.most.pop_back(); }), "most"));
+  EXPECT_TRUE(Contains(refused([](AvatarModel& m) { m.correction_map.max.pop_back(); }), "most"));
   const auto bad_follow = [](AvatarModel& m) { m.bust.emplace().follow.emplace().matrix[3] = NAN; };
   EXPECT_TRUE(Contains(refused(bad_follow), "bust follow matrix"));
   EXPECT_TRUE(
@@ -659,8 +659,8 @@ void AddGoldenCorrections(AvatarModel& model) {
   CorrectionMap& map = model.correction_map;
   map.mean.assign(1 + kMinCorrectionInputs, 0.125f);
   map.matrix.assign(map.mean.size(), 0.25f);
-  map.least = {-1};
-  map.most = {1};
+  map.min = {-1};
+  map.max = {1};
 }
 
 // With corrections, the range of training and a map from blendshape scores.
@@ -670,8 +670,8 @@ AvatarModel GoldenAvatar3(FlameModel& flame) {
   model.trained_range.emplace(TrainedRange{{-2}, {2}, {0, 0.5f, 0.25f, 0.5f, 0.5f}});
   BlendshapeMap& scores = model.blendshapes.emplace();
   scores.names = {"jawOpen"};
-  scores.least = {0};
-  scores.most = {0.5f};
+  scores.min = {0};
+  scores.max = {0.5f};
   scores.offset.assign(1 + kMappedTurns, 0.125f);
   scores.matrix.assign(1 + kMappedTurns, 0.0625f);
   return model;

@@ -31,8 +31,8 @@ class BlendshapeMapFile : public testing::Test {
     model.gaussians = test::RandomGaussians(3, 0, Basis::kSh, 4);
     BlendshapeMap& map = model.blendshapes.emplace();
     map.names = {"jawOpen", "other"};  // a set of one's own
-    map.least = {0, 0.1f};
-    map.most = {1, 0.4f};
+    map.min = {0, 0.1f};
+    map.max = {1, 0.4f};
     for (int i = 0; i < 11; ++i) map.offset.push_back(0.1f * float(i));
     for (int i = 0; i < 22; ++i) map.matrix.push_back(float(i) / 7);
     map.fit = {170, 0.875f, 3e-4f, 9e-4f};
@@ -50,8 +50,8 @@ TEST_F(BlendshapeMapFile, ComesBack) {
   Written(model);
   const BlendshapeMap &map = *model.blendshapes, read = ReadAvatarGlb(path_).blendshapes.value();
   EXPECT_EQ(read.names, map.names);
-  EXPECT_EQ(read.least, map.least);
-  EXPECT_EQ(read.most, map.most);
+  EXPECT_EQ(read.min, map.min);
+  EXPECT_EQ(read.max, map.max);
   EXPECT_EQ(read.offset, map.offset);
   EXPECT_EQ(read.matrix, map.matrix);
   EXPECT_EQ(read.fit.frames, 170);
@@ -88,9 +88,9 @@ TEST_F(BlendshapeMapFile, BadOnesAreNotWritten) {
   refused([](BlendshapeMap& m) { m.offset.resize(8); }, {"offset", "8", "9"});
   refused([](BlendshapeMap& m) { m.offset[2] = INFINITY; }, {"offset", "2"});
   refused([](BlendshapeMap& m) { m.matrix[5] = 101; }, {"matrix", "column 5", "100"});
-  refused([](BlendshapeMap& m) { m.least.pop_back(); }, {"least", "1", "2"});
-  refused([](BlendshapeMap& m) { m.most[1] = 0.1f; }, {"most", "'other'"});
-  refused([](BlendshapeMap& m) { m.most[0] = 1.5f; }, {"most", "'jawOpen'"});
+  refused([](BlendshapeMap& m) { m.min.pop_back(); }, {"least", "1", "2"});
+  refused([](BlendshapeMap& m) { m.max[1] = 0.1f; }, {"most", "'other'"});
+  refused([](BlendshapeMap& m) { m.max[0] = 1.5f; }, {"most", "'jawOpen'"});
   refused([](BlendshapeMap& m) { m.names[1] = "JawOpen"; }, {"names", "'JawOpen'", "0 and 1"});
   refused([](BlendshapeMap& m) { m.names[1] = ""; }, {"names", "number 1 is empty"});
   refused([](BlendshapeMap& m) { m.fit.r2 = NAN; }, {"fit"});

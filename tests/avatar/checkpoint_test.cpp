@@ -71,9 +71,9 @@ void ExpectExactAvatar(const AvatarSettings& avatar) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     threads = 3 - threads;
     run->Until(stop);
-    WriteStateFile(path, "", [&](StateArchive& a) { run->trainer.Describe(a); });
+    WriteStateFile(path, "", [&](StateArchive& a) { run->trainer.Serialize(a); });
     run = std::make_unique<AvatarRun>(avatar);
-    StateFile(path).Read([&](StateArchive& a) { run->trainer.Describe(a); });
+    StateFile(path).Read([&](StateArchive& a) { run->trainer.Serialize(a); });
   }
   run->Until(kAvatarSteps);
   EXPECT_GT(run->subject.WalkedShare(), 0);

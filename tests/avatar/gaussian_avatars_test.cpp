@@ -111,8 +111,8 @@ void ExpectOraclesGaussians(const Made& made) {
   const Camera camera = procedural::OrbitCamera(0.3f, 0.1f, 0.9f, 512);
   double worst = 0;
   for (const FlameParams& frame : made.frames) {
-    PlacedAvatar placed;
-    player.Place(frame, placed);
+    PosedAvatar placed;
+    player.Pose(frame, placed);
     const std::vector<float>& vertices = player.VerticesOf(placed);
     const PosedGaussians& posed = player.GaussiansOf(placed);
     for (size_t i = 0; i < made.rows.size(); ++i) {
@@ -186,18 +186,18 @@ double PsnrAgainstScenes(const Made& made, const AvatarModel& model) {
   const auto tape = rasterizer->MakeTape();
   std::vector<FlameParams> frames = made.frames;
   frames.push_back(*model.canonical_frame);
-  double least = 1e9;
+  double min = 1e9;
   for (const FlameParams& frame : frames) {
-    PlacedAvatar placed;
-    player.Place(frame, placed);
+    PosedAvatar placed;
+    player.Pose(frame, placed);
     const Camera camera = procedural::OrbitCamera(0.4f, 0.1f, 0.9f, 256);
     const Gaussians scene = SceneOf(made, flame, player.VerticesOf(placed));
     RenderedImage expected;
     rasterizer->Forward(
         ViewOf(scene), scene.basis, camera, {{1, 1, 1}, scene.degree}, expected, *tape);
-    least = std::min(least, PsnrOf(player.Draw(placed, camera, {1, 1, 1}).color, expected.color));
+    min = std::min(min, PsnrOf(player.Draw(placed, camera, {1, 1, 1}).color, expected.color));
   }
-  return least;
+  return min;
 }
 
 TEST(GaussianAvatars, LookLikeTheirGaussiansDrawnAsAScene) {

@@ -208,7 +208,7 @@ TEST(Light, StaysWithinItsBounds) {
       fit.Advance(nullptr);
     }
     const LightState state = fit.States()[0];
-    for (const float value : state.value) EXPECT_EQ(value, -sign * math::kMostLight);
+    for (const float value : state.value) EXPECT_EQ(value, -sign * math::kMaxLight);
   }
 }
 

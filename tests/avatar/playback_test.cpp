@@ -99,11 +99,11 @@ TEST(Player, WhatItRemembersNeverShows) {
 TEST(Player, AnEqualFrameIsNotDrawnAgain) {
   Player player(Painted(), Flame());
   PlaybackFrame frame = FrameAt(1);
-  PlacedAvatar placed;
+  PosedAvatar placed;
   EXPECT_FALSE(placed.IsFor(frame.params));
   const auto work = [&] {
     player.times() = {};
-    player.Place(frame.params, placed);
+    player.Pose(frame.params, placed);
     player.Draw(placed, frame.camera, frame.background);
     return player.times().seconds[size_t(Phase::kBlend)] > 0;
   };
@@ -138,7 +138,7 @@ TEST(Player, BytesAreThoseOfTheGeneralConversion) {
 
 TEST(Player, RefusesToDrawWhatWasNotPlaced) {
   Player player(Painted(), Flame());
-  const PlacedAvatar placed;
+  const PosedAvatar placed;
   ExpectError([&] { player.Draw(placed, CameraAt(0, 8, 8), {0, 0, 0}); }, {"placed"});
 }
 
@@ -201,9 +201,9 @@ TEST(Playback, KeepsTheVerticesOfTheImageThatItReturned) {
   for (int i = 0; i < 5; ++i) {
     const bool drawn = playback.Next(FrameAt(i)) != nullptr;
     if (!drawn) continue;
-    PlacedAvatar placed;
+    PosedAvatar placed;
     Player alone(Painted(), Flame());
-    alone.Place(FrameAt(i - 1).params, placed);
+    alone.Pose(FrameAt(i - 1).params, placed);
     EXPECT_EQ(playback.vertices(), alone.VerticesOf(placed)) << i;
   }
 }

@@ -85,7 +85,7 @@ TEST(Player, DrawsWhatTheTrainerDraws) {
   for (const size_t f : {0u, 3u, 7u}) {
     RenderedImage trained, played;
     const RenderSettings settings{{0.2f, 0.4f, 0.6f}, run.trainer.active_degree()};
-    rasterizer->Forward(run.subject.Place(run.gaussians(), f),
+    rasterizer->Forward(run.subject.ToWorld(run.gaussians(), f),
                         Basis::kDcsh,
                         Frame(f).camera,
                         settings,
@@ -127,8 +127,8 @@ TEST(Player, GaussiansWithoutATriangleAreAnError) {
   AvatarModel model = Trained().Model();
   std::fill_n(model.gaussians.at(kColorRest, 0), model.gaussians.width(kColorRest), 0.0f);
   model.embedding.triangle = {};
-  PlacedAvatar placed;
-  ExpectError([&] { Player(model, Flame()).Place(Frame(0).params, placed); }, {"triangle"});
+  PosedAvatar placed;
+  ExpectError([&] { Player(model, Flame()).Pose(Frame(0).params, placed); }, {"triangle"});
 }
 
 TEST(Player, ColoursOfTheWorldFrameDoNotTurnWithTheHead) {
@@ -177,7 +177,7 @@ TEST(Player, ExpressionsOutOfRangeStayBounded) {
   params.expression = mean;
   const double neutral_alpha = MeanAlpha(Render(player, params));
   const Buffer<float> neutral = avatar.At(params).scale_log;
-  double least = 1, most = 1;
+  double min = 1, max = 1;
   float widest = 0;
   for (int k = 0; k < kExpressionCount; ++k)
     for (const float sign : {-6.0f, 6.0f}) {
@@ -187,8 +187,8 @@ TEST(Player, ExpressionsOutOfRangeStayBounded) {
       for (const float c : image.color) ASSERT_TRUE(std::isfinite(c));
       for (const float t : image.transmittance) ASSERT_TRUE(t >= 0 && t <= 1);
       const double ratio = MeanAlpha(image) / neutral_alpha;
-      least = std::min(least, ratio);
-      most = std::max(most, ratio);
+      min = std::min(min, ratio);
+      max = std::max(max, ratio);
       const PosedGaussians& posed = avatar.At(params);
       for (size_t i = 0; i < neutral.size(); ++i) {
         ASSERT_TRUE(std::isfinite(posed.scale_log[i]));
@@ -196,8 +196,8 @@ TEST(Player, ExpressionsOutOfRangeStayBounded) {
       }
     }
   // Measured: 0.998 to 1.004 of the neutral alpha, Gaussians up to 1.25 times as wide.
-  EXPECT_GT(least, 0.95);
-  EXPECT_LT(most, 1.05);
+  EXPECT_GT(min, 0.95);
+  EXPECT_LT(max, 1.05);
   EXPECT_LE(std::exp(widest), 2);
 }
 

@@ -30,15 +30,15 @@ TEST(TrainedRange, TrainingRecordsIt) {
   const AvatarModel model = training.subject.Model(training.trainer.state().gaussians);
   ASSERT_TRUE(model.trained_range);
   for (size_t i = 0; i < model.trained_range->expression_least.size(); ++i) {
-    float least = 1e9f, most = -1e9f;
+    float min = 1e9f, max = -1e9f;
     for (const TrackedFrame& frame : video.train) {
       const auto& expression = frame.params.expression;
       const float x = i < expression.size() ? expression[i] : 0;
-      least = std::min(least, x);
-      most = std::max(most, x);
+      min = std::min(min, x);
+      max = std::max(max, x);
     }
-    EXPECT_EQ(model.trained_range->expression_least[i], least) << i;
-    EXPECT_EQ(model.trained_range->expression_most[i], most) << i;
+    EXPECT_EQ(model.trained_range->expression_least[i], min) << i;
+    EXPECT_EQ(model.trained_range->expression_most[i], max) << i;
   }
   EXPECT_GT(model.trained_range->angle[2], 0);
 }

@@ -110,9 +110,9 @@ TEST(AvatarDensity, TrianglesHoldAtMostTheCap) {
   std::map<int32_t, int> count;
   for (const int32_t t : run.subject.Model(trainer.state().gaussians).embedding.triangle)
     ++count[t];
-  int most = 0;
-  for (const auto& [triangle, n] : count) most = std::max(most, n);
-  EXPECT_EQ(most, 64);
+  int max = 0;
+  for (const auto& [triangle, n] : count) max = std::max(max, n);
+  EXPECT_EQ(max, 64);
 }
 
 // They are removed like any other that is broken.
@@ -175,7 +175,7 @@ TEST(AvatarDensity, ATrianglesLastGaussianStaysWhereItsLossWouldTearAHole) {
 
   // All that is drawn in the middle of the head would go, and a patch behind its upper half.
   const Camera& c = video.train[0].camera;
-  const float* world = subject.Place(g, 0).position;
+  const float* world = subject.ToWorld(g, 0).position;
   std::vector<std::array<float, 3>> screen;  // x, y px, depth
   std::array<float, 3> mean{};
   for (size_t i = 0; i < model.size(); ++i) {

@@ -88,14 +88,14 @@ TEST(AvatarSystem, FirstScalesAreTheSpacingOrTheNeighboursDistance) {
     const Gaussians g = subject.InitialGaussians(0, Basis::kSh, 0);
     const double spacing = std::sqrt(SurfaceArea(subject.Model(g).mesh) / 3000);
     const auto& scales = g.values[kScaleLog];
-    const auto [least, most] = std::minmax_element(scales.begin(), scales.end());
+    const auto [min, max] = std::minmax_element(scales.begin(), scales.end());
     double mean = 0;
     for (const float s : scales) mean += std::exp(s) / double(scales.size());
     if (system == AvatarSystem::kCosplat) {
-      EXPECT_EQ(*least, *most);
+      EXPECT_EQ(*min, *max);
       EXPECT_NEAR(mean, spacing, 1e-4 * spacing);
     } else {
-      EXPECT_GT(*most - *least, 1);
+      EXPECT_GT(*max - *min, 1);
       EXPECT_GT(mean, 0.3 * spacing);
       EXPECT_LT(mean, 1.1 * spacing);
     }
@@ -180,11 +180,11 @@ TEST(AvatarSystem, AFrameIsPlayedByTheRuleOfItsTraining) {
   for (const AvatarSystem system : kSystems) {
     OpenSubject subject = Subject(system);
     const Gaussians g = subject.InitialGaussians(0, Basis::kSh, 0);
-    const WorldGaussians trained = subject.Place(g, 3);
+    const WorldGaussians trained = subject.ToWorld(g, 3);
     const auto placed = [&](const AvatarModel& model) {
-      PlacedAvatar out;
+      PosedAvatar out;
       Player player(model, flame);
-      player.Place(subject.video().train[3].params, out);
+      player.ToWorld(subject.video().train[3].params, out);
       return player.GaussiansOf(out).scale_log;
     };
     AvatarModel model = subject.Model(g);

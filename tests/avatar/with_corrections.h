@@ -13,8 +13,8 @@ inline AvatarModel WithCorrections(AvatarModel avatar, const FlameModel& flame, 
   map.mean.assign(size_t(flame.expression_count) + kMinCorrectionInputs, 0.1f);
   for (size_t i = 0; i < size_t(count) * map.mean.size(); ++i)
     map.matrix.push_back(0.3f * rng.Normal());
-  map.least.assign(size_t(count), -1.0f);
-  map.most.assign(size_t(count), 1.0f);
+  map.min.assign(size_t(count), -1.0f);
+  map.max.assign(size_t(count), 1.0f);
   avatar.gaussians.corrections = count;
   Buffer<float>& bases = avatar.gaussians.values[kCorrection];
   bases.resize(avatar.size() * size_t(avatar.gaussians.width(kCorrection)));

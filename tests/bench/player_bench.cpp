@@ -106,9 +106,8 @@ Stages MeasureStages(StagedPlayer& player, const std::vector<PlaybackFrame>& fra
   std::vector<Stages> best(frames.size());
   for (int repeat = 0; repeat < kRepeats; ++repeat)
     for (size_t f = 0; f < frames.size(); ++f)
-      best[f].ForEach(player.Play(frames[f].params), [&](double& least, double ms) {
-        least = repeat == 0 ? ms : std::min(least, ms);
-      });
+      best[f].ForEach(player.Play(frames[f].params),
+                      [&](double& min, double ms) { min = repeat == 0 ? ms : std::min(min, ms); });
   for (const Stages& s : best)
     mean.ForEach(s, [&](double& sum, double ms) { sum += ms / double(frames.size()); });
   return mean;
@@ -117,13 +116,13 @@ Stages MeasureStages(StagedPlayer& player, const std::vector<PlaybackFrame>& fra
 // Frames per second: the fastest of several runs through the frames.
 template <class F>
 double FramesPerSecond(size_t frames, const F& play) {
-  double least = 1e30;
+  double min = 1e30;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     const auto start = Clock::now();
     play();
-    least = std::min(least, MillisecondsSince(start));
+    min = std::min(min, MillisecondsSince(start));
   }
-  return 1e3 * double(frames) / least;
+  return 1e3 * double(frames) / min;
 }
 
 void PlayInOrder(Player& player, const std::vector<PlaybackFrame>& frames) {

@@ -71,10 +71,10 @@ float Deformation(const std::vector<float>& a, const std::vector<float>& b, int 
                       v[size_t(3 * i + 1)] - v[size_t(3 * j + 1)],
                       v[size_t(3 * i + 2)] - v[size_t(3 * j + 2)]);
   };
-  float most = 0;
+  float max = 0;
   for (int i = first; i < first + count; ++i)
-    most = std::max(most, std::abs(distance(a, i, first) - distance(b, i, first)));
-  return most;
+    max = std::max(max, std::abs(distance(a, i, first) - distance(b, i, first)));
+  return max;
 }
 
 TEST(Mouth, IsAddedBehindFlamesVertices) {

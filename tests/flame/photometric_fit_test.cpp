@@ -40,13 +40,13 @@ Image8 Waves(int width, int height, int channels) {
 TEST(BandPass, LeavesTextureAndNoSlope) {
   const FrameField waves = BandPass(Waves(120, 90, 3), kWhole, 1);
   const FrameField flat = BandPass(Image8(120, 90, 3, 200), kWhole, 1);
-  double most = 0, sum = 0;
+  double max = 0, sum = 0;
   for (int x = 30; x < 90; ++x) {
-    most = std::max(most, SampleAt(waves, x, 45).value);
+    max = std::max(max, SampleAt(waves, x, 45).value);
     sum += SampleAt(waves, x, 45).value / 60;
     EXPECT_NEAR(SampleAt(flat, x, 45).value, 0, 1e-3);
   }
-  EXPECT_GT(most, 15);
+  EXPECT_GT(max, 15);
   EXPECT_NEAR(sum, 0, 2);
 }
 

@@ -160,14 +160,14 @@ TEST(ProceduralHead, WeightsAreSharesAndJointsSitWhereTheyShould) {
   }
   const auto joints = procedural::JointPositions();
   for (int j = 0; j < kFlameJoints; ++j) {
-    double at[3] = {0, 0, 0}, least = 1;
+    double at[3] = {0, 0, 0}, min = 1;
     for (int v = 0; v < m.vertex_count; ++v) {
       const double w = m.joint_regressor[size_t(j) * m.vertex_count + v];
-      least = std::min(least, w);
+      min = std::min(min, w);
       for (int i = 0; i < 3; ++i) at[i] += w * m.template_vertices[3 * v + i];
     }
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(at[i], joints[j][i], 1e-6) << j;
-    EXPECT_GT(least, -0.05) << j;
+    EXPECT_GT(min, -0.05) << j;
   }
   EXPECT_NEAR(joints[3].x - joints[4].x, 0.064, 1e-6);
 }
@@ -217,8 +217,8 @@ TEST(ProceduralHead, EyeballsStayInsideTheirLids) {
         const float radius =
             Length(At(vertices, int(v)) - procedural::EyeCenter(mesh.positions[v].x > 0));
         // Half-way through a blink the straight path of the inner edge cuts into its clearance.
-        const float least = blink == 0.5f && l.lid_ring < 0 ? 0.0002f : 0.0006f;
-        EXPECT_GT(radius, procedural::kEyeRadius + least) << v << " " << pitch << " " << blink;
+        const float min = blink == 0.5f && l.lid_ring < 0 ? 0.0002f : 0.0006f;
+        EXPECT_GT(radius, procedural::kEyeRadius + min) << v << " " << pitch << " " << blink;
       }
     }
 }
@@ -226,12 +226,12 @@ TEST(ProceduralHead, EyeballsStayInsideTheirLids) {
 TEST(ProceduralHead, EveryDirectionMovesSomethingAndNothingWildly) {
   const FlameModel& m = Head().model;
   auto largest = [&](const std::vector<float>& directions, int k) {
-    float most = 0;
+    float max = 0;
     for (int v = 0; v < m.vertex_count; ++v) {
       const float* d = &directions[(size_t(k) * m.vertex_count + v) * 3];
-      most = std::max(most, std::hypot(d[0], d[1], d[2]));
+      max = std::max(max, std::hypot(d[0], d[1], d[2]));
     }
-    return most;
+    return max;
   };
   for (int k = 0; k < m.shape_count; ++k) {
     EXPECT_GT(largest(m.shape_directions, k), 0.001f) << k;

@@ -108,15 +108,15 @@ TEST(ProceduralVideo, HighlightsMoveWithTheView) {
   pose.posed_from_rest = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const procedural::HeadShader ahead(Head(), pose, {0, 0, 0.9f});
   const procedural::HeadShader aside(Head(), pose, {0.5f, 0.25f, 0.7f});
-  float most = 0, least = 1;
+  float max = 0, min = 1;
   for (size_t f = 0; f < Head().mesh.faces.size(); ++f) {
     const procedural::SurfacePoint point{int(f), {0.3f, 0.3f, 0.4f}, false};
     const float change = std::abs(ahead.Shade(point)[1] - aside.Shade(point)[1]);
-    most = std::max(most, change);
-    least = std::min(least, change);
+    max = std::max(max, change);
+    min = std::min(min, change);
   }
-  EXPECT_GT(most, 0.10f);
-  EXPECT_LT(least, 0.004f);
+  EXPECT_GT(max, 0.10f);
+  EXPECT_LT(min, 0.004f);
 }
 
 TEST(ProceduralVideo, ScriptKeepsWithinRangeAndSurprisesAtTheEnd) {
@@ -130,8 +130,8 @@ TEST(ProceduralVideo, ScriptKeepsWithinRangeAndSurprisesAtTheEnd) {
     for (int e = 0; e < kExpressionCount; ++e) {
       EXPECT_GE(p.expression[e], -0.6f);
       EXPECT_LE(p.expression[e], 1.6f);
-      float& most = (f < 300 ? trained : tested)[e];
-      most = std::max(most, std::abs(p.expression[e]));
+      float& max = (f < 300 ? trained : tested)[e];
+      max = std::max(max, std::abs(p.expression[e]));
     }
     EXPECT_GE(p.pose[2][0], 0);
     EXPECT_LT(p.pose[2][0], 0.26f);

@@ -315,8 +315,8 @@ AvatarModel SmallAvatar() {
   model.gaussians = RandomGaussians(3, 1, Basis::kSh, 4);
   BlendshapeMap& map = model.blendshapes.emplace();
   map.names = {"jawOpen", "other"};
-  map.least = {0, 0.1f};
-  map.most = {1, 0.4f};
+  map.min = {0, 0.1f};
+  map.max = {1, 0.4f};
   map.offset.assign(11, 0.1f);
   map.matrix.assign(22, 0.2f);
   return model;

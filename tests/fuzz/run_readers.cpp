@@ -178,7 +178,7 @@ struct SmallRun {
 
 std::string ReadCheckpoint(const std::string& folder, const std::string&) {
   static SmallRun run;
-  StateFile(folder + "/checkpoint.bin").Read([&](StateArchive& a) { run.trainer.Describe(a); });
+  StateFile(folder + "/checkpoint.bin").Read([&](StateArchive& a) { run.trainer.Serialize(a); });
   return "";
 }
 
@@ -187,7 +187,7 @@ Strings CheckpointSeeds() {
   SmallRun run;
   while (run.trainer.iteration() < 5) run.trainer.Step();
   WriteStateFile(
-      folder / "checkpoint.bin", "a run", [&](StateArchive& a) { run.trainer.Describe(a); });
+      folder / "checkpoint.bin", "a run", [&](StateArchive& a) { run.trainer.Serialize(a); });
   return {Slurped(folder / "checkpoint.bin")};
 }
 
@@ -210,7 +210,7 @@ Strings LpipsSeeds() {
 }
 
 std::string ReadLpips(const std::string& folder, const std::string&) {
-  return Lpips(folder).least_side() > 0 ? "" : "no image is large enough";
+  return Lpips(folder).min_side() > 0 ? "" : "no image is large enough";
 }
 
 }  // namespace

@@ -97,12 +97,12 @@ Result Train(TrainOptions o, TrainingScene scene) {
                   subject,
                   std::move(start.first),
                   StepEngineOn(o.ResolveDevice(), o.deterministic));
-  size_t least_free = free_before;
+  size_t min_free = free_before;
   while (trainer.iteration() < o.iterations) {
     const StepReport step = trainer.Step();
     if (!step.notice.empty()) std::printf("%s\n", step.notice.c_str());
     if (step.iteration % kLookEvery == 0 || step.iteration == o.iterations)
-      least_free = std::min(least_free, cuda::FreeMemory());
+      min_free = std::min(min_free, cuda::FreeMemory());
     if (step.iteration % kTellEvery != 0) continue;
     std::printf("%d: loss %.4f, %zu Gaussians\n", step.iteration, step.loss, step.gaussians);
     std::fflush(stdout);
@@ -110,7 +110,7 @@ Result Train(TrainOptions o, TrainingScene scene) {
   Result result;
   trainer.state();  // all that was submitted is done
   result.training = trainer.statistics();
-  result.peak_bytes = free_before - least_free;
+  result.peak_bytes = free_before - min_free;
   Evaluate(o, scene.test, trainer, result);
   return result;
 }

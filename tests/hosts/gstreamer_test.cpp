@@ -166,12 +166,12 @@ TEST(CosplatSrc, LiveFramesLieOnTheClocksLattice) {
   GstQuery* query = gst_query_new_latency();
   ASSERT_TRUE(gst_element_query(pipeline.Named("src"), query));
   gboolean live = FALSE;
-  GstClockTime least = 0, most = 0;
-  gst_query_parse_latency(query, &live, &least, &most);
+  GstClockTime min = 0, max = 0;
+  gst_query_parse_latency(query, &live, &min, &max);
   gst_query_unref(query);
   EXPECT_TRUE(live);
-  EXPECT_EQ(least, GST_SECOND / 50);
-  EXPECT_EQ(most, GST_CLOCK_TIME_NONE);
+  EXPECT_EQ(min, GST_SECOND / 50);
+  EXPECT_EQ(max, GST_CLOCK_TIME_NONE);
   GstClockTime last = 0;
   int count = 0;
   for (PulledFrame frame; pipeline.Pull(frame); ++count) {

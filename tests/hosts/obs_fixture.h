@@ -111,15 +111,15 @@ class Obs {
   // has.
   int WaitFor(const std::vector<uint8_t>& expected) {
     std::unique_lock lock(mutex_);
-    int most = 256;
+    int max = 256;
     arrived_.wait_for(lock, std::chrono::seconds(20), [&] {
       if (canvas_.size() != expected.size()) return false;
-      most = 0;
+      max = 0;
       for (size_t i = 0; i < canvas_.size(); ++i)
-        if (i % 4 != 3) most = std::max(most, std::abs(int(canvas_[i]) - int(expected[i])));
-      return most <= 1;
+        if (i % 4 != 3) max = std::max(max, std::abs(int(canvas_[i]) - int(expected[i])));
+      return max <= 1;
     });
-    return most;
+    return max;
   }
 
  private:

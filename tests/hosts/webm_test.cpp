@@ -47,16 +47,16 @@ TEST(GstLaunch, WritesAVideoOfTheLibrarysPictures) {
   const std::vector<PulledFrame> frames = decoder.PlayAll();
   ASSERT_EQ(frames.size(), 10u);
   const std::vector<std::vector<uint8_t>> expected = Expected(drive, frames.size());
-  double most = 0;
+  double max = 0;
   for (size_t n = 0; n < frames.size(); ++n) {
     ASSERT_EQ(frames[n].bytes.size(), expected[n].size());
     const double own = Difference(frames[n].bytes, expected[n]);
-    most = std::max(most, own);
+    max = std::max(max, own);
     EXPECT_LT(own, Difference(frames[n].bytes, expected[9 - n])) << n;
   }
-  RecordProperty("difference", std::to_string(most));
+  RecordProperty("difference", std::to_string(max));
   // Measured: 3.9, most of it at edges, since VP8 has colours at half the resolution.
-  EXPECT_LT(most, 5);
+  EXPECT_LT(max, 5);
 }
 
 }  // namespace

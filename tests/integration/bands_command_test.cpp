@@ -70,10 +70,10 @@ void ExpectDropped(const CommandResult& trained,
   EXPECT_EQ(Cosplat({"render", "-m", folder, "--quiet"}).code, 0);
   const Image8 after = ReadImage(image);
   ASSERT_EQ(before.data.size(), after.data.size());
-  int most = 0;
+  int max = 0;
   for (size_t i = 0; i < after.data.size(); ++i)
-    most = std::max(most, std::abs(int(before.data[i]) - int(after.data[i])));
-  EXPECT_LE(most, 1);  // of 255, where rounding turns over
+    max = std::max(max, std::abs(int(before.data[i]) - int(after.data[i])));
+  EXPECT_LE(max, 1);  // of 255, where rounding turns over
 }
 
 TEST_F(BandsCommand, AScene) {

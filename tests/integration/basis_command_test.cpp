@@ -76,10 +76,10 @@ TEST_F(BasisCommand, WhatIsTrainedInTheReleasedBasisIsRenderedFromItsFile) {
     EXPECT_EQ(rendered.code, 0) << rendered.err;
     const Image8 read = ReadImage(image);
     ASSERT_EQ(trained.data.size(), read.data.size());
-    int most = 0;
+    int max = 0;
     for (size_t i = 0; i < read.data.size(); ++i)
-      most = std::max(most, std::abs(int(trained.data[i]) - int(read.data[i])));
-    EXPECT_LE(most, 1) << folder;  // of 255, where rounding turns over
+      max = std::max(max, std::abs(int(trained.data[i]) - int(read.data[i])));
+    EXPECT_LE(max, 1) << folder;  // of 255, where rounding turns over
   }
 }
 

@@ -282,7 +282,7 @@ TEST_F(BindingParity, KeepsPosedVerticesWithinALimit) {
       EXPECT_EQ(last.Get(row.data + row.count - 1, stream), float(frame));
     }
   EXPECT_EQ(calls, (std::vector<int>{1, 1, 3, 3}));
-  EXPECT_GE(posed.held(), 3 * kFrameBytes);
+  EXPECT_GE(posed.allocated_bytes(), 3 * kFrameBytes);
 }
 
 }  // namespace

@@ -60,10 +60,10 @@ TEST_F(DensityParity, CloneSplitAndRemove) {
 }
 
 TEST_F(DensityParity, TheStrongestGoFirstWhereThereIsALimit) {
-  for (const size_t most : {kCount + 40, kCount, size_t(1)}) {
+  for (const size_t max : {kCount + 40, kCount, size_t(1)}) {
     Both both(StateOf(4));
     DensitySettings settings = Settings();
-    settings.max_count = most;
+    settings.max_count = max;
     both.Do([&](StepEngine& e) { e.ControlDensity(settings, false); });
     settings.gradient_threshold = 0;
     both.Do([&](StepEngine& e) { e.ControlDensity(settings, true); });

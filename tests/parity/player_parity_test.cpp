@@ -121,8 +121,8 @@ TEST_F(PlayerParity, DrawsABust) {
   ExpectSamePlayed(avatar, 2);
   BustFollow& follow = avatar.bust->follow.emplace();
   follow.matrix.fill(0.2f);
-  follow.least.fill(-0.3f);
-  follow.most.fill(0.3f);
+  follow.min.fill(-0.3f);
+  follow.max.fill(0.3f);
   ExpectSamePlayed(avatar, 2);
 }
 
@@ -131,11 +131,11 @@ TEST_F(PlayerParity, FollowsTheExpressionWithCorrections) {
   ExpectSamePlayed(avatar, 3);
   // The Gaussians of a placed avatar, asked for once another was placed.
   Player device(avatar, Flame(), OnDevice()), cpu(avatar, Flame());
-  PlacedAvatar first, second, alone;
-  device.Place(FrameAt(1).params, first);
+  PosedAvatar first, second, alone;
+  device.Pose(FrameAt(1).params, first);
   device.VerticesOf(first);
-  device.Place(FrameAt(3).params, second);
-  cpu.Place(FrameAt(1).params, alone);
+  device.Pose(FrameAt(3).params, second);
+  cpu.Pose(FrameAt(1).params, alone);
   EXPECT_EQ(device.GaussiansOf(first).opacity_logit, cpu.GaussiansOf(alone).opacity_logit);
 }
 
@@ -174,11 +174,11 @@ TEST_F(PlayerParity, PlayersOfOneMakerDoNotDisturbEachOther) {
 TEST_F(PlayerParity, ImagesCanStay) {
   const AvatarModel avatar = PaintedAvatar(Head(), 200);
   Player player(avatar, Flame(), OnDevice());
-  PlacedAvatar placed;
+  PosedAvatar placed;
   std::unique_ptr<DeviceImage> stays;
   for (const int i : {0, 0, 3}) {
     const PlaybackFrame f = FrameAt(i);
-    player.Place(f.params, placed);
+    player.Pose(f.params, placed);
     ASSERT_TRUE(player.DrawsOnDevice());
     player.DrawToStay(placed, f.camera, f.background, AlphaMode::kOpaque, stays);
     const RenderedImage& image = player.Draw(placed, f.camera, f.background);
@@ -187,7 +187,7 @@ TEST_F(PlayerParity, ImagesCanStay) {
   Player half(avatar, Flame(), OnDevice(true)), cpu(avatar, Flame());
   for (Player* other : {&half, &cpu}) {
     EXPECT_FALSE(other->DrawsOnDevice());
-    other->Place(FrameAt(0).params, placed = {});
+    other->Pose(FrameAt(0).params, placed = {});
     const auto draw = [&] {
       other->DrawToStay(placed, FrameAt(0).camera, {0, 0, 0}, AlphaMode::kStraight, stays);
     };
@@ -199,10 +199,10 @@ TEST_F(PlayerParity, ImagesCanStay) {
 TEST_F(PlayerParity, GivesTheGaussiansThatTheCpuBinds) {
   const AvatarModel avatar = PaintedAvatar(Head(), 300);
   Player cpu(avatar, Flame()), device(avatar, Flame(), OnDevice());
-  PlacedAvatar on_cpu, on_device;
+  PosedAvatar on_cpu, on_device;
   for (const int i : {0, 2}) {
-    cpu.Place(FrameAt(i).params, on_cpu);
-    device.Place(FrameAt(i).params, on_device);
+    cpu.Pose(FrameAt(i).params, on_cpu);
+    device.Pose(FrameAt(i).params, on_device);
     EXPECT_EQ(cpu.VerticesOf(on_cpu), device.VerticesOf(on_device));
     EXPECT_EQ(cpu.GaussiansOf(on_cpu).position, device.GaussiansOf(on_device).position);
   }

@@ -87,11 +87,11 @@ TEST_F(PosingParity, ExtremeFaces) {
   posers.ExpectSame(RandomParams(1, 1000, 0.4f, 0.2f));
   posers.ExpectSame(RandomParams(2, 1, 100, 0.2f));
   posers.ExpectSame(RandomParams(3, 1e-6f, 1e-6f, 1000));
-  FlameParams most = RandomParams(4, 1, 1, 1);
-  for (float& x : most.expression) x = x < 0 ? -1e6f : 1e6f;
-  for (auto& joint : most.pose) joint = {1e6f, -1e6f, 1e6f};
-  most.translation = {1e6f, 1e6f, -1e6f};
-  posers.ExpectSame(most);
+  FlameParams max = RandomParams(4, 1, 1, 1);
+  for (float& x : max.expression) x = x < 0 ? -1e6f : 1e6f;
+  for (auto& joint : max.pose) joint = {1e6f, -1e6f, 1e6f};
+  max.translation = {1e6f, 1e6f, -1e6f};
+  posers.ExpectSame(max);
 }
 
 TEST_F(PosingParity, AllZeroAndOneAtATime) {
@@ -132,8 +132,8 @@ TEST_F(PosingParity, AHeadWithItsBust) {
   for (const int frame : {1, 8}) posers.ExpectSame(test::RestlessParams(head, frame));
   BustFollow& follow = bust.follow.emplace();
   for (size_t i = 0; i < follow.matrix.size(); ++i) follow.matrix[i] = 0.1f * float(i % 7) - 0.3f;
-  follow.least.fill(-0.2f);
-  follow.most.fill(0.3f);
+  follow.min.fill(-0.2f);
+  follow.max.fill(0.3f);
   Posers following(head, bust);
   for (const int frame : {1, 8}) {
     const FlameParams params = test::RestlessParams(head, frame);

@@ -196,11 +196,11 @@ TEST_F(TrainingParity, ACheckpointGoesOnWithTheSameBits) {
     Trainer whole(run.settings, subject, run.first, OnDevice(SumOrder::kFixed));
     while (whole.iteration() < 23) whole.Step();
     test::MemoryArchive checkpoint;
-    whole.Describe(checkpoint);
+    whole.Serialize(checkpoint);
     while (whole.iteration() < 60) whole.Step();
     Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kFixed));
     checkpoint.Rewind();
-    resumed.Describe(checkpoint);
+    resumed.Serialize(checkpoint);
     EXPECT_EQ(resumed.iteration(), 23);
     while (resumed.iteration() < 60) resumed.Step();
     EXPECT_TRUE(SameBits(whole.state(), resumed.state())) << rule;
@@ -296,7 +296,7 @@ TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
     EXPECT_EQ(test::SameBits(caught_up, saved), ranks->rank() == 0);
     until(trainer, 20);
     test::MemoryArchive unused;
-    trainer.Describe(ranks->rank() == 0 ? checkpoint : unused);
+    trainer.Serialize(ranks->rank() == 0 ? checkpoint : unused);
     until(trainer, run.settings.iterations);
     EXPECT_EQ(trainer.state().gaussians.size(), ShareOf(*ranks).CountOf(trainer.count()));
     EXPECT_EQ(trainer.statistics().ignored_gradients, alone.state().adam.ignored[0]);
@@ -305,7 +305,7 @@ TEST_F(TrainingParity, RanksShareStepsOfSeveralViews) {
   });
   checkpoint.Rewind();
   Trainer resumed(run.settings, other, run.first, OnDevice(SumOrder::kAny));
-  resumed.Describe(checkpoint);
+  resumed.Serialize(checkpoint);
   until(resumed, run.settings.iterations);
   EXPECT_TRUE(SameBits(resumed.state(), alone.state()));
 }
@@ -364,7 +364,7 @@ TEST_F(TrainingParity, PhotographsBeyondTheLimitAreSentAgain) {
       EXPECT_EQ(bytes, run.frames[f].target.data);
     }
   }
-  EXPECT_LT(two.held(), all.held());
+  EXPECT_LT(two.allocated_bytes(), all.allocated_bytes());
 }
 
 }  // namespace

@@ -47,13 +47,13 @@ TEST(PluginOpen, SaysWhatTheAvatarIs) {
   EXPECT_EQ(info.joint_count, uint32_t(COSPLAT_JOINT_COUNT));
   const Gaussians rest = RestPose(files.avatar);
   for (int k = 0; k < 3; ++k) {
-    float least = INFINITY, most = -INFINITY;
+    float min = INFINITY, max = -INFINITY;
     for (size_t i = 0; i < rest.size(); ++i) {
-      least = std::min(least, rest.at(kPosition, i)[k]);
-      most = std::max(most, rest.at(kPosition, i)[k]);
+      min = std::min(min, rest.at(kPosition, i)[k]);
+      max = std::max(max, rest.at(kPosition, i)[k]);
     }
-    EXPECT_NEAR(info.box_min[k], least, 1e-5f);
-    EXPECT_NEAR(info.box_max[k], most, 1e-5f);
+    EXPECT_NEAR(info.box_min[k], min, 1e-5f);
+    EXPECT_NEAR(info.box_max[k], max, 1e-5f);
     EXPECT_EQ(info.background[k], files.avatar.background[size_t(k)]);
   }
 }

@@ -162,8 +162,8 @@ TEST_F(PluginRender, WhatIsRefusedWritesNothing) {
 
 TEST_F(PluginRender, ParametersAtTheirLimitsDoNoHarm) {
   cosplat_parameters p = ParametersOf(params_);
-  const std::vector<float> most(kExpressionCount, COSPLAT_LARGEST_PARAMETER);
-  p.expression = most.data();
+  const std::vector<float> max(kExpressionCount, COSPLAT_LARGEST_PARAMETER);
+  p.expression = max.data();
   for (auto& joint : p.joints)
     for (float& x : joint) x = -COSPLAT_LARGEST_PARAMETER;
   for (const bool near : {false, true}) {
@@ -217,8 +217,8 @@ std::vector<float> DepthOf(cosplat_avatar* avatar,
 }
 
 TEST_F(PluginRender, DepthIsThatOfTheHead) {
-  PlacedAvatar placed;
-  player_.Place(params_, placed);
+  PosedAvatar placed;
+  player_.Pose(params_, placed);
   const Buffer<float>& position = player_.GaussiansOf(placed).position;
   float nearest = INFINITY, farthest = 0;
   for (size_t i = 0; i < position.size(); i += 3) {
@@ -270,8 +270,8 @@ TEST(PluginDepth, IsTheMeanOverWhatIsSeen) {
   const OpenAvatar avatar(files.Write("two.glb", model));
 
   Player player(model, files.flame);
-  PlacedAvatar placed;
-  player.Place({}, placed);
+  PosedAvatar placed;
+  player.Pose({}, placed);
   const float* p = player.GaussiansOf(placed).position.data();
   const float* q = p + 3;
   // A camera that looks from the second to the first, 0.5 m before the second.

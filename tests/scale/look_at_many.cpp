@@ -136,7 +136,7 @@ void LookAtMany(const std::string& file, int copies, const std::string& folder) 
     for (int i = 0; i < kImages; ++i) {
       const Camera camera = CameraAt(crowd, TimeOf(i));
       LevelLimits limits;
-      if (limit < 1e9) limits.most = budget.most();
+      if (limit < 1e9) limits.max = budget.max();
       const double begun = Now();
       renderer.Draw(camera, settings, limits, image);
       const double took = Now() - begun;

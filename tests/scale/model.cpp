@@ -57,7 +57,7 @@ Training TrainingOf(const Measured& m) {
 
 Training LargeTraining(const Measured& m, double gaussians, double batch) {
   constexpr double kControlEvery = 100;  // views
-  const double drawn = std::min(m.drawn * gaussians, kMostDrawn);
+  const double drawn = std::min(m.drawn * gaussians, kMaxDrawn);
   const double updated = gaussians * (1 - std::pow(1 - drawn / gaussians, batch));
   // Adam has caught up before a density control.
   const double controlled = gaussians / std::max(1.0, kControlEvery / batch);

@@ -54,7 +54,7 @@ Training TrainingOf(const Measured& measured);
 // A scene that grows by its area: a view draws the measured share, but at most `most_drawn`. Which
 // Gaussians a view draws is independent of the other views.
 Training LargeTraining(const Measured& measured, double gaussians, double batch);
-constexpr double kMostDrawn = 2e6;
+constexpr double kMaxDrawn = 2e6;
 
 struct StepTime {
   double drawing = 0, own_share = 0, exchange = 0;  // seconds

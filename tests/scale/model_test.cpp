@@ -32,7 +32,7 @@ TEST(ScaleModel, HalvesWhatRanksShareAndAddsTheExchange) {
 TEST(ScaleModel, OfManyViewsUpdatesMoreButNotAll) {
   const Training small = LargeTraining(Example(), 1e6, 4), large = LargeTraining(Example(), 1e8, 4);
   EXPECT_DOUBLE_EQ(small.drawn, 2.5e5);
-  EXPECT_DOUBLE_EQ(large.drawn, kMostDrawn);
+  EXPECT_DOUBLE_EQ(large.drawn, kMaxDrawn);
   EXPECT_GT(small.updated, small.drawn);
   EXPECT_LT(small.updated, 4 * small.drawn);
 }

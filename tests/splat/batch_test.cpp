@@ -56,11 +56,11 @@ struct BatchRun {
   }
   // All ranks call it.
   void Write(const std::string& path, const Ranks& ranks) {
-    const auto describe = [&](StateArchive& a) { trainer.Describe(a); };
+    const auto describe = [&](StateArchive& a) { trainer.Serialize(a); };
     ranks.rank() == 0 ? WriteStateFile(path, "a run", describe) : DiscardState(describe);
   }
   void Read(const std::string& path) {
-    StateFile(path).Read([&](StateArchive& a) { trainer.Describe(a); });
+    StateFile(path).Read([&](StateArchive& a) { trainer.Serialize(a); });
   }
 };
 
@@ -283,16 +283,16 @@ TEST(Batch, DividesWhatTrainingHas) {
   TrainSettings settings = BusyBatch();
   settings.density.max_count = 3000;
   const auto held = [&](size_t ranks) {
-    std::map<std::string, size_t> most;
+    std::map<std::string, size_t> max;
     std::mutex guard;
     OnThreads(ranks, [&](std::shared_ptr<Ranks> rank) {
       BatchRun run(settings, rank);
       run.Until(30);
       const std::lock_guard lock(guard);
       for (const MemoryPart& part : run.trainer.Memory())
-        most[part.name] = std::max(most[part.name], part.bytes);
+        max[part.name] = std::max(max[part.name], part.bytes);
     });
-    return most;
+    return max;
   };
   auto alone = held(1), shared = held(4);
   for (const char* part :

@@ -91,9 +91,9 @@ TEST(Blocks, AreReadAsWrittenOrNotAtAll) {
   const TemporaryFolder folder;
   SceneBlocks blocks = SplitByPlace(RandomPoints(200, {1, 1, 1}).view(), 5), read;
   const auto write = [&] {
-    WriteStateFile(folder / "blocks", "", [&](StateArchive& a) { Describe(a, 5, blocks); });
+    WriteStateFile(folder / "blocks", "", [&](StateArchive& a) { Serialize(a, 5, blocks); });
   };
-  const auto describe = [&](StateArchive& a) { Describe(a, 5, read); };
+  const auto describe = [&](StateArchive& a) { Serialize(a, 5, read); };
   write();
   StateFile(folder / "blocks").Read(describe);
   EXPECT_EQ(read.FrontToBack({1, 2, 3}), blocks.FrontToBack({1, 2, 3}));
@@ -346,9 +346,9 @@ TEST(BlockSchedule, RanksFormGroups) {
         before = group;
         ++sizes[group];
       }
-      const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
-      EXPECT_GE(*least, 1u);
-      EXPECT_LE(*most, *least + 1);
+      const auto [min, max] = std::minmax_element(sizes.begin(), sizes.end());
+      EXPECT_GE(*min, 1u);
+      EXPECT_LE(*max, *min + 1);
       for (size_t b = 0; b < blocks; ++b) EXPECT_LT(groups.OfBlock(b), groups.count());
     }
   }

@@ -44,10 +44,10 @@ struct SceneRun {
     while (trainer.iteration() < step) trainer.Step();
   }
   void Write(const std::string& path) {
-    WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Describe(a); });
+    WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Serialize(a); });
   }
   void Read(const std::string& path) {
-    StateFile(path).Read([&](StateArchive& a) { trainer.Describe(a); });
+    StateFile(path).Read([&](StateArchive& a) { trainer.Serialize(a); });
   }
 };
 
@@ -138,9 +138,9 @@ TEST(Checkpoint, ASearchForABudgetGoesOn) {
     search->search.Step();
     if (done % 37 != 0 || search->search.done()) continue;
     const std::string path = folder / "checkpoint";
-    WriteStateFile(path, "", [&](StateArchive& a) { search->search.Describe(a); });
+    WriteStateFile(path, "", [&](StateArchive& a) { search->search.Serialize(a); });
     search = std::make_unique<Search>();
-    StateFile(path).Read([&](StateArchive& a) { search->search.Describe(a); });
+    StateFile(path).Read([&](StateArchive& a) { search->search.Serialize(a); });
   }
   const BudgetReport &a = undisturbed.search.report(), &b = search->search.report();
   EXPECT_EQ(a.chosen, b.chosen);
@@ -173,7 +173,7 @@ TEST(Checkpoint, FlippedBitsAreFound) {
   const std::string path = folder / "checkpoint";
   SceneSubject subject({Frames()[0]}, 1);
   Trainer trainer(ShortRun(10, 0), subject, TrueScene(0, 2));
-  WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Describe(a); });
+  WriteStateFile(path, "a run", [&](StateArchive& a) { trainer.Serialize(a); });
   const std::string good = Bytes(path);
   ASSERT_LT(good.size(), 10000u);
   EXPECT_EQ(StateFile(path).header(), "a run");
@@ -196,7 +196,7 @@ TEST(Checkpoint, OfAnotherRunIsAnErrorThatNamesTheField) {
   run.Write(folder / "checkpoint");
   const StateFile file(folder / "checkpoint");
   const auto read_into = [&](Trainer& trainer) {
-    return [&] { file.Read([&](StateArchive& a) { trainer.Describe(a); }); };
+    return [&] { file.Read([&](StateArchive& a) { trainer.Serialize(a); }); };
   };
   SceneSubject few({Frames()[0]}, 1);
   Trainer other_frames(Busy(), few, FirstGaussians(300, 2));

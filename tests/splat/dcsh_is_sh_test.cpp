@@ -22,14 +22,14 @@ constexpr float kRatio = 4;
 class ScaledBasisSubject : public SceneSubject {
  public:
   using SceneSubject::SceneSubject;
-  WorldGaussians Place(const Gaussians& g, size_t i) override {
+  WorldGaussians ToWorld(const Gaussians& g, size_t i) override {
     rest_ = g.values[kColorRest];
     for (float& c : rest_) c *= kRatio;
-    WorldGaussians world = SceneSubject::Place(g, i);
+    WorldGaussians world = SceneSubject::ToWorld(g, i);
     world.color_rest = rest_.data();
     return world;
   }
-  void PlaceBackward(const Gaussians&, Gaussians& gradients, const uint32_t*) override {
+  void ToWorldBackward(const Gaussians&, Gaussians& gradients, const uint32_t*) override {
     for (float& d : gradients.values[kColorRest]) d *= kRatio;
   }
 

@@ -41,11 +41,11 @@ TEST(NearestRow, IsTheNearest) {
           for (size_t c = 0; c < candidates; ++c)
             for (size_t k = 0; k < width; ++k)
               distance2[c] += std::pow(double(rows[i * width + k]) - of[c * width + k], 2);
-          const double least = *std::min_element(distance2.begin(), distance2.end());
+          const double min = *std::min_element(distance2.begin(), distance2.end());
           ASSERT_LT(nearest[i].index, candidates);
           // Rounding of a few hundred, the sum of squares, in 24 bits.
-          EXPECT_NEAR(distance2[nearest[i].index], least, 1e-4);
-          EXPECT_NEAR(nearest[i].distance2, least, 1e-4);
+          EXPECT_NEAR(distance2[nearest[i].index], min, 1e-4);
+          EXPECT_NEAR(nearest[i].distance2, min, 1e-4);
         }
       }
 }

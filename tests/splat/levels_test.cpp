@@ -110,8 +110,8 @@ TEST(Levels, EveryBlockButTheLastHasOneParentWhichIsCoarserAndHoldsIt) {
       ++parents[c];
       EXPECT_GE(parent.coarseness, levels.blocks[c].coarseness);
       for (size_t k = 0; k < 3; ++k) {
-        EXPECT_LE(parent.least[k], levels.blocks[c].least[k]);
-        EXPECT_GE(parent.most[k], levels.blocks[c].most[k]);
+        EXPECT_LE(parent.min[k], levels.blocks[c].min[k]);
+        EXPECT_GE(parent.max[k], levels.blocks[c].max[k]);
       }
     }
   EXPECT_EQ(parents.back(), 0);
@@ -146,10 +146,10 @@ TEST(Levels, CoarserThanAPixelIsCloseToAll) {
 
 TEST(Levels, NoMoreIsDrawnThanTheLimit) {
   LevelRenderer renderer(BuildLevels(Scene()));
-  for (const size_t most : {15000, 5000, 2000}) {
-    Drawn(renderer, From(2), {0, most});
-    EXPECT_LE(renderer.drawn(), most);
-    EXPECT_GT(renderer.drawn(), most / 2);
+  for (const size_t max : {15000, 5000, 2000}) {
+    Drawn(renderer, From(2), {0, max});
+    EXPECT_LE(renderer.drawn(), max);
+    EXPECT_GT(renderer.drawn(), max / 2);
   }
   Drawn(renderer, From(2), {0, 1});
   EXPECT_LE(renderer.drawn(), kLevelBlock) << "something is drawn";
@@ -268,20 +268,20 @@ TEST(FrameBudget, FollowsTheTimesOfImages) {
   // Blocks are not divided, so that an image has fewer than allowed.
   const auto draw = [&](int images, double per_gaussian) {
     for (int i = 0; i < images; ++i)
-      budget.Drawn(budget.most() - 700, per_gaussian * double(budget.most() - 700));
+      budget.Drawn(budget.max() - 700, per_gaussian * double(budget.max() - 700));
   };
   draw(60, 1e-4);
-  EXPECT_NEAR(double(budget.most()), 400000, 1000);
+  EXPECT_NEAR(double(budget.max()), 400000, 1000);
   draw(1, 5e-5);
-  EXPECT_NEAR(double(budget.most()), 400000 / 0.9, 1000) << "rises little by little";
+  EXPECT_NEAR(double(budget.max()), 400000 / 0.9, 1000) << "rises little by little";
   draw(1, 5e-4);
-  EXPECT_NEAR(double(budget.most()), 80000, 100) << "falls at once";
+  EXPECT_NEAR(double(budget.max()), 80000, 100) << "falls at once";
   budget.Drawn(100, 1000);
-  EXPECT_NEAR(double(budget.most()), 80000, 100) << "an almost empty image says nothing";
+  EXPECT_NEAR(double(budget.max()), 80000, 100) << "an almost empty image says nothing";
   draw(3, 1e9);
-  EXPECT_EQ(budget.most(), 50000u);
+  EXPECT_EQ(budget.max(), 50000u);
   draw(60, 1e-4);
-  EXPECT_NEAR(double(budget.most()), 400000, 1000) << "comes back";
+  EXPECT_NEAR(double(budget.max()), 400000, 1000) << "comes back";
 }
 
 class LevelsFile : public testing::Test {
@@ -375,7 +375,7 @@ TEST_F(LevelsFile, HostileBlocksAreRefused) {
     change(levels);
     WriteLevels(path_, levels);
   };
-  with([](SceneLevels& l) { l.blocks[1].most[2] = NAN; });
+  with([](SceneLevels& l) { l.blocks[1].max[2] = NAN; });
   ExpectRefused({"blocks[1]", "bounds"});
   with([](SceneLevels& l) { l.blocks[1].coarseness = -1; });
   ExpectRefused({"blocks[1]", "bounds"});

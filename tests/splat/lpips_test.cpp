@@ -102,7 +102,7 @@ class LpipsTest : public testing::Test {
 TEST_F(LpipsTest, IsTheFormula) {
   Lpips lpips(folder_.path());
   EXPECT_EQ(lpips.net(), "tiny");
-  EXPECT_EQ(lpips.least_side(), 4);
+  EXPECT_EQ(lpips.min_side(), 4);
   // Measured: 3e-7 apart, what float maps and float sums over the channels leave.
   for (const auto& [width, height] : {std::pair{4, 4}, {12, 8}, {23, 17}}) {
     const Image8 a = RandomImage(width, height, 1), b = RandomImage(width, height, 2);
@@ -149,7 +149,7 @@ TEST_F(LpipsTest, TheLeastSizeIsWhatEveryLayerTakes) {
   convs[0].weights.assign(54, 0.1f);
   Spill("tiny_backbone.onnx", test::TinyOnnx(convs));
   Lpips lpips(folder_.path());
-  EXPECT_EQ(lpips.least_side(), 12);
+  EXPECT_EQ(lpips.min_side(), 12);
   EXPECT_GT(lpips.Distance(RandomImage(12, 12, 1), RandomImage(12, 12, 2)), 0);
 }
 
@@ -242,7 +242,7 @@ TEST(LpipsRealNet, SameBitsForAnyNumberOfThreads) {
 TEST(LpipsRealNet, NamesTheLeastSize) {
   if (!fs::exists(DataFolder())) GTEST_SKIP() << "lpips is not here";
   Lpips lpips(DataFolder());
-  ASSERT_EQ(lpips.least_side(), 25);
+  ASSERT_EQ(lpips.min_side(), 25);
   EXPECT_GT(lpips.Distance(RandomImage(25, 25, 1), RandomImage(25, 25, 2)), 0);
   test::ExpectError([&] { lpips.Distance(Image8(64, 24, 3), Image8(64, 24, 3)); },
                     {"squeeze_backbone.onnx", "25x25", "64x24"});

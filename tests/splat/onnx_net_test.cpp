@@ -208,11 +208,11 @@ TEST_F(OnnxNetTest, PoolingIsTheMaximumWithItsGradient) {
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < result.shapes[0].height; ++y)
         for (int x = 0; x < 4; ++x) {
-          float most = -2;
+          float max = -2;
           for (int row = std::max(0, 2 * y - 1); row < std::min(kHeight, 2 * y + 2); ++row)
             for (int column = 3 * x; column < std::min(kWidth, 3 * x + 2); ++column)
-              most = std::max(most, image[(c * kHeight + row) * kWidth + column]);
-          EXPECT_EQ(result.maps[0][at++], most);
+              max = std::max(max, image[(c * kHeight + row) * kWidth + column]);
+          EXPECT_EQ(result.maps[0][at++], max);
         }
     ExpectGradient(std::move(net));
   }
@@ -240,7 +240,7 @@ OnnxParts BranchingNet() {
 TEST_F(OnnxNetTest, BranchesGradient) {
   OnnxNet net = Net(BranchingNet());
   EXPECT_EQ(net.channels(), (std::vector<int>{5, 15}));
-  EXPECT_EQ(net.least_side(), 2);
+  EXPECT_EQ(net.min_side(), 2);
   ExpectGradient(std::move(net));
 }
 

@@ -55,15 +55,15 @@ TEST(ReducedFrames, KeepsThoseOfOneSize) {
   SceneSubject subject({Frame(40, 20, 3), Frame(40, 20, 3)}, 1);
   ReducedFrames frames(subject);
   EXPECT_EQ(&frames.At(1, 1), &subject.frame(1));
-  EXPECT_EQ(frames.held(), 0u);
+  EXPECT_EQ(frames.allocated_bytes(), 0u);
   EXPECT_EQ(frames.At(0, 2).target.width, 20);
   const TrainFrame* second = &frames.At(1, 2);
   EXPECT_EQ(&frames.At(1, 2), second);
-  EXPECT_EQ(frames.held(), 2u * 20 * 10 * 3);
+  EXPECT_EQ(frames.allocated_bytes(), 2u * 20 * 10 * 3);
   EXPECT_EQ(frames.At(0, 4).target.width, 10);
-  EXPECT_EQ(frames.held(), 10u * 5 * 3);
+  EXPECT_EQ(frames.allocated_bytes(), 10u * 5 * 3);
   frames.At(0, 1);
-  EXPECT_EQ(frames.held(), 0u);
+  EXPECT_EQ(frames.allocated_bytes(), 0u);
 }
 
 }  // namespace

@@ -185,9 +185,9 @@ TEST(Trainer, EveryFrameOncePerPass) {
   class Counter : public SceneSubject {
    public:
     using SceneSubject::SceneSubject;
-    WorldGaussians Place(const Gaussians& g, size_t i) override {
+    WorldGaussians ToWorld(const Gaussians& g, size_t i) override {
       order.push_back(i);
-      return SceneSubject::Place(g, i);
+      return SceneSubject::ToWorld(g, i);
     }
     std::vector<size_t> order;
   };
@@ -209,12 +209,12 @@ TEST(Trainer, TheDegreeIsRaisedAndHigherBandsWait) {
   settings.schedule.degree_every = 4;
   Trainer trainer(settings, subject, FirstGaussians(50, 2));
   const auto largest = [&](int from, int to) {  // |coefficients| of these bands
-    float most = 0;
+    float max = 0;
     const Gaussians& g = trainer.state().gaussians;
     for (size_t i = 0; i < g.size(); ++i)
       for (int k = 3 * (CoefficientCount(from - 1) - 1); k < 3 * (CoefficientCount(to) - 1); ++k)
-        most = std::max(most, std::abs(g.at(kColorRest, i)[k]));
-    return most;
+        max = std::max(max, std::abs(g.at(kColorRest, i)[k]));
+    return max;
   };
   for (int step = 1; step <= 14; ++step) {
     EXPECT_EQ(trainer.active_degree(), std::min(2, (step - 1) / 4));
@@ -233,10 +233,10 @@ TEST(Trainer, TheHardCapHoldsInEveryStep) {
   settings.density.gradient_threshold = 0;
   settings.density.max_count = 333;
   Trainer trainer(settings, subject, FirstGaussians(300, 2));
-  size_t most = 0;
-  for (int i = 0; i < 60; ++i) most = std::max(most, trainer.Step().gaussians);
-  EXPECT_LE(most, 333u);
-  EXPECT_GT(most, 325u);  // 2 % are pruned in the same round
+  size_t max = 0;
+  for (int i = 0; i < 60; ++i) max = std::max(max, trainer.Step().gaussians);
+  EXPECT_LE(max, 333u);
+  EXPECT_GT(max, 325u);  // 2 % are pruned in the same round
 }
 
 TEST(Trainer, ARandomBackgroundKeepsTheOutsideTransparent) {

@@ -92,7 +92,7 @@ struct ImagesOf : FrameImages {
     RenderedImage image;
     Buffer<Contribution> more;
     for (size_t k = 0; k < choice.count(); ++k) {
-      rasterizer->Forward(subject.Place(gaussians, choice[k]),
+      rasterizer->Forward(subject.ToWorld(gaussians, choice[k]),
                           gaussians.basis,
                           subject.frame(choice[k]).camera,
                           {choice.background, choice.degree},

@@ -203,13 +203,13 @@ TEST(Places, RandomPointsAreTheSame) {
     std::vector<uint8_t> colors;
     Rng rng{1};
     RandomPoints(cameras, 500, rng, points, colors);
-    double least = points[0], most = least;
+    double min = points[0], max = min;
     for (size_t i = 0; i < points.size(); i += 3) {
-      least = std::min(least, double(points[i]));
-      most = std::max(most, double(points[i]));
+      min = std::min(min, double(points[i]));
+      max = std::max(max, double(points[i]));
     }
-    return std::pair((most - least) / place.scale,
-                     ((most + least) / 2 + scene.origin[0] - place.offset[0]) / place.scale);
+    return std::pair((max - min) / place.scale,
+                     ((max + min) / 2 + scene.origin[0] - place.offset[0]) / place.scale);
   };
   const auto home = box(kHome);
   EXPECT_NEAR(home.first, 2.6, 0.1);
@@ -350,9 +350,9 @@ TEST(Places, TheNearPlaneIsTheCameras) {
   for (const bool near_enough : {false, true}) {
     camera.near_plane = near_enough ? 0.001f * kNearPlane : kNearPlane;
     rasterizer->Forward(ViewOf(g), g.basis, camera, {{0, 0, 0}, 0}, image, *tape);
-    float most = 0;
-    for (const float t : image.transmittance) most = std::max(most, 1 - t);
-    EXPECT_EQ(most > 0.5f, near_enough);
+    float max = 0;
+    for (const float t : image.transmittance) max = std::max(max, 1 - t);
+    EXPECT_EQ(max > 0.5f, near_enough);
   }
 }
 

@@ -24,10 +24,10 @@ const StabilityCase& Case(const std::string& key) {
 
 // Of a curve, the largest ratio of a point's value to the one before.
 double LargestStep(const StabilityCurve& curve) {
-  double most = 0;
+  double max = 0;
   for (size_t i = 1; i < curve.points.size(); ++i)
-    most = std::max(most, curve.points[i][1] / curve.points[i - 1][1]);
-  return most;
+    max = std::max(max, curve.points[i][1] / curve.points[i - 1][1]);
+  return max;
 }
 
 TEST(AvatarStability, OursIsWithinEveryBoundAndTheNaiveFormIsNot) {

@@ -8,8 +8,8 @@ namespace cosplat::test {
 // Mean squared difference, as LossWeights::mse weighs it.
 class SquaredDistance : public ImageDistance {
  public:
-  explicit SquaredDistance(int least_side = 1) : least_side_(least_side) {}
-  int least_side() const override { return least_side_; }
+  explicit SquaredDistance(int min_side = 1) : min_side_(min_side) {}
+  int min_side() const override { return min_side_; }
   double Evaluate(View<const float> rendered,
                   View<const float> target,
                   int width,
@@ -27,7 +27,7 @@ class SquaredDistance : public ImageDistance {
   }
 
  private:
-  const int least_side_;
+  const int min_side_;
 };
 
 }  // namespace cosplat::test

@@ -95,8 +95,8 @@ TEST(FaceControls, RandomFacesDifferAndStayInRange) {
   EXPECT_NE(first.expression, controls.Face().expression);
   for (const auto* sliders : {&controls.expressions(), &controls.joints()})
     for (const auto& slider : *sliders) {
-      EXPECT_GE(slider.value, slider.least);
-      EXPECT_LE(slider.value, slider.most);
+      EXPECT_GE(slider.value, slider.min);
+      EXPECT_LE(slider.value, slider.max);
     }
 }
 
@@ -105,10 +105,10 @@ TEST(FaceControls, ReachesSomewhatBeyondTraining) {
   trained.expression_least = {-2, 0.2f};
   trained.expression_most = {6, 0.4f};
   FaceControls controls(3, {}, trained);  // the third was never seen
-  EXPECT_FLOAT_EQ(controls.expressions()[0].least, -4);
-  EXPECT_FLOAT_EQ(controls.expressions()[0].most, 8);
-  EXPECT_FLOAT_EQ(controls.expressions()[1].least, -0.5f);
-  EXPECT_FLOAT_EQ(controls.expressions()[1].most, 0.9f);
+  EXPECT_FLOAT_EQ(controls.expressions()[0].min, -4);
+  EXPECT_FLOAT_EQ(controls.expressions()[0].max, 8);
+  EXPECT_FLOAT_EQ(controls.expressions()[1].min, -0.5f);
+  EXPECT_FLOAT_EQ(controls.expressions()[1].max, 0.9f);
   Rng rng;
   for (int i = 0; i < 20; ++i) {
     controls.SetRandom(rng);
@@ -126,7 +126,7 @@ TEST(FaceControls, TurnsTheHeadAboutItsRest) {
   const FlameParams face = controls.Face();
   EXPECT_NE(face.pose[0], rest.pose[0]);
   FaceControls other(0, rest, {});
-  other.Take(face);
+  other.SetFace(face);
   for (const auto& joint : other.joints())
     EXPECT_NEAR(joint.value, joint.name == "Head turn" ? 0.4f : 0, 1e-5);
 }
@@ -136,7 +136,7 @@ TEST(FaceControls, TakesAFaceWithinItsRanges) {
   FlameParams face;
   face.expression = {0.5f, 100};  // fewer than sliders; beyond the range
   face.pose[kJaw][0] = 0.2f;
-  controls.Take(face);
+  controls.SetFace(face);
   EXPECT_EQ(controls.Face().expression, (std::vector<float>{0.5f, 3, 0}));
   EXPECT_EQ(controls.Face().pose[kJaw][0], 0.2f);
 }

@@ -94,12 +94,12 @@ class Window : public testing::Test {
     viewer::Stage own{viewer::Content(PaintedHead())};
     Image8 image;
     own.Draw(session.ShotFor(width, pixels.height), image);
-    int most = 0;
+    int max = 0;
     for (int y = first_row; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < 3; ++c)
-          most = std::max(most, std::abs(pixels.at(x, y, c) - image.at(x, y, c)));
-    return most;
+          max = std::max(max, std::abs(pixels.at(x, y, c) - image.at(x, y, c)));
+    return max;
   }
   std::vector<std::string> Captures() const {
     std::vector<std::string> paths;

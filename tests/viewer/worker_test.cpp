@@ -33,8 +33,8 @@ Shot SceneShot(int width) {
 FinishedImage Newest(RenderWorker& worker) {
   while (worker.Busy()) std::this_thread::yield();
   FinishedImage picture;
-  EXPECT_TRUE(worker.Take(picture));
-  EXPECT_FALSE(worker.Take(picture));
+  EXPECT_TRUE(worker.TakeImage(picture));
+  EXPECT_FALSE(worker.TakeImage(picture));
   return picture;
 }
 

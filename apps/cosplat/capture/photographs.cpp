@@ -94,7 +94,9 @@ Photograph Inspect(const std::string& folder, const std::string& name) {
   return {name, IsJpegOrPng(name) ? name : name + ".png", info.width, info.height, exif};
 }
 
-void Place(const std::string& path, const Photograph& photograph, const std::string& target) {
+void LinkPhotograph(const std::string& path,
+                    const Photograph& photograph,
+                    const std::string& target) {
   if (photograph.exif.orientation != 1 || photograph.stored_name != photograph.name)
     return WriteImage(target, Upright(ReadImage(path), photograph.exif.orientation));
   std::error_code code;
@@ -123,7 +125,7 @@ void GatherFolder(const std::string& source, const std::string& folder, Photogra
     const std::string below = result.lenses == 1 ? "" : std::to_string(lens) + "/";
     const std::string stored = below + p.stored_name;
     MakeDirectories(fs::path(folder + "/" + stored).parent_path().string());
-    Place(source + "/" + p.name, p, folder + "/" + stored);
+    LinkPhotograph(source + "/" + p.name, p, folder + "/" + stored);
     result.names.push_back(stored);
   }
   std::sort(result.names.begin(), result.names.end());

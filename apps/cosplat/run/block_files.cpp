@@ -8,7 +8,7 @@
 #include "splat/base/files.h"
 #include "splat/base/text.h"
 #include "splat/train/blocks/block_schedule.h"
-#include "splat/train/describe_state.h"
+#include "splat/train/serialize_state.h"
 
 namespace cosplat {
 namespace {
@@ -18,13 +18,13 @@ constexpr const char* kRecord = ".record.bin";
 
 std::string BlocksFolder(const std::string& run_folder) { return run_folder + "/blocks"; }
 
-void Describe(StateArchive& a, BlockRecord& record) {
+void Serialize(StateArchive& a, BlockRecord& record) {
   a.Value("round", record.round);
   a.Value("gaussians", record.gaussians);
   a.Value("cost", record.cost);
   uint64_t exposed = record.exposures.value.size() / math::kExposureNumbers;
   a.Value("exposed", exposed);
-  Describe(a, exposed, record.exposures);
+  Serialize(a, exposed, record.exposures);
 }
 
 }  // namespace
@@ -90,10 +90,10 @@ void BlockFiles::WriteBlock(size_t block,
   WriteStateFile(PathOf(block, kGaussians), "", [&](StateArchive& a) {
     uint64_t count = gaussians.size();
     a.Value("count", count);
-    Describe(a, "gaussians", count, const_cast<Gaussians&>(gaussians));  // only written
+    Serialize(a, "gaussians", count, const_cast<Gaussians&>(gaussians));  // only written
   });
   WriteStateFile(PathOf(block, kRecord), "", [&](StateArchive& a) {
-    Describe(a, const_cast<BlockRecord&>(record));  // only written
+    Serialize(a, const_cast<BlockRecord&>(record));  // only written
   });
 }
 
@@ -102,7 +102,7 @@ Gaussians BlockFiles::ReadBlock(size_t block) const {
   StateFile(PathOf(block, kGaussians)).Read([&](StateArchive& a) {
     uint64_t count = 0;
     a.Value("count", count);
-    Describe(a, "gaussians", count, gaussians);
+    Serialize(a, "gaussians", count, gaussians);
   });
   return gaussians;
 }
@@ -118,7 +118,7 @@ Gaussians BlockFiles::ReadBlocks(const std::vector<uint32_t>& blocks) const {
 
 BlockRecord BlockFiles::ReadRecord(size_t block) const {
   BlockRecord record;
-  StateFile(PathOf(block, kRecord)).Read([&](StateArchive& a) { Describe(a, record); });
+  StateFile(PathOf(block, kRecord)).Read([&](StateArchive& a) { Serialize(a, record); });
   return record;
 }
 
@@ -135,19 +135,19 @@ void BlockFiles::Remove(const std::string& run_folder) {
   if (code) throw Error(BlocksFolder(run_folder), "cannot be removed: " + code.message());
 }
 
-void BlockState::Describe(StateArchive& a, size_t frames, bool has_exposures) {
+void BlockState::Serialize(StateArchive& a, size_t frames, bool has_exposures) {
   a.Value("round", round);
   a.Value("cost", cost);
   a.Require(round <= kBlockRounds, "round", "is beyond the run's end");
   if (round == 0) return;
-  cosplat::Describe(a, counts.size(), blocks);
+  cosplat::Serialize(a, counts.size(), blocks);
   for (auto& of_block : views) {
     a.ArrayUpTo("views", of_block, frames);
     for (const uint32_t view : of_block)
       a.Require(view < frames, "views", "names one that is not there");
   }
   a.Array("counts", counts, counts.size());
-  if (has_exposures) cosplat::Describe(a, frames, exposures);
+  if (has_exposures) cosplat::Serialize(a, frames, exposures);
 }
 
 }  // namespace cosplat

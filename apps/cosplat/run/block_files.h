@@ -92,7 +92,7 @@ struct BlockState {
   ExposureState exposures;                   // of all frames; empty unless they are trained
 
   // frames: of the scene. Reading throws Error if it does not fit them.
-  void Describe(StateArchive& archive, size_t frames, bool has_exposures);
+  void Serialize(StateArchive& archive, size_t frames, bool has_exposures);
 };
 
 }  // namespace cosplat

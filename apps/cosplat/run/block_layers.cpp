@@ -13,8 +13,8 @@ namespace {
 
 // A block trains on the views of which it covers at least this share, or this part of its largest
 // share if that is less: so early, a block may be hardly opaque.
-constexpr float kLeastShare = 0.01f;
-constexpr float kLeastPart = 0.25f;
+constexpr float kMinShare = 0.01f;
+constexpr float kMinPart = 0.25f;
 
 }  // namespace
 
@@ -62,9 +62,9 @@ std::vector<std::vector<uint32_t>> BlockLayers::ChooseViews() const {
   }
   std::vector<std::vector<uint32_t>> views(blocks);
   for (size_t b = 0; b < blocks; ++b) {
-    const float least = std::min(kLeastShare, kLeastPart * largest[b]);
+    const float min = std::min(kMinShare, kMinPart * largest[b]);
     for (size_t v = 0; v < count; ++v)
-      if (share[b * count + v] >= least) views[b].push_back(uint32_t(v));
+      if (share[b * count + v] >= min) views[b].push_back(uint32_t(v));
   }
   return views;
 }

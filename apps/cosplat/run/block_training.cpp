@@ -22,7 +22,7 @@
 #include "splat/io/ply.h"
 #include "splat/train/blocks/block_schedule.h"
 #include "splat/train/blocks/blocks.h"
-#include "splat/train/describe_state.h"
+#include "splat/train/serialize_state.h"
 
 namespace cosplat {
 namespace {
@@ -260,7 +260,7 @@ class BlockTraining {
     block_subject_.emplace(layers_.FramesOf(b, state_.views[b]), scene_.extent());
     MakeTrainer(files_.ReadBlock(b));
     if (o_.exposure) trainer_->SetExposures(std::move(exposures));
-    if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Describe(a); });
+    if (resumes) StateFile(path).Read([&](StateArchive& a) { trainer_->Serialize(a); });
     const std::string title = Format("block {} of {}  ", b + 1, o_.blocks);
     TakeSteps([&](const StepReport& step) { bar_->Update(StepsDone(), title + line_(step)); });
     const RoundCost cost = CostOf(trainer_->statistics());
@@ -358,12 +358,12 @@ class BlockTraining {
 
   // The run's own has the whole scene's trainer or, later, what all blocks have in common; each
   // block in training has another, written by its group.
-  void DescribeCommon(StateArchive& a) { state_.Describe(a, scene_.frame_count(), o_.exposure); }
+  void SerializeCommon(StateArchive& a) { state_.Serialize(a, scene_.frame_count(), o_.exposure); }
 
   StateDescription Description() {
     return [this](StateArchive& a) {
-      DescribeCommon(a);
-      if (whole()) trainer_->Describe(a);
+      SerializeCommon(a);
+      if (whole()) trainer_->Serialize(a);
     };
   }
 
@@ -372,7 +372,7 @@ class BlockTraining {
     if (whole()) return checkpoint_.Write(Iteration(), Description(), *group_);
     checkpoint_.WritePart(
         files_.CheckpointPath(block_, state_.round),
-        [this](StateArchive& a) { trainer_->Describe(a); },
+        [this](StateArchive& a) { trainer_->Serialize(a); },
         *group_);
     if (writes()) checkpoint_.Write(Iteration(), Description(), *OneRank());  // how far the run is
   }
@@ -380,10 +380,10 @@ class BlockTraining {
   // Returns the iteration that the run had reached.
   int Resume(Gaussians& first) {
     return checkpoint_.Read([&](StateArchive& a) {
-      DescribeCommon(a);
+      SerializeCommon(a);
       if (!whole()) return;
       MakeTrainer(std::move(first));
-      trainer_->Describe(a);
+      trainer_->Serialize(a);
     });
   }
 

@@ -79,8 +79,8 @@ MemoryPlan PlanMemory(const SceneTrainOptions& o, const SceneData& scene) {
                     Gb(double(plan.program + plan.in_work) + at_first));
   const double wanted = double(plan.gaussians * plan.per_gaussian);
   // Blocks read a photograph once a round.
-  const double least = o.blocks == 1 ? kPhotographShare * rest : 0;
-  const double images = std::max(least, rest - wanted);
+  const double min = o.blocks == 1 ? kPhotographShare * rest : 0;
+  const double images = std::max(min, rest - wanted);
   plan.images = std::min(plan.all_images, size_t(std::min(images, rest - at_first)));
   plan.gaussians =
       std::min(plan.gaussians, size_t((rest - double(plan.images)) / double(plan.per_gaussian)));

@@ -184,18 +184,18 @@ class TrainingRun {
       uint8_t searches = 0;
       a.Value("searches", searches);
       if (searches != 0) BeginSearch();
-      DescribeRun(a);
+      SerializeRun(a);
     });
     PrintResumed(o_, trainer_.iteration());
   }
 
-  void DescribeRun(StateArchive& a) { search_ ? search_->Describe(a) : trainer_.Describe(a); }
+  void SerializeRun(StateArchive& a) { search_ ? search_->Serialize(a) : trainer_.Serialize(a); }
 
   StateDescription Description() {
     return [this](StateArchive& a) {
       uint8_t searches = search_.has_value();
       a.Value("searches", searches);
-      DescribeRun(a);
+      SerializeRun(a);
     };
   }
 

@@ -55,15 +55,15 @@ Embedding StartsNear(const std::vector<Vec3<float>>& places,
 // Largest number of points on one boundary face; infinite if a point is outside its face.
 double Crowding(const Surface& surface, const Embedding& e) {
   std::vector<int> count(surface.faces().size());
-  int most = 0;
+  int max = 0;
   for (size_t i = 0; i < e.triangle.size(); ++i) {
     const auto [u, v] = e.barycentric[i];
     if (!(u >= 0 && v >= 0 && u + v <= 1 + 1e-6f)) return std::numeric_limits<double>::infinity();
     const auto& across = surface.topology().face_neighbors[e.triangle[i]];
     if (std::min({across[0], across[1], across[2]}) < 0)
-      most = std::max(most, ++count[e.triangle[i]]);
+      max = std::max(max, ++count[e.triangle[i]]);
   }
-  return most;
+  return max;
 }
 
 // The neck's rim from the front: the front-facing part, from below the rim upwards.

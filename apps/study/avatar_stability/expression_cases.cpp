@@ -111,10 +111,10 @@ StabilityCase ExpressionSizeCase(const StudyHead& head) {
   c.chart.y_name = "largest growth";
   const PosedGaussians rest = BoundBothWays(head.avatar).ours.posed;
   const auto growth = [&](const PosedGaussians& posed) {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < rest.size(); ++i)
-      most = std::max(most, double(LargestScale(posed, i) / LargestScale(rest, i)));
-    return most;
+      max = std::max(max, double(LargestScale(posed, i) / LargestScale(rest, i)));
+    return max;
   };
   const FlameParams worst = MeasureOverExpressions(head, growth, c);
   BoundBothWays bound(head.avatar);
@@ -139,13 +139,13 @@ StabilityCase ExpressionReachCase(const StudyHead& head) {
   c.chart.y_name = "farthest reach";
   const PosedGaussians rest = BoundBothWays(head.avatar).ours.posed;
   const auto reach = [&](const PosedGaussians& posed) {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < rest.size(); ++i) {
       const float *p = &posed.position[3 * i], *q = &rest.position[3 * i];
       const double moved = std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
-      most = std::max(most, 1000 * (moved + 3 * double(LargestScale(posed, i))));
+      max = std::max(max, 1000 * (moved + 3 * double(LargestScale(posed, i))));
     }
-    return most;
+    return max;
   };
   MeasureOverExpressions(head, reach, c);
   return c;

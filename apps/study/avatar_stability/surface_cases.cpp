@@ -22,9 +22,9 @@ double TurnOf(const Buffer<float>& a, const Buffer<float>& b, size_t i) {
 }
 
 double LargestTurn(const Buffer<float>& a, const Buffer<float>& b) {
-  double most = 0;
-  for (size_t i = 0; i < a.size() / 4; ++i) most = std::max(most, TurnOf(a, b, i));
-  return most;
+  double max = 0;
+  for (size_t i = 0; i < a.size() / 4; ++i) max = std::max(max, TurnOf(a, b, i));
+  return max;
 }
 
 // From grey (0) to red (1).

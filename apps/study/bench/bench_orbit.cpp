@@ -46,11 +46,11 @@ Range MostOf(std::vector<float>& values) {
 }
 
 std::vector<Point> VisiblePoints(const Gaussians& g) {
-  const float least = math::Logit(kMinAlpha);
+  const float min = math::Logit(kMinAlpha);
   std::vector<Point> points;
   for (size_t i = 0; i < g.size(); ++i) {
     const float* p = g.at(kPosition, i);
-    if (*g.at(kOpacityLogit, i) >= least) points.push_back({p[0], p[1], p[2]});
+    if (*g.at(kOpacityLogit, i) >= min) points.push_back({p[0], p[1], p[2]});
   }
   return points;
 }

@@ -25,9 +25,9 @@ class CompactPruner : public Pruner {
   }
 
   MaskInSteps Mask() override { return {MaskKind::kHard, weight_, &mask_, nullptr}; }
-  size_t Held() const override { return mask_.Held(); }
-  void Describe(StateArchive& archive, size_t count) override {
-    mask_.Describe(archive, "compact", count);
+  size_t allocated_bytes() const override { return mask_.allocated_bytes(); }
+  void Serialize(StateArchive& archive, size_t count) override {
+    mask_.Serialize(archive, "compact", count);
   }
 
   PruneRound Rank(const PruneContext&) override {

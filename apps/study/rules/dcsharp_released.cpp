@@ -70,9 +70,9 @@ class DcsharpReleasedPruner : public Pruner {
     return round;
   }
 
-  size_t Held() const override { return HeldBy(sum_, seen_, marked_); }
+  size_t allocated_bytes() const override { return AllocatedBytes(sum_, seen_, marked_); }
   // Between steps no marks are pending: densification and the round after it are one step.
-  void Describe(StateArchive& archive, size_t count) override {
+  void Serialize(StateArchive& archive, size_t count) override {
     archive.Array("dcsharp_released.sum", sum_, count);
     archive.Array("dcsharp_released.seen", seen_, count);
   }

@@ -15,9 +15,9 @@ struct Placed {
 };
 
 // In order of their counts; settings without one of the figures are omitted.
-std::vector<Placed> Place(const std::vector<StudyPoint>& points,
-                          const std::string& quality,
-                          const std::string& cost) {
+std::vector<Placed> PlaceLabels(const std::vector<StudyPoint>& points,
+                                const std::string& quality,
+                                const std::string& cost) {
   std::vector<Placed> placed;
   for (const StudyPoint& point : points) {
     const auto x = point.At(cost), y = point.At(quality), count = point.At("gaussians");
@@ -67,12 +67,12 @@ std::vector<ChartSeries> CurvesOf(const std::vector<StudyPoint>& points,
 }
 
 bool IsWide(const std::vector<Placed>& placed) {
-  double least = placed[0].mark.x, most = least;
+  double min = placed[0].mark.x, max = min;
   for (const Placed& p : placed) {
-    least = std::min(least, p.mark.x);
-    most = std::max(most, p.mark.x);
+    min = std::min(min, p.mark.x);
+    max = std::max(max, p.mark.x);
   }
-  return least > 0 && most > kLogFrom * least;
+  return min > 0 && max > kLogFrom * min;
 }
 
 std::string KeyOf(const std::string& data,
@@ -91,7 +91,7 @@ std::vector<StudyChart> StudyCharts(const std::vector<StudyPoint>& points,
                                     const StudyFigure& quality) {
   std::vector<StudyChart> charts;
   for (const StudyFigure& cost : CostsIn(points)) {
-    std::vector<Placed> placed = Place(points, QualityKeyFor(quality, cost), cost.key);
+    std::vector<Placed> placed = PlaceLabels(points, QualityKeyFor(quality, cost), cost.key);
     if (placed.empty()) continue;
     const std::string data = points[0].data;
     Chart chart;

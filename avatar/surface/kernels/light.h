@@ -71,11 +71,11 @@ struct AdvanceLight {
     ++state->adam.step;
     const float left = math::Max(0.0f, 1 - float(state->adam.step) / float(steps));
     const math::AdamStep step = math::AdamStepAt(rate * left, state->adam.step);
-    const float most = math::kMostLight;
+    const float max = math::kMaxLight;
     for (size_t k = 0; k < kLightNumbers; ++k) {
       float& value = state->value[k];
       state->adam.Update(step, k, gradient[k], value);
-      value = math::Clamp(value, -most, most);
+      value = math::Clamp(value, -max, max);
     }
   }
 };

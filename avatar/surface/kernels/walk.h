@@ -170,7 +170,7 @@ struct WalkTaker {
   int32_t* count;  // [F] current Gaussians of each face; exact at least for boundary faces
 
   // Whether the walk from one face to another is accepted: not if that is a full boundary face.
-  COSPLAT_HD bool Take(int32_t from, int32_t to) const {
+  COSPLAT_HD bool Accept(int32_t from, int32_t to) const {
     if (from != to && count[to] >= boundary_face_cap && HasBoundaryEdge(mesh, to)) return false;
     --count[from];
     ++count[to];
@@ -232,7 +232,7 @@ struct TakeEach {
   COSPLAT_HD void operator()(size_t) const {
     for (size_t k = 0; k < *how_many; ++k) {
       const uint32_t i = list[k];
-      taken[i] = taker.Take(triangle[i], ends[i].face);
+      taken[i] = taker.Accept(triangle[i], ends[i].face);
     }
   }
 };

@@ -46,9 +46,9 @@ class PinnedMemory : public Memory {
   void Free(void* data, size_t) override { cudaFreeHost(data); }
 };
 
-class EventMoment : public Moment {
+class CudaStreamEvent : public StreamEvent {
  public:
-  explicit EventMoment(cudaStream_t stream) : stream_(stream) {}
+  explicit CudaStreamEvent(cudaStream_t stream) : stream_(stream) {}
   void Record() override { event_.Record(stream_); }
   void Wait() const override { event_.Wait(); }
 
@@ -64,7 +64,9 @@ std::string VersionText(int version) {
 
 }  // namespace
 
-std::unique_ptr<Moment> CudaStream::MakeMoment() { return std::make_unique<EventMoment>(stream_); }
+std::unique_ptr<StreamEvent> CudaStream::MakeEvent() {
+  return std::make_unique<CudaStreamEvent>(stream_);
+}
 
 size_t FreeMemory() {
   size_t free = 0, total = 0;

@@ -73,10 +73,10 @@ class CudaStream : public Stream {
   // These use CUB.
   void Sort(KeyedValues& pairs, int bits) override;
   void ExclusiveSum(Buffer<uint64_t>& numbers) override;
-  size_t held() const override { return scratch_.capacity(); }
+  size_t allocated_bytes() const override { return scratch_.capacity(); }
   size_t FreeMemory() const override;
   Memory& readback_memory() const override;  // pinned
-  std::unique_ptr<Moment> MakeMoment() override;
+  std::unique_ptr<StreamEvent> MakeEvent() override;
   std::unique_ptr<Stream> Another() const override { return std::make_unique<CudaStream>(); }
   cudaStream_t get() const { return stream_; }
 

@@ -16,11 +16,11 @@ class CpuTape : public RenderTape {
   const InstanceCounts* counts() const override { return &drawn; }
   size_t capacity() const override { return lists.entries.size(); }
   std::vector<MemoryPart> Memory() const override {
-    return {{"projected splats", HeldBy(splats, radius)},
-            {"tile lists", lists.HeldForGaussians()},
-            {"gradients per splat and tile", HeldBy(records, contributions)},
-            {"gradients per splat", HeldBy(d_splats)},
-            {"tiles", lists.HeldForTiles() + HeldBy(n_contrib), MemoryOf::kPixels}};
+    return {{"projected splats", AllocatedBytes(splats, radius)},
+            {"tile lists", lists.GaussianBytes()},
+            {"gradients per splat and tile", AllocatedBytes(records, contributions)},
+            {"gradients per splat", AllocatedBytes(d_splats)},
+            {"tiles", lists.TileBytes() + AllocatedBytes(n_contrib), MemoryOf::kPixels}};
   }
 
   ViewParameters view{};

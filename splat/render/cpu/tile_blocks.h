@@ -145,10 +145,10 @@ HWY_INLINE void StartTransmittance(const TileJob& job, float* t) {
 HWY_INLINE BlockMask OpenBlocks(const float* t) {
   BlockMask open = 0;
   for (int block = 0; block < kBlocks; ++block) {
-    Pack most(0.0f);
+    Pack max(0.0f);
     for (int i = 0; i < kBlockPixels; i += int(kLanes))
-      most = Max(most, LoadPack(t + block * kBlockPixels + i));
-    open |= BlockMask(AnyTrue(most >= Pack(kMinTransmittance))) << block;
+      max = Max(max, LoadPack(t + block * kBlockPixels + i));
+    open |= BlockMask(AnyTrue(max >= Pack(kMinTransmittance))) << block;
   }
   return open;
 }

@@ -111,9 +111,9 @@ void TileLists::EmitChunk(View<const ProjectedSplat> splats,
     if (k + kPrefetch < end) __builtin_prefetch(&splats[order[k + kPrefetch]]);
     const ProjectedSplat& s = splats[order[k]];
     const math::TileRange range = math::RangeOf(s, tiles_x, tiles_y);
-    const size_t most = count + range.size();
-    if (tiles.size() < most) {
-      tiles.reserve(most + most / kHeadRoom);
+    const size_t max = count + range.size();
+    if (tiles.size() < max) {
+      tiles.reserve(max + max / kHeadRoom);
       tiles.resize(tiles.capacity());
     }
     const uint32_t before = count;
@@ -176,15 +176,15 @@ void TileLists::Build(View<const ProjectedSplat> splats,
   ForChunks(n, [&](size_t c, size_t begin, size_t end) { StoreChunk(begin, end, chunks_[c]); });
 }
 
-size_t TileLists::HeldForGaussians() const {
-  size_t bytes = HeldBy(order, order_swap_, keys_, keys_swap_, record_begin, entries);
-  for (const Chunk& chunk : chunks_) bytes += HeldBy(chunk.tiles);
+size_t TileLists::GaussianBytes() const {
+  size_t bytes = AllocatedBytes(order, order_swap_, keys_, keys_swap_, record_begin, entries);
+  for (const Chunk& chunk : chunks_) bytes += AllocatedBytes(chunk.tiles);
   return bytes;
 }
 
-size_t TileLists::HeldForTiles() const {
-  size_t bytes = HeldBy(tile_begin);
-  for (const Chunk& chunk : chunks_) bytes += HeldBy(chunk.offset);
+size_t TileLists::TileBytes() const {
+  size_t bytes = AllocatedBytes(tile_begin);
+  for (const Chunk& chunk : chunks_) bytes += AllocatedBytes(chunk.offset);
   return bytes;
 }
 

@@ -30,8 +30,8 @@ struct TileLists {
   void Build(View<const ProjectedSplat> splats, View<const float> radii, int width, int height);
 
   // Bytes held, including scratch.
-  size_t HeldForGaussians() const;
-  size_t HeldForTiles() const;
+  size_t GaussianBytes() const;
+  size_t TileBytes() const;
 
  private:
   // Scratch, reused between steps. A chunk is a range of Gaussians processed by one task; results

@@ -101,7 +101,7 @@ void BlendForward(CudaTape& tape, RenderedImage& image, Stream& stream) {
   image.color.Refill(3 * pixels, stream);
   image.transmittance.Refill(pixels, stream);
   tape.n_contrib.Refill(tape.lists.tiles(), stream);
-  tape.checkpoints.Refill(tape.kept ? tape.lists.most_buckets() * kTilePixels : 0, stream);
+  tape.checkpoints.Refill(tape.kept ? tape.lists.max_buckets() * kTilePixels : 0, stream);
   const std::array<float, 3>& b = tape.settings.background;
   ForBlocks(tape.lists.tiles(),
             stream,

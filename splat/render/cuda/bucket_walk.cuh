@@ -154,7 +154,7 @@ void WalkBuckets(const CudaTape& tape,
                  Stream& stream) {
   using Kernel = BucketKernel<Walk>;
   if (tape.lists.capacity() == 0) return;
-  const size_t blocks = (tape.lists.most_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;
+  const size_t blocks = (tape.lists.max_buckets() + Kernel::kWarps - 1) / Kernel::kWarps;
   ForBlocks(blocks, stream, Kernel{BucketListsOf(tape, image), walk});
 }
 

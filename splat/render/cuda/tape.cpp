@@ -31,7 +31,7 @@ bool CudaTape::Expect(size_t instances, uint32_t* exceeded) {
     const double partial = double(lists.tiles()) * kTileSize * kTileSize;
     const double wanted =
         kGrowth * (double(instances) * BytesPerInstance(order) + partial * sizeof(PixelCheckpoint));
-    const size_t held = lists.HeldForInstances() + HeldBy(checkpoints, records);
+    const size_t held = lists.InstanceBytes() + AllocatedBytes(checkpoints, records);
     if (wanted > double(held) + kUsableMemory * double(FreeMemory())) return false;
   }
   lists.Expect(instances, exceeded);
@@ -39,12 +39,12 @@ bool CudaTape::Expect(size_t instances, uint32_t* exceeded) {
 }
 
 std::vector<MemoryPart> CudaTape::Memory() const {
-  return {{"projected splats", HeldBy(splats, radius)},
-          {"tile lists", lists.HeldForGaussians()},
-          {"gradients per splat and tile", HeldBy(records, contributions)},
-          {"gradients per splat", HeldBy(d_splats)},
-          {"pixels per bucket of splats", HeldBy(checkpoints)},
-          {"tiles", lists.HeldForTiles() + HeldBy(n_contrib), MemoryOf::kPixels}};
+  return {{"projected splats", AllocatedBytes(splats, radius)},
+          {"tile lists", lists.GaussianBytes()},
+          {"gradients per splat and tile", AllocatedBytes(records, contributions)},
+          {"gradients per splat", AllocatedBytes(d_splats)},
+          {"pixels per bucket of splats", AllocatedBytes(checkpoints)},
+          {"tiles", lists.TileBytes() + AllocatedBytes(n_contrib), MemoryOf::kPixels}};
 }
 
 }  // namespace cosplat::cuda

@@ -120,14 +120,14 @@ TileListsView TileLists::view() const {
           record_begin_.view()};
 }
 
-size_t TileLists::HeldForInstances() const {
-  return by_tile_.held() + HeldBy(of_record_, gaussian_);
+size_t TileLists::InstanceBytes() const {
+  return by_tile_.allocated_bytes() + AllocatedBytes(of_record_, gaussian_);
 }
 
-size_t TileLists::HeldForGaussians() const {
-  return by_depth_.held() + HeldForInstances() + HeldBy(record_begin_);
+size_t TileLists::GaussianBytes() const {
+  return by_depth_.allocated_bytes() + InstanceBytes() + AllocatedBytes(record_begin_);
 }
 
-size_t TileLists::HeldForTiles() const { return HeldBy(tile_begin_, bucket_begin_); }
+size_t TileLists::TileBytes() const { return AllocatedBytes(tile_begin_, bucket_begin_); }
 
 }  // namespace cosplat::cuda

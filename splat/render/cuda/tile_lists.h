@@ -62,14 +62,14 @@ class TileLists {
   // Capacity of the lists, and an upper bound on the number of buckets. Both are known without
   // querying the device; later stages size their buffers by them.
   size_t capacity() const { return capacity_; }
-  size_t most_buckets() const { return capacity_ / kBucket + tiles(); }
+  size_t max_buckets() const { return capacity_ / kBucket + tiles(); }
   size_t tiles() const { return size_t(tiles_x_) * tiles_y_; }
   TileListsView view() const;
   size_t allocated() const { return gaussian_.capacity(); }  // entries that memory is allocated for
-  // Bytes held, including scratch. HeldForGaussians includes HeldForInstances.
-  size_t HeldForInstances() const;
-  size_t HeldForGaussians() const;
-  size_t HeldForTiles() const;
+  // Bytes held, including scratch. GaussianBytes includes InstanceBytes.
+  size_t InstanceBytes() const;
+  size_t GaussianBytes() const;
+  size_t TileBytes() const;
 
  private:
   void Count(View<const ProjectedSplat> splats, Stream& stream);

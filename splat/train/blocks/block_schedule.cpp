@@ -25,9 +25,9 @@ BlockGroups::BlockGroups(const std::vector<int>& work, size_t ranks)
       order.begin(), order.end(), [&](size_t a, size_t b) { return work[a] > work[b]; });
   std::vector<int64_t> sums(groups_, 0);
   for (const size_t block : order) {
-    const auto least = std::min_element(sums.begin(), sums.end());
-    *least += work[block];
-    of_block_[block] = size_t(least - sums.begin());
+    const auto min = std::min_element(sums.begin(), sums.end());
+    *min += work[block];
+    of_block_[block] = size_t(min - sums.begin());
   }
 }
 

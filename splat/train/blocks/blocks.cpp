@@ -159,7 +159,7 @@ SceneBlocks SplitByPlace(View<const float> points, size_t blocks) {
   return split;
 }
 
-void Describe(StateArchive& a, size_t count, SceneBlocks& blocks) {
+void Serialize(StateArchive& a, size_t count, SceneBlocks& blocks) {
   a.Array("blocks.planes", blocks.planes, count - 1);
   if (!a.reads()) return;
   for (size_t i = 0; i < blocks.planes.size(); ++i)

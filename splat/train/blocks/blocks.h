@@ -39,6 +39,6 @@ struct SceneBlocks {
 SceneBlocks SplitByPlace(View<const float> points, size_t blocks);
 
 // For `count` blocks. Reading throws Error if the planes are not a tree.
-void Describe(StateArchive& archive, size_t count, SceneBlocks& blocks);
+void Serialize(StateArchive& archive, size_t count, SceneBlocks& blocks);
 
 }  // namespace cosplat

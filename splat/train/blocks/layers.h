@@ -50,7 +50,7 @@ class LayerModel {
   const Buffer<float>& Forward(const FrameLayers& layers, View<const float> color, Stream& stream);
   // Turns the gradient of what Forward returned into that of its argument, in place.
   void Backward(const FrameLayers& layers, Buffer<float>& d_shown, Stream& stream);
-  size_t held() const { return HeldBy(shown_); }
+  size_t allocated_bytes() const { return AllocatedBytes(shown_); }
 
  private:
   Buffer<float> shown_;

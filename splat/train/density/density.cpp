@@ -208,10 +208,10 @@ DensityReport DensityControl::Control(const DensitySettings& settings,
 
 size_t DensityControl::Remove(View<uint8_t> unwanted, const Population& population) {
   population.placement.Veto(population.gaussians, population.canvas, unwanted, population.stream);
-  return Take({unwanted.data, unwanted.count}, population);
+  return RemoveMarked({unwanted.data, unwanted.count}, population);
 }
 
-size_t DensityControl::Take(View<const uint8_t> unwanted, const Population& population) {
+size_t DensityControl::RemoveMarked(View<const uint8_t> unwanted, const Population& population) {
   Stream& stream = population.stream;
   const size_t n = population.gaussians.size();
   kept_.Refill(n + 1, stream);
@@ -241,7 +241,7 @@ size_t DensityControl::Prune(const PruneRound& round,
                                                    group_floor,
                                                    veto);
   unwanted_.Upload(unwanted, stream);
-  return Take(std::as_const(unwanted_).view(), population);
+  return RemoveMarked(std::as_const(unwanted_).view(), population);
 }
 
 void DensityControl::SortInSpace(const Population& population) {
@@ -250,9 +250,9 @@ void DensityControl::SortInSpace(const Population& population) {
   population.Gather({order, order.count});
 }
 
-size_t DensityControl::held() const {
-  return HeldBy(mean_, kind_, unwanted_, kept_, cloned_, split_, source_, offsets_) +
-         order_.held() + morton_.held();
+size_t DensityControl::allocated_bytes() const {
+  return AllocatedBytes(mean_, kind_, unwanted_, kept_, cloned_, split_, source_, offsets_) +
+         order_.allocated_bytes() + morton_.allocated_bytes();
 }
 
 float ResetOpacityLogit() { return math::Logit(math::kResetOpacity); }

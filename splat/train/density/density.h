@@ -95,14 +95,14 @@ class DensityControl {
                const Population& population);
   // Puts the Gaussians in Morton order (splat/train/density/morton.h).
   void SortInSpace(const Population& population);
-  size_t held() const;  // bytes
+  size_t allocated_bytes() const;  // bytes
   void Release() { *this = DensityControl(); }
 
  private:
   size_t Select(const DensitySettings& settings, const Population& population);
   void KeepStrongest(size_t room, Stream& stream);
   DensityReport AddChildren(const Population& population, Rng& rng);
-  size_t Take(View<const uint8_t> unwanted, const Population& population);
+  size_t RemoveMarked(View<const uint8_t> unwanted, const Population& population);
   // Turns flags ([n + 1], the last 0) into output positions; returns the number of set flags.
   size_t PlacesOf(Buffer<uint64_t>& flags, Stream& stream);
 

@@ -17,7 +17,9 @@ class MortonSort {
   // Indices of the points ([n, 3], in the stream's memory), sorted by Morton code within their
   // bounding box, ties by index. Non-finite points come last. Valid until the next call.
   View<const uint32_t> Order(View<const float> points, Stream& stream);
-  size_t held() const { return order_.held() + HeldBy(codes_, boxes_); }  // bytes
+  size_t allocated_bytes() const {
+    return order_.allocated_bytes() + AllocatedBytes(codes_, boxes_);
+  }  // bytes
 
  private:
   KeyedValues order_;

@@ -18,7 +18,7 @@ class ImageDistance {
  public:
   virtual ~ImageDistance() = default;
   // Minimum width and height of the images, px.
-  virtual int least_side() const = 0;
+  virtual int min_side() const = 0;
   // Compares planes [3, height, width] in [0, 1] (a rendering may exceed 1); d_rendered has their
   // shape.
   // Bit-identical for any number of threads. Throws Error if either is not finite.

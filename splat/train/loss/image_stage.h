@@ -36,7 +36,7 @@ class ImageStage {
                         const StageFrame& frame,
                         Buffer<float>& d,
                         Stream& stream) = 0;
-  virtual size_t held() const = 0;  // bytes
+  virtual size_t allocated_bytes() const = 0;  // bytes
 };
 
 }  // namespace cosplat

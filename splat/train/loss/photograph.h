@@ -68,7 +68,7 @@ class PhotographModel {
               const uint32_t* overflowed,
               ExposureState& exposures,
               Stream& stream);
-  size_t held() const { return HeldBy(shown_, sums_, tree_, gradient_, moved_); }
+  size_t allocated_bytes() const { return AllocatedBytes(shown_, sums_, tree_, gradient_, moved_); }
 
  private:
   Buffer<float> shown_;

@@ -25,7 +25,7 @@ void Update(const AdamSettings& settings,
             AdamState& state,
             Stream& stream) {
   UpdateNumbers kernel{{}, std::as_const(state.behind).view(), state.ignored.data()};
-  size_t most = 0;
+  size_t max = 0;
   for (int a = 0; a < kAttributeCount; ++a) {
     AdamArray& array = kernel.attributes[a];
     const math::AdamStep step =
@@ -42,9 +42,9 @@ void Update(const AdamSettings& settings,
     array.v = state.v.values[a].data();
     array.rate_scale =
         a == kPosition && !position_rate_scale.empty() ? position_rate_scale.data : nullptr;
-    most = std::max(most, array.numbers);
+    max = std::max(max, array.numbers);
   }
-  ForEachRow(most, stream, kernel);
+  ForEachRow(max, stream, kernel);
 }
 
 // Appends group g, which is `behind` steps behind, to the last run or to a new one.
@@ -104,7 +104,7 @@ void AdamState::Download(AdamState& to, Stream& stream) const {
 void AdamStepAll(const AdamSettings& settings,
                  const Gaussians& gradients,
                  View<const float> position_rate_scale,
-                 View<const float> moves,
+                 View<const float> update_mask,
                  Gaussians& values,
                  AdamState& state,
                  Stream& stream,
@@ -113,7 +113,7 @@ void AdamStepAll(const AdamSettings& settings,
   state.behind.Refill(groups, stream);
   ForEach(groups,
           stream,
-          FindBehind{moves,
+          FindBehind{update_mask,
                      state.step,
                      state.step + 1,
                      state.updated.view(),

@@ -47,16 +47,16 @@ struct AdamState {
 };
 
 // One Adam step on the groups with a Gaussian i whose moves[i] > 0 (its radius in the view), or on
-// all groups if `moves` is empty. The other groups have no gradient: what the step would do to them
-// (values move on by momentum, moments decay) is deferred until they have one again and then
-// applied at once (lazy Adam; math/adam.h), so that the optimiser reads and writes only what is
-// visible in a view. `position_rate_scale` ([N, 3] or empty) multiplies the learning rate of each
-// component of kPosition. Non-finite gradients count as zero and are counted in state.ignored. If
-// `overflowed` is given and *overflowed is not 0, only `step` changes.
+// all groups if `update_mask` is empty. The other groups have no gradient: what the step would do
+// to them (values move on by momentum, moments decay) is deferred until they have one again and
+// then applied at once (lazy Adam; math/adam.h), so that the optimiser reads and writes only what
+// is visible in a view. `position_rate_scale` ([N, 3] or empty) multiplies the learning rate of
+// each component of kPosition. Non-finite gradients count as zero and are counted in state.ignored.
+// If `overflowed` is given and *overflowed is not 0, only `step` changes.
 void AdamStepAll(const AdamSettings& settings,
                  const Gaussians& gradients,
                  View<const float> position_rate_scale,
-                 View<const float> moves,
+                 View<const float> update_mask,
                  Gaussians& values,
                  AdamState& state,
                  Stream& stream = HostStream(),

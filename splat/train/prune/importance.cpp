@@ -71,7 +71,7 @@ double MeanPsnrOfFrames(Subject& subject,
   int measured = 0;
   for (size_t k = 0; k < choice.count(); ++k) {
     const TrainFrame& frame = subject.frame(choice[k]);
-    rasterizer.Forward(subject.Place(gaussians, choice[k]),
+    rasterizer.Forward(subject.ToWorld(gaussians, choice[k]),
                        gaussians.basis,
                        frame.camera,
                        {choice.background, choice.degree},

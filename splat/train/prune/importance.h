@@ -13,15 +13,15 @@
 
 namespace cosplat {
 
-// Images to evaluate, rendered over `background`: up to `most_frames` of these frames, evenly
+// Images to evaluate, rendered over `background`: up to `max_frames` of these frames, evenly
 // spread.
 struct FrameChoice {
   View<const uint32_t> frames;
   int degree = 0;
   std::array<float, 3> background{0, 0, 0};
-  size_t most_frames = 0;
+  size_t max_frames = 0;
 
-  size_t count() const { return frames.size() < most_frames ? frames.size() : most_frames; }
+  size_t count() const { return frames.size() < max_frames ? frames.size() : max_frames; }
   size_t operator[](size_t k) const { return frames[k * frames.size() / count()]; }
 };
 

@@ -26,7 +26,7 @@ struct LearnedMask {
 
   size_t size() const { return value.size(); }
   // Writes it to a checkpoint under this name or reads it, for `count` Gaussians.
-  void Describe(StateArchive& archive, const std::string& name, size_t count) {
+  void Serialize(StateArchive& archive, const std::string& name, size_t count) {
     ForEachArray(
         [&](const std::string& array, size_t, auto& numbers) {
           archive.Array(name + "." + array, numbers, count);
@@ -34,7 +34,7 @@ struct LearnedMask {
         *this);
     archive.Value(name + ".step", step);
   }
-  size_t Held() const { return HeldByArrays(*this); }
+  size_t allocated_bytes() const { return AllocatedByArrays(*this); }
   float operator[](size_t i) const { return value[i]; }
 
   float rate;

@@ -29,8 +29,8 @@ class LpPruner : public Pruner {
     PruneRound round{std::vector<float>(n, 1.0f), {}, 0};
     if (!learning_) {
       importance_ = Significance(context.gaussians, ContributionsIn(context));
-      const float most = *std::max_element(importance_.begin(), importance_.end());
-      for (float& s : importance_) s /= std::max(most, 1e-30f);
+      const float max = *std::max_element(importance_.begin(), importance_.end());
+      for (float& s : importance_) s /= std::max(max, 1e-30f);
       mu_ = LearnedMask(n, kLpFirst, kLpRate);
       learning_ = true;
       return round;
@@ -48,14 +48,16 @@ class LpPruner : public Pruner {
     return {MaskKind::kSoft, weight_, &mu_, &importance_};
   }
 
-  size_t Held() const override { return mu_.Held() + HeldBy(importance_); }
-  void Describe(StateArchive& archive, size_t count) override {
+  size_t allocated_bytes() const override {
+    return mu_.allocated_bytes() + AllocatedBytes(importance_);
+  }
+  void Serialize(StateArchive& archive, size_t count) override {
     uint8_t learning = learning_;
     archive.Value("lp.learning", learning);
     learning_ = learning != 0;
     if (!learning_) return;
     archive.Array("lp.importance", importance_, count);
-    mu_.Describe(archive, "lp.mu", count);
+    mu_.Serialize(archive, "lp.mu", count);
   }
 
  private:

@@ -89,8 +89,8 @@ void MaskLearner::Gather(View<const uint32_t> source, size_t first_fresh, Stream
     GatherRows(*moments, spare_, 1, source, first_fresh, stream);
 }
 
-size_t MaskLearner::held() const {
-  return HeldByArrays(now_) + HeldBy(importance_, shown_, opacity_logit_, spare_);
+size_t MaskLearner::allocated_bytes() const {
+  return AllocatedByArrays(now_) + AllocatedBytes(importance_, shown_, opacity_logit_, spare_);
 }
 
 }  // namespace cosplat

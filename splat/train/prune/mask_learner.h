@@ -38,7 +38,7 @@ class MaskLearner {
 
   // New Gaussians inherit their parent's mask value and have no momentum.
   void Gather(View<const uint32_t> source, size_t first_fresh, Stream& stream);
-  size_t held() const;  // bytes
+  size_t allocated_bytes() const;  // bytes
 
  private:
   MaskInSteps mask_;                     // the rule's mask

@@ -76,9 +76,9 @@ class Pruner {
   virtual MaskInSteps Mask() { return {}; }
   virtual void BeforeDensification() {}
   // Bytes allocated by the rule.
-  virtual size_t Held() const { return 0; }
+  virtual size_t allocated_bytes() const { return 0; }
   // Writes what the rule keeps between steps to a checkpoint, or reads it, for `count` Gaussians.
-  virtual void Describe(StateArchive& archive, size_t count) {
+  virtual void Serialize(StateArchive& archive, size_t count) {
     (void)archive;
     (void)count;
   }

@@ -83,10 +83,10 @@ struct PruneRequest {
 // Indices to remove, ascending. Of equal scores, the lower index is removed.
 std::vector<uint32_t> SelectForPruning(const PruneRequest& request);
 
-// Contributions over all frames of the context, or at most `most_frames` of them.
+// Contributions over all frames of the context, or at most `max_frames` of them.
 inline std::vector<Contribution> ContributionsIn(const PruneContext& c,
-                                                 size_t most_frames = size_t(-1)) {
-  return c.images.Contributions({c.frames, c.degree, c.background, most_frames});
+                                                 size_t max_frames = size_t(-1)) {
+  return c.images.Contributions({c.frames, c.degree, c.background, max_frames});
 }
 
 // Prunes in DCSHARP's rounds (DensificationRounds), which count what to remove of what is ranked.

@@ -44,9 +44,9 @@ void RankMessages::Release(Stream& stream) {
   for (auto* messages : {&from_, &host_to_, &host_from_}) messages->clear();
 }
 
-size_t RankMessages::held() const {
+size_t RankMessages::allocated_bytes() const {
   size_t bytes = 0;
-  for (const Message& message : from_) bytes += HeldBy(message);
+  for (const Message& message : from_) bytes += AllocatedBytes(message);
   return bytes;
 }
 

@@ -21,7 +21,7 @@ class RankMessages {
   const Message& From(size_t rank) const { return from_[rank]; }
 
   void Release(Stream& stream);
-  size_t held() const;  // bytes of the stream's memory
+  size_t allocated_bytes() const;  // bytes of the stream's memory
 
  private:
   void Send(const std::vector<View<const uint32_t>>& to, Stream& stream);

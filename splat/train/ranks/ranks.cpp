@@ -51,12 +51,12 @@ uint32_t Smallest(uint32_t number, Ranks& ranks) { return ~Largest(~number, rank
 
 void CheckAlike(size_t gaussians, Ranks& ranks) {
   if (ranks.size() == 1) return;
-  const uint32_t most = Largest(uint32_t(gaussians), ranks);
+  const uint32_t max = Largest(uint32_t(gaussians), ranks);
   const uint32_t fewest = Smallest(uint32_t(gaussians), ranks);
-  if (most != fewest)
+  if (max != fewest)
     throw Error("ranks",
                 "have come to different numbers of Gaussians, " + std::to_string(fewest) + " to " +
-                    std::to_string(most) + ": their machines and GPUs must be of one kind");
+                    std::to_string(max) + ": their machines and GPUs must be of one kind");
 }
 
 std::string TextOfRankZero(const std::string& text, Ranks& ranks) {

@@ -108,8 +108,8 @@ void Shards::Assemble(const RowArrays& own, const RowArrays& all, size_t count, 
     return rows > place ? std::min(rows - place, part) : 0;
   };
   // Rank 0 has the most.
-  const size_t most = RowShare{0, share_.ranks}.CountOf(count);
-  for (size_t place = 0; place < most; place += part) {
+  const size_t max = RowShare{0, share_.ranks}.CountOf(count);
+  for (size_t place = 0; place < max; place += part) {
     const size_t rows = rows_from(share_, place);
     PackGroups({RowsFrom(own, place), rows}, GroupCount(rows), message_, stream);
     messages_.ExchangeWithAll(message_, stream);

@@ -92,7 +92,9 @@ class Shards {
 
   // Numbers that this rank has sent by Gather and Assembled.
   uint64_t numbers_sent() const { return numbers_sent_; }
-  size_t HeldByMessages() const { return messages_.held() + HeldBy(message_, groups_); }
+  size_t MessageBytes() const {
+    return messages_.allocated_bytes() + AllocatedBytes(message_, groups_);
+  }
   void Release();
 
  private:

@@ -224,12 +224,13 @@ void ViewExchange::Release() {
   drawn_ = {};
 }
 
-size_t ViewExchange::held() const {
-  size_t bytes = messages_.held() + HeldBy(projected_, radii_, d_splats_, drawn_);
+size_t ViewExchange::allocated_bytes() const {
+  size_t bytes =
+      messages_.allocated_bytes() + AllocatedBytes(projected_, radii_, d_splats_, drawn_);
   for (const auto* messages : {&splats_, &gradients_})
-    for (const Message& message : *messages) bytes += HeldBy(message);
+    for (const Message& message : *messages) bytes += AllocatedBytes(message);
   for (const auto* lists : {&lists_, &places_})
-    for (const Buffer<uint32_t>& list : *lists) bytes += HeldBy(list);
+    for (const Buffer<uint32_t>& list : *lists) bytes += AllocatedBytes(list);
   return bytes;
 }
 

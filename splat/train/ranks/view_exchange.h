@@ -58,7 +58,7 @@ class ViewExchange {
   size_t groups_drawn() const { return groups_drawn_; }
   void Release();
   // Bytes, of what grows with the Gaussians and with what views show of them.
-  size_t held() const;
+  size_t allocated_bytes() const;
 
  private:
   // The own groups that have a visible Gaussian.

@@ -36,8 +36,8 @@ using Tree = nanoflann::
 
 // 1 for distances in the unit of Synthetic-NeRF scenes, whose cameras are 4 from their middle.
 float UnitOf(float distance) {
-  constexpr float kMost = 100;
-  if (distance >= 1 && distance < kMost) return 1;
+  constexpr float kMax = 100;
+  if (distance >= 1 && distance < kMax) return 1;
   return distance > 0 ? std::pow(10.0f, std::floor(std::log10(distance))) : 1;
 }
 
@@ -78,18 +78,18 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
   return g;
 }
 
-void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors) {
+void LimitPoints(size_t max, std::vector<float>& points, std::vector<uint8_t>& colors) {
   const size_t n = points.size() / 3;
-  if (n <= most) return;
-  for (size_t i = 0; i < most; ++i) {
-    const size_t from = size_t(uint64_t(i) * n / most);
+  if (n <= max) return;
+  for (size_t i = 0; i < max; ++i) {
+    const size_t from = size_t(uint64_t(i) * n / max);
     for (size_t k = 0; k < 3; ++k) {
       points[3 * i + k] = points[3 * from + k];
       colors[3 * i + k] = colors[3 * from + k];
     }
   }
-  points.resize(3 * most);
-  colors.resize(3 * most);
+  points.resize(3 * max);
+  colors.resize(3 * max);
 }
 
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras) {

@@ -21,8 +21,8 @@ Gaussians InitializeFromPoints(const std::vector<float>& points,
                                Basis basis,
                                float unit = 1);
 
-// Keeps at most `most` points, evenly subsampled in their order.
-void LimitPoints(size_t most, std::vector<float>& points, std::vector<uint8_t>& colors);
+// Keeps at most `max` points, evenly subsampled in their order.
+void LimitPoints(size_t max, std::vector<float>& points, std::vector<uint8_t>& colors);
 
 // The point closest to all optical axes, in the least-squares sense.
 std::array<float, 3> FocusPoint(const std::vector<Camera>& cameras);

@@ -171,7 +171,7 @@ Met Sweep(const std::vector<SweepImage>& images, const SweepImage& from, Rng rng
   for (size_t k = 0; k < patch.size(); ++k)
     patch[k] = ColorAt(from.color, x + OffsetX(k), y + OffsetY(k));
   const float offset = rng.Uniform();
-  float sum = 0, least = 1e30f, best = 0;
+  float sum = 0, min = 1e30f, best = 0;
   int judged = 0;
   for (int k = 0; k < kDepths; ++k) {
     const float inverse = (float(k) + offset) / kDepths / (kNearest * from.distance);
@@ -180,12 +180,12 @@ Met Sweep(const std::vector<SweepImage>& images, const SweepImage& from, Rng rng
     if (difference < 0) continue;
     ++judged;
     sum += difference;
-    if (difference < least) {
-      least = difference;
+    if (difference < min) {
+      min = difference;
       best = depth;
     }
   }
-  if (judged == 0 || least > kMaxDifference || least >= kDistinct * sum / float(judged)) return met;
+  if (judged == 0 || min > kMaxDifference || min >= kDistinct * sum / float(judged)) return met;
   met.found = true;
   met.point = Unproject(from.camera, x, y, best);
   const Color& color = patch[patch.size() / 2];

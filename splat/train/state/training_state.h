@@ -13,7 +13,7 @@
 namespace cosplat {
 
 // The complete state of a run, except its subject's own state (AvatarTrainingState) and what a
-// pruning rule learns: with them it is an exact checkpoint (Trainer::Describe). Until the last
+// pruning rule learns: with them it is an exact checkpoint (Trainer::Serialize). Until the last
 // iteration, updates that `adam` has deferred may be pending for Gaussians that were not visible
 // lately. Of several ranks each has its share of the Gaussians, with their moments and statistics
 // (splat/train/ranks/row_share.h).

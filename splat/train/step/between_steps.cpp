@@ -117,7 +117,7 @@ bool StepEngine::FitsInOnePart() const {
   return settings_.batch > 1 && state_.now().gaussians.size() < kRowsPerPart;
 }
 
-size_t StepEngine::MostThatFit() {
+size_t StepEngine::MaxThatFit() {
   if (on_host()) return size_t(-1);
   size_t numbers = 0;
   for (int a = 0; a < kAttributeCount; ++a) numbers += size_t(state_.now().gaussians.width(a));
@@ -128,13 +128,13 @@ size_t StepEngine::MostThatFit() {
                               device_.rasterizer->BytesPerGaussian(instances_per_gaussian_) +
                               double(subject_.BytesPerGaussian());
   const double held = double(SumOf(Memory(), MemoryOf::kGaussians));
-  const double most = (held + kUsableMemory * FreeMemory()) / (kGrowth * per_gaussian);
-  return Smallest(uint32_t(std::min(most, double(UINT32_MAX))), *device_.ranks);
+  const double max = (held + kUsableMemory * FreeMemory()) / (kGrowth * per_gaussian);
+  return Smallest(uint32_t(std::min(max, double(UINT32_MAX))), *device_.ranks);
 }
 
 void StepEngine::ControlDensity(const DensitySettings& settings, bool remove_oversized) {
   DensitySettings limited = settings;
-  limited.max_count = std::min(settings.max_count, MostThatFit());
+  limited.max_count = std::min(settings.max_count, MaxThatFit());
   ReleaseScratch();
   if (shards().divides()) {
     Gaussians& own = state_.Write().gaussians;
@@ -213,7 +213,7 @@ std::vector<Contribution> StepEngine::Contributions(const FrameChoice& choice) {
   sums.Refill(count(), stream_);
   sums.FillWithZeros(stream_);
   for (size_t k = 0; k < choice.count(); ++k) {
-    device_.rasterizer->Forward(subject_.Place(shown, choice[k]),
+    device_.rasterizer->Forward(subject_.ToWorld(shown, choice[k]),
                                 shown.basis,
                                 subject_.camera(choice[k]),
                                 {choice.background, choice.degree},
@@ -249,14 +249,14 @@ std::vector<MemoryPart> StepEngine::Memory() const {
   };
   const RenderedImage& image = drawing_.image;
   add({{"gradients",
-        HeldBy(drawing_.gradients),
+        AllocatedBytes(drawing_.gradients),
         settings_.batch == 1 || FitsInOnePart() ? MemoryOf::kGaussians : MemoryOf::kFixed},
-       {"needles", needles_.held()},
-       {"learned mask", mask_.held()},
-       {"density control", density_.held()},
-       {"screen gradients", HeldBy(drawing_.screen)},
-       {"reduction and sort scratch", stream_.held()},
-       {"drawn image", HeldBy(image.color, image.transmittance), MemoryOf::kPixels}});
+       {"needles", needles_.allocated_bytes()},
+       {"learned mask", mask_.allocated_bytes()},
+       {"density control", density_.allocated_bytes()},
+       {"screen gradients", AllocatedBytes(drawing_.screen)},
+       {"reduction and sort scratch", stream_.allocated_bytes()},
+       {"drawn image", AllocatedBytes(image.color, image.transmittance), MemoryOf::kPixels}});
   add(batch_.Memory());
   add(loss_.Memory());
   add(drawing_.tape->Memory());

@@ -14,8 +14,8 @@ FrameLoss::FrameLoss(const TrainSettings& settings,
                      const Subject& subject,
                      StepLoss& loss,
                      Stream& stream,
-                     size_t most_bytes)
-    : settings_(settings), loss_(loss), stream_(stream), targets_(subject, most_bytes) {}
+                     size_t max_bytes)
+    : settings_(settings), loss_(loss), stream_(stream), targets_(subject, max_bytes) {}
 
 Crop FrameLoss::ChooseCrop(const StepPlan& plan, Rng& rng) {
   return DrawCrop(targets_.ImageOf(plan.frame, plan.downscale), settings_.crop_loss.side, rng);
@@ -87,11 +87,12 @@ void FrameLoss::AddCropLoss(SubmittedStep& step,
 }
 
 std::vector<MemoryPart> FrameLoss::Memory() const {
-  return {{"image and its gradient",
-           HeldBy(d_color_, crop_) + photograph_.held() + layers_.held(),
-           MemoryOf::kPixels},
-          {"target images", targets_.held(), MemoryOf::kPixels},
-          {"downscaled target images", targets_.HeldForReduced(), MemoryOf::kPixels}};
+  return {
+      {"image and its gradient",
+       AllocatedBytes(d_color_, crop_) + photograph_.allocated_bytes() + layers_.allocated_bytes(),
+       MemoryOf::kPixels},
+      {"target images", targets_.allocated_bytes(), MemoryOf::kPixels},
+      {"downscaled target images", targets_.ReducedBytes(), MemoryOf::kPixels}};
 }
 
 }  // namespace cosplat

@@ -34,7 +34,7 @@ class LayerStage : public ImageStage {
                 Stream& stream) override {
     model_.Backward(*frame.layers, d, stream);
   }
-  size_t held() const override { return model_.held(); }
+  size_t allocated_bytes() const override { return model_.allocated_bytes(); }
   LayerModel& model() { return model_; }
 
  private:
@@ -57,7 +57,7 @@ class PhotographStage : public ImageStage {
                 Stream& stream) override {
     model_.Backward(image, frame.exposure, frame.target, d, stream);
   }
-  size_t held() const override { return model_.held(); }
+  size_t allocated_bytes() const override { return model_.allocated_bytes(); }
   PhotographModel& model() { return model_; }
   const PhotographModel& model() const { return model_; }
 
@@ -67,12 +67,12 @@ class PhotographStage : public ImageStage {
 
 class FrameLoss {
  public:
-  // most_bytes: of target images on a device. What is borrowed must outlive this.
+  // max_bytes: of target images on a device. What is borrowed must outlive this.
   FrameLoss(const TrainSettings& settings,
             const Subject& subject,
             StepLoss& loss,
             Stream& stream,
-            size_t most_bytes);
+            size_t max_bytes);
 
   // Where the crop loss is measured, if there is one; draws from rng then.
   bool has_crop() const { return settings_.crop_loss.weight != 0; }

@@ -11,8 +11,8 @@ namespace cosplat {
 
 void GradientSum::Begin(const Gaussians& gaussians, size_t views) {
   sum_.RefillLike(gaussians, stream_);
-  moves_.Refill(gaussians.size(), stream_);
-  moves_.FillWithZeros(stream_);
+  update_mask_.Refill(gaussians.size(), stream_);
+  update_mask_.FillWithZeros(stream_);
   seen_.Refill(GroupCount(gaussians.size()), stream_);
   seen_.FillWithZeros(stream_);
   never_.Refill(1, stream_);
@@ -49,7 +49,7 @@ void GradientSum::Add(const ViewGradients& view,
                         gaussians.size(),
                         std::as_const(seen_).view(),
                         of_view_,
-                        moves_.view(),
+                        update_mask_.view(),
                         statistics != nullptr,
                         accumulate});
   ForEach(groups, stream_, MarkSeen{view.radii, first_group, seen_.view()});
@@ -58,7 +58,7 @@ void GradientSum::Add(const ViewGradients& view,
 void GradientSum::ZeroUnseen() {
   ForEachGroup(seen_.size(),
                stream_,
-               ZeroUnseenGroup{RowsOf(sum_), moves_.size(), std::as_const(seen_).view()});
+               ZeroUnseenGroup{RowsOf(sum_), update_mask_.size(), std::as_const(seen_).view()});
 }
 
 size_t GradientSum::CountSeen() const {
@@ -68,7 +68,7 @@ size_t GradientSum::CountSeen() const {
 
 void GradientSum::Release() {
   sum_ = {};
-  moves_ = {};
+  update_mask_ = {};
   seen_ = {};
 }
 

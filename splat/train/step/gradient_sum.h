@@ -30,10 +30,10 @@ class GradientSum {
            const Gaussians& gaussians,
            DensityStatistics* statistics);
 
-  // Mean over the views, in the groups that `moves` names; elsewhere any values.
+  // Mean over the views, in the groups that `update_mask` names; elsewhere any values.
   Gaussians& gradients() { return sum_; }
   // [N] positive for Gaussians that are visible in a view.
-  const Buffer<float>& moves() const { return moves_; }
+  const Buffer<float>& update_mask() const { return update_mask_; }
   // Sets the gradients of groups without a visible Gaussian to 0, for those who move them too.
   void ZeroUnseen();
 
@@ -41,12 +41,14 @@ class GradientSum {
   size_t CountSeen() const;
 
   void Release();
-  size_t held() const { return HeldBy(sum_) + HeldBy(moves_, seen_); }  // bytes
+  size_t allocated_bytes() const {
+    return AllocatedBytes(sum_) + AllocatedBytes(update_mask_, seen_);
+  }  // bytes
 
  private:
   Stream& stream_;
   Gaussians sum_;
-  Buffer<float> moves_;
+  Buffer<float> update_mask_;
   Buffer<uint8_t> seen_;    // [groups] whether `sum_` is set
   float of_view_ = 1;       // one over the number of views
   Buffer<uint32_t> never_;  // [1] 0: no step of several views overflows

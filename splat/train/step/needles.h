@@ -27,7 +27,7 @@ class NeedleRegularizer {
   // [1] its term of the loss, in the stream's memory.
   const double* value() const { return &total_.data()->value; }
   void Release() { updated_ = {}; }
-  size_t held() const { return HeldBy(updated_); }  // bytes
+  size_t allocated_bytes() const { return AllocatedBytes(updated_); }  // bytes
 
  private:
   // The sums of all ranks, as SumInTree gives them.

@@ -117,10 +117,10 @@ void StepEngine::Fetch() {
 }
 
 void StepEngine::AfterStep(int iteration) {
-  if (!subject_.ActsAfter(iteration)) return;
+  if (!subject_.ChangesAfter(iteration)) return;
   steps_.Settle(0);
   TrainingState& state = state_.Write();
-  subject_.Act(iteration, state.gaussians, state.adam);
+  subject_.Change(iteration, state.gaussians, state.adam);
 }
 
 double StepEngine::Step(std::span<StepPlan> views) {
@@ -158,7 +158,7 @@ void StepEngine::Draw(SubmittedStep& step, bool waits) {
   }
   {
     ScopedPhase phase(times_, Phase::kPose);
-    drawing_.world = subject_.Place(gaussians, plan.frame);
+    drawing_.world = subject_.ToWorld(gaussians, plan.frame);
     if (step.masked) mask_.BeforeDraw(gaussians, step.rng, drawing_.world, stream_);
   }
   if (!waits) drawing_.tape->Expect(steps_.forecast().Of(plan.frame, count()), steps_.overflowed());
@@ -195,7 +195,7 @@ void StepEngine::Backward(SubmittedStep& step) {
       drawing_.world, drawing_.image, loss_.d_color(), *drawing_.tape, d_world);
   {
     ScopedPhase phase(times_, Phase::kPose);
-    subject_.PlaceBackward(state.gaussians, gradients, steps_.overflowed());
+    subject_.ToWorldBackward(state.gaussians, gradients, steps_.overflowed());
   }
   // Plasticity is that of the photometric loss alone: before the regulariser adds to the gradient.
   ScopedPhase phase(times_, Phase::kDensity);
@@ -274,7 +274,7 @@ double StepEngine::StepOfSeveral(std::span<const StepPlan> views) {
   const bool updates_all = settings_.adam_on == AdamOn::kAll;
   if (needles_.acts() || updates_all) sum.ZeroUnseen();
   SubmittedStep& step = steps_.alone();
-  const View<const float> updated = Regularize(step, sum.moves(), sum.gradients());
+  const View<const float> updated = Regularize(step, sum.update_mask(), sum.gradients());
   Update(plan, updates_all ? View<const float>() : updated, sum.gradients());
   if (settings_.exposure)
     for (size_t v = 0; v < views.size(); ++v)

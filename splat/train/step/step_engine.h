@@ -2,8 +2,8 @@
 //
 // Trainer decides what happens when and with which parameters: frames, learning rates, degrees,
 // rounds. The engine executes it:
-//   Subject::Place -> Rasterizer -> StepLoss, crop loss -> Rasterizer::Backward
-//   -> Subject::PlaceBackward -> Adam
+//   Subject::ToWorld -> Rasterizer -> StepLoss, crop loss -> Rasterizer::Backward
+//   -> Subject::ToWorldBackward -> Adam
 #pragma once
 
 #include <array>
@@ -143,7 +143,7 @@ class StepEngine : public FrameImages {
   bool FitsInOnePart() const;
   double OfWhole(size_t numbers) const;
   // How many Gaussians fit in memory, given the most instances per Gaussian so far: of all ranks.
-  size_t MostThatFit();
+  size_t MaxThatFit();
 
   // A step of one view: everything of it, submitted to the stream.
   void Submit(SubmittedStep& step, bool waits);

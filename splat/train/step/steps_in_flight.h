@@ -27,7 +27,7 @@ struct SubmittedStep {
         photometric(stream),
         of_mask(stream),
         of_needles(stream),
-        done(stream.MakeMoment()) {}
+        done(stream.MakeEvent()) {}
   // The loss of a step that is done; terms that the step does not have are 0. Throws Error if it
   // is not finite.
   double Loss() const;
@@ -40,7 +40,7 @@ struct SubmittedStep {
   bool masked = false, regularizes = false;
   Readback<InstanceCounts> counts;
   Readback<double> photometric, of_mask, of_needles;
-  std::unique_ptr<Moment> done;
+  std::unique_ptr<StreamEvent> done;
 };
 
 // Throws Error, naming the iteration, if the loss is not finite.

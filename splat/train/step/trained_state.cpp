@@ -101,13 +101,13 @@ void TrainedState::ReleaseRanked() {
 std::vector<MemoryPart> TrainedState::Memory() const {
   const AdamState& adam = now_->adam;
   return {
-      {"parameters", HeldBy(now_->gaussians)},
-      {"messages between ranks", shards_.HeldByMessages(), MemoryOf::kFixed},
-      {"Gaussians of all ranks", HeldBy(all_.gaussians())},
-      {"first moments", HeldBy(adam.m)},
-      {"second moments", HeldBy(adam.v)},
-      {"Adam group state", HeldBy(adam.updated, adam.behind)},
-      {"density statistics", HeldByArrays(now_->statistics)},
+      {"parameters", AllocatedBytes(now_->gaussians)},
+      {"messages between ranks", shards_.MessageBytes(), MemoryOf::kFixed},
+      {"Gaussians of all ranks", AllocatedBytes(all_.gaussians())},
+      {"first moments", AllocatedBytes(adam.m)},
+      {"second moments", AllocatedBytes(adam.v)},
+      {"Adam group state", AllocatedBytes(adam.updated, adam.behind)},
+      {"density statistics", AllocatedByArrays(now_->statistics)},
   };
 }
 

@@ -22,7 +22,7 @@ std::vector<ViewResult> ViewBatch::Run(std::span<const StepPlan> views,
                                        PhaseTimes& times,
                                        const DrawView& draw) {
   sum_.Begin(state.gaussians, views.size());
-  drawing.world = subject_.Place(state.gaussians, views.front().frame);
+  drawing.world = subject_.ToWorld(state.gaussians, views.front().frame);
   std::vector<ViewResult> own;
   const size_t ranks = ranks_.size();
   for (size_t first = 0; first < views.size(); first += ranks) {
@@ -107,8 +107,8 @@ void ViewBatch::Release() {
 }
 
 std::vector<MemoryPart> ViewBatch::Memory() const {
-  return {{"gradients summed over views", sum_.held()},
-          {"views exchanged between ranks", exchange_.held()}};
+  return {{"gradients summed over views", sum_.allocated_bytes()},
+          {"views exchanged between ranks", exchange_.allocated_bytes()}};
 }
 
 }  // namespace cosplat

@@ -58,7 +58,7 @@ const TrainFrame& ReducedFrames::At(size_t i, int downscale) {
   if (std::exchange(downscale_, downscale) != downscale) {
     reduced_ = {};
     of_passing_ = size_t(-1);
-    held_ = 0;
+    bytes_ = 0;
   }
   if (downscale == 1) {
     const TrainFrame& frame = subject_.frame(i);
@@ -72,11 +72,11 @@ const TrainFrame& ReducedFrames::At(size_t i, int downscale) {
   CheckSize(frame, i);
   TrainFrame reduced = Reduced(frame, downscale);
   const size_t bytes = reduced.target.data.capacity() + reduced.ignored.data.capacity();
-  if (held_ + bytes > subject_.most_reduced_bytes()) {
+  if (bytes_ + bytes > subject_.max_reduced_bytes()) {
     of_passing_ = i;
     return passing_ = std::move(reduced);
   }
-  held_ += bytes;
+  bytes_ += bytes;
   return reduced_[i] = std::move(reduced);
 }
 

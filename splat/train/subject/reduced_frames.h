@@ -25,7 +25,7 @@ class ReducedFrames {
   // Frame i; the subject's own if downscale is 1, valid as long as that; else until the
   // next call. Throws Error if its image does not have its camera's size.
   const TrainFrame& At(size_t i, int downscale);
-  size_t held() const { return held_; }  // bytes
+  size_t allocated_bytes() const { return bytes_; }  // bytes
 
  private:
   const Subject& subject_;
@@ -33,7 +33,7 @@ class ReducedFrames {
   std::vector<TrainFrame> reduced_;  // [frames] empty image: not computed, or not kept
   TrainFrame passing_;
   size_t of_passing_ = size_t(-1);
-  size_t held_ = 0;
+  size_t bytes_ = 0;
 };
 
 }  // namespace cosplat

@@ -19,14 +19,14 @@ size_t ImageBytes(const Camera& camera) { return 4 * size_t(camera.width) * came
 
 std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
                                         std::vector<SkippedFrame>& skipped,
-                                        size_t most_bytes) {
+                                        size_t max_bytes) {
   std::vector<TrainFrame> loaded(views.size());
   std::vector<std::string> problems(views.size());
   std::vector<size_t> bytes(views.size() + 1, 0);  // of all before
   for (size_t i = 0; i < views.size(); ++i) bytes[i + 1] = bytes[i] + ImageBytes(views[i].camera);
   tbb::parallel_for(size_t(0), views.size(), [&](size_t i) {
     problems[i] = Problem([&] { loaded[i] = Read(views[i]); });
-    if (bytes[i + 1] <= most_bytes) return;
+    if (bytes[i + 1] <= max_bytes) return;
     const auto read = [view = views[i]] { return Read(view); };
     loaded[i] = {views[i].camera, {}, {}, read};
   });
@@ -44,11 +44,11 @@ std::vector<TrainFrame> LoadTrainFrames(std::vector<SceneView>& views,
   return frames;
 }
 
-TrainingScene LoadTrainingScene(SceneData& scene, size_t most_bytes) {
+TrainingScene LoadTrainingScene(SceneData& scene, size_t max_bytes) {
   TrainingScene loaded;
-  loaded.train = LoadTrainFrames(scene.train, scene.skipped, most_bytes);
+  loaded.train = LoadTrainFrames(scene.train, scene.skipped, max_bytes);
   // The test views are seen once or twice in a run.
-  size_t left = most_bytes;
+  size_t left = max_bytes;
   for (const SceneView& view : scene.train) left -= std::min(left, ImageBytes(view.camera));
   loaded.test = LoadTrainFrames(scene.test, scene.skipped, left);
   CheckSkipped(scene.source, loaded.train.size() + loaded.test.size(), scene.skipped);

@@ -35,7 +35,7 @@ struct SubjectState {
   virtual ~SubjectState() = default;
   // Writes it to a checkpoint or reads it. count: number of Gaussians. Throws Error when what is
   // read does not fit together; what it refers to (frames, triangles) RestoreState checks.
-  virtual void Describe(StateArchive& archive, size_t count) = 0;
+  virtual void Serialize(StateArchive& archive, size_t count) = 0;
 };
 
 // Gaussians, gradients and all borrowed arrays are in the memory of the stream that it works in.
@@ -48,7 +48,7 @@ class Subject : public Placement {
   // That `frame(i)` will be called soon.
   virtual void Expect(size_t i) { (void)i; }
   // Maximum bytes of the reduced copies of images that are kept.
-  virtual size_t most_reduced_bytes() const { return size_t(-1); }
+  virtual size_t max_reduced_bytes() const { return size_t(-1); }
   // World units per unit of position learning rate: the scene's extent, or 1.
   virtual float extent() const = 0;
 
@@ -58,21 +58,21 @@ class Subject : public Placement {
   // Whether kPosition is a point in the world, the same in every frame.
   virtual bool is_static() const { return false; }
   // The Gaussians in the world of frame i. Valid until the next call.
-  virtual WorldGaussians Place(const Gaussians& gaussians, size_t i) = 0;
-  // Which gradients of Place's result the rasteriser has to write, and where.
+  virtual WorldGaussians ToWorld(const Gaussians& gaussians, size_t i) = 0;
+  // Which gradients of ToWorld's result the rasteriser has to write, and where.
   virtual WorldGradients WorldGradientsFor(Gaussians& gradients,
                                            Buffer<float>& screen,
                                            Stream& stream) = 0;
-  // Backward pass of Place: turns what was written there into gradients of `gaussians`, in place.
+  // Backward pass of ToWorld: turns what was written there into gradients of `gaussians`, in place.
   // If *overflowed is not 0 the step will be repeated: the subject must not change.
-  virtual void PlaceBackward(const Gaussians& gaussians,
-                             Gaussians& gradients,
-                             const uint32_t* overflowed) {
+  virtual void ToWorldBackward(const Gaussians& gaussians,
+                               Gaussians& gradients,
+                               const uint32_t* overflowed) {
     (void)gaussians;
     (void)gradients;
     (void)overflowed;
   }
-  // Whether PlaceBackward waits for its result and changes data outside the stream: such a step
+  // Whether ToWorldBackward waits for its result and changes data outside the stream: such a step
   // cannot be repeated, so it must not overflow.
   virtual bool WaitsInSteps() const { return false; }
   // [N, 3] factors on the learning rate of kPosition's components, if they differ in unit; else
@@ -80,11 +80,11 @@ class Subject : public Placement {
   virtual View<const float> PositionRateScale() { return {}; }
   // Whether the subject changes the Gaussians after the step's update, and how. `iteration` counts
   // from 1.
-  virtual bool ActsAfter(int iteration) const {
+  virtual bool ChangesAfter(int iteration) const {
     (void)iteration;
     return false;
   }
-  virtual void Act(int iteration, Gaussians& gaussians, AdamState& adam) {
+  virtual void Change(int iteration, Gaussians& gaussians, AdamState& adam) {
     (void)iteration;
     (void)gaussians;
     (void)adam;

@@ -16,17 +16,17 @@ TargetView TargetStore::Of(size_t frame, int downscale, Stream& stream) {
   if (stream.on_host()) return view_at(image.data.data(), ignored.data());
   if (std::exchange(downscale_, downscale) != downscale) {
     kept_ = std::vector<Buffer<uint8_t>>(kept_.size());  // freeing waits for the device
-    held_ = 0;
+    bytes_ = 0;
   }
   Buffer<uint8_t>& kept = kept_[frame];
   if (!kept.empty()) return view_at(kept.data(), kept.data() + of_image);
   const size_t bytes = of_image + ignored.size();
-  const bool fits = held_ + bytes + bytes / kHeadRoom <= most_bytes_;
+  const bool fits = bytes_ + bytes + bytes / kHeadRoom <= max_bytes_;
   Buffer<uint8_t>& target = fits ? kept : passing_;
   target.Refill(bytes, stream);
   stream.Send(target.data(), image.data.data(), of_image);
   if (!ignored.empty()) stream.Send(target.data() + of_image, ignored.data(), ignored.size());
-  if (fits) held_ += target.capacity();
+  if (fits) bytes_ += target.capacity();
   return view_at(target.data(), target.data() + of_image);
 }
 

@@ -100,7 +100,7 @@ struct Motion {
   float step = 0, turn = 0;
 };
 Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& before_image) {
-  Motion most;
+  Motion max;
   std::vector<float> last, last_step;
   for (int t = 0; t < milliseconds; ++t) {
     before_image(t);
@@ -108,13 +108,13 @@ Motion Play(FaceGuard& guard, int milliseconds, const std::function<void(int)>& 
     std::vector<float> step(seen.size());
     for (size_t i = 0; i < seen.size() && !last.empty(); ++i) {
       step[i] = seen[i] - last[i];
-      most.step = std::max(most.step, std::abs(step[i]));
-      if (!last_step.empty()) most.turn = std::max(most.turn, std::abs(step[i] - last_step[i]));
+      max.step = std::max(max.step, std::abs(step[i]));
+      if (!last_step.empty()) max.turn = std::max(max.turn, std::abs(step[i] - last_step[i]));
     }
     if (!last.empty()) last_step = step;
     last = seen;
   }
-  return most;
+  return max;
 }
 
 // The ease's second derivative is at most 6 / duration^2: 0.2 s, 1e-6 s^2 per image, faces at

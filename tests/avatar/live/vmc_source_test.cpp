@@ -171,8 +171,8 @@ TEST(VmcSource, ErrorsOfTheMatrixNameFileAndArray) {
 BlendshapeMap OwnMap() {
   BlendshapeMap map;
   map.names = {"jawOpen"};
-  map.least = {0.2f};
-  map.most = {0.6f};
+  map.min = {0.2f};
+  map.max = {0.6f};
   map.offset.assign(2 + kMappedTurns, 0.0f);
   map.matrix.assign(2 + kMappedTurns, 0.0f);
   map.offset[0] = 0.5f;

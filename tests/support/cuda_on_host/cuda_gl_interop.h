@@ -30,7 +30,7 @@ using cudaGraphicsResource_t = struct CudaOnHostTexture*;
 enum cudaGLDeviceList { cudaGLDeviceListAll = 1 };
 constexpr unsigned cudaGraphicsRegisterFlagsWriteDiscard = 2;
 
-cudaError_t cudaGLGetDevices(unsigned* count, int* devices, unsigned most, cudaGLDeviceList list);
+cudaError_t cudaGLGetDevices(unsigned* count, int* devices, unsigned max, cudaGLDeviceList list);
 cudaError_t cudaGraphicsGLRegisterImage(cudaGraphicsResource_t* resource,
                                         GLuint texture,
                                         GLenum target,

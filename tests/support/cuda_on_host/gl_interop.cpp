@@ -56,8 +56,8 @@ using cuda_on_host::counts;
 using cuda_on_host::Fault;
 using cuda_on_host::GlKind;
 
-cudaError_t cudaGLGetDevices(unsigned* count, int* devices, unsigned most, cudaGLDeviceList) {
-  if (cuda_on_host::kind == GlKind::kOfAnother || most == 0) return cudaErrorInvalidValue;
+cudaError_t cudaGLGetDevices(unsigned* count, int* devices, unsigned max, cudaGLDeviceList) {
+  if (cuda_on_host::kind == GlKind::kOfAnother || max == 0) return cudaErrorInvalidValue;
   *count = 1;
   devices[0] = 0;
   return cudaSuccess;

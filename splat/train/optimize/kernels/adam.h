@@ -22,13 +22,13 @@ COSPLAT_HD bool AnyPositive(View<const float> of, size_t group) {
 
 // Finds which groups a step updates and how many steps each of them is behind; one call per group.
 struct FindBehind {
-  View<const float> moves;  // [N] not positive: no gradient; empty: all groups are updated
-  uint32_t before, after;   // step counts; equal: catch-up
+  View<const float> update_mask;  // [N] not positive: no gradient; empty: all groups are updated
+  uint32_t before, after;         // step counts; equal: catch-up
   View<uint32_t> updated, behind;
   const uint32_t* overflowed;  // or null
   COSPLAT_HD void operator()(size_t g) const {
     const bool now = !(overflowed && *overflowed != 0) &&
-                     (moves.count == 0 || AnyPositive(moves, g)) && updated[g] != after;
+                     (update_mask.count == 0 || AnyPositive(update_mask, g)) && updated[g] != after;
     behind[g] = now ? before - updated[g] : kNotNow;
     if (now) updated[g] = after;
   }

@@ -90,7 +90,7 @@ struct AddGroup {
   size_t first, gaussians;
   View<const uint8_t> seen;  // [groups] whether `sums` is set
   float weight;
-  View<float> moves;  // [N] set to 1 where visible
+  View<float> update_mask;  // [N] set to 1 where visible
   bool gathers;
   AccumulateStep accumulate;  // into statistics, if it gathers them
   COSPLAT_HD void operator()(size_t k) const { Part<1>(k, 0); }
@@ -109,7 +109,7 @@ struct AddGroup {
         for (size_t n = part; n < rows * width; n += kParts) sum[n] = weight * in[n];
     }
     for (size_t i = part; i < rows; i += kParts) {
-      if (radii[row + i] > 0) moves[at + i] = 1;
+      if (radii[row + i] > 0) update_mask[at + i] = 1;
       if (gathers) accumulate.Add(at + i, row + i);
     }
   }

@@ -34,7 +34,7 @@ void Check(int result) {
 }
 
 // Where a rank runs, to see whether it still does.
-struct Place {
+struct RankHost {
   std::array<char, 256> host{};
   pid_t process = 0;
 };
@@ -51,7 +51,7 @@ class MpiRanks : public Ranks {
     Check(MPI_Comm_size(ranks_, &size));
     rank_ = size_t(rank);
     places_.resize(size_t(size));
-    Place here;
+    RankHost here;
     gethostname(here.host.data(), here.host.size() - 1);
     here.process = getpid();
     Check(
@@ -130,13 +130,13 @@ class MpiRanks : public Ranks {
 
   // Counts among the first ranks.
   size_t CountOfThisMachine(size_t first) const {
-    const auto here = [&](const Place& place) { return place.host == places_[rank_].host; };
+    const auto here = [&](const RankHost& place) { return place.host == places_[rank_].host; };
     return size_t(std::count_if(places_.begin(), places_.begin() + ptrdiff_t(first), here));
   }
 
   // A rank of this machine whose process is gone, or size(). Of other machines mpirun knows.
   size_t Ended() const {
-    const Place& here = places_[rank_];
+    const RankHost& here = places_[rank_];
     for (size_t r = 0; r < size(); ++r)
       if (places_[r].host == here.host && kill(places_[r].process, 0) != 0 && errno == ESRCH)
         return r;
@@ -167,7 +167,7 @@ class MpiRanks : public Ranks {
 
   MPI_Comm ranks_{}, ending_{};
   size_t rank_ = 0;
-  std::vector<Place> places_;
+  std::vector<RankHost> places_;
   uint64_t bytes_sent_ = 0;
   double seconds_ = 0;
   bool ended_together_ = false;

@@ -64,17 +64,17 @@ struct AddUpNeedles {
   }
 };
 
-// Adds the regulariser's gradient with respect to a needle's log length. `moves`: positive for the
-// Gaussians that Adam updates, i.e. visible ones and needles.
+// Adds the regulariser's gradient with respect to a needle's log length. `update_mask`: positive
+// for the Gaussians that Adam updates, i.e. visible ones and needles.
 struct NeedlesBackward {
   NeedleRule rule;
   View<const float> scale_log, radii;
   const NeedleTotal* total;
-  View<float> d_scale_log, moves;
+  View<float> d_scale_log, update_mask;
   COSPLAT_HD void operator()(size_t i) const {
     const float* s = &scale_log[3 * i];
     const int axis = rule.AxisOf(s);
-    moves[i] = axis < 0 ? radii[i] : 1.0f;
+    update_mask[i] = axis < 0 ? radii[i] : 1.0f;
     if (axis >= 0) d_scale_log[3 * i + axis] += total->scale * std::exp(s[axis]);
   }
 };

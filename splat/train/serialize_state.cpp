@@ -1,4 +1,4 @@
-#include "splat/train/describe_state.h"
+#include "splat/train/serialize_state.h"
 
 #include <algorithm>
 #include <functional>
@@ -25,7 +25,7 @@ struct Divided {
 
   size_t Entries(size_t rows) const { return (rows + rows_per_entry - 1) / rows_per_entry; }
   size_t OwnNumbers(size_t rows) const { return Entries(shards.share().CountOf(rows)) * width; }
-  void Describe(Buffer<T>& own) const {
+  void Serialize(Buffer<T>& own) const {
     if (a.reads()) own = {};
     if (a.reads() && counted) own.reserve(OwnNumbers(count));
     for (size_t begin = 0; begin < count; begin += kRowsPerExchange) {
@@ -52,7 +52,7 @@ void DescribeOptional(const Divided<T>& array, Buffer<T>& own) {
   array.a.Value(array.name, has);
   array.a.Require(has <= 1, array.name, "is neither there nor missing");
   if (has != 0)
-    array.Describe(own);
+    array.Serialize(own);
   else
     own.clear();
 }
@@ -68,7 +68,7 @@ void DescribeDivided(StateArchive& a,
     const bool is_known = counted || k > 0;
     const Divided<float> array{
         a, shards, name + "." + kAttributeNames[k], count, size_t(own.width(k)), 1, is_known};
-    array.Describe(own.values[k]);
+    array.Serialize(own.values[k]);
   }
 }
 
@@ -82,7 +82,8 @@ std::function<void(const Buffer<uint8_t>&)> CheckDegrees(const StateArchive& a,
   };
 }
 
-void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards, AdamState& adam) {
+void Serialize(
+    StateArchive& a, const Gaussians& of, size_t count, Shards& shards, AdamState& adam) {
   for (Gaussians* moments : {&adam.m, &adam.v}) {
     if (a.reads()) *moments = of.ZerosLike(0);
     DescribeDivided(a, moments == &adam.m ? "adam.m" : "adam.v", count, true, shards, *moments);
@@ -93,7 +94,7 @@ void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards
       a.Require(step <= adam.step, "adam.updated", "is ahead of the run");
   };
   const Divided<uint32_t> updated{a, shards, "adam.updated", count, 1, kGaussianGroup, true, check};
-  updated.Describe(adam.updated);
+  updated.Serialize(adam.updated);
   // The sum over all ranks; the first goes on counting.
   uint64_t ignored = a.reads() ? 0 : shards.SumOver(adam.ignored[0]);
   a.Value("adam.ignored", ignored);
@@ -102,7 +103,7 @@ void Describe(StateArchive& a, const Gaussians& of, size_t count, Shards& shards
 
 }  // namespace
 
-void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians& g) {
+void Serialize(StateArchive& a, const std::string& name, size_t count, Gaussians& g) {
   for (int k = 0; k < kAttributeCount; ++k)
     a.Array(name + "." + kAttributeNames[k], g.values[k], count * size_t(g.width(k)));
   a.ArrayUpTo(name + ".degrees", g.degrees, count);
@@ -113,7 +114,7 @@ void Describe(StateArchive& a, const std::string& name, size_t count, Gaussians&
   CheckDegrees(a, name + ".degrees", g.degree)(g.degrees);
 }
 
-void Describe(
+void Serialize(
     StateArchive& a, size_t frames, Shards& shards, uint64_t& gaussians, TrainingState& s) {
   a.Value("iteration", s.iteration);
   a.Require(s.iteration >= 0, "iteration", "is negative");
@@ -128,18 +129,18 @@ void Describe(
   DescribeOptional<uint8_t>({a, shards, "gaussians.degrees", gaussians, 1, 1, true, check},
                             s.gaussians.degrees);
   DescribeOptional<float>({a, shards, "gaussians.smoothing", gaussians}, s.gaussians.smoothing);
-  Describe(a, s.gaussians, gaussians, shards, s.adam);
+  Serialize(a, s.gaussians, gaussians, shards, s.adam);
   DensityStatistics::ForEachArray(
       [&](const std::string& name, size_t width, Buffer<float>& own) {
         const Divided<float> array{a, shards, "statistics." + name, gaussians, width};
-        array.Describe(own);
+        array.Serialize(own);
       },
       s.statistics);
   // As many frames as the run's settings say.
-  Describe(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
+  Serialize(a, s.exposures.value.size() / math::kExposureNumbers, s.exposures);
 }
 
-void Describe(StateArchive& a, size_t frames, ExposureState& exposures) {
+void Serialize(StateArchive& a, size_t frames, ExposureState& exposures) {
   const size_t numbers = frames * math::kExposureNumbers;
   ExposureState::ForEachArray(
       [&](const std::string& name, size_t, auto& array) {
