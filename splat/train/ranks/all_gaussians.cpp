@@ -53,7 +53,7 @@ void AllGaussians::Assemble(Extent extent,
   assembled_ += GroupCount(count) * rows.numbers();
   gaussians_.degrees.Refill(0, stream_);
   if (shards_.AnyHas(own.degrees)) {
-    Buffer<uint8_t> degrees = own.degrees.Downloaded(stream_);
+    Buffer<uint8_t> degrees(own.degrees.Downloaded(stream_));
     degrees = shards_.Assembled(degrees, {0, count}, ForWhom::kAllRanks);
     gaussians_.degrees.Upload(degrees, stream_);
     stream_.Wait();

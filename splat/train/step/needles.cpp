@@ -39,7 +39,7 @@ View<const NeedleSum> NeedleRegularizer::Sum(const NeedleLengths& own,
   static_assert(kRowsPerBlock % kSumBlock == 0);
   sums_.Refill(SumBlockCount(own.size()), stream_);
   ForEach(sums_.size(), stream_, SumBlocks<NeedleLengths>{own, sums_.view()});
-  Buffer<NeedleSum> sums = sums_.Downloaded(stream_);
+  Buffer<NeedleSum> sums(sums_.Downloaded(stream_));
   sums = shards.Assembled(sums, {0, count, 1, kSumBlock}, ForWhom::kAllRanks);
   all_sums_.Upload(sums, stream_);
   stream_.Wait();
