@@ -97,6 +97,8 @@ class Obs {
     if (!screen_.there_is()) return;
     obs_remove_raw_video_callback(OnFrame, this);
     obs_set_output_source(0, nullptr);
+    while (obs_wait_for_destroy_queue()) {
+    }
     obs_shutdown();
     XCloseDisplay(display_);
     EXPECT_EQ(bnum_allocs(), 0);

@@ -25,7 +25,9 @@ class ObsSource : public testing::Test {
     obs_scene_add(scene_.get(), backdrop.get());
   }
   void TearDown() override {
-    if (obs->there_is()) obs_set_output_source(0, nullptr);
+    if (!obs->there_is()) return;
+    obs_set_output_source(0, nullptr);
+    obs_source_remove(obs_scene_get_source(scene_.get()));  // from OBS 31's canvas, which keeps it
   }
 
   static DataPointer Settings() {
