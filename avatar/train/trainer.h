@@ -15,11 +15,10 @@
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/avatar_model.h"
 #include "avatar/surface/binding.h"
-#include "avatar/surface/kernels/face_search.h"
 #include "avatar/surface/kernels/holes.h"
 #include "avatar/surface/surface.h"
-#include "avatar/surface/walk.h"
 #include "avatar/train/bust_track.h"
+#include "avatar/train/embedded_gaussians.h"
 #include "avatar/train/hole_guard.h"
 #include "avatar/train/light_fit.h"
 #include "avatar/train/posed_vertices.h"
@@ -99,8 +98,38 @@ struct AvatarTrainingState : SubjectState {
   void Serialize(StateArchive& archive, size_t count) override;
 };
 
-// Concurrent searches over the mesh on the host, each with 12 kB.
-constexpr size_t kHostSearchers = 64;
+// What is fitted to the subject before training.
+struct SubjectMesh {
+  explicit SubjectMesh(CanonicalMesh of_head) : mesh(std::move(of_head)), unit(MeshUnit(mesh)) {}
+
+  std::optional<Bust> bust;
+  std::optional<FlameParams> canonical_frame;  // null: at rest
+  CanonicalMesh mesh;                          // with the bust
+  float unit;                                  // metres per unit of a 4x FLAME mesh
+};
+
+// The parameters of the training frames, and the meshes that they pose.
+struct PosedTrack {
+  std::vector<RefinedFrame> frames;  // they change only with --refine-track
+  std::unique_ptr<AvatarPoser> poser;
+
+  // [V, 3] metres; valid until the next call.
+  const std::vector<float>& VerticesOf(size_t i) {
+    poser->Forward(frames[i].params, vertices_);
+    return vertices_;
+  }
+
+ private:
+  std::vector<float> vertices_;
+};
+
+// The frame that is drawn: its Gaussians in the world, and their gradients.
+struct BoundFrame {
+  size_t index = 0;
+  Buffer<float> weights;  // [corrections]
+  PosedGaussians posed, d_posed;
+  Buffer<float> d_vertices;  // with --refine-track
+};
 
 // Works on the host or on a device. On a device, posed vertices of the frames are cached, up to a
 // limit. If the track is refined they are posed and sent every time instead, and the host waits for
@@ -124,7 +153,7 @@ class AvatarSubject : public Subject {
   const TrackedVideo& video() const { return video_; }
   // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
-  bool has_bust() const { return bust_.has_value(); }
+  bool has_bust() const { return subject_.bust.has_value(); }
   // Fraction of the Gaussians that are on another triangle than they (or their ancestors) began on.
   double WalkedShare() const;
   // The training frames' parameters as refined so far; without --refine-track, those of the track.
@@ -132,7 +161,7 @@ class AvatarSubject : public Subject {
 
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
-  float extent() const override { return unit_; }
+  float extent() const override { return subject_.unit; }
   void WorkIn(Stream& stream) override;
   WorldGaussians ToWorld(const Gaussians& gaussians, size_t i) override;
   WorldGradients WorldGradientsFor(Gaussians& gradients,
@@ -142,16 +171,18 @@ class AvatarSubject : public Subject {
                        Gaussians& gradients,
                        const uint32_t* overflowed) override;
   bool WaitsInSteps() const override { return settings_.refine_track; }
-  View<const float> PositionRateScale() override;
+  View<const float> PositionRateScale() override { return embedded_.RateScale(); }
   bool ChangesAfter(int iteration) const override { return iteration % settings_.walk_every == 0; }
   void Change(int iteration, Gaussians& gaussians, AdamState& adam) override;
   std::shared_ptr<SubjectState> SaveState() const override;
   void RestoreState(const SubjectState& state) override;
 
-  void Gather(View<const uint32_t> source, Stream& stream) override;
+  void Gather(View<const uint32_t> source, Stream&) override { embedded_.Gather(source); }
   void Move(View<const float> offsets, size_t first, Gaussians& gaussians, Stream& stream) override;
-  View<const float> Centers(const Gaussians& gaussians, Stream& stream) override;
-  std::vector<int32_t> Groups(Stream& stream) override;
+  View<const float> Centers(const Gaussians& gaussians, Stream&) override {
+    return embedded_.Centers(surface_, gaussians);
+  }
+  std::vector<int32_t> Groups(Stream&) override { return embedded_.Triangles(); }
   void Veto(const Gaussians& gaussians,
             const Canvas* canvas,
             View<uint8_t> unwanted,
@@ -171,10 +202,6 @@ class AvatarSubject : public Subject {
   void SetFaceRates();
   void SetSpacing(Gaussians& gaussians);
   bool IsOurs() const { return settings_.system == AvatarSystem::kCosplat; }
-  void TrianglesChanged();
-  const std::vector<float>& VerticesOf(size_t i);
-  static Embedding EmbeddingIn(Stream& stream, const Embedding& on_host);
-  void SetEmbedding(Embedding embedding, const Buffer<int32_t>& first_triangle);
   // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
   // Silhouette of the mesh in the k-th frame that is searched for holes.
@@ -183,16 +210,10 @@ class AvatarSubject : public Subject {
   const FlameModel& flame_;
   TrackedVideo video_;
   AvatarSettings settings_;
-  std::optional<Bust> bust_;
-  std::optional<FlameParams> canonical_frame_;
-  CanonicalMesh mesh_;
-  std::unique_ptr<AvatarPoser> poser_;
-  float unit_ = 1;  // metres per unit of a 4x FLAME mesh, for this subject
-  std::vector<float> face_rates_on_host_;
+  SubjectMesh subject_;
   std::vector<TrainFrame> frames_;
-  size_t current_ = 0;
-  std::vector<RefinedFrame> track_;  // they change only with --refine-track
-  std::vector<float> vertices_;      // the last output of poser_
+  PosedTrack track_;
+  std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
   CorrectionMap correction_map_;
   BustTrack bust_track_;
   LightFit light_;
@@ -200,23 +221,11 @@ class AvatarSubject : public Subject {
   // In the memory of the current stream.
   Stream* stream_ = &HostStream();
   Surface surface_;
-  Buffer<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
-  Embedding embedding_;
-  Buffer<int32_t> first_triangle_;
+  EmbeddedGaussians embedded_;
   PosedVertices posed_vertices_;
-  Buffer<float> weights_;  // [corrections] of the current frame
-  PosedGaussians posed_, d_posed_;
-  Buffer<float> d_vertices_;
-  BindScratch scratch_;
-  TriangleWalk walk_;
+  BoundFrame bound_;
   HoleGuard holes_;
   std::array<Buffer<uint8_t>, math::kHoleFrames> silhouettes_;
-  Buffer<math::FaceSearch> searches_;
-  Buffer<float> centers_;
-  Buffer<float> rate_scale_;  // [N, 3]
-  bool rates_known_ = false;
-  Buffer<int32_t> spare_triangle_;
-  Buffer<std::array<float, 2>> spare_barycentric_;
 };
 
 // For Trainer: as StepEngineOn (splat/train/step/step_engine.h), for avatars. On a device the

@@ -40,23 +40,23 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
     : flame_(flame),
       video_(WithOffsetFor(flame, std::move(video))),
       settings_(settings),
-      mesh_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
-      unit_(MeshUnit(mesh_)),
-      surface_(mesh_) {
+      subject_(MakeCanonicalMesh(flame, video_.shape, video_.static_offset, {})),
+      surface_(subject_.mesh) {
   if (settings_.refine_track && settings_.system == AvatarSystem::kReleased)
     throw Error("--refine-track",
                 "is not supported with the rule of SplattingAvatar's released code");
   LoadFrames();
   if (settings_.bust == AvatarSettings::BustChoice::kYes ||
       (settings_.bust == AvatarSettings::BustChoice::kAuto && NeedsBust()))
-    bust_ = MeanBustOfTrack();
-  if (settings_.system != AvatarSystem::kCosplat) canonical_frame_ = video_.train[0].params;
-  if (bust_ || canonical_frame_) BuildMesh();
-  poser_ = std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, bust_);
-  if (bust_ && IsOurs() && !settings_.still_bust) StartBustTrack();
+    subject_.bust = MeanBustOfTrack();
+  if (settings_.system != AvatarSystem::kCosplat) subject_.canonical_frame = video_.train[0].params;
+  if (subject_.bust || subject_.canonical_frame) BuildMesh();
+  track_.poser =
+      std::make_unique<AvatarPoser>(flame, video_.shape, video_.static_offset, subject_.bust);
+  if (subject_.bust && IsOurs() && !settings_.still_bust) StartBustTrack();
   if (settings_.corrections > 0) {
     std::vector<FlamePoser<float>::Parameters> frames;
-    for (const RefinedFrame& frame : track_) frames.push_back(frame.params);
+    for (const RefinedFrame& frame : track_.frames) frames.push_back(frame.params);
     correction_map_ = FindCorrectionMap(flame, frames, settings_.corrections);
   }
   if (IsOurs() && settings_.light_rate > 0) StartLight();
@@ -67,13 +67,11 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
 // du and dv have the learning rate of d in metres: a barycentric unit is about sqrt(2 A) long. For
 // SplattingAvatar they have the number that it uses for d, whose unit is the subject's extent.
 void AvatarSubject::SetFaceRates() {
-  for (size_t f = 0; f < mesh_.faces.size(); ++f)
-    face_rates_on_host_.push_back(
+  for (size_t f = 0; f < subject_.mesh.faces.size(); ++f)
+    face_rates_.push_back(
         settings_.system == AvatarSystem::kCosplat
-            ? float(1 / std::sqrt(2 * std::max(FaceArea(mesh_, f), 1e-12)))
-            : 1 / unit_);
-  face_rates_.Upload(face_rates_on_host_, *stream_);
-  searches_.Refill(kHostSearchers, *stream_);
+            ? float(1 / std::sqrt(2 * std::max(FaceArea(subject_.mesh, f), 1e-12)))
+            : 1 / subject_.unit);
 }
 
 void AvatarSubject::LoadFrames() {
@@ -95,7 +93,7 @@ void AvatarSubject::LoadFrames() {
       continue;
     }
     frames_.push_back({frame.camera, std::move(images[i])});
-    track_.push_back(
+    track_.frames.push_back(
         {{FlamePoser<float>::ParametersOf(frame.params)}, size_t(flame_.expression_count)});
     usable.push_back(frame);
   }
@@ -114,7 +112,7 @@ bool AvatarSubject::NeedsBust() const {
     const size_t f = k * frames_.size() / kBustFrames;
     const Image8& target = frames_[f].target;
     if (target.channels != 4) return false;  // no masks
-    head.Forward(track_[f].params, vertices);
+    head.Forward(track_.frames[f].params, vertices);
     const std::vector<uint8_t> covered = MeshSilhouette(vertices, flame_.faces, frames_[f].camera);
     for (size_t p = 0; p < covered.size(); ++p) {
       if (target.data[4 * p + 3] < 128) continue;
@@ -143,45 +141,46 @@ void AvatarSubject::StartBustTrack() {
   // With several cameras, images of different ones cannot be compared.
   if (masked && poses.size() == frames_.size()) {
     std::vector<std::vector<float>> vertices;
-    for (size_t i = 0; i < frames_.size(); ++i) vertices.push_back(VerticesOf(i));
-    const std::vector<BustPose> of_frames = RegisterBusts(*poser_, frames_, vertices);
+    for (size_t i = 0; i < frames_.size(); ++i) vertices.push_back(track_.VerticesOf(i));
+    const std::vector<BustPose> of_frames = RegisterBusts(*track_.poser, frames_, vertices);
     for (size_t i = 0; i < frames_.size(); ++i) poses[instants[i]] = of_frames[i];
   }
   BustRates rates = settings_.bust_rates;
-  rates.shift *= kEnlarged * unit_;
-  bust_track_ = BustTrack(*poser_, poses, instants, rates, settings_.iterations);
+  rates.shift *= kEnlarged * subject_.unit;
+  bust_track_ = BustTrack(*track_.poser, poses, instants, rates, settings_.iterations);
 }
 
 void AvatarSubject::StartLight() {
-  Surface posed(mesh_);
+  Surface posed(subject_.mesh);
   LightMean mean(posed.vertex_count());
   const size_t step = 1 + (frame_count() - 1) / kLightFrames;
   for (size_t i = 0; i < frame_count(); i += step) {
-    posed.Pose(VerticesOf(i));
+    posed.Pose(track_.VerticesOf(i));
     mean.Add(posed);
   }
   light_ = LightFit(mean.Mean(), settings_.light_rate, settings_.iterations);
 }
 
 void AvatarSubject::BuildMesh() {
-  mesh_ = MakeCanonicalMesh(flame_, video_.shape, video_.static_offset, bust_, canonical_frame_);
-  surface_ = Surface(mesh_);
+  subject_.mesh = MakeCanonicalMesh(
+      flame_, video_.shape, video_.static_offset, subject_.bust, subject_.canonical_frame);
+  surface_ = Surface(subject_.mesh);
 }
 
 // Sets the initial scales from the Gaussians' spacing.
 void AvatarSubject::SetSpacing(Gaussians& g) {
   if (settings_.system == AvatarSystem::kCosplat) {
     // Evenly spread: the spacing is the square root of each Gaussian's equal share of the area.
-    const float spacing = float(std::sqrt(SurfaceArea(mesh_) / double(g.size())));
+    const float spacing = float(std::sqrt(SurfaceArea(subject_.mesh) / double(g.size())));
     for (float& s : g.values[kScaleLog]) s = std::log(spacing);
     return;
   }
   // In units of the enlarged mesh, because of the minimum distance in 3DGS's initialisation.
   std::vector<float> points;
-  for (const float x : Centers(g, *stream_)) points.push_back(x / unit_);
+  for (const float x : Centers(g, *stream_)) points.push_back(x / subject_.unit);
   const std::vector<uint8_t> grey(points.size(), 128);
   g.values[kScaleLog] = InitializeFromPoints(points, grey, 0, g.basis).values[kScaleLog];
-  for (float& s : g.values[kScaleLog]) s += std::log(unit_);
+  for (float& s : g.values[kScaleLog]) s += std::log(subject_.unit);
 }
 
 Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed) {
@@ -192,15 +191,14 @@ Gaussians AvatarSubject::InitialGaussians(int degree, Basis basis, uint64_t seed
   g.corrections = int(correction_map_.count());
   g.Resize(settings_.initial_gaussians);
   const bool released = settings_.system == AvatarSystem::kReleased;
-  embedding_ = {};
-  if (released) embedding_.released = ReleasedRule{unit_};
-  for (const SurfacePoint& p :
-       released ? SampleFaces(mesh_, g.size(), rng) : SampleSurface(mesh_, g.size(), rng)) {
-    embedding_.triangle.push_back(p.triangle);
-    embedding_.barycentric.push_back(p.barycentric);
+  Embedding embedding;
+  if (released) embedding.released = ReleasedRule{subject_.unit};
+  for (const SurfacePoint& p : released ? SampleFaces(subject_.mesh, g.size(), rng)
+                                        : SampleSurface(subject_.mesh, g.size(), rng)) {
+    embedding.triangle.push_back(p.triangle);
+    embedding.barycentric.push_back(p.barycentric);
   }
-  first_triangle_ = embedding_.triangle;
-  TrianglesChanged();
+  embedded_ = EmbeddedGaussians(embedding, embedding.triangle, face_rates_, *stream_);
   for (size_t i = 0; i < g.size(); ++i) {
     g.at(kRotation, i)[0] = 1;
     g.at(kOpacityLogit, i)[0] = math::Logit(kInitialOpacity);
