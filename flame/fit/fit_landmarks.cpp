@@ -7,7 +7,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
 #include "flame/eyelids.h"
@@ -26,13 +25,13 @@ using internal::BetweenNeighbours;
 using internal::FaceTexture;
 using internal::FitLens;
 using internal::FrameFields;
+using internal::FramePrior;
 using internal::FrameView;
 using internal::kMaxPhotometricRounds;
 using internal::LandmarkCost;
 using internal::PriorCost;
 using internal::Silhouette;
 
-constexpr double kFree = std::numeric_limits<double>::infinity();
 // The noise of a landmark, as a fraction of the face's size: about a pixel for a face of 250.
 constexpr double kLandmarkSigma = 0.004;
 // Deviation of the shape's coefficients about the mean head. Far below FLAME's unit variance, since
@@ -53,25 +52,6 @@ constexpr int kRimRounds = 3, kRimIterations = 15;
 // standard deviations (radians, metres), and the neck takes the head's turns.
 constexpr size_t kBodyNumbers = 6, kBodyWindow = 25;
 constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
-
-// Standard deviations of the joints' rotations about their rest, radians.
-constexpr std::array<std::array<double, 3>, kFlameJoints> kJointSigma{{
-    {kFree, kFree, kFree},  // root
-    {0.01, 0.01, 0.01},     // neck: moves once the body has settled
-    {0.2, 0.03, 0.03},      // jaw
-    {0.3, 0.4, 0.01},       // left eye
-    {0.3, 0.4, 0.01},       // right eye
-}};
-
-// Standard deviations of a frame's numbers about their rest.
-std::vector<double> RestSigma(const PointsOnFlame& points, bool eyelids) {
-  std::vector<double> sigma(size_t(points.frame_size()), 1);
-  std::fill_n(sigma.begin() + kFitTranslation, 3, kFree);
-  for (size_t j = 0; j < kFlameJoints; ++j)
-    std::copy_n(kJointSigma[j].begin(), 3, sigma.begin() + kFitPose + 3 * long(j));
-  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
-  return sigma;
-}
 
 int ExpressionCount(const FlameModel& model, int at_most) {
   const int lids = model.has_eyelids ? 2 : 0;
@@ -135,8 +115,7 @@ class LandmarkFitter {
   const int width_, height_;
   const FitLens lens_;
   const PointsOnFlame points_;
-  std::vector<std::vector<double>> rests_;  // per frame: what its numbers stay near
-  std::vector<double> rest_sigma_, step_sigma_;
+  FramePrior prior_;
   const bool focal_given_;
   std::vector<double> shape_;
   double log_focal_;
@@ -166,9 +145,9 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
               embedding,
               std::min(model.shape_count, options.shape_count),
               ExpressionCount(model, options.expression_count)),
-      rests_(faces.size(), std::vector<double>(size_t(points_.frame_size()))),
-      rest_sigma_(RestSigma(points_, model.has_eyelids)),
-      step_sigma_(internal::StepSigma(points_.frame_size(), model.has_eyelids)),
+      prior_{std::vector(faces.size(), std::vector<double>(size_t(points_.frame_size()))),
+             internal::RestSigma(points_.frame_size(), model.has_eyelids),
+             internal::StepSigma(points_.frame_size(), model.has_eyelids)},
       focal_given_(options.focal > 0),
       shape_(size_t(points_.shape_count())),
       log_focal_(std::log(focal_given_ ? options.focal : kFocalPerSide * std::max(width, height))),
@@ -227,7 +206,7 @@ void LandmarkFitter::AddFrame(ceres::Problem& problem, size_t f, const Blocks& b
                            shape,
                            log_focal,
                            frame);
-  problem.AddResidualBlock(new PriorCost(rests_[f], rest_sigma_), nullptr, frame);
+  problem.AddResidualBlock(new PriorCost(prior_.rests[f], prior_.rest_sigma), nullptr, frame);
   if (texture_)
     if (auto cost = texture_->Cost(f))
       problem.AddResidualBlock(cost.release(), nullptr, shape, log_focal, frame);
@@ -241,7 +220,7 @@ void LandmarkFitter::FitFrame(size_t f, const std::vector<double>* near) {
   double* const frame = frames_[f].data();
   // Ceres takes pointers to what it may change; blocks set constant are not changed.
   AddFrame(problem, f, {shape_.data(), &log_focal_, frame});
-  if (near) problem.AddResidualBlock(new PriorCost(*near, step_sigma_), nullptr, frame);
+  if (near) problem.AddResidualBlock(new PriorCost(*near, prior_.step_sigma), nullptr, frame);
   problem.SetParameterBlockConstant(shape_.data());
   problem.SetParameterBlockConstant(&log_focal_);
   ceres::Solver::Options options;
@@ -274,18 +253,18 @@ void LandmarkFitter::SettleBody() {
     const size_t begin = f - std::min(f, kBodyWindow);
     const size_t end = std::min(f + kBodyWindow + 1, frames_.size());
     double count = 0;
-    std::fill_n(rests_[f].begin(), kBodyNumbers, 0.0);
+    std::fill_n(prior_.rests[f].begin(), kBodyNumbers, 0.0);
     for (size_t g = begin; g < end; ++g) {
       if (frames_[g].empty()) continue;
-      for (size_t k = 0; k < kBodyNumbers; ++k) rests_[f][k] += frames_[g][k];
+      for (size_t k = 0; k < kBodyNumbers; ++k) prior_.rests[f][k] += frames_[g][k];
       ++count;
     }
-    for (size_t k = 0; k < kBodyNumbers; ++k) rests_[f][k] /= count;
+    for (size_t k = 0; k < kBodyNumbers; ++k) prior_.rests[f][k] /= count;
   }
   for (size_t i = 0; i < 3; ++i) {
-    rest_sigma_[kFitTranslation + i] = kBodySigma.translation;
-    rest_sigma_[kFitPose + i] = kBodySigma.root;
-    rest_sigma_[kFitPose + 3 + i] = kBodySigma.neck;
+    prior_.rest_sigma[kFitTranslation + i] = kBodySigma.translation;
+    prior_.rest_sigma[kFitPose + i] = kBodySigma.root;
+    prior_.rest_sigma[kFitPose + 3 + i] = kBodySigma.neck;
   }
 }
 

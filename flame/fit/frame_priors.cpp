@@ -1,11 +1,27 @@
 #include "flame/fit/frame_priors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "flame/fit/points_on_flame.h"
 
 namespace cosplat::internal {
+namespace {
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+
+// Standard deviations of the joints' rotations about their rest, radians.
+constexpr std::array<std::array<double, 3>, kFlameJoints> kJointSigma{{
+    {kFree, kFree, kFree},  // root
+    {0.01, 0.01, 0.01},     // neck: moves once the body has settled
+    {0.2, 0.03, 0.03},      // jaw
+    {0.3, 0.4, 0.01},       // left eye
+    {0.3, 0.4, 0.01},       // right eye
+}};
+
+}  // namespace
 
 PriorCost::PriorCost(std::vector<double> mean, const std::vector<double>& sigma)
     : mean_(std::move(mean)) {
@@ -29,6 +45,15 @@ bool PriorCost::Evaluate(const double* const* parameters,
     if (jacobians && jacobians[0]) jacobians[0][e * size + k] = inverse_[e];
   }
   return true;
+}
+
+std::vector<double> RestSigma(int frame_size, bool eyelids) {
+  std::vector<double> sigma(size_t(frame_size), 1);
+  std::fill_n(sigma.begin() + kFitTranslation, 3, kFree);
+  for (size_t j = 0; j < kFlameJoints; ++j)
+    std::copy_n(kJointSigma[j].begin(), 3, sigma.begin() + kFitPose + 3 * long(j));
+  for (int k = 0; eyelids && k < 2; ++k) sigma[sigma.size() - 1 - size_t(k)] = 0.5;
+  return sigma;
 }
 
 std::vector<double> StepSigma(int frame_size, bool eyelids) {

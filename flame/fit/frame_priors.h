@@ -21,6 +21,15 @@ class PriorCost : public ceres::CostFunction {
   std::vector<double> inverse_;  // of sigma, per entry
 };
 
+// What the numbers of frames stay near, and by how much.
+struct FramePrior {
+  std::vector<std::vector<double>> rests;  // per frame
+  std::vector<double> rest_sigma;          // about its rest
+  std::vector<double> step_sigma;          // about its neighbours
+};
+
+// Standard deviations of a frame's numbers (PointsOnFlame's) about their rest; some are free.
+std::vector<double> RestSigma(int frame_size, bool eyelids);
 // Standard deviations of a frame's numbers (PointsOnFlame's) about the mean of the neighbouring
 // frames', at video rates. Eyes and lids jump.
 std::vector<double> StepSigma(int frame_size, bool eyelids);
