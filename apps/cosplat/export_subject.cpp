@@ -12,6 +12,7 @@
 #include "flame/model.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/io/color_weights.h"
 #include "splat/io/splat_file.h"
 #include "splat/train/prune/importance.h"

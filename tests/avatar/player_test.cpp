@@ -47,9 +47,9 @@ double MeanAlpha(const RenderedImage& image) {
 }
 
 // Posed Gaussians of the trained avatar, as the player binds them.
-class PosedAvatar {
+class PosedModel {
  public:
-  PosedAvatar()
+  PosedModel()
       : model(Trained().Model()),
         surface_(model.mesh),
         poser_(Flame(), model.shape, model.static_offset, model.bust) {}
@@ -109,7 +109,7 @@ TEST(Player, DrawsEveryGaussianAtItsOwnDegree) {
               g.at(kColorRest, i) + g.width(kColorRest),
               0.0f);
   }
-  PosedAvatar posed;
+  PosedModel posed;
   const RenderedImage expected = Image(
       PosedView(g, posed.At(Frame(3).params), model.color_frame), g.basis, 3, Frame(3).camera);
   Player player(model, Flame());
@@ -163,7 +163,7 @@ TEST(Player, StraightAlphaBytesMatchTheImage) {
 
 TEST(Player, ExpressionsOutOfRangeStayBounded) {
   Player player(Trained().Model(), Flame());
-  PosedAvatar avatar;
+  PosedModel avatar;
   // Mean and deviation of the training frames.
   const std::vector<TrackedFrame>& frames = Trained().subject.video().train;
   std::vector<float> mean(kExpressionCount, 0.0f), sigma(kExpressionCount, 0.0f);
@@ -259,7 +259,7 @@ TEST(Player, RefusesAnotherModelThanTheAvatars) {
 
 // The neck's joint is above its rim: what is bound there swings the least.
 TEST(Player, TheNeckFollowsWithoutTearing) {
-  PosedAvatar avatar;
+  PosedModel avatar;
   const Buffer<float> rest = avatar.At({}).position;
   float lowest = 1, reach = 0;
   for (size_t i = 0; i < avatar.model.size(); ++i)
@@ -283,7 +283,7 @@ TEST(Player, TheNeckFollowsWithoutTearing) {
 }
 
 TEST(Player, TheBustStaysWhenTheHeadTurns) {
-  PosedAvatar avatar;
+  PosedModel avatar;
   const Buffer<float> rest = avatar.At(Frame(0).params).position;
   FlameParams turned = Frame(0).params;
   turned.pose[0][1] += 0.6f;
@@ -302,7 +302,7 @@ TEST(Player, TheBustStaysWhenTheHeadTurns) {
 
 // A degree at a time through a whole turn: no Gaussian goes further than its arc.
 TEST(Player, TurnsWithoutJumps) {
-  PosedAvatar avatar;
+  PosedModel avatar;
   Player player(avatar.model, Flame());
   const Buffer<float> rest = avatar.At({}).position;
   Buffer<float> last_position, last_frame;

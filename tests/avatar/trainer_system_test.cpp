@@ -184,7 +184,7 @@ TEST(AvatarSystem, AFrameIsPlayedByTheRuleOfItsTraining) {
     const auto placed = [&](const AvatarModel& model) {
       PosedAvatar out;
       Player player(model, flame);
-      player.ToWorld(subject.video().train[3].params, out);
+      player.Pose(subject.video().train[3].params, out);
       return player.GaussiansOf(out).scale_log;
     };
     AvatarModel model = subject.Model(g);
