@@ -103,7 +103,7 @@ BenchScene MakeHeadScene(int side, int views) {
 }
 
 BenchScene LoadBenchScene(const std::string& path, int resolution) {
-  SceneData data = LoadSplitScene(path, {resolution, true, false, -1});
+  SceneData data = LoadSplitScene(path, {{resolution, true, false}});
   BenchScene scene;
   scene.name = std::filesystem::path(path).lexically_normal().filename().string();
   scene.train = LoadTrainFrames(data.train, data.skipped);
