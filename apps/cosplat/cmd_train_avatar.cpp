@@ -15,7 +15,7 @@
 #include "apps/cosplat/run/train_run.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/model/corrections.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "flame/eyelids.h"
 #include "flame/model.h"
 #include "flame/mouth.h"

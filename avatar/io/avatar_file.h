@@ -1,6 +1,7 @@
 // The avatar file: a .glb that any splat viewer shows at rest and that this project animates.
 //
-// avatar/train/trainer.h -> AvatarModel -> WriteAvatarGlb -> file -> ReadAvatarGlb [-> AttachMesh]
+// avatar/train/avatar_subject.h -> AvatarModel -> WriteAvatarGlb -> file -> ReadAvatarGlb [->
+// AttachMesh]
 // -> AvatarModel -> avatar/play/player.h. docs/avatar-file.md describes the format field by field.
 //
 // The file stores the splats at rest in KHR_gaussian_splatting (3DGS's SH up to degree 3) and, in

@@ -1,7 +1,7 @@
 // An avatar: Gaussians embedded on the triangles of a subject's FLAME mesh.
 //
-// avatar/train/trainer.h trains it, avatar/io/avatar_file.h stores it, avatar/play/player.h renders
-// it.
+// avatar/train/avatar_subject.h trains it, avatar/io/avatar_file.h stores it, avatar/play/player.h
+// renders it.
 #pragma once
 
 #include <array>

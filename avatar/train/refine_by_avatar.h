@@ -9,8 +9,8 @@
 #include <functional>
 #include <vector>
 
+#include "avatar/train/avatar_subject.h"
 #include "avatar/train/fit_track.h"
-#include "avatar/train/trainer.h"
 
 namespace cosplat {
 

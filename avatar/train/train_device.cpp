@@ -1,4 +1,4 @@
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "splat/train/step/step_engine.h"
 
 #if defined(COSPLAT_HAS_CUDA)

@@ -2,10 +2,10 @@
 //
 // frame -> Subject::ToWorld -> Rasterizer -> loss -> Rasterizer::Backward ->
 // Subject::ToWorldBackward
-// -> Adam, with density control at intervals. The Subject (SceneSubject, or avatar/train/trainer.h
-// for avatars) defines the frames, where the Gaussians are in them and what becomes of their
-// gradients. The StepEngine determines where the work is done; Trainer determines when, in which
-// order and with which parameters.
+// -> Adam, with density control at intervals. The Subject (SceneSubject, or
+// avatar/train/avatar_subject.h for avatars) defines the frames, where the Gaussians are in them
+// and what becomes of their gradients. The StepEngine determines where the work is done; Trainer
+// determines when, in which order and with which parameters.
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 #include "assets/head/motion.h"
 #include "assets/head/video.h"
 #include "avatar/play/player.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "flame/pose.h"
 #include "splat/train/loss/loss.h"
 

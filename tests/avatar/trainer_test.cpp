@@ -1,6 +1,4 @@
-// avatar/train/trainer.h: short trainings on a small video of the procedural head.
-#include "avatar/train/trainer.h"
-
+// avatar/train/avatar_subject.h: short trainings on a small video of the procedural head.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -10,6 +8,7 @@
 #include <random>
 
 #include "avatar/surface/silhouette.h"
+#include "avatar/train/avatar_subject.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 #include "tests/avatar/training_fixture.h"

@@ -7,7 +7,7 @@
 
 #include "assets/head/procedural_head.h"
 #include "assets/head/video.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "tests/avatar/made_video.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,7 @@
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "tests/avatar/training_fixture.h"
 
 namespace cosplat {

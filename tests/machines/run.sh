@@ -196,7 +196,7 @@ if [[ $deb -eq 1 ]]; then
     system=$fresh
     step "Installing cosplat.deb in another bare system" \
       "export DEBIAN_FRONTEND=noninteractive; apt-get update && apt-get install -y --no-install-recommends ./cosplat.deb && cosplat --version &&
-       cosplat make-head -o head --frames 4 && apt-get purge -y cosplat"
+       cosplat make-head -o head --frames 4 --test-frames 1 && apt-get purge -y cosplat"
     row "installed from it" "$(outcome "$seconds s")"
   fi
   [[ $status -eq 0 ]] || failed=1

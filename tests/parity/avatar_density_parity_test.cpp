@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/density_state.h"
 #include "tests/parity/device_fixture.h"

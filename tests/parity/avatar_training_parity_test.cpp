@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "splat/render/cuda/tape.h"
 #include "tests/avatar/made_video.h"
 #include "tests/parity/device_fixture.h"

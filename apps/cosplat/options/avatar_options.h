@@ -5,7 +5,7 @@
 #include <string>
 
 #include "apps/cosplat/options/train_options.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 
 namespace cosplat {
 

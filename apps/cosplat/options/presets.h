@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 
 namespace cosplat {
 
@@ -16,7 +16,7 @@ enum class Preset {
   k3dgs,                     // 3DGS's absolute schedule steps and, of scenes, its settings
   kSplattingAvatar,          // as published
   kSplattingAvatarReleased,  // its released code, including the faults in which it differs from the
-                             // publication (avatar/train/trainer.h, AvatarSystem)
+                             // publication (avatar/train/avatar_subject.h, AvatarSystem)
 };
 
 using OptionValues = std::vector<std::pair<std::string, std::string>>;  // option, value

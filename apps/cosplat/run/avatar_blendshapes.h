@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "avatar/train/avatar_subject.h"
 #include "avatar/train/blendshape_fit.h"
-#include "avatar/train/trainer.h"
 #include "flame/pose.h"
 
 namespace cosplat {

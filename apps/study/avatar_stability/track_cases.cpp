@@ -9,7 +9,7 @@
 
 #include "apps/study/avatar_stability/cases.h"
 #include "assets/head/video.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "splat/base/error.h"
 #include "splat/base/json.h"
 #include "splat/media/image_io.h"

@@ -193,9 +193,10 @@ std::unique_ptr<StepEngine> MakeHostStepEngine(const TrainSettings& settings,
                                                TrainingState& state);
 
 // Makes the engines that `--device` and `--deterministic` choose (splat/render/device.h), for a
-// Trainer of static scenes (avatar/train/trainer.h for avatars). `deterministic`: sums are computed
-// in a fixed order, so that repeated runs are bit-identical, as they always are on the CPU, and in
-// steps of several views: what ranks do not share must come out alike, on any number of them.
+// Trainer of static scenes (avatar/train/avatar_subject.h for avatars). `deterministic`: sums are
+// computed in a fixed order, so that repeated runs are bit-identical, as they always are on the
+// CPU, and in steps of several views: what ranks do not share must come out alike, on any number of
+// them.
 StepEngineMaker StepEngineOn(Device device,
                              bool deterministic,
                              const InstanceForecast& forecast = InstanceForecast(),

@@ -1,5 +1,5 @@
 // What is trained: its frames, and where its Gaussians are in each of them. Static scenes:
-// splat/train/subject/scene_subject.h; avatars: avatar/train/trainer.h.
+// splat/train/subject/scene_subject.h; avatars: avatar/train/avatar_subject.h.
 #pragma once
 
 #include <functional>

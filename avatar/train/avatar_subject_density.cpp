@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "avatar/surface/silhouette.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 
 namespace cosplat {
 

@@ -1,4 +1,4 @@
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 
 #include "avatar/model/avatar_model.h"
 #include "avatar/model/bust.h"

@@ -8,7 +8,7 @@
 #include "avatar/play/player.h"
 #include "avatar/surface/sample.h"
 #include "avatar/surface/silhouette.h"
-#include "avatar/train/trainer.h"
+#include "avatar/train/avatar_subject.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/math/scalar.h"
