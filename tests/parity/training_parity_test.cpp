@@ -24,10 +24,14 @@ using test::TrainingRun;
 
 class TrainingParity : public test::DeviceTest {};
 
+// After pruning the counts are the same on the emulation; a GPU's rounding may move Gaussians past
+// the last rank that is kept.
+constexpr double kMoved = 2;
+
 // Roundings grow as a run goes on, and a Gaussian that is cloned in one and not in the other makes
 // them large at once. Measured on the emulation, three seeds, either order of sums: losses within
 // 4e-7 over the first 20 steps and 0.7 % to the end, the same counts, ends within 0.02 dB. A GPU's
-// own exponential may bring such a moment about sooner, hence the room.
+// own exponential may bring such a moment about sooner, hence the room of four times that.
 TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   const TrainingRun run;
   const int steps = run.settings.iterations;
@@ -39,13 +43,13 @@ TEST_F(TrainingParity, EndsAsGoodAsOnTheCpu) {
   for (int i = 1; i < 20; ++i)
     EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 1e-3 * cpu.losses[i - 1]) << i;
   for (int i = 20; i < steps; ++i)
-    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 0.1 * cpu.losses[i - 1]) << i;
+    EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], 0.03 * cpu.losses[i - 1]) << i;
   EXPECT_NE(device.state.gaussians.size(), run.first.size());
-  EXPECT_NEAR(double(device.state.gaussians.size()) / double(cpu.state.gaussians.size()), 1, 0.1);
+  EXPECT_NEAR(double(device.state.gaussians.size()) / double(cpu.state.gaussians.size()), 1, 0.03);
   const auto opaque = test::TrainingRun::Frames(false);
   const double on_cpu = test::MeanPsnr(cpu.state.gaussians, opaque);
   const double on_device = test::MeanPsnr(device.state.gaussians, opaque);
-  EXPECT_NEAR(on_device, on_cpu, 0.5);
+  EXPECT_NEAR(on_device, on_cpu, 0.1);
   for (const uint32_t step : device.state.adam.updated) EXPECT_EQ(step, device.state.adam.step);
 }
 
@@ -88,7 +92,7 @@ TEST_F(TrainingParity, PruningByPlasticity) {
   const test::Training cpu = RunOn(run, MakeHostStepEngine, 100);
   const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 100);
   EXPECT_LT(cpu.state.gaussians.size(), run.first.size());
-  EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), 6);
+  EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), kMoved);
   EXPECT_NEAR(device.losses[99], cpu.losses[98], 0.1 * cpu.losses[98]);
 }
 
@@ -225,7 +229,7 @@ TEST_F(TrainingParity, PruningByMasksThatAreLearned) {
     const test::Training cpu = RunOn(run, MakeHostStepEngine, 102);
     const test::Training device = RunOn(run, OnDevice(SumOrder::kFixed), 102);
     EXPECT_EQ(device.state.rng.state, cpu.state.rng.state);
-    EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), 6);
+    EXPECT_NEAR(double(device.state.gaussians.size()), double(cpu.state.gaussians.size()), kMoved);
     for (int i = 1; i < 102; ++i)
       EXPECT_NEAR(device.losses[i], cpu.losses[i - 1], (i < 20 ? 1e-4 : 1e-2) * cpu.losses[i - 1])
           << rule << ", " << i;
