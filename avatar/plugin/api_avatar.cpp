@@ -41,7 +41,8 @@ template <class Names>
 void GiveName(const Names& names, uint32_t index, const char* what, const char** name) {
   RequirePointer(name, "name");
   if (index >= names.size())
-    throw CodedError(COSPLAT_ERROR_NOT_FOUND, what, cosplat::Format("{} of {}", index, names.size()));
+    throw CodedError(
+        COSPLAT_ERROR_NOT_FOUND, what, cosplat::Format("{} of {}", index, names.size()));
   *name = std::data(names[index]);
 }
 
