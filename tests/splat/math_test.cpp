@@ -149,6 +149,7 @@ Pinhole<T> TestCamera() {
   c.cy = T(55);
   c.width = T(100);
   c.height = T(90);
+  c.near_plane = T(0.01);
   return c;
 }
 
