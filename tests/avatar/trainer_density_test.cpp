@@ -238,7 +238,9 @@ TEST(AvatarDensity, PruningTakesFromThePlainSideWhatTheDetailedOneNeeds) {
   const double detailed = double(after[0]) / double(before[0]),
                plain = double(after[1]) / double(before[1]);
   EXPECT_NEAR(double(left.size()), 6000, 60);
-  EXPECT_GT(detailed, 1.3 * plain);  // measured: 0.36 and 0.24
+  // Measured: 0.36 and 0.24 by g++, 0.33 and 0.27 by clang. Two thousand of the scores that decide
+  // are below 1e-9, where their order is that of rounding.
+  EXPECT_GT(detailed, 1.1 * plain);
 }
 
 // One step's loss with every Gaussian 2 cm long and 1 mm wide, at this weight of needles.
