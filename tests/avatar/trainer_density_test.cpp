@@ -213,7 +213,7 @@ TEST(AvatarDensity, PruningTakesFromThePlainSideWhatTheDetailedOneNeeds) {
   settings.rates = {0, 0, 0, 1e-30f, 0, 0, 0};
   settings.density.gradient_threshold = 1e9f;  // none is cloned or split
   settings.prune.rule = "leave-one-out";
-  settings.prune.target = 6000;
+  settings.prune.target = 8000;
   AvatarSettings avatar = SmallAvatar(20000);
   avatar.light_rate = 0;
   AvatarSubject subject(SmallVideo::Get().flame, LoadSmallVideo(6, 1), avatar);
@@ -237,10 +237,8 @@ TEST(AvatarDensity, PruningTakesFromThePlainSideWhatTheDetailedOneNeeds) {
   for (size_t i = 0; i < left.size(); ++i) ++after[is_plain(left, i)];
   const double detailed = double(after[0]) / double(before[0]),
                plain = double(after[1]) / double(before[1]);
-  EXPECT_NEAR(double(left.size()), 6000, 60);
-  // Measured: 0.36 and 0.24 by g++, 0.33 and 0.27 by clang. Two thousand of the scores that decide
-  // are below 1e-9, where their order is that of rounding.
-  EXPECT_GT(detailed, 1.1 * plain);
+  EXPECT_NEAR(double(left.size()), 8000, 80);
+  EXPECT_GT(detailed, 1.3 * plain);  // measured: 0.52 and 0.28, by g++ and by clang
 }
 
 // One step's loss with every Gaussian 2 cm long and 1 mm wide, at this weight of needles.
