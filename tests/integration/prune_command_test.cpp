@@ -30,7 +30,9 @@ class PruneCommand : public testing::Test {
 };
 
 TEST_F(PruneCommand, ACountAloneIsKeptByLeavingOut) {
-  ASSERT_EQ(TrainScene("out", {"--prune-to", "100"}).code, 0);
+  const CommandResult result = TrainScene("out", {"--prune-to", "100"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out.find("--prune-to 100: "), std::string::npos) << result.out;
   EXPECT_NEAR(GaussiansOf("out"), 100, 3);
 }
 
@@ -75,7 +77,10 @@ TEST_F(PruneCommand, AvatarsPruneByTriangleAndFindTheirBudget) {
   const auto train = [&](const std::string& out, const std::vector<std::string>& more) {
     return TrainMadeAvatar(folder_ / out, 60, 1500, more);
   };
-  ASSERT_EQ(train("triangle", {"--prune", "dcsharp-triangle", "--prune-to", "100"}).code, 0);
+  const CommandResult bare =
+      train("triangle", {"--prune", "dcsharp-triangle", "--prune-to", "100"});
+  ASSERT_EQ(bare.code, 0) << bare.err;
+  EXPECT_NE(bare.out.find("--prune-to 100: "), std::string::npos) << bare.out;
   EXPECT_GE(GaussiansOf("triangle"), 100);  // none of its triangles is left bare
   EXPECT_LT(GaussiansOf("triangle"), 1500);
   const CommandResult budget = train("budget", {"--budget", "auto", "--tolerance", "3"});

@@ -230,6 +230,11 @@ void RunTraining(const TrainOptions& o,
   run.Finish(skipped.size());
   const TrainingStatistics statistics = trainer.statistics();
   if (!o.quiet) PrintTrained(statistics);
+  // Density control may add some percent after the last round.
+  if (!o.quiet && o.prune_to && double(statistics.gaussians) > 1.05 * double(*o.prune_to))
+    std::printf("--prune-to %s: %s are left, since without more of them there would be holes\n",
+                WithThousands(*o.prune_to).c_str(),
+                WithThousands(statistics.gaussians).c_str());
   if (!o.quiet && o.drop_bands > 0)
     std::printf(
         "bands dropped: mean degree %.2f of %d, %.0f %% of the coefficients of bands 1 and up; "
