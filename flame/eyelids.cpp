@@ -7,6 +7,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/text.h"
+#include "splat/math/vec.h"
 
 namespace cosplat {
 namespace {
@@ -14,14 +15,7 @@ namespace {
 constexpr int kLeftEyeJoint = 3, kRightEyeJoint = 4;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-struct Vector {
-  double x = 0, y = 0, z = 0;
-  Vector operator-(const Vector& o) const { return {x - o.x, y - o.y, z - o.z}; }
-  Vector Cross(const Vector& o) const {
-    return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x};
-  }
-  double Dot(const Vector& o) const { return x * o.x + y * o.y + z * o.z; }
-};
+using Vector = math::Vec3<double>;
 
 // About an eyeball's centre: azimuth towards +x, elevation towards +y, both from +z; radians.
 struct Polar {
@@ -40,14 +34,14 @@ Vector VectorOf(const Polar& p) {
 
 // Whether the ray from the origin along `to` meets the triangle (Moeller and Trumbore 1997).
 bool Meets(const Vector& to, const std::array<Vector, 3>& t) {
-  const Vector e1 = t[1] - t[0], e2 = t[2] - t[0], p = to.Cross(e2);
-  const double determinant = e1.Dot(p);
+  const Vector e1 = t[1] - t[0], e2 = t[2] - t[0], p = Cross(to, e2);
+  const double determinant = Dot(e1, p);
   if (determinant == 0) return false;
-  const Vector s = Vector{} - t[0];
-  const double u = s.Dot(p) / determinant;
-  const Vector q = s.Cross(e1);
-  const double v = to.Dot(q) / determinant;
-  return u >= 0 && v >= 0 && u + v <= 1 && e2.Dot(q) / determinant > 0;
+  const Vector s = -t[0];
+  const double u = Dot(s, p) / determinant;
+  const Vector q = Cross(s, e1);
+  const double v = Dot(to, q) / determinant;
+  return u >= 0 && v >= 0 && u + v <= 1 && Dot(e2, q) / determinant > 0;
 }
 
 // One eye of the template: the opening of its lids, and how far closing moves a point.
@@ -110,7 +104,7 @@ class Eye {
       bool near = true;
       for (size_t k = 0; k < 3; ++k) {
         t[k] = PointOf(face[k]) - centre_;
-        near = near && !IsEyeball(face[k]) && t[k].Dot(t[k]) < 9 * radius_ * radius_;
+        near = near && !IsEyeball(face[k]) && Dot(t[k], t[k]) < 9 * radius_ * radius_;
       }
       if (near) skin.push_back(t);
     }

@@ -16,8 +16,6 @@ namespace cosplat {
 namespace {
 
 using flame_math::JointTransforms;
-using flame_math::Matrix3;
-using flame_math::Vector3;
 using internal::CheckCoefficients;
 using internal::CheckParameters;
 using internal::Directions;
@@ -25,6 +23,8 @@ using internal::ForStrips;
 using internal::kStrip;
 using internal::MatrixX;
 using internal::VectorX;
+using math::Mat3;
+using math::Vec3;
 
 // Stores the input `x` of a sum; returns whether it has changed. Compares bits, since results must
 // be bit-identical to those without a cache.
@@ -43,8 +43,8 @@ bool Remember(const T* x, size_t count, std::vector<T>& last) {
 template <class T>
 struct FlamePoser<T>::Impl {
   using Transforms = JointTransforms<T, kFlameJoints>;
-  using Rotations = std::array<Matrix3<T>, kFlameJoints>;
-  using Joints = std::array<Vector3<T>, kFlameJoints>;
+  using Rotations = std::array<Mat3<T>, kFlameJoints>;
+  using Joints = std::array<Vec3<T>, kFlameJoints>;
 
   // Everything between the parameters and skinning.
   struct Rig {
@@ -63,8 +63,8 @@ struct FlamePoser<T>::Impl {
   Transforms SkinVjp(const Rig& rig, const Cache& cache, VectorX<T>& d_vertices) const;
 
   // The vertex before skinning.
-  static Vector3<T> Unskinned(const Cache& cache, Eigen::Index v) {
-    Vector3<T> p;
+  static Vec3<T> Unskinned(const Cache& cache, Eigen::Index v) {
+    Vec3<T> p;
     for (int i = 0; i < 3; ++i) p[i] = cache.expressed[3 * v + i] + cache.corrections[3 * v + i];
     return p;
   }
@@ -127,9 +127,9 @@ typename FlamePoser<T>::Impl::Rig FlamePoser<T>::Impl::RigOf(const Parameters& p
   for (int j = 0; j < kFlameJoints; ++j) {
     CheckParameters(model, "pose", parameters.pose[j]);
     rig.joints[j] = {joints[3 * j], joints[3 * j + 1], joints[3 * j + 2]};
-    rig.local[j] = flame_math::Rodrigues(parameters.pose[j]);
+    rig.local[j] = flame_math::Rodrigues(math::ToVec3(parameters.pose[j]));
     for (int i = 0; j > 0 && i < 9; ++i)
-      rig.pose_features[9 * (j - 1) + i] = rig.local[j][i] - (i % 4 == 0 ? T(1) : T(0));
+      rig.pose_features[9 * (j - 1) + i] = rig.local[j].m[i] - (i % 4 == 0 ? T(1) : T(0));
   }
   rig.transforms = flame_math::PoseJoints(rig.local, rig.joints, model.parents);
   return rig;
@@ -173,19 +173,19 @@ typename FlamePoser<T>::Impl::Transforms FlamePoser<T>::Impl::SkinVjp(
   ForStrips(model.vertex_count, [&](Eigen::Index begin, Eigen::Index count) {
     for (Eigen::Index v = begin; v < begin + count; ++v) {
       T* const d = d_vertices.data() + 3 * v;
-      const Vector3<T> d_in = flame_math::SkinPointVjp(rig.transforms,
-                                                       &weights[kFlameJoints * v],
-                                                       Unskinned(cache, v),
-                                                       Vector3<T>{d[0], d[1], d[2]},
-                                                       partial[begin / kStrip]);
-      std::copy_n(d_in.data(), 3, d);
+      const Vec3<T> d_in = flame_math::SkinPointVjp(rig.transforms,
+                                                    &weights[kFlameJoints * v],
+                                                    Unskinned(cache, v),
+                                                    math::ToVec3(d),
+                                                    partial[begin / kStrip]);
+      std::copy_n(&d_in.x, 3, d);
     }
   });
   Transforms sum{};
   for (const Transforms& p : partial)
     for (int j = 0; j < kFlameJoints; ++j) {
-      for (int i = 0; i < 9; ++i) sum.rotation[j][i] += p.rotation[j][i];
-      flame_math::AddTo(sum.translation[j], p.translation[j]);
+      for (int i = 0; i < 9; ++i) sum.rotation[j].m[i] += p.rotation[j].m[i];
+      sum.translation[j] += p.translation[j];
     }
   return sum;
 }
@@ -224,10 +224,11 @@ void FlamePoser<T>::Forward(const Parameters& parameters,
   vertices.resize(m.shaped.size());
   m.Blend(parameters, rig, cache, [&](Eigen::Index begin, Eigen::Index count) {
     for (Eigen::Index v = begin; v < begin + count; ++v) {
-      Vector3<T> p = flame_math::SkinPoint(
-          rig.transforms, &m.weights[kFlameJoints * v], Impl::Unskinned(cache, v));
-      flame_math::AddTo(p, parameters.translation);
-      std::copy_n(p.data(), 3, &vertices[3 * v]);
+      const Vec3<T> p =
+          math::ToVec3(parameters.translation) + flame_math::SkinPoint(rig.transforms,
+                                                                       &m.weights[kFlameJoints * v],
+                                                                       Impl::Unskinned(cache, v));
+      std::copy_n(&p.x, 3, &vertices[3 * v]);
     }
   });
 }
@@ -280,12 +281,13 @@ typename FlamePoser<T>::Parameters FlamePoser<T>::Backward(const Parameters& par
   const VectorX<T> d_expression =
       m.expression_directions.TransposeTimes(d_v) +
       m.joint_directions.transpose() *
-          Eigen::Map<const VectorX<T>>(d_joints[0].data(), 3 * kFlameJoints);
+          Eigen::Map<const VectorX<T>>(&d_joints[0].x, 3 * kFlameJoints);
 
   Parameters d;
   for (int j = 0; j < kFlameJoints; ++j) {
-    for (int i = 0; j > 0 && i < 9; ++i) d_local[j][i] += d_features[9 * (j - 1) + i];
-    d.pose[j] = flame_math::RodriguesVjp(parameters.pose[j], d_local[j]);
+    for (int i = 0; j > 0 && i < 9; ++i) d_local[j].m[i] += d_features[9 * (j - 1) + i];
+    const Vec3<T> d_pose = flame_math::RodriguesVjp(math::ToVec3(parameters.pose[j]), d_local[j]);
+    d.pose[j] = {d_pose.x, d_pose.y, d_pose.z};
   }
   // Coefficients beyond the model's have no effect, hence a zero gradient; sized like the input.
   d.expression.assign(parameters.expression.size(), T(0));

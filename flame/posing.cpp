@@ -49,8 +49,8 @@ void PosingReach::Check(const FlameRig<float>& rig) const {
     if (!std::isnan(largest) && !(std::abs(x) <= largest)) largest = std::abs(x);
   };
   for (size_t j = 0; j < kFlameJoints; ++j) {
-    for (const float x : rig.transforms.rotation[j]) enlarge(rotation, x);
-    for (const float x : rig.transforms.translation[j]) enlarge(translation, x);
+    for (const float x : rig.transforms.rotation[j].m) enlarge(rotation, x);
+    for (int i = 0; i < 3; ++i) enlarge(translation, rig.transforms.translation[j][i]);
   }
   double reach = weights_ * (3 * rotation * unskinned + translation);
   for (const float x : rig.translation) reach += std::abs(x);

@@ -132,22 +132,23 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video) {
   std::vector<float> shape = video.shape;
   shape.resize(std::min(shape.size(), size_t(flame.shape_count)));
   const FlamePoser<double> poser(flame, shape, video.static_offset);
-  const flame_math::Matrix3<float> front = {1, 0, 0, 0, -1, 0, 0, 0, -1};
-  const flame_math::Vector3<float> place = frames[0]->camera.translation;
+  const std::array<float, 9> front = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+  const std::array<float, 3> place = frames[0]->camera.translation;
   FlameRig<double> rig;
   for (TrackedFrame* frame : frames) {
     Camera& camera = frame->camera;
-    flame_math::Matrix3<double> rotation;  // C^T R_i
-    flame_math::Vector3<double> offset{};  // C^T (t_i - c)
+    math::Mat3<double> rotation;  // C^T R_i
+    math::Vec3<double> offset{};  // C^T (t_i - c)
     for (int i = 0; i < 3; ++i) {
       const double sign = front[4 * i];
       offset[i] = sign * (double(camera.translation[i]) - place[i]);
-      for (int k = 0; k < 3; ++k) rotation[3 * i + k] = sign * camera.rotation[3 * i + k];
+      for (int k = 0; k < 3; ++k) rotation(i, k) = sign * camera.rotation[3 * i + k];
     }
     auto parameters = FlamePoser<double>::ParametersOf(frame->params);
     parameters.expression.resize(
         std::min(parameters.expression.size(), size_t(flame.expression_count)));
-    parameters.pose[0] = flame_math::AxisAngleOf(rotation);
+    const math::Vec3<double> root = flame_math::AxisAngleOf(rotation);
+    parameters.pose[0] = {root.x, root.y, root.z};
     poser.Prepare(parameters, rig);
     for (int i = 0; i < 3; ++i) {
       frame->params.pose[0][i] = float(parameters.pose[0][i]);

@@ -15,7 +15,6 @@ constexpr float kZoomPerStep = 0.9f;
 constexpr float kNearest = 1 / 50.0f, kFarthest = 20;  // relative to the initial distance
 constexpr float kMaxElevation = 1.5f;  // radians; short of the poles, where up is undefined
 
-Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 Vec3<float> Row(const Mat3<float>& m, int r) { return {m(r, 0), m(r, 1), m(r, 2)}; }
 
 Mat3<float> Turn(const Vec3<float>& axis, float angle) {
@@ -44,10 +43,10 @@ Camera Looking(Camera lens,
 }
 
 OrbitCamera::OrbitCamera(const StartView& start)
-    : lens_(start.camera), up_(math::Normalize(ToVec(start.up))) {
+    : lens_(start.camera), up_(math::Normalize(math::ToVec3(start.up))) {
   std::copy(lens_.rotation.begin(), lens_.rotation.end(), home_.cam_from_world.m);
-  const Vec3<float> eye = ToVec(lens_.Center()), forward = Row(home_.cam_from_world, 2);
-  const Vec3<float> arm = ToVec(start.center) - eye;
+  const Vec3<float> eye = math::ToVec3(lens_.Center()), forward = Row(home_.cam_from_world, 2);
+  const Vec3<float> arm = math::ToVec3(start.center) - eye;
   const float length = std::sqrt(math::Dot(arm, arm));
   home_.distance = math::Dot(arm, forward);
   // The camera looks away from the centre; there is no better estimate.

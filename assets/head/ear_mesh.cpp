@@ -9,9 +9,9 @@ namespace {
 
 // The plane of the left ear; `back` points towards the back of the head and away from it.
 struct EarFrame {
-  Vec up = Normalized(Vec{0.06f, 0.97f, -0.24f});
-  Vec back = Normalized(Vec{0.40f, -0.20f, -0.90f});
-  Vec out = Normalized(Cross(up, -back));
+  Vec up = Normalize(Vec{0.06f, 0.97f, -0.24f});
+  Vec back = Normalize(Vec{0.40f, -0.20f, -0.90f});
+  Vec out = Normalize(Cross(up, -back));
   Vec center = ProjectToHead({0.085f, 0.0120f, -0.0260f}) + 0.0045f * out;
 };
 

@@ -12,7 +12,7 @@ namespace cosplat::procedural {
 namespace {
 
 struct Site {
-  Vec p;
+  Vec p{};
   VertexLabel l;
   float side;  // relative to the mouth's line: 1 above, -1 below, smooth on unlabelled skin
   float lip;   // 1 on skin and lips, fading to 0 at the gums
@@ -103,7 +103,7 @@ Vec TurnLid(const Site& s, bool left, float degrees) {
   d = {d.x, d.y * std::cos(e) + d.z * std::sin(e), -d.y * std::sin(e) + d.z * std::cos(e)};
   const float min = ring >= 0 ? kLidOuterRadius - 0.0003f : a.radius;
   const float radius = std::max(Length(d), min);
-  return center + Normalized(d) * radius - s.p;
+  return center + Normalize(d) * radius - s.p;
 }
 
 // Rotation about the horizontal axis that takes elevation `from` to `to` at this azimuth.

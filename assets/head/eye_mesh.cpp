@@ -91,8 +91,8 @@ void AddEye(MeshBuilder& builder, const std::vector<int>& loop, bool left) {
   for (int r = 0; r < 6; ++r) {
     for (size_t k = 0; k < n; ++k) {
       const float radius = r == 0 ? kLidOuterRadius - 0.0003f : kLidInnerRadius;
-      Vec d = Normalized(edge[k] - EyeCenter(left));
-      const Vec sideways = Normalized(Vec{d.x, d.y, 0});
+      Vec d = Normalize(edge[k] - EyeCenter(left));
+      const Vec sideways = Normalize(Vec{d.x, d.y, 0});
       const float from = std::acos(std::clamp(d.z, -1.0f, 1.0f));
       const float to = from + kTowardsBack[r] * (180 * kDegree - from);
       d = sideways * std::sin(to) + Vec{0, 0, std::cos(to)};

@@ -169,7 +169,7 @@ class Grid {
                 (1 - u) * v * x[at(0, n)] - u * v * x[at(n, n)];
         const Vec origin{0, 0.055f, kAxisZ};
         p.y += 0.06f * (1 - std::abs(2 * u - 1)) * (1 - std::abs(2 * v - 1));
-        at(a, b) = builder_.AddVertex(CastOntoHead(origin, Normalized(p - origin)), {}, true);
+        at(a, b) = builder_.AddVertex(CastOntoHead(origin, Normalize(p - origin)), {}, true);
       }
     for (int b = 0; b < n; ++b)
       for (int a = 0; a < n; ++a)
@@ -207,7 +207,7 @@ std::vector<Vec> VertexNormals(const std::vector<Vec>& positions,
     const Vec area = Cross(positions[f[1]] - a, positions[f[2]] - a);
     for (int v : f) normals[v] += area;
   }
-  for (Vec& n : normals) n = Normalized(n);
+  for (Vec& n : normals) n = Normalize(n);
   return normals;
 }
 

@@ -74,7 +74,7 @@ void MeshBuilder::Relax(int iterations) {
   for (int i = 0; i < iterations; ++i) {
     tbb::parallel_for(size_t(0), n, [&](size_t v) {
       if (!free_[v]) return;
-      Vec mean;
+      Vec mean{};
       float total = 0;
       for (int w : neighbours[v]) {
         const float weight = WantedDensity(mesh.positions[w]);
@@ -83,7 +83,7 @@ void MeshBuilder::Relax(int iterations) {
       }
       mean = mean * (1 / total);
       const Vec p = mesh.positions[v];
-      const Vec normal = Normalized(HeadGradient(p));
+      const Vec normal = Normalize(HeadGradient(p));
       const Vec shift = mean - p;
       next[v] = ProjectToHead(p + 0.5f * (shift - normal * Dot(normal, shift)));
     });

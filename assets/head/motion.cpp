@@ -203,7 +203,7 @@ Camera OrbitCamera(float azimuth, float elevation, float distance, int size) {
                  std::sin(elevation),
                  std::cos(azimuth) * std::cos(elevation)};
   const Vec forward = -back;
-  const Vec right = Normalized(Cross(forward, Vec{0, 1, 0}));
+  const Vec right = Normalize(Cross(forward, Vec{0, 1, 0}));
   const Vec down = Cross(forward, right);
   const Vec center = kTarget + back * distance;
   Camera camera;

@@ -9,17 +9,17 @@
 namespace cosplat::procedural {
 
 struct Material {
-  Vec albedo;
+  Vec albedo{};
   float specular = 0;    // strength of the highlight
   float shininess = 20;  // Blinn-Phong exponent
   float hair = 0;        // 1: shaded as strands along `flow`
-  Vec flow;              // direction of the strands at rest, unit
+  Vec flow{};            // direction of the strands at rest, unit
 };
 
 // A point of the head component with interpolated labels (4 / -4 where there is no ring).
 struct PaintSite {
-  Vec rest;
-  Vec normal;
+  Vec rest{};
+  Vec normal{};
   float mouth = -4;
   float lid = 4;
   float along = 0;

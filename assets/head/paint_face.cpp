@@ -95,9 +95,9 @@ void PaintLids(const PaintSite& s, Material& m) {
 
 void PaintFace(const PaintSite& s, Material& m) {
   const Vec p = s.rest, mirror{std::abs(p.x), p.y, p.z};
-  const float blotch = Noise(p * 95 + Vec{3, 7, 1});
-  const float mottle = Noise(p * 330 + Vec{11, 5, 2});
-  const float pores = Noise(p * 1050);
+  const float blotch = Noise(p * 95.0f + Vec{3, 7, 1});
+  const float mottle = Noise(p * 330.0f + Vec{11, 5, 2});
+  const float pores = Noise(p * 1050.0f);
   m.albedo = kSkin * (0.90f + 0.12f * blotch + 0.09f * mottle + 0.10f * pores);
   const float red = std::min(Redness(mirror, s.ear) * (0.75f + 0.5f * mottle), 1.2f);
   m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.99f, 0.72f, 0.70f}, red);
@@ -107,7 +107,7 @@ void PaintFace(const PaintSite& s, Material& m) {
   const float beard = Beard(p, mirror, s.mouth);
   if (beard > 0) {
     const Vec turned{p.x + 0.6f * p.y, p.y - 0.6f * p.z, p.z + 0.6f * p.x};
-    const float dots = SmoothStep(0.30f, 0.95f, Noise(turned * 640));
+    const float dots = SmoothStep(0.30f, 0.95f, Noise(turned * 640.0f));
     m.albedo = m.albedo * Mix(Vec{1, 1, 1}, Vec{0.78f, 0.80f, 0.86f}, beard);
     m.albedo = m.albedo * (1 - 0.24f * beard * dots);
   }
@@ -154,7 +154,7 @@ Material PaintMouthInside(const PaintSite& s) {
   const Vec enamel = Vec{0.74f, 0.69f, 0.56f} * (0.30f + 0.70f * gap);
   Vec flesh{0.36f, 0.110f, 0.100f};
   if (s.mouth > 6.8f && !upper)
-    flesh = Vec{0.43f, 0.150f, 0.140f} * (0.8f + 0.4f * Noise(s.rest * 500));
+    flesh = Vec{0.43f, 0.150f, 0.140f} * (0.8f + 0.4f * Noise(s.rest * 500.0f));
   m.albedo = Mix(flesh * (1 - 0.7f * s.along * s.along), enamel, tooth);
   m.specular = 0.20f * tooth + 0.05f * (1 - s.along * s.along);
   m.shininess = 60;

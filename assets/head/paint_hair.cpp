@@ -16,13 +16,13 @@ constexpr Vec kCrownUp{0.05f, 0.93f, -0.36f};
 struct Strand {
   float around;  // revolutions about the crown, [0, 1)
   float down;    // radians from the crown
-  Vec flow;
+  Vec flow{};
 };
 
 Strand StrandAt(const Vec& p, const Vec& normal) {
-  const Vec up = Normalized(kCrownUp), side = Normalized(Cross(up, Vec{0, 0, 1}));
+  const Vec up = Normalize(kCrownUp), side = Normalize(Cross(up, Vec{0, 0, 1}));
   const Vec front = Cross(side, up);
-  const Vec d = Normalized(p - kCrown);
+  const Vec d = Normalize(p - kCrown);
   const float c = Dot(d, up);
   Strand s;
   s.down = std::acos(std::clamp(c, -1.0f, 1.0f));
@@ -30,7 +30,7 @@ Strand StrandAt(const Vec& p, const Vec& normal) {
   s.around = angle * 0.15915494f;
   s.around -= std::floor(s.around);
   const Vec away = d * c - up;  // down the meridian
-  s.flow = Normalized(away - normal * Dot(away, normal));
+  s.flow = Normalize(away - normal * Dot(away, normal));
   return s;
 }
 
@@ -42,7 +42,7 @@ void PaintHair(const PaintSite& site, Material& m) {
   const float inside = HairInside(p);
   if (inside < -0.010f) return;
   Strand s = StrandAt(p, site.normal);
-  const float bend = Noise(p * 55);
+  const float bend = Noise(p * 55.0f);
   s.around += 0.020f * (bend - 0.5f);
   const float clump = Noise2(s.around * 70, s.down * 5 + 3 * bend, 70, 31);
   const float strand = Noise2(s.around * 260, s.down * 9, 260, 32);
@@ -73,7 +73,7 @@ void PaintShirt(const PaintSite& site, Material& m) {
   const float band = 1 - SmoothStep(0.0085f, 0.0095f, depth);
   const float rib = 0.5f + 0.5f * std::sin(around * 190);
   const float knit = Noise2(around * 260, p.y * 1100, 0, 41);
-  const float fold = Noise(p * 60);
+  const float fold = Noise(p * 60.0f);
   const Vec cloth = Vec{0.055f, 0.105f, 0.185f} * (0.70f + 0.40f * knit + 0.35f * fold);
   m.albedo =
       cloth * Mix(1.0f, 0.72f + 0.30f * rib, band) * (1 - 0.5f * Bell(depth - 0.0092f, 0.0010f));

@@ -60,16 +60,15 @@ Image8 RenderProceduralHead(const ProceduralHead& head,
                             const Camera& camera) {
   procedural::ShadedPose pose;
   for (size_t i = 0; i < vertices.size(); i += 3)
-    pose.vertices.push_back({vertices[i], vertices[i + 1], vertices[i + 2]});
-  pose.posed_from_rest = flame_math::Times(flame_math::Rodrigues(params.pose[0]),
-                                           flame_math::Rodrigues(params.pose[1]));
+    pose.vertices.push_back(math::ToVec3(&vertices[i]));
+  pose.posed_from_rest = flame_math::Rodrigues(math::ToVec3(params.pose[0])) *
+                         flame_math::Rodrigues(math::ToVec3(params.pose[1]));
   auto coefficient = [&](Expression e) {
     return size_t(e) < params.expression.size() ? params.expression[size_t(e)] : 0.0f;
   };
   pose.blink_left = coefficient(Expression::kBlinkLeft);
   pose.blink_right = coefficient(Expression::kBlinkRight);
-  const auto eye = camera.Center();
-  const procedural::HeadShader shader(head, pose, {eye[0], eye[1], eye[2]});
+  const procedural::HeadShader shader(head, pose, math::ToVec3(camera.Center()));
   return procedural::Rasterize(vertices, head.model.faces, camera, shader);
 }
 

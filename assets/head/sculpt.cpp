@@ -154,9 +154,9 @@ float HeadDistance(const Vec& p) {
 
 Vec HeadGradient(const Vec& p) {
   constexpr float e = 3e-4f;
-  Vec g;
+  Vec g{};
   for (int i = 0; i < 3; ++i) {
-    Vec step;
+    Vec step{};
     step[i] = e;
     g[i] = (HeadDistance(p + step) - HeadDistance(p - step)) / (2 * e);
   }

@@ -5,22 +5,21 @@
 
 #include "assets/head/paint.h"
 #include "assets/head/sculpt.h"
-#include "flame/math/linear.h"
 
 namespace cosplat::procedural {
 namespace {
 
 struct Light {
-  Vec direction;  // towards the light
-  Vec color;
+  Vec direction{};  // towards the light
+  Vec color{};
   float highlight;
 };
 // Large soft boxes: key light from the subject's upper left, fill from the right, a weak one
 // behind.
 const Light kLights[] = {
-    {Normalized({0.42f, 0.50f, 0.76f}), {0.80f, 0.75f, 0.70f}, 1.0f},
-    {Normalized({-0.72f, 0.12f, 0.62f}), {0.24f, 0.26f, 0.30f}, 0.45f},
-    {Normalized({-0.55f, 0.45f, -0.70f}), {0.26f, 0.28f, 0.32f}, 0.7f},
+    {Normalize(Vec{0.42f, 0.50f, 0.76f}), {0.80f, 0.75f, 0.70f}, 1.0f},
+    {Normalize(Vec{-0.72f, 0.12f, 0.62f}), {0.24f, 0.26f, 0.30f}, 0.45f},
+    {Normalize(Vec{-0.55f, 0.45f, -0.70f}), {0.26f, 0.28f, 0.32f}, 0.7f},
 };
 constexpr Vec kSky{0.36f, 0.37f, 0.40f};
 constexpr Vec kGround{0.22f, 0.19f, 0.17f};
@@ -53,20 +52,11 @@ std::array<float, 3> Encode(const Vec& linear) {
   return {encoder(tone(linear.x)), encoder(tone(linear.y)), encoder(tone(linear.z))};
 }
 
-Vec Rotated(const std::array<float, 9>& r, const Vec& v) {
-  const auto out = flame_math::Times(r, flame_math::Vector3<float>{v.x, v.y, v.z});
-  return {out[0], out[1], out[2]};
-}
-Vec RotatedBack(const std::array<float, 9>& r, const Vec& v) {
-  const auto out = flame_math::TransposeTimes(r, flame_math::Vector3<float>{v.x, v.y, v.z});
-  return {out[0], out[1], out[2]};
-}
-
 float Wrapped(float cosine, float wrap) { return std::max(0.0f, (cosine + wrap) / (1 + wrap)); }
 
 // Specular highlight: Blinn-Phong with Schlick's Fresnel term, normalised for energy.
 float SurfaceHighlight(const Vec& n, const Vec& l, const Vec& v, float shininess) {
-  const Vec h = Normalized(l + v);
+  const Vec h = Normalize(l + v);
   const float facing = Dot(n, h);
   if (facing <= 0.5f || Dot(n, l) <= 0) return 0;  // pow(0.5, any skin's shininess) is negligible
   const float m = 1 - std::max(Dot(v, h), 0.0f);
@@ -78,7 +68,7 @@ float SurfaceHighlight(const Vec& n, const Vec& l, const Vec& v, float shininess
 // Highlight of strands along t: bright if the half vector is perpendicular to them (Kajiya and Kay
 // 1989).
 float StrandHighlight(const Vec& n, const Vec& t, const Vec& l, const Vec& v, float shininess) {
-  const Vec h = Normalized(l + v);
+  const Vec h = Normalize(l + v);
   const float along = Dot(t, h);
   const float across = std::sqrt(std::max(0.0f, 1 - along * along));
   return 0.9f * std::pow(across, 2 * shininess) * Wrapped(Dot(n, l), 0.3f);
@@ -87,7 +77,7 @@ float StrandHighlight(const Vec& n, const Vec& t, const Vec& l, const Vec& v, fl
 Vec Illuminate(const Material& m, const Vec& n, const Vec& flow, const Vec& v, float occlusion) {
   const float open = Mix(0.45f, 1.0f, occlusion);  // every fold sees part of the soft boxes
   Vec diffuse = Mix(kGround, kSky, 0.5f + 0.5f * n.y) * occlusion;
-  Vec highlight;
+  Vec highlight{};
   for (const Light& light : kLights) {
     const float c = Dot(n, light.direction);
     const Vec wrapped{Wrapped(c, kWrap.x), Wrapped(c, kWrap.y), Wrapped(c, kWrap.z)};
@@ -146,14 +136,14 @@ HeadShader::Corner HeadShader::Interpolate(const SurfacePoint& point) const {
     c.upper += b * l.upper;
     c.ear += b * (l.ear_ring == kNoRing ? -1.0f : float(l.ear_ring));
   }
-  c.normal = Normalized(c.normal);
-  c.rest_normal = Normalized(c.rest_normal);
+  c.normal = Normalize(c.normal);
+  c.rest_normal = Normalize(c.rest_normal);
   return c;
 }
 
 // Shadow of the upper lid and its lashes on the eyeball, from the current opening of the lids.
 float HeadShader::LidShadow(const Vec& position, bool left) const {
-  const Vec d = RotatedBack(pose_.posed_from_rest, position - eye_centers_[left ? 0 : 1]);
+  const Vec d = TransposeTimes(pose_.posed_from_rest, position - eye_centers_[left ? 0 : 1]);
   const EyeAngles a = AnglesAroundEye(left, EyeCenter(left) + d);
   const float along = std::clamp((a.azimuth + 3) / 65, -1.0f, 1.0f);
   const float blink = std::clamp(left ? pose_.blink_left : pose_.blink_right, 0.0f, 1.0f);
@@ -166,9 +156,9 @@ float HeadShader::LidShadow(const Vec& position, bool left) const {
 }
 
 std::array<float, 3> HeadShader::ShadeEye(const Corner& c, bool left) const {
-  const Vec d = Normalized(c.rest - EyeCenter(left));
+  const Vec d = Normalize(c.rest - EyeCenter(left));
   const Material m = PaintEye(d, left);
-  const Vec v = Normalized(eye_ - c.position);
+  const Vec v = Normalize(eye_ - c.position);
   return Encode(Illuminate(m, c.normal, {}, v, 1) * LidShadow(c.position, left));
 }
 
@@ -180,11 +170,11 @@ std::array<float, 3> HeadShader::Shade(const SurfacePoint& point) const {
   if (part == Part::kLeftEye || part == Part::kRightEye) return ShadeEye(c, part == Part::kLeftEye);
   const PaintSite site{c.rest, c.rest_normal, c.mouth, c.lid, c.along, c.upper, c.ear};
   const Material m = PaintHead(site);
-  const Vec v = Normalized(eye_ - c.position);
+  const Vec v = Normalize(eye_ - c.position);
   float occlusion = c.occlusion;
   if (c.lid < -1) occlusion *= std::max(0.2f, 1 + 0.5f * (c.lid + 1));
-  const Vec color = Illuminate(
-      m, c.normal, m.hair > 0 ? Rotated(pose_.posed_from_rest, m.flow) : Vec{}, v, occlusion);
+  const Vec color =
+      Illuminate(m, c.normal, m.hair > 0 ? pose_.posed_from_rest * m.flow : Vec{}, v, occlusion);
   return Encode(c.mouth > 3 ? color * MouthOpenness(c.mouth) : color);
 }
 

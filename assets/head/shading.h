@@ -11,8 +11,8 @@ namespace cosplat::procedural {
 
 // The pose data needed to shade a frame.
 struct ShadedPose {
-  std::vector<Vec> vertices;             // posed
-  std::array<float, 9> posed_from_rest;  // rotation of the skull, row-major
+  std::vector<Vec> vertices;          // posed
+  math::Mat3<float> posed_from_rest;  // rotation of the skull
   float blink_left = 0, blink_right = 0;
 };
 
@@ -24,7 +24,7 @@ class HeadShader : public Shader {
 
  private:
   struct Corner {  // attributes interpolated over a face
-    Vec rest, rest_normal, normal, position;
+    Vec rest{}, rest_normal{}, normal{}, position{};
     float occlusion, mouth, lid, along, upper, ear;
   };
   Corner Interpolate(const SurfacePoint& point) const;
@@ -33,9 +33,9 @@ class HeadShader : public Shader {
 
   const ProceduralHead& head_;
   const ShadedPose& pose_;
-  Vec eye_;  // the camera's centre
+  Vec eye_{};  // the camera's centre
   std::vector<Vec> normals_, rest_normals_;
-  std::array<Vec, 2> eye_centers_;
+  std::array<Vec, 2> eye_centers_{};
 };
 
 }  // namespace cosplat::procedural

@@ -93,7 +93,7 @@ std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       const VertexLabel& l = mesh.labels[v];
       const float w = weights[v * kFlameJoints + joint];
-      Vec d;
+      Vec d{};
       if (joint >= 3) {
         d = LidCorrective(l, mesh.positions[v], joint == 3, row, column);
       } else if (l.part == Part::kSkin && l.lid_ring == kNoRing && l.mouth_ring == kNoRing) {

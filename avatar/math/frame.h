@@ -14,18 +14,6 @@
 
 COSPLAT_MATH_BEGIN
 
-// |v|, with zero derivative at zero: the area of a collapsed triangle.
-template <class T>
-COSPLAT_HD T Length(const Vec3<T>& v) {
-  const T n2 = Dot(v, v);
-  const auto ok = n2 > T(1e-30f);
-  return Select(ok, Sqrt(Select(ok, n2, T(1))), T(0));
-}
-template <class T>
-COSPLAT_HD Vec3<T> LengthVjp(const Vec3<T>& v, const T& d) {
-  return Normalize(v) * d;
-}
-
 // Normal times area; counter-clockwise faces point outwards.
 template <class T>
 COSPLAT_HD Vec3<T> AreaVector(const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {

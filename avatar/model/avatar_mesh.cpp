@@ -165,8 +165,7 @@ AvatarPoser::Parameters AvatarPoser::Backward(const Parameters& parameters,
 
 HeadPlace PlaceOfHead(View<const float> vertices, const std::array<float, 3>& root) {
   HeadPlace place;
-  const std::array<float, 9> turn = flame_math::Rodrigues(root);
-  std::copy(turn.begin(), turn.end(), place.world_from_head.m);
+  place.world_from_head = flame_math::Rodrigues(math::ToVec3(root));
   Vec3<float> min{1e30f, 1e30f, 1e30f}, max{-1e30f, -1e30f, -1e30f};
   for (size_t i = 0; i + 2 < vertices.size(); i += 3) {
     const Vec3<float> p = math::TransposeTimes(

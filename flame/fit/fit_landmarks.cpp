@@ -182,7 +182,7 @@ void LandmarkFitter::PlaceFrame(size_t f, const PointsOnFlame::Tape& rest) {
   const double scale = std::max(svd.singularValues().mean(), 1e-6);  // px per metre
   const Eigen::AngleAxisd turn(rotation);
   const Eigen::Vector3d axis = turn.angle() * turn.axis();
-  const Eigen::Vector3d root = Eigen::Map<const Eigen::Vector3d>(rest.joints[0].data());
+  const Eigen::Vector3d root = Eigen::Map<const Eigen::Vector3d>(&rest.joints[0].x);
   const Eigen::Vector3d turned = rotation * (from_mean - root) + root;
   double* const frame = frames_[f].data();
   std::copy_n(axis.data(), 3, frame + kFitPose);

@@ -42,8 +42,8 @@ void MeasureFrame(const FlamePoser<float>& poser,
   frame.error = sum / weights;
   // The head's own forward direction is FLAME's z, turned by root and neck.
   const auto& pose = frame.params.pose;
-  const double forward =
-      flame_math::Times(flame_math::Rodrigues(pose[0]), flame_math::Rodrigues(pose[1]))[8];
+  const double forward = (flame_math::Rodrigues(math::ToVec3(pose[0])) *
+                          flame_math::Rodrigues(math::ToVec3(pose[1])))(2, 2);
   frame.turned = std::acos(std::clamp(forward, -1.0, 1.0)) * 180 / M_PI;
 }
 

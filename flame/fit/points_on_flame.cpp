@@ -10,8 +10,8 @@
 namespace cosplat {
 namespace {
 
-using flame_math::Matrix3;
-using flame_math::Vector3;
+using math::Mat3;
+using math::Vec3;
 
 void AddScaled(double a, const double* x, size_t count, double* sum) {
   for (size_t i = 0; i < count; ++i) sum[i] += a * x[i];
@@ -91,14 +91,14 @@ void PointsOnFlame::Pose(const double* shape, const double* frame, Tape& tape) c
   std::copy_n(shape, shape_count_, coefficients.begin());
   std::copy_n(frame + kFitExpression, expression_count_, coefficients.begin() + shape_count_);
   for (size_t j = 0; j < kFlameJoints; ++j) {
-    std::copy_n(frame + kFitPose + 3 * j, 3, tape.pose[j].begin());
+    tape.pose[j] = math::ToVec3(frame + kFitPose + 3 * j);
     tape.local[j] = flame_math::Rodrigues(tape.pose[j]);
-    for (size_t i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i)
       tape.joints[j][i] =
           rest_joints_[3 * j + i] +
           DotOf(joint_directions_.data() + (3 * j + i) * blends, coefficients.data(), blends);
     for (size_t i = 0; j > 0 && i < 9; ++i)
-      coefficients[blends + 9 * (j - 1) + i] = tape.local[j][i] - (i % 4 == 0 ? 1 : 0);
+      coefficients[blends + 9 * (j - 1) + i] = tape.local[j].m[i] - (i % 4 == 0 ? 1 : 0);
   }
   tape.transforms = flame_math::PoseJoints(tape.local, tape.joints, parents_);
   tape.unskinned.resize(template_.size());
@@ -109,9 +109,9 @@ void PointsOnFlame::Pose(const double* shape, const double* frame, Tape& tape) c
   for (size_t p = 0; p < corners_.size(); ++p) {
     for (const auto& [v, weight] : corners_[p]) {
       const double* u = &tape.unskinned[3 * size_t(v)];
-      const Vector3<double> posed = flame_math::SkinPoint(
-          tape.transforms, &weights_[kFlameJoints * size_t(v)], Vector3<double>{u[0], u[1], u[2]});
-      AddScaled(weight, posed.data(), 3, tape.points[p].data());
+      const Vec3<double> posed = flame_math::SkinPoint(
+          tape.transforms, &weights_[kFlameJoints * size_t(v)], math::ToVec3(u));
+      AddScaled(weight, &posed.x, 3, tape.points[p].data());
     }
     AddScaled(1, frame + kFitTranslation, 3, tape.points[p].data());
   }
@@ -128,27 +128,26 @@ void PointsOnFlame::Backward(const Tape& tape,
   for (const auto& [v, weight] : corners_[size_t(point)]) {
     if (weight == 0) continue;
     const double* u = &tape.unskinned[3 * size_t(v)];
-    const Vector3<double> d_unskinned = flame_math::SkinPointVjp(
-        tape.transforms,
-        &weights_[kFlameJoints * size_t(v)],
-        Vector3<double>{u[0], u[1], u[2]},
-        Vector3<double>{weight * d_point[0], weight * d_point[1], weight * d_point[2]},
-        d_transforms);
+    const Vec3<double> d_unskinned = flame_math::SkinPointVjp(tape.transforms,
+                                                              &weights_[kFlameJoints * size_t(v)],
+                                                              math::ToVec3(u),
+                                                              weight * math::ToVec3(d_point),
+                                                              d_transforms);
     for (size_t i = 0; i < 3; ++i)
       AddScaled(d_unskinned[i],
                 &directions_[(3 * size_t(v) + i) * columns()],
                 columns(),
                 d_coefficients.data());
   }
-  std::array<Matrix3<double>, kFlameJoints> d_local{};
-  std::array<Vector3<double>, kFlameJoints> d_joints{};
+  std::array<Mat3<double>, kFlameJoints> d_local{};
+  std::array<Vec3<double>, kFlameJoints> d_joints{};
   flame_math::PoseJointsVjp(
       tape.local, tape.joints, parents_, tape.transforms, d_transforms, d_local, d_joints);
   for (size_t j = 0; j < kFlameJoints; ++j) {
     for (size_t i = 0; j > 0 && i < 9; ++i)
-      d_local[j][i] += d_coefficients[blends + 9 * (j - 1) + i];
-    const Vector3<double> d_pose = flame_math::RodriguesVjp(tape.pose[j], d_local[j]);
-    AddScaled(1, d_pose.data(), 3, d_frame + kFitPose + 3 * j);
+      d_local[j].m[i] += d_coefficients[blends + 9 * (j - 1) + i];
+    const Vec3<double> d_pose = flame_math::RodriguesVjp(tape.pose[j], d_local[j]);
+    AddScaled(1, &d_pose.x, 3, d_frame + kFitPose + 3 * j);
     for (size_t i = 0; i < 3; ++i)
       AddScaled(d_joints[j][i],
                 joint_directions_.data() + (3 * j + i) * blends,

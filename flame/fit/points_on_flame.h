@@ -32,8 +32,8 @@ class PointsOnFlame {
 
   // What Backward needs of Pose.
   struct Tape {
-    std::array<flame_math::Vector3<double>, kFlameJoints> pose, joints;
-    std::array<flame_math::Matrix3<double>, kFlameJoints> local;
+    std::array<math::Vec3<double>, kFlameJoints> pose, joints;
+    std::array<math::Mat3<double>, kFlameJoints> local;
     flame_math::JointTransforms<double, kFlameJoints> transforms;
     std::vector<double> unskinned;              // [vertices, 3]
     std::vector<std::array<double, 3>> points;  // [L] metres, as FlamePoser poses them

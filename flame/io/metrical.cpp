@@ -55,9 +55,9 @@ class Checkpoint {
 std::string SetJoint(const std::string& name, const double* six, std::array<float, 3>& joint) {
   std::array<double, 6> rows;
   std::copy_n(six, 6, rows.begin());
-  flame_math::Matrix3<double> rotation;
+  math::Mat3<double> rotation;
   if (!flame_math::RotationFrom6d(rows, rotation)) return name + " is no rotation";
-  const flame_math::Vector3<double> vector = flame_math::AxisAngleOf(rotation);
+  const math::Vec3<double> vector = flame_math::AxisAngleOf(rotation);
   for (int i = 0; i < 3; ++i) joint[i] = float(vector[i]);
   return "";
 }

@@ -60,7 +60,7 @@ struct SkinKernel {
   SkinKernel(const FlameRig<T>& rig, const T* weights, const T* unskinned, T* vertices)
       : weights(weights), unskinned(unskinned), vertices(vertices) {
     for (size_t j = 0; j < kFlameJoints; ++j) {
-      for (size_t i = 0; i < 9; ++i) rotation[9 * j + i] = rig.transforms.rotation[j][i];
+      for (size_t i = 0; i < 9; ++i) rotation[9 * j + i] = rig.transforms.rotation[j].m[i];
       for (size_t i = 0; i < 3; ++i)
         joint_translation[3 * j + i] = rig.transforms.translation[j][i];
     }

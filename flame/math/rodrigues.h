@@ -5,9 +5,15 @@
 // derivatives come from their power series, so neither t = 0 nor cancellation can spoil them.
 #pragma once
 
-#include "flame/math/linear.h"
+#include "splat/math/vec.h"
 
 namespace cosplat::flame_math {
+
+using math::Cos;
+using math::Mat3;
+using math::Sin;
+using math::Sqrt;
+using math::Vec3;
 
 template <class T>
 struct RodriguesCoefficients {
@@ -46,35 +52,36 @@ RodriguesCoefficients<T> RodriguesCoefficientsOf(const T& s) {
 
 // w: axis times angle, radians.
 template <class T>
-Matrix3<T> Rodrigues(const Vector3<T>& w) {
-  const T s = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+Mat3<T> Rodrigues(const Vec3<T>& w) {
+  const T s = Dot(w, w);
   const RodriguesCoefficients<T> c = RodriguesCoefficientsOf(s);
-  Matrix3<T> r;
+  Mat3<T> r;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) r[3 * i + j] = c.b * w[i] * w[j] + (i == j ? T(1) - c.b * s : T(0));
-  const Vector3<T> aw = {c.a * w[0], c.a * w[1], c.a * w[2]};
-  r[1] -= aw[2];
-  r[2] += aw[1];
-  r[3] += aw[2];
-  r[5] -= aw[0];
-  r[6] -= aw[1];
-  r[7] += aw[0];
+    for (int j = 0; j < 3; ++j) r(i, j) = c.b * w[i] * w[j] + (i == j ? T(1) - c.b * s : T(0));
+  const Vec3<T> aw = c.a * w;
+  r(0, 1) -= aw.z;
+  r(0, 2) += aw.y;
+  r(1, 0) += aw.z;
+  r(1, 2) -= aw.x;
+  r(2, 0) -= aw.y;
+  r(2, 1) += aw.x;
   return r;
 }
 
 // dL/dw given d_r = dL/dR.
 template <class T>
-Vector3<T> RodriguesVjp(const Vector3<T>& w, const Matrix3<T>& d_r) {
-  const T s = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+Vec3<T> RodriguesVjp(const Vec3<T>& w, const Mat3<T>& d_r) {
+  const T s = Dot(w, w);
   const RodriguesCoefficients<T> c = RodriguesCoefficientsOf(s);
-  const Vector3<T> skew = {d_r[7] - d_r[5], d_r[2] - d_r[6], d_r[3] - d_r[1]};  // dL/d(a w)
-  const T trace = d_r[0] + d_r[4] + d_r[8];
-  const Vector3<T> dw = Times(d_r, w);
-  const Vector3<T> dtw = TransposeTimes(d_r, w);
-  const T d_a = skew[0] * w[0] + skew[1] * w[1] + skew[2] * w[2];
-  const T d_b = dw[0] * w[0] + dw[1] * w[1] + dw[2] * w[2] - s * trace;
+  const Vec3<T> skew = {
+      d_r(2, 1) - d_r(1, 2), d_r(0, 2) - d_r(2, 0), d_r(1, 0) - d_r(0, 1)};  // dL/d(a w)
+  const T trace = d_r(0, 0) + d_r(1, 1) + d_r(2, 2);
+  const Vec3<T> dw = d_r * w;
+  const Vec3<T> dtw = TransposeTimes(d_r, w);
+  const T d_a = Dot(skew, w);
+  const T d_b = Dot(dw, w) - s * trace;
   const T d_s = d_a * c.d_a + d_b * c.d_b - c.b * trace;
-  Vector3<T> d_w;
+  Vec3<T> d_w;
   for (int i = 0; i < 3; ++i) d_w[i] = c.a * skew[i] + c.b * (dw[i] + dtw[i]) + T(2) * d_s * w[i];
   return d_w;
 }

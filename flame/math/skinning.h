@@ -2,7 +2,6 @@
 #pragma once
 
 #include "flame/math/kinematics.h"
-#include "splat/math/namespace.h"
 
 namespace cosplat::flame_math {
 
@@ -21,28 +20,27 @@ COSPLAT_HD void SkinPoint(
     posed[i] = t[i] + (r[3 * i] * x + r[3 * i + 1] * y + r[3 * i + 2] * z);
 }
 template <class T, size_t N>
-Vector3<T> SkinPoint(const JointTransforms<T, N>& joints, const T* weights, const Vector3<T>& p) {
-  Vector3<T> posed;
-  SkinPoint<int(N)>(
-      joints.rotation[0].data(), joints.translation[0].data(), weights, p.data(), posed.data());
+Vec3<T> SkinPoint(const JointTransforms<T, N>& joints, const T* weights, const Vec3<T>& p) {
+  Vec3<T> posed;
+  SkinPoint<int(N)>(joints.rotation[0].m, &joints.translation[0].x, weights, &p.x, &posed.x);
   return posed;
 }
 
 // Adds to d_joints; returns d_p.
 template <class T, size_t N>
-Vector3<T> SkinPointVjp(const JointTransforms<T, N>& joints,
-                        const T* weights,
-                        const Vector3<T>& p,
-                        const Vector3<T>& d,
-                        JointTransforms<T, N>& d_joints) {
-  Matrix3<T> outer{}, rotation{};
-  AddOuter(outer, d, p);
+Vec3<T> SkinPointVjp(const JointTransforms<T, N>& joints,
+                     const T* weights,
+                     const Vec3<T>& p,
+                     const Vec3<T>& d,
+                     JointTransforms<T, N>& d_joints) {
+  const Mat3<T> outer = Outer(d, p);
+  Mat3<T> rotation{};
   for (size_t j = 0; j < N; ++j) {
     for (int i = 0; i < 9; ++i) {
-      rotation[i] += weights[j] * joints.rotation[j][i];
-      d_joints.rotation[j][i] += weights[j] * outer[i];
+      rotation.m[i] += weights[j] * joints.rotation[j].m[i];
+      d_joints.rotation[j].m[i] += weights[j] * outer.m[i];
     }
-    for (int i = 0; i < 3; ++i) d_joints.translation[j][i] += weights[j] * d[i];
+    d_joints.translation[j] += weights[j] * d;
   }
   return TransposeTimes(rotation, d);
 }

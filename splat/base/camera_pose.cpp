@@ -4,19 +4,14 @@
 
 #include "splat/base/camera.h"
 #include "splat/base/text.h"
+#include "splat/math/vec.h"
 
 namespace cosplat {
 namespace {
 
 constexpr double kOrthonormalTolerance = 1e-3;
 
-using Row = std::array<double, 3>;
-
-double Dot(const Row& a, const Row& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Row Cross(const Row& a, const Row& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+using Row = math::Vec3<double>;
 
 }  // namespace
 
@@ -29,7 +24,7 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
   for (double x : translation)
     if (!std::isfinite(float(x))) return "pose has a translation that is not finite";
   std::array<Row, 3> r;
-  for (int i = 0; i < 3; ++i) r[i] = {rotation[3 * i], rotation[3 * i + 1], rotation[3 * i + 2]};
+  for (int i = 0; i < 3; ++i) r[i] = math::ToVec3(&rotation[3 * i]);
   for (int i = 0; i < 3; ++i)
     for (int k = i; k < 3; ++k) {
       const double dot = Dot(r[i], r[k]);
@@ -43,11 +38,11 @@ PoseProblem SetPose(const std::array<double, 9>& rotation,
            Format("{:.4g}", determinant);
   // Gram-Schmidt; the third row follows from the others.
   const double n0 = std::sqrt(Dot(r[0], r[0]));
-  for (double& x : r[0]) x /= n0;
+  for (int k = 0; k < 3; ++k) r[0][k] /= n0;
   const double along = Dot(r[0], r[1]);
-  for (int k = 0; k < 3; ++k) r[1][k] -= along * r[0][k];
+  r[1] -= along * r[0];
   const double n1 = std::sqrt(Dot(r[1], r[1]));
-  for (double& x : r[1]) x /= n1;
+  for (int k = 0; k < 3; ++k) r[1][k] /= n1;
   r[2] = Cross(r[0], r[1]);
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) camera.rotation[3 * i + k] = float(r[i][k]);

@@ -20,6 +20,10 @@ COSPLAT_HD float Exp(float x) { return std::exp(x); }
 COSPLAT_HD double Exp(double x) { return std::exp(x); }
 COSPLAT_HD float Log(float x) { return std::log(x); }
 COSPLAT_HD double Log(double x) { return std::log(x); }
+COSPLAT_HD float Sin(float x) { return std::sin(x); }
+COSPLAT_HD double Sin(double x) { return std::sin(x); }
+COSPLAT_HD float Cos(float x) { return std::cos(x); }
+COSPLAT_HD double Cos(double x) { return std::cos(x); }
 COSPLAT_HD float Abs(float x) { return std::fabs(x); }
 COSPLAT_HD double Abs(double x) { return std::fabs(x); }
 

@@ -19,7 +19,15 @@ struct Vec2 {
 template <class T>
 struct Vec3 {
   T x, y, z;
+  COSPLAT_HD T& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
+  COSPLAT_HD const T& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
 };
+
+// The three numbers of a row: of an array, or where a pointer into [N, 3] points.
+template <class Row>
+COSPLAT_HD auto ToVec3(const Row& row) {
+  return Vec3<std::remove_cvref_t<decltype(row[0])>>{row[0], row[1], row[2]};
+}
 
 template <class T>
 struct Vec4 {
@@ -49,6 +57,11 @@ COSPLAT_HD Vec3<T> operator*(T s, const Vec3<T>& a) {
 template <class T>
 COSPLAT_HD Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) {
   a = a + b;
+  return a;
+}
+template <class T>
+COSPLAT_HD Vec3<T>& operator-=(Vec3<T>& a, const Vec3<T>& b) {
+  a = a - b;
   return a;
 }
 template <class T>
@@ -83,6 +96,18 @@ COSPLAT_HD Vec3<T> NormalizeVjp(const Vec3<T>& v, const Vec3<T>& d) {
   const T inv = Select(ok, T(1) / Sqrt(Select(ok, n2, T(1))), T(0));
   const Vec3<T> u = v * inv;
   return (d - u * Dot(u, d)) * inv;
+}
+
+// |v|, with zero derivative at zero: the area of a collapsed triangle.
+template <class T>
+COSPLAT_HD T Length(const Vec3<T>& v) {
+  const T n2 = Dot(v, v);
+  const auto ok = n2 > T(1e-30f);
+  return Select(ok, Sqrt(Select(ok, n2, T(1))), T(0));
+}
+template <class T>
+COSPLAT_HD Vec3<T> LengthVjp(const Vec3<T>& v, const T& d) {
+  return Normalize(v) * d;
 }
 
 // Row-major 3x3 matrix.

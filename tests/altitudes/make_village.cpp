@@ -48,8 +48,8 @@ std::array<float, 16> MatrixOf(const Vec& eye, float yaw, float look_down) {
   const Vec forward{std::cos(yaw) * std::cos(look_down),
                     std::sin(yaw) * std::cos(look_down),
                     -std::sin(look_down)};
-  const Vec right = procedural::Normalized(procedural::Cross(forward, {0, 0, 1}));
-  const Vec up = procedural::Cross(right, forward);
+  const Vec right = math::Normalize(math::Cross(forward, procedural::Vec{0, 0, 1}));
+  const Vec up = math::Cross(right, forward);
   std::array<float, 16> m{};
   for (int i = 0; i < 3; ++i) {
     m[size_t(4 * i)] = right[i], m[size_t(4 * i + 1)] = up[i];

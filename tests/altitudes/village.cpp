@@ -9,21 +9,19 @@
 namespace cosplat {
 namespace {
 
-using procedural::Cross;
-using procedural::Dot;
 using procedural::FloorOf;
 using procedural::HashUnit;
-using procedural::Length;
 using procedural::Mix;
 using procedural::Noise;
-using procedural::Normalized;
 using procedural::Vec;
+using procedural::operator*;
+using procedural::operator/;
 
 constexpr float kPi = 3.14159265f;
 constexpr float kSide = 1;  // m: longer sides are divided, since the rasteriser does not clip
 constexpr float kGroundHalf = 48;  // m
 constexpr float kHillsBegin = 18;  // m from the middle
-const Vec kSun = Normalized({0.55f, 0.35f, 0.75f});
+const Vec kSun = Normalize(Vec{0.55f, 0.35f, 0.75f});
 
 float HeightOfGround(float x, float y) {
   const float beyond = std::max(0.0f, std::hypot(x, y) - kHillsBegin);
@@ -47,7 +45,7 @@ class Builder {
 
   // Corners counter-clockwise as seen from outside; the texture begins at `a`, its right is a to b.
   void Quad(const Vec& a, const Vec& b, const Vec& c, const Vec& d, Material material, int seed) {
-    const Vec right = Normalized(b - a), normal = Normalized(Cross(b - a, d - a));
+    const Vec right = Normalize(b - a), normal = Normalize(Cross(b - a, d - a));
     const Paint paint{material, a, right, Cross(normal, right), seed};
     const int columns = std::max(1, int(std::ceil(Length(b - a) / kSide)));
     const int rows = std::max(1, int(std::ceil(Length(d - a) / kSide)));
@@ -111,7 +109,7 @@ void AddHouse(Builder& builder, Village& village, const Vec& middle, int seed) {
   builder.Quad(a, b, q, p, Material::kRoof, seed);
   builder.Quad(c, d, p, q, Material::kRoof, seed);
   for (const auto& [u, v, top] : {std::array{b, c, q}, std::array{d, a, p}}) {
-    const Paint paint{Material::kWood, u, Normalized(v - u), {0, 0, 1}, seed};
+    const Paint paint{Material::kWood, u, Normalize(v - u), {0, 0, 1}, seed};
     builder.Triangle(builder.Vertex(u), builder.Vertex(v), builder.Vertex(top), paint);
   }
   village.blockers.push_back({low, {high.x, high.y, 0.5f * (eaves + ridge)}});
@@ -129,9 +127,9 @@ void AddTree(Builder& builder, Village& village, float x, float y, int seed) {
     const Vec out{wide * std::cos(turn), wide * std::sin(turn), z};
     const Vec at = middle + out * (radius * std::cbrt(0.3f + 0.7f * HashUnit(seed, k, 4)));
     const float spin = 2 * kPi * HashUnit(seed, k, 5), half = 0.14f + 0.1f * HashUnit(seed, k, 6);
-    const Vec side = Normalized(Cross(out, {0.3f, 0.1f, 1}));
+    const Vec side = Normalize(Cross(out, {0.3f, 0.1f, 1}));
     const Vec right = side * std::cos(spin) + Cross(out, side) * std::sin(spin);
-    const Vec up = Normalized(Cross(out, right) + out * (HashUnit(seed, k, 7) - 0.5f));
+    const Vec up = Normalize(Cross(out, right) + out * (HashUnit(seed, k, 7) - 0.5f));
     builder.Quad(at - right * half - up * half,
                  at + right * half - up * half,
                  at + right * half + up * half,
@@ -278,22 +276,22 @@ std::array<float, 3> PaintVillage(const Village& village,
                                   const Vec& eye,
                                   float pixel_angle) {
   const auto& ids = village.faces[size_t(face)];
-  std::array<Vec, 3> corner;
-  Vec p;
+  std::array<Vec, 3> corner{};
+  Vec p{};
   for (int i = 0; i < 3; ++i) {
     const float* v = &village.vertices[3 * size_t(ids[size_t(i)])];
     corner[size_t(i)] = {v[0], v[1], v[2]};
     p += corner[size_t(i)] * barycentrics[size_t(i)];
   }
   const Paint& paint = village.paints[size_t(face)];
-  Vec normal = Normalized(Cross(corner[1] - corner[0], corner[2] - corner[0]));
-  const Vec look = Normalized(p - eye);
+  Vec normal = Normalize(Cross(corner[1] - corner[0], corner[2] - corner[0]));
+  const Vec look = Normalize(p - eye);
   const float facing = -Dot(look, normal);
   if (facing < 0) normal = -normal;
   const float footprint =
       Length(p - eye) * pixel_angle / std::max(std::sqrt(std::abs(facing)), 0.25f);
   const float u = Dot(p - paint.origin, paint.right), v = Dot(p - paint.origin, paint.up);
-  Vec color;
+  Vec color{};
   switch (paint.material) {
     case Material::kGround:
       color = Ground(p, footprint);
@@ -339,7 +337,7 @@ Image8 DrawVillage(const Village& village, const Camera& camera) {
    private:
     const Village& village_;
     float pixel_angle_;
-    Vec eye_;
+    Vec eye_{};
   };
   return procedural::Rasterize(
       village.vertices, village.faces, camera, VillageShader(village, camera));

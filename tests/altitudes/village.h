@@ -19,15 +19,15 @@ enum class Material : uint8_t { kGround, kWall, kRoof, kTrunk, kLeaf, kWood };
 // What a triangle is painted with.
 struct Paint {
   Material material{};
-  procedural::Vec origin;  // of the texture, world
-  procedural::Vec right;   // unit: the texture's first axis; the second is `up`
-  procedural::Vec up;      // unit
-  int seed = 0;            // of colour and pattern
+  procedural::Vec origin{};  // of the texture, world
+  procedural::Vec right{};   // unit: the texture's first axis; the second is `up`
+  procedural::Vec up{};      // unit
+  int seed = 0;              // of colour and pattern
 };
 
 // What throws shadows, roughly: a box with sides along x and y, or a ball.
 struct Blocker {
-  procedural::Vec low, high;  // corners of the box; of a ball, of the box around it
+  procedural::Vec low{}, high{};  // corners of the box; of a ball, of the box around it
   bool ball = false;
 };
 

@@ -147,20 +147,19 @@ struct SeenHead {
 };
 
 // The head's rotation in the camera.
-flame_math::Matrix3<double> HeadRotation(const FlameParams& params, const Camera& camera) {
-  flame_math::Matrix3<double> rotation;
-  for (size_t i = 0; i < 9; ++i) rotation[i] = camera.rotation[i];
-  for (int j = 0; j < 2; ++j) {
-    const auto& w = params.pose[size_t(j)];
-    rotation = flame_math::Times(
-        rotation, flame_math::Rodrigues(flame_math::Vector3<double>{w[0], w[1], w[2]}));
+math::Mat3<double> HeadRotation(const FlameParams& params, const Camera& camera) {
+  math::Mat3<double> rotation;
+  for (size_t i = 0; i < 9; ++i) rotation.m[i] = camera.rotation[i];
+  for (size_t j = 0; j < 2; ++j) {
+    const auto& w = params.pose[j];
+    rotation = rotation * flame_math::Rodrigues(math::Vec3<double>{w[0], w[1], w[2]});
   }
   return rotation;
 }
 
-double DegreesBetween(const flame_math::Matrix3<double>& a, const flame_math::Matrix3<double>& b) {
+double DegreesBetween(const math::Mat3<double>& a, const math::Mat3<double>& b) {
   double trace = 0;
-  for (size_t i = 0; i < 9; ++i) trace += a[i] * b[i];
+  for (size_t i = 0; i < 9; ++i) trace += a.m[i] * b.m[i];
   return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / M_PI;
 }
 

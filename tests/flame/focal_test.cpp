@@ -33,13 +33,13 @@ TrackedVideo Video() {
 }
 
 // Of every vertex in the camera.
-std::vector<Vector3<double>> InCamera(const FlamePoser<float>& poser, const TrackedFrame& frame) {
+std::vector<Vec3<double>> InCamera(const FlamePoser<float>& poser, const TrackedFrame& frame) {
   std::vector<float> vertices;
   poser.Forward(FlamePoser<float>::ParametersOf(frame.params), vertices);
-  std::vector<Vector3<double>> points;
+  std::vector<Vec3<double>> points;
   for (size_t v = 0; v < vertices.size(); v += 3) {
-    Vector3<double> p{};
-    for (size_t r = 0; r < 3; ++r) {
+    Vec3<double> p{};
+    for (int r = 0; r < 3; ++r) {
       p[r] = frame.camera.translation[r];
       for (size_t k = 0; k < 3; ++k)
         p[r] += double(frame.camera.rotation[3 * r + k]) * double(vertices[v + k]);

@@ -22,7 +22,7 @@ ImavatarTrack TrackOfHead() {
     frame.camera.fx = frame.camera.fy = float(test::kHeadFocal);
     frame.camera.cx = float(test::kHeadCenter[0]);
     frame.camera.cy = float(test::kHeadCenter[1]);
-    for (size_t k = 0; k < 9; ++k) frame.camera.rotation[k] = float(test::kHeadCameraRotation[k]);
+    for (size_t k = 0; k < 9; ++k) frame.camera.rotation[k] = float(test::kHeadCameraRotation.m[k]);
     for (size_t k = 0; k < 3; ++k) {
       frame.camera.translation[k] = float(test::kHeadCameraTranslation[k]);
       frame.params.translation[k] = float(head.translation[k]);

@@ -19,10 +19,10 @@ inline std::string FrameName(int i) {
 }
 
 // The first two rows of a rotation, not normalised.
-inline std::vector<float> SixNumbers(const Vector3<double>& axis_angle) {
-  const Matrix3<double> r = flame_math::Rodrigues(axis_angle);
+inline std::vector<float> SixNumbers(const Vec3<double>& axis_angle) {
+  const Mat3<double> r = flame_math::Rodrigues(axis_angle);
   std::vector<float> six;
-  for (int k = 0; k < 6; ++k) six.push_back(float((k < 3 ? 1.3 : 0.8) * r[k]));
+  for (int k = 0; k < 6; ++k) six.push_back(float((k < 3 ? 1.3 : 0.8) * r.m[k]));
   return six;
 }
 
@@ -56,14 +56,14 @@ inline MetricalValues MetricalAt(const FlameModel& model, int i) {
   std::vector<float> six, t;
   const auto& r = camera.rotation;
   for (int row = 0; row < 2; ++row)
-    for (int k = 0; k < 3; ++k) six.push_back(float((k < 2 ? -1 : 1) * r[3 * k + row]));
+    for (int k = 0; k < 3; ++k) six.push_back(float((k < 2 ? -1 : 1) * r(k, row)));
   for (int k = 0; k < 3; ++k) t.push_back(float((k < 2 ? -1 : 1) * camera.translation[k]));
   values.camera["R"] = {{1, 6}, six};
   values.camera["t"] = {{1, 3}, t};
   values.camera["fl"] = {{1, 1}, {float(kHeadFocal / half)}};
   values.camera["pp"] = {
       {1, 2}, {float((half - kHeadCenter[0]) / half), float((half - kHeadCenter[1]) / half)}};
-  std::vector<float> rotation(r.begin(), r.end());
+  std::vector<float> rotation(r.m, r.m + 9);
   values.opencv["R"] = {{1, 3, 3}, rotation};
   values.opencv["t"] = {
       {1, 3},

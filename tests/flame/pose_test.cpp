@@ -83,7 +83,6 @@ TEST(FlamePose, RootTurnsAboutItsJointNotTheOrigin) {
 // The definition, written out with dense matrices as the papers print it (G * T(-J), joints
 // regressed from the vertices), against the poser's folded and streamed form.
 TEST(FlamePose, MatchesTheDefinition) {
-  using namespace flame_math;
   const FlameModel m = RandomModel();
   const Poser::Parameters frame = RandomFrame(5);
   const size_t n = 3 * m.vertex_count;
@@ -92,32 +91,28 @@ TEST(FlamePose, MatchesTheDefinition) {
     v[i] += double(0.7f) * m.shape_directions[i];
     for (int k = 0; k < 4; ++k) v[i] += frame.expression[k] * m.expression_directions[k * n + i];
   }
-  std::array<Matrix3<double>, 5> world;
-  std::array<Vector3<double>, 5> rest, posed;
+  std::array<math::Mat3<double>, 5> world;
+  std::array<math::Vec3<double>, 5> rest, posed;
   std::vector<double> p = v;
   for (int j = 0; j < 5; ++j) {
-    rest[j] = Joint(m, j, v);
-    const auto r = Rodrigues(frame.pose[j]);
+    rest[j] = math::ToVec3(Joint(m, j, v));
+    const auto r = flame_math::Rodrigues(math::ToVec3(frame.pose[j]));
     const int parent = m.parents[j];
-    world[j] = j == 0 ? r : Times(world[parent], r);
+    world[j] = j == 0 ? r : world[parent] * r;
     posed[j] = rest[j];
     if (j > 0) {
-      posed[j] = Times(world[parent], Minus(rest[j], rest[parent]));
-      AddTo(posed[j], posed[parent]);
+      posed[j] = world[parent] * (rest[j] - rest[parent]) + posed[parent];
       for (int k = 0; k < 9; ++k)
         for (size_t i = 0; i < n; ++i)
-          p[i] += m.pose_directions[(9 * (j - 1) + k) * n + i] * (r[k] - (k % 4 == 0));
+          p[i] += m.pose_directions[(9 * (j - 1) + k) * n + i] * (r.m[k] - (k % 4 == 0));
     }
   }
   const auto actual = Posed(Poser(m, {0.7f}), frame);
   for (int i = 0; i < m.vertex_count; ++i) {
-    Vector3<double> sum = frame.translation;
-    for (int j = 0; j < 5; ++j) {
-      auto q =
-          Times(world[j], Minus(Vector3<double>{p[3 * i], p[3 * i + 1], p[3 * i + 2]}, rest[j]));
-      AddTo(q, posed[j]);
-      for (int k = 0; k < 3; ++k) sum[k] += m.skinning_weights[5 * i + j] * q[k];
-    }
+    math::Vec3<double> sum = math::ToVec3(frame.translation);
+    for (int j = 0; j < 5; ++j)
+      sum += double(m.skinning_weights[5 * i + j]) *
+             (world[j] * (math::ToVec3(&p[3 * i]) - rest[j]) + posed[j]);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(actual[3 * i + k], sum[k], 1e-12);
   }
 }

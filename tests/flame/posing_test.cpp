@@ -109,7 +109,7 @@ TEST(Posing, ReachKeepsANaN) {
   const Poser poser(model, {});
   FlameRig<float> rig;
   poser.Prepare(FrameOf({}), rig);
-  rig.transforms.rotation[1][3] = std::numeric_limits<float>::quiet_NaN();  // finite ones follow
+  rig.transforms.rotation[1].m[3] = std::numeric_limits<float>::quiet_NaN();  // finite ones follow
   ExpectError([&] { PosingReach(poser.Arrays()).Check(rig); }, {"vertices"});
 }
 

@@ -145,7 +145,7 @@ TEST(ProceduralHead, FacesAreSoundAndLookOutwards) {
       plain = plain && mesh.labels[v].part == Part::kSkin && mesh.labels[v].lid_ring == kNoRing &&
               mesh.labels[v].mouth_ring == kNoRing;
     if (plain) {
-      EXPECT_GT(Dot(Normalized(area), Normalized(procedural::HeadGradient(middle))), 0.2f) << f[0];
+      EXPECT_GT(Dot(Normalize(area), Normalize(procedural::HeadGradient(middle))), 0.2f) << f[0];
       // Faces are flat and up to 12 mm wide under the hair.
       EXPECT_LT(std::abs(procedural::HeadDistance(middle)), 0.0045f) << f[0];
     }

@@ -105,7 +105,7 @@ TEST(ProceduralVideo, HighlightsMoveWithTheView) {
   rest.expression.assign(kExpressionCount, 0.0f);
   procedural::ShadedPose pose;
   pose.vertices = Head().mesh.positions;
-  pose.posed_from_rest = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  pose.posed_from_rest = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const procedural::HeadShader ahead(Head(), pose, {0, 0, 0.9f});
   const procedural::HeadShader aside(Head(), pose, {0.5f, 0.25f, 0.7f});
   float max = 0, min = 1;

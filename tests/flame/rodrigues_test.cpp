@@ -12,49 +12,48 @@
 namespace cosplat::test {
 namespace {
 
-using flame_math::Matrix3;
-using flame_math::Vector3;
+using math::Mat3;
+using math::Vec3;
 
 template <class T>
-Vector3<T> At(const std::vector<T>& x, size_t i) {
+Vec3<T> At(const std::vector<T>& x, size_t i) {
   return {x[i], x[i + 1], x[i + 2]};
 }
 
 struct RodriguesFunctor {
   template <class T>
   std::vector<T> operator()(const std::vector<T>& x) const {
-    const Matrix3<T> r = flame_math::Rodrigues(At(x, 0));
-    return {r.begin(), r.end()};
+    const Mat3<T> r = flame_math::Rodrigues(At(x, 0));
+    return {r.m, r.m + 9};
   }
 };
 
 std::vector<double> RodriguesVjpOf(const std::vector<double>& x, const std::vector<double>& d) {
-  Matrix3<double> d_r;
-  std::copy(d.begin(), d.end(), d_r.begin());
+  Mat3<double> d_r;
+  std::copy(d.begin(), d.end(), d_r.m);
   const auto d_w = flame_math::RodriguesVjp(At(x, 0), d_r);
-  return {d_w.begin(), d_w.end()};
+  return {d_w.x, d_w.y, d_w.z};
 }
 
 TEST(Rodrigues, QuarterTurnAboutZ) {
   const auto r = flame_math::Rodrigues<double>({0, 0, std::numbers::pi / 2});
-  const Matrix3<double> expected = {0, -1, 0, 1, 0, 0, 0, 0, 1};
-  for (int i = 0; i < 9; ++i) EXPECT_NEAR(r[i], expected[i], 1e-15);
+  const double expected[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(r.m[i], expected[i], 1e-15);
 }
 
 TEST(Rodrigues, ZeroAngleIsIdentityWithSkewDerivative) {
   const auto r = flame_math::Rodrigues<double>({0, 0, 0});
-  EXPECT_EQ(r, flame_math::Identity<double>());
-  const auto d = flame_math::RodriguesVjp<double>({0, 0, 0}, {0, -1, 0, 1, 0, 0, 0, 0, 5});
-  EXPECT_EQ(d, (Vector3<double>{0, 0, 2}));
+  for (int i = 0; i < 9; ++i) EXPECT_EQ(r.m[i], i % 4 == 0 ? 1 : 0);
+  const auto d = flame_math::RodriguesVjp<double>({0, 0, 0}, {{0, -1, 0, 1, 0, 0, 0, 0, 5}});
+  EXPECT_EQ((std::array{d.x, d.y, d.z}), (std::array<double, 3>{0, 0, 2}));
 }
 
 TEST(Rodrigues, OrthonormalAtEveryAngle) {
   for (double scale :
        {0.0, 1e-300, 1e-160, 1e-12, 1e-4, 0.3, 0.577, 0.578, 1.0, 1.8138, 3.0, 50.0}) {
     const auto r = flame_math::Rodrigues<double>({scale, -scale, scale});
-    const Matrix3<double> rt = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]};
-    const auto product = flame_math::Times(r, rt);
-    for (int i = 0; i < 9; ++i) EXPECT_NEAR(product[i], i % 4 == 0, 2e-14) << scale;
+    const auto product = r * math::Transpose(r);
+    for (int i = 0; i < 9; ++i) EXPECT_NEAR(product.m[i], i % 4 == 0, 2e-14) << scale;
   }
 }
 
@@ -78,36 +77,36 @@ constexpr std::array<int, 5> kParents = {-1, 0, 1, 1, 1};
 
 template <class T>
 void Unpack(const std::vector<T>& x,
-            std::array<Matrix3<T>, 5>& local,
-            std::array<Vector3<T>, 5>& joints) {
+            std::array<Mat3<T>, 5>& local,
+            std::array<Vec3<T>, 5>& joints) {
   for (int j = 0; j < 5; ++j) {
-    std::copy_n(x.begin() + 12 * j, 9, local[j].begin());
-    std::copy_n(x.begin() + 12 * j + 9, 3, joints[j].begin());
+    std::copy_n(x.begin() + 12 * j, 9, local[j].m);
+    joints[j] = At(x, 12 * j + 9);
   }
 }
 
 struct PoseJointsFunctor {
   template <class T>
   std::vector<T> operator()(const std::vector<T>& x) const {
-    std::array<Matrix3<T>, 5> local;
-    std::array<Vector3<T>, 5> joints;
+    std::array<Mat3<T>, 5> local;
+    std::array<Vec3<T>, 5> joints;
     Unpack(x, local, joints);
     const auto out = flame_math::PoseJoints(local, joints, kParents);
     std::vector<T> y;
-    for (const auto& r : out.rotation) y.insert(y.end(), r.begin(), r.end());
-    for (const auto& t : out.translation) y.insert(y.end(), t.begin(), t.end());
+    for (const auto& r : out.rotation) y.insert(y.end(), r.m, r.m + 9);
+    for (const auto& t : out.translation) y.insert(y.end(), {t.x, t.y, t.z});
     return y;
   }
 };
 
 std::vector<double> PoseJointsVjpOf(const std::vector<double>& x, const std::vector<double>& d) {
-  std::array<Matrix3<double>, 5> local, d_local{};
-  std::array<Vector3<double>, 5> joints, d_joints{};
+  std::array<Mat3<double>, 5> local, d_local{};
+  std::array<Vec3<double>, 5> joints, d_joints{};
   Unpack(x, local, joints);
   flame_math::JointTransforms<double, 5> d_out;
   for (int j = 0; j < 5; ++j) {
-    std::copy_n(d.begin() + 9 * j, 9, d_out.rotation[j].begin());
-    std::copy_n(d.begin() + 45 + 3 * j, 3, d_out.translation[j].begin());
+    std::copy_n(d.begin() + 9 * j, 9, d_out.rotation[j].m);
+    d_out.translation[j] = At(d, 45 + 3 * j);
   }
   flame_math::PoseJointsVjp(local,
                             joints,
@@ -118,8 +117,8 @@ std::vector<double> PoseJointsVjpOf(const std::vector<double>& x, const std::vec
                             d_joints);
   std::vector<double> d_x;
   for (int j = 0; j < 5; ++j) {
-    d_x.insert(d_x.end(), d_local[j].begin(), d_local[j].end());
-    d_x.insert(d_x.end(), d_joints[j].begin(), d_joints[j].end());
+    d_x.insert(d_x.end(), d_local[j].m, d_local[j].m + 9);
+    d_x.insert(d_x.end(), &d_joints[j].x, &d_joints[j].x + 3);
   }
   return d_x;
 }
@@ -129,18 +128,16 @@ TEST(Kinematics, VjpMatchesDual) {
 }
 
 TEST(Kinematics, EveryJointStaysOnItsParent) {
-  std::array<Matrix3<double>, 5> local;
-  std::array<Vector3<double>, 5> joints;
+  std::array<Mat3<double>, 5> local;
+  std::array<Vec3<double>, 5> joints;
   const auto x = RandomVector(30, 4);
   for (int j = 0; j < 5; ++j) {
     local[j] = flame_math::Rodrigues(At(x, 3 * j));
     joints[j] = At(x, 15 + 3 * j);
   }
   const auto out = flame_math::PoseJoints(local, joints, kParents);
-  const auto apply = [&](int j, const Vector3<double>& p) {
-    auto q = flame_math::Times(out.rotation[j], p);
-    flame_math::AddTo(q, out.translation[j]);
-    return q;
+  const auto apply = [&](int j, const Vec3<double>& p) {
+    return out.rotation[j] * p + out.translation[j];
   };
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(apply(0, joints[0])[i], joints[0][i], 1e-14);
   for (int j = 1; j < 5; ++j)

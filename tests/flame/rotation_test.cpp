@@ -13,12 +13,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-Vector3<double> RandomAxis(std::mt19937& rng) {
+Vec3<double> RandomAxis(std::mt19937& rng) {
   std::normal_distribution<double> normal;
-  Vector3<double> v = {normal(rng), normal(rng), normal(rng)};
-  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  for (double& x : v) x /= length;
-  return v;
+  return math::Normalize(Vec3<double>{normal(rng), normal(rng), normal(rng)});
 }
 
 TEST(Rotation, AxisAngleInvertsRodriguesAtEveryAngle) {
@@ -26,14 +23,13 @@ TEST(Rotation, AxisAngleInvertsRodriguesAtEveryAngle) {
   for (const double angle :
        {0.0, 1e-14, 1e-9, 1e-5, 1e-2, 0.5, 1.5, 2.5, 3.0, kPi - 1e-3, kPi - 1e-9})
     for (int i = 0; i < 50; ++i) {
-      Vector3<double> w = RandomAxis(rng);
-      for (double& x : w) x *= angle;
-      const Vector3<double> back = AxisAngleOf(Rodrigues(w));
+      const Vec3<double> w = RandomAxis(rng) * angle;
+      const Vec3<double> back = AxisAngleOf(Rodrigues(w));
       for (int k = 0; k < 3; ++k) EXPECT_NEAR(back[k], w[k], 1e-9) << "angle " << angle;
     }
   // At pi either axis is right.
   for (int axis = 0; axis < 3; ++axis) {
-    Vector3<double> w{};
+    Vec3<double> w{};
     w[axis] = kPi;
     EXPECT_NEAR(std::abs(AxisAngleOf(Rodrigues(w))[axis]), kPi, 1e-9);
   }
@@ -43,19 +39,17 @@ TEST(Rotation, SixNumbersAreTheFirstTwoRows) {
   std::mt19937 rng(2);
   std::uniform_real_distribution<double> uniform(0.1, 3);
   for (int i = 0; i < 50; ++i) {
-    Vector3<double> w = RandomAxis(rng);
-    for (double& x : w) x *= uniform(rng);
-    const Matrix3<double> r = Rodrigues(w);
+    const Mat3<double> r = Rodrigues(RandomAxis(rng) * uniform(rng));
     // Rows of any length, the second with a part along the first.
     const double a = uniform(rng), b = uniform(rng), c = uniform(rng);
     std::array<double, 6> six;
     for (int k = 0; k < 3; ++k) {
-      six[k] = a * r[k];
-      six[3 + k] = b * r[3 + k] + c * r[k];
+      six[k] = a * r(0, k);
+      six[3 + k] = b * r(1, k) + c * r(0, k);
     }
-    Matrix3<double> out{};
+    Mat3<double> out{};
     ASSERT_TRUE(RotationFrom6d(six, out));
-    for (int k = 0; k < 9; ++k) EXPECT_NEAR(out[k], r[k], 1e-12);
+    for (int k = 0; k < 9; ++k) EXPECT_NEAR(out.m[k], r.m[k], 1e-12);
   }
 }
 
@@ -71,9 +65,9 @@ TEST(Rotation, SixNumbersThatAreNoRotation) {
                                          {1, 0, 0, inf, 0, 0},
                                          {inf, 0, 0, 0, 1, 0}};
   for (const auto& six : cases) {
-    Matrix3<double> out = {7};
+    Mat3<double> out = {{7}};
     EXPECT_FALSE(RotationFrom6d(six, out)) << six[0] << " " << six[3];
-    EXPECT_EQ(out, Matrix3<double>{7});
+    for (int k = 0; k < 9; ++k) EXPECT_EQ(out.m[k], k == 0 ? 7 : 0);
   }
 }
 

@@ -38,10 +38,13 @@ struct Smirk {
       const auto add = [&](const char* name, const auto& numbers) {
         for (const auto number : numbers) arrays[name].push_back(float(number));
       };
+      const auto add_vector = [&](const char* name, const Vec3<double>& v) {
+        add(name, std::array{v.x, v.y, v.z});
+      };
       add("expression_params", frame.expression);
       add("shape_params", HeadShape());
-      add("pose_params", frame.root);
-      add("jaw_params", frame.jaw);
+      add_vector("pose_params", frame.root);
+      add_vector("jaw_params", frame.jaw);
       add("eyelid_params", frame.eyelids);
       // scale, tx, ty; full-image pixels to crop's: skimage's matrix, of indices of pixels.
       const std::array<double, 3> cam = {7 + 0.2 * i, 0.01 * i - 0.03, 0.02 - 0.004 * i};
@@ -49,7 +52,7 @@ struct Smirk {
       const double a = 1.6 - 0.03 * i, bx = -150.25 - 5 * i, by = -80.5 + 3 * i;
       add("tform", std::array<double, 9>{a, 0, bx, 0, a, by, 0, 0, 1});
       std::vector<Pixel> seen;
-      for (const Vector3<double>& v : FrameVertices(frame)) {
+      for (const Vec3<double>& v : FrameVertices(frame)) {
         // In the crop, from its corner: normalised coordinates -1 to 1, y down.
         const double u = 112 * (1 + cam[0] * (v[0] + cam[1]));
         const double w = 112 * (1 - cam[0] * (v[1] + cam[2]));
@@ -61,7 +64,7 @@ struct Smirk {
   }
 
   // SMIRK's mesh: the eyes look ahead, the root turns about its joint.
-  std::vector<Vector3<double>> FrameVertices(HeadFrame frame) const {
+  std::vector<Vec3<double>> FrameVertices(HeadFrame frame) const {
     frame.left_eye = frame.right_eye = frame.translation = {};
     return WorldVertices(model, frame);
   }

@@ -38,16 +38,16 @@ struct ImavatarHead {
         double t = kHeadCameraTranslation[r];
         Json row = Json::array();
         for (int k = 0; k < 3; ++k) {
-          t += kHeadCameraRotation[3 * r + k] * frame.translation[k];
-          row.push_back(sign * kHeadCameraRotation[3 * r + k]);
+          t += kHeadCameraRotation.m[3 * r + k] * frame.translation[k];
+          row.push_back(sign * kHeadCameraRotation.m[3 * r + k]);
         }
         row.push_back(4 * sign * t);
         matrix.push_back(row);
       }
       std::vector<double> pose;
-      for (const Vector3<double>& joint :
-           {frame.root, Vector3<double>{}, frame.jaw, frame.left_eye, frame.right_eye})
-        pose.insert(pose.end(), joint.begin(), joint.end());
+      for (const Vec3<double>& joint :
+           {frame.root, Vec3<double>{}, frame.jaw, frame.left_eye, frame.right_eye})
+        pose.insert(pose.end(), {joint.x, joint.y, joint.z});
       json["frames"].push_back({{"file_path", "./image/" + std::to_string(i + 1)},
                                 {"world_mat", matrix},
                                 {"expression", frame.expression},
@@ -114,17 +114,16 @@ TEST(MetricalTrack, AgreesWithTheTrackersOwnCamera) {
   for (int i = 0; i < kHeadFrames; ++i) {
     const MetricalValues values = MetricalAt(set.model, i);
     const std::vector<float>& six = values.camera.at("R").numbers;
-    Matrix3<double> r;  // rows
-    for (int k = 0; k < 6; ++k) r[size_t(k)] = six[size_t(k)];
-    r[6] = r[1] * r[5] - r[2] * r[4];
-    r[7] = r[2] * r[3] - r[0] * r[5];
-    r[8] = r[0] * r[4] - r[1] * r[3];
+    Mat3<double> r;
+    for (int k = 0; k < 6; ++k) r.m[k] = six[size_t(k)];
+    const Vec3<double> third = math::Cross(math::ToVec3(r.m), math::ToVec3(r.m + 3));
+    for (int k = 0; k < 3; ++k) r(2, k) = third[k];
     const std::vector<float>&t = values.camera.at("t").numbers,
           &pp = values.camera.at("pp").numbers;
     std::vector<Pixel> pixels;
-    for (const Vector3<double>& v : RestVertices(set.model, HeadAt(i))) {
-      Vector3<double> p = flame_math::TransposeTimes(r, v);  // a row vector from the left
-      for (int k = 0; k < 3; ++k) p[size_t(k)] += t[size_t(k)];
+    for (const Vec3<double>& v : RestVertices(set.model, HeadAt(i))) {
+      Vec3<double> p = math::TransposeTimes(r, v);  // a row vector from the left
+      for (int k = 0; k < 3; ++k) p[k] += t[size_t(k)];
       const double focal = values.camera.at("fl").numbers[0], half = kHeadSide / 2.0;
       pixels.push_back({half - half * (focal * p[0] / p[2] + pp[0]),
                         half - half * (focal * p[1] / p[2] + pp[1])});
@@ -148,7 +147,7 @@ TEST(MetricalTrack, IsTheHeadOfImavatarsLayout) {
         EXPECT_NEAR(
             a[i].params.pose[size_t(j)][size_t(k)], b[i].params.pose[size_t(j)][size_t(k)], 1e-5);
     // The worlds differ by where the first frame's camera is put: all vertices by one vector.
-    std::vector<Vector3<double>> in_a, in_b;
+    std::vector<Vec3<double>> in_a, in_b;
     TrackPixels(set.model, HeadShape(), a[i], &in_a);
     TrackPixels(set.model, HeadShape(), b[i], &in_b);
     for (size_t v = 0; v < in_a.size(); ++v)
@@ -255,12 +254,9 @@ struct Insta {
       Json matrix = Json::array();
       for (int r = 0; r < 3; ++r) {
         double center = 0;
-        for (int k = 0; k < 3; ++k)
-          center -= camera.rotation[size_t(3 * k + r)] * camera.translation[size_t(k)];
-        matrix.push_back({camera.rotation[size_t(r)],
-                          camera.rotation[size_t(3 + r)],
-                          camera.rotation[size_t(6 + r)],
-                          center});
+        for (int k = 0; k < 3; ++k) center -= camera.rotation(k, r) * camera.translation[k];
+        matrix.push_back(
+            {camera.rotation(0, r), camera.rotation(1, r), camera.rotation(2, r), center});
       }
       matrix.push_back({0, 0, 0, 1});
       const std::string name = FrameName(i);

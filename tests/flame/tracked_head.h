@@ -17,8 +17,8 @@
 
 namespace cosplat::test {
 
-using flame_math::Matrix3;
-using flame_math::Vector3;
+using math::Mat3;
+using math::Vec3;
 
 constexpr int kHeadFrames = 12;
 constexpr int kHeadSide = 512;  // px, of the image
@@ -37,8 +37,8 @@ inline FlameModel HeadModel() {
 
 struct HeadFrame {
   std::vector<float> expression;
-  Vector3<double> root, jaw, left_eye, right_eye;  // axis-angle
-  Vector3<double> translation;                     // metres, after the root's rotation
+  Vec3<double> root, jaw, left_eye, right_eye;  // axis-angle
+  Vec3<double> translation;                     // metres, after the root's rotation
   std::array<float, 2> eyelids;
 };
 
@@ -58,13 +58,13 @@ inline HeadFrame HeadAt(int i) {
 }
 
 // OpenCV's camera in front of the head, at rest: cam_from_world.
-inline const Matrix3<double> kHeadCameraRotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
-inline const Vector3<double> kHeadCameraTranslation = {0.01, -0.02, 1.1};
+inline const Mat3<double> kHeadCameraRotation = {{1, 0, 0, 0, -1, 0, 0, 0, -1}};
+inline const Vec3<double> kHeadCameraTranslation = {0.01, -0.02, 1.1};
 
 // The root's joint: regressed after shape and expression.
-inline Vector3<double> RootJointOf(const FlameModel& model, const HeadFrame& frame) {
+inline Vec3<double> RootJointOf(const FlameModel& model, const HeadFrame& frame) {
   const size_t rows = 3 * size_t(model.vertex_count);
-  Vector3<double> joint{};
+  Vec3<double> joint{};
   for (size_t v = 0; v < size_t(model.vertex_count); ++v)
     for (size_t i = 0; i < 3; ++i) {
       double x = model.template_vertices[3 * v + i];
@@ -78,28 +78,28 @@ inline Vector3<double> RootJointOf(const FlameModel& model, const HeadFrame& fra
 }
 
 // Vertices with the root at rest: what trackers that move the camera deform.
-inline std::vector<Vector3<double>> RestVertices(const FlameModel& model, const HeadFrame& frame) {
+inline std::vector<Vec3<double>> RestVertices(const FlameModel& model, const HeadFrame& frame) {
   FlamePoser<double> poser(model, HeadShape());
   FlamePoser<double>::Parameters parameters;
   parameters.expression.assign(frame.expression.begin(), frame.expression.end());
-  parameters.pose[2] = frame.jaw;
-  parameters.pose[3] = frame.left_eye;
-  parameters.pose[4] = frame.right_eye;
+  parameters.pose[2] = {frame.jaw.x, frame.jaw.y, frame.jaw.z};
+  parameters.pose[3] = {frame.left_eye.x, frame.left_eye.y, frame.left_eye.z};
+  parameters.pose[4] = {frame.right_eye.x, frame.right_eye.y, frame.right_eye.z};
   std::vector<double> flat;
   poser.Forward(parameters, flat);
-  std::vector<Vector3<double>> vertices;
+  std::vector<Vec3<double>> vertices;
   for (size_t i = 0; i < flat.size(); i += 3)
     vertices.push_back({flat[i], flat[i + 1], flat[i + 2]});
   return vertices;
 }
 
 // The same vertices in the world: turned about the root's joint, then moved.
-inline std::vector<Vector3<double>> WorldVertices(const FlameModel& model, const HeadFrame& frame) {
-  const Matrix3<double> rotation = flame_math::Rodrigues(frame.root);
-  const Vector3<double> joint = RootJointOf(model, frame);
-  std::vector<Vector3<double>> vertices = RestVertices(model, frame);
-  for (Vector3<double>& v : vertices) {
-    v = flame_math::Times(rotation, flame_math::Minus(v, joint));
+inline std::vector<Vec3<double>> WorldVertices(const FlameModel& model, const HeadFrame& frame) {
+  const Mat3<double> rotation = flame_math::Rodrigues(frame.root);
+  const Vec3<double> joint = RootJointOf(model, frame);
+  std::vector<Vec3<double>> vertices = RestVertices(model, frame);
+  for (Vec3<double>& v : vertices) {
+    v = rotation * (v - joint);
     for (int i = 0; i < 3; ++i) v[i] += joint[i] + frame.translation[i];
   }
   return vertices;
@@ -108,18 +108,14 @@ inline std::vector<Vector3<double>> WorldVertices(const FlameModel& model, const
 // cam_from_head of a tracker that keeps the root at rest: R = C R_root, and
 // t = C (J - R_root J + translation) + c.
 struct HeadCamera {
-  Matrix3<double> rotation;
-  Vector3<double> translation;
+  Mat3<double> rotation;
+  Vec3<double> translation;
 };
 inline HeadCamera CameraAboutHead(const FlameModel& model, const HeadFrame& frame) {
-  const Matrix3<double> rotation = flame_math::Rodrigues(frame.root);
-  const Vector3<double> joint = RootJointOf(model, frame);
-  Vector3<double> place = flame_math::Minus(joint, flame_math::Times(rotation, joint));
-  flame_math::AddTo(place, frame.translation);
-  HeadCamera camera{flame_math::Times(kHeadCameraRotation, rotation),
-                    flame_math::Times(kHeadCameraRotation, place)};
-  flame_math::AddTo(camera.translation, kHeadCameraTranslation);
-  return camera;
+  const Mat3<double> rotation = flame_math::Rodrigues(frame.root);
+  const Vec3<double> joint = RootJointOf(model, frame);
+  const Vec3<double> place = joint - rotation * joint + frame.translation;
+  return {kHeadCameraRotation * rotation, kHeadCameraRotation * place + kHeadCameraTranslation};
 }
 
 using Pixel = std::array<double, 2>;
@@ -127,9 +123,8 @@ using Pixel = std::array<double, 2>;
 // Where the real camera sees the head: the truth that every layout must reproduce.
 inline std::vector<Pixel> HeadPixels(const FlameModel& model, int i) {
   std::vector<Pixel> pixels;
-  for (const Vector3<double>& v : WorldVertices(model, HeadAt(i))) {
-    Vector3<double> p = flame_math::Times(kHeadCameraRotation, v);
-    flame_math::AddTo(p, kHeadCameraTranslation);
+  for (const Vec3<double>& v : WorldVertices(model, HeadAt(i))) {
+    const Vec3<double> p = kHeadCameraRotation * v + kHeadCameraTranslation;
     pixels.push_back(
         {kHeadFocal * p[0] / p[2] + kHeadCenter[0], kHeadFocal * p[1] / p[2] + kHeadCenter[1]});
   }
@@ -146,14 +141,14 @@ inline std::vector<TrackedFrame> AllFrames(const TrackedVideo& video) {
 inline std::vector<Pixel> TrackPixels(const FlameModel& model,
                                       const std::vector<float>& shape,
                                       const TrackedFrame& frame,
-                                      std::vector<Vector3<double>>* in_camera = nullptr) {
+                                      std::vector<Vec3<double>>* in_camera = nullptr) {
   const FlamePoser<double> poser(model, shape);
   std::vector<double> v;
   poser.Forward(FlamePoser<double>::ParametersOf(frame.params), v);
   const Camera& c = frame.camera;
   std::vector<Pixel> pixels;
   for (size_t i = 0; i < v.size(); i += 3) {
-    Vector3<double> q;
+    Vec3<double> q;
     for (int r = 0; r < 3; ++r) {
       q[r] = c.translation[r];
       for (int k = 0; k < 3; ++k) q[r] += double(c.rotation[3 * r + k]) * v[i + k];

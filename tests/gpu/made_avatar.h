@@ -61,15 +61,15 @@ inline void MakeModel(const CanonicalMesh& mesh, MadeModel& model) {
 // Every coefficient and joint another one in every pose.
 inline FlameRig<float> MakeRig(int pose) {
   FlameRig<float> rig;
-  std::array<flame_math::Matrix3<float>, kFlameJoints> local;
-  std::array<flame_math::Vector3<float>, kFlameJoints> joints{};
+  std::array<math::Mat3<float>, kFlameJoints> local;
+  std::array<math::Vec3<float>, kFlameJoints> joints{};
   for (int k = 0; k < kExpressions; ++k) rig.terms.push_back({k, 0.5f * std::sin(float(pose + k))});
   rig.expression_terms = rig.terms.size();
   for (int j = 0; j < kFlameJoints; ++j) {
     joints[j][1] = kRadius * (0.5f * float(j) - 1);
     local[j] = flame_math::Rodrigues<float>({0.1f * std::sin(float(pose + j)), 0.1f, 0.05f});
     for (int i = 0; j > 0 && i < 9; ++i)
-      rig.terms.push_back({9 * (j - 1) + i, local[j][i] - (i % 4 == 0 ? 1.0f : 0.0f)});
+      rig.terms.push_back({9 * (j - 1) + i, local[j].m[i] - (i % 4 == 0 ? 1.0f : 0.0f)});
   }
   rig.transforms = flame_math::PoseJoints(local, joints, FlameModel{}.parents);
   return rig;

@@ -16,8 +16,6 @@ constexpr float kPi = 3.14159265f;
 // The path does not cross gaps between neighbouring azimuths that are wider than this.
 constexpr float kMaxGap = kPi / 2;
 
-Vec3<float> ToVec(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
-
 Camera LookAt(const Camera& lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
   return viewer::Looking(lens, eye, math::Normalize(target - eye), up);
 }
@@ -41,17 +39,17 @@ Arc CoveredArc(std::vector<float> angles) {
 }  // namespace
 
 std::vector<Camera> OrbitScene(const std::vector<Camera>& cameras, int frames) {
-  const Vec3<float> focus = ToVec(FocusPoint(cameras));
+  const Vec3<float> focus = math::ToVec3(FocusPoint(cameras));
   Vec3<float> up{0, 0, 0};
   for (const Camera& c : cameras) up += {-c.rotation[3], -c.rotation[4], -c.rotation[5]};
   up = math::Normalize(up);
-  const Vec3<float> first = ToVec(cameras[0].Center()) - focus;
+  const Vec3<float> first = math::ToVec3(cameras[0].Center()) - focus;
   const Vec3<float> axis_x = math::Normalize(first - up * math::Dot(first, up));
   const Vec3<float> axis_y = math::Cross(up, axis_x);
   float radius = 0, height = 0;
   std::vector<float> angles;
   for (const Camera& c : cameras) {
-    const Vec3<float> p = ToVec(c.Center()) - focus;
+    const Vec3<float> p = math::ToVec3(c.Center()) - focus;
     const float x = math::Dot(p, axis_x), y = math::Dot(p, axis_y);
     angles.push_back(std::atan2(y, x));
     radius += std::hypot(x, y) / float(cameras.size());
@@ -75,7 +73,7 @@ std::vector<Camera> OrbitTarget(const Camera& lens,
                                 const std::array<float, 3>& up,
                                 float distance,
                                 int frames) {
-  const Vec3<float> center = ToVec(target), axis = math::Normalize(ToVec(up));
+  const Vec3<float> center = math::ToVec3(target), axis = math::Normalize(math::ToVec3(up));
   const Vec3<float> back{0, 0, -1};
   const Vec3<float> first = math::Normalize(back - axis * math::Dot(back, axis));
   const Vec3<float> second = math::Cross(axis, first);
@@ -93,8 +91,8 @@ std::vector<Camera> SwingAround(const Camera& reference,
                                 const std::array<float, 3>& up,
                                 float degrees,
                                 int frames) {
-  const Vec3<float> center = ToVec(target), axis = math::Normalize(ToVec(up));
-  const Vec3<float> arm = ToVec(reference.Center()) - center;
+  const Vec3<float> center = math::ToVec3(target), axis = math::Normalize(math::ToVec3(up));
+  const Vec3<float> arm = math::ToVec3(reference.Center()) - center;
   std::vector<Camera> path;
   for (int i = 0; i < frames; ++i) {
     const float half = 0.5f * degrees * kPi / 180 * std::sin(2 * kPi * float(i) / float(frames));

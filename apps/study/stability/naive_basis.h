@@ -18,8 +18,6 @@ COSPLAT_MATH_BEGIN
 
 // For scalars; packs define their own (apps/study/stability/basis_packs.cpp).
 #define COSPLAT_STUDY_FUNCTIONS(T)                          \
-  COSPLAT_HD T Sin(T x) { return std::sin(x); }             \
-  COSPLAT_HD T Cos(T x) { return std::cos(x); }             \
   COSPLAT_HD T Acos(T x) { return std::acos(x); }           \
   COSPLAT_HD T Atan(T x) { return std::atan(x); }           \
   COSPLAT_HD T Atan2(T y, T x) { return std::atan2(y, x); } \
@@ -28,6 +26,8 @@ COSPLAT_STUDY_FUNCTIONS(float)
 COSPLAT_STUDY_FUNCTIONS(double)
 COSPLAT_STUDY_FUNCTIONS(long double)
 #undef COSPLAT_STUDY_FUNCTIONS
+COSPLAT_HD long double Sin(long double x) { return std::sin(x); }
+COSPLAT_HD long double Cos(long double x) { return std::cos(x); }
 
 // A direction as angles: z = cos(theta), s = sin(theta), phi.
 template <class T>
