@@ -39,6 +39,11 @@ void AddMakeHead(CLI::App& app) {
   command->add_option("--frames", o->frames, "length of the video");
   command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");
   command->add_option("--size", o->size, "width and height in pixels");
+  command->add_flag(
+      "--frontal",
+      o->frontal,
+      "the head hardly turns, before one camera at rest; test frames are seen from all "
+      "around");
   command->add_option("--seed", o->seed, "of the motion");
   command
       ->add_option(

@@ -123,6 +123,12 @@ std::string PairsHtml(const std::string& test, const std::vector<std::string>& n
   return html + "</div>";
 }
 
+// What `metrics --turn` drew; empty if it did not.
+std::string TurnedHtml(const std::string& path) {
+  if (!fs::exists(path)) return "";
+  return "<h2>From where it was not filmed</h2><img src='" + Embed(path, 1920) + "'>";
+}
+
 std::string PreviewHtml(const std::string& test, const std::vector<std::string>& names) {
   std::string frames;
   for (const std::string& name : Spread(names, kPreviewFrames))
@@ -163,7 +169,8 @@ void WriteReport(const std::string& model, bool quiet) {
                            "</h1><div class='row'><div>" + PreviewHtml(test, names) +
                            "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
                            "</div></div><h2>Rendered beside what was held out</h2>" +
-                           PairsHtml(test, names) + "<div class='row'>" + ViewChart(psnr) +
+                           PairsHtml(test, names) + TurnedHtml(model + "/turned.png") +
+                           "<div class='row'>" + ViewChart(psnr) +
                            (has_stats ? PhaseChart(NumbersIn(stats["phases_ms"])) : "") +
                            BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
                            EscapeXml(run.raw().dump(2)) + "</pre>";

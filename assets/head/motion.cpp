@@ -12,6 +12,8 @@ namespace cosplat::procedural {
 namespace {
 
 constexpr float kTwoPi = 6.2831853f;
+// Of TurnHead's angles, in a frontal video: 10 degrees for 28 + 7 of the root and 7 of the neck.
+constexpr float kFrontalShare = 10 / 42.0f;
 constexpr float kFocalPerWidth = 2.35f;
 constexpr Vec kTarget{0, -0.014f, -0.020f};
 
@@ -233,6 +235,13 @@ std::vector<ScriptFrame> MakeScript(const ScriptOptions& options) {
     const float seconds = float(f) / 30;
     TurnHead(seconds, phase, frame.params);
     if (f >= train) SurpriseExpressions((f - train + 0.5f) / options.test_frames, frame.params);
+    if (options.frontal) {
+      for (const int joint : {0, 1})
+        for (float& angle : frame.params.pose[joint]) angle *= kFrontalShare;
+      const float azimuth = f < train ? 0 : kTestAzimuths[size_t(f - train) % kTestAzimuths.size()];
+      frame.camera = OrbitCamera(azimuth * kDegree, 0, 0.95f, options.size);
+      continue;
+    }
     frame.camera = OrbitCamera(15 * kDegree * std::sin(kTwoPi * seconds / 7.9f + phase[0]),
                                6 * kDegree * std::sin(kTwoPi * seconds / 6.1f + phase[3]),
                                0.95f + 0.07f * std::sin(kTwoPi * seconds / 9.7f + phase[4]),

@@ -5,6 +5,7 @@
 // one-sided smiles, puffed cheeks while speaking, ...), within the same range of poses.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "flame/model.h"
@@ -22,7 +23,14 @@ struct ScriptOptions {
   int test_frames = 60;
   int size = 512;  // px
   unsigned seed = 0;
+  // The head turns by no more than 10 degrees before a camera that stands still; in the test frames
+  // cameras stand all around it (kTestAzimuths).
+  bool frontal = false;
 };
+
+// Degrees towards the subject's left, one test frame after another.
+constexpr std::array<float, 12> kTestAzimuths{
+    -15, 30, -45, 60, -90, 180, 15, -30, 45, -60, 90, 180};
 
 std::vector<ScriptFrame> MakeScript(const ScriptOptions& options);
 

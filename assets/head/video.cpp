@@ -42,8 +42,8 @@ void WriteProceduralVideo(const std::string& folder,
   RemoveFile(folder + "/flame_params.json");
   const ProceduralHead head = MakeProceduralHeadParts();
   const FlamePoser<float> poser(head.model, {});
-  const auto script =
-      procedural::MakeScript({options.frames, options.test_frames, options.size, options.seed});
+  const auto script = procedural::MakeScript(
+      {options.frames, options.test_frames, options.size, options.seed, options.frontal});
   ImavatarTrack track;
   track.shape.assign(size_t(head.model.shape_count), 0);
   track.test_frames = options.test_frames;

@@ -19,6 +19,7 @@ struct MakeHeadOptions {
   int frames = 360;      // at least 1
   int test_frames = 60;  // the last ones, held out; fewer than frames
   int size = 512;        // px, width and height; 16 to 8192
+  bool frontal = false;  // as in ScriptOptions (motion.h)
   unsigned seed = 0;     // of the motion script and of the landmarks' noise
   // px, standard deviation of the noise added to landmarks.json
   double landmark_noise = 0;

@@ -146,6 +146,23 @@ TEST(ProceduralVideo, ScriptKeepsWithinRangeAndSurprisesAtTheEnd) {
   EXPECT_GT(trained[int(Expression::kBlinkLeft)], 0.9f);
 }
 
+TEST(ProceduralVideo, AFrontalScriptIsTestedFromAllAround) {
+  const auto script = procedural::MakeScript({60, 12, 64, 0, true});
+  std::vector<double> turned;
+  for (const procedural::ScriptFrame& frame : script) {
+    TrackedFrame tracked;
+    tracked.camera = frame.camera;
+    tracked.params = frame.params;
+    turned.push_back(DegreesTurned(tracked));
+  }
+  for (size_t f = 0; f < 48; ++f) {
+    EXPECT_LT(turned[f], 12) << f;
+    EXPECT_EQ(script[f].camera.rotation, script[0].camera.rotation);
+  }
+  for (size_t f = 48; f < 60; ++f)
+    EXPECT_NEAR(turned[f], std::abs(procedural::kTestAzimuths[f - 48]), 12) << f;
+}
+
 TEST(ProceduralVideo, FolderIsReadBackAsWritten) {
   const TemporaryFolder folder;
   MakeHeadOptions options;

@@ -86,21 +86,27 @@ std::vector<Camera> OrbitTarget(const Camera& lens,
   return path;
 }
 
+Camera TurnedAround(const Camera& reference,
+                    const std::array<float, 3>& target,
+                    const std::array<float, 3>& up,
+                    float degrees) {
+  const Vec3<float> center = math::ToVec3(target), axis = math::Normalize(math::ToVec3(up));
+  const float half = 0.5f * degrees * kPi / 180;
+  const Vec3<float> v = axis * std::sin(half);
+  const math::Mat3<float> turn = math::RotationOf(math::Quat<float>{std::cos(half), v.x, v.y, v.z});
+  const Vec3<float> arm = math::ToVec3(reference.Center()) - center;
+  return LookAt(reference, center + turn * arm, center, axis);
+}
+
 std::vector<Camera> SwingAround(const Camera& reference,
                                 const std::array<float, 3>& target,
                                 const std::array<float, 3>& up,
                                 float degrees,
                                 int frames) {
-  const Vec3<float> center = math::ToVec3(target), axis = math::Normalize(math::ToVec3(up));
-  const Vec3<float> arm = math::ToVec3(reference.Center()) - center;
   std::vector<Camera> path;
-  for (int i = 0; i < frames; ++i) {
-    const float half = 0.5f * degrees * kPi / 180 * std::sin(2 * kPi * float(i) / float(frames));
-    const Vec3<float> v = axis * std::sin(half);
-    const math::Mat3<float> turn =
-        math::RotationOf(math::Quat<float>{std::cos(half), v.x, v.y, v.z});
-    path.push_back(LookAt(reference, center + turn * arm, center, axis));
-  }
+  for (int i = 0; i < frames; ++i)
+    path.push_back(TurnedAround(
+        reference, target, up, degrees * std::sin(2 * kPi * float(i) / float(frames))));
   return path;
 }
 

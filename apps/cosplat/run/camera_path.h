@@ -21,6 +21,12 @@ std::vector<Camera> OrbitTarget(const Camera& lens,
                                 float distance,
                                 int frames);
 
+// Gone around `target` by `degrees` about the axis `up`, counterclockwise seen from above.
+Camera TurnedAround(const Camera& reference,
+                    const std::array<float, 3>& target,
+                    const std::array<float, 3>& up,
+                    float degrees);
+
 // Back and forth around `target`, `degrees` to each side of `reference`, about the axis `up`.
 std::vector<Camera> SwingAround(const Camera& reference,
                                 const std::array<float, 3>& target,

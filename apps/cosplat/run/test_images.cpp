@@ -1,6 +1,7 @@
 #include "apps/cosplat/run/test_images.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr const char* kMouth = "mouth";
 constexpr const char* kHead = "head";
+constexpr const char* kTurned = "turned";
 constexpr const char* kLpips = "LPIPS";        // of the network measured last
 constexpr const char* kLpipsOfNet = "LPIPS_";  // followed by the network's name
 
@@ -90,6 +92,8 @@ Figures EvaluateFolder(const std::string& folder,
     add("PSNR_highlight", m.psnr_highlight);
     add("PSNR_mouth", m.psnr_region);
     if (mask && head) add("PSNR_head", MaskedPsnr(rendered, truth, Inside(*mask, *head)));
+    if (regions.contains(kTurned) && regions[kTurned].contains(name))
+      figures[kTurned][name] = JsonField(folder + "/regions.json", regions)[kTurned][name].Number();
     if (lpips)
       figures[kLpips][name] = figures[kLpipsOfNet + lpips->net()][name] =
           lpips->Distance(rendered, truth);
@@ -138,12 +142,27 @@ double Mean(const std::map<std::string, double>& values) {
   return values.empty() ? 0 : sum / double(values.size());
 }
 
+// Around 0 to 15, 30, 45, 60, 90 and 180 degrees.
+constexpr std::array<double, 6> kTurnLimits{22.5, 37.5, 52.5, 75, 135, 181};
+
+std::map<double, double> PsnrByTurn(const Figures& figures) {
+  std::map<double, std::map<std::string, double>> by_turn;
+  for (const auto& [name, degrees] : figures.at(kTurned))
+    if (figures.at("PSNR_mask").count(name))
+      by_turn[*std::upper_bound(kTurnLimits.begin(), kTurnLimits.end(), degrees)][name] =
+          figures.at("PSNR_mask").at(name);
+  std::map<double, double> means;
+  for (const auto& [limit, values] : by_turn) means[limit] = Mean(values);
+  return means;
+}
+
 void Summarize(const Figures& figures, size_t empty, TestSummary& summary) {
   summary.empty_views = empty;
   summary.views = figures.empty() ? 0 : figures.at("PSNR").size();
   summary.psnr_mask.reset();
   summary.psnr_head.reset();
   summary.psnr_mouth.reset();
+  summary.psnr_turned.clear();
   summary.lpips.clear();
   if (summary.views == 0) return;
   summary.psnr = Mean(figures.at("PSNR"));
@@ -151,6 +170,8 @@ void Summarize(const Figures& figures, size_t empty, TestSummary& summary) {
   if (figures.count("PSNR_mask")) summary.psnr_mask = Mean(figures.at("PSNR_mask"));
   if (figures.count("PSNR_head")) summary.psnr_head = Mean(figures.at("PSNR_head"));
   if (figures.count("PSNR_mouth")) summary.psnr_mouth = Mean(figures.at("PSNR_mouth"));
+  if (figures.count(kTurned) && figures.count("PSNR_mask"))
+    summary.psnr_turned = PsnrByTurn(figures);
   const size_t prefix = std::string(kLpipsOfNet).size();
   for (const auto& [figure, values] : figures)
     if (figure.rfind(kLpipsOfNet, 0) == 0) summary.lpips[figure.substr(prefix)] = Mean(values);
@@ -171,15 +192,17 @@ std::map<std::string, int> CountViews(const std::string& folder) {
 
 }  // namespace
 
-Regions RegionsOf(const std::vector<float>& vertices,
-                  const AvatarModel& avatar,
-                  const MeshTopology& topology,
-                  const FlameModel& flame,
-                  const Camera& camera) {
+HeadView HeadViewOf(const std::vector<float>& vertices,
+                    const AvatarModel& avatar,
+                    const MeshTopology& topology,
+                    const FlameModel& flame,
+                    const TrackedFrame& frame) {
+  const Camera& camera = frame.camera;
   const auto box =
       MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera);
-  return {{kMouth, {box[0], box[1], box[2], box[3]}},
-          {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}};
+  return {{{kMouth, {box[0], box[1], box[2], box[3]}},
+           {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}},
+          DegreesTurned(frame)};
 }
 
 TestImageWriter::TestImageWriter(const std::string& folder,
@@ -198,7 +221,7 @@ TestImageWriter::TestImageWriter(const std::string& folder,
 
 void TestImageWriter::Write(const RenderedImage& rendered,
                             const Image8& truth,
-                            const Regions& regions,
+                            const HeadView& head,
                             const Image8& ignored) {
   const std::string name = Format("{:05d}.png", next_++);
   WriteImage(path_ + "/renders/" + name,
@@ -215,13 +238,15 @@ void TestImageWriter::Write(const RenderedImage& rendered,
     }
     WriteImage(path_ + "/masks/" + name, mask);
   }
-  for (const auto& [region, r] : regions)
+  for (const auto& [region, r] : head.regions)
     if (r.width > 0 && r.height > 0) regions_[region][name] = r;
+  if (head.turned) turned_[name] = *head.turned;
 }
 
 void TestImageWriter::Finish() {
-  if (regions_.empty()) return;
+  if (regions_.empty() && turned_.empty()) return;
   Json json;
+  if (!turned_.empty()) json[kTurned] = turned_;
   for (const auto& [region, images] : regions_)
     for (const auto& [name, r] : images) json[region][name] = {r.x, r.y, r.width, r.height};
   WriteFileAtomically(path_ + "/regions.json", json.dump(1) + "\n");
@@ -318,6 +343,9 @@ std::string ToString(const TestSummary& s) {
   if (s.psnr_mask) out += Format("  inside the mask {:.2f} dB", *s.psnr_mask);
   if (s.psnr_head) out += Format("  head {:.2f} dB", *s.psnr_head);
   if (s.psnr_mouth) out += Format("  mouth {:.2f} dB", *s.psnr_mouth);
+  if (s.psnr_turned.size() > 1)
+    for (const auto& [limit, psnr] : s.psnr_turned)
+      out += Format("  turned < {:.0f} deg {:.2f} dB", limit, psnr);
   for (const auto& [net, value] : s.lpips) out += Format("  LPIPS ({}) {:.4f}", net, value);
   out += "  (" + std::to_string(s.views) + " views";
   if (s.empty_views > 0) out += Format("; {} of one colour are not measured", s.empty_views);
@@ -336,9 +364,8 @@ void AvatarTestImages::WriteTestImage(const TrackedFrame& frame,
                                       const Image8& truth,
                                       TestImageWriter& writer) {
   player_.RenderOver(frame.params, frame.camera, writer.background(), image_);
-  writer.Write(image_,
-               truth,
-               RegionsOf(player_.vertices(), player_.avatar(), topology_, flame_, frame.camera));
+  writer.Write(
+      image_, truth, HeadViewOf(player_.vertices(), player_.avatar(), topology_, flame_, frame));
 }
 
 }  // namespace cosplat

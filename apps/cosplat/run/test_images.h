@@ -21,6 +21,9 @@ struct TestSummary {
   size_t views = 0, empty_views = 0;  // measured, and those that show nothing (HasContent)
   double psnr = 0, ssim = 0;          // of 0 views: not figures
   std::optional<double> psnr_mask, psnr_head, psnr_mouth;
+  // Inside the mask, of views in which the head is turned from the camera by less than these
+  // degrees, and by no less than those before.
+  std::map<double, double> psnr_turned;
   std::map<std::string, double> lpips;  // by network
   // Results of images other than the run's own, ours_N_NAME (splats given to `render`, fitted
   // frames), as text.
@@ -28,14 +31,16 @@ struct TestSummary {
   std::vector<std::string> dropped;  // earlier measurements that were discarded, one line each
 };
 
-using Regions = std::map<std::string, Rectangle>;
-
-// Regions of a posed avatar in an image: "mouth", a box around it, and "head", above the chin.
-Regions RegionsOf(const std::vector<float>& vertices,
-                  const AvatarModel& avatar,
-                  const MeshTopology& topology,
-                  const FlameModel& flame,
-                  const Camera& camera);
+// Where a posed avatar is in an image, and how it is turned: what is measured apart.
+struct HeadView {
+  std::map<std::string, Rectangle> regions;  // "mouth", a box around it; "head", above the chin
+  std::optional<double> turned;              // degrees, DegreesTurned
+};
+HeadView HeadViewOf(const std::vector<float>& vertices,
+                    const AvatarModel& avatar,
+                    const MeshTopology& topology,
+                    const FlameModel& flame,
+                    const TrackedFrame& frame);
 
 // Writes <set>/ours_N<suffix>/{renders,gt}/000ii.png and, if `truth` has alpha or pixels to ignore,
 // masks/000ii.png. Both images are composited over the background. `set` is "test", or "train" for
@@ -49,10 +54,10 @@ class TestImageWriter {
                   const std::string& suffix = "");
   const std::string& path() const { return path_; }
   const std::array<float, 3>& background() const { return background_; }
-  // regions: by name, measured apart; empty rectangles are left out. ignored: as in TrainFrame.
+  // Empty rectangles are left out. ignored: as in TrainFrame.
   void Write(const RenderedImage& rendered,
              const Image8& truth,
-             const Regions& regions = {},
+             const HeadView& head = {},
              const Image8& ignored = {});
   // Writes regions.json if there were any.
   void Finish();
@@ -62,6 +67,7 @@ class TestImageWriter {
   std::array<float, 3> background_;
   int next_ = 0;
   std::map<std::string, std::map<std::string, Rectangle>> regions_;  // by name and image
+  std::map<std::string, double> turned_;                             // by image
 };
 
 // Reads test/ours_*/ of a run, writes results.json and per_view.json for all of them, and returns
