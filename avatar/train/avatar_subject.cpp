@@ -219,7 +219,9 @@ void AvatarSubject::Change(int, Gaussians& gaussians, AdamState& adam) {
   Buffer<float>& bases = gaussians.values[kCorrection];
   ForEach(bases.size(), *stream_, ScaleEach{bases.view(), 1 - settings_.correction_decay});
   Buffer<float>& bands = gaussians.values[kColorRest];
-  if (IsOurs()) ForEach(bands.size(), *stream_, ScaleEach{bands.view(), 1 - settings_.band_decay});
+  if (!IsOurs()) return;
+  ForEach(bands.size(), *stream_, ScaleEach{bands.view(), 1 - settings_.band_decay});
+  embedded_.Flatten(surface_, settings_.max_thickness * kEnlarged * subject_.unit, gaussians);
 }
 
 std::vector<MemoryPart> AvatarSubject::Memory() const {

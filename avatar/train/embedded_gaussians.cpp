@@ -1,6 +1,7 @@
 #include "avatar/train/embedded_gaussians.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "avatar/surface/kernels/place.h"
 #include "splat/device/for_each.h"
@@ -61,6 +62,16 @@ void EmbeddedGaussians::Walk(const Surface& surface, Gaussians& gaussians, AdamS
   for (Gaussians* moments : {&adam.m, &adam.v})
     walk_.ResetMoment(moments->values[kPosition], *stream_);
   TrianglesChanged();
+}
+
+void EmbeddedGaussians::Flatten(const Surface& surface, float max_thickness, Gaussians& gaussians) {
+  ForEach(gaussians.size(),
+          *stream_,
+          FlattenEach{surface.CanonicalArrays(),
+                      embedding_.triangle.data(),
+                      gaussians.values[kRotation].view(),
+                      std::log(max_thickness),
+                      gaussians.values[kScaleLog].view()});
 }
 
 void EmbeddedGaussians::Gather(View<const uint32_t> source) {
