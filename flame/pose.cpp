@@ -1,7 +1,9 @@
 #include "flame/pose.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <numbers>
 #include <string>
 
 #include "flame/check_parameters.h"
@@ -295,6 +297,17 @@ typename FlamePoser<T>::Parameters FlamePoser<T>::Backward(const Parameters& par
     d.expression[k] = d_expression[k];
   for (size_t i = 0; i < size; ++i) d.translation[i % 3] += d_vertices[i];
   return d;
+}
+
+math::Vec3<float> HeadForward(const FlameParams& params) {
+  const Mat3<float> turn = flame_math::Rodrigues(math::ToVec3(params.pose[0])) *
+                           flame_math::Rodrigues(math::ToVec3(params.pose[1]));
+  return {turn(0, 2), turn(1, 2), turn(2, 2)};
+}
+
+double DegreesTurned(const FlameParams& params, const Camera& camera) {
+  const float facing = -math::Dot(math::ToVec3(&camera.rotation[6]), HeadForward(params));
+  return std::acos(std::clamp(double(facing), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 template class FlamePoser<float>;

@@ -14,8 +14,14 @@
 
 #include "flame/model.h"
 #include "flame/posing.h"
+#include "splat/base/camera.h"
 
 namespace cosplat {
+
+// Where the head looks, unit, in the world: FLAME's z turned by root and neck.
+math::Vec3<float> HeadForward(const FlameParams& params);
+// Degrees between that and the camera's axis. 0: a full face; 90: a profile.
+double DegreesTurned(const FlameParams& params, const Camera& camera);
 
 // Poses the model of one subject; the shape-dependent part is computed once.
 // T: float for use, double for derivative tests.

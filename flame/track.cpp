@@ -10,7 +10,6 @@
 
 #include "flame/eyelids.h"
 #include "flame/io/track_layouts.h"
-#include "flame/math/rodrigues.h"
 #include "flame/math/rotation.h"
 #include "flame/pose.h"
 #include "splat/base/error.h"
@@ -166,15 +165,6 @@ double DepthOfHead(const TrackedFrame& frame) {
   for (size_t k = 0; k < 3; ++k)
     depth += frame.camera.rotation[6 + k] * frame.params.translation[k];
   return depth;
-}
-
-double DegreesTurned(const TrackedFrame& frame) {
-  const auto& pose = frame.params.pose;
-  const math::Mat3<float> turn =
-      flame_math::Rodrigues(math::ToVec3(pose[0])) * flame_math::Rodrigues(math::ToVec3(pose[1]));
-  const math::Vec3<float> forward{turn(0, 2), turn(1, 2), turn(2, 2)};
-  const float facing = -math::Dot(math::ToVec3(&frame.camera.rotation[6]), forward);
-  return std::acos(std::clamp(double(facing), -1.0, 1.0)) * 180 / M_PI;
 }
 
 double FaceSizeIn(const TrackedFrame& frame) {

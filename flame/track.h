@@ -91,9 +91,6 @@ void MoveHead(const FlameModel& flame, TrackedVideo& video);
 constexpr double kFaceSize = 0.14;  // metres
 // Depth of the head's root before the camera, metres.
 double DepthOfHead(const TrackedFrame& frame);
-// Degrees between where the head looks, which is FLAME's z turned by root and neck, and the camera.
-// 0: a full face; 90: a profile.
-double DegreesTurned(const TrackedFrame& frame);
 
 // How wide a face is in the frame's image, in px; at most as from a centimetre's distance.
 double FaceSizeIn(const TrackedFrame& frame);

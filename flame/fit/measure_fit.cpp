@@ -4,7 +4,6 @@
 
 #include "flame/eyelids.h"
 #include "flame/fit/fit_landmarks.h"
-#include "flame/math/rodrigues.h"
 #include "flame/pose.h"
 
 namespace cosplat {
@@ -40,11 +39,7 @@ void MeasureFrame(const FlamePoser<float>& poser,
     weights += weight;
   }
   frame.error = sum / weights;
-  // The head's own forward direction is FLAME's z, turned by root and neck.
-  const auto& pose = frame.params.pose;
-  const double forward = (flame_math::Rodrigues(math::ToVec3(pose[0])) *
-                          flame_math::Rodrigues(math::ToVec3(pose[1])))(2, 2);
-  frame.turned = std::acos(std::clamp(forward, -1.0, 1.0)) * 180 / M_PI;
+  frame.turned = DegreesTurned(frame.params, camera);
 }
 
 }  // namespace

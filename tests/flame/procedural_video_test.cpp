@@ -149,12 +149,8 @@ TEST(ProceduralVideo, ScriptKeepsWithinRangeAndSurprisesAtTheEnd) {
 TEST(ProceduralVideo, AFrontalScriptIsTestedFromAllAround) {
   const auto script = procedural::MakeScript({60, 12, 64, 0, true});
   std::vector<double> turned;
-  for (const procedural::ScriptFrame& frame : script) {
-    TrackedFrame tracked;
-    tracked.camera = frame.camera;
-    tracked.params = frame.params;
-    turned.push_back(DegreesTurned(tracked));
-  }
+  for (const procedural::ScriptFrame& frame : script)
+    turned.push_back(DegreesTurned(frame.params, frame.camera));
   for (size_t f = 0; f < 48; ++f) {
     EXPECT_LT(turned[f], 12) << f;
     EXPECT_EQ(script[f].camera.rotation, script[0].camera.rotation);

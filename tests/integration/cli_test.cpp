@@ -335,55 +335,6 @@ TEST(Cli, MeasuresFittedTestFrames) {
   EXPECT_TRUE(Contains(scene.err, "is for avatars")) << scene.err;
 }
 
-TEST(Cli, ShowsAnAvatarFromWhereItWasNotFilmed) {
-  const TemporaryFolder copy;
-  const std::string run = copy / "run";
-  fs::copy(Made().avatar, run, fs::copy_options::recursive);
-  const CommandResult turned = Cosplat({"metrics", "-m", run, "--turn"});
-  EXPECT_EQ(turned.code, 0) << turned.err;
-  EXPECT_TRUE(Contains(turned.out, "alpha outside of the head: 0 deg 0.")) << turned.out;
-  EXPECT_TRUE(Contains(turned.out, "180 deg")) << turned.out;
-  EXPECT_EQ(ReadImage(run + "/turned.png").width, 6 * 320);
-  EXPECT_EQ(Cosplat({"report", "-m", run}).code, 0);
-  EXPECT_TRUE(Contains(Slurp(run + "/report.html"), "not filmed"));
-  const CommandResult scene = Cosplat({"metrics", "-m", Made().scene, "--turn"});
-  EXPECT_EQ(scene.code, 2);
-  EXPECT_TRUE(Contains(scene.err, "is for avatars")) << scene.err;
-}
-
-// One camera around a head that was filmed from the front.
-TEST(Cli, TellsFiguresByHowFarTheHeadIsTurned) {
-  const TemporaryFolder folder;
-  ExpectQuietSuccess(Cosplat({"make-head",
-                              "-o",
-                              folder / "head",
-                              "--frontal",
-                              "--frames",
-                              "20",
-                              "--test-frames",
-                              "12",
-                              "--size",
-                              "64",
-                              "--quiet"}));
-  ExpectQuietSuccess(Cosplat({"train-avatar",
-                              "-s",
-                              folder / "head",
-                              "--flame",
-                              folder / "head/model.npz",
-                              "-m",
-                              folder / "run",
-                              "--eval",
-                              "--iterations",
-                              "20",
-                              "--gaussians",
-                              "500",
-                              "--quiet"}));
-  const CommandResult metrics = Cosplat({"metrics", "-m", folder / "run"});
-  EXPECT_EQ(metrics.code, 0) << metrics.err;
-  for (const std::string limit : {"22", "38", "52", "75", "135", "181"})
-    EXPECT_TRUE(Contains(metrics.out, "turned < " + limit + " deg")) << metrics.out;
-}
-
 TEST(Cli, FindsExposuresAndFitsThoseOfTestImages) {
   const TemporaryFolder copy;
   const std::string run = copy / "run";

@@ -143,14 +143,16 @@ double Mean(const std::map<std::string, double>& values) {
 }
 
 // Around 0 to 15, 30, 45, 60, 90 and 180 degrees.
-constexpr std::array<double, 6> kTurnLimits{22.5, 37.5, 52.5, 75, 135, 181};
+constexpr std::array<double, 6> kTurnLimits{22, 38, 52, 75, 135, 180};
 
 std::map<double, double> PsnrByTurn(const Figures& figures) {
   std::map<double, std::map<std::string, double>> by_turn;
-  for (const auto& [name, degrees] : figures.at(kTurned))
-    if (figures.at("PSNR_mask").count(name))
-      by_turn[*std::upper_bound(kTurnLimits.begin(), kTurnLimits.end(), degrees)][name] =
-          figures.at("PSNR_mask").at(name);
+  for (const auto& [name, degrees] : figures.at(kTurned)) {
+    const auto psnr = figures.at("PSNR_mask").find(name);
+    const auto limit = std::lower_bound(kTurnLimits.begin(), kTurnLimits.end(), degrees);
+    if (psnr != figures.at("PSNR_mask").end() && limit != kTurnLimits.end())
+      by_turn[*limit][name] = psnr->second;
+  }
   std::map<double, double> means;
   for (const auto& [limit, values] : by_turn) means[limit] = Mean(values);
   return means;
@@ -202,7 +204,7 @@ HeadView HeadViewOf(const std::vector<float>& vertices,
       MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera);
   return {{{kMouth, {box[0], box[1], box[2], box[3]}},
            {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}},
-          DegreesTurned(frame)};
+          DegreesTurned(frame.params, frame.camera)};
 }
 
 TestImageWriter::TestImageWriter(const std::string& folder,
@@ -345,7 +347,7 @@ std::string ToString(const TestSummary& s) {
   if (s.psnr_mouth) out += Format("  mouth {:.2f} dB", *s.psnr_mouth);
   if (s.psnr_turned.size() > 1)
     for (const auto& [limit, psnr] : s.psnr_turned)
-      out += Format("  turned < {:.0f} deg {:.2f} dB", limit, psnr);
+      out += Format("  turned to {:.0f} deg {:.2f} dB", limit, psnr);
   for (const auto& [net, value] : s.lpips) out += Format("  LPIPS ({}) {:.4f}", net, value);
   out += "  (" + std::to_string(s.views) + " views";
   if (s.empty_views > 0) out += Format("; {} of one colour are not measured", s.empty_views);

@@ -21,8 +21,8 @@ struct TestSummary {
   size_t views = 0, empty_views = 0;  // measured, and those that show nothing (HasContent)
   double psnr = 0, ssim = 0;          // of 0 views: not figures
   std::optional<double> psnr_mask, psnr_head, psnr_mouth;
-  // Inside the mask, of views in which the head is turned from the camera by less than these
-  // degrees, and by no less than those before.
+  // Inside the mask, of views in which the head is turned from the camera by at most these degrees,
+  // and by more than those before.
   std::map<double, double> psnr_turned;
   std::map<std::string, double> lpips;  // by network
   // Results of images other than the run's own, ours_N_NAME (splats given to `render`, fitted

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "apps/cosplat/run/camera_path.h"
 #include "avatar/surface/silhouette.h"
+#include "flame/pose.h"
 #include "splat/base/text.h"
+#include "splat/math/vec.h"
 #include "splat/media/image_io.h"
 
 namespace cosplat {
@@ -31,24 +34,30 @@ Image FromMesh(const std::vector<float>& vertices, Player& player, const Camera&
   return Image(camera.width, camera.height, 1, some ? -1e9f : 1e9f);
 }
 
-double Sum(const Image8& rgba) {
-  double sum = 0;
-  for (size_t i = 0; i < rgba.pixels(); ++i) sum += rgba.data[4 * i + 3];
-  return sum;
+double Alpha(const Image8& rgba, size_t pixel) { return rgba.data[4 * pixel + 3]; }
+
+// px; kWithinInFront of the alpha are not farther from the mesh.
+int ReachOf(const Image8& rgba, const Image& distance) {
+  std::vector<double> at(size_t(rgba.width + rgba.height), 0);  // by distance, rounded up
+  double left = 0;
+  for (size_t i = 0; i < rgba.pixels(); ++i) {
+    const float d = std::clamp(std::ceil(distance.data[i]), 0.0f, float(at.size() - 1));
+    at[size_t(d)] += Alpha(rgba, i);
+    left += Alpha(rgba, i);
+  }
+  const double most = (1 - kWithinInFront) * left;
+  size_t reach = 0;
+  while (reach + 1 < at.size() && (left -= at[reach]) > most) ++reach;
+  return int(reach);
 }
 
-double Beyond(const Image8& rgba, const Image& distance, float limit) {
-  double sum = 0;
-  for (size_t i = 0; i < rgba.pixels(); ++i)
-    if (distance.data[i] > limit) sum += rgba.data[4 * i + 3];
-  return sum / std::max(Sum(rgba), 1.0);
-}
-
-// Within which kWithinInFront of the alpha are, px.
-float ReachOf(const Image8& rgba, const Image& distance) {
-  float reach = 0;
-  while (reach < float(rgba.width) && Beyond(rgba, distance, reach) > 1 - kWithinInFront) ++reach;
-  return reach;
+double ShareBeyond(const Image8& rgba, const Image& distance, int reach) {
+  double beyond = 0, all = 0;
+  for (size_t i = 0; i < rgba.pixels(); ++i) {
+    all += Alpha(rgba, i);
+    if (distance.data[i] > float(reach)) beyond += Alpha(rgba, i);
+  }
+  return all > 0 ? beyond / all : 0;
 }
 
 void Paste(const Image8& rgba, const std::array<float, 3>& background, size_t cell, Image8& sheet) {
@@ -69,7 +78,7 @@ void Paste(const Image8& rgba, const std::array<float, 3>& background, size_t ce
 TurnedSheet DrawTurned(Player& player,
                        const FlameModel& flame,
                        const FlameParams& rest,
-                       const Camera& front,
+                       const Camera& lens,
                        const std::array<float, 3>& background) {
   PosedAvatar placed;
   player.Pose(rest, placed);
@@ -78,19 +87,26 @@ TurnedSheet DrawTurned(Player& player,
   for (int v = 0; v < flame.vertex_count; ++v)
     for (size_t k = 0; k < 3; ++k)
       center[k] += vertices[3 * size_t(v) + k] / float(flame.vertex_count);
-  const std::array<float, 3> up{-front.rotation[3], -front.rotation[4], -front.rotation[5]};
+  const std::array<float, 3> up{-lens.rotation[3], -lens.rotation[4], -lens.rotation[5]};
+  // From the camera to before the face: the first of several cameras may stand aside.
+  const math::Vec3<float> axis = math::ToVec3(up), forward = HeadForward(rest),
+                          arm = math::ToVec3(lens.Center()) - math::ToVec3(center);
+  const auto level = [&](const math::Vec3<float>& v) { return v - axis * math::Dot(axis, v); };
+  const float to_face = std::atan2(math::Dot(axis, math::Cross(arm, forward)),
+                                   math::Dot(level(arm), level(forward))) *
+                        180 / std::numbers::pi_v<float>;
   TurnedSheet sheet;
   const int rows = (int(kAngles.size()) + kColumns - 1) / kColumns;
-  sheet.image = Image8(kColumns * kCell, rows * std::max(1, front.height * kCell / front.width), 3);
-  float reach = 0;
+  sheet.image = Image8(kColumns * kCell, rows * std::max(1, lens.height * kCell / lens.width), 3);
+  int reach = 0;
   for (const float degrees : kAngles) {
-    const Camera camera = degrees == 0 ? front : TurnedAround(front, center, up, degrees);
+    const Camera camera = TurnedAround(lens, center, up, to_face + degrees);
     Image8 image;
     player.Render(rest, camera, image);
     const Image distance = FromMesh(vertices, player, camera);
     if (degrees == 0) reach = ReachOf(image, distance);
     Paste(image, background, sheet.views.size(), sheet.image);
-    sheet.views.push_back({degrees, Beyond(image, distance, reach)});
+    sheet.views.push_back({degrees, ShareBeyond(image, distance, reach)});
   }
   return sheet;
 }

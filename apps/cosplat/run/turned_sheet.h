@@ -12,7 +12,8 @@
 namespace cosplat {
 
 struct TurnedView {
-  float degrees = 0;   // of the camera around the head, towards the image's right
+  float degrees = 0;   // of the camera around the head, from before the face, counterclockwise from
+                       // above
   double outside = 0;  // of the view's alpha, the share that is farther from the mesh's outline
                        // than all but a hundredth of it is from the front
 };
@@ -22,15 +23,15 @@ struct TurnedSheet {
   Image8 image;  // RGB: the views side by side, in rows
 };
 
-// Draws the avatar at rest from the front, aside and behind. `front` shows the head placed by
-// `rest`.
+// Draws the avatar, placed by `rest`, from before its face, aside and behind: by the camera `lens`,
+// which goes around the head.
 TurnedSheet DrawTurned(Player& player,
                        const FlameModel& flame,
                        const FlameParams& rest,
-                       const Camera& front,
+                       const Camera& lens,
                        const std::array<float, 3>& background);
 
-// "0 deg 0.010, 15 deg 0.012, ...": the shares.
+// "0 deg 0.23 %, -15 deg 0.26 %, ...": the shares outside.
 std::string ToString(const TurnedSheet& sheet);
 
 }  // namespace cosplat
