@@ -263,8 +263,7 @@ TEST(Light, IsFoundInAVideo) {
     const AvatarModel model = run.Model();
     ASSERT_EQ(model.light.has_value(), lit);
     psnr[lit] = MeanPsnr(model, video, video.test);
-    if (lit)
-      for (size_t c = 0; c < 3; ++c) EXPECT_NEAR((*model.light)[3 + c], 0.6f, 0.15f) << c;
+    for (size_t c = 0; lit && c < 3; ++c) EXPECT_NEAR((*model.light)[3 + c], 0.6f, 0.15f) << c;
   }
   EXPECT_GT(psnr[1], psnr[0] + 1);
 }

@@ -234,7 +234,9 @@ TEST(AvatarTrainer, GaussiansStayThin) {
     for (int k = 0; k < 3; ++k) {
       const float scale = std::exp(model.gaussians.at(kScaleLog, i)[k]);
       // No other axis can be as close.
-      if (std::abs(along[k]) > 0.75f) EXPECT_LT(scale, 0.0044f) << i;
+      if (std::abs(along[k]) > 0.75f) {
+        EXPECT_LT(scale, 0.0044f) << i;
+      }
       thin += scale < 0.0044f;
     }
   }

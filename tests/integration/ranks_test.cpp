@@ -304,7 +304,9 @@ TEST_F(RanksTest, TrainBlocksInGroups) {
   EXPECT_FALSE(fs::exists(Out("many")));
 }
 
-// Each group has a checkpoint of its own block.
+// Each group has a checkpoint of its own block. A rank that trains a block alone waits for no
+// other, so it may be ended by mpirun before it notices (Open MPI 6 gives no time): no line of it
+// is asked.
 TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
   constexpr int kIterations = 6000;
   WriteTwoPlaces(Out("places"));
@@ -312,7 +314,6 @@ TEST_F(RanksTest, ResumeBlocksOnAnotherNumber) {
   std::vector<std::string> command = InBlocks(Out("killed"), kIterations, 1);
   command.insert(command.end(), {"--checkpoint-every", "0.005"});
   SignalTheSecondOf(2, command, SIGKILL, Out("killed") + "/blocks/2.round-1.bin");
-  EXPECT_FALSE(ErrorsIn(Slurp(Out("log"))).empty());
   command.push_back("--resume");
   const CommandResult resumed = Cosplat(command);  // without mpirun
   ASSERT_EQ(resumed.code, 0) << resumed.err;
