@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tests/gpu/carry.sh [--scene FOLDER] [--every-test N] [FOLDER]: gathers what the lean build needs
 # beside the sources, from this machine's packages (libhwy-dev, libeigen3-dev, libgtest-dev,
-# libnanoflann-dev), into build/gpu-carried: about 7 MB. Take it along to the machine with the GPU;
+# libnanoflann-dev), into build/gpu-carried: about 10 MB. Take it along to the machine with the GPU;
 # tests/gpu/run.sh finds it there.
 #   --scene FOLDER   a scene for `train-scene`, too, packed by build/cpu's cosplat_pack_scene
 #   --every-test N   of its test views every N-th: 2
@@ -34,11 +34,10 @@ done
 [[ -z $scene || -x $pack ]] ||
   { echo "carry.sh: there is no $pack: cmake --build --preset cpu" >&2; exit 2; }
 rm -rf "$to"
-mkdir -p "$to/include/eigen3/Eigen/src" "$to/googletest"
+mkdir -p "$to/include/eigen3" "$to/googletest"
 cp -r "$highway" "$to/include/hwy"
 cp "$nanoflann" "$to/include/"
-cp "$eigen/Core" "$to/include/eigen3/Eigen/"
-cp -r "$eigen/src/Core" "$eigen/src/plugins" "$to/include/eigen3/Eigen/src/"
+cp -r "$eigen" "$to/include/eigen3/"
 cp -r "$googletest/src" "$googletest/include" "$to/googletest/"
 if [[ -n $scene ]]; then
   "$pack" "$scene" "$to/scene" --every-test "$every_test"
