@@ -8,10 +8,13 @@ include(CMakePackageConfigHelpers)
 set(COSPLAT_PRIVATE_HEADERS
   avatar/io/binding_extension.h
   avatar/live/blendshape_matrix.h
+  avatar/live/byte_reader.h
   avatar/live/newest_packets.h
   avatar/live/osc.h
   avatar/live/packet_input.h
+  avatar/live/scores_in_use.h
   avatar/live/sender_clock.h
+  avatar/live/vrm_expressions.h
   avatar/plugin/boundary.h
   avatar/plugin/coded_error.h
   avatar/plugin/depth_pass.h

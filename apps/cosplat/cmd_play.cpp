@@ -142,8 +142,9 @@ void AddPlay(CLI::App& app) {
   auto* drive = command->add_option(
       "--drive",
       o->drive,
-      "what moves an avatar: a tracked video, .npz or landmarks file, udp://HOST:PORT, "
-      "vmc://HOST:PORT or stdin:");
+      "what moves an avatar: a tracked video, .npz, landmarks file or .csv of Live Link Face, "
+      "udp://HOST:PORT, vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE, livelink://HOST or "
+      "stdin:");
   command->add_option("--fps", o->fps, "frame rate of a recorded drive (default: its own)")
       ->needs(drive)
       ->check(CLI::Range(0.001, 10000.0));

@@ -9,6 +9,7 @@
 
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "avatar/live/face_scores.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/live/recording.h"
 #include "avatar/live/score_recording.h"
@@ -37,25 +38,26 @@ struct Sequence {
   };
   double frames_per_second = 0;
   std::vector<Frame> frames;
-  bool has_scores = false;  // blendshape scores instead of FLAME parameters
+  BlendshapeMap map;  // of FLAME parameters as scores
 };
 
 // Writes lines to standard output or datagrams to an address.
 class PacketOutput {
  public:
-  // has_scores: the only frames that VMC can carry.
-  PacketOutput(const std::string& to, bool has_scores) {
+  // map: by which VMC carries FLAME parameters.
+  PacketOutput(const std::string& to, const BlendshapeMap& map) : map_(map) {
     if (to.empty()) return;
     const DriveAddress address = ParseDriveAddress(to);
     is_vmc_ = address.scheme == "vmc";
     if ((address.scheme != "udp" && !is_vmc_) || address.port == 0)
       throw Error("--to", "found '" + to + "', expected udp://HOST:PORT or vmc://HOST:PORT");
-    if (is_vmc_ && !has_scores)
-      throw Error("--to", "vmc:// carries blendshape scores: send a landmarks file that has them");
     socket_.emplace(UdpSocket::ConnectTo(address));
   }
   std::string PacketOf(const JsonFrame& frame) const {
-    return is_vmc_ ? WriteVmcFrame(*frame.blendshapes) : WriteJsonFrame(frame);
+    if (!is_vmc_) return WriteJsonFrame(frame);
+    const FlameParams& face = frame.params;
+    return WriteVmcFrame(
+        frame.blendshapes ? *frame.blendshapes : ScoresOf(map_, face), face.pose[0], face.pose[1]);
   }
   // Returns false if the packet was lost before it was sent.
   bool Write(const std::string& packet) {
@@ -66,6 +68,7 @@ class PacketOutput {
   }
 
  private:
+  const BlendshapeMap& map_;
   std::optional<UdpSocket> socket_;
   bool is_vmc_ = false;
 };
@@ -130,12 +133,12 @@ Sequence LoadSequence(const SendOptions& o) {
   const Recording recording = LoadRecording(o.sequence, options);
   Sequence sequence;
   sequence.frames_per_second = recording.frames_per_second;
+  sequence.map = GeneralBlendshapeMap(options.flame);
   for (const RecordedFrame& frame : recording.frames) {
     sequence.frames.push_back({frame.timestep, {}});
     sequence.frames.back().packet.params = frame.params;
   }
   if (!IsScoreRecording(o.sequence)) return sequence;
-  sequence.has_scores = true;
   const ScoreRecording scores = LoadScores(o.sequence);
   for (size_t i = 0; i < scores.frames.size(); ++i)
     sequence.frames[i].packet.blendshapes = scores.frames[i].scores;
@@ -146,7 +149,7 @@ void Run(const SendOptions& o) {
   if (o.drop_percent + o.bad_percent > 100)
     throw Error("--drop and --bad", "add up to more than 100 percent");
   Sequence sequence = LoadSequence(o);
-  PacketOutput output(o.to, sequence.has_scores);
+  PacketOutput output(o.to, sequence.map);
   Counts counts;
   Send(o, sequence, output, counts);
   if (o.quiet || o.to.empty()) return;
@@ -165,12 +168,16 @@ void AddSend(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("send", "play a recorded sequence to a live avatar, as a tracker does");
   const auto o = std::make_shared<SendOptions>();
-  command->add_option("sequence", o->sequence, "tracked video, .npz or landmarks file with scores")
+  command
+      ->add_option("sequence",
+                   o->sequence,
+                   "tracked video, .npz, landmarks file with scores or .csv of Live Link Face")
       ->required();
   command->add_option(
       "--to",
       o->to,
-      "udp://HOST:PORT or, for blendshape scores, vmc://HOST:PORT; lines on standard output if not "
+      "udp://HOST:PORT or vmc://HOST:PORT, which carries the head and blendshape scores, of FLAME "
+      "parameters those of jaw, gaze and, with --flame, lids; lines on standard output if not "
       "given");
   command->add_option(
       "--flame", o->flame, "FLAME model; needed for metrical-tracker's and INSTA's tracks only");

@@ -13,7 +13,7 @@ namespace cosplat {
 // Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
-// True for live sources: "udp://...", "vmc://..." and "stdin:".
+// True for live sources: "udp://...", "vts://..." and so on, and "stdin:".
 bool IsLiveDrive(const std::string& drive);
 
 // Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame

@@ -1,10 +1,21 @@
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 
 #include "avatar/live/packet_input.h"
 #include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
+
+// What a drive is to an address without a port, and without a host.
+struct UsualAddress {
+  const char* name;
+  int usual_port;      // of the apps
+  bool asks_the_host;  // a phone's address, which cannot be left out
+};
+constexpr UsualAddress kUsualAddresses[] = {
+    {"vts", 21412, true}, {"ifacialmocap", 49983, true}, {"livelink", 11111, false}};
 
 int ParsePort(const std::string& drive, const std::string& text) {
   int port = -1;
@@ -27,12 +38,21 @@ DriveAddress ParseDriveAddress(const std::string& drive) {
     address.query = rest.substr(mark + 1);
     rest.resize(mark);
   }
+  const auto scheme = std::find_if(std::begin(kUsualAddresses),
+                                   std::end(kUsualAddresses),
+                                   [&](const UsualAddress& s) { return s.name == address.scheme; });
+  const bool known = scheme != std::end(kUsualAddresses);
   const size_t colon = rest.rfind(':');
   const size_t bracket = rest.rfind(']');
-  if (colon == std::string::npos || (bracket != std::string::npos && colon < bracket))
+  const bool has_port =
+      colon != std::string::npos && (bracket == std::string::npos || colon > bracket);
+  if (!has_port && !known)
     throw Error(drive, "port", "is missing: expected " + address.scheme + "://HOST:PORT");
-  address.port = ParsePort(drive, rest.substr(colon + 1));
-  address.host = rest.substr(0, colon);
+  address.port = has_port ? ParsePort(drive, rest.substr(colon + 1)) : scheme->usual_port;
+  address.host = has_port ? rest.substr(0, colon) : rest;
+  if (address.host.empty() && known && scheme->asks_the_host)
+    throw Error(
+        drive, "host", "is missing: expected the phone's, " + address.scheme + "://192.168.1.20");
   if (address.host.starts_with('[') && address.host.ends_with(']'))
     address.host = address.host.substr(1, address.host.size() - 2);
   else if (address.host.find(':') != std::string::npos)

@@ -17,7 +17,11 @@ constexpr size_t kMaxPackets = 32;
 class JsonSource : public LiveSource {
  public:
   JsonSource(std::unique_ptr<PacketInput> input, BlendshapeMap map, const FlameParams& rest)
-      : input_(std::move(input)), map_(std::move(map)), index_(map_.names), rest_(rest) {}
+      : input_(std::move(input)),
+        map_(std::move(map)),
+        index_(map_.names),
+        rest_(rest),
+        scores_(map_.names.size()) {}
 
   bool Poll(int64_t now_ns, LiveFrame& out) override {
     packets_.Clear();
@@ -27,7 +31,8 @@ class JsonSource : public LiveSource {
       try {
         JsonFrame frame = ParseJsonFrame(Description(), packets_[i]);
         if (!IsNewer(frame, now_ns)) continue;
-        if (frame.blendshapes) TakeScores(frame);
+        if (frame.blendshapes)
+          TakeScores(*frame.blendshapes, frame.dropped, index_, Description(), scores_, counts_);
         if (newest) ++counts_.replaced;
         newest = std::move(frame);
       } catch (const Error& error) {
@@ -51,18 +56,6 @@ class JsonSource : public LiveSource {
   std::string Description() const override { return input_->Description(); }
 
  private:
-  void TakeScores(const JsonFrame& frame) {
-    scores_.assign(map_.names.size(), 0.0f);
-    for (const auto& [name, score] : *frame.blendshapes)
-      if (const int i = FindScore(index_, name, counts_.unused); i >= 0) scores_[size_t(i)] = score;
-    for (const std::string& name : frame.dropped) {
-      ++counts_.malformed;
-      counts_.unused.dropped.Count(name);
-      counts_.last_problem = Description() + ": blendshapes." + PrintableName(name) +
-                             ": is not a score, a number from 0 to 1";
-    }
-  }
-
   bool IsNewer(const JsonFrame& frame, int64_t now_ns) {
     if (order_.Accept(frame.sequence, now_ns)) {
       if (order_.began_again()) clock_ = {};  // the sender's clock may have restarted as well

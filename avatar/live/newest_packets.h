@@ -1,7 +1,7 @@
 // The newest packets of a poll, in order of arrival.
 //
-// UdpInput, LineInput -> NewestPackets -> JsonSource, VmcSource. Bounds the work of one poll: when
-// too many packets arrive, the oldest are discarded.
+// UdpInput, LineInput -> NewestPackets -> JsonSource, VmcSource, PhoneSource. Bounds the work of
+// one poll: when too many packets arrive, the oldest are discarded.
 #pragma once
 
 #include <cstddef>

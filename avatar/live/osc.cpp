@@ -4,66 +4,21 @@
 #include <cmath>
 #include <cstdint>
 
+#include "avatar/live/byte_reader.h"
+
 namespace cosplat {
 namespace {
 
 constexpr std::string_view kBundle("#bundle\0", 8);
 
-// Reads values from the front of a byte string. Once something is missing, all further reads fail.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-
-  bool ok() const { return ok_; }
-  bool empty() const { return bytes_.empty(); }
-  // Whether nothing but padding is left.
-  bool at_end() const { return bytes_.find_first_not_of('\0') == bytes_.npos; }
-
-  std::string_view Bytes(size_t count) {
-    ok_ = ok_ && count <= bytes_.size();
-    if (!ok_) return {};
-    const std::string_view taken = bytes_.substr(0, count);
-    bytes_.remove_prefix(count);
-    return taken;
-  }
-
-  uint32_t Word() {
-    uint32_t word = 0;
-    for (const char c : Bytes(4)) word = word << 8 | uint8_t(c);
-    return word;
-  }
-
-  uint64_t DoubleWord() {
-    const uint64_t high = Word();
-    return high << 32 | Word();
-  }
-
-  // A string that ends with a zero byte and is padded to a multiple of four.
-  std::string_view Text() {
-    const size_t size = bytes_.find('\0');
-    ok_ = ok_ && size != bytes_.npos;
-    return Bytes(ok_ ? size / 4 * 4 + 4 : 0).substr(0, ok_ ? size : 0);
-  }
-
-  // A byte count followed by that many bytes, padded likewise.
-  std::string_view Blob() {
-    const uint64_t size = Word();
-    return Bytes((size + 3) / 4 * 4).substr(0, ok_ ? size : 0);
-  }
-
- private:
-  std::string_view bytes_;
-  bool ok_ = true;
-};
-
 // Reads the value for `argument.type`; returns false for types that OSC does not have.
-bool ReadArgument(Reader& reader, OscArgument& argument) {
+bool ReadArgument(ByteReader& reader, OscArgument& argument) {
   switch (argument.type) {
     case 'i':
       argument.number = int32_t(reader.Word());
       return true;
     case 'f':
-      argument.number = std::bit_cast<float>(reader.Word());
+      argument.number = reader.Float();
       return true;
     case 'h':
       argument.number = double(int64_t(reader.DoubleWord()));
@@ -103,7 +58,7 @@ bool ReadArgument(Reader& reader, OscArgument& argument) {
 
 // Returns what is wrong with the message, or "".
 std::string_view ParseMessage(std::string_view bytes, OscMessage& message) {
-  Reader reader(bytes);
+  ByteReader reader(bytes);
   const std::string_view address = reader.Text();
   if (!reader.ok() || !address.starts_with('/')) return "has no OSC address";
   message.address = address;
@@ -130,7 +85,7 @@ void ParseElement(std::string_view bytes, int bundles, std::vector<OscMessage>& 
     return;
   }
   if (bundles == kMaxOscBundles) return fail("has OSC bundles nested too deeply");
-  Reader reader(bytes);
+  ByteReader reader(bytes);
   reader.Text();
   reader.DoubleWord();  // the time tag, ignored: bundles take effect at once
   while (reader.ok() && !reader.at_end()) {

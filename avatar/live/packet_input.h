@@ -1,6 +1,6 @@
-// Non-blocking sources of packets: a UDP socket, or lines of standard input.
+// Non-blocking sources of packets: a UDP socket, a phone that is asked, or lines of standard input.
 //
-// UdpInput, LineInput -> JsonSource, VmcSource.
+// UdpInput, PhoneInput, LineInput -> JsonSource, VmcSource, PhoneSource.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "avatar/live/newest_packets.h"
+#include "avatar/live/phone_frame.h"
 #include "avatar/live/source.h"
 #include "avatar/live/udp_socket.h"
 #include "avatar/model/blendshape_map.h"
@@ -36,6 +37,16 @@ void CountFlooded(const std::string& description, size_t packets, LiveCounts& co
 // address.
 std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address);
 
+// The same of a socket that listens, from one host only; packets of others are counted.
+std::unique_ptr<PacketInput> OpenUdpInput(UdpSocket socket,
+                                          const std::string& description,
+                                          const Peer& only_from);
+
+// An app on a phone that sends to whoever asks, which this does once a second: by scheme "vts" or
+// "ifacialmocap". One packet per datagram, of the phone only. Throws Error naming the drive when
+// the phone's address cannot be reached or the port that it answers to is taken.
+std::unique_ptr<PacketInput> OpenPhoneInput(const DriveAddress& phone);
+
 // One packet per line of the descriptor, which is neither closed nor made non-blocking, because it
 // may be shared. Reads at most half a megabyte per call. Blank lines are skipped.
 std::unique_ptr<PacketInput> OpenLineInput(int descriptor, const std::string& description);
@@ -50,6 +61,15 @@ struct ChosenMap {
 // Error as ReadBlendshapeMatrix does.
 ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions& options);
 
+// The places of a frame's scores in a map: those that the map does not have, and `dropped` ones,
+// are counted; those that are missing are 0. values: as many as there are places.
+void TakeScores(const BlendshapeScores& scores,
+                const std::vector<std::string>& dropped,
+                const BlendshapeIndex& index,
+                const std::string& description,
+                std::vector<float>& values,
+                LiveCounts& counts);
+
 // FLAME parameters or blendshape scores as lines of JSON (docs/live-input.md):
 // PacketInput -> ParseJsonFrame -> JsonSource -> LiveFrame.
 std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
@@ -61,5 +81,13 @@ std::unique_ptr<LiveSource> OpenJsonSource(std::unique_ptr<PacketInput> input,
 std::unique_ptr<LiveSource> OpenVmcSource(std::unique_ptr<PacketInput> input,
                                           ChosenMap map,
                                           const LiveSourceOptions& options);
+
+// Apps on phones (docs/live-input.md): PacketInput -> parse -> PhoneSource -> LiveFrame. signs: of
+// the head's angles, 1 or -1.
+std::unique_ptr<LiveSource> OpenPhoneSource(std::unique_ptr<PacketInput> input,
+                                            PhoneParser parse,
+                                            ChosenMap map,
+                                            const LiveSourceOptions& options,
+                                            const HeadAngles& signs = {1, 1, 1});
 
 }  // namespace cosplat

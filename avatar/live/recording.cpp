@@ -100,8 +100,10 @@ Recording RecordingOfScores(const std::string& path, const LiveSourceOptions& op
   recording.frames_per_second = FrameRate(path, scores.frames_per_second, options);
   for (const ScoredFrame& frame : scores.frames) {
     recording.frames.push_back({frame.timestep, {}});
-    ApplyBlendshapes(map, frame.scores, recording.frames.back().params);
-    PutOnRest(options.rest, recording.frames.back().params);
+    FlameParams& params = recording.frames.back().params;
+    params.pose[0] = TurnOf(frame.head);
+    ApplyBlendshapes(map, frame.scores, params);
+    PutOnRest(options.rest, params);
   }
   return recording;
 }

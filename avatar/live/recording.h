@@ -1,5 +1,5 @@
 // Recorded sequences as live sources: anything that LoadDrivingSequence reads, or blendshape scores
-// in a landmarks file, at its own pace.
+// in a landmarks file or of Live Link Face, at its own pace.
 //
 // file or folder -> LoadRecording -> OpenRecording (by OpenLiveSource) -> LiveFrame.
 #pragma once
@@ -27,9 +27,9 @@ struct Recording {
 };
 
 // Uses the first camera if there are several; scores move expression, jaw and eyes by
-// options.blendshapes or, without it, the general map, and leave the head at rest. Throws Error as
-// LoadDrivingSequence or LoadScores does, when the frame rate is not 0.001 to 10000, and when the
-// track needs options.flame and there is none.
+// options.blendshapes or, without it, the general map; those of landmarks leave the head at rest.
+// Throws Error as LoadDrivingSequence or LoadScores does, when the frame rate is not 0.001 to
+// 10000, and when the track needs options.flame and there is none.
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options);
 
 std::unique_ptr<LiveSource> OpenRecording(const std::string& path,

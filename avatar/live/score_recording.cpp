@@ -29,10 +29,12 @@ const DetectedFace* LargestScored(const LandmarkFrame& frame) {
 }  // namespace
 
 bool IsScoreRecording(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".json";
+  const std::string extension = std::filesystem::path(path).extension();
+  return extension == ".json" || extension == ".csv";
 }
 
 ScoreRecording LoadScores(const std::string& path) {
+  if (std::filesystem::path(path).extension() == ".csv") return LoadLiveLinkRecording(path);
   const LandmarkVideo video = ReadLandmarks(path);
   ScoreRecording recording;
   recording.frames_per_second = video.frames_per_second;
@@ -41,7 +43,7 @@ ScoreRecording LoadScores(const std::string& path) {
     const DetectedFace* face = LargestScored(frame);
     if (!face) continue;
     if (recording.frames.empty()) first = frame.frame;
-    recording.frames.push_back({int64_t(frame.frame) - first, face->blendshapes});
+    recording.frames.push_back({int64_t(frame.frame) - first, face->blendshapes, {}});
   }
   if (recording.frames.empty())
     throw Error(path, "blendshapes", "no face has any: these landmarks drive no avatar");

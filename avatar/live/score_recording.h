@@ -1,6 +1,8 @@
-// Recorded blendshape scores: a landmarks file (flame/io/landmarks.h) in which faces have them.
+// Recorded blendshape scores: a landmarks file (flame/io/landmarks.h) in which faces have them, or
+// a recording of Live Link Face.
 //
-// FILE.json -> LoadScores -> LoadRecording, by a BlendshapeMap; or as they are to a live avatar
+// FILE.json, FILE.csv -> LoadScores -> LoadRecording, by a BlendshapeMap; or as they are to a live
+// avatar
 // (`cosplat send`).
 #pragma once
 
@@ -8,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "avatar/live/phone_frame.h"
 #include "avatar/model/blendshape_map.h"
 
 namespace cosplat {
@@ -15,6 +18,7 @@ namespace cosplat {
 struct ScoredFrame {
   int64_t timestep = 0;  // counted from the first frame; frames without scores leave a gap
   BlendshapeScores scores;
+  HeadAngles head{};  // from rest; of landmarks zero
 };
 
 struct ScoreRecording {
@@ -22,11 +26,15 @@ struct ScoreRecording {
   std::vector<ScoredFrame> frames;  // at least one
 };
 
-// By its name's ending, .json: no tracked video is such a file.
+// By its name's ending, .json or .csv: no tracked video is such a file.
 bool IsScoreRecording(const std::string& path);
 
-// The largest face of each frame counts. Throws Error as ReadLandmarks does, and if no face has
-// scores.
+// The largest face of each frame counts. Throws Error as ReadLandmarks or LoadLiveLinkRecording
+// does, and if no face has scores.
 ScoreRecording LoadScores(const std::string& path);
+
+// Live Link Face's table: a row per frame, with a timecode, 52 scores and the head's angles. Rows
+// without scores are left out: the app saw no face. Throws Error naming line, column and value.
+ScoreRecording LoadLiveLinkRecording(const std::string& path);
 
 }  // namespace cosplat

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 
@@ -14,15 +15,55 @@
 namespace cosplat {
 namespace {
 
-// FILE of the query "matrix=FILE"; "" if there is no query.
-std::string MatrixIn(const DriveAddress& address) {
-  constexpr std::string_view kMatrix = "matrix=";
-  if (address.query.empty()) return "";
-  if (!address.query.starts_with(kMatrix) || address.query.size() == kMatrix.size())
+// A drive's scheme: how it is opened, and what of it is read.
+struct Scheme {
+  const char* name;
+  PhoneParser parse;  // null: not an app of a phone
+  bool asks;          // the app waits for requests
+};
+constexpr Scheme kSchemes[] = {{"udp", nullptr, false},
+                               {"vmc", nullptr, false},
+                               {"vts", ParseVtsFrame, true},
+                               {"ifacialmocap", ParseIFacialMocapFrame, true},
+                               {"livelink", ParseLiveLinkFrame, false}};
+
+const Scheme& SchemeOf(const DriveAddress& address) {
+  for (const Scheme& scheme : kSchemes)
+    if (address.scheme == scheme.name) return scheme;
+  throw Error(address.drive,
+              "expected a file, a folder, stdin:, udp://HOST:PORT, vmc://HOST:PORT, "
+              "vts://PHONE, ifacialmocap://PHONE or livelink://HOST");
+}
+
+struct Query {
+  std::string matrix;            // FILE of "matrix=FILE", or ""
+  HeadAngles signs = {1, 1, 1};  // of a phone, "flip=AXES": -1 for each of x, y, z in AXES
+};
+
+// "", "matrix=FILE" or, of a phone, "flip=AXES" or "flip=AXES&matrix=FILE".
+Query ParseQuery(const DriveAddress& address, bool phone) {
+  constexpr std::string_view kMatrix = "matrix=", kFlip = "flip=", kAxes = "xyz";
+  const auto fail = [&] {
     throw Error(address.drive,
                 "?" + address.query,
-                "expected " + address.scheme + "://HOST:PORT?matrix=FILE");
-  return address.query.substr(kMatrix.size());
+                "expected " + address.scheme + "://HOST:PORT?matrix=FILE" +
+                    (phone ? ", ?flip=AXES with some of xyz, or ?flip=AXES&matrix=FILE" : ""));
+  };
+  Query query;
+  std::string_view rest = address.query;
+  if (phone && rest.starts_with(kFlip)) {
+    const size_t end = std::min(rest.find('&'), rest.size());
+    for (const char axis : rest.substr(kFlip.size(), end - kFlip.size())) {
+      const size_t i = kAxes.find(axis);
+      if (i == kAxes.npos) fail();
+      query.signs[i] = -1;
+    }
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (rest.empty()) return query;
+  if (!rest.starts_with(kMatrix) || rest.size() == kMatrix.size()) fail();
+  query.matrix = rest.substr(kMatrix.size());
+  return query;
 }
 
 }  // namespace
@@ -65,11 +106,14 @@ std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
         OpenLineInput(STDIN_FILENO, "standard input"), ChooseBlendshapeMap("", options), options);
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
-  if (address.scheme != "udp" && address.scheme != "vmc")
-    throw Error(drive, "expected a file, a folder, stdin:, udp://HOST:PORT or vmc://HOST:PORT");
-  ChosenMap map = ChooseBlendshapeMap(MatrixIn(address), options);
+  const Scheme& scheme = SchemeOf(address);
+  const Query query = ParseQuery(address, scheme.parse != nullptr);
+  ChosenMap map = ChooseBlendshapeMap(query.matrix, options);
+  auto input = scheme.asks ? OpenPhoneInput(address) : OpenUdpInput(address);
+  if (scheme.parse)
+    return OpenPhoneSource(std::move(input), scheme.parse, std::move(map), options, query.signs);
   const auto open = address.scheme == "udp" ? OpenJsonSource : OpenVmcSource;
-  return open(OpenUdpInput(address), std::move(map), options);
+  return open(std::move(input), std::move(map), options);
 }
 
 }  // namespace cosplat

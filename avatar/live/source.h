@@ -77,9 +77,12 @@ struct LiveSourceOptions {
 };
 
 // drive: a file or folder that LoadRecording reads, or "stdin:", "udp://HOST:PORT" (FLAME
-// parameters or blendshape scores as JSON lines), "vmc://HOST:PORT" (scores over OSC). The last two
-// may end in "?matrix=FILE", which is then used instead of the avatar's map. HOST may be omitted
-// and is then loopback. Throws Error naming the drive and what is wrong with it.
+// parameters or blendshape scores as JSON lines), "vmc://HOST:PORT" (scores over OSC),
+// "vts://PHONE", "ifacialmocap://PHONE" and "livelink://HOST" (apps on phones; a port may follow).
+// All but the first two may end in "?matrix=FILE", which is then used instead of the avatar's map,
+// and those of phones in "?flip=AXES", x, y and z, which turns the head the other way about these.
+// HOST may be omitted and is then loopback. Throws Error naming the drive and what is wrong with
+// it.
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options = {});
 

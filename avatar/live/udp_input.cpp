@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "avatar/live/packet_input.h"
 #include "avatar/live/udp_socket.h"
@@ -36,9 +37,8 @@ class SenderWatch {
 
 class UdpInput : public PacketInput {
  public:
-  explicit UdpInput(const DriveAddress& address)
-      : socket_(UdpSocket::Listen(address)),
-        description_(address.scheme + "://" + socket_.LocalAddress()) {}
+  UdpInput(UdpSocket socket, std::string description, const std::optional<Peer>& only_from)
+      : socket_(std::move(socket)), description_(std::move(description)), only_from_(only_from) {}
 
   void Receive(NewestPackets& packets, LiveCounts& counts) override {
     Peer from;
@@ -46,6 +46,12 @@ class UdpInput : public PacketInput {
       const long size = socket_.Receive(buffer_.data(), buffer_.size(), from);
       if (size < 0) return;
       ++counts.packets;
+      if (only_from_ && (from.host != only_from_->host || from.ipv6 != only_from_->ipv6)) {
+        ++counts.unusable;
+        from.port = 0;  // others change theirs, and names are kept
+        counts.unused.messages.Count("from " + ToString(from));
+        continue;
+      }
       if (senders_.Saw(from) && counts.senders.empty()) counts.senders = senders_.Text();
       if (size_t(size) > buffer_.size()) {
         CountOversize(description_, size_t(size), counts);
@@ -61,13 +67,22 @@ class UdpInput : public PacketInput {
   UdpSocket socket_;
   SenderWatch senders_;
   std::string description_;
+  std::optional<Peer> only_from_;
   std::array<char, kMaxPacketBytes> buffer_;
 };
 
 }  // namespace
 
 std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address) {
-  return std::make_unique<UdpInput>(address);
+  UdpSocket socket = UdpSocket::Listen(address);
+  std::string description = address.scheme + "://" + socket.LocalAddress();
+  return std::make_unique<UdpInput>(std::move(socket), std::move(description), std::nullopt);
+}
+
+std::unique_ptr<PacketInput> OpenUdpInput(UdpSocket socket,
+                                          const std::string& description,
+                                          const Peer& only_from) {
+  return std::make_unique<UdpInput>(std::move(socket), description, only_from);
 }
 
 void CountOversize(const std::string& description, size_t bytes, LiveCounts& counts) {

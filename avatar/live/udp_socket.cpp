@@ -118,6 +118,13 @@ bool UdpSocket::Send(const std::string& packet) {
          long(packet.size());
 }
 
+Peer UdpSocket::RemoteAddress() const {
+  sockaddr_storage storage{};
+  socklen_t size = sizeof(storage);
+  getpeername(descriptor_, reinterpret_cast<sockaddr*>(&storage), &size);
+  return PeerOf(storage);
+}
+
 std::string UdpSocket::LocalAddress() const {
   sockaddr_storage storage{};
   socklen_t size = sizeof(storage);

@@ -16,7 +16,8 @@ struct DriveAddress {
   std::string query;   // after the first '?'; "" if there is none
 };
 
-// SCHEME://[HOST]:PORT[?QUERY], IPv6 in brackets. Throws Error naming the drive.
+// SCHEME://[HOST]:PORT[?QUERY], IPv6 in brackets; of phones SCHEME://HOST[:PORT]. Throws Error
+// naming the drive.
 DriveAddress ParseDriveAddress(const std::string& drive);
 
 // "127.0.0.1:9500", "[::1]:9500".
@@ -46,6 +47,8 @@ class UdpSocket {
   // Returns false when the packet was not sent, for example because nobody listens. Even if it
   // returns true, the datagram may get lost.
   bool Send(const std::string& packet);
+  // What ConnectTo connected it to, as it was resolved.
+  Peer RemoteAddress() const;
   // The address that it receives on, with the actual port: "127.0.0.1:9500".
   std::string LocalAddress() const;
 

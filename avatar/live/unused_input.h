@@ -1,8 +1,8 @@
 // What a drive received and did not use, counted by name, for whoever wonders why a face stands
 // still.
 //
-// VmcSource, JsonSource -> UnusedInput -> LiveCounts -> NotesOf -> cosplat_health, the viewer.
-// Names come from anybody: memory is bounded, and texts are printable.
+// VmcSource, JsonSource, PhoneSource -> UnusedInput -> LiveCounts -> NotesOf -> cosplat_health, the
+// viewer. Names come from anybody: memory is bounded, and texts are printable.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ class NameCounts {
 };
 
 struct UnusedInput {
-  NameCounts messages;     // OSC addresses that mean nothing here
+  NameCounts messages;     // OSC addresses and whole packets that mean nothing here
   NameCounts blendshapes;  // scores that the map does not have
   NameCounts bones;        // other than neck, head and eyes
   NameCounts dropped;      // messages and scores that are not as they should be

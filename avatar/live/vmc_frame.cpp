@@ -21,14 +21,29 @@ void AppendMessage(const std::string& message, std::string& bundle) {
   bundle += OscWord(uint32_t(message.size())) + message;
 }
 
+std::string OscFloat(float number) { return OscWord(std::bit_cast<uint32_t>(number)); }
+
+// In Unity's axes, which are FLAME's mirrored: left-handed, with x to the subject's right. At the
+// place that it has in the receiver's model.
+void AppendBone(const std::string& name, const math::AxisAngle& turn, std::string& bundle) {
+  const math::Quat<float> q = math::QuatOfAxisAngle(turn);
+  std::string message = OscString("/VMC/Ext/Bone/Pos") + OscString(",sfffffff") + OscString(name);
+  for (const float number : {0.0f, 0.0f, 0.0f, q.x, -q.y, -q.z, q.w}) message += OscFloat(number);
+  AppendMessage(message, bundle);
+}
+
 }  // namespace
 
-std::string WriteVmcFrame(const BlendshapeScores& scores) {
+std::string WriteVmcFrame(const BlendshapeScores& scores,
+                          const math::AxisAngle& root,
+                          const math::AxisAngle& neck) {
   std::string bundle = OscString("#bundle") + OscWord(0) + OscWord(1);  // "immediately"
+  AppendBone("Neck", root, bundle);
+  AppendBone("Head", neck, bundle);
   for (const auto& [name, score] : scores)
-    AppendMessage(OscString("/VMC/Ext/Blend/Val") + OscString(",sf") + OscString(name) +
-                      OscWord(std::bit_cast<uint32_t>(score)),
-                  bundle);
+    AppendMessage(
+        OscString("/VMC/Ext/Blend/Val") + OscString(",sf") + OscString(name) + OscFloat(score),
+        bundle);
   AppendMessage(OscString("/VMC/Ext/Blend/Apply") + OscString(","), bundle);
   return bundle;
 }

@@ -4,7 +4,9 @@
 
 #include "avatar/live/osc.h"
 #include "avatar/live/packet_input.h"
+#include "avatar/live/scores_in_use.h"
 #include "avatar/live/sender_clock.h"
+#include "avatar/live/vrm_expressions.h"
 #include "avatar/math/turn.h"
 #include "avatar/model/avatar_mesh.h"
 
@@ -37,7 +39,8 @@ Bone FindBone(std::string_view name) {
 
 // The last values received; a frame is a copy of it.
 struct VmcState {
-  std::vector<float> scores;  // in the order of the map's names
+  std::vector<float> scores;       // in the order of the map's names
+  std::vector<float> expressions;  // weights of VRM's
   std::array<AxisAngle, kOtherBone> bones{};
 };
 
@@ -75,40 +78,6 @@ AxisAngle FlameTurn(const math::Quat<float>& bone) {
 // A turn that is more than rounding, radians.
 constexpr float kTurned = 1e-3f;
 
-// Whether the scores say where the eyes look, and not only the bones. Senders of both often send
-// one of them as zeros: all blendshapes of their model or bones that never turn. Where both move,
-// scores count: they are the tracker's own, while the bones are limited to what suits the sender's
-// model.
-class GazeInScores {
- public:
-  explicit GazeInScores(const BlendshapeMap& map) {
-    const size_t width = map.offset.size(), eyes = map.expression_count() + 3;  // after the jaw
-    for (size_t c = 0; c < map.names.size(); ++c) {
-      const float* row = &map.matrix[c * width];
-      const bool turns = std::any_of(row + eyes, row + width, [](float x) { return x != 0; });
-      if (turns && ArkitSpelling(map.names[c]).starts_with("eyeLook")) places_.push_back(c);
-    }
-  }
-  // scores: of a frame at that time.
-  bool IsInScores(const std::vector<float>& scores, int64_t now_ns) {
-    for (const size_t c : places_)
-      if (scores[c] > kLooks) {
-        seen_ = true;
-        seen_ns_ = now_ns;
-      }
-    return seen_ && ElapsedNs(seen_ns_, now_ns) < kGazePauseNs;
-  }
-
- private:
-  static constexpr float kLooks = 0.01f;  // less than half a degree
-  // Nobody looks straight ahead for so long.
-  static constexpr int64_t kGazePauseNs = 2'000'000'000;
-
-  std::vector<size_t> places_;  // of the scores that turn eyes
-  bool seen_ = false;
-  int64_t seen_ns_ = 0;
-};
-
 // What a message did.
 enum class Use { kNone, kSet, kEndedFrame };
 
@@ -118,9 +87,12 @@ class VmcSource : public LiveSource {
       : input_(std::move(input)),
         chosen_(std::move(chosen)),
         index_(chosen_.map.names),
-        gaze_(chosen_.map),
+        expressions_(chosen_.map),
+        own_(AllPlaces(chosen_.map)),
+        gaze_(PlacesOfGaze(chosen_.map)),
         rest_(rest) {
     state_.scores.resize(chosen_.map.names.size());
+    state_.expressions.resize(expressions_.size());
   }
 
   bool Poll(int64_t now_ns, LiveFrame& out) override {
@@ -128,14 +100,14 @@ class VmcSource : public LiveSource {
     input_->Receive(packets_, counts_);
     const uint64_t before = applied_;
     for (size_t i = 0; i < packets_.size(); ++i) TakePacket(packets_[i], now_ns);
-    if (set_ && !WaitsForApply(now_ns)) EndFrame();
+    if (set_ && !WaitsForApply(now_ns)) EndFrame(now_ns);
     if (applied_ == before) return false;
     counts_.replaced += applied_ - before - 1;
     ++counts_.frames;
     out.params.translation = {};
     out.params.pose = {frame_.bones[kNeck], frame_.bones[kHead]};
     ApplyBlendshapes(chosen_.map, frame_.scores, out.params);
-    if (!gaze_.IsInScores(frame_.scores, now_ns) && eye_bones_turned_)
+    if (!gaze_.Are(frame_.scores, now_ns) && eye_bones_turned_)
       for (const Bone eye : {kLeftEye, kRightEye})
         if (eye_seen_[eye - kLeftEye]) out.params.pose[3 + eye - kLeftEye] = frame_.bones[eye];
     PutOnRest(rest_, out.params);
@@ -157,8 +129,16 @@ class VmcSource : public LiveSource {
     return apply_seen_ && ElapsedNs(apply_ns_, now_ns) < kApplyPauseNs;
   }
 
-  void EndFrame() {
+  // Trackers' own scores stand above VRM's expressions, which their senders often send as well:
+  // both would open a mouth twice.
+  void EndFrame(int64_t now_ns) {
     frame_ = state_;
+    if (!own_.Are(frame_.scores, now_ns))
+      expressions_.Add(frame_.expressions, frame_.scores);
+    else if (std::any_of(frame_.expressions.begin(), frame_.expressions.end(), [](float x) {
+               return x > 0;
+             }))
+      counts_.unused.blendshapes.Count("VRM's expressions beside scores");
     set_ = false;
     ++applied_;
   }
@@ -174,9 +154,9 @@ class VmcSource : public LiveSource {
       if (use != Use::kEndedFrame) continue;
       apply_seen_ = true;
       apply_ns_ = now_ns;
-      EndFrame();
+      EndFrame(now_ns);
     }
-    if (set_ && IsOscBundle(packet) && !WaitsForApply(now_ns)) EndFrame();
+    if (set_ && IsOscBundle(packet) && !WaitsForApply(now_ns)) EndFrame(now_ns);
     if (bad_)
       counts_.last_problem = input_->Description() + ": " +
                              (bad_->address.empty() ? "" : PrintableName(NameOf(*bad_)) + ": ") +
@@ -224,11 +204,13 @@ class VmcSource : public LiveSource {
   }
 
   Use TakeScore(const OscMessage& message, std::string_view name, const OscArgument& value) {
-    const int i = FindScore(index_, name, counts_.unused);
+    const int expression = index_.Find(name) < 0 ? expressions_.Find(name) : -1;
+    const int i = expression < 0 ? FindScore(index_, name, counts_.unused) : expression;
     if (i < 0) return Use::kNone;
     if (!(std::abs(value.number) <= kMaxScore))
       return Drop(message, "is not a score, a number from 0 to 1");
-    state_.scores[size_t(i)] = float(std::clamp(value.number, 0.0, 1.0));
+    std::vector<float>& values = expression < 0 ? state_.scores : state_.expressions;
+    values[size_t(i)] = float(std::clamp(value.number, 0.0, 1.0));
     return Use::kSet;
   }
 
@@ -254,7 +236,8 @@ class VmcSource : public LiveSource {
   std::unique_ptr<PacketInput> input_;
   ChosenMap chosen_;
   BlendshapeIndex index_;
-  GazeInScores gaze_;
+  VrmExpressions expressions_;
+  ScoresInUse own_, gaze_;
   FlameParams rest_;
   NewestPackets packets_{kMaxPackets};
   std::vector<OscMessage> messages_;

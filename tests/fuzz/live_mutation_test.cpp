@@ -1,10 +1,14 @@
-// Twenty thousand packets per protocol that are nearly good, under fixed seeds.
+// Twenty thousand packets per protocol that are nearly good, under fixed seeds; COSPLAT_PACKETS
+// says how many instead.
 #include <gtest/gtest.h>
+
+#include <cstdlib>
 
 #include "avatar/live/json_frame.h"
 #include "avatar/live/packet_input.h"
 #include "splat/base/npz.h"
 #include "tests/avatar/live/osc_builder.h"
+#include "tests/avatar/live/phone_packets.h"
 #include "tests/fuzz/live_check.h"
 #include "tests/fuzz/mutate.h"
 #include "tests/support/temporary_folder.h"
@@ -14,7 +18,11 @@ namespace {
 
 using test::MemoryInput;
 
-constexpr int kPackets = 20'000;
+int Packets() {
+  const char* told = std::getenv("COSPLAT_PACKETS");
+  return told ? std::atoi(told) : 20'000;
+}
+const int kPackets = Packets();
 constexpr int64_t kStepNs = 600'000'000;  // beyond the pause after which any sequence is taken
 
 struct Outcome {
@@ -60,6 +68,29 @@ TEST(LiveMutations, OfJson) {
   EXPECT_EQ(outcome.silent, 0);  // a packet either is a frame or is counted
   EXPECT_GT(outcome.good, kPackets / 50);
   EXPECT_GT(outcome.malformed, uint64_t(kPackets / 2));
+}
+
+// A packet of a phone's app is a frame, or is counted, or says that there is no face.
+void SendPhoneMutations(PhoneParser parse, const std::vector<std::string>& seeds, uint64_t seed) {
+  std::string packet;
+  const auto source = OpenPhoneSource(
+      std::make_unique<MemoryInput>(&packet), parse, ChooseBlendshapeMap("", {}), {});
+  const Outcome outcome = SendMutations(*source, packet, seeds, seed);
+  const LiveCounts counts = source->Counts();
+  EXPECT_LE(uint64_t(outcome.silent), counts.unusable + counts.oversize);
+  EXPECT_EQ(uint64_t(outcome.good), counts.frames);
+  EXPECT_GT(outcome.good, kPackets / 50);
+  EXPECT_GT(outcome.malformed, uint64_t(kPackets / 4));
+}
+
+TEST(LiveMutations, OfVts) { SendPhoneMutations(ParseVtsFrame, test::VtsSeeds(), 3); }
+
+TEST(LiveMutations, OfIFacialMocap) {
+  SendPhoneMutations(ParseIFacialMocapFrame, test::IFacialMocapSeeds(), 4);
+}
+
+TEST(LiveMutations, OfLiveLink) {
+  SendPhoneMutations(ParseLiveLinkFrame, test::LiveLinkSeeds(), 5);
 }
 
 TEST(LiveMutations, OfVmc) {

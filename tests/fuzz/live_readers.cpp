@@ -6,8 +6,10 @@
 #include "avatar/live/blendshape_matrix.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/live/osc.h"
+#include "avatar/live/recording.h"
 #include "splat/base/error.h"
 #include "tests/avatar/live/osc_builder.h"
+#include "tests/avatar/live/phone_packets.h"
 #include "tests/fuzz/live_check.h"
 #include "tests/fuzz/reader.h"
 
@@ -105,6 +107,26 @@ std::string ReadVmcPacket(const std::string& folder, const std::string& bytes) {
   return drive.Problem(bytes);
 }
 
+template <PhoneParser kParse>
+std::string ReadPhonePacket(const std::string&, const std::string& bytes) {
+  static Drive drive;
+  if (!drive.source)
+    drive.source = OpenPhoneSource(
+        std::make_unique<MemoryInput>(&drive.packet), kParse, ChooseBlendshapeMap("", {}), {});
+  return drive.Problem(bytes);
+}
+
+std::string ReadLiveLinkTable(const std::string& folder, const std::string&) {
+  const Recording recording = LoadRecording(folder + "/take.csv", {});
+  int64_t last = -1;
+  for (const RecordedFrame& frame : recording.frames) {
+    if (frame.timestep <= last) return "frames out of order";
+    last = frame.timestep;
+    if (const std::string problem = FrameProblem(frame.params); !problem.empty()) return problem;
+  }
+  return "";
+}
+
 std::string ReadOsc(const std::string&, const std::string& bytes) {
   std::vector<OscMessage> messages;
   ParseOsc(bytes, messages);
@@ -150,6 +172,30 @@ std::vector<FuzzedReader> LiveReaders() {
           {"json_packet", files, {}, ReadJsonPacket, JsonPackets, json},
           {"json_lines", files, {}, ReadLines, JsonLines, json},
           {"vmc_packet", files, {}, ReadVmcPacket, OscPackets, osc, vmc_matrix},
+          {"vts_packet",
+           files,
+           {},
+           ReadPhonePacket<ParseVtsFrame>,
+           VtsSeeds,
+           {"\"FaceFound\":", "\"BlendShapes\":[", "{\"k\":\"JawOpen\",\"v\":", "NaN", "1e999"}},
+          {"ifacialmocap_packet",
+           files,
+           {},
+           ReadPhonePacket<ParseIFacialMocapFrame>,
+           IFacialMocapSeeds,
+           {"jawOpen-", "jawOpen&", "|=head#", "--", "nan", "1e999"}},
+          {"livelink_packet",
+           files,
+           {},
+           ReadPhonePacket<ParseLiveLinkFrame>,
+           LiveLinkSeeds,
+           {std::string("\x06\0\0\0", 4), "\x3d", "\x7f\x80"}},
+          {"livelink_table",
+           files,
+           {"take.csv"},
+           ReadLiveLinkTable,
+           [] { return Strings{LiveLinkTable()}; },
+           {"Timecode", "BlendShapeCount", "10:00:00:", "JawOpen", "\n", "nan", "1e999"}},
           {"osc", files, {}, ReadOsc, OscPackets, osc}};
 }
 

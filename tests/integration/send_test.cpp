@@ -125,6 +125,25 @@ TEST(Send, BlendshapeScoresGoByVmc) {
   EXPECT_EQ(first.blendshapes, video.frames[0].faces[0].blendshapes);
 }
 
+TEST(Send, FlameParametersGoByVmcAsHeadAndJaw) {
+  const TemporaryFolder folder;
+  Npz npz(folder / "nod.npz");
+  npz.Add("expr", {2, 1}, std::vector<float>(2));
+  npz.Add("rot", {2, 3}, std::vector<float>{-0.1f, 0, 0, 0.1f, 0, 0});
+  npz.Add("jaw_rot", {2, 3}, std::vector<float>{0, 0, 0, 0.25f, 0, 0});
+  npz.Write(npz.path());
+  const auto source = OpenLiveSource("vmc://:0");
+  const std::string description = source->Description();
+  const CommandResult result = Cosplat(
+      {"send", npz.path(), "--to", description.substr(0, description.find(',')), "--fps", "200"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  LiveFrame frame;
+  ASSERT_TRUE(source->Poll(0, frame)) << source->Counts().last_problem;
+  EXPECT_EQ(frame.sequence, 1u);
+  EXPECT_NEAR(frame.params.pose[0][0], 0.1f, 1e-5f);
+  EXPECT_NEAR(frame.params.pose[2][0], 0.25f, 1e-3f);
+}
+
 TEST(Send, PipesIntoStandardInput) {
   const TemporaryFolder folder;
   const std::string sequence = WriteSequence(folder, 5), pipe = folder / "pipe";
@@ -158,7 +177,6 @@ TEST(Send, BadInputIsNamed) {
     EXPECT_EQ(result.out, "");
   };
   expect({"send", folder / "none.npz"}, "none.npz: does not exist");
-  expect({"send", sequence, "--to", "vmc://:39539"}, "vmc:// carries blendshape scores");
   expect({"send", sequence, "--to", "tcp://:39539"}, "expected udp://HOST:PORT");
   expect({"send", sequence, "--to", "udp://:0"}, "expected udp://HOST:PORT");
   expect({"send", sequence, "--fps", "20000"}, "frames per second");

@@ -26,13 +26,14 @@ TEST(StreetLiveUnused, SilenceUselessPacketsAndDamageDiffer) {
   EXPECT_FALSE(live.Poll());
   EXPECT_EQ(ToString(live.Counts()), "no packet has arrived");
   for (int i = 0; i < 27; ++i) live.Send(Message("/Foo/Bar"));
-  live.Send(OscBundle({VmcValue("Joy", 1), VmcValue("A", 0.5f)}));
+  live.Send(OscBundle({VmcValue("Joy", 1), VmcValue("Neutral", 0.5f)}));
   EXPECT_FALSE(live.Poll());
   LiveCounts counts = live.Counts();
   EXPECT_EQ(counts.packets, 28u);
   EXPECT_EQ(counts.unusable, 28u);
   EXPECT_EQ(counts.malformed, 0u);
-  EXPECT_EQ(live.Notes(), "ignored messages: /Foo/Bar (27); ignored blendshapes: A (1), Joy (1)");
+  EXPECT_EQ(live.Notes(),
+            "ignored messages: /Foo/Bar (27); ignored blendshapes: Joy (1), Neutral (1)");
   live.Send("{\"seq\": 1}");  // the other protocol
   EXPECT_FALSE(live.Poll());
   counts = live.Counts();

@@ -1,4 +1,4 @@
-// The senders that docs/live-input.md shows, run as they stand there.
+// The sender that docs/live-input.md shows, run as it stands there.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
@@ -11,7 +11,6 @@
 
 #include "avatar/live/source.h"
 #include "splat/base/files.h"
-#include "splat/base/npz.h"
 #include "tests/avatar/live/osc_builder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -98,18 +97,6 @@ TEST_F(DocumentedSender, OfJsonWorksAsItStands) {
   const auto source = OpenLiveSource("udp://:0");
   Start("json.dumps", *source);
   ExpectFrames(*source, 0.2f);
-}
-
-TEST_F(DocumentedSender, OfVmcWorksAsItStands) {
-  std::vector<float> jaw(52 * 3);
-  jaw[17 * 3] = 0.3f;
-  Npz npz(folder_ / "jaw.npz");
-  npz.Add("expression", {52, 50}, std::vector<float>(52 * 50));
-  npz.Add("jaw", {52, 3}, jaw);
-  npz.Write(npz.path());
-  const auto source = OpenLiveSource("vmc://:0?matrix=" + npz.path());
-  Start("/VMC/", *source);
-  ExpectFrames(*source, 0.3f);
 }
 
 }  // namespace

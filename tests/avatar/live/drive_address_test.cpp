@@ -15,6 +15,13 @@ TEST(DriveAddress, IsTakenApart) {
   EXPECT_EQ(told.port, 39539);
   EXPECT_EQ(told.query, "matrix=a?b=c.npz");
   EXPECT_EQ(ParseDriveAddress("udp://[::1]:9500").host, "::1");
+  // Of phones, the app's usual port.
+  EXPECT_EQ(ParseDriveAddress("vts://192.168.1.20").port, 21412);
+  EXPECT_EQ(ParseDriveAddress("vts://192.168.1.20:5000").port, 5000);
+  EXPECT_EQ(ParseDriveAddress("ifacialmocap://[::1]").port, 49983);
+  EXPECT_EQ(ParseDriveAddress("livelink://").port, 11111);
+  EXPECT_EQ(ParseDriveAddress("livelink://").host, "127.0.0.1");
+  EXPECT_EQ(ParseDriveAddress("livelink://0.0.0.0").host, "0.0.0.0");
   EXPECT_EQ(HostAndPort("::1", 9500), "[::1]:9500");
 }
 

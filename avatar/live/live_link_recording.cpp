@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+#include <optional>
+
+#include "avatar/live/score_recording.h"
+#include "avatar/live/unused_input.h"
+#include "splat/base/error.h"
+#include "splat/base/text.h"
+
+namespace cosplat {
+namespace {
+
+// Rates of timecodes. The app's own is 60; those of devices that it follows are lower.
+constexpr int kRates[] = {24, 25, 30, 48, 50, 60};
+constexpr double kDaySeconds = 24 * 3600;
+
+std::vector<std::string_view> CellsOf(std::string_view line) {
+  std::vector<std::string_view> cells;
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  for (size_t end; (end = line.find(',')) != line.npos; line.remove_prefix(end + 1))
+    cells.push_back(line.substr(0, end));
+  cells.push_back(line);
+  return cells;
+}
+
+std::optional<double> NumberOf(std::string_view text) {
+  double number = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+  return number;
+}
+
+// "10:31:05:17.250": hours, minutes, seconds and frames.
+struct Timecode {
+  double seconds = 0, frame = 0;
+};
+
+std::optional<Timecode> TimecodeOf(std::string_view text) {
+  double parts[4];
+  for (double& part : parts) {
+    const size_t end = std::min(text.find(':'), text.size());
+    const std::optional<double> number = NumberOf(text.substr(0, end));
+    if (!number || *number < 0 || *number >= kRates[std::size(kRates) - 1]) return {};
+    part = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  if (!text.empty() || parts[0] >= 24) return {};
+  return Timecode{(parts[0] * 60 + parts[1]) * 60 + parts[2], parts[3]};
+}
+
+struct Row {
+  Timecode time;
+  ScoredFrame frame;
+};
+
+class Table {
+ public:
+  explicit Table(const std::string& path) : path_(path), file_(path) {
+    if (!file_) throw Error(path, "cannot be read");
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    std::string line;
+    std::getline(file_, line);
+    std::string_view header = line;
+    if (header.starts_with(kByteOrderMark)) header.remove_prefix(kByteOrderMark.size());
+    for (const std::string_view cell : CellsOf(header)) names_.emplace_back(cell);
+    time_ = Column("Timecode");
+    count_ = Column("BlendShapeCount");
+    angles_ = {Column("HeadPitch"), Column("HeadYaw"), Column("HeadRoll")};
+  }
+
+  // Returns false at the end of the file.
+  bool Next(std::optional<Row>& row) {
+    std::string line;
+    row.reset();
+    ++number_;
+    if (!std::getline(file_, line)) return false;
+    const std::vector<std::string_view> cells = CellsOf(line);
+    if (cells.size() <= count_ || cells[count_] == "0") return true;
+    if (cells.size() != names_.size())
+      throw Error(
+          path_, Where(""), Format("has {} cells, expected {}", cells.size(), names_.size()));
+    row = RowOf(cells);
+    return true;
+  }
+
+  // Of the row that Next read last.
+  [[noreturn]] void Fail(size_t column, std::string_view found, const char* expected) const {
+    throw Error(path_,
+                Where(names_[column]),
+                Format("found '{}', expected {}", PrintableName(found), expected));
+  }
+  size_t time() const { return time_; }
+
+ private:
+  size_t Column(const char* name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found == names_.end())
+      throw Error(path_, name, "is no column: this is no recording of Live Link Face");
+    return size_t(found - names_.begin());
+  }
+
+  std::string Where(const std::string& column) const {
+    return Format("line {}", number_) + (column.empty() ? "" : ", " + column);
+  }
+
+  Row RowOf(const std::vector<std::string_view>& cells) const {
+    Row row;
+    const std::optional<Timecode> time = TimecodeOf(cells[time_]);
+    if (!time) Fail(time_, cells[time_], "hours:minutes:seconds:frames, up to 60 frames");
+    row.time = *time;
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const int place = FindArkitBlendshape(names_[i]);
+      if (place < 0) continue;
+      const std::optional<double> score = NumberOf(cells[i]);
+      if (!score || std::abs(*score) > double(kMaxScore)) Fail(i, cells[i], "a score from 0 to 1");
+      row.frame.scores[std::string(kArkitNames[size_t(place)])] = float(*score);
+    }
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const size_t i = angles_[axis];
+      const std::optional<double> angle = NumberOf(cells[i]);
+      if (!angle || std::abs(*angle) > 360 * kDegree) Fail(i, cells[i], "an angle in radians");
+      // Pitch looks up, yaw turns right, roll leans to the right shoulder.
+      row.frame.head[axis] = float(axis < 2 ? -*angle : *angle);
+    }
+    return row;
+  }
+
+  std::string path_;
+  std::ifstream file_;
+  std::vector<std::string> names_;
+  size_t time_ = 0, count_ = 0;
+  std::array<size_t, 3> angles_{};  // pitch, yaw, roll
+  int number_ = 1;                  // of the line
+};
+
+// The frames per second that the timecodes count, which the file does not say: the lowest rate
+// above every frame's number, once a whole second has passed.
+int RateOf(const std::vector<Row>& rows) {
+  double most = 0;
+  for (const Row& row : rows) most = std::max(most, row.time.frame);
+  const bool whole = rows.back().time.seconds > rows.front().time.seconds + 1;
+  for (const int rate : kRates)
+    if (whole && most < rate) return rate;
+  return kRates[std::size(kRates) - 1];
+}
+
+}  // namespace
+
+ScoreRecording LoadLiveLinkRecording(const std::string& path) {
+  Table table(path);
+  std::vector<Row> rows;
+  for (std::optional<Row> row; table.Next(row);) {
+    if (!row) continue;
+    if (!rows.empty()) {
+      // Over midnight, or set back.
+      double& seconds = row->time.seconds;
+      const Timecode& last = rows.back().time;
+      if (seconds + kDaySeconds / 2 < last.seconds) seconds += kDaySeconds;
+      if (seconds < last.seconds || (seconds == last.seconds && row->time.frame < last.frame))
+        table.Fail(table.time(), "an earlier one", "a time after that of the line before");
+    }
+    rows.push_back(std::move(*row));
+  }
+  if (rows.empty()) throw Error(path, "no row has scores: the app saw no face");
+  const int rate = RateOf(rows);
+  ScoreRecording recording;
+  int64_t step = 0;
+  const auto time_of = [&](const Row& row) {
+    return std::llround(row.time.seconds * rate + row.time.frame);
+  };
+  for (Row& row : rows) {
+    row.frame.timestep = time_of(row) - time_of(rows.front());
+    auto& frames = recording.frames;
+    if (!frames.empty() && frames.back().timestep == row.frame.timestep) frames.pop_back();
+    if (!frames.empty()) step = std::gcd(step, row.frame.timestep);
+    frames.push_back(std::move(row.frame));
+  }
+  // Of a phone that records every other frame.
+  step = std::max<int64_t>(step, 1);
+  if (rate % step != 0) step = 1;
+  for (ScoredFrame& frame : recording.frames) frame.timestep /= step;
+  recording.frames_per_second = double(rate) / double(step);
+  return recording;
+}
+
+}  // namespace cosplat

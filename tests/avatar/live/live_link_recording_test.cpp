@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "avatar/live/recording.h"
+#include "avatar/live/score_recording.h"
+#include "tests/avatar/live/phone_packets.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace cosplat {
+namespace {
+
+using test::ExpectError;
+using test::TemporaryFolder;
+
+const char* const kHeader = "Timecode,BlendShapeCount,JawOpen,HeadYaw,HeadPitch,HeadRoll\n";
+
+std::string Written(const TemporaryFolder& folder, const std::string& text) {
+  const std::string path = folder / "take.csv";
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+TEST(LiveLinkRecording, FacesAtTheirTimesWithTheirHeads) {
+  const TemporaryFolder folder;
+  LiveSourceOptions options;
+  options.rest.translation = {0, 0, 3};
+  const Recording recording = LoadRecording(Written(folder, test::LiveLinkTable()), options);
+  EXPECT_EQ(recording.frames_per_second, 60);
+  ASSERT_EQ(recording.frames.size(), 3u);  // without the row that has no scores
+  EXPECT_EQ(recording.frames[0].timestep, 0);
+  EXPECT_EQ(recording.frames[1].timestep, 3);  // 58 to 60.5
+  EXPECT_EQ(recording.frames[2].timestep, 62);
+  const FlameParams& first = recording.frames[0].params;
+  EXPECT_FLOAT_EQ(first.pose[2][0], 0.25f);     // by the general map
+  EXPECT_NEAR(first.pose[0][1], -0.1f, 1e-6f);  // to the right
+  EXPECT_EQ(first.translation[2], 3);
+  const FlameParams& second = recording.frames[1].params;
+  EXPECT_FLOAT_EQ(second.pose[2][1], -0.1f);
+  EXPECT_NEAR(second.pose[0][0], 0.1f, 0.02f);  // down
+  EXPECT_NEAR(second.pose[0][2], 0.2f, 0.02f);  // to the right shoulder
+}
+
+TEST(LiveLinkRecording, TimecodesOfOtherRatesAndOverMidnight) {
+  const TemporaryFolder folder;
+  // A phone that records every other frame of its clock, and Windows' line ends.
+  std::string text = std::string("\xef\xbb\xbf") + kHeader;
+  text.insert(text.size() - 1, "\r");
+  text +=
+      "23:59:59:56.000,61,1,0,0,0\r\n23:59:59:58.000,61,1,0,0,0\r\n"
+      "00:00:00:00.000,61,1,0,0,0\r\n00:00:01:00.000,61,1,0,0,0\r\n"
+      "00:00:02:00.000,61,1,0,0,0\r\n";
+  ScoreRecording recording = LoadScores(Written(folder, text));
+  EXPECT_EQ(recording.frames_per_second, 30);
+  ASSERT_EQ(recording.frames.size(), 5u);
+  const int64_t expected[] = {0, 1, 2, 32, 62};
+  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(recording.frames[i].timestep, expected[i]);
+  // 24 frames a second, of which some come twice.
+  text = kHeader;
+  for (int second = 0; second < 3; ++second)
+    for (int frame = 0; frame < 48; ++frame)
+      text += Format("10:00:{:02d}:{:02d}.{}00,61,{},0,0,0\n",
+                     second,
+                     frame / 2,
+                     frame % 2 * 4,
+                     frame % 2 * 0.5);
+  recording = LoadScores(Written(folder, text));
+  EXPECT_EQ(recording.frames_per_second, 24);
+  ASSERT_EQ(recording.frames.size(), 72u);
+  EXPECT_EQ(recording.frames[71].timestep, 71);
+  EXPECT_EQ(recording.frames[71].scores.at("jawOpen"), 0.5f);  // the later one
+}
+
+TEST(LiveLinkRecording, ErrorsNameLineColumnAndValue) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& text, const std::vector<std::string>& parts) {
+    const std::string path = Written(folder, text);
+    ExpectError([&] { LoadScores(path); }, parts);
+  };
+  const std::string header = kHeader, row = "10:00:00:00.000,61,0.5,0,0,0\n";
+  expect("a,b\n1,2\n", {"take.csv", "Timecode", "is no column"});
+  expect("", {"take.csv", "Timecode"});
+  expect("Timecode,BlendShapeCount,JawOpen\n" + row, {"HeadPitch", "is no column"});
+  expect(header, {"take.csv", "no row has scores"});
+  expect(header + "10:00:00:00.000,0\n", {"no row has scores"});
+  expect(header + row + "10:00:00:01.000,61,0.5\n", {"line 3", "has 3 cells, expected 6"});
+  expect(header + row + "10:00:00:01.000,61,x,0,0,0\n", {"line 3, JawOpen", "found 'x'"});
+  expect(header + "10:00:00:01.000,61,40,0,0,0\n", {"line 2, JawOpen", "found '40'"});
+  expect(header + "10:00:00:01.000,61,nan,0,0,0\n", {"line 2, JawOpen", "found 'nan'"});
+  expect(header + "10:00:00:01.000,61,0,0,9,0\n", {"line 2, HeadPitch", "found '9'"});
+  for (const char* time :
+       {"", "10:00", "25:00:00:00", "10:60:00:00", "10:00:00:00:1", "10:00:00:61"})
+    expect(header + time + ",61,0,0,0,0\n", {"line 2, Timecode", time});
+  expect(header + row + "09:00:00:00.000,61,0,0,0,0\n", {"line 3, Timecode", "earlier"});
+  ExpectError([&] { LoadScores(folder / "none.csv"); }, {"none.csv", "cannot be read"});
+}
+
+}  // namespace
+}  // namespace cosplat
