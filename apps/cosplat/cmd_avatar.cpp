@@ -1,4 +1,5 @@
 // cosplat avatar: from a video of a head to a trained avatar, with its report and a playback.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
+#include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -17,7 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// As many as an avatar needs, and as take minutes.
+constexpr int kChosenFrames = 400;
+
 struct AvatarCommand : AvatarOptions {
+  LandmarkRunOptions marks;
   TrackRunOptions track;
   std::string out;
 };
@@ -28,46 +34,74 @@ void Say(const AvatarCommand& o, const char* step) {
   std::fflush(stdout);
 }
 
-// Landmarks that an earlier run found in this video are kept: they take longest to find.
-bool HasLandmarks(const AvatarCommand& o, const std::string& file) {
-  if (!fs::exists(file) || fs::last_write_time(file) < fs::last_write_time(o.track.source))
-    return false;
-  return ReadLandmarks(file).source == o.track.source;
+// Of frames of this size, and as many.
+bool AreAsAsked(const LandmarkVideo& marks,
+                const LandmarkRunOptions& asked,
+                const FrameSource& frames) {
+  const int side = std::max(frames.width(), frames.height());
+  const int size =
+      marks.crop ? std::min(asked.size, marks.crop->side) : (asked.size == 0 ? side : asked.size);
+  const bool all = asked.frames == 0 || frames.count() <= asked.frames;
+  return (marks.crop ? marks.width == size : side <= size) &&
+         int(marks.frames.size()) == (all ? frames.count() : asked.frames);
 }
 
-std::string LandmarksOf(const AvatarCommand& o) {
+// Landmarks that an earlier run found in this video are kept: they take longest to find. Which
+// mattes it had is not known.
+bool HasLandmarks(const AvatarCommand& o, const FrameSource& frames) {
+  const std::string& file = o.marks.out;
+  if (!o.marks.matte.empty() || !fs::exists(file) ||
+      fs::last_write_time(file) < fs::last_write_time(o.track.source))
+    return false;
+  const LandmarkVideo marks = ReadLandmarks(file);
+  return marks.source == o.track.source && AreAsAsked(marks, o.marks, frames);
+}
+
+std::string LandmarksOf(const AvatarCommand& o, FrameSource& frames) {
   if (!o.landmarks.empty()) return o.landmarks;
-  const std::string file = o.out + "/landmarks.json";
-  if (HasLandmarks(o, file)) {
+  if (HasLandmarks(o, frames)) {
     Say(o, "1/4 Landmarks are there from an earlier run");
-    return file;
+    return o.marks.out;
   }
   Say(o, "1/4 Finding the face's landmarks");
   MakeDirectories(o.out);
-  DetectLandmarks({o.track.source, file, o.quiet});
-  return file;
+  DetectLandmarks(o.marks, frames);
+  return o.marks.out;
 }
 
 void MakeAvatar(AvatarCommand o, const std::string& config) {
-  const FrameSource frames(o.track.source);  // so that a broken video is found first
+  // What is broken is found first.
+  auto frames = std::make_unique<FrameSource>(o.track.source);
+  LoadFlameModel(o.flame);
+  o.marks.source = o.track.source;
+  o.marks.out = o.out + "/landmarks.json";
+  o.marks.quiet = o.quiet;
   o.track.flame = o.flame;
   o.track.out = o.source = o.out + "/track";
   o.track.quiet = o.quiet;
   o.model = o.out + "/avatar";
   const RunStart start = ChooseStart(o, config);
   o.resume = start != RunStart::kNew;  // the question is not asked again
-  o.landmarks = o.track.landmarks = LandmarksOf(o);
+  o.landmarks = o.track.landmarks = LandmarksOf(o, *frames);
   if (o.resume && fs::exists(o.source + "/flame_params.json")) {
     Say(o, "2/4 The track is there from an earlier run");
   } else {
     Say(o, "2/4 Fitting FLAME to them");
-    RunTracking(o.track);
+    RunTracking(o.track, *frames);
   }
+  frames.reset();  // with what it keeps
   Say(o, "3/4 Training an avatar, and evaluating it on frames that it has not seen");
   TrainAvatar(o, config);
   Say(o, "4/4 Writing the report and a playback");
   WriteReport(o.model, o.quiet);
-  RenderVideo(o.model, o.track.out, o.out + "/playback.mp4", o.device, o.quiet);
+  const bool chosen =
+      ReadLandmarks(o.landmarks).held_out > 0;  // the others do not follow each other
+  RenderVideo(o.model,
+              chosen ? VideoOf::kTestFrames : VideoOf::kSequence,
+              o.track.out,
+              o.out + "/playback.mp4",
+              o.device,
+              o.quiet);
   if (!o.quiet)
     std::printf(
         "track     %s/track.html\nreport    %s/report.html\nplayback  %s/playback.mp4\n"
@@ -85,12 +119,16 @@ void AddAvatar(CLI::App& app) {
       "avatar", "from a video of a head to an avatar: landmarks, track, training, playback");
   const auto o = std::make_shared<AvatarCommand>();
   o->eval = true;
+  o->marks.frames = kChosenFrames;
   BeginGroup(*command, "Data");
   command->add_option("video", o->track.source, "a video file, or a folder of images")->required();
   command->add_option("-o,--out", o->out, "where results go")->required();
   BeginGroup(*command, "More: track");
+  DeclareLandmarks(o->marks, *command);
   DeclareTracking(o->track, *command);
   o->DeclareTraining(*command);
+  for (const char* of_images : {"--size", "--frames", "--matte"})
+    command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {
     o->Settle(*command);
     MakeAvatar(*o, ConfigOf(app, *command));

@@ -1,28 +1,32 @@
 // cosplat landmarks: the points of the face in each frame of a video, and mattes, by MediaPipe in
 // headless Chromium.
 //
-// FrameSource -> apps/landmarks/detect.mjs (node, Chromium) -> a landmark file with its mattes,
-// which `cosplat track` reads.
+// FrameSource -> FaceDetector on a few frames -> HeadCrop -> FrameSource::Crop -> FaceDetector ->
+// ChooseFrames -> a landmark file with its mattes, which `cosplat track` reads.
 #include <tbb/parallel_for.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <numeric>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/face_detector.h"
 #include "apps/cosplat/run/frame_source.h"
 #include "apps/cosplat/run/notes.h"
-#include "apps/cosplat/run/process.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/video_mattes.h"
+#include "flame/fit/choose_frames.h"
+#include "flame/fit/head_crop.h"
 #include "flame/fit/landmark_scores.h"
-#include "flame/io/landmarks.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
-#include "splat/base/json.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -30,203 +34,249 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder that is removed with all that is in it.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "cosplat-landmarks-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Error(name, "cannot be created");
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
+// Frames in which the head is looked for, and their longer side, px.
+constexpr size_t kCoarseFrames = 64, kFramesOfWindows = 12;
+constexpr int kCoarseSide = 640;
+// Apart by so much, no face is taken for one that moved.
+constexpr double kApart = 1000;  // milliseconds
 
- private:
-  std::string path_;
-};
-
-struct Programs {
-  std::string node, npm, chromium;
-};
-
-Programs FindPrograms() {
-  Programs found{FindProgram("node"), FindProgram("npm"), ""};
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-    if (found.chromium.empty()) found.chromium = FindProgram(name);
-  std::string missing;
-  for (const auto& [name, path] : {std::pair("nodejs", found.node),
-                                   std::pair("npm", found.npm),
-                                   std::pair("chromium", found.chromium)})
-    if (path.empty()) missing += std::string(" ") + name;
-  if (!missing.empty())
-    throw Error("landmarks",
-                "need programs that are not installed: on Debian and Ubuntu `apt-get install" +
-                    missing + "` does so");
-  return found;
-}
-
-// Where detect.mjs is: beside the installed command, or in the source folder.
-std::string ProgramFolder() {
-  std::error_code ignored;
-  const fs::path self = fs::read_symlink("/proc/self/exe", ignored);
-  const fs::path installed = self.parent_path().parent_path() / "share/cosplat/landmarks";
-  return fs::exists(installed / "detect.mjs") ? installed.string() : COSPLAT_LANDMARKS_FOLDER;
-}
-
-std::string CacheFolder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
-    return std::string(cache) + "/cosplat/landmarks";
-  const char* home = std::getenv("HOME");
-  if (!home || !*home) throw Error("HOME", "is not set: MediaPipe's packages need a cache folder");
-  return std::string(home) + "/.cache/cosplat/landmarks";
-}
-
-// The folder of MediaPipe's packages as the lock file names them; installs them if they are not
-// there. An interrupted installation lacks the copy of the lock file, and is done again.
-std::string ModulesFolder(const Programs& programs, const std::string& program_folder, bool quiet) {
-  const std::string cache = CacheFolder(), lock = cache + "/package-lock.json";
-  const std::string wanted = program_folder + "/package-lock.json",
-                    done = cache + "/installed.json";
-  if (fs::exists(done) && ReadFile(done) == ReadFile(wanted)) return cache + "/node_modules";
-  if (!quiet)
-    std::printf("Installing MediaPipe's face mesh and selfie segmentation (npm, once): %s\n",
-                cache.c_str());
-  std::fflush(stdout);
-  MakeDirectories(cache);
-  const auto replace = fs::copy_options::overwrite_existing;
-  for (const char* name : {"package.json", "package-lock.json"})
-    fs::copy_file(program_folder + "/" + name, cache + "/" + name, replace);
-  std::string last;
-  const int status = RunProcess(
-      {programs.npm, "ci", "--prefix", cache, "--no-audit", "--no-fund", "--loglevel", "error"},
-      {},
-      [&](const std::string& line) {
-        if (!line.empty()) last = line;
-      });
-  if (status != 0)
-    throw Error("npm", ExitText(status) + (last.empty() ? "" : ": " + last) + " (" + cache + ")");
-  fs::copy_file(wanted, done, replace);
-  return cache + "/node_modules";
-}
-
-// Writes the frames for the browser: without an alpha channel, which would hide what is under it.
-void WriteFrames(const FrameSource& frames, const std::string& folder, bool quiet) {
-  ProgressBar bar("decode", frames.count(), quiet);
-  constexpr int kAhead = 16;
-  for (int begin = 0; begin < frames.count(); begin += kAhead) {
+// Reads frames in their order, some ahead of what is done with them in parallel.
+void ForFrames(const std::vector<size_t>& which,
+               const std::function<Image8(int)>& read,
+               const std::function<void(size_t i, const Image8&)>& use,
+               const std::function<void(int done)>& progress) {
+  constexpr size_t kAhead = 16;
+  for (size_t begin = 0; begin < which.size(); begin += kAhead) {
     std::vector<Image8> images;
-    const int end = std::min(begin + kAhead, frames.count());
-    for (int f = begin; f < end; ++f) images.push_back(frames.Read(f));
-    tbb::parallel_for(begin, end, [&](int f) {
-      WriteImage(folder + "/" + std::to_string(f) + ".jpg", images[size_t(f - begin)]);
-    });
+    const size_t end = std::min(begin + kAhead, which.size());
+    for (size_t i = begin; i < end; ++i) images.push_back(read(int(which[i])));
+    tbb::parallel_for(begin, end, [&](size_t i) { use(i, images[i - begin]); });
+    progress(int(end));
+  }
+}
+
+// A part of the frames.
+struct Window {
+  int x, y, width, height;
+};
+
+// Squares of half the frames' shorter side that overlap by half.
+std::vector<Window> SmallWindows(int width, int height) {
+  const int side = std::max(1, std::min(width, height) / 2);
+  const auto places = [&](int length) {
+    std::vector<int> at;
+    const int count = 1 + (length - side + side / 2 - 1) / std::max(1, side / 2);
+    for (int i = 0; i < count; ++i) at.push_back(count > 1 ? i * (length - side) / (count - 1) : 0);
+    return at;
+  };
+  std::vector<Window> windows;
+  for (const int y : places(height))
+    for (const int x : places(width)) windows.push_back({x, y, side, side});
+  return windows;
+}
+
+Image8 CutOut(const Image8& image, const Window& w) {
+  Image8 part(w.width, w.height, image.channels);
+  for (int y = 0; y < w.height; ++y)
+    std::copy_n(
+        &image.at(w.x, w.y + y, 0), size_t(w.width) * size_t(image.channels), &part.at(0, y, 0));
+  return part;
+}
+
+// Faces in `count` frames spread over the video, which are looked for in each of the windows, all
+// of one size. [frames] px of the frame.
+std::vector<std::vector<DetectedFace>> SearchFaces(const LandmarkRunOptions& o,
+                                                   const FrameSource& frames,
+                                                   size_t count,
+                                                   const std::vector<Window>& windows) {
+  const size_t total = size_t(frames.count());
+  count = std::min(count, total);
+  std::vector<size_t> which;
+  for (size_t i = 0; i < count; ++i) which.push_back((2 * i + 1) * total / (2 * count));
+  std::vector<double> times;
+  for (size_t i = 0; i < count * windows.size(); ++i) times.push_back(kApart * double(i));
+  const Window& first = windows[0];
+  const double scale = std::min(1.0, double(kCoarseSide) / std::max(first.width, first.height));
+  const int width = std::max(1, int(std::lround(scale * first.width)));
+  const int height = std::max(1, int(std::lround(scale * first.height)));
+  FaceDetector detector(width, height, o.quiet);
+  ProgressBar bar("find the head", int(count + times.size()), o.quiet);
+  ForFrames(
+      which,
+      [&](int f) { return frames.ReadWhole(f); },
+      [&](size_t i, const Image8& image) {
+        for (size_t w = 0; w < windows.size(); ++w)
+          detector.Add(i * windows.size() + w,
+                       ResizeByArea(CutOut(image, windows[w]), width, height));
+      },
+      [&](int done) { bar.Update(done, "images"); });
+  detector.Run(times, false, [&](int done) { bar.Update(int(count) + done, "images"); });
+  const auto found = detector.Faces();
+  std::vector<std::vector<DetectedFace>> faces(count);
+  for (size_t i = 0; i < found.size(); ++i)
+    for (DetectedFace face : found[i]) {
+      const Window& w = windows[i % windows.size()];
+      for (auto& [x, y] : face.points) {
+        x = w.x + x * w.width / width;
+        y = w.y + y * w.height / height;
+      }
+      faces[i / windows.size()].push_back(std::move(face));
+    }
+  return faces;
+}
+
+size_t WithFaces(const std::vector<std::vector<DetectedFace>>& faces) {
+  return size_t(std::count_if(faces.begin(), faces.end(), [](auto& f) { return !f.empty(); }));
+}
+
+// The square around the head; none where the frames are no larger than it would be as an image.
+std::optional<FrameCrop> FindCrop(const LandmarkRunOptions& o, const FrameSource& frames) {
+  const int width = frames.width(), height = frames.height();
+  if (o.size == 0 || std::max(width, height) <= o.size) return {};
+  auto faces = SearchFaces(o, frames, kCoarseFrames, {{0, 0, width, height}});
+  // The detector sees no face that is smaller than some twentieth of its image.
+  if (2 * WithFaces(faces) < faces.size()) {
+    auto small = SearchFaces(o, frames, kFramesOfWindows, SmallWindows(width, height));
+    if (WithFaces(small) * faces.size() > WithFaces(faces) * small.size()) faces = std::move(small);
+  }
+  if (WithFaces(faces) == 0)
+    throw Error(o.source,
+                Format("has no face in any of {} frames that were looked at", faces.size()));
+  return HeadCrop(faces, width, height, o.size);
+}
+
+std::vector<double> MillisecondsOf(const LandmarkVideo& video) {
+  std::vector<double> times;
+  for (const LandmarkFrame& frame : video.frames)
+    times.push_back(1000 * frame.frame / video.rate());
+  return times;
+}
+
+// Leaves the frames that are worth training on, and returns where they were in `video`.
+std::vector<size_t> KeepBest(const FaceDetector& detector, int wanted, LandmarkVideo& video) {
+  std::vector<double> sharpness(video.frames.size());
+  tbb::parallel_for(size_t(0), video.frames.size(), [&](size_t f) {
+    if (!video.frames[f].faces.empty())
+      sharpness[f] = SharpnessOf(detector.Added(f), video.frames[f].faces[0].points);
+  });
+  const std::vector<size_t> kept = ChooseFrames(video, sharpness, wanted);
+  std::vector<LandmarkFrame> best;
+  for (const size_t f : kept) best.push_back(std::move(video.frames[f]));
+  video.frames = std::move(best);
+  return kept;
+}
+
+// Mattes made by somebody count before the frames' alpha, and that before what the detector found
+// in the images `found_as`, which is refined.
+void WriteMattes(const LandmarkRunOptions& o,
+                 const FrameSource& frames,
+                 const std::optional<OwnMattes>& own,
+                 const FaceDetector& detector,
+                 const std::vector<size_t>& found_as,
+                 LandmarkVideo& video) {
+  const std::string to = (fs::path(o.out).parent_path() / "mattes").string();
+  MakeDirectories(to);
+  const int count = int(video.frames.size());
+  ProgressBar bar("mattes", count, o.quiet);
+  const auto write = [&](int i, const Image8& matte) {
+    LandmarkFrame& frame = video.frames[size_t(i)];
+    frame.matte = to + "/" + frame.name + ".png";
+    WriteImage(frame.matte, matte);
+  };
+  if (own || frames.has_alpha()) {  // a video is read in its order
+    for (int i = 0; i < count; ++i) {
+      const int f = video.frames[size_t(i)].frame;
+      write(i, own ? own->Read(f) : frames.Alpha(f));
+      bar.Update(i + 1, "frames");
+    }
+    return;
+  }
+  const MatteRefiner refiner = RefinerOf(
+      video,
+      [&](int i) { return detector.Added(found_as[size_t(i)]); },
+      [&](int i) { return detector.Matte(found_as[size_t(i)]); });
+  constexpr int kAtOnce = 16;
+  for (int begin = 0; begin < count; begin += kAtOnce) {
+    const int end = std::min(begin + kAtOnce, count);
+    tbb::parallel_for(begin, end, [&](int i) { write(i, refiner.Refine(i)); });
     bar.Update(end, "frames");
   }
 }
 
-void Detect(const Programs& programs,
-            const std::string& modules,
-            const FrameSource& frames,
-            const std::string& folder,
-            bool quiet) {
-  ProgressBar bar("landmarks", frames.count(), quiet, OffTerminal::kLines);
-  std::string last;
-  const int status = RunProcess({programs.node,
-                                 ProgramFolder() + "/detect.mjs",
-                                 "--chromium",
-                                 programs.chromium,
-                                 "--modules",
-                                 modules,
-                                 "--frames",
-                                 folder,
-                                 "--count",
-                                 std::to_string(frames.count()),
-                                 "--width",
-                                 std::to_string(frames.width()),
-                                 "--height",
-                                 std::to_string(frames.height())},
-                                {},
-                                [&](const std::string& line) {
-                                  int done = 0;
-                                  if (std::sscanf(line.c_str(), "frame %d", &done) == 1)
-                                    bar.Update(std::clamp(done, 0, frames.count()), "frames");
-                                  else if (!line.empty())
-                                    last = line;
-                                });
-  if (status != 0)
-    throw Error("landmarks", "node " + ExitText(status) + (last.empty() ? "" : ": " + last));
-}
-
-DetectedFace FaceIn(const JsonField& field) {
-  DetectedFace face;
-  for (size_t p = 0; p < field.size(); ++p)
-    face.points.push_back({field[p][0].Number(), field[p][1].Number()});
-  return face;
-}
-
-LandmarkVideo FacesIn(const std::string& path,
-                      const FrameSource& frames,
-                      const std::string& source) {
-  const JsonField found(path, ReadJson(path));
-  LandmarkVideo video;
-  video.source = source;
-  video.width = frames.width(), video.height = frames.height();
-  video.frames_per_second = frames.frames_per_second();
-  for (int f = 0; f < frames.count(); ++f) {
-    video.frames.push_back({frames.Name(f), f, {}, ""});
-    const JsonField faces = found[size_t(f)];
-    for (size_t i = 0; i < faces.size(); ++i) video.frames.back().faces.push_back(FaceIn(faces[i]));
-  }
-  return video;
-}
-
-// The browser's mattes are a byte per pixel, rows from the top.
-Image8 ReadMatte(const std::string& path, const LandmarkVideo& video) {
-  const std::vector<char> bytes = ReadFile(path);
-  Image8 matte(video.width, video.height, 1);
-  if (bytes.size() != matte.data.size())
-    throw Error(path, Format("has {} bytes, expected {}", bytes.size(), matte.data.size()));
-  std::copy(bytes.begin(), bytes.end(), matte.data.begin());
-  return matte;
-}
-
-// Frames' own alpha counts before what the browser found in `from`.
-void WriteMattes(const FrameSource& frames,
-                 const std::string& from,
-                 const std::string& to,
-                 LandmarkVideo& video) {
-  MakeDirectories(to);
-  const auto write = [&](size_t f) {
-    const Image8 matte = frames.has_alpha() ? frames.Alpha(int(f))
-                                            : ReadMatte(Format("{}/{}.matte", from, f), video);
-    video.frames[f].matte = to + "/" + video.frames[f].name + ".png";
-    WriteImage(video.frames[f].matte, matte);
-  };
-  if (!frames.has_alpha()) return tbb::parallel_for(size_t(0), video.frames.size(), write);
-  for (size_t f = 0; f < video.frames.size(); ++f) write(f);  // a video is read in its order
-}
-
 }  // namespace
 
-void DetectLandmarks(const LandmarkRunOptions& o) {
-  const FrameSource frames(o.source);
-  PrintNotes(frames.notes());
-  const Programs programs = FindPrograms();
-  const std::string modules = ModulesFolder(programs, ProgramFolder(), o.quiet);
-  const ScratchFolder scratch;
-  WriteFrames(frames, scratch.path(), o.quiet);
-  Detect(programs, modules, frames, scratch.path(), o.quiet);
-  LandmarkVideo video = FacesIn(scratch.path() + "/faces.json", frames, o.source);
-  const size_t seen = size_t(std::count_if(
-      video.frames.begin(), video.frames.end(), [](const auto& f) { return !f.faces.empty(); }));
+void DetectLandmarks(const LandmarkRunOptions& o, FrameSource& frames) {
+  std::optional<OwnMattes> own;
+  if (!o.matte.empty()) own.emplace(o.matte, frames);
+  const std::optional<FrameCrop> crop = FindCrop(o, frames);
+  if (crop) frames.Crop(*crop);
+  if (crop && own) own->Crop(*crop);
+  LandmarkVideo video;
+  video.source = o.source;
+  video.width = frames.width(), video.height = frames.height();
+  video.crop = crop;
+  video.frames_per_second = frames.frames_per_second();
+  const FrameSelection choice = FramesToLookAt(size_t(frames.count()), o.frames, video.rate());
+  video.held_out = choice.held_out;
+  for (const size_t f : choice.frames)
+    video.frames.push_back({frames.Name(int(f)), int(f), {}, ""});
+  const int count = int(choice.frames.size());
+  FaceDetector detector(frames.width(), frames.height(), o.quiet);
+  ProgressBar decoding("decode", count, o.quiet);
+  ForFrames(
+      choice.frames,
+      [&](int f) { return frames.Read(f); },
+      [&](size_t i, const Image8& image) { detector.Add(i, image); },
+      [&](int done) { decoding.Update(done, "frames"); });
+  ProgressBar looking("landmarks", count, o.quiet, OffTerminal::kLines);
+  detector.Run(MillisecondsOf(video), true, [&](int done) { looking.Update(done, "frames"); });
+  auto faces = detector.Faces();
+  for (size_t f = 0; f < video.frames.size(); ++f) video.frames[f].faces = std::move(faces.at(f));
+  const auto seen = std::count_if(
+      video.frames.begin(), video.frames.end(), [](const auto& f) { return !f.faces.empty(); });
   if (seen == 0) throw Error(o.source, "has no face in any of its frames");
-  WriteMattes(frames, scratch.path(), (fs::path(o.out).parent_path() / "mattes").string(), video);
+  std::vector<size_t> found_as(video.frames.size());
+  std::iota(found_as.begin(), found_as.end(), size_t(0));
+  if (choice.held_out > 0) found_as = KeepBest(detector, o.frames, video);
+  WriteMattes(o, frames, own, detector, found_as, video);
   AddScores(video);
   WriteLandmarks(o.out, video);
-  if (!o.quiet) std::printf("faces in %zu of %d frames: %s\n", seen, frames.count(), o.out.c_str());
+  if (o.quiet) return;
+  std::printf("faces in %d of %d frames", int(seen), count);
+  if (choice.held_out > 0)
+    std::printf(", of which %zu are kept, of %d", video.frames.size(), frames.count());
+  if (crop)
+    std::printf("; the head's square is %dx%d at %d, %d of %dx%d, as %dx%d",
+                crop->side,
+                crop->side,
+                crop->x,
+                crop->y,
+                crop->frame_width,
+                crop->frame_height,
+                crop->size,
+                crop->size);
+  std::printf(": %s\n", o.out.c_str());
+}
+
+void DeclareLandmarks(LandmarkRunOptions& o, CLI::App& command) {
+  command
+      .add_option(
+          "--size",
+          o.size,
+          "side of the images, in pixels: the head's square of larger frames becomes one of "
+          "at most this; 0: whole frames")
+      ->check(CLI::Range(0, 8192));
+  command
+      .add_option(
+          "--frames",
+          o.frames,
+          "of a longer video, choose so many frames that differ, the last fifth of them one "
+          "after the other for testing; 0: all")
+      ->check(CLI::Range(0, 100000));
+  command.add_option("--matte",
+                     o.matte,
+                     "your own mattes: a folder of images, named as the frames or in their order, "
+                     "or a grey video");
 }
 
 void AddLandmarks(CLI::App& app) {
@@ -236,8 +286,13 @@ void AddLandmarks(CLI::App& app) {
   command->add_option("video", o->source, "a video file, or a folder of images")->required();
   command->add_option("-o,--out", o->out, "file to write, .json; mattes/ goes beside it")
       ->required();
+  DeclareLandmarks(*o, *command);
   command->add_flag("--quiet", o->quiet, "print nothing but errors");
-  command->callback([o] { DetectLandmarks(*o); });
+  command->callback([o] {
+    FrameSource frames(o->source);
+    PrintNotes(frames.notes());
+    DetectLandmarks(*o, frames);
+  });
 }
 
 }  // namespace cosplat

@@ -300,6 +300,7 @@ void Render(const RenderOptions& o) {
 }  // namespace
 
 void RenderVideo(const std::string& model,
+                 VideoOf what,
                  const std::string& drive,
                  const std::string& out,
                  std::optional<Device> device,
@@ -309,8 +310,8 @@ void RenderVideo(const std::string& model,
   o.out = out;
   o.device = device;
   o.quiet = quiet;
-  o.drive = drive;
-  o.orbit = drive.empty();
+  if (what == VideoOf::kSequence) o.drive = drive;
+  o.orbit = what == VideoOf::kOrbit;
   Render(o);
 }
 
@@ -330,8 +331,8 @@ void AddRender(CLI::App& app) {
       command
           ->add_option("--drive",
                        o->drive,
-                       "play an avatar with the motion of this tracked video, .npz or landmarks "
-                       "file with blendshape scores")
+                       "play an avatar with the motion of this tracked video, .npz, landmarks "
+                       "file with blendshape scores or .csv of Live Link Face")
           ->excludes(orbit);
   command
       ->add_option("--random",

@@ -129,6 +129,17 @@ std::string TurnedHtml(const std::string& path) {
   return "<h2>From where it was not filmed</h2><img src='" + Embed(path, 1920) + "'>";
 }
 
+// Of the track that an avatar was trained on, if it is `cosplat track`'s.
+std::vector<std::string> AdviceOf(const std::string& source) {
+  const std::string path = source + "/track.json";
+  if (!fs::exists(path)) return {};
+  const JsonField track(path, ReadJson(path));
+  std::vector<std::string> advice;
+  for (size_t i = 0; track.Has("advice") && i < track["advice"].size(); ++i)
+    advice.push_back(track["advice"][i].String());
+  return advice;
+}
+
 std::string PreviewHtml(const std::string& test, const std::vector<std::string>& names) {
   std::string frames;
   for (const std::string& name : Spread(names, kPreviewFrames))
@@ -165,15 +176,15 @@ void WriteReport(const std::string& model, bool quiet) {
   for (const auto& [name, value] : psnr) names.push_back(name);
   const bool avatar = run["kind"].String() == "avatar";
   const std::string title = avatar ? "Head avatar" : "Scene";
-  const std::string body = "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
-                           "</h1><div class='row'><div>" + PreviewHtml(test, names) +
-                           "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) +
-                           "</div></div><h2>Rendered beside what was held out</h2>" +
-                           PairsHtml(test, names) + TurnedHtml(model + "/turned.png") +
-                           "<div class='row'>" + ViewChart(psnr) +
-                           (has_stats ? PhaseChart(NumbersIn(stats["phases_ms"])) : "") +
-                           BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
-                           EscapeXml(run.raw().dump(2)) + "</pre>";
+  const std::string body =
+      "<h1>" + title + " trained on " + EscapeXml(run["source"].String()) +
+      "</h1><div class='row'><div>" + PreviewHtml(test, names) +
+      "</div><div><h2>Held-out views</h2>" + FiguresTable(results, stats) + "</div></div>" +
+      AdviceHtml(AdviceOf(run["source"].String())) + "<h2>Rendered beside what was held out</h2>" +
+      PairsHtml(test, names) + TurnedHtml(model + "/turned.png") + "<div class='row'>" +
+      ViewChart(psnr) + (has_stats ? PhaseChart(NumbersIn(stats["phases_ms"])) : "") +
+      BudgetChart(model + "/budget.json") + "</div><h2>Settings</h2><pre>" +
+      EscapeXml(run.raw().dump(2)) + "</pre>";
   WriteFileAtomically(model + "/report.html", HtmlPage(title, body));
   if (!quiet) std::printf("report: %s/report.html\n", model.c_str());
 }

@@ -191,7 +191,7 @@ void Train(SceneCommand o, const std::string& config) {
   o.resume = !o.overwrite;
   TrainScene(o, config, OneRank());
   if (o.eval) WriteReport(o.model, o.quiet);
-  if (!fs::exists(orbit)) RenderVideo(o.model, "", orbit, o.device, o.quiet);
+  if (!fs::exists(orbit)) RenderVideo(o.model, VideoOf::kOrbit, "", orbit, o.device, o.quiet);
 }
 
 void Scene(const SceneCommand& o, const std::string& config) {

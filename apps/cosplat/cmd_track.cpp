@@ -24,7 +24,9 @@ void DeclareTracking(TrackRunOptions& o, CLI::App& command) {
   command.add_option("--landmark-embedding",
                      o.embedding,
                      ".npz that says where the landmarks are on the model, if it is not FLAME");
-  command.add_option("--focal", o.focal, "focal length in pixels, if it is known; 0: found")
+  command
+      .add_option(
+          "--focal", o.focal, "focal length in pixels of the whole frame, if it is known; 0: found")
       ->check(CLI::Range(0.0, 1e6));
   command.add_flag("--silhouette",
                    o.silhouette,
@@ -138,7 +140,11 @@ void RunRefinement(const TrackRunOptions& o) {
 }
 
 void Track(const TrackRunOptions& o) {
-  if (!o.landmarks.empty()) return RunTracking(o);
+  if (!o.landmarks.empty()) {
+    FrameSource frames(o.source);
+    PrintNotes(frames.notes());
+    return RunTracking(o, frames);
+  }
   if (TrackLayoutOf(o.source).empty())
     throw Error("--landmarks",
                 "is missing, and '" + o.source +

@@ -11,6 +11,7 @@
 
 namespace cosplat {
 
+class FrameSource;
 class Ranks;
 struct AvatarOptions;
 struct SceneTrainOptions;
@@ -38,14 +39,19 @@ void AddTrainScene(CLI::App& app);
 struct LandmarkRunOptions {
   std::string source;  // a video, or a folder of images
   std::string out;     // .json; mattes go into mattes/ beside it
+  int size = 512;      // px, the images' longest side; 0: of whole frames
+  int frames = 0;      // at most so many are chosen; 0: all
   bool quiet = false;
+  std::string matte;  // own mattes, of OwnMattes; or empty
 };
 
 // Writes report.html of the run in `model`. Throws Error if it has no test images.
 void WriteReport(const std::string& model, bool quiet);
-// As `render --drive SEQUENCE`, or --orbit if `drive` is empty: `out` is a folder or ends in .mp4.
-// Throws Error if the run saved no splats.
+// As `render --orbit`, as without it, or as `render --drive DRIVE`.
+enum class VideoOf { kOrbit, kTestFrames, kSequence };
+// `out` is a folder or ends in .mp4. Throws Error if the run saved no splats.
 void RenderVideo(const std::string& model,
+                 VideoOf what,
                  const std::string& drive,
                  const std::string& out,
                  std::optional<Device> device,
@@ -59,11 +65,14 @@ void TrainAvatar(AvatarOptions options, const std::string& config);
 // the options cannot be used; Stopped as RunTraining does. ranks: with whom it trains; rank 0 alone
 // writes and prints.
 void TrainScene(SceneTrainOptions o, const std::string& config, std::shared_ptr<Ranks> ranks);
-// As `landmarks`. The first use installs MediaPipe's packages by npm into the user's cache folder,
-// and says so; later ones need no network. Shows progress and prints a summary. Throws Error that
-// says what to install if node, npm or Chromium is missing, and if one of them fails or no frame
-// has a face; nothing is written then.
-void DetectLandmarks(const LandmarkRunOptions& options);
+// As `landmarks`, of frames of options.source, which are cropped to the head where it says so. The
+// first use installs MediaPipe's packages by npm into the user's cache folder, and says so; later
+// ones need no network. Shows progress and prints a summary. Throws Error that says what to install
+// if node, npm or Chromium is missing, and if one of them fails or no frame has a face; nothing is
+// written then.
+void DetectLandmarks(const LandmarkRunOptions& options, FrameSource& frames);
+// The options of `landmarks` that `avatar` has, too.
+void DeclareLandmarks(LandmarkRunOptions& options, CLI::App& command);
 // The options of `track` that `avatar` has, too.
 void DeclareTracking(TrackRunOptions& options, CLI::App& command);
 

@@ -1,13 +1,15 @@
 // Runs MediaPipe's face mesh and selfie segmentation over images, in headless Chromium.
 //
-//   node detect.mjs --chromium PROGRAM --modules FOLDER --frames FOLDER --count N
-//                   --width W --height H
+//   node detect.mjs --chromium PROGRAM --modules FOLDER --jobs face,matte --width W --height H
+//                   --frames FOLDER
 //
-// FOLDER of frames has 0.jpg ... N-1.jpg; faces.json (per frame a list of faces, each a list of
-// [x, y] in pixels) and 0.matte ... (a byte per pixel, rows from the top) are written beside them.
-// FOLDER of modules is npm's node_modules. Prints "frame K" for each frame that both have seen.
+// FOLDER of frames has 0.jpg ... N-1.jpg of one size, and times.json: when each was taken, in
+// increasing milliseconds. faces.json (per frame a list of faces, each a list of [x, y] in pixels)
+// and 0.matte ... (a byte per pixel, rows from the top) are written beside them, by the job that
+// is asked for. FOLDER of modules is npm's node_modules. Prints "frame K" for each frame that all
+// jobs have seen.
 //
-// Both run in pages of their own, each of which asks for a frame and posts what it found with the
+// The jobs run in pages of their own, each of which asks for a frame and posts what it found with the
 // next request. The pages have different origins, so that Chromium gives each a process, and they
 // run on two cores.
 import { spawn } from "node:child_process";
@@ -17,15 +19,16 @@ import os from "node:os";
 import path from "node:path";
 import { parseArgs } from "node:util";
 
-const names = ["chromium", "modules", "frames", "count", "width", "height"];
+const names = ["chromium", "modules", "frames", "jobs", "width", "height"];
 const { values: options } = parseArgs({
   options: Object.fromEntries(names.map((name) => [name, { type: "string" }])),
 });
-const count = Number(options.count);
+const times = JSON.parse(fs.readFileSync(path.join(options.frames, "times.json")));
+const count = times.length;
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
-const jobs = ["face", "matte"];
-const next = { face: 0, matte: 0 };
-const found = { face: 0, matte: 0 };
+const jobs = options.jobs.split(",");
+const next = Object.fromEntries(jobs.map((job) => [job, 0]));
+const found = { ...next };
 const faces = new Array(count);
 const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-chromium-"));
 
@@ -46,11 +49,12 @@ function answer(job, result, response) {
     const frame = found[job]++;
     if (job === "face") faces[frame] = JSON.parse(result.toString());
     else fs.writeFileSync(path.join(options.frames, `${frame}.matte`), result);
-    const both = Math.min(found.face, found.matte);
-    if (frame === both - 1) console.log(`frame ${both}`);
+    const all = Math.min(...Object.values(found));
+    if (frame === all - 1) console.log(`frame ${all}`);
   }
   if (next[job] < count) {
     response.setHeader("content-type", "image/jpeg");
+    response.setHeader("x-milliseconds", times[next[job]]);
     response.end(fs.readFileSync(path.join(options.frames, `${next[job]++}.jpg`)));
     return;
   }
@@ -101,7 +105,8 @@ for (const signal of ["SIGINT", "SIGTERM", "SIGHUP"]) process.on(signal, () => s
 
 server.listen(0, "127.0.0.1", () => {
   const { port } = server.address();
-  const query = new URLSearchParams({ width: options.width, height: options.height });
+  const { jobs, width, height } = options;
+  const query = new URLSearchParams({ jobs, width, height });
   // SwiftShader draws on the CPU: the packages need WebGL to scale and to crop.
   const flags = [
     "--headless=new",

@@ -11,6 +11,8 @@ namespace {
 constexpr double kMaxStep = 0.5, kMaxGrowth = 1.5;
 // Frames without a face after which the same face need not be found again.
 constexpr int kMaxGap = 12;
+// Frames that are further apart than this, and not neighbours, do not follow each other.
+constexpr double kMaxStepSeconds = 0.05;
 
 struct Box {
   double left, top, right, bottom;
@@ -75,8 +77,9 @@ const DetectedFace* Choose(const LandmarkFrame& frame, const Box* last, bool& fo
 ChosenFaces ChooseFaces(const LandmarkVideo& video) {
   ChosenFaces chosen;
   std::optional<Box> last;
-  int gap = 0;
+  int gap = 0, last_frame = 0;
   size_t found = 0;
+  const double rate = video.rate();
   for (const LandmarkFrame& frame : video.frames) {
     bool follows;
     const DetectedFace* face = Choose(frame, last ? &*last : nullptr, follows);
@@ -86,11 +89,17 @@ ChosenFaces ChooseFaces(const LandmarkVideo& video) {
       if (++gap > kMaxGap) last.reset();
       continue;
     }
-    chosen.cuts += last && !follows;
+    const int step = frame.frame - last_frame;
+    const bool just_before = step == 1 || step <= kMaxStepSeconds * rate;
+    chosen.cuts += last && !follows && (just_before || gap > 0);
     const Box box = BoxOf(*face);
-    chosen.faces.push_back(
-        ObservedFace{face->points, WeightsOf(*face, video.set), box.size(), follows && gap == 0});
+    chosen.faces.push_back(ObservedFace{face->points,
+                                        WeightsOf(*face, video.set),
+                                        box.size(),
+                                        follows && gap == 0 && just_before,
+                                        frame.frame / rate});
     last = box;
+    last_frame = frame.frame;
     gap = 0;
     ++found;
   }

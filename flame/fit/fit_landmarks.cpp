@@ -51,7 +51,25 @@ constexpr int kRimRounds = 3, kRimIterations = 15;
 // means over this many frames to either side stand for where it is; it stays near them by these
 // standard deviations (radians, metres), and the neck takes the head's turns.
 constexpr size_t kBodyNumbers = 6, kBodyWindow = 25;
+// Of frames that are not neighbours in the video, those within this time, and some in any case.
+constexpr double kBodySeconds = 2;
+constexpr size_t kLeastBodyWindow = 6;
 constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
+
+// The images are all of the frames.
+FrameCrop Whole(int width, int height) { return {0, 0, 1, width, height, 1}; }
+
+FitLens LensOf(const FrameCrop& crop) {
+  return {crop.scale() * (crop.frame_width / 2.0 - crop.x),
+          crop.scale() * (crop.frame_height / 2.0 - crop.y)};
+}
+
+double LogFocalOf(const LandmarkFitOptions& options, const FrameCrop& crop) {
+  const double focal = options.focal > 0
+                           ? options.focal
+                           : kFocalPerSide * std::max(crop.frame_width, crop.frame_height);
+  return std::log(crop.scale() * focal);
+}
 
 int ExpressionCount(const FlameModel& model, int at_most) {
   const int lids = model.has_eyelids ? 2 : 0;
@@ -140,7 +158,7 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
       faces_(faces),
       width_(width),
       height_(height),
-      lens_{width / 2.0, height / 2.0},
+      lens_(LensOf(options.crop.value_or(Whole(width, height)))),
       points_(model,
               embedding,
               std::min(model.shape_count, options.shape_count),
@@ -150,7 +168,7 @@ LandmarkFitter::LandmarkFitter(const FlameModel& model,
              internal::StepSigma(points_.frame_size(), model.has_eyelids)},
       focal_given_(options.focal > 0),
       shape_(size_t(points_.shape_count())),
-      log_focal_(std::log(focal_given_ ? options.focal : kFocalPerSide * std::max(width, height))),
+      log_focal_(LogFocalOf(options, options.crop.value_or(Whole(width, height)))),
       frames_(faces.size()),
       views_(faces.size()) {
   shape_.reserve(shape_.size() + 1);  // Ceres takes no null pointer, not even for no numbers
@@ -250,8 +268,14 @@ void LandmarkFitter::FitFrames(bool near) {
 void LandmarkFitter::SettleBody() {
   for (size_t f = 0; f < frames_.size(); ++f) {
     if (frames_[f].empty()) continue;
-    const size_t begin = f - std::min(f, kBodyWindow);
-    const size_t end = std::min(f + kBodyWindow + 1, frames_.size());
+    const auto near = [&](size_t g) {
+      return std::max(f, g) - std::min(f, g) <= kLeastBodyWindow || !faces_[g] ||
+             std::abs(faces_[g]->seconds - faces_[f]->seconds) <= kBodySeconds;
+    };
+    size_t begin = f - std::min(f, kBodyWindow);
+    size_t end = std::min(f + kBodyWindow + 1, frames_.size());
+    while (!near(begin)) ++begin;
+    while (!near(end - 1)) --end;
     double count = 0;
     std::fill_n(prior_.rests[f].begin(), kBodyNumbers, 0.0);
     for (size_t g = begin; g < end; ++g) {

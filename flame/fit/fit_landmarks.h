@@ -21,7 +21,9 @@
 namespace cosplat {
 
 struct LandmarkFitOptions {
-  double focal = 0;  // px; 0: found, which needs a head that turns
+  double focal = 0;  // px of the whole frame; 0: found, which needs a head that turns
+  // Where in a frame the images are: the lens is in the middle of the whole frame.
+  std::optional<FrameCrop> crop;
   // At most as many coefficients, and no more than the model has; eyelids come on top.
   int shape_count = 100, expression_count = 100;
   // The image of a frame with a face: RGB, or RGBA with a matte; called in order. Empty: landmarks

@@ -6,6 +6,7 @@
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
+#include "splat/base/image.h"
 #include "splat/base/json.h"
 #include "splat/base/text.h"
 
@@ -93,6 +94,28 @@ LandmarkFrame FrameOf(const JsonField& field, const LandmarkVideo& video) {
   return frame;
 }
 
+FrameCrop CropOf(const JsonField& field, int width, int height) {
+  FrameCrop crop;
+  crop.frame_width = field["frame_width"].Integer(1, kMaxImageSide);
+  crop.frame_height = field["frame_height"].Integer(1, kMaxImageSide);
+  crop.side = field["side"].Integer(1, std::min(crop.frame_width, crop.frame_height));
+  crop.x = field["x"].Integer(0, crop.frame_width - crop.side);
+  crop.y = field["y"].Integer(0, crop.frame_height - crop.side);
+  crop.size = width;
+  if (width != height || width > crop.side)
+    field["side"].Fail(
+        Format("is {}, of which images of {} cannot be", crop.side, SizeText(width, height)));
+  return crop;
+}
+
+Json CropJson(const FrameCrop& crop) {
+  return {{"x", crop.x},
+          {"y", crop.y},
+          {"side", crop.side},
+          {"frame_width", crop.frame_width},
+          {"frame_height", crop.frame_height}};
+}
+
 double FrameRateIn(const JsonField& file) {
   const double rate = file.NumberOr("frames_per_second", 0);
   if (rate < 0) throw Error(file.file(), "frames_per_second", Format("is {}, below 0", rate));
@@ -113,6 +136,15 @@ Json FrameJson(const LandmarkFrame& frame, const fs::path& folder) {
 }
 
 }  // namespace
+
+Camera FrameCrop::WholeCamera(const Camera& of_square) const {
+  Camera whole = of_square;
+  whole.width = frame_width, whole.height = frame_height;
+  whole.fx = float(of_square.fx / scale()), whole.fy = float(of_square.fy / scale());
+  const auto [cx, cy] = InFrame({of_square.cx, of_square.cy});
+  whole.cx = float(cx), whole.cy = float(cy);
+  return whole;
+}
 
 const char* NameOf(LandmarkSet set) { return Named(set).name; }
 
@@ -135,10 +167,12 @@ LandmarkVideo ReadLandmarks(const std::string& path) {
   video.source = file["source"].String();
   video.width = file["width"].Integer(1, kMaxImageSide);
   video.height = file["height"].Integer(1, kMaxImageSide);
+  if (file.Has("crop")) video.crop = CropOf(file["crop"], video.width, video.height);
   video.frames_per_second = FrameRateIn(file);
   video.set = SetOf(file["landmarks"]);
   const JsonField frames = file["frames"];
   for (size_t i = 0; i < frames.size(); ++i) video.frames.push_back(FrameOf(frames[i], video));
+  if (file.Has("held_out")) video.held_out = file["held_out"].Integer(0, int(frames.size()));
   return video;
 }
 
@@ -152,6 +186,8 @@ void WriteLandmarks(const std::string& path, const LandmarkVideo& video) {
             {"frames_per_second", video.frames_per_second},
             {"landmarks", NameOf(video.set)},
             {"frames", Json::array()}};
+  if (video.crop) json["crop"] = CropJson(*video.crop);
+  if (video.held_out > 0) json["held_out"] = video.held_out;
   for (const LandmarkFrame& frame : video.frames)
     json["frames"].push_back(FrameJson(frame, folder));
   WriteFileAtomically(path, json.dump() + "\n");

@@ -7,8 +7,11 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "splat/base/camera.h"
 
 namespace cosplat {
 
@@ -36,13 +39,32 @@ struct LandmarkFrame {
   std::string matte;  // path of an 8-bit grey image, 255 where the person is; or empty
 };
 
+// A square of a video's frames, the same in all of them, as an image of its own.
+struct FrameCrop {
+  int x = 0, y = 0, side = 0;             // px of the frame: left, top, side
+  int frame_width = 0, frame_height = 0;  // px
+  int size = 0;                           // px, side of the image; at most `side`
+
+  double scale() const { return double(size) / side; }  // px of the image per px of the frame
+  // The camera of the whole frame, whose image this is a square of.
+  Camera WholeCamera(const Camera& of_square) const;
+  // A point of the image, px of the frame.
+  std::array<double, 2> InFrame(const std::array<double, 2>& point) const {
+    return {x + point[0] / scale(), y + point[1] / scale()};
+  }
+};
+
 struct LandmarkVideo {
-  std::string file;              // that it was read from, for messages
-  std::string source;            // the video or folder that was looked at, as then given
-  int width = 0, height = 0;     // of the images, px
-  double frames_per_second = 0;  // 0 if unknown
+  std::string file;               // that it was read from, for messages
+  std::string source;             // the video or folder that was looked at, as then given
+  int width = 0, height = 0;      // of the images, px; those of the crop, if there is one
+  std::optional<FrameCrop> crop;  // points and mattes are its
+  double frames_per_second = 0;   // 0 if unknown
   LandmarkSet set = LandmarkSet::kMediapipe478;
   std::vector<LandmarkFrame> frames;
+  int held_out = 0;  // of the frames, at the end, are for testing; 0: nobody said
+  // frames_per_second, or what is usual.
+  double rate() const { return frames_per_second > 0 ? frames_per_second : 25; }
   // Points of every face; 0 if there is none in a set of any number.
   int point_count() const;
 };

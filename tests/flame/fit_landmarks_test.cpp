@@ -213,6 +213,31 @@ TEST(FitLandmarks, FindsTheMadeHeadFromNoisyLandmarks) {
   EXPECT_LT(fit.error, 1.4);
 }
 
+// A square of the frames, at half their resolution, gives the same head and lens.
+TEST(FitLandmarks, FitsASquareOfTheFrames) {
+  SeenHead seen(12);
+  const LandmarkFit whole = seen.Fit();
+  const FrameCrop crop{90, 30, 400, kSize, kSize, 200};
+  for (auto& face : seen.faces) {
+    for (auto& [x, y] : face->points) x = (x - crop.x) / 2, y = (y - crop.y) / 2;
+    face->size /= 2;
+  }
+  LandmarkFitOptions options;
+  options.crop = crop;
+  const LandmarkFit fit =
+      FitLandmarks(seen.head.model, seen.embedding, seen.faces, crop.size, crop.size, options);
+  const Camera back = crop.WholeCamera(fit.camera);
+  EXPECT_NEAR(back.fx / whole.camera.fx, 1, 1e-4);
+  EXPECT_NEAR(back.cx, whole.camera.cx, 1e-3);
+  EXPECT_NEAR(back.cy, whole.camera.cy, 1e-3);
+  for (size_t f = 0; f < seen.faces.size(); ++f)
+    for (size_t p = 0; p < seen.embedding.size(); ++p) {
+      const auto point = crop.InFrame(fit.frames[f]->points[p]);
+      EXPECT_NEAR(point[0], whole.frames[f]->points[p][0], 0.01);
+      EXPECT_NEAR(point[1], whole.frames[f]->points[p][1], 0.01);
+    }
+}
+
 TEST(FitLandmarks, SameBitsForAnyNumberOfThreads) {
   const SeenHead seen(12);
   const auto fit = [&](size_t threads) {

@@ -61,6 +61,38 @@ TEST(LandmarkFile, IsReadAsWritten) {
   }
 }
 
+TEST(LandmarkFile, KeepsCropAndTestFrames) {
+  const TemporaryFolder folder;
+  LandmarkVideo video = ThreeFrames(folder);
+  video.width = video.height = 64;
+  video.crop = FrameCrop{30, 12, 90, 640, 480, 64};
+  video.held_out = 1;
+  const std::string path = folder / "marks.json";
+  WriteLandmarks(path, video);
+  const LandmarkVideo read = ReadLandmarks(path);
+  ASSERT_TRUE(read.crop);
+  EXPECT_EQ(read.crop->x, 30);
+  EXPECT_EQ(read.crop->y, 12);
+  EXPECT_EQ(read.crop->side, 90);
+  EXPECT_EQ(read.crop->frame_width, 640);
+  EXPECT_EQ(read.crop->frame_height, 480);
+  EXPECT_EQ(read.crop->size, 64);
+  EXPECT_EQ(read.held_out, 1);
+  const std::vector<char> text = ReadFile(path);
+  const auto damaged = [&](const char* at, int value, const std::vector<std::string>& words) {
+    LandmarkJson json = LandmarkJson::parse(text.begin(), text.end());
+    json[LandmarkJson::json_pointer(at)] = value;
+    WriteFileAtomically(path, json.dump());
+    ExpectError([&] { ReadLandmarks(path); }, words);
+  };
+  damaged("/crop/x", 560, {path, "crop.x", "560"});
+  damaged("/crop/y", -1, {"crop.y", "-1"});
+  damaged("/crop/side", 481, {"crop.side", "481"});
+  damaged("/crop/side", 60, {"crop.side", "60", "64x64"});
+  damaged("/height", 48, {"crop.side", "64x48"});
+  damaged("/held_out", 4, {"held_out", "4"});
+}
+
 // Each damage costs one line that names file, field and value.
 TEST(LandmarkFile, NamesWhatIsDamaged) {
   const TemporaryFolder folder;

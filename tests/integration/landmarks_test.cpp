@@ -42,7 +42,7 @@ struct Stage {
 
   // node, as detect.mjs leaves its folder of frames: each face is the same 478 points.
   void Node(const std::string& faces) const {
-    std::ofstream(folder / "matte", std::ios::binary) << std::string(kSide * kSide, char(200));
+    std::ofstream(folder / "matte", std::ios::binary) << std::string(kSide * kSide, char(255));
     Program("node",
             "while [ \"$1\" != --frames ]; do shift; done\n"
             "for i in 0 1 2; do cp '" +
@@ -59,8 +59,10 @@ struct Stage {
     return Json::array({points}).dump();
   }
 
-  CommandResult Run() const {
-    return Cosplat({"landmarks", images, "-o", out},
+  CommandResult Run(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"landmarks", images, "-o", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments,
                    "PATH='" + (folder / "bin") + ":/usr/bin:/bin' XDG_CACHE_HOME='" +
                        (folder / "cache") + "'");
   }
@@ -89,12 +91,85 @@ TEST(Landmarks, AreWrittenWithMattesAndScores) {
     EXPECT_EQ(video.frames[f].faces.size(), f == 1 ? 0u : 1u);
     const Image8 matte = ReadImage(video.frames[f].matte);
     EXPECT_EQ(matte.channels, 1);
-    EXPECT_EQ(matte.data[0], 200);
+    EXPECT_EQ(matte.data[0], 255);
   }
   EXPECT_EQ(video.frames[0].faces[0].blendshapes.count("jawOpen"), 1u);
   // The packages are there now.
   stage.Program("npm", "exit 1");
   EXPECT_EQ(stage.Run().code, 0);
+}
+
+// The head is looked for first; then all is about its square.
+TEST(Landmarks, AreThoseOfTheHeadsSquare) {
+  const Stage stage;
+  for (int i = 8; i < 11; ++i)
+    WriteImage(stage.images + "/" + std::to_string(i) + ".png", Image8(80, 60, 3, 90));
+  stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");
+  const CommandResult result = stage.Run({"--size", std::to_string(kSide)});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("60x60 at 0, 0 of 80x60, as 32x32"), std::string::npos) << result.out;
+  const LandmarkVideo video = ReadLandmarks(stage.out);
+  ASSERT_TRUE(video.crop);
+  EXPECT_EQ(video.crop->side, 60);
+  EXPECT_EQ(video.width, kSide);
+  EXPECT_EQ(ReadImageInfo(video.frames[2].matte).width, kSide);
+  // A choice of frames is exact.
+  ASSERT_EQ(stage.Run({"--size", std::to_string(kSide), "--frames", "2"}).code, 0);
+  const LandmarkVideo two = ReadLandmarks(stage.out);
+  ASSERT_EQ(two.frames.size(), 2u);
+  EXPECT_EQ(two.frames[1].name, "10");
+  EXPECT_EQ(two.held_out, 1);
+}
+
+TEST(Landmarks, TakeOwnMattes) {
+  const Stage stage;
+  stage.Node("[" + Stage::Face() + "," + Stage::Face() + "," + Stage::Face() + "]");
+  const std::string mattes = stage.folder / "mattes";
+  MakeDirectories(mattes);
+  const auto write = [&](const std::string& name, int side, int value) {
+    Image8 matte(side, side, 1, uint8_t(value));
+    for (int x = 0; x < side; ++x) matte.at(x, 0, 0) = uint8_t(8 * x);  // as soft as a matte
+    WriteImage(mattes + "/" + name + ".png", matte);
+  };
+  const auto refused = [&](const std::string& words) {
+    const CommandResult result = stage.Run({"--matte", mattes});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_TRUE(std::filesystem::is_empty(stage.folder / "out"));
+  };
+  write("8", kSide, 100), write("10", kSide, 102);
+  refused("has 2 mattes for 3 frames, and none for frame '9'");
+  for (const char* name : {"8", "9", "10"}) write(name, kSide + 1, 0);
+  refused("mattes are 33x33, the frames 32x32");
+  // By name, among others; then in order.
+  write("7", kSide, 99), write("8", kSide, 100), write("9", kSide, 101), write("10", kSide, 102);
+  const auto expect = [&](const std::vector<int>& values) {
+    const CommandResult result = stage.Run({"--matte", mattes});
+    ASSERT_EQ(result.code, 0) << result.err;
+    const LandmarkVideo video = ReadLandmarks(stage.out);
+    for (size_t f = 0; f < 3; ++f)
+      EXPECT_EQ(ReadImage(video.frames[f].matte).at(5, 5, 0), values[f]);
+  };
+  expect({100, 101, 102});
+  std::filesystem::remove(mattes + "/8.png");
+  expect({99, 101, 102});
+  // A grey video, whose black stays black although it is not quite 0.
+  VideoWriter writer(stage.folder / "mattes.mp4", kSide, kSide, 25);
+  for (int f = 0; f < 3; ++f) writer.Write(Image8(kSide, kSide, 3, uint8_t(f == 2 ? 3 : 200)));
+  writer.Finish();
+  ASSERT_EQ(stage.Run({"--matte", stage.folder / "mattes.mp4"}).code, 0);
+  EXPECT_NEAR(ReadImage(ReadLandmarks(stage.out).frames[1].matte).at(5, 5, 0), 200, 5);
+  EXPECT_NEAR(ReadImage(ReadLandmarks(stage.out).frames[2].matte).at(5, 5, 0), 3, 5);
+  const CommandResult both = Cosplat({"avatar",
+                                      stage.images,
+                                      "-o",
+                                      stage.folder / "avatar",
+                                      "--matte",
+                                      mattes,
+                                      "--landmarks",
+                                      stage.out});
+  EXPECT_EQ(both.code, 2);
+  EXPECT_NE(both.err.find("--matte excludes --landmarks"), std::string::npos) << both.err;
 }
 
 TEST(Landmarks, NameWhatIsMissingOrFails) {
@@ -148,6 +223,29 @@ TEST(Landmarks, AreFoundByChromium) {
       EXPECT_GT(frame.faces[0].points[1][size_t(k)], 85);
       EXPECT_LT(frame.faces[0].points[1][size_t(k)], 175);
     }
+  }
+  // The same head far away, in a corner of large frames.
+  const std::string large = folder / "large";
+  MakeDirectories(large);
+  for (const LandmarkFrame& frame : video.frames) {
+    const std::string name = "/" + frame.name + ".png";
+    const Image8 head = ResizeByArea(RgbOf(ReadImage(folder / ("head/image" + name))), 90, 90);
+    Image8 image(1280, 720, 3, head.at(0, 0, 0));
+    for (int y = 0; y < head.height; ++y)
+      for (int x = 0; x < head.width; ++x)
+        for (int c = 0; c < 3; ++c) image.at(1100 + x, 560 + y, c) = head.at(x, y, c);
+    WriteImage(large + name, image);
+  }
+  ASSERT_EQ(Cosplat({"landmarks", large, "-o", marks, "--size", "256", "--quiet"}).code, 0);
+  const LandmarkVideo far = ReadLandmarks(marks);
+  ASSERT_TRUE(far.crop);
+  EXPECT_LT(far.crop->side, 150);
+  for (size_t f = 0; f < 4; ++f) {
+    ASSERT_EQ(far.frames[f].faces.size(), 1u);
+    const auto nose = far.crop->InFrame(far.frames[f].faces[0].points[1]);
+    const auto& near = video.frames[f].faces[0].points[1];
+    EXPECT_NEAR(nose[0], 1100 + near[0] * 90 / 256, 3);
+    EXPECT_NEAR(nose[1], 560 + near[1] * 90 / 256, 3);
   }
 }
 

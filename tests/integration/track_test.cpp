@@ -93,6 +93,8 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
   EXPECT_EQ(figures["held_out_psnr"].size(), 2u);
   EXPECT_NE(result.out.find("small avatars had not seen"), std::string::npos) << result.out;
   EXPECT_EQ(ReadJson(filmed.track + "/skipped_frames.json")[0]["name"], "6");
+  EXPECT_NE(result.out.find("for a better avatar: There are 23 frames"), std::string::npos)
+      << result.out;
   EXPECT_NE(test::Slurp(filmed.track + "/track.html").find("data:image/jpeg"), std::string::npos);
 
   const CommandResult trained = Cosplat({"train-avatar",
@@ -109,6 +111,39 @@ TEST(Track, MakesAVideoThatAvatarsTrainOn) {
                                          "--eval",
                                          "--quiet"});
   EXPECT_EQ(trained.code, 0) << trained.err;
+}
+
+// Landmarks of a square of the frames: the lens is off its middle, and overlays are whole frames.
+TEST(Track, TracksASquareOfTheFrames) {
+  Filmed filmed;
+  const FrameCrop crop{12, 4, 112, 128, 128, 112};
+  filmed.Change([&](LandmarkVideo& video) {
+    video.width = video.height = crop.size;
+    video.crop = crop;
+    video.held_out = 5;
+    for (LandmarkFrame& frame : video.frames) {
+      frame.matte = "";
+      for (auto& [x, y] : frame.faces[0].points) x -= crop.x, y -= crop.y;
+    }
+  });
+  const std::string overlays = filmed.folder / "overlays";
+  const CommandResult result = filmed.Track({"--overlay", overlays});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const TrackedVideo track = LoadTrackedVideo(filmed.track, {});
+  EXPECT_EQ(track.test.size(), 5u);
+  const Camera& camera = track.train[0].camera;
+  EXPECT_EQ(camera.width, crop.size);
+  EXPECT_NEAR(camera.cx, 64 - crop.x, 0.01);
+  EXPECT_NEAR(camera.cy, 64 - crop.y, 0.01);
+  EXPECT_EQ(ReadImageInfo(track.train[0].image_path).width, crop.size);
+  EXPECT_EQ(ReadImageInfo(overlays + "/00000.png").width, 128);
+  filmed.Change([&](LandmarkVideo& video) {
+    video.width = video.height = crop.size;
+    video.crop = crop;
+    video.crop->frame_width = 256;
+  });
+  std::filesystem::remove_all(filmed.track);
+  filmed.ExpectRefused({"crop.frame_width", "256x128", "128x128"});
 }
 
 TEST(Track, DrawsTheOutlineToTheMattes) {

@@ -13,6 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kMaxKeptBytes = size_t(512) << 20;
+
 // Compares runs of digits by their values.
 bool CountedBefore(const std::string& a, const std::string& b) {
   size_t i = 0, k = 0;
@@ -53,7 +55,7 @@ FrameSource::FrameSource(const std::string& path) {
   if (!fs::is_directory(path)) {
     video_ = std::make_unique<VideoReader>(path);
     const Image8 first = video_->ReadFrame(0);
-    width_ = first.width, height_ = first.height;
+    width_ = whole_width_ = first.width, height_ = whole_height_ = first.height;
     frames_per_second_ = video_->frames_per_second();
     has_alpha_ = video_->has_alpha();
     return;
@@ -69,6 +71,7 @@ FrameSource::FrameSource(const std::string& path) {
                       ", the images before it are " + std::to_string(width_) + "x" +
                       std::to_string(height_));
   }
+  whole_width_ = width_, whole_height_ = height_;
   const Image8 alpha = Alpha(0);
   has_alpha_ = std::any_of(alpha.data.begin(), alpha.data.end(), [](uint8_t a) { return a < 255; });
 }
@@ -87,10 +90,38 @@ Image8 FrameSource::ReadAll(int frame) const {
   return video_ ? video_->ReadFrame(frame) : ReadUpright(images_.at(size_t(frame)));
 }
 
-Image8 FrameSource::Read(int frame) const { return RgbOf(ReadAll(frame)); }
+void FrameSource::Crop(const FrameCrop& crop) {
+  crop_ = crop;
+  width_ = height_ = crop.size;
+  kept_.clear();
+  kept_bytes_ = 0;
+}
+
+Image8 FrameSource::Square(const Image8& image) const {
+  if (!crop_) return image;
+  Image8 square(crop_->side, crop_->side, image.channels);
+  const size_t row = size_t(crop_->side) * size_t(image.channels);
+  for (int y = 0; y < crop_->side; ++y)
+    std::copy_n(&image.at(crop_->x, crop_->y + y, 0), row, &square.data[size_t(y) * row]);
+  return ResizeByArea(square, crop_->size, crop_->size);
+}
+
+Image8 FrameSource::ReadWhole(int frame) const { return RgbOf(ReadAll(frame)); }
+
+Image8 FrameSource::Read(int frame) const {
+  if (!crop_) return ReadWhole(frame);
+  const std::lock_guard lock(mutex_);
+  if (const auto kept = kept_.find(frame); kept != kept_.end()) return kept->second;
+  Image8 image = Square(ReadWhole(frame));
+  if (kept_bytes_ + image.data.size() <= kMaxKeptBytes) {
+    kept_bytes_ += image.data.size();
+    kept_[frame] = image;
+  }
+  return image;
+}
 
 Image8 FrameSource::Alpha(int frame) const {
-  const Image8 image = ReadAll(frame);
+  const Image8 image = Square(ReadAll(frame));
   Image8 alpha(image.width, image.height, 1, 255);
   if (image.channels == 4)
     for (size_t i = 0; i < alpha.pixels(); ++i) alpha.data[i] = image.data[4 * i + 3];

@@ -32,6 +32,13 @@ std::string HtmlTable(const std::vector<std::pair<std::string, std::string>>& ro
   return html + "</table>";
 }
 
+std::string AdviceHtml(const std::vector<std::string>& advice) {
+  if (advice.empty()) return "";
+  std::string html = "<h2>What would make the avatar better</h2><ul>";
+  for (const std::string& line : advice) html += "<li>" + EscapeXml(line) + "</li>";
+  return html + "</ul>";
+}
+
 std::string Base64(const std::vector<uint8_t>& bytes) {
   constexpr const char* kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -18,6 +18,9 @@ std::string HtmlPage(const std::string& title, const std::string& body);
 // Rows of text: a name and a value each.
 std::string HtmlTable(const std::vector<std::pair<std::string, std::string>>& rows);
 
+// What a better video would show (AdviceFor), under a heading; empty if that is nothing.
+std::string AdviceHtml(const std::vector<std::string>& advice);
+
 // Up to `count` of `all`, evenly spread.
 template <class T>
 std::vector<T> Spread(const std::vector<T>& all, size_t count) {

@@ -51,13 +51,14 @@ Json FiguresOf(const TrackRunOptions& o, const TrackRun& run) {
   return {{"source", o.source},
           {"landmarks", o.landmarks},
           {"flame", o.flame},
-          {"focal_px", run.fit.camera.fx},
+          {"focal_px", run.whole_camera().fx},
           {"focal_given", o.focal > 0},
           {"error_px", run.fit.error},
           {"error_px_95", Percentile(ErrorsOf(run), 0.95)},
           {"brightness_spread", run.fit.brightness_spread},
           {"held_out_psnr", run.held_out_psnr},
           {"cuts", run.chosen.cuts},
+          {"advice", run.advice},
           {"frames", frames}};
 }
 
@@ -92,7 +93,7 @@ std::string FiguresHtml(const TrackRunOptions& o, const TrackRun& run) {
        {"Refining by avatars", AvatarRoundsText(run.held_out_psnr)},
        {"Landmarks used", std::to_string(run.embedding.size()) + " of " + NameOf(run.marks.set)},
        {o.focal > 0 ? "Focal length, as given" : "Focal length, found",
-        Format("{:.0f} px", run.fit.camera.fx)},
+        Format("{:.0f} px", run.whole_camera().fx)},
        {"Cuts, or changes to another face", std::to_string(run.chosen.cuts)}});
 }
 
@@ -116,7 +117,7 @@ void WriteOverlays(const TrackRunOptions& o, const TrackRun& run, const FrameSou
   FrameSink sink(o.overlay);
   ProgressBar bar("overlay", int(run.kept.size()), o.quiet);
   for (size_t f : run.kept) {
-    sink.Write(DrawOverlay(run, f, frames.Read(run.marks.frames[f].frame)));
+    sink.Write(DrawOverlay(run, f, frames.ReadWhole(run.marks.frames[f].frame)));
     bar.Update(sink.count(), "frames");
   }
   sink.Finish();
@@ -125,12 +126,17 @@ void WriteOverlays(const TrackRunOptions& o, const TrackRun& run, const FrameSou
 }  // namespace
 
 Image8 DrawOverlay(const TrackRun& run, size_t f, const Image8& image) {
-  Image8 overlay = MeshOver(VerticesOf(run, f), run.model.faces, run.fit.camera, image);
+  const bool whole = run.marks.crop && image.width != run.marks.width;
+  Image8 overlay = MeshOver(
+      VerticesOf(run, f), run.model.faces, whole ? run.whole_camera() : run.fit.camera, image);
   const FittedFrame& frame = *run.fit.frames[f];
+  const auto dot = [&](const std::array<double, 2>& point, const auto& color) {
+    const auto [x, y] = whole ? run.marks.crop->InFrame(point) : point;
+    DrawDot(x, y, color, overlay);
+  };
   for (size_t p = 0; p < run.embedding.size(); ++p) {
-    const auto& seen = run.chosen.faces[f]->points[size_t(run.embedding[p].landmark)];
-    DrawDot(seen[0], seen[1], kSeenColor, overlay);
-    DrawDot(frame.points[p][0], frame.points[p][1], kFittedColor, overlay);
+    dot(run.chosen.faces[f]->points[size_t(run.embedding[p].landmark)], kSeenColor);
+    dot(frame.points[p], kFittedColor);
   }
   return overlay;
 }
@@ -138,8 +144,9 @@ Image8 DrawOverlay(const TrackRun& run, size_t f, const Image8& image) {
 void WriteTrackReport(const TrackRunOptions& o, const TrackRun& run, const FrameSource& frames) {
   WriteFileAtomically(o.out + "/track.json", FiguresOf(o, run).dump(1) + "\n");
   const std::string body = "<h1>Track of " + EscapeXml(o.source) + "</h1><div class='row'><div>" +
-                           FiguresHtml(o, run) + "</div>" + ErrorChart(run) +
-                           "</div><h2>The mesh over the video</h2><p>Landmarks as seen are green, "
+                           FiguresHtml(o, run) + "</div>" + ErrorChart(run) + "</div>" +
+                           AdviceHtml(run.advice) +
+                           "<h2>The mesh over the video</h2><p>Landmarks as seen are green, "
                            "as the mesh has them red.</p><div class='many'>" +
                            OverlaysHtml(run, frames) + "</div>" + SkippedHtml(run);
   WriteSkipped(o.out, run.skipped);

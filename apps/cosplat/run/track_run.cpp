@@ -8,8 +8,10 @@
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/track_advice.h"
 #include "apps/cosplat/run/train_run.h"
 #include "flame/eyelids.h"
+#include "flame/fit/choose_frames.h"
 #include "flame/io/imavatar_writer.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
@@ -29,12 +31,13 @@ constexpr double kMaxErrorRatio = 4, kMinError = 0.02;  // the latter in units o
 void CheckOfVideo(const LandmarkVideo& marks,
                   const std::string& source,
                   const FrameSource& frames) {
-  if (marks.width != frames.width() || marks.height != frames.height())
+  const int width = marks.crop ? marks.crop->frame_width : marks.width;
+  const int height = marks.crop ? marks.crop->frame_height : marks.height;
+  if (width != frames.whole_width() || height != frames.whole_height())
     throw Error(marks.file,
-                "width, height",
-                "are " + std::to_string(marks.width) + "x" + std::to_string(marks.height) + ", " +
-                    source + " is " + std::to_string(frames.width()) + "x" +
-                    std::to_string(frames.height()));
+                marks.crop ? "crop.frame_width, frame_height" : "width, height",
+                "are " + SizeText(width, height) + ", " + source + " is " +
+                    SizeText(frames.whole_width(), frames.whole_height()));
   for (size_t i = 0; i < marks.frames.size(); ++i) {
     const LandmarkFrame& frame = marks.frames[i];
     const std::string field = "frames[" + std::to_string(i) + "]";
@@ -153,11 +156,18 @@ void RefineKept(const TrackRunOptions& o, const FrameSource& frames, TrackRun& r
   MeasureFit(run.model, run.embedding, run.chosen.faces, run.fit);
 }
 
-// Copies images and masks; returns each mask's extent.
-std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
-                                              const TrackRun& run,
-                                              const FrameSource& frames) {
-  std::vector<std::array<float, 4>> boxes(run.kept.size(), {-1, -1, 1, 1});
+// Copies images and masks; returns each mask's extent, and how sharp the face is in each.
+struct WrittenImages {
+  std::vector<std::array<float, 4>> boxes;  // [kept]
+  std::vector<double> sharpness;            // [kept]
+};
+
+WrittenImages WriteImages(const TrackRunOptions& o,
+                          const TrackRun& run,
+                          const FrameSource& frames) {
+  WrittenImages written;
+  written.boxes.assign(run.kept.size(), {-1, -1, 1, 1});
+  written.sharpness.resize(run.kept.size());
   ProgressBar bar("write", int(run.kept.size()), o.quiet);
   // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
   constexpr size_t kAhead = 16;
@@ -169,14 +179,22 @@ std::vector<std::array<float, 4>> WriteImages(const TrackRunOptions& o,
     tbb::parallel_for(begin, end, [&](size_t i) {
       const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
       WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
+      written.sharpness[i] = SharpnessOf(images[i - begin], run.chosen.faces[run.kept[i]]->points);
       if (!run.mattes) return;
       const Image8 matte = MatteOf(frame, run.marks);
       WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
-      boxes[i] = ImavatarBox(matte);
+      written.boxes[i] = ImavatarBox(matte);
     });
     bar.Update(int(end), "frames");
   }
-  return boxes;
+  return written;
+}
+
+// How many of the kept frames are for testing; -1 if nobody said.
+int TestFrames(const TrackRun& run) {
+  if (run.marks.held_out == 0) return -1;
+  const size_t first = run.marks.frames.size() - size_t(run.marks.held_out);
+  return int(run.kept.end() - std::lower_bound(run.kept.begin(), run.kept.end(), first));
 }
 
 void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
@@ -186,19 +204,21 @@ void PrintSummary(const TrackRunOptions& o, const TrackRun& run) {
       run.kept.size(),
       run.fit.frames.size(),
       run.fit.error,
-      run.fit.camera.fx,
+      run.whole_camera().fx,
       o.out.c_str());
   if (o.avatar_rounds > 0) std::printf("%s\n", AvatarRoundsText(run.held_out_psnr).c_str());
   if (run.chosen.cuts > 0) std::printf("%d cuts, or changes to another face\n", run.chosen.cuts);
   PrintSkipped(run.skipped);
+  for (const std::string& line : run.advice) std::printf("for a better avatar: %s\n", line.c_str());
 }
 
 }  // namespace
 
-TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
+TrackRun FitTrack(const TrackRunOptions& o, FrameSource& frames) {
   TrackRun run;
   run.marks = ReadLandmarks(o.landmarks);
   CheckOfVideo(run.marks, o.source, frames);
+  if (run.marks.crop) frames.Crop(*run.marks.crop);
   run.chosen = ChooseFaces(run.marks);
   run.model = TrackingModel(o);
   run.embedding = o.embedding.empty()
@@ -208,6 +228,7 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
     throw Error("--silhouette", "needs mattes, of which '" + o.landmarks + "' has none");
   LandmarkFitOptions options;
   options.focal = o.focal;
+  options.crop = run.marks.crop;
   options.silhouette = o.silhouette;
   options.image = [&](size_t f) { return ImageOf(frames, run.marks.frames[f], run.marks); };
   run.fit = FitLandmarks(run.model,
@@ -223,17 +244,18 @@ TrackRun FitTrack(const TrackRunOptions& o, const FrameSource& frames) {
   return run;
 }
 
-void RunTracking(const TrackRunOptions& o) {
-  const FrameSource frames(o.source);
-  PrintNotes(frames.notes());
-  const TrackRun run = FitTrack(o, frames);
+void RunTracking(const TrackRunOptions& o, FrameSource& frames) {
+  TrackRun run = FitTrack(o, frames);
   MakeDirectories(o.out + "/image");
   if (run.mattes) MakeDirectories(o.out + "/mask");
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
   track.shape = run.fit.shape;
   track.static_offset = run.fit.static_offset;
-  track.boxes = WriteImages(o, run, frames);
+  track.test_frames = TestFrames(run);
+  WrittenImages written = WriteImages(o, run, frames);
+  track.boxes = std::move(written.boxes);
+  run.advice = AdviceFor(run, written.sharpness);
   for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
   WriteImavatarTrack(o.out, track);

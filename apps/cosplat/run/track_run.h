@@ -24,7 +24,7 @@ struct TrackRunOptions {
   std::string flame;      // model file
   std::string out;        // folder
   std::string overlay;    // .mp4 or folder, or empty
-  double focal = 0;       // px; 0: found
+  double focal = 0;       // px of the whole frame; 0: found
   bool silhouette = false;
   int avatar_rounds = kAvatarRounds;
   bool quiet = false;
@@ -41,20 +41,27 @@ struct TrackRun {
   bool mattes = false;                // whether they have mattes
   std::vector<SkippedFrame> skipped;  // the others, each with the reason
   std::vector<double> held_out_psnr;  // RefineByAvatars'
+  std::vector<std::string> advice;    // AdviceFor (track_advice.h), once images are written
+
+  Camera whole_camera() const {
+    return marks.crop ? marks.crop->WholeCamera(fit.camera) : fit.camera;
+  }
 };
 
 // Fits without writing anything. Throws Error naming the file if the landmarks are of another
-// video, the model has another topology, or more than a third of the frames are unusable.
-TrackRun FitTrack(const TrackRunOptions& options, const FrameSource& frames);
+// video, the model has another topology, or more than a third of the frames are unusable. frames:
+// of options.source; they are cropped as the landmarks are.
+TrackRun FitTrack(const TrackRunOptions& options, FrameSource& frames);
 
 // Fits and writes <out>/flame_params.json (last), image/, mask/ where there are mattes, track.json
 // and track.html; prints a summary. Throws Error as above, before anything is written.
-void RunTracking(const TrackRunOptions& options);
+void RunTracking(const TrackRunOptions& options, FrameSource& frames);
 
 // What a track looks like (track_report.cpp): the mesh over the video, and its distance from the
 // landmarks.
 
-// The frame with the fitted mesh shaded over it; landmarks as seen in green, as fitted in red.
+// The frame, the whole one or its crop, with the fitted mesh shaded over it; landmarks as seen in
+// green, as fitted in red.
 Image8 DrawOverlay(const TrackRun& run, size_t frame, const Image8& image);
 
 // Writes <out>/track.json (figures per frame), <out>/track.html (the same to look at),

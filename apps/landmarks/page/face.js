@@ -8,7 +8,8 @@
   let faces = [];
   mesh.onResults((results) => { faces = results.multiFaceLandmarks ?? []; });
   await mesh.initialize();
-  await answerFrames("face", async (image) => {
+  await answerFrames("face", async (image, follows) => {
+    if (!follows) mesh.reset();  // or the face is looked for where it was
     faces = [];
     await mesh.send({ image });
     return JSON.stringify(faces.map((face) => face.map((p) => [p.x * width, p.y * height])));

@@ -7,19 +7,23 @@ const report = (error) =>
 self.addEventListener("unhandledrejection", (event) => report(event.reason));
 self.addEventListener("error", (event) => report(event.message));
 
-// The packages take a frame's time from the clock, and smooth and track by it: a video's own pace
-// makes the result independent of this machine's.
-const millisecondsPerFrame = 40;
+// Frames that are further apart do not follow each other.
+const longestStep = 200;  // milliseconds
 
+// look(image, follows) gives what is posted; follows: whether the frame before was just before.
 async function answerFrames(job, look) {
   const canvas = new OffscreenCanvas(width, height);
   const context = canvas.getContext("2d", { willReadFrequently: true });
-  let result = null;
-  for (let frame = 0; ; ++frame) {
+  let result = null, last = -Infinity;
+  for (;;) {
     const reply = await fetch(`../${job}`, { method: "POST", body: result });
     if (reply.status === 204) return;
     context.drawImage(await createImageBitmap(await reply.blob()), 0, 0);
-    performance.now = () => 1000 + frame * millisecondsPerFrame;
-    result = await look(context.getImageData(0, 0, width, height));
+    // The packages take a frame's time from the clock, and smooth and track by it: the video's own
+    // makes the result independent of this machine's.
+    const time = Number(reply.headers.get("x-milliseconds"));
+    performance.now = () => 1000 + time;
+    result = await look(context.getImageData(0, 0, width, height), time - last <= longestStep);
+    last = time;
   }
 }

@@ -1,0 +1,79 @@
+#include "flame/fit/head_crop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/base/error.h"
+
+namespace cosplat {
+namespace {
+
+// Room around the middle of the landmarks, in units of the face's size (ChooseFaces').
+constexpr double kAside = 1.5, kAbove = 1.4, kBelow = 1.75;
+constexpr double kOutermost = 0.02;  // of the frames, at each side
+// Of what does not fit into the frame, this much is lost above.
+constexpr double kLostAbove = 0.25;
+
+struct Extent {
+  double left, top, right, bottom;
+};
+
+Extent ExtentOf(const DetectedFace& face) {
+  Extent box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const auto& [x, y] : face.points) {
+    box.left = std::min(box.left, x), box.right = std::max(box.right, x);
+    box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
+  }
+  return box;
+}
+
+double SizeOf(const Extent& box) {
+  return std::sqrt((box.right - box.left) * (box.bottom - box.top));
+}
+
+Extent WithRoom(const Extent& face) {
+  const double size = SizeOf(face);
+  const double x = (face.left + face.right) / 2, y = (face.top + face.bottom) / 2;
+  return {x - kAside * size, y - kAbove * size, x + kAside * size, y + kBelow * size};
+}
+
+double Quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[size_t(std::lround(share * double(values.size() - 1)))];
+}
+
+}  // namespace
+
+FrameCrop HeadCrop(const std::vector<std::vector<DetectedFace>>& faces,
+                   int width,
+                   int height,
+                   int size) {
+  std::vector<double> left, top, right, bottom;
+  for (const std::vector<DetectedFace>& found : faces) {
+    if (found.empty()) continue;
+    std::vector<Extent> boxes;
+    for (const DetectedFace& face : found) boxes.push_back(ExtentOf(face));
+    const Extent room = WithRoom(
+        *std::max_element(boxes.begin(), boxes.end(), [](const Extent& a, const Extent& b) {
+          return SizeOf(a) < SizeOf(b);
+        }));
+    left.push_back(room.left), right.push_back(room.right);
+    top.push_back(room.top), bottom.push_back(room.bottom);
+  }
+  if (left.empty()) throw Error("landmarks", "no frame has a face");
+  const double x0 = Quantile(left, kOutermost), x1 = Quantile(right, 1 - kOutermost);
+  const double y0 = Quantile(top, kOutermost), y1 = Quantile(bottom, 1 - kOutermost);
+  FrameCrop crop;
+  crop.frame_width = width, crop.frame_height = height;
+  const int wanted = int(std::ceil(std::max({x1 - x0, y1 - y0, 2.0}) / 2)) * 2;
+  crop.side = std::min({wanted, width, height});
+  const auto place = [&](double at, int most) {
+    return std::clamp(int(std::lround(at)), 0, most - crop.side);
+  };
+  crop.x = place((x0 + x1 - crop.side) / 2, width);
+  crop.y = place(y0 + kLostAbove * (y1 - y0 - crop.side), height);
+  crop.size = std::min(size, crop.side);
+  return crop;
+}
+
+}  // namespace cosplat

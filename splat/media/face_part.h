@@ -1,0 +1,23 @@
+// The part of a person's matte that has the face.
+//
+// MatteRefiner (refine_mattes.h) starts from it.
+#pragma once
+
+#include <optional>
+
+#include "splat/base/image.h"
+
+namespace cosplat {
+
+struct FaceBox {
+  double left = 0, top = 0, right = 0, bottom = 0;  // px
+};
+
+constexpr float kClearMatte = 0.04f;  // a network is sure that there is nobody below it
+
+// A matte (1 channel) as [0, 1], of its part with most of the face's pixels, or the largest one if
+// there is no face or nothing in its box: with the soft rims of that part, without other parts (but
+// for what is within `reach` px of both), without holes in the face.
+Image PersonOf(const Image8& matte, const std::optional<FaceBox>& face, int reach);
+
+}  // namespace cosplat
