@@ -91,7 +91,7 @@ void Evaluate(const TrainOptions& o,
 
 Result Train(TrainOptions o, TrainingScene scene) {
   const size_t free_before = cuda::FreeMemory();
-  SceneStart start = StartScene(0, o, scene);
+  SceneStart start = StartScene({}, o, scene);
   SceneSubject subject(std::move(scene.train), scene.extent);
   Trainer trainer(start.settings,
                   subject,

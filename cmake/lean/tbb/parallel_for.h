@@ -1,6 +1,6 @@
 // What the lean and the web build (cmake/CosplatLean.cmake, cmake/CosplatWeb.cmake) use of oneTBB,
-// on plain threads: a pool that hands out indices one by one. A loop within a loop runs in its own
-// thread.
+// on plain threads: a pool that hands out indices one by one. A loop within a loop, or beside
+// another thread's, runs in its own thread.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,8 @@ class Pool {
   static void UseThreads(unsigned threads) { threads_wanted_ = threads; }
 
   void Run(size_t count, const std::function<void(size_t)>& f) {
-    if (within_ || count < 2 || threads_.empty()) {
+    std::unique_lock only(callers_, std::defer_lock);
+    if (within_ || count < 2 || threads_.empty() || !only.try_lock()) {
       for (size_t i = 0; i < count; ++i) f(i);
       return;
     }
@@ -81,7 +82,7 @@ class Pool {
   static inline unsigned threads_wanted_ = std::thread::hardware_concurrency();
   static inline thread_local bool within_ = false;
   std::vector<std::thread> threads_;
-  std::mutex mutex_;
+  std::mutex callers_, mutex_;
   std::condition_variable begin_, end_;
   const std::function<void(size_t)>* job_ = nullptr;
   size_t count_ = 0, busy_ = 0, round_ = 0;
