@@ -1,28 +1,40 @@
-# docs/published.md's chart: gnuplot docs/charts/published.gp > docs/charts/published.svg
+# The chart of README.md and docs/published.md: gnuplot docs/charts/published.gp > docs/charts/published.svg
+# A mark's area grows with the number of Gaussians.
 set terminal svg size 760,400 font "sans-serif,13" background "white"
-set xlabel "seconds of the whole run (wall clock)"
+set title "Chair of Synthetic-NeRF, 800×800"
+set xlabel "seconds of the whole training (wall clock, logarithmic)"
 set ylabel "PSNR on the test views, dB"
-set xrange [0:1500]
-set yrange [34.6:36.5]
+set logscale x
+set xrange [12:4500]
+set yrange [34.6:36.6]
+set xtics (15, 30, 60, 120, 300, 600, 1200, 2400)
 set grid lc rgb "#dddddd"
 set border 3
 set tics nomirror
-set key bottom right
-$ours << EOD
-567 35.95 "18,000 steps"
-636 36.00 "20,500 steps"
+set key bottom left
+size(n) = sqrt(n / 60000.0)
+$cores << EOD
+567 35.95 117404 "18,000 steps"
+636 36.00 120169 "20,500"
 EOD
-$before << EOD
-1274 35.11 "30,000 steps, commit c963d26"
+$core << EOD
+1336 36.05 56700 "pruned to 56,700"
+2241 36.23 155179 "30,000 steps"
+EOD
+$gpu << EOD
+21.3 36.11 56700 "pruned to 56,700"
+24.5 36.22 154306 "30,000 steps, 154,306 Gaussians"
 EOD
 $published << EOD
-720 35.98 "DCSH"
-559 34.91 "Compact"
-243 35.30 "DCSHARP"
+720 35.98 419901 "DCSH, 419,901"
+559 34.91 153570 "Compact"
+243 35.30 56700 "DCSHARP, 56,700"
 EOD
-plot $ours using 1:2 with linespoints pt 7 ps 0.9 lc rgb "#0072b2" title "CoSplat, two CPU cores", \
-     $ours using 1:2:3 with labels left offset 0.8,0.7 tc rgb "#0072b2" notitle, \
-     $before using 1:2 with points pt 7 ps 0.9 lc rgb "#999999" title "CoSplat before, two CPU cores", \
-     $before using 1:2:3 with labels right offset -0.8,0 tc rgb "#777777" notitle, \
-     $published using 1:2 with points pt 6 ps 0.9 lc rgb "#d55e00" title "published, an A6000", \
-     $published using 1:2:3 with labels left offset 0.8,-0.3 tc rgb "#d55e00" notitle
+plot $gpu using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#009e73" title "CoSplat, an H100", \
+     $gpu using 1:($2 + ($3 < 1e5 ? -0.1 : 0.1)):4 with labels left offset -0.6,0 tc rgb "#009e73" notitle, \
+     $cores using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#0072b2" title "CoSplat, two CPU cores", \
+     $cores using 1:($2 + ($3 < 118000 ? -0.12 : 0.14)):4 with labels right offset 0.5,0 tc rgb "#0072b2" notitle, \
+     $core using 1:2:(size($3)) with points pt 7 ps variable lc rgb "#56b4e9" title "CoSplat, one CPU core", \
+     $core using 1:($2 + 0.13):4 with labels center tc rgb "#2a7fb0" notitle, \
+     $published using 1:2:(size($3)) with points pt 6 lw 2 ps variable lc rgb "#d55e00" title "published, an A6000", \
+     $published using 1:2:4 with labels left offset 1.6,-0.8 tc rgb "#d55e00" notitle
