@@ -83,6 +83,29 @@ TEST_F(CheckTrackOf, MasksElsewhere) {
   EXPECT_TRUE(Wrong(Check(), "the masks hold only")) << Said(Check());
 }
 
+// Around the skull, as high as a third of the head.
+TEST_F(CheckTrackOf, ThickHair) {
+  Change([](Image8& image) {
+    const Image8 old = image;
+    const auto is_head = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < old.width && y < old.height && old.at(x, y, 3) > 127;
+    };
+    int top = 0;
+    const auto is_empty = [&](int y) {
+      for (int x = 0; x < old.width; ++x)
+        if (is_head(x, y)) return false;
+      return true;
+    };
+    while (is_empty(top)) ++top;
+    for (int y = 0; y < top + 24; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int v = y; v <= std::min(y + 24, top + 23); ++v)
+          for (int u = x - 8; u <= x + 8; ++u)
+            if (is_head(u, v)) image.at(x, y, 3) = 255;
+  });
+  EXPECT_EQ(Said(Check()), "");
+}
+
 TEST_F(CheckTrackOf, MasksOfNothing) {
   Change([](Image8& image) {
     for (size_t i = 3; i < image.data.size(); i += 4) image.data[i] = 0;
