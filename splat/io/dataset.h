@@ -39,15 +39,15 @@ struct SceneData {
   std::vector<SceneView> test;
   // All coordinates are counted from here: far from zero only if the data is (PlaceScene).
   WorldOrigin origin{};
-  std::vector<float> points;           // [P, 3] world units; empty where the data has none
-  std::vector<double> read_points;     // as the data set has them, until LoadScene has placed them
-  std::vector<uint8_t> point_colors;   // [P, 3] RGB
-  std::vector<SkippedFrame> skipped;   // unusable frames, each with the reason
-  std::vector<std::string> notes;      // what a user should know of how it was read
-  bool coarse_points = false;          // stored as floats, far from zero: rounded by the data set
-  float extent = 1;                    // > 0, world units: see SceneExtent
-  bool own_split = false;              // `test` is the data's own
-  bool white_background_hint = false;  // renderings with alpha: results are published on white
+  std::vector<float> points;          // [P, 3] world units; empty where the data has none
+  std::vector<double> read_points;    // as the data set has them, until LoadScene has placed them
+  std::vector<uint8_t> point_colors;  // [P, 3] RGB
+  std::vector<SkippedFrame> skipped;  // unusable frames, each with the reason
+  std::vector<std::string> notes;     // what a user should know of how it was read
+  bool coarse_points = false;         // stored as floats, far from zero: rounded by the data set
+  float extent = 1;                   // > 0, world units: see SceneExtent
+  bool own_split = false;             // `test` is the data's own
+  bool renderings = false;            // with alpha: results are published on white
 };
 
 struct SceneOptions {

@@ -260,8 +260,7 @@ void LoadBlenderScene(const std::string& path, const SceneOptions& options, Scen
     if (split != std::string("test") && options.eval)
       scene.notes.push_back(file + " has the test views, since there is no transforms_test.json");
   }
-  scene.white_background_hint =
-      !scene.train.empty() && ReadImageInfo(scene.train[0].image_path).channels == 4;
+  scene.renderings = !scene.train.empty() && ReadImageInfo(scene.train[0].image_path).channels == 4;
 }
 
 bool IsNerfstudioScene(const std::string& path) {

@@ -23,7 +23,7 @@ TEST_F(SceneBench, TrainsAndTellsItsFigures) {
   TrainingScene scene;
   scene.train = test::TrainingRun::Frames(true);
   scene.test = {scene.train[1]};
-  scene.white_background_hint = true;
+  scene.renderings = true;
   const Gaussians truth = test::TrueScene(1, 20);
   for (size_t i = 0; i < truth.size(); ++i)
     for (int k = 0; k < 3; ++k) {
@@ -42,6 +42,20 @@ TEST_F(SceneBench, TrainsAndTellsItsFigures) {
   EXPECT_GT(double(json["seconds"]), 0);
   EXPECT_GT(double(json["psnr"]), 10);
   EXPECT_GT(double(json["ssim"]), 0.3);
+}
+
+// As renderings come.
+TEST_F(SceneBench, FindsPointsWhereThereAreNone) {
+  const test::TemporaryFolder folder;
+  TrainingScene scene;
+  scene.train = test::TrainingRun::Frames(true);
+  scene.test = {scene.train[1]};
+  scene.renderings = true;
+  WriteFileAtomically(folder / "scene",
+                      [&](std::ostream& out) { test::WritePackedScene(out, scene); });
+  const std::string out = folder / "figures.json";
+  test::RunSceneBench({folder / "scene", "--out", out, "--iterations", "2", "--prune-to", "50"});
+  EXPECT_GE(int(ReadJson(out)["gaussians"]), 50);
 }
 
 TEST_F(SceneBench, RefusesWhatItDoesNotKnow) {

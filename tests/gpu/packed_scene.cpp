@@ -154,7 +154,7 @@ void WritePackedScene(std::ostream& out, const TrainingScene& scene) {
   const Header header{uint32_t(scene.train.size()),
                       uint32_t(scene.test.size()),
                       uint32_t(scene.points.size() / 3),
-                      scene.white_background_hint,
+                      scene.renderings,
                       scene.extent};
   Put(out, &header, 1);
   Put(out, scene.points.data(), scene.points.size());
@@ -178,7 +178,7 @@ TrainingScene ReadPackedScene(const std::string& path) {
     in.Refuse("extent", "is not positive: " + std::to_string(header.extent));
   TrainingScene scene;
   scene.extent = header.extent;
-  scene.white_background_hint = header.white != 0;
+  scene.renderings = header.white != 0;
   scene.points = in.Take<float>(3 * size_t(header.points), "points");
   scene.point_colors = in.Take<uint8_t>(3 * size_t(header.points), "colours of points");
   const size_t count = size_t(header.train) + header.test;

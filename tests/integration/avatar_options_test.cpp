@@ -266,6 +266,8 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
   EXPECT_FLOAT_EQ(given.density.gradient_threshold, 2e-4f);
   o.antialiasing = true;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.6e-4f);
+  o.renderings = true;
+  EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 1.5e-4f);
   o.densify_grad_threshold = 3e-4f;
   EXPECT_FLOAT_EQ(o.ToSettings(1).density.gradient_threshold, 3e-4f);
   EXPECT_TRUE(given.schedule.ResetsOpacityAt(14000))
@@ -275,6 +277,7 @@ TEST(ScenePreset, TheDefaultImprovesOn3dgs) {
 TEST(ScenePreset, The3dgsOneIs3dgs) {
   TrainOptions o;
   o.preset = Preset::k3dgs;
+  o.renderings = true;
   const TrainSettings s = o.ToSettings(1);
   EXPECT_FLOAT_EQ(s.rates.scale, 5e-3f);
   EXPECT_FLOAT_EQ(s.density.gradient_threshold, 2e-4f);

@@ -84,7 +84,7 @@ TEST(Colmap, ReadsABinaryModel) {
   EXPECT_EQ(scene.points.size(), 6u);
   EXPECT_FLOAT_EQ(scene.points[4], 0.8f);
   EXPECT_EQ(scene.point_colors, (std::vector<uint8_t>{10, 20, 30, 10, 20, 31}));
-  EXPECT_FALSE(scene.white_background_hint);
+  EXPECT_FALSE(scene.renderings);
   ExpectSpots(scene.train, 0.05);
 }
 

@@ -86,7 +86,7 @@ TEST(RealScenes, Chair) {
   const SceneData scene = LoadScene(DataFolder("chair"), {.resolution = 4, .eval = true});
   EXPECT_EQ(scene.train.size(), 100u);
   EXPECT_EQ(scene.test.size(), 50u);
-  EXPECT_TRUE(scene.white_background_hint);
+  EXPECT_TRUE(scene.renderings);
   // All cameras look at the origin, which is inside the chair.
   for (const SceneView& view : scene.train) {
     const Camera& c = view.camera;

@@ -260,7 +260,7 @@ TEST(BlenderScene, KeepsItsOwnSplit) {
   EXPECT_EQ(data.layout, "blender");
   EXPECT_EQ(data.train.size(), 3u);
   EXPECT_EQ(data.test.size(), 2u);
-  EXPECT_TRUE(data.white_background_hint);
+  EXPECT_TRUE(data.renderings);
   EXPECT_TRUE(data.points.empty());
   EXPECT_EQ(LoadViewImage(data.test[0]).channels, 4);
   ExpectSpots(data.train, 0.05);

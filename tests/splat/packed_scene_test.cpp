@@ -77,7 +77,7 @@ TrainingScene NoisyScene() {
   scene.points = {0, 1, 2, -3, 4, 1e-9f};
   scene.point_colors = {0, 127, 255, 1, 2, 3};
   scene.extent = 2.25f;
-  scene.white_background_hint = true;
+  scene.renderings = true;
   return scene;
 }
 
@@ -97,7 +97,7 @@ TEST(PackedScene, KeepsEveryByte) {
   EXPECT_EQ(scene.points, read.points);
   EXPECT_EQ(scene.point_colors, read.point_colors);
   EXPECT_EQ(scene.extent, read.extent);
-  EXPECT_EQ(scene.white_background_hint, read.white_background_hint);
+  EXPECT_EQ(scene.renderings, read.renderings);
 }
 
 // Without points: they are drawn at random, by the cameras.

@@ -31,10 +31,11 @@ struct PresetRules {
   float opacity_reset_share = 1;
   int num_downscales = 0;
   float last_rate_share = 1;
-  float mse = 0;                                    // weight in the loss
-  bool all_bands_at_start = false;                  // of colour
-  std::optional<int> densify_from, densify_until;   // of 30,000 steps; none: 3DGS's
-  std::optional<float> antialiased_grad_threshold;  // none: as without --antialiasing
+  float mse = 0;                                   // weight in the loss
+  bool all_bands_at_start = false;                 // of colour
+  std::optional<int> densify_from, densify_until;  // of 30,000 steps; none: 3DGS's
+  // Screen gradients from which Gaussians are added. None: 3DGS's.
+  std::optional<float> antialiased_grad_threshold, renderings_grad_threshold;
   AvatarSystem system = AvatarSystem::kCosplat;
 };
 const PresetRules& SceneRules(Preset preset);  // kCosplat or k3dgs

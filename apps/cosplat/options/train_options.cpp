@@ -40,9 +40,11 @@ TrainSettings TrainOptions::SettingsBy(const PresetRules& rules, float extent) c
                                            : std::numeric_limits<float>::infinity();
   s.density.max_count = max_gaussians;
   s.density.shares_opacity = rules.shares_opacity;
-  if (antialiasing && rules.antialiased_grad_threshold)
-    s.density.gradient_threshold = *rules.antialiased_grad_threshold;
-  if (densify_grad_threshold) s.density.gradient_threshold = *densify_grad_threshold;
+  float& threshold = s.density.gradient_threshold;
+  if (antialiasing) threshold = rules.antialiased_grad_threshold.value_or(threshold);
+  if (renderings)
+    threshold = std::min(threshold, rules.renderings_grad_threshold.value_or(threshold));
+  threshold = densify_grad_threshold.value_or(threshold);
   if (finds_budget && prune_to)
     throw Error("--prune-to " + std::to_string(*prune_to), "--budget auto finds the count");
   if (finds_budget && prune != "none" && prune != "leave-one-out")

@@ -30,7 +30,8 @@ struct TrainOptions {
   bool eval = false;
   bool fold = false;
   bool antialiasing = false;
-  bool exposure = false;  // of scenes
+  bool exposure = false;    // of scenes
+  bool renderings = false;  // the scene's images are (SceneData)
   std::optional<Quality> quality;
   Preset preset = Preset::kCosplat;
   int iterations = 30000;

@@ -25,7 +25,8 @@ bool FindPoints(std::optional<size_t> random_points, const TrainOptions& o, Trai
 }  // namespace
 
 SceneStart StartScene(std::optional<size_t> random_points, TrainOptions& o, TrainingScene& scene) {
-  o.ResolveBackground(scene.white_background_hint ? Background::kWhite : Background::kBlack);
+  o.renderings = scene.renderings;
+  o.ResolveBackground(o.renderings ? Background::kWhite : Background::kBlack);
   const bool random = scene.points.empty() && FindPoints(random_points, o, scene);
   LimitPoints(o.max_gaussians, scene.points, scene.point_colors);
   SceneStart start{

@@ -112,7 +112,7 @@ BenchScene LoadBenchScene(const std::string& path, int resolution) {
   if (scene.train.empty() || scene.test.empty())
     throw Error(path, "views", "bench needs some to train on and some to hold out");
   scene.extent = data.extent;
-  if (data.white_background_hint) scene.background = Background::kWhite;
+  if (data.renderings) scene.background = Background::kWhite;
   scene.max_gaussians = 35000;
   if (data.points.empty()) {
     Rng rng{0};

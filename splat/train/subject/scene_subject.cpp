@@ -55,7 +55,7 @@ TrainingScene LoadTrainingScene(SceneData& scene, size_t max_bytes) {
   loaded.points = scene.points;
   loaded.point_colors = scene.point_colors;
   loaded.extent = scene.extent;
-  loaded.white_background_hint = scene.white_background_hint;
+  loaded.renderings = scene.renderings;
   return loaded;
 }
 

@@ -14,10 +14,10 @@ namespace cosplat {
 // Everything that the training of a static scene starts from.
 struct TrainingScene {
   std::vector<TrainFrame> train, test;
-  std::vector<float> points;           // [P, 3] world units; empty where the data has none
-  std::vector<uint8_t> point_colors;   // [P, 3] RGB
-  float extent = 1;                    // as in SceneData
-  bool white_background_hint = false;  // likewise
+  std::vector<float> points;          // [P, 3] world units; empty where the data has none
+  std::vector<uint8_t> point_colors;  // [P, 3] RGB
+  float extent = 1;                   // as in SceneData
+  bool renderings = false;            // likewise
 };
 
 // A static scene: the Gaussians already are in the world frame.
