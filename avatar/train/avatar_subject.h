@@ -68,8 +68,9 @@ struct AvatarSettings {
   // happens to be there.
   float band_decay = 0.05f;
   // Metres, on a head of the template's size: how thick Gaussians may be along the mesh's normal,
-  // as a standard deviation, asked at every walk. A video from the front does not see their
-  // thickness, and they become needles that stick out of the face as soon as one turns it.
+  // as a standard deviation, asked at every walk, where the head hardly turns: a video from the
+  // front does not see their thickness, and they become needles that stick out of the face as soon
+  // as one turns it.
   float max_thickness = 0.004f;
   // Adam's learning rate of the light of the world (avatar/math/light.h), which falls to zero over
   // the run; 0: no light.
