@@ -1,6 +1,7 @@
 #include "flame/fit/choose_frames.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "flame/fit/landmark_scores.h"
@@ -68,6 +69,17 @@ std::vector<size_t> Usable(const LandmarkVideo& seen, const std::vector<double>&
   return usable;
 }
 
+// x and y of the first and the last corner, px.
+std::array<double, 4> ExtentOf(const std::vector<std::array<double, 2>>& points) {
+  std::array<double, 4> extent{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const auto& [x, y] : points)
+    extent = {std::min(extent[0], x),
+              std::min(extent[1], y),
+              std::max(extent[2], x),
+              std::max(extent[3], y)};
+  return extent;
+}
+
 }  // namespace
 
 FrameSelection FramesToLookAt(size_t total, int wanted, double rate) {
@@ -91,11 +103,7 @@ FrameSelection FramesToLookAt(size_t total, int wanted, double rate) {
 }
 
 double SharpnessOf(const Image8& image, const std::vector<std::array<double, 2>>& landmarks) {
-  double x0 = HUGE_VAL, y0 = HUGE_VAL, x1 = -HUGE_VAL, y1 = -HUGE_VAL;
-  for (const auto& [x, y] : landmarks) {
-    x0 = std::min(x0, x), x1 = std::max(x1, x);
-    y0 = std::min(y0, y), y1 = std::max(y1, y);
-  }
+  const auto [x0, y0, x1, y1] = ExtentOf(landmarks);
   const auto grey = [&](int x, int y) {
     return image.at(x, y, 0) + 2 * image.at(x, y, 1) + image.at(x, y, 2);
   };
@@ -109,6 +117,60 @@ double SharpnessOf(const Image8& image, const std::vector<std::array<double, 2>>
       ++count;
     }
   return count > 0 ? sum / double(count) : 0;
+}
+
+std::vector<float> FaceColorsOf(const Image8& image,
+                                const std::vector<std::array<double, 2>>& landmarks) {
+  constexpr int kParts = 4;
+  const auto [x0, y0, x1, y1] = ExtentOf(landmarks);
+  std::vector<float> colors(3 * kParts * kParts);
+  std::array<size_t, kParts * kParts> counts{};
+  for (int y = std::max(0, int(y0)); y < std::min(image.height, int(y1)); ++y)
+    for (int x = std::max(0, int(x0)); x < std::min(image.width, int(x1)); ++x) {
+      const auto part_of = [](double at, double from, double to) {
+        return std::clamp(int(kParts * (at - from) / (to - from)), 0, kParts - 1);
+      };
+      const size_t part = size_t(kParts * part_of(y + 0.5, y0, y1) + part_of(x + 0.5, x0, x1));
+      for (int c = 0; c < 3; ++c) colors[3 * part + size_t(c)] += image.at(x, y, c);
+      ++counts[part];
+    }
+  for (size_t i = 0; i < colors.size(); ++i) colors[i] /= float(std::max<size_t>(1, counts[i / 3]));
+  return colors;
+}
+
+std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors) {
+  // Medians of some frames, since a hand or a flash passes.
+  constexpr size_t kWindow = 5;
+  constexpr double kMinChange = 12, kTimesUsual = 5;
+  if (colors.size() < 2 * kWindow) return {};
+  const auto median = [&](size_t begin, size_t k) {
+    std::array<float, kWindow> values;
+    for (size_t j = 0; j < kWindow; ++j) values[j] = colors[begin + j][k];
+    std::nth_element(values.begin(), values.begin() + kWindow / 2, values.end());
+    return values[kWindow / 2];
+  };
+  std::vector<double> change(colors.size());
+  for (size_t i = kWindow; i + kWindow <= colors.size(); ++i)
+    for (size_t k = 0; k < colors[i].size(); ++k)
+      change[i] += std::abs(median(i, k) - median(i - kWindow, k)) / double(colors[i].size());
+  std::vector<double> sorted(change.begin() + kWindow, change.end() - kWindow + 1);
+  std::nth_element(sorted.begin(), sorted.begin() + ptrdiff_t(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  // The largest step within the window is where it begins.
+  const auto step = [&](size_t i) {
+    double sum = 0;
+    for (size_t k = 0; k < colors[i].size(); ++k) sum += std::abs(colors[i][k] - colors[i - 1][k]);
+    return sum;
+  };
+  std::vector<size_t> places;
+  for (size_t i = kWindow; i + kWindow <= colors.size(); ++i) {
+    if (change[i] <= std::max(kMinChange, kTimesUsual * usual)) continue;
+    size_t at = i;
+    for (; i + kWindow <= colors.size() && change[i] > kMinChange; ++i)
+      if (step(i) > step(at)) at = i;
+    places.push_back(at);
+  }
+  return places;
 }
 
 std::vector<size_t> ChooseFrames(const LandmarkVideo& seen,

@@ -26,6 +26,15 @@ FrameSelection FramesToLookAt(size_t total, int wanted, double rate);
 // be compared within a video. image: 3 channels. landmarks: px.
 double SharpnessOf(const Image8& image, const std::vector<std::array<double, 2>>& landmarks);
 
+// Mean colours of the parts of a face, 4 by 4 within the landmarks' extent, one after the other: 48
+// numbers of [0, 255]. image: 3 channels. landmarks: px.
+std::vector<float> FaceColorsOf(const Image8& image,
+                                const std::vector<std::array<double, 2>>& landmarks);
+
+// Where a face looks different from there on: in another shot, of another person, in another light.
+// colors: of frames in order, FaceColorsOf. Nothing where the face changes as much all the time.
+std::vector<size_t> OtherLooks(const std::vector<std::vector<float>>& colors);
+
 // Of `seen.frames`, of which the last `seen.held_out` are kept, the others' best until there are
 // `wanted`: half of them spread evenly over the video, half each the one whose face differs most
 // from those that are chosen (landmarks about their middle in units of the face's size, and

@@ -21,16 +21,7 @@
 namespace cosplat {
 namespace {
 
-using internal::BetweenNeighbours;
-using internal::FaceTexture;
-using internal::FitLens;
-using internal::FrameFields;
-using internal::FramePrior;
-using internal::FrameView;
-using internal::kMaxPhotometricRounds;
-using internal::LandmarkCost;
-using internal::PriorCost;
-using internal::Silhouette;
+using namespace internal;  // of flame/fit
 
 // The noise of a landmark, as a fraction of the face's size: about a pixel for a face of 250.
 constexpr double kLandmarkSigma = 0.004;
@@ -53,7 +44,7 @@ constexpr int kRimRounds = 3, kRimIterations = 15;
 constexpr size_t kBodyNumbers = 6, kBodyWindow = 25;
 // Of frames that are not neighbours in the video, those within this time, and some in any case.
 constexpr double kBodySeconds = 2;
-constexpr size_t kLeastBodyWindow = 6;
+constexpr size_t kMinBodyWindow = 6;
 constexpr struct { double root = 0.05, neck = 0.5, translation = 0.02; } kBodySigma;
 
 // The images are all of the frames.
@@ -269,7 +260,7 @@ void LandmarkFitter::SettleBody() {
   for (size_t f = 0; f < frames_.size(); ++f) {
     if (frames_[f].empty()) continue;
     const auto near = [&](size_t g) {
-      return std::max(f, g) - std::min(f, g) <= kLeastBodyWindow || !faces_[g] ||
+      return std::max(f, g) - std::min(f, g) <= kMinBodyWindow || !faces_[g] ||
              std::abs(faces_[g]->seconds - faces_[f]->seconds) <= kBodySeconds;
     };
     size_t begin = f - std::min(f, kBodyWindow);

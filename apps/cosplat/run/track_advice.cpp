@@ -118,8 +118,15 @@ void AdviseFrames(const TrackRun& run,
 
 }  // namespace
 
-std::vector<std::string> AdviceFor(const TrackRun& run, const std::vector<double>& sharpness) {
+std::vector<std::string> AdviceFor(const TrackRun& run,
+                                   const std::vector<double>& sharpness,
+                                   const std::vector<size_t>& other_looks) {
   std::vector<std::string> advice;
+  for (const size_t i : other_looks)
+    advice.push_back(
+        Format("From frame {} on the face looks different: is it another person, shot or "
+               "light? An avatar is of one: leave the others out.",
+               run.marks.frames[run.kept[i]].name));
   AdviseTurns(run, advice);
   AdviseExpressions(run, advice);
   AdviseFrames(run, sharpness, advice);

@@ -9,8 +9,11 @@
 namespace cosplat {
 
 // A sentence for each of: turns and nods that an avatar will lack, eyes that never close, a mouth
-// that never opens or smiles, a short video, a small face, blurred and unusable frames, cuts. Empty
-// if nothing is missing. sharpness: [kept] SharpnessOf.
-std::vector<std::string> AdviceFor(const TrackRun& run, const std::vector<double>& sharpness);
+// that never opens or smiles, a short video, a small face, blurred and unusable frames, cuts,
+// several people. Empty if nothing is missing. sharpness: [kept] SharpnessOf. other_looks: of the
+// kept frames, OtherLooks.
+std::vector<std::string> AdviceFor(const TrackRun& run,
+                                   const std::vector<double>& sharpness,
+                                   const std::vector<size_t>& other_looks);
 
 }  // namespace cosplat

@@ -156,10 +156,11 @@ void RefineKept(const TrackRunOptions& o, const FrameSource& frames, TrackRun& r
   MeasureFit(run.model, run.embedding, run.chosen.faces, run.fit);
 }
 
-// Copies images and masks; returns each mask's extent, and how sharp the face is in each.
+// Copies images and masks; returns each mask's extent, and what is seen of the face in each.
 struct WrittenImages {
   std::vector<std::array<float, 4>> boxes;  // [kept]
-  std::vector<double> sharpness;            // [kept]
+  std::vector<double> sharpness;            // [kept] SharpnessOf
+  std::vector<std::vector<float>> colors;   // [kept] FaceColorsOf
 };
 
 WrittenImages WriteImages(const TrackRunOptions& o,
@@ -168,6 +169,7 @@ WrittenImages WriteImages(const TrackRunOptions& o,
   WrittenImages written;
   written.boxes.assign(run.kept.size(), {-1, -1, 1, 1});
   written.sharpness.resize(run.kept.size());
+  written.colors.resize(run.kept.size());
   ProgressBar bar("write", int(run.kept.size()), o.quiet);
   // Videos are decoded in order, a few frames ahead of what is encoded in parallel.
   constexpr size_t kAhead = 16;
@@ -179,7 +181,9 @@ WrittenImages WriteImages(const TrackRunOptions& o,
     tbb::parallel_for(begin, end, [&](size_t i) {
       const LandmarkFrame& frame = run.marks.frames[run.kept[i]];
       WriteImage(o.out + "/image/" + frame.name + ".png", images[i - begin]);
-      written.sharpness[i] = SharpnessOf(images[i - begin], run.chosen.faces[run.kept[i]]->points);
+      const auto& points = run.chosen.faces[run.kept[i]]->points;
+      written.sharpness[i] = SharpnessOf(images[i - begin], points);
+      written.colors[i] = FaceColorsOf(images[i - begin], points);
       if (!run.mattes) return;
       const Image8 matte = MatteOf(frame, run.marks);
       WriteImage(o.out + "/mask/" + frame.name + ".png", matte);
@@ -255,7 +259,7 @@ void RunTracking(const TrackRunOptions& o, FrameSource& frames) {
   track.test_frames = TestFrames(run);
   WrittenImages written = WriteImages(o, run, frames);
   track.boxes = std::move(written.boxes);
-  run.advice = AdviceFor(run, written.sharpness);
+  run.advice = AdviceFor(run, written.sharpness, OtherLooks(written.colors));
   for (size_t f : run.kept) track.frames.push_back(TrackedFrameOf(run, f));
   WriteTrackReport(o, run, frames);
   WriteImavatarTrack(o.out, track);
