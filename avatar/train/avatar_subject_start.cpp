@@ -42,7 +42,7 @@ float SpreadOfViews(const std::vector<TrackedFrame>& frames) {
   math::Vec3<float> sum{0, 0, 0};
   for (const TrackedFrame& frame : frames) {
     math::Vec3<float> view = math::ToVec3(&frame.camera.rotation[6]);  // the camera's axis
-    for (size_t joint = 0; joint < 2; ++joint)  // root and neck
+    for (size_t joint = 0; joint < 2; ++joint)                         // root and neck
       view = math::TransposeTimes(math::RotationOf(math::QuatOfAxisAngle(frame.params.pose[joint])),
                                   view);
     views.push_back(view);
