@@ -76,6 +76,8 @@ class UdpInput : public PacketInput {
 std::unique_ptr<PacketInput> OpenUdpInput(const DriveAddress& address) {
   UdpSocket socket = UdpSocket::Listen(address);
   std::string description = address.scheme + "://" + socket.LocalAddress();
+  if (const std::string own = socket.AddressesForSenders(); !own.empty())
+    description += " (for senders: " + own + ")";
   return std::make_unique<UdpInput>(std::move(socket), std::move(description), std::nullopt);
 }
 

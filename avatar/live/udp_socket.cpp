@@ -1,6 +1,8 @@
 #include "avatar/live/udp_socket.h"
 
 #include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -135,6 +137,26 @@ std::string UdpSocket::LocalAddress() const {
       getnameinfo(address, size, host, sizeof(host), port, sizeof(port), kNumeric) != 0)
     return "";
   return HostAndPort(host, std::stoi(port));
+}
+
+std::string UdpSocket::AddressesForSenders() const {
+  const std::string local = LocalAddress();
+  if (!local.starts_with("0.0.0.0:") && !local.starts_with("[::]:")) return "";
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return "";
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> all(first, freeifaddrs);
+  std::string addresses;
+  for (const ifaddrs* each = first; each; each = each->ifa_next) {
+    if (!each->ifa_addr || each->ifa_addr->sa_family != AF_INET) continue;
+    if (each->ifa_flags & IFF_LOOPBACK || !(each->ifa_flags & IFF_UP)) continue;
+    sockaddr_in address;
+    std::memcpy(&address, each->ifa_addr, sizeof(address));
+    char host[INET_ADDRSTRLEN];
+    inet_ntop(AF_INET, &address.sin_addr, host, sizeof(host));
+    addresses +=
+        (addresses.empty() ? "" : " or ") + std::string(host) + local.substr(local.rfind(':'));
+  }
+  return addresses;
 }
 
 }  // namespace cosplat

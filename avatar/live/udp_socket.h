@@ -51,6 +51,9 @@ class UdpSocket {
   Peer RemoteAddress() const;
   // The address that it receives on, with the actual port: "127.0.0.1:9500".
   std::string LocalAddress() const;
+  // If it receives on all networks (0.0.0.0, ::): what a sender on one of them is to be told, IPv4
+  // addresses of this machine with the port, joined by " or ". Otherwise "".
+  std::string AddressesForSenders() const;
 
  private:
   explicit UdpSocket(int descriptor) : descriptor_(descriptor) {}

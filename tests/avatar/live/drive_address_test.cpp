@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include "avatar/live/packet_input.h"
+#include "avatar/live/udp_socket.h"
 #include "tests/support/expect_error.h"
 
 namespace cosplat {
@@ -29,6 +34,28 @@ TEST(DriveAddress, IsLoopbackUnlessToldOtherwise) {
   EXPECT_EQ(ParseDriveAddress("udp://:9500").host, "127.0.0.1");
   const std::string description = OpenUdpInput(ParseDriveAddress("udp://:0"))->Description();
   EXPECT_EQ(description.rfind("udp://127.0.0.1:", 0), 0u) << description;
+}
+
+// Someone has to type it into a phone's app.
+TEST(DriveAddress, OfAllNetworksIsSaidAsSendersNeedIt) {
+  UdpSocket all = UdpSocket::Listen(ParseDriveAddress("udp://0.0.0.0:0"));
+  const std::string local = all.LocalAddress(), senders = all.AddressesForSenders();
+  if (senders.empty()) GTEST_SKIP() << "this machine has no network but its own";
+  const std::string first = senders.substr(0, senders.find(" or "));
+  EXPECT_EQ(first.substr(first.rfind(':')), local.substr(local.rfind(':')));
+  UdpSocket phone = UdpSocket::ConnectTo(ParseDriveAddress("udp://" + first));
+  ASSERT_TRUE(phone.Send("hello"));
+  char received[5];
+  Peer from;
+  long size = -1;
+  for (int i = 0; i < 1000 && size < 0; ++i) {
+    size = all.Receive(received, sizeof(received), from);
+    if (size < 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(std::string(received, size_t(std::max(0l, size))), "hello");
+  EXPECT_NE(OpenUdpInput(ParseDriveAddress("udp://0.0.0.0:0"))->Description().find("for senders: "),
+            std::string::npos);
+  EXPECT_EQ(UdpSocket::Listen(ParseDriveAddress("udp://:0")).AddressesForSenders(), "");
 }
 
 TEST(DriveAddress, ErrorsNameTheDrive) {
