@@ -54,6 +54,16 @@ TEST_F(Turned, IsCountedFromTheFace) {
   EXPECT_LT(error, 5);  // of 255; measured: 2.3, and 20 if angles were counted from the camera
 }
 
+// Of a square of larger frames.
+TEST_F(Turned, ShowsTheHeadInTheMiddle) {
+  const Image8 expected = Sheet();
+  Json run = ReadJson(run_ + "/run.json");
+  Json& intrinsics = run["reference"]["camera"]["intrinsics"];
+  for (const size_t i : {2, 3}) intrinsics[i] = intrinsics[i].get<double>() * 1.8;
+  std::ofstream(run_ + "/run.json") << run.dump();
+  EXPECT_EQ(Sheet().data, expected.data);
+}
+
 TEST(TurnedFigures, AreGivenByHowFarTheHeadIsTurned) {
   const TemporaryFolder folder;
   const CommandResult head = Cosplat({"make-head",

@@ -16,7 +16,11 @@ constexpr float kPi = 3.14159265f;
 // The path does not cross gaps between neighbouring azimuths that are wider than this.
 constexpr float kMaxGap = kPi / 2;
 
-Camera LookAt(const Camera& lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
+// The target is in the middle of the image: a square of larger frames has the lens's axis
+// elsewhere.
+Camera LookAt(Camera lens, Vec3<float> eye, Vec3<float> target, Vec3<float> up) {
+  lens.cx = float(lens.width) / 2;
+  lens.cy = float(lens.height) / 2;
   return viewer::Looking(lens, eye, math::Normalize(target - eye), up);
 }
 
