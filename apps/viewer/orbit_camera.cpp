@@ -30,6 +30,12 @@ Mat3<float> Orthonormal(const Mat3<float>& m) {
   return {{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}};
 }
 
+// seen: a point in the camera's frame, in front of it.
+bool IsInImage(const Camera& lens, const Vec3<float>& seen) {
+  const float x = lens.cx + lens.fx * seen.x / seen.z, y = lens.cy + lens.fy * seen.y / seen.z;
+  return x >= 0 && x <= float(lens.width) && y >= 0 && y <= float(lens.height);
+}
+
 }  // namespace
 
 Camera Looking(Camera lens,
@@ -45,13 +51,18 @@ Camera Looking(Camera lens,
 OrbitCamera::OrbitCamera(const StartView& start)
     : lens_(start.camera), up_(math::Normalize(math::ToVec3(start.up))) {
   std::copy(lens_.rotation.begin(), lens_.rotation.end(), home_.cam_from_world.m);
-  const Vec3<float> eye = math::ToVec3(lens_.Center()), forward = Row(home_.cam_from_world, 2);
-  const Vec3<float> arm = math::ToVec3(start.center) - eye;
+  const Vec3<float> eye = math::ToVec3(lens_.Center()), arm = math::ToVec3(start.center) - eye;
+  const Vec3<float> seen = home_.cam_from_world * arm;
   const float length = std::sqrt(math::Dot(arm, arm));
-  home_.distance = math::Dot(arm, forward);
-  // The camera looks away from the centre; there is no better estimate.
-  if (!(home_.distance > 0.05f * length)) home_.distance = length > 0 ? length : 1;
-  home_.target = eye + forward * home_.distance;
+  const bool in_front = seen.z > 0.05f * length;
+  if (in_front && IsInImage(lens_, seen)) {
+    home_.target = math::ToVec3(start.center);
+    home_.distance = seen.z;
+    ray_ = seen * (1 / seen.z);
+  } else {  // There is no better estimate than a point on the axis.
+    home_.distance = in_front ? seen.z : length > 0 ? length : 1;
+    home_.target = eye + Row(home_.cam_from_world, 2) * home_.distance;
+  }
   pose_ = home_;
 }
 
@@ -93,7 +104,7 @@ Camera OrbitCamera::At(int width, int height) const {
   camera.cx = 0.5f * float(width) + (lens_.cx - 0.5f * float(lens_.width)) * scale;
   camera.cy = 0.5f * float(height) + (lens_.cy - 0.5f * float(lens_.height)) * scale;
   const Mat3<float>& r = pose_.cam_from_world;
-  const Vec3<float> t = r * (Row(r, 2) * pose_.distance - pose_.target);
+  const Vec3<float> t = ray_ * pose_.distance - r * pose_.target;
   std::copy(r.m, r.m + 9, camera.rotation.begin());
   camera.translation = {t.x, t.y, t.z};
   return camera;

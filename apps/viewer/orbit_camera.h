@@ -1,4 +1,4 @@
-// The camera controlled by the mouse: it looks at a point, orbits it, pans and zooms.
+// The camera controlled by the mouse: it orbits a point, pans and zooms.
 //
 // StartView -> OrbitCamera -> At(size) -> Shot (apps/viewer/stage.h).
 #pragma once
@@ -22,8 +22,8 @@ struct StartView {
 
 class OrbitCamera {
  public:
-  // Starts exactly at start.camera. It orbits the point on that camera's axis that is nearest to
-  // start.center.
+  // Starts exactly at start.camera. It orbits start.center, which stays where it is in the image;
+  // where it is not in that camera's image, a point on its axis.
   explicit OrbitCamera(const StartView& start);
 
   // Radians. Positive: the camera moves to its right and upwards, without reaching the poles.
@@ -41,12 +41,13 @@ class OrbitCamera {
  private:
   struct Pose {
     math::Mat3<float> cam_from_world;
-    math::Vec3<float> target;  // on the camera's optical axis
-    float distance;            // from the camera to `target`, > 0
+    math::Vec3<float> target;  // the point that is orbited
+    float distance;            // its depth in the camera, > 0
   };
 
   Camera lens_;
   math::Vec3<float> up_;
+  math::Vec3<float> ray_{0, 0, 1};  // to the target, in the camera's frame, at depth 1
   Pose home_, pose_;
 };
 

@@ -38,13 +38,6 @@ StartView Askew() {
   start.up = Unit({0.1f, -1, 0.05f});
   return start;
 }
-// The point that it circles.
-Point TargetOf(const Camera& c, float depth) {
-  const Point eye = c.Center();
-  return {eye[0] + c.rotation[6] * depth,
-          eye[1] + c.rotation[7] * depth,
-          eye[2] + c.rotation[8] * depth};
-}
 float AskewDepth() { return InCamera(Askew().camera, Askew().center)[2]; }
 
 void ExpectNear(const Camera& a, const Camera& b, float tolerance) {
@@ -72,23 +65,33 @@ TEST(OrbitCamera, AnotherShapeShowsTheWholeImage) {
   EXPECT_NEAR(after[1] - 64, 2 * (before[1] - 32), 1e-3);
 }
 
-TEST(OrbitCamera, CirclesItsTargetAtOneDistance) {
+TEST(OrbitCamera, CirclesItsTargetWhereItIsInTheImage) {
   const StartView start = Askew();
-  const Point target = TargetOf(start.camera, AskewDepth());
   OrbitCamera camera(start);
   Rng rng{3};
   for (int i = 0; i < 1000; ++i) camera.Orbit(0.4f * rng.Normal(), 0.2f * rng.Normal());
   const Camera moved = camera.At(80, 64);
-  const auto q = InCamera(moved, target);
-  EXPECT_NEAR(q[0], 0, 1e-4);
-  EXPECT_NEAR(q[1], 0, 1e-4);
-  EXPECT_NEAR(q[2], AskewDepth(), 1e-4);
+  const auto q = InCamera(moved, start.center), at_first = InCamera(start.camera, start.center);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(q[i], at_first[i], 1e-4);
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
       float dot = 0;
       for (int c = 0; c < 3; ++c) dot += moved.rotation[3 * i + c] * moved.rotation[3 * k + c];
       EXPECT_NEAR(dot, i == k, 1e-5);
     }
+}
+
+TEST(OrbitCamera, CirclesAPointOnItsAxisWhereItsTargetIsNotInTheImage) {
+  StartView start = Askew();
+  const Point eye = start.camera.Center();
+  for (size_t i = 0; i < 3; ++i)
+    start.center[i] = eye[i] + start.camera.rotation[6 + i] + 2 * start.camera.rotation[i];
+  OrbitCamera camera(start);
+  camera.Orbit(1, 0.3f);
+  Point on_axis{};
+  for (size_t i = 0; i < 3; ++i) on_axis[i] = eye[i] + start.camera.rotation[6 + i];
+  const auto q = InCamera(camera.At(80, 64), on_axis);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(q[i], i == 2, 1e-4);
 }
 
 TEST(OrbitCamera, GoesToItsRightAndUpAndStopsAtThePoles) {
@@ -108,7 +111,7 @@ TEST(OrbitCamera, GoesToItsRightAndUpAndStopsAtThePoles) {
 
 TEST(OrbitCamera, PansBySharesOfTheImage) {
   const StartView start = Askew();
-  const Point target = TargetOf(start.camera, AskewDepth());
+  const Point target = start.center;
   OrbitCamera camera(start);
   camera.Pan(0.25f, -0.125f);
   const auto before = PixelOf(start.camera, target), after = PixelOf(camera.At(80, 64), target);
@@ -118,7 +121,7 @@ TEST(OrbitCamera, PansBySharesOfTheImage) {
 
 TEST(OrbitCamera, ZoomsWithinLimitsAndResets) {
   const StartView start = Askew();
-  const Point target = TargetOf(start.camera, AskewDepth());
+  const Point target = start.center;
   OrbitCamera camera(start);
   camera.Zoom(1);
   EXPECT_NEAR(InCamera(camera.At(80, 64), target)[2], 0.9f * AskewDepth(), 1e-4);
