@@ -123,6 +123,21 @@ void Submit(const StudyCommand& o, const std::vector<StudyRun>& all) {
         o.out.c_str());
 }
 
+// What the runs' data sets state as published.
+std::vector<StudyLine> PublishedOf(const std::vector<StudyRun>& runs) {
+  std::vector<StudyLine> lines;
+  for (const StudyRun& run : runs)
+    for (const auto& [system, figures] : run.data.published) {
+      StudyLine line;
+      line.data = run.data.name, line.name = line.label = system;
+      line.checkpoints = {figures};
+      line.checkpoints[0]["iterations"] = 0;  // not known
+      const auto same = [&](const StudyLine& other) { return other.Id() == line.Id(); };
+      if (std::none_of(lines.begin(), lines.end(), same)) lines.push_back(std::move(line));
+    }
+  return lines;
+}
+
 // Returns the number of failed runs.
 size_t RunAll(const StudyCommand& o, const std::vector<StudyRun>& all) {
   const StudyChildren children;
@@ -204,6 +219,8 @@ void Study(const StudyCommand& o) {
   const std::vector<StudyRun> runs = WantedRuns(o);
   if (o.dry_run) return PrintRuns(runs, ReadStudyLines(o.out).lines);
   if (o.slurm) return Submit(o, runs);
+  if (const auto published = PublishedOf(runs); !published.empty())
+    WritePublished(o.out, published);
   const size_t failed = RunAll(o, runs);
   if (failed < runs.size() && o.run.empty()) WritePage(o);
   if (failed > 0)

@@ -6,7 +6,8 @@ namespace cosplat::test {
 inline constexpr const char* kGoodStudyList = R"({
   "defaults": {"arguments": ["--eval"], "seeds": [0, 5], "checkpoints": [10]},
   "data": [
-    {"name": "fox", "kind": "scene", "source": "a fox", "counts": [200, 100]},
+    {"name": "fox", "kind": "scene", "source": "a fox", "counts": [200, 100],
+     "published": {"Others'": {"PSNR": 31.5, "gaussians": 90000}}},
     {"name": "head", "kind": "avatar", "make_head": ["--size", "64"], "seeds": [3],
      "checkpoints": []}],
   "runs": [

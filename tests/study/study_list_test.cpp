@@ -65,6 +65,18 @@ TEST_F(StudyListTest, CommandsHoldOnAnyMachine) {
   EXPECT_EQ(runs[0].label, "DCSH");
   EXPECT_EQ(runs[0].groups, (Strings{"bases", "pruning"}));
   EXPECT_EQ(runs[1].label, "sh");
+  EXPECT_EQ(runs[0].data.published.at("Others'").at("PSNR"), 31.5);
+  EXPECT_TRUE(runs[6].data.published.empty());
+}
+
+// docs/study/insta.json: whoever has INSTA's subjects below one folder.
+TEST(StudyLists, InstasSubjectsAreThere) {
+  const std::vector<StudyRun> runs = ReadStudyList(COSPLAT_SOURCE_DIR "/docs/study/insta.json");
+  ASSERT_EQ(runs.size(), 20u);
+  EXPECT_EQ(runs[5].Command(),
+            "cosplat train-avatar -s insta/justin --flame flame2023.pkl -m MODEL --eval "
+            "--background black --quality best --seed 0");
+  EXPECT_EQ(runs[5].data.published.at("FlashAvatar").at("PSNR"), 32.11);
 }
 
 TEST_F(StudyListTest, NamesWhatIsWrong) {
@@ -91,6 +103,8 @@ TEST_F(StudyListTest, NamesWhatIsWrong) {
   ExpectRefused("\"source\": \"a fox\"",
                 "\"source\": \"a fox\", \"make_head\": []",
                 {file, "data[0].make_head", "scene"});
+  ExpectRefused("\"PSNR\"", "\"PNSR\"", {file, "data[0].published.Others'.PNSR"});
+  ExpectRefused("31.5", "\"31.5\"", {file, "data[0].published.Others'.PSNR", "31.5"});
   ExpectRefused("[\"--eval\"]", "\"--eval\"", {file, "defaults.arguments", "--eval"});
 }
 

@@ -236,5 +236,47 @@ TEST(StudyPage, HoldsTablesDifferencesAndNotes) {
   ExpectError([&] { WriteStudyPage(empty.path(), ""); }, {empty.path(), "no finished run"});
 }
 
+// Our settings first, means over all data where a system has them, nothing for what nobody states.
+TEST(StudyPage, HoldsWhatOthersHavePublished) {
+  const TemporaryFolder folder;
+  const auto published = [](const std::string& data, double psnr) {
+    StudyLine line;
+    line.data = data, line.name = line.label = "Others";
+    line.checkpoints = {{{"iterations", 0}, {"PSNR", psnr}}};
+    return line;
+  };
+  {
+    StudyLog log(folder.path());
+    for (const std::string data : {"fox", "cat"}) {
+      StudyLine line = LineOf("ours", 0, data == "fox" ? 30 : 33);
+      line.data = data;
+      log.Append(line);
+    }
+  }
+  StudyLine one = published("fox", 29.5);
+  one.name = one.label = "One";
+  WritePublished(folder.path(), {published("fox", 31.25), one, published("cat", 32.75)});
+  testing::internal::CaptureStdout();
+  WriteStudyPage(folder.path(), "");
+  const std::string printed = testing::internal::GetCapturedStdout();
+  std::ostringstream page;
+  page << std::ifstream(folder / "index.html").rdbuf();
+  EXPECT_NE(page.str().find("Beside published figures"), std::string::npos);
+  EXPECT_NE(page.str().find("2 runs, cosplat"), std::string::npos);
+  size_t at = 0;
+  for (const std::string row : {"| data | system | PSNR, dB |",
+                                "| fox | ours | 30.00 |",
+                                "| fox | Others (published) | 31.25 | - |",
+                                "| fox | One (published) | 29.50 |",
+                                "| cat | ours | 33.00 |",
+                                "| cat | Others (published) | 32.75 |",
+                                "| mean of 2 | ours | 31.50 |",
+                                "| mean of 2 | Others (published) | 32.00 |"}) {
+    at = printed.find(row, at);
+    ASSERT_NE(at, std::string::npos) << row << " is not in its place in\n" << printed;
+  }
+  EXPECT_EQ(printed.find("| mean of 2 | One"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cosplat::test

@@ -111,6 +111,13 @@ StudyLines ReadStudyLines(const std::string& folder) {
   return all;
 }
 
+void WritePublished(const std::string& folder, const std::vector<StudyLine>& lines) {
+  MakeDirectories(folder);
+  std::string text;
+  for (const StudyLine& line : lines) text += ToText(line);
+  WriteFileAtomically(folder + "/published.jsonl", text);
+}
+
 StudyLog::StudyLog(const std::string& folder, const std::string& name)
     : path_(folder + "/" + name) {
   MakeDirectories(folder);

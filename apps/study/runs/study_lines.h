@@ -19,6 +19,8 @@ struct StudyLine {
   std::vector<StudyFigures> checkpoints;  // by iterations; the last one is the finished model
 
   std::string Id() const;  // as StudyRun's
+  // Somebody else's figures, which the list states: `name` is their system's.
+  bool published() const { return command.empty(); }
 };
 
 struct StudyLines {
@@ -29,6 +31,9 @@ struct StudyLines {
 // Reads every *.jsonl in the folder, in order of name. An unterminated last line belongs to an
 // interrupted study and is ignored. Throws Error naming file, line and field of an invalid line.
 StudyLines ReadStudyLines(const std::string& folder);
+
+// Writes what the lists' data sets state as published, in place of what an earlier list stated.
+void WritePublished(const std::string& folder, const std::vector<StudyLine>& lines);
 
 // Appends lines to a file of the folder, each atomically and flushed to disk. Removes a partial
 // line that an interrupted study left. Throws Error if another study is writing to it.

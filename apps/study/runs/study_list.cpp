@@ -104,7 +104,8 @@ StudyData DataOf(const JsonField& field, const Defaults& defaults) {
               "arguments",
               "checkpoints",
               "counts",
-              "seeds"});
+              "seeds",
+              "published"});
   StudyData data;
   data.name = CheckedName(field["name"]);
   const std::string kind = field["kind"].String();
@@ -117,6 +118,13 @@ StudyData DataOf(const JsonField& field, const Defaults& defaults) {
   data.checkpoints = IntegersOf(field, "checkpoints", defaults.checkpoints);
   data.counts = IntegersOf(field, "counts");
   data.seeds = IntegersOf(field, "seeds", defaults.seeds);
+  if (!field.Has("published")) return data;
+  for (const auto& [system, ignored] : field["published"].raw().items()) {
+    const JsonField figures = field["published"][system];
+    ExpectKeys(figures, {"PSNR", "SSIM", "LPIPS_vgg", "LPIPS_alex", "LPIPS_squeeze", "gaussians"});
+    for (const auto& [key, value] : figures.raw().items())
+      data.published[system][key] = figures[key].Number();
+  }
   return data;
 }
 

@@ -4,6 +4,7 @@
 // the file; arguments are those of the trainers and are passed on unchanged.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct StudyData {
   std::vector<int> checkpoints;  // steps to evaluate at, in addition to the last
   std::vector<int> counts;       // values of {count}
   std::vector<int> seeds;
+  // What others have published for this data, by system: figures as study lines have them.
+  std::map<std::string, std::map<std::string, double>> published;
 };
 
 struct StudyRun {

@@ -1,6 +1,7 @@
 #include "apps/study/runs/study_page.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <set>
 
 #include "apps/charts/svg_drawing.h"
@@ -103,6 +104,59 @@ std::string DifferencesTable(const std::vector<StudyPoint>& points) {
   return table.Html();
 }
 
+// Distinct names in order of first appearance.
+template <class F>
+std::vector<std::string> InOrder(const std::vector<StudyPoint>& points, const F& names_of) {
+  std::vector<std::string> all;
+  for (const StudyPoint& point : points)
+    for (const std::string& name : names_of(point))
+      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+  return all;
+}
+
+// Finished models of each data set, then what others have published for it; and the means of all
+// that have every data set. Empty if nothing is published.
+std::vector<std::vector<std::string>> BesidePublished(const std::vector<StudyPoint>& measured,
+                                                      const std::vector<StudyPoint>& published) {
+  if (published.empty()) return {};
+  std::vector<StudyPoint> all = measured;
+  all.insert(all.end(), published.begin(), published.end());
+  const auto data_of = [](const StudyPoint& p) { return std::vector<std::string>{p.data}; };
+  const std::vector<std::string> sets = InOrder(measured, data_of);
+  std::vector<StudyFigure> figures = QualitiesIn(all);
+  figures.push_back({"gaussians", "Gaussians", "", 0});
+  std::vector<std::vector<std::string>> rows{{"data", "system"}};
+  for (const StudyFigure& figure : figures) rows[0].push_back(HeadOf(figure));
+  const auto name_of = [](const StudyPoint& point) {
+    return point.name + (point.lines[0].published() ? " (published)" : "");
+  };
+  for (const std::string& data : sets)
+    for (const StudyPoint& point : all) {
+      if (point.data != data) continue;
+      rows.push_back({data, name_of(point)});
+      for (const StudyFigure& figure : figures)
+        rows.back().push_back(ToString(point.At(figure.key), figure.decimals));
+    }
+  const auto names_of = [&](const StudyPoint& p) { return std::vector<std::string>{name_of(p)}; };
+  for (const std::string& name : InOrder(all, names_of)) {
+    std::vector<std::string> cells{Format("mean of {}", sets.size()), name};
+    bool any = false;
+    for (const StudyFigure& figure : figures) {
+      std::vector<double> means;
+      for (const StudyPoint& point : all)
+        if (const auto mean = point.At(figure.key); mean && name_of(point) == name)
+          means.push_back(mean->mean);
+      const bool whole = sets.size() > 1 && means.size() == sets.size();
+      any = any || whole;
+      Estimate mean = EstimateOf(means);
+      mean.count = 1;  // the scatter of data sets is no error
+      cells.push_back(whole ? ToString(mean, figure.decimals) : "-");
+    }
+    if (any) rows.push_back(cells);
+  }
+  return rows;
+}
+
 std::vector<StudyPoint> PointsIn(const std::vector<StudyPoint>& all,
                                  const std::string& data,
                                  const std::string& group) {
@@ -112,16 +166,6 @@ std::vector<StudyPoint> PointsIn(const std::vector<StudyPoint>& all,
         std::find(point.groups.begin(), point.groups.end(), group) != point.groups.end())
       points.push_back(point);
   return points;
-}
-
-// Distinct names in order of first appearance.
-template <class F>
-std::vector<std::string> InOrder(const std::vector<StudyPoint>& points, const F& names_of) {
-  std::vector<std::string> all;
-  for (const StudyPoint& point : points)
-    for (const std::string& name : names_of(point))
-      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
-  return all;
 }
 
 // One group of one data set. The charts of the first metric are expanded, the others collapsed.
@@ -183,13 +227,21 @@ std::string CommandsHtml(const std::vector<StudyPoint>& points) {
   return html + "</pre></details>\n";
 }
 
-std::string Page(const StudyLines& all, const std::string& charts_folder) {
+std::string Page(const StudyLines& all,
+                 const std::vector<std::vector<std::string>>& beside_published,
+                 const std::string& charts_folder) {
   const std::vector<StudyPoint> points = PointsOf(all.lines);
   const auto data_of = [](const StudyPoint& p) { return std::vector<std::string>{p.data}; };
   const auto groups_of = [](const StudyPoint& p) { return p.groups; };
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>cosplat-study</title>" +
       std::string(kStyle) + "<h1>cosplat-study</h1>" + Notes(all);
+  if (!beside_published.empty()) {
+    Table table("Finished models; others as they were published, on other machines",
+                beside_published[0]);
+    for (size_t i = 1; i < beside_published.size(); ++i) table.Row(beside_published[i]);
+    html += "<h2>Beside published figures</h2>" + table.Html();
+  }
   const std::string differences = DifferencesTable(points);
   if (!differences.empty()) html += "<h2>Differences</h2>" + differences;
   for (const std::string& data : InOrder(points, data_of)) {
@@ -205,10 +257,20 @@ std::string Page(const StudyLines& all, const std::string& charts_folder) {
 }  // namespace
 
 void WriteStudyPage(const std::string& folder, const std::string& charts) {
-  const StudyLines all = ReadStudyLines(folder);
+  StudyLines all = ReadStudyLines(folder);
+  const auto published = std::stable_partition(
+      all.lines.begin(), all.lines.end(), [](const StudyLine& line) { return !line.published(); });
+  const std::vector<StudyLine> of_others(published, all.lines.end());
+  all.lines.erase(published, all.lines.end());
   if (all.lines.empty()) throw Error(folder, "contains no finished run (*.jsonl)");
   if (!charts.empty()) MakeDirectories(charts);
-  WriteFileAtomically(folder + "/index.html", Page(all, charts));
+  const auto beside = BesidePublished(PointsOf(all.lines), PointsOf(of_others));
+  WriteFileAtomically(folder + "/index.html", Page(all, beside, charts));
+  for (size_t i = 0; i < beside.size(); ++i) {
+    std::string line = "|", rule = "|";
+    for (const std::string& cell : beside[i]) line += " " + cell + " |", rule += "---|";
+    std::printf("%s\n%s", line.c_str(), i == 0 ? (rule + "\n").c_str() : "");
+  }
 }
 
 }  // namespace cosplat

@@ -11,6 +11,7 @@ namespace cosplat {
 
 // Writes <folder>/index.html from the lines in the folder; if `charts` is not empty, also writes
 // each chart as a file into that folder. Throws Error if there is no line.
+// The table of finished models beside published ones is printed, too, if there are any.
 void WriteStudyPage(const std::string& folder, const std::string& charts);
 
 // A chart of a study: quality against cost for one data set and one group of settings.
