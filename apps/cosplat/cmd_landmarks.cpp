@@ -35,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Frames in which the head is looked for, and their longer side, px.
-constexpr size_t kCoarseFrames = 64, kFramesOfWindows = 12;
+constexpr size_t kCoarseFrames = 64, kFramesOfWindows = 12, kFirstFramesOfWindows = 3;
 constexpr int kCoarseSide = 640;
 // Apart by so much, no face is taken for one that moved.
 constexpr double kApart = 1000;  // milliseconds
@@ -55,13 +55,8 @@ void ForFrames(const std::vector<size_t>& which,
   }
 }
 
-// A part of the frames.
-struct Window {
-  int x, y, width, height;
-};
-
 // Squares of half the frames' shorter side that overlap by half.
-std::vector<Window> SmallWindows(int width, int height) {
+std::vector<Crop> SmallWindows(int width, int height) {
   const int side = std::max(1, std::min(width, height) / 2);
   const auto places = [&](int length) {
     std::vector<int> at;
@@ -69,18 +64,10 @@ std::vector<Window> SmallWindows(int width, int height) {
     for (int i = 0; i < count; ++i) at.push_back(count > 1 ? i * (length - side) / (count - 1) : 0);
     return at;
   };
-  std::vector<Window> windows;
+  std::vector<Crop> windows;
   for (const int y : places(height))
     for (const int x : places(width)) windows.push_back({x, y, side, side});
   return windows;
-}
-
-Image8 CutOut(const Image8& image, const Window& w) {
-  Image8 part(w.width, w.height, image.channels);
-  for (int y = 0; y < w.height; ++y)
-    std::copy_n(
-        &image.at(w.x, w.y + y, 0), size_t(w.width) * size_t(image.channels), &part.at(0, y, 0));
-  return part;
 }
 
 // Faces in `count` frames spread over the video, which are looked for in each of the windows, all
@@ -88,14 +75,14 @@ Image8 CutOut(const Image8& image, const Window& w) {
 std::vector<std::vector<DetectedFace>> SearchFaces(const LandmarkRunOptions& o,
                                                    const FrameSource& frames,
                                                    size_t count,
-                                                   const std::vector<Window>& windows) {
+                                                   const std::vector<Crop>& windows) {
   const size_t total = size_t(frames.count());
   count = std::min(count, total);
   std::vector<size_t> which;
   for (size_t i = 0; i < count; ++i) which.push_back((2 * i + 1) * total / (2 * count));
   std::vector<double> times;
   for (size_t i = 0; i < count * windows.size(); ++i) times.push_back(kApart * double(i));
-  const Window& first = windows[0];
+  const Crop& first = windows[0];
   const double scale = std::min(1.0, double(kCoarseSide) / std::max(first.width, first.height));
   const int width = std::max(1, int(std::lround(scale * first.width)));
   const int height = std::max(1, int(std::lround(scale * first.height)));
@@ -107,7 +94,7 @@ std::vector<std::vector<DetectedFace>> SearchFaces(const LandmarkRunOptions& o,
       [&](size_t i, const Image8& image) {
         for (size_t w = 0; w < windows.size(); ++w)
           detector.Add(i * windows.size() + w,
-                       ResizeByArea(CutOut(image, windows[w]), width, height));
+                       ResizeByArea(Cropped(image, windows[w]), width, height));
       },
       [&](int done) { bar.Update(done, "images"); });
   detector.Run(times, false, [&](int done) { bar.Update(int(count) + done, "images"); });
@@ -115,7 +102,7 @@ std::vector<std::vector<DetectedFace>> SearchFaces(const LandmarkRunOptions& o,
   std::vector<std::vector<DetectedFace>> faces(count);
   for (size_t i = 0; i < found.size(); ++i)
     for (DetectedFace face : found[i]) {
-      const Window& w = windows[i % windows.size()];
+      const Crop& w = windows[i % windows.size()];
       for (auto& [x, y] : face.points) {
         x = w.x + x * w.width / width;
         y = w.y + y * w.height / height;
@@ -129,14 +116,34 @@ size_t WithFaces(const std::vector<std::vector<DetectedFace>>& faces) {
   return size_t(std::count_if(faces.begin(), faces.end(), [](auto& f) { return !f.empty(); }));
 }
 
+// The same for a head that is too small for the detector in whole frames, which sees no face that
+// is smaller than some twentieth of its image. Few frames are searched by windows, and the others
+// where these have the head, unless it is not there.
+std::vector<std::vector<DetectedFace>> SearchSmallFaces(const LandmarkRunOptions& o,
+                                                        const FrameSource& frames) {
+  const int width = frames.width(), height = frames.height();
+  const std::vector<Crop> windows = SmallWindows(width, height);
+  const auto first = SearchFaces(o, frames, kFirstFramesOfWindows, windows);
+  if (WithFaces(first) > 0) {
+    const FrameCrop head = HeadCrop(first, width, height, o.size);
+    const int side = std::min({2 * head.side, width, height});
+    const auto place = [&](int at, int size) {
+      return std::clamp(at + (head.side - side) / 2, 0, size - side);
+    };
+    auto near = SearchFaces(
+        o, frames, kCoarseFrames, {{place(head.x, width), place(head.y, height), side, side}});
+    if (2 * WithFaces(near) >= near.size()) return near;
+  }
+  return SearchFaces(o, frames, kFramesOfWindows, windows);
+}
+
 // The square around the head; none where the frames are no larger than it would be as an image.
 std::optional<FrameCrop> FindCrop(const LandmarkRunOptions& o, const FrameSource& frames) {
   const int width = frames.width(), height = frames.height();
   if (o.size == 0 || std::max(width, height) <= o.size) return {};
   auto faces = SearchFaces(o, frames, kCoarseFrames, {{0, 0, width, height}});
-  // The detector sees no face that is smaller than some twentieth of its image.
   if (2 * WithFaces(faces) < faces.size()) {
-    auto small = SearchFaces(o, frames, kFramesOfWindows, SmallWindows(width, height));
+    auto small = SearchSmallFaces(o, frames);
     if (WithFaces(small) * faces.size() > WithFaces(faces) * small.size()) faces = std::move(small);
   }
   if (WithFaces(faces) == 0)

@@ -9,9 +9,9 @@
 // is asked for. FOLDER of modules is npm's node_modules. Prints "frame K" for each frame that all
 // jobs have seen.
 //
-// The jobs run in pages of their own, each of which asks for a frame and posts what it found with the
-// next request. The pages have different origins, so that Chromium gives each a process, and they
-// run on two cores.
+// Each item of --jobs is a page that asks for a frame, and posts what it found with the next request.
+// Pages of one job share its frames, which should not follow each other then. The pages have
+// different origins, so that Chromium gives each a process, and they run on several cores.
 import { spawn } from "node:child_process";
 import fs from "node:fs";
 import http from "node:http";
@@ -26,8 +26,8 @@ const { values: options } = parseArgs({
 const times = JSON.parse(fs.readFileSync(path.join(options.frames, "times.json")));
 const count = times.length;
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
-const jobs = options.jobs.split(",");
-const next = Object.fromEntries(jobs.map((job) => [job, 0]));
+const pages = options.jobs.split(",").map((job) => ({ job, frame: null }));
+const next = Object.fromEntries(pages.map(({ job }) => [job, 0]));
 const found = { ...next };
 const faces = new Array(count);
 const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-chromium-"));
@@ -43,23 +43,26 @@ function fail(message) {
   stop(1);
 }
 
-// A frame for `job`, and what it found in the one before.
-function answer(job, result, response) {
+// A frame for `page`, and what it found in the one before.
+function answer(page, result, response) {
+  const { job, frame } = page;
   if (result.length > 0) {
-    const frame = found[job]++;
     if (job === "face") faces[frame] = JSON.parse(result.toString());
     else fs.writeFileSync(path.join(options.frames, `${frame}.matte`), result);
+    const before = Math.min(...Object.values(found));
+    ++found[job];
     const all = Math.min(...Object.values(found));
-    if (frame === all - 1) console.log(`frame ${all}`);
+    if (all > before) console.log(`frame ${all}`);
   }
   if (next[job] < count) {
+    page.frame = next[job]++;
     response.setHeader("content-type", "image/jpeg");
-    response.setHeader("x-milliseconds", times[next[job]]);
-    response.end(fs.readFileSync(path.join(options.frames, `${next[job]++}.jpg`)));
+    response.setHeader("x-milliseconds", times[page.frame]);
+    response.end(fs.readFileSync(path.join(options.frames, `${page.frame}.jpg`)));
     return;
   }
   response.writeHead(204).end();
-  if (jobs.every((each) => found[each] === count)) {
+  if (Object.values(found).every((each) => each === count)) {
     fs.writeFileSync(path.join(options.frames, "faces.json"), JSON.stringify(faces));
     stop(0);
   }
@@ -83,10 +86,9 @@ const server = http.createServer(async (request, response) => {
   const url = new URL(request.url, "http://localhost").pathname;
   const body = [];
   for await (const part of request) body.push(part);
-  const job = url.slice(1);
+  const page = pages[Number(/^\/page-([0-9]+)$/.exec(url)?.[1])];
   if (url === "/failed") fail(Buffer.concat(body).toString());
-  else if (request.method === "POST" && jobs.includes(job))
-    answer(job, Buffer.concat(body), response);
+  else if (request.method === "POST" && page) answer(page, Buffer.concat(body), response);
   else serve(url, response);
 });
 

@@ -2,6 +2,7 @@
 // Values are display-referred sRGB throughout, as in 3DGS: nothing is linearised.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -31,6 +32,22 @@ struct BasicImage {
 
 using Image = BasicImage<float>;     // [0, 1]
 using Image8 = BasicImage<uint8_t>;  // [0, 255]; four channels mean straight (unmultiplied) alpha
+
+// A part of an image, px; empty: none.
+struct Crop {
+  int x = 0, y = 0, width = 0, height = 0;
+
+  bool empty() const { return width <= 0 || height <= 0; }
+};
+
+// crop: within the image.
+inline Image8 Cropped(const Image8& image, const Crop& crop) {
+  Image8 part(crop.width, crop.height, image.channels);
+  const size_t row = size_t(crop.width) * size_t(image.channels);
+  for (int y = 0; y < crop.height; ++y)
+    std::copy_n(&image.at(crop.x, crop.y + y, 0), row, &part.at(0, y, 0));
+  return part;
+}
 
 // "640x480", for messages.
 inline std::string SizeText(int width, int height) {

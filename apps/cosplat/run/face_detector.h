@@ -25,7 +25,8 @@ class FaceDetector {
   // different images may run at once.
   void Add(size_t image, const Image8& pixels) const;
   // Looks at all of them. milliseconds: [images] when each was taken, increasing. mattes: for
-  // these, too. progress: called with how many are done. Throws Error if a program fails.
+  // these, too; else two processes share the images, of which none should follow another (within
+  // 200 ms). progress: called with how many are done. Throws Error if a program fails.
   void Run(const std::vector<double>& milliseconds,
            bool mattes,
            const std::function<void(int done)>& progress);

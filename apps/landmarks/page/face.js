@@ -8,7 +8,7 @@
   let faces = [];
   mesh.onResults((results) => { faces = results.multiFaceLandmarks ?? []; });
   await mesh.initialize();
-  await answerFrames("face", async (image, follows) => {
+  await answerFrames(async (image, follows) => {
     if (!follows) mesh.reset();  // or the face is looked for where it was
     faces = [];
     await mesh.send({ image });

@@ -11,12 +11,12 @@ self.addEventListener("error", (event) => report(event.message));
 const longestStep = 200;  // milliseconds
 
 // look(image, follows) gives what is posted; follows: whether the frame before was just before.
-async function answerFrames(job, look) {
+async function answerFrames(look) {
   const canvas = new OffscreenCanvas(width, height);
   const context = canvas.getContext("2d", { willReadFrequently: true });
   let result = null, last = -Infinity;
   for (;;) {
-    const reply = await fetch(`../${job}`, { method: "POST", body: result });
+    const reply = await fetch(`../${location.hostname.split(".")[0]}`, { method: "POST", body: result });
     if (reply.status === 204) return;
     context.drawImage(await createImageBitmap(await reply.blob()), 0, 0);
     // The packages take a frame's time from the clock, and smooth and track by it: the video's own

@@ -8,7 +8,7 @@
   await segmentation.initialize();
   const canvas = new OffscreenCanvas(width, height);
   const context = canvas.getContext("2d", { willReadFrequently: true });
-  await answerFrames("matte", async (image) => {
+  await answerFrames(async (image) => {
     await segmentation.send({ image });
     context.clearRect(0, 0, width, height);
     context.drawImage(matte, 0, 0, width, height);

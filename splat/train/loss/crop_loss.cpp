@@ -45,12 +45,4 @@ Crop DrawCrop(const Image8& image, int side, Rng& rng) {
   return crop;
 }
 
-Image8 Cropped(const Image8& image, const Crop& crop) {
-  Image8 part(crop.width, crop.height, image.channels);
-  const size_t row = size_t(crop.width) * image.channels;
-  for (int y = 0; y < crop.height; ++y)
-    std::copy_n(&image.at(crop.x, crop.y + y, 0), row, part.data.data() + y * row);
-  return part;
-}
-
 }  // namespace cosplat

@@ -35,16 +35,8 @@ struct CropLossSettings {
   std::shared_ptr<ImageDistance> distance;
 };
 
-// A part of an image, px; empty: none.
-struct Crop {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
 // At a place drawn so that it shows as much as possible of what is not transparent in the image.
 // The same number of draws for any image.
 Crop DrawCrop(const Image8& image, int side, Rng& rng);
-
-// The part of the image within the crop.
-Image8 Cropped(const Image8& image, const Crop& crop);
 
 }  // namespace cosplat
