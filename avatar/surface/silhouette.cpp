@@ -42,6 +42,25 @@ void FillTriangle(const std::array<ScreenPoint, 3>& t,
     }
 }
 
+// The box of points, px.
+struct Box {
+  float x0 = 1e9f, x1 = -1e9f, y0 = 1e9f, y1 = -1e9f;
+
+  void Add(const ScreenPoint& p) {
+    x0 = std::min(x0, p.x), x1 = std::max(x1, p.x);
+    y0 = std::min(y0, p.y), y1 = std::max(y1, p.y);
+  }
+  // Of its longer side, at each of its sides.
+  Crop WithRoom(float share, const Camera& camera) const {
+    const float room = share * std::max(x1 - x0, y1 - y0);
+    const auto clamp = [](float v, int limit) { return int(std::clamp(v, 0.0f, float(limit))); };
+    const int left = clamp(x0 - room, camera.width), right = clamp(x1 + room, camera.width);
+    const int top = clamp(y0 - room, camera.height), bottom = clamp(y1 + room, camera.height);
+    const Crop crop{left, top, right - left, bottom - top};
+    return crop.empty() ? Crop{} : crop;
+  }
+};
+
 }  // namespace
 
 std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
@@ -69,11 +88,22 @@ int ChinRow(const std::vector<float>& vertices, const FlameModel& flame, const C
   return std::min(int(std::ceil(row)), camera.height);
 }
 
-std::array<int, 4> MouthBox(const std::vector<float>& vertices,
-                            const std::vector<float>& canonical_vertices,
-                            const MeshTopology& topology,
-                            int head_vertices,
-                            const Camera& camera) {
+Crop HeadBox(const std::vector<float>& vertices, const FlameModel& flame, const Camera& camera) {
+  constexpr float kRoom = 0.2f;
+  const float chin = float(ChinRow(vertices, flame, camera));
+  Box box;
+  for (int v = 0; v < flame.vertex_count; ++v) {
+    const ScreenPoint p = Project(vertices, v, camera);
+    if (p.depth > 0 && p.y <= chin) box.Add(p);
+  }
+  return box.WithRoom(kRoom, camera);
+}
+
+Crop MouthBox(const std::vector<float>& vertices,
+              const std::vector<float>& canonical_vertices,
+              const MeshTopology& topology,
+              int head_vertices,
+              const Camera& camera) {
   const auto mean_height = [&](const std::vector<int32_t>& loop) {
     double sum = 0;
     for (const int32_t v : loop) sum += canonical_vertices[3 * size_t(v) + 1];
@@ -81,26 +111,18 @@ std::array<int, 4> MouthBox(const std::vector<float>& vertices,
   };
   std::vector<std::vector<int32_t>> loops = topology.boundary_loops;
   std::erase_if(loops, [&](const auto& loop) { return loop[0] >= head_vertices; });
-  if (loops.size() < 2) return {0, 0, 0, 0};
+  if (loops.size() < 2) return {};
   const std::vector<int32_t>& mouth =
       *std::max_element(loops.begin(), loops.end(), [&](const auto& a, const auto& b) {
         return mean_height(a) < mean_height(b);
       });
-  float x0 = 1e9f, x1 = -1e9f, y0 = 1e9f, y1 = -1e9f;
+  Box box;
   for (const int32_t v : mouth) {
     const ScreenPoint p = Project(vertices, v, camera);
-    if (!(p.depth > 0)) return {0, 0, 0, 0};
-    x0 = std::min(x0, p.x);
-    x1 = std::max(x1, p.x);
-    y0 = std::min(y0, p.y);
-    y1 = std::max(y1, p.y);
+    if (!(p.depth > 0)) return {};
+    box.Add(p);
   }
-  const float margin = 0.5f * std::max(x1 - x0, y1 - y0);
-  const auto clamp = [](float v, int limit) { return int(std::clamp(v, 0.0f, float(limit))); };
-  const int left = clamp(x0 - margin, camera.width), right = clamp(x1 + margin, camera.width);
-  const int top = clamp(y0 - margin, camera.height), bottom = clamp(y1 + margin, camera.height);
-  if (left >= right || top >= bottom) return {0, 0, 0, 0};
-  return {left, top, right - left, bottom - top};
+  return box.WithRoom(0.5f, camera);
 }
 
 }  // namespace cosplat

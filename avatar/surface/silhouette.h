@@ -9,6 +9,7 @@
 #include "flame/model.h"
 #include "flame/topology.h"
 #include "splat/base/camera.h"
+#include "splat/base/image.h"
 
 namespace cosplat {
 
@@ -18,19 +19,23 @@ std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
                                     const std::vector<std::array<int32_t, 3>>& faces,
                                     const Camera& camera);
 
-// x, y, width, height in px, within the image: the box of the uppermost boundary loop of the first
+// Within the image: the box of the uppermost boundary loop of the first
 // `head_vertices` vertices (in FLAME the lips; the loops of the neck and of a bust lie below, an
-// added mouth's vertices come later), enlarged by half of its size on each side. All zero if there
-// are fewer than two loops or the box is outside the image.
-std::array<int, 4> MouthBox(const std::vector<float>& vertices,
-                            const std::vector<float>& canonical_vertices,
-                            const MeshTopology& topology,
-                            int head_vertices,
-                            const Camera& camera);
+// added mouth's vertices come later), enlarged by half of its size on each side. Empty if there are
+// fewer than two loops or the box is outside the image.
+Crop MouthBox(const std::vector<float>& vertices,
+              const std::vector<float>& canonical_vertices,
+              const MeshTopology& topology,
+              int head_vertices,
+              const Camera& camera);
 
 // The row below the chin, within the image: that of the lowest vertex that follows the jaw. Above
 // it images show the head alone, without shoulders and clothes. vertices: [V, 3] in the camera's
 // world, FLAME's first.
 int ChinRow(const std::vector<float>& vertices, const FlameModel& flame, const Camera& camera);
+
+// Within the image: the box of the mesh above that row, with room for hair, and empty if it is
+// outside the image. vertices: as ChinRow has them.
+Crop HeadBox(const std::vector<float>& vertices, const FlameModel& flame, const Camera& camera);
 
 }  // namespace cosplat

@@ -37,12 +37,24 @@ void TrackFitter::Draw(const Camera& camera, const std::array<float, 3>& backgro
                        *tape_);
 }
 
+void TrackFitter::Begin(const TrackedFrame& frame) {
+  frame_ = {poser_.ParametersFor(frame.params), size_t(poser_.flame().model().expression_count)};
+  bust_ = {};
+}
+
+double TrackFitter::LossOf(const TrackedFrame& frame,
+                           const Image8& target,
+                           const std::array<float, 3>& background) {
+  Begin(frame);
+  Draw(frame.camera, background);
+  return loss_.Evaluate({}, image_.color, target, background, d_color_);
+}
+
 void TrackFitter::Fit(const TrackedFrame& frame,
                       const Image8& target,
                       const std::array<float, 3>& background,
                       const FitSettings& settings) {
-  frame_ = {poser_.ParametersFor(frame.params), size_t(poser_.flame().model().expression_count)};
-  bust_ = {};
+  Begin(frame);
   gradients_.RefillLike(model_.gaussians, HostStream());
   AvatarPoser::Parameters best = frame_.params;
   double min = HUGE_VAL;

@@ -39,12 +39,17 @@ class TrackFitter {
            const Image8& target,
            const std::array<float, 3>& background,
            const FitSettings& settings);
+  // The loss that Fit lowers, at the frame's own parameters.
+  double LossOf(const TrackedFrame& frame,
+                const Image8& target,
+                const std::array<float, 3>& background);
   // The result of the last fit.
   const AvatarPoser::Parameters& parameters() const { return frame_.params; }
   const std::vector<float>& vertices() const { return vertices_; }  // [V, 3] metres
   const RenderedImage& image() const { return image_; }             // over the background
 
  private:
+  void Begin(const TrackedFrame& frame);
   void Draw(const Camera& camera, const std::array<float, 3>& background);
   void Step(const FitSettings& settings, int step);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "avatar/surface/silhouette.h"
 #include "splat/base/error.h"
 #include "splat/media/image_io.h"
 
@@ -19,8 +20,12 @@ constexpr size_t kMinFrames = 2 * kBlock + kBlock / 2;  // half a block to judge
 // A face that is small in the picture is not brought to its size if that takes more: a long video
 // of reduced pictures is held in memory.
 constexpr double kMaxPixels = 512 * 512;
-// Frames are fitted in so many lots, each by one fitter; the lots do not depend on the threads.
-constexpr size_t kLots = 32;
+// Frames are fitted in lots of consecutive ones, each by one fitter: at most so many lots, of at
+// least so many frames. They do not depend on the threads.
+constexpr size_t kLots = 32, kFramesOfLot = 8;
+// A start is another's place if its loss is at most this share: what a frame does not determine
+// would drift from frame to frame.
+constexpr double kClearlyBetter = 0.9;
 
 double MedianFaceSize(const std::vector<TrackedFrame*>& frames) {
   std::vector<double> sizes;
@@ -71,6 +76,82 @@ std::vector<uint32_t> HeldOut(size_t frames) {
   return out;
 }
 
+// What a frame shows of the head and the hair around it: pose and expression are found there, and
+// shoulders, which move by themselves, have no say in them. vertices: of the frame.
+TrackedFrame AroundHead(const TrackedFrame& frame,
+                        const std::vector<float>& vertices,
+                        const FlameModel& flame) {
+  const Crop crop = HeadBox(vertices, flame, frame.camera);
+  if (crop.empty()) return frame;
+  TrackedFrame out = frame;
+  out.image = std::make_shared<const Image8>(Cropped(*frame.image, crop));
+  out.camera.width = crop.width, out.camera.height = crop.height;
+  out.camera.cx -= float(crop.x), out.camera.cy -= float(crop.y);
+  return out;
+}
+
+// `params` with the change that a frame had from its given ones to the fitted ones.
+FlameParams Changed(FlameParams params, const FlameParams& given, const FlameParams& fitted) {
+  const auto add = [](const auto& a, const auto& b, auto& p) {
+    for (size_t k = 0; k < p.size(); ++k) p[k] += b[k] - a[k];
+  };
+  add(given.expression, fitted.expression, params.expression);
+  for (size_t joint = 0; joint < params.pose.size(); ++joint)
+    add(given.pose[joint], fitted.pose[joint], params.pose[joint]);
+  add(given.translation, fitted.translation, params.translation);
+  return params;
+}
+
+// Fits consecutive frames.
+class LotFitter {
+ public:
+  LotFitter(const AvatarModel& avatar, const FlameModel& flame, const TrackedVideo& video)
+      : avatar_(avatar),
+        flame_(flame),
+        fitter_(avatar, flame),
+        poser_(flame, video.shape, video.static_offset, {}) {}
+
+  void Fit(const FitSettings& settings, TrackedFrame& frame) {
+    // Lots are shared among threads, and not their small images, too.
+    alone_.execute([&] { FitAlone(settings, frame); });
+  }
+
+ private:
+  // Starts at the frame's own parameters, or where these are changed as those of the frame before
+  // were: what is wrong with a track is often wrong in many frames, and few steps get far from
+  // there.
+  void FitAlone(const FitSettings& settings, TrackedFrame& frame) {
+    const FlameParams given = WithExpressions(frame.params);
+    poser_.Forward(poser_.ParametersFor(given), vertices_);
+    TrackedFrame part = AroundHead(frame, vertices_, flame_);
+    const auto loss = [&] { return fitter_.LossOf(part, *part.image, avatar_.background); };
+    part.params = given;
+    if (any_) {
+      const double own = loss();
+      part.params = Changed(given, given_, fitted_);
+      if (!(loss() < kClearlyBetter * own)) part.params = given;
+    }
+    fitter_.Fit(part, *part.image, avatar_.background, settings);
+    frame.params.expression = fitter_.parameters().expression;
+    frame.params.pose = fitter_.parameters().pose;
+    frame.params.translation = fitter_.parameters().translation;
+    given_ = given, fitted_ = frame.params, any_ = true;
+  }
+  FlameParams WithExpressions(FlameParams params) const {
+    params.expression.resize(size_t(flame_.expression_count));
+    return params;
+  }
+
+  const AvatarModel& avatar_;
+  const FlameModel& flame_;
+  TrackFitter fitter_;
+  AvatarPoser poser_;
+  std::vector<float> vertices_;
+  bool any_ = false;
+  FlameParams given_, fitted_;  // of the frame before, if there is any
+  tbb::task_arena alone_{1};
+};
+
 class AvatarRefiner {
  public:
   AvatarRefiner(const FlameModel& flame, TrackedVideo small, const AvatarRefinement& settings)
@@ -109,17 +190,12 @@ AvatarModel AvatarRefiner::Train() {
 }
 
 void AvatarRefiner::Fit(const AvatarModel& avatar) {
-  const size_t count = video_.train.size(), lots = std::min(kLots, count);
+  const size_t count = video_.train.size();
+  const size_t lots = std::clamp(count / kFramesOfLot, size_t(1), kLots);
   tbb::parallel_for(size_t(0), lots, [&](size_t lot) {
-    TrackFitter fitter(avatar, flame_);
+    LotFitter fitter(avatar, flame_, video_);
     for (size_t f = count * lot / lots; f < count * (lot + 1) / lots; ++f) {
-      TrackedFrame& frame = video_.train[f];
-      // Or a thread that waits for its part of an image would begin with another lot.
-      tbb::this_task_arena::isolate(
-          [&] { fitter.Fit(frame, *frame.image, avatar.background, settings_.fit); });
-      frame.params.expression = fitter.parameters().expression;
-      frame.params.pose = fitter.parameters().pose;
-      frame.params.translation = fitter.parameters().translation;
+      fitter.Fit(settings_.fit, video_.train[f]);
       tick(settings_.fit.steps);
     }
   });

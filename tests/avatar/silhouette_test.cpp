@@ -71,35 +71,56 @@ TEST(MouthBox, SurroundsTheLips) {
   const MeshTopology topology = BuildTopology(head.name, head.faces, head.vertex_count);
   const Camera camera = procedural::OrbitCamera(0, 0, 0.9f, 96);
   const std::vector<float>& v = head.template_vertices;
-  const std::array<int, 4> box = MouthBox(v, v, topology, kAll, camera);
-  EXPECT_GT(box[2], 5);
-  EXPECT_LT(box[2], 60);
-  EXPECT_GT(box[3], 5);
+  const Crop box = MouthBox(v, v, topology, kAll, camera);
+  EXPECT_GT(box.width, 5);
+  EXPECT_LT(box.width, 60);
+  EXPECT_GT(box.height, 5);
   // Below the middle of the face, in the middle of the image.
-  EXPECT_NEAR(box[0] + box[2] / 2.0, 48, 4);
-  EXPECT_GT(box[1] + box[3] / 2.0, 48);
-  EXPECT_LE(box[0] + box[2], 96);
-  EXPECT_LE(box[1] + box[3], 96);
+  EXPECT_NEAR(box.x + box.width / 2.0, 48, 4);
+  EXPECT_GT(box.y + box.height / 2.0, 48);
+  EXPECT_LE(box.x + box.width, 96);
+  EXPECT_LE(box.y + box.height, 96);
 
   // It moves with the head, and is nothing once that is out of sight or behind.
   std::vector<float> moved = v;
   for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 0.03f;
-  EXPECT_GT(MouthBox(moved, v, topology, kAll, camera)[0], box[0]);
+  EXPECT_GT(MouthBox(moved, v, topology, kAll, camera).x, box.x);
   for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 10;
-  EXPECT_EQ(MouthBox(moved, v, topology, kAll, camera), (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_TRUE(MouthBox(moved, v, topology, kAll, camera).empty());
   for (size_t i = 0; i < moved.size(); i += 3) moved[i + 2] += 10;
-  EXPECT_EQ(MouthBox(moved, v, topology, kAll, camera), (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_TRUE(MouthBox(moved, v, topology, kAll, camera).empty());
 }
 
 TEST(MouthBox, IsNothingWithoutAMouth) {
   const CanonicalMesh ball = SphereMesh(2);
   const MeshTopology topology = BuildTopology("ball", ball.faces, int(ball.vertices.size() / 3));
-  EXPECT_EQ(MouthBox(ball.vertices, ball.vertices, topology, kAll, Plain(8, 6)),
-            (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_TRUE(MouthBox(ball.vertices, ball.vertices, topology, kAll, Plain(8, 6)).empty());
   const CanonicalMesh sheet = SheetMesh(3);  // one boundary: a neck's
   const MeshTopology one = BuildTopology("sheet", sheet.faces, int(sheet.vertices.size() / 3));
-  EXPECT_EQ(MouthBox(sheet.vertices, sheet.vertices, one, kAll, Plain(8, 6)),
-            (std::array<int, 4>{0, 0, 0, 0}));
+  EXPECT_TRUE(MouthBox(sheet.vertices, sheet.vertices, one, kAll, Plain(8, 6)).empty());
+}
+
+// With room on all sides, above the chin's row and as the camera's image allows.
+TEST(HeadBox, HasTheHeadWithoutShoulders) {
+  const FlameModel head = MakeProceduralHead();
+  const std::vector<float>& v = head.template_vertices;
+  const Camera camera = procedural::OrbitCamera(0, 0, 0.9f, 96);
+  const Crop box = HeadBox(v, head, camera);
+  const int chin = ChinRow(v, head, camera);
+  EXPECT_GT(box.y + box.height, chin);
+  EXPECT_LT(box.y + box.height, chin + 20);
+  EXPECT_GT(box.width, 30);
+  EXPECT_LT(box.width, 90);
+  const Crop mouth =
+      MouthBox(v, v, BuildTopology(head.name, head.faces, head.vertex_count), kAll, camera);
+  EXPECT_GT(mouth.x, box.x);
+  EXPECT_LT(mouth.x + mouth.width, box.x + box.width);
+
+  std::vector<float> moved = v;
+  for (size_t i = 0; i < moved.size(); i += 3) moved[i] += 10;
+  EXPECT_TRUE(HeadBox(moved, head, camera).empty());
+  for (size_t i = 0; i < moved.size(); i += 3) moved[i + 2] += 10;
+  EXPECT_TRUE(HeadBox(moved, head, camera).empty());
 }
 
 }  // namespace

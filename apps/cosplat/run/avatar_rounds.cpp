@@ -46,7 +46,7 @@ std::vector<double> RefineByAvatars(const std::string& flame_file,
   AvatarRefinement settings;
   settings.avatar = options->avatar;
   settings.train = [&](float unit) { return options->ToSettings(unit); };
-  settings.fit.steps = 40;
+  settings.fit.steps = 25;
   settings.rounds = rounds;
   const std::vector<double> psnr =
       RefineByAvatar(flame, track, image, settings, ShowProgress("avatars", "steps", quiet));

@@ -200,9 +200,9 @@ HeadView HeadViewOf(const std::vector<float>& vertices,
                     const FlameModel& flame,
                     const TrackedFrame& frame) {
   const Camera& camera = frame.camera;
-  const auto box =
+  const Crop mouth =
       MouthBox(vertices, avatar.mesh.vertices, topology, flame.own_vertex_count(), camera);
-  return {{{kMouth, {box[0], box[1], box[2], box[3]}},
+  return {{{kMouth, {mouth.x, mouth.y, mouth.width, mouth.height}},
            {kHead, {0, 0, camera.width, ChinRow(vertices, flame, camera)}}},
           DegreesTurned(frame.params, frame.camera)};
 }
