@@ -15,6 +15,7 @@
 #include "apps/study/mattes/made_video.h"
 #include "splat/base/files.h"
 #include "splat/media/image_io.h"
+#include "splat/media/signed_distance.h"
 
 namespace cosplat {
 namespace {

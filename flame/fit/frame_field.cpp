@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "splat/media/image_io.h"
+#include "splat/media/signed_distance.h"
 
 namespace cosplat::internal {
 namespace {

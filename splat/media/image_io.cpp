@@ -246,22 +246,6 @@ Image8 ResizeByArea(const Image8& image, int width, int height) {
   return Unpremultiplied(resized);
 }
 
-Image SignedDistance(const Image8& mask, uint8_t threshold) {
-  cv::Mat inside(mask.height, mask.width, CV_8UC1), outside = inside.clone();
-  for (size_t i = 0; i < mask.pixels(); ++i) {
-    inside.data[i] = mask.data[i] >= threshold;
-    outside.data[i] = !inside.data[i];
-  }
-  cv::Mat to_inside, to_outside;
-  cv::distanceTransform(outside, to_inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  cv::distanceTransform(inside, to_outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  Image out(mask.width, mask.height, 1);
-  for (size_t i = 0; i < mask.pixels(); ++i)
-    out.data[i] =
-        inside.data[i] ? 0.5f - to_outside.ptr<float>()[i] : to_inside.ptr<float>()[i] - 0.5f;
-  return out;
-}
-
 Image8 Undistort(const Image8& image,
                  const Camera& source,
                  const Distortion& distortion,

@@ -85,11 +85,6 @@ Image ToFloat(const Image8& image);
 // channel, colour is weighted by alpha so that the background under alpha 0 does not bleed in.
 Image8 ResizeByArea(const Image8& image, int width, int height);
 
-// How far each pixel is outside the region where `mask` (1 channel) is at least `threshold`, px;
-// negative inside. Measured to the nearest pixel's centre on the other side, less a half. `mask`
-// has pixels of both kinds.
-Image SignedDistance(const Image8& mask, uint8_t threshold);
-
 // kBrown {k1,k2,p1,p2,k3,k4,k5,k6} (OpenCV's order), kFisheye {k1,k2,k3,k4} or kDivision {k}
 // (Fitzgibbon 2001: the ray of the distorted point d is d / (1 + k |d|²)).
 struct Distortion {

@@ -11,6 +11,7 @@
 #include "splat/base/text.h"
 #include "splat/math/vec.h"
 #include "splat/media/image_io.h"
+#include "splat/media/signed_distance.h"
 
 namespace cosplat {
 namespace {
@@ -24,14 +25,8 @@ constexpr double kWithinInFront = 0.99;  // of the alpha, which says how far hai
 Image FromMesh(const std::vector<float>& vertices, Player& player, const Camera& camera) {
   Image8 mask(camera.width, camera.height, 1);
   const std::vector<uint8_t> covered = MeshSilhouette(vertices, player.avatar().mesh.faces, camera);
-  bool some = false, all = true;
-  for (size_t i = 0; i < mask.pixels(); ++i) {
-    mask.data[i] = covered[i] ? 255 : 0;
-    some = some || covered[i];
-    all = all && covered[i];
-  }
-  if (some && !all) return SignedDistance(mask, 128);
-  return Image(camera.width, camera.height, 1, some ? -1e9f : 1e9f);
+  for (size_t i = 0; i < mask.pixels(); ++i) mask.data[i] = covered[i] ? 255 : 0;
+  return SignedDistance(mask, 128);
 }
 
 double Alpha(const Image8& rgba, size_t pixel) { return rgba.data[4 * pixel + 3]; }
