@@ -1,5 +1,5 @@
-// The regions of an image that the posed mesh and its mouth cover: used to detect holes in an
-// avatar, and to evaluate the mouth separately.
+// What an image shows of the posed mesh: the regions that it and its mouth cover, used to detect
+// holes in an avatar and to evaluate the mouth separately, and which point of it each pixel shows.
 #pragma once
 
 #include <array>
@@ -10,14 +10,34 @@
 #include "flame/topology.h"
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/math/vec.h"
 
 namespace cosplat {
+
+struct ImagePoint {
+  float x, y;   // px
+  float depth;  // along the camera's axis, world units; not positive: behind the camera
+};
+ImagePoint Project(const Camera& camera, const math::Vec3<float>& point);
 
 // [height, width]: 1 at pixels whose centre any triangle covers. Triangles that reach behind the
 // camera are ignored. vertices: [V, 3] in the camera's world.
 std::vector<uint8_t> MeshSilhouette(const std::vector<float>& vertices,
                                     const std::vector<std::array<int32_t, 3>>& faces,
                                     const Camera& camera);
+
+// What a pixel's centre shows: the point of face `face` with weights (u, v) of its vertices 0
+// and 1.
+struct MeshPixel {
+  int32_t face = -1;  // -1: nothing
+  float u = 0, v = 0;
+  float depth = 0;  // along the camera's axis, world units
+};
+// [height, width] the nearest triangles, from either side. Triangles that reach behind the camera
+// are ignored. vertices: [V, 3] in the camera's world.
+std::vector<MeshPixel> DrawMesh(const std::vector<float>& vertices,
+                                const std::vector<std::array<int32_t, 3>>& faces,
+                                const Camera& camera);
 
 // Within the image: the box of the uppermost boundary loop of the first
 // `head_vertices` vertices (in FLAME the lips; the loops of the neck and of a bust lie below, an

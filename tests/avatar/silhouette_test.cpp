@@ -47,6 +47,41 @@ TEST(Silhouette, ClipsToTheImageAndLeavesOutWhatIsBehind) {
   EXPECT_EQ(Count(MeshSilhouette({}, {}, Plain(8, 6))), 0u);
 }
 
+// Points that the pixels name are where the pixels look, the nearest ones.
+TEST(DrawMesh, NamesThePointBehindEachPixel) {
+  const FlameModel model = MakeProceduralHead();
+  const std::vector<float>& vertices = model.template_vertices;
+  const Camera camera = procedural::OrbitCamera(0.5f, 0.2f, 0.9f, 96);
+  const std::vector<MeshPixel> image = DrawMesh(vertices, model.faces, camera);
+  const std::vector<uint8_t> mask = MeshSilhouette(vertices, model.faces, camera);
+  for (size_t i = 0; i < image.size(); ++i) {
+    const MeshPixel& at = image[i];
+    ASSERT_EQ(at.face >= 0, mask[i] == 1) << i;
+    if (at.face < 0) continue;
+    const auto& f = model.faces[size_t(at.face)];
+    std::array<float, 3> p{};  // in the camera
+    for (int r = 0; r < 3; ++r) {
+      p[r] = camera.translation[r];
+      for (int k = 0; k < 3; ++k)
+        p[r] += camera.rotation[3 * r + k] *
+                (at.u * vertices[3 * f[0] + k] + at.v * vertices[3 * f[1] + k] +
+                 (1 - at.u - at.v) * vertices[3 * f[2] + k]);
+    }
+    EXPECT_NEAR(p[2], at.depth, 1e-5f);
+    EXPECT_NEAR(camera.fx * p[0] / p[2] + camera.cx, float(i % 96) + 0.5f, 1e-2f);
+    EXPECT_NEAR(camera.fy * p[1] / p[2] + camera.cy, float(i / 96) + 0.5f, 1e-2f);
+  }
+  // Two triangles, one before the other, in either order.
+  const std::vector<float> two{-9, -9, 2, 9, -9, 2, 0, 9, 2, -9, -9, 1, 9, -9, 1, 0, 9, 1};
+  for (const bool swapped : {false, true}) {
+    std::vector<std::array<int32_t, 3>> faces{{0, 1, 2}, {3, 4, 5}};
+    if (swapped) std::swap(faces[0], faces[1]);
+    const MeshPixel at = DrawMesh(two, faces, Plain(1, 1))[0];
+    EXPECT_EQ(at.face, swapped ? 0 : 1);
+    EXPECT_FLOAT_EQ(at.depth, 1);
+  }
+}
+
 TEST(Silhouette, IsTheRenderersMaskOfTheHead) {
   const ProceduralHead head = MakeProceduralHeadParts();
   const Camera camera = procedural::OrbitCamera(0.3f, 0.1f, 0.9f, 96);
