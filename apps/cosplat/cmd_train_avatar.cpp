@@ -80,7 +80,7 @@ DataChecksums ChecksumsOf(const AvatarOptions& o,
   DataChecksums sums;
   std::vector<std::string> names;
   std::vector<const TrainFrame*> frames;
-  for (size_t i = 0; i < subject.frame_count(); ++i) {
+  for (size_t i = 0; i < subject.video().train.size(); ++i) {
     names.push_back(video.train[i].name);
     frames.push_back(&subject.frame(i));
   }
@@ -199,12 +199,15 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 flame.has_eyelids ? ", with eyelids" : "",
                 subject.has_bust() ? ", with a bust" : "",
                 NameOf(device).c_str());
+  if (!o.quiet && subject.virtual_view_count() > 0)
+    std::printf("%zu virtual views of the head from where no camera was\n",
+                subject.virtual_view_count());
   if (!o.quiet)
     std::printf("%s%s",
                 UnitLine("FLAME model " + flame.name, flame.unit).c_str(),
                 UnitLine("track " + video.source, video.unit).c_str());
   RunHooks hooks;
-  hooks.video = true;
+  hooks.video_frames = video.train.size();
   hooks.lpips = lpips.get();
   hooks.save = [&, saves = CanSaveSplats(o)] {
     if (saves) Save(o, flame, subject, trainer, blendshapes);

@@ -89,7 +89,7 @@ void AvatarSubject::WorkIn(Stream& stream) {
   // Cached on a device only, where sending takes longer than posing.
   const bool keeps = !stream.on_host() && !settings_.refine_track;
   posed_vertices_ =
-      PosedVertices(frame_count(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
+      PosedVertices(track_.frames.size(), surface.vertex_count(), keeps ? kPosedVertexBytes : 0);
   silhouettes_ = {};
   bust_track_.WorkIn(stream);
   light_.WorkIn(stream);
@@ -145,7 +145,8 @@ std::vector<FlameParams> AvatarSubject::RefinedTrack() const {
 }
 
 WorldGaussians AvatarSubject::ToWorld(const Gaussians& gaussians, size_t i) {
-  bound_.index = i;
+  bound_.is_real = i < track_.frames.size();
+  bound_.index = i = FrameOf(i);
   const auto pose = [&]() -> const std::vector<float>& {
     const std::vector<float>& vertices = track_.VerticesOf(i);
     if (!stream_->on_host()) surface_.CheckVertices(vertices);
@@ -183,14 +184,14 @@ WorldGradients AvatarSubject::WorldGradientsFor(Gaussians& gradients,
 void AvatarSubject::ToWorldBackward(const Gaussians& gaussians,
                                     Gaussians& gradients,
                                     const uint32_t* overflowed) {
-  if (!bust_track_.empty())
+  if (!bust_track_.empty() && bound_.is_real)
     bust_track_.Advance(bound_.index,
                         embedded_.embedding(),
                         flame_.faces.size(),
                         bound_.posed,
                         bound_.d_posed,
                         overflowed);
-  const bool refines = settings_.refine_track;
+  const bool refines = settings_.refine_track && bound_.is_real;
   BindBackward(gaussians,
                embedded_.embedding(),
                surface_,
@@ -200,7 +201,7 @@ void AvatarSubject::ToWorldBackward(const Gaussians& gaussians,
                embedded_.scratch(),
                CurrentAppearance(),
                light_.gradient());
-  if (!light_.empty()) light_.Advance(overflowed);
+  if (!light_.empty() && bound_.is_real) light_.Advance(overflowed);
   if (!refines) return;
   if (stream_->on_host()) return RefineFrame(bound_.d_vertices);
   RefineFrame(bound_.d_vertices.Downloaded(*stream_));
@@ -221,7 +222,6 @@ void AvatarSubject::Change(int, Gaussians& gaussians, AdamState& adam) {
   Buffer<float>& bands = gaussians.values[kColorRest];
   if (!IsOurs()) return;
   ForEach(bands.size(), *stream_, ScaleEach{bands.view(), 1 - settings_.band_decay});
-  embedded_.Flatten(surface_, settings_.max_thickness * kEnlarged * subject_.unit, gaussians);
 }
 
 std::vector<MemoryPart> AvatarSubject::Memory() const {

@@ -67,14 +67,12 @@ struct AvatarSettings {
   // frame showed it, a Gaussian then has its base colour, and not what a fit to other directions
   // happens to be there.
   float band_decay = 0.05f;
-  // Metres, on a head of the template's size: how thick Gaussians may be along the mesh's normal,
-  // as a standard deviation, asked at every walk, where the head hardly turns: a video from the
-  // front does not see their thickness, and they become needles that stick out of the face as soon
-  // as one turns it.
-  float max_thickness = 0.004f;
   // Adam's learning rate of the light of the world (avatar/math/light.h), which falls to zero over
   // the run; 0: no light.
   float light_rate = 5e-3f;
+  // Of the steps after density control, the share that sees the head from where no camera was
+  // (virtual_views.h), if it does not turn; less if it does. Frames need masks.
+  float virtual_views = 0.15f;
   bool refine_track = false;
   // GaussianAvatars' learning rates for the track.
   float pose_rate = 1e-5f;         // radians per step
@@ -130,7 +128,8 @@ struct PosedTrack {
 
 // The frame that is drawn: its Gaussians in the world, and their gradients.
 struct BoundFrame {
-  size_t index = 0;
+  size_t index = 0;       // of the training frame
+  bool is_real = true;    // false: a virtual view of it, which teaches Gaussians alone
   Buffer<float> weights;  // [corrections]
   PosedGaussians posed, d_posed;
   Buffer<float> d_vertices;  // with --refine-track
@@ -158,14 +157,17 @@ class AvatarSubject : public Subject {
   const TrackedVideo& video() const { return video_; }
   // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
+  size_t virtual_view_count() const { return virtual_sources_.size(); }
   bool has_bust() const { return subject_.bust.has_value(); }
   // Fraction of the Gaussians that are on another triangle than they (or their ancestors) began on.
   double WalkedShare() const;
   // The training frames' parameters as refined so far; without --refine-track, those of the track.
   std::vector<FlameParams> RefinedTrack() const;
 
+  // Training frames, then virtual views.
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
+  bool GuidesDensity(size_t i) const override { return i < track_.frames.size(); }
   float extent() const override { return subject_.unit; }
   void WorkIn(Stream& stream) override;
   WorldGaussians ToWorld(const Gaussians& gaussians, size_t i) override;
@@ -202,10 +204,15 @@ class AvatarSubject : public Subject {
   Bust MeanBustOfTrack() const;
   void StartBustTrack();
   void StartLight();
+  void AddVirtualViews();
   Appearance CurrentAppearance() const;
   void BuildMesh();
   void SetFaceRates();
   void SetSpacing(Gaussians& gaussians);
+  // The training frame whose head frame(i) shows.
+  size_t FrameOf(size_t i) const {
+    return i < track_.frames.size() ? i : virtual_sources_[i - track_.frames.size()];
+  }
   bool IsOurs() const { return settings_.system == AvatarSystem::kCosplat; }
   // One Adam step on the parameters of the current frame. d_vertices: in host memory.
   void RefineFrame(View<const float> d_vertices);
@@ -216,7 +223,8 @@ class AvatarSubject : public Subject {
   TrackedVideo video_;
   AvatarSettings settings_;
   SubjectMesh subject_;
-  std::vector<TrainFrame> frames_;
+  std::vector<TrainFrame> frames_;  // the training frames, then virtual views
+  std::vector<size_t> virtual_sources_;
   PosedTrack track_;
   std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face
   CorrectionMap correction_map_;

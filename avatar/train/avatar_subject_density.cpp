@@ -13,7 +13,7 @@ void AvatarSubject::Move(View<const float> offsets, size_t first, Gaussians& gau
 const Buffer<uint8_t>& AvatarSubject::SilhouetteOf(size_t k) {
   const bool moves = settings_.refine_track || !bust_track_.empty();
   if (!silhouettes_[k].empty() && !moves) return silhouettes_[k];
-  const size_t f = math::HoleFrame(k, frames_.size());
+  const size_t f = math::HoleFrame(k, track_.frames.size());
   if (!bust_track_.empty()) track_.frames[f].params.bust = bust_track_.PoseOf(f);
   const std::vector<uint8_t> silhouette =
       MeshSilhouette(track_.VerticesOf(f), subject_.mesh.faces, frames_[f].camera);
@@ -36,8 +36,8 @@ void AvatarSubject::Veto(const Gaussians& gaussians,
                     unwanted,
                     stream))
     return;
-  for (size_t k = 0; k < std::min(math::kHoleFrames, frames_.size()); ++k) {
-    const size_t f = math::HoleFrame(k, frames_.size());
+  for (size_t k = 0; k < std::min(math::kHoleFrames, track_.frames.size()); ++k) {
+    const size_t f = math::HoleFrame(k, track_.frames.size());
     WorldGaussians world = ToWorld(gaussians, f);
     world.color_frame = nullptr;  // colours are not used
     holes_.Spare(*canvas, world, gaussians.basis, frames_[f].camera, SilhouetteOf(k), unwanted);

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
+#include <iterator>
 
 #include "avatar/math/turn.h"
 #include "avatar/model/corrections.h"
@@ -12,6 +11,7 @@
 #include "avatar/surface/sample.h"
 #include "avatar/surface/silhouette.h"
 #include "avatar/train/avatar_subject.h"
+#include "avatar/train/virtual_views.h"
 #include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/math/scalar.h"
@@ -19,6 +19,12 @@
 
 namespace cosplat {
 namespace {
+
+// Training frames that show the mesh's colours, evenly chosen.
+constexpr size_t kPaintFrames = 40;
+
+// Virtual views of a short video.
+constexpr size_t kFewestViews = 6;
 
 constexpr float kInitialOpacity = 0.1f;  // SplattingAvatar
 
@@ -29,33 +35,6 @@ constexpr size_t kBustFrames = 5;
 // Training frames over which the light's terms are averaged, evenly chosen; a frame takes less than
 // a millisecond.
 constexpr size_t kLightFrames = 1000;
-
-// Where half of the frames see the head from within this angle of their mean direction, too little
-// shows how thick Gaussians are (AvatarSettings::max_thickness). Heads that look into the camera
-// have 0.7 and 4.7 degrees; those that turn, which lose by the limit, 9 to 17.
-constexpr float kHardlyTurned = 6;  // degrees
-
-// The angle from their mean, in degrees, of the directions that half of the frames look in, in the
-// head's own axes.
-float SpreadOfViews(const std::vector<TrackedFrame>& frames) {
-  std::vector<math::Vec3<float>> views;
-  math::Vec3<float> sum{0, 0, 0};
-  for (const TrackedFrame& frame : frames) {
-    math::Vec3<float> view = math::ToVec3(&frame.camera.rotation[6]);  // the camera's axis
-    for (size_t joint = 0; joint < 2; ++joint)                         // root and neck
-      view = math::TransposeTimes(math::RotationOf(math::QuatOfAxisAngle(frame.params.pose[joint])),
-                                  view);
-    views.push_back(view);
-    sum += views.back();
-  }
-  std::vector<float> angles;
-  for (const math::Vec3<float>& view : views) {
-    const math::Vec3<float> across = math::Cross(view, sum);
-    angles.push_back(std::atan2(std::sqrt(math::Dot(across, across)), math::Dot(view, sum)));
-  }
-  std::nth_element(angles.begin(), angles.begin() + angles.size() / 2, angles.end());
-  return angles[angles.size() / 2] * 180 / std::numbers::pi_v<float>;
-}
 
 TrackedVideo WithOffsetFor(const FlameModel& flame, TrackedVideo video) {
   video.static_offset = StaticOffsetFor(flame, std::move(video.static_offset));
@@ -90,10 +69,9 @@ AvatarSubject::AvatarSubject(const FlameModel& flame,
     correction_map_ = FindCorrectionMap(flame, frames, settings_.corrections);
   }
   if (IsOurs() && settings_.light_rate > 0) StartLight();
-  if (SpreadOfViews(video_.train) > kHardlyTurned)
-    settings_.max_thickness = std::numeric_limits<float>::infinity();
   SetFaceRates();
-  posed_vertices_ = PosedVertices(frame_count(), surface_.vertex_count(), 0);
+  AddVirtualViews();
+  posed_vertices_ = PosedVertices(track_.frames.size(), surface_.vertex_count(), 0);
 }
 
 // du and dv have the learning rate of d in metres: a barycentric unit is about sqrt(2 A) long. For
@@ -191,6 +169,42 @@ void AvatarSubject::StartLight() {
     mean.Add(posed);
   }
   light_ = LightFit(mean.Mean(), settings_.light_rate, settings_.iterations);
+}
+
+void AvatarSubject::AddVirtualViews() {
+  const size_t real = frames_.size();
+  const float share = settings_.virtual_views;
+  const size_t count = std::max(size_t(share / (1 - share) * float(real)), kFewestViews);
+  const bool masked = std::all_of(frames_.begin(), frames_.end(), [](const TrainFrame& frame) {
+    return frame.target.channels == 4;
+  });
+  if (!IsOurs() || !masked || share == 0) return;
+  const auto mesh_in = [&](size_t i) {
+    if (!bust_track_.empty()) track_.frames[i].params.bust = bust_track_.PoseOf(i);
+    return MeshInFrame{&frames_[i], track_.VerticesOf(i)};
+  };
+  std::vector<HeadInFrame> heads;
+  for (size_t i = 0; i < real; ++i) {
+    const std::vector<float>& vertices = track_.VerticesOf(i);
+    const HeadPlace place = PlaceOfHead({vertices.data(), 3 * size_t(flame_.vertex_count)},
+                                        video_.train[i].params.pose[0]);
+    heads.push_back({place.center,
+                     place.world_from_head *
+                         math::RotationOf(math::QuatOfAxisAngle(video_.train[i].params.pose[1])),
+                     frames_[i].camera});
+  }
+  const std::vector<VirtualView> views = ChooseVirtualViews(heads, count);
+  if (views.empty()) return;
+  std::vector<MeshInFrame> learned, sources;
+  for (size_t i = 0; i < real; i += 1 + (real - 1) / kPaintFrames) learned.push_back(mesh_in(i));
+  for (const VirtualView& view : views) sources.push_back(mesh_in(view.source));
+  const PaintedMesh painted(flame_, subject_.mesh, learned, kEnlarged * subject_.unit);
+  std::vector<TrainFrame> seen(views.size());
+  tbb::parallel_for(size_t(0), views.size(), [&](size_t k) {
+    seen[k] = ToVirtualView(views[k], sources[k], painted);
+  });
+  std::move(seen.begin(), seen.end(), std::back_inserter(frames_));
+  for (const VirtualView& view : views) virtual_sources_.push_back(view.source);
 }
 
 void AvatarSubject::BuildMesh() {

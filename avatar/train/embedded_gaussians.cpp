@@ -64,16 +64,6 @@ void EmbeddedGaussians::Walk(const Surface& surface, Gaussians& gaussians, AdamS
   TrianglesChanged();
 }
 
-void EmbeddedGaussians::Flatten(const Surface& surface, float max_thickness, Gaussians& gaussians) {
-  ForEach(gaussians.size(),
-          *stream_,
-          FlattenEach{surface.CanonicalArrays(),
-                      embedding_.triangle.data(),
-                      gaussians.values[kRotation].view(),
-                      std::log(max_thickness),
-                      gaussians.values[kScaleLog].view()});
-}
-
 void EmbeddedGaussians::Gather(View<const uint32_t> source) {
   GatherRows(embedding_.triangle, spare_triangle_, 1, source, source.count, *stream_);
   GatherRows(embedding_.barycentric, spare_barycentric_, 1, source, source.count, *stream_);

@@ -40,8 +40,6 @@ class EmbeddedGaussians {
 
   // Walks over the mesh by (du, dv), and zeroes the moments that a walk makes invalid.
   void Walk(const Surface& surface, Gaussians& gaussians, AdamState& adam);
-  // Limits the Gaussians' standard deviation along the mesh's normal, metres.
-  void Flatten(const Surface& surface, float max_thickness, Gaussians& gaussians);
   // Density control: see Placement (splat/train/subject/placement.h). `released`: children are
   // placed by the rule of SplattingAvatar's code release.
   void Gather(View<const uint32_t> source);

@@ -174,7 +174,9 @@ class AvatarRefiner {
 };
 
 AvatarModel AvatarRefiner::Train() {
-  AvatarSubject subject(flame_, video_, settings_.avatar);
+  AvatarSettings settings = settings_.avatar;
+  settings.virtual_views = 0;  // the poses are fitted from where the camera is
+  AvatarSubject subject(flame_, video_, settings);
   const TrainSettings train = settings_.train(subject.extent());
   Trainer trainer(train, subject, subject.InitialGaussians(train.degree, Basis::kDcsh, train.seed));
   const std::vector<uint32_t> held_out = HeldOut(video_.train.size());

@@ -87,6 +87,7 @@ inline AvatarSettings SmallAvatar(size_t gaussians) {
   AvatarSettings avatar;
   avatar.initial_gaussians = gaussians;
   avatar.bust = AvatarSettings::BustChoice::kNo;
+  avatar.virtual_views = 0;  // what frames show, alone
   return avatar;
 }
 

@@ -137,28 +137,6 @@ TEST(AvatarDensity, ASplitOfWhatIsNotFiniteEndsNothing) {
   EXPECT_EQ(g.size(), 48u);
 }
 
-// Of Gaussians that are as thick as the head, those along the mesh's normal, if all frames look
-// into its face.
-TEST(AvatarDensity, ThicknessIsLimitedWhereTheHeadHardlyTurns) {
-  for (const float turn : {0.0f, 0.2f}) {
-    TrackedVideo video = LoadSmallVideo(4, 1);
-    for (size_t f = 0; f < video.train.size(); ++f) {
-      video.train[f].camera = video.train[0].camera;
-      video.train[f].params.pose[0] = {0, f % 2 == 0 ? turn : -turn, 0};
-      video.train[f].params.pose[1] = {};
-    }
-    AvatarSubject subject(SmallVideo::Get().flame, video, SmallAvatar(50));
-    Gaussians g = subject.InitialGaussians(0, Basis::kDcsh, 1);
-    for (float& log : g.values[kScaleLog]) log = std::log(0.1f);
-    AdamState adam(g);
-    subject.Change(1, g, adam);
-    const auto thin = std::count_if(g.values[kScaleLog].begin(),
-                                    g.values[kScaleLog].end(),
-                                    [](float log) { return log < std::log(0.01f); });
-    EXPECT_EQ(thin, turn == 0 ? 50 : 0);
-  }
-}
-
 // Alpha of the avatar in a frame, and where the head is.
 struct Coverage {
   std::vector<float> alpha;

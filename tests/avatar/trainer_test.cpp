@@ -208,41 +208,6 @@ TEST(AvatarTrainer, BandsThatNothingHoldsFallBack) {
   EXPECT_NEAR(size[1], 0.1f * std::pow(0.95f, 6.0f), 1e-6f);
 }
 
-// Along the normal alone: what a video from the front does not see.
-TEST(AvatarTrainer, GaussiansStayThin) {
-  AvatarSettings avatar = SmallAvatar(1500);
-  avatar.walk_every = 10;
-  TrainSettings settings = ShortRun(10, 3000);
-  settings.schedule.densify_until = 0;
-  Training<> run(LoadSmallVideo(4, 2), avatar, settings);
-  Gaussians g = run.gaussians();
-  for (float& s : g.values[kScaleLog]) s = std::log(0.01f);
-  Trainer trainer(run.settings, run.subject, g);
-  for (int i = 0; i < 10; ++i) trainer.Step();
-  const AvatarModel model = run.subject.Model(trainer.state().gaussians);
-  const Surface surface(model.mesh);
-  int thin = 0;
-  for (size_t i = 0; i < model.size(); ++i) {
-    math::Vec3<float> normal{0, 0, 0};
-    for (const int32_t v : model.mesh.faces[size_t(model.embedding.triangle[i])])
-      normal += surface.canonical()[size_t(v)].normal;
-    normal = math::Normalize(normal);
-    const float* q = model.gaussians.at(kRotation, i);
-    const math::Mat3<float> axes =
-        math::RotationOf(math::Normalize(math::Quat<float>{q[0], q[1], q[2], q[3]}));
-    const math::Vec3<float> along = math::TransposeTimes(axes, normal);
-    for (int k = 0; k < 3; ++k) {
-      const float scale = std::exp(model.gaussians.at(kScaleLog, i)[k]);
-      // No other axis can be as close.
-      if (std::abs(along[k]) > 0.75f) {
-        EXPECT_LT(scale, 0.0044f) << i;
-      }
-      thin += scale < 0.0044f;
-    }
-  }
-  EXPECT_EQ(thin, int(model.size()));  // one axis of each
-}
-
 TEST(AvatarTrainer, DirectionMattersOnHighlights) {
   double highlight[2], whole[2];
   for (const int k : {0, 1}) {

@@ -61,6 +61,12 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                    avatar.still_bust,
                    "hold the bust still, instead of finding where it is in each frame");
   command
+      .add_option("--virtual-views",
+                  avatar.virtual_views,
+                  "share of the second half's steps in which the mesh says how the head looks from "
+                  "where no camera was; 0: none")
+      ->check(CLI::Range(0.0, 0.5));
+  command
       .add_option("--corrections",
                   avatar.corrections,
                   "most bases per Gaussian that follow the expression; 0: none")

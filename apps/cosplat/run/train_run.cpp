@@ -174,8 +174,9 @@ class TrainingRun {
   void WriteCheckpoint() { checkpoint_.Write(trainer_.iteration(), Description(), *hooks_.ranks); }
 
   void BeginSearch() {
-    const BudgetSettings settings{o_.tolerance,
-                                  FramesForBudget(trainer_.frame_count(), hooks_.video)};
+    const bool video = hooks_.video_frames > 0;
+    const size_t frames = video ? hooks_.video_frames : trainer_.frame_count();
+    const BudgetSettings settings{o_.tolerance, FramesForBudget(frames, video)};
     search_.emplace(settings, trainer_);
   }
 

@@ -30,7 +30,7 @@ class LossLine {
 // All ranks call the hooks; rank 0 alone is to write.
 struct RunHooks {
   std::shared_ptr<Ranks> ranks = OneRank();
-  bool video = false;              // frames are consecutive in time
+  size_t video_frames = 0;         // frames that are consecutive in time; 0: photographs
   Lpips* lpips = nullptr;          // measures the held-out images; null: none
   std::function<void()> save;      // at --save_iterations and at the end
   std::function<void()> evaluate;  // at --test_iterations and the end; empty: nothing held out

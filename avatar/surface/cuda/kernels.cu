@@ -25,7 +25,7 @@ void ProvideAvatarKernels() {
   Provide<math::PutPositionsKernel, math::SumCornersKernel, math::SumAtVertexKernel>();
   Provide<FaceKeys, FindBegin>();
   Provide<WalkOne, ListTouching, CountOnFace, TakeEach, SettleWalk, ForgetMoment>();
-  Provide<MoveEach, PlaceEach, RateEach, FlattenEach, ScaleEach>();
+  Provide<MoveEach, PlaceEach, RateEach, ScaleEach>();
   Provide<PlaceBust, SumBust, AdvanceBust>();
   Provide<SumLight, SumBlocks<View<const LightSum>>, AddUpLight, AdvanceLight>();
   Provide<FindLast, ThinOut, FindHoles, SpareOne>();

@@ -100,28 +100,6 @@ struct RateEach {
   }
 };
 
-// Limits how thick a Gaussian is along the mesh's normal: of its axes, the one that is closest to
-// it.
-struct FlattenEach {
-  MeshArrays mesh;
-  const int32_t* triangle;
-  View<const float> rotation;  // [N, 4]
-  float max_log;               // log of the standard deviation
-  View<float> scale_log;       // [N, 3]
-  COSPLAT_HD void operator()(size_t i) const {
-    math::Vec3<float> normal{0, 0, 0};
-    for (int c = 0; c < 3; ++c) normal += math::CanonicalVertex(mesh, triangle[i], c).normal;
-    const float* q = &rotation[4 * i];
-    const math::Vec3<float> along = math::TransposeTimes(
-        math::RotationOf(math::Normalize(math::Quat<float>{q[0], q[1], q[2], q[3]})), normal);
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::fabs(along[k]) > std::fabs(along[axis])) axis = k;
-    float& s = scale_log[3 * i + size_t(axis)];
-    if (s > max_log) s = max_log;
-  }
-};
-
 // Shrinks the bases of corrections.
 struct ScaleEach {
   View<float> numbers;

@@ -45,6 +45,12 @@ class Subject : public Placement {
   // Valid until the next call.
   virtual const TrainFrame& frame(size_t i) const = 0;
   virtual const Camera& camera(size_t i) const { return frame(i).camera; }
+  // Whether frame i says where Gaussians are needed; else it is trained on in passes after density
+  // control alone. True of some frame.
+  virtual bool GuidesDensity(size_t i) const {
+    (void)i;
+    return true;
+  }
   // That `frame(i)` will be called soon.
   virtual void Expect(size_t i) { (void)i; }
   // Maximum bytes of the reduced copies of images that are kept.

@@ -1,0 +1,127 @@
+#include "avatar/train/virtual_views.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "avatar/math/turn.h"
+
+namespace cosplat {
+namespace {
+
+using math::Mat3;
+using math::Vec3;
+
+constexpr float kDegree = std::numbers::pi_v<float> / 180;
+
+// A direction that this share of the frames see the head from, to within this angle, is known.
+constexpr float kKnownShare = 0.02f, kKnownAngle = 12 * kDegree;
+// Sources are chosen from the nearest ones.
+constexpr float kNearest = 0.25f;
+constexpr float kSide = 90 * kDegree, kBehindShare = 0.25f, kPitch = 20 * kDegree;
+
+// The k-th point of a sequence that fills a cube evenly, in [0, 1) (Roberts 2018: powers of the
+// root of x^4 = x + 1).
+float Spread(size_t k, int axis) {
+  constexpr std::array<double, 3> kSteps{
+      0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+  const double x = double(k) * kSteps[size_t(axis)];
+  return float(x - std::floor(x));
+}
+
+// To both sides alike, the given share of them behind.
+float YawAt(float x) {
+  const float side = x < 0.5f ? -1.0f : 1.0f, u = 2 * x - (x < 0.5f ? 0.0f : 1.0f);
+  return side * (u < kBehindShare ? kSide + (std::numbers::pi_v<float> - kSide) * u / kBehindShare
+                                  : kSide * (u - kBehindShare) / (1 - kBehindShare));
+}
+
+// Where a camera is, seen from the head.
+struct HeadDirection {
+  float yaw = 0, pitch = 0;  // radians, to the head's left and upwards
+
+  Vec3<float> unit() const {
+    return {std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)};
+  }
+};
+
+HeadDirection DirectionOf(const HeadInFrame& frame) {
+  const Vec3<float> d = math::Normalize(math::TransposeTimes(
+      frame.world_from_head, math::ToVec3(frame.camera.Center()) - frame.center));
+  return {std::atan2(d.x, d.z), std::asin(std::clamp(d.y, -1.0f, 1.0f))};
+}
+
+Mat3<float> Turn(const Vec3<float>& axis, float angle) {
+  return math::RotationOf(
+      math::QuatOfAxisAngle(std::array<float, 3>{axis.x * angle, axis.y * angle, axis.z * angle}));
+}
+
+// The frame's camera, carried around the head.
+Camera Around(const HeadInFrame& frame, const HeadDirection& to) {
+  const HeadDirection from = DirectionOf(frame);
+  const Vec3<float> up = frame.world_from_head * Vec3<float>{0, 1, 0};
+  const Vec3<float> across =
+      frame.world_from_head * Vec3<float>{std::cos(from.yaw), 0, -std::sin(from.yaw)};
+  const Mat3<float> turn = Turn(up, to.yaw - from.yaw) * Turn(across, from.pitch - to.pitch);
+  Camera camera = frame.camera;
+  for (size_t r = 0; r < 3; ++r) {
+    const Vec3<float> before = math::ToVec3(&frame.camera.rotation[3 * r]), after = turn * before;
+    for (int k = 0; k < 3; ++k) camera.rotation[3 * r + size_t(k)] = after[k];
+    camera.translation[r] += math::Dot(before - after, frame.center);
+  }
+  return camera;
+}
+
+uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
+
+}  // namespace
+
+std::vector<VirtualView> ChooseVirtualViews(const std::vector<HeadInFrame>& frames, size_t count) {
+  std::vector<Vec3<float>> seen_from;
+  for (const HeadInFrame& frame : frames) seen_from.push_back(DirectionOf(frame).unit());
+  const size_t few = std::min(size_t(kKnownShare * float(frames.size())), frames.size() - 1);
+  std::vector<VirtualView> views;
+  for (size_t k = 1; k <= count; ++k) {
+    const HeadDirection to{YawAt(Spread(k, 0)), (2 * Spread(k, 1) - 1) * kPitch};
+    std::vector<std::pair<float, size_t>> by_angle;  // minus the cosine, frame
+    for (size_t i = 0; i < frames.size(); ++i)
+      by_angle.push_back({-math::Dot(seen_from[i], to.unit()), i});
+    std::sort(by_angle.begin(), by_angle.end());
+    if (-by_angle[few].first > std::cos(kKnownAngle)) continue;
+    const size_t nearest = size_t(Spread(k, 2) * kNearest * float(frames.size()));
+    const size_t source = by_angle[nearest].second;
+    views.push_back({source, Around(frames[source], to)});
+  }
+  return views;
+}
+
+TrainFrame ToVirtualView(const VirtualView& view,
+                         const MeshInFrame& source,
+                         const PaintedMesh& painted) {
+  const MeshInFrame with_hair = painted.WithHair(source);
+  const FrameOnMesh shown(with_hair, painted.faces(), painted.scale());
+  const Camera& camera = view.camera;
+  const std::vector<MeshPixel> mesh = DrawMesh(with_hair.vertices, painted.faces(), camera);
+  TrainFrame frame;
+  frame.camera = camera;
+  frame.target = Image8(camera.width, camera.height, 4);
+  frame.ignored = painted.BeyondMesh(with_hair, mesh, camera);
+  for (size_t i = 0; i < mesh.size(); ++i) {
+    const MeshPixel& at = mesh[i];
+    if (at.face < 0) continue;
+    const std::array<int32_t, 3>& f = painted.faces()[size_t(at.face)];
+    const Vec3<float> a = with_hair.Vertex(size_t(f[0])), b = with_hair.Vertex(size_t(f[1])),
+                      c = with_hair.Vertex(size_t(f[2]));
+    const FrameOnMesh::Sample sample =
+        shown.At(a * at.u + b * at.v + c * (1 - at.u - at.v), math::Cross(b - a, c - a));
+    const Vec3<float> color =
+        sample.color * sample.weight + painted.ColorAt(at) * (1 - sample.weight);
+    for (int k = 0; k < 3; ++k) frame.target.data[4 * i + size_t(k)] = ToByte(color[k]);
+    frame.target.data[4 * i + 3] = ToByte(255 * painted.InFrameAt(at));
+  }
+  return frame;
+}
+
+}  // namespace cosplat
