@@ -32,6 +32,7 @@ add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-march=native>)
 
 # The libraries under their usual names, without what needs OpenCV, nlohmann_json, libzip or tinygltf.
 cosplat_library(base splat/media/image_bytes.cpp splat/media/signed_distance.cpp splat/base/skipped.cpp splat/base/text.cpp splat/base/world_frame.cpp)
+add_library(cosplat::media ALIAS cosplat_base)
 add_library(cosplat::io INTERFACE IMPORTED)
 add_subdirectory(splat/device)
 add_subdirectory(splat/render)
