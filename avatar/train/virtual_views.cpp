@@ -16,8 +16,10 @@ using math::Vec3;
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 
-// A direction that this share of the frames see the head from, to within this angle, is known.
-constexpr float kKnownShare = 0.02f, kKnownAngle = 12 * kDegree;
+// A direction that this share of the frames see the head from, to within an angle, is known: the
+// farther apart the frames' directions are (their median angle from the mean), the better they show
+// the head's shape, and the farther it can be trusted beyond them.
+constexpr float kKnownShare = 0.02f, kKnownAngle = 12 * kDegree, kKnownPerSpread = 2.5f;
 // Sources are chosen from the nearest ones.
 constexpr float kNearest = 0.25f;
 constexpr float kSide = 90 * kDegree, kBehindShare = 0.25f, kPitch = 20 * kDegree;
@@ -58,6 +60,20 @@ Mat3<float> Turn(const Vec3<float>& axis, float angle) {
       math::QuatOfAxisAngle(std::array<float, 3>{axis.x * angle, axis.y * angle, axis.z * angle}));
 }
 
+// Median angle from their mean, radians.
+float SpreadOf(const std::vector<Vec3<float>>& directions) {
+  Vec3<float> sum{0, 0, 0};
+  for (const Vec3<float>& d : directions) sum += d;
+  std::vector<float> angles;
+  for (const Vec3<float>& d : directions) {
+    const Vec3<float> across = math::Cross(d, sum);
+    angles.push_back(std::atan2(std::sqrt(math::Dot(across, across)), math::Dot(d, sum)));
+  }
+  const auto median = angles.begin() + std::ptrdiff_t(angles.size() / 2);
+  std::nth_element(angles.begin(), median, angles.end());
+  return *median;
+}
+
 // The frame's camera, carried around the head.
 Camera Around(const HeadInFrame& frame, const HeadDirection& to) {
   const HeadDirection from = DirectionOf(frame);
@@ -81,6 +97,7 @@ uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.
 std::vector<VirtualView> ChooseVirtualViews(const std::vector<HeadInFrame>& frames, size_t count) {
   std::vector<Vec3<float>> seen_from;
   for (const HeadInFrame& frame : frames) seen_from.push_back(DirectionOf(frame).unit());
+  const float known = kKnownAngle + kKnownPerSpread * SpreadOf(seen_from);
   const size_t few = std::min(size_t(kKnownShare * float(frames.size())), frames.size() - 1);
   std::vector<VirtualView> views;
   for (size_t k = 1; k <= count; ++k) {
@@ -89,7 +106,7 @@ std::vector<VirtualView> ChooseVirtualViews(const std::vector<HeadInFrame>& fram
     for (size_t i = 0; i < frames.size(); ++i)
       by_angle.push_back({-math::Dot(seen_from[i], to.unit()), i});
     std::sort(by_angle.begin(), by_angle.end());
-    if (-by_angle[few].first > std::cos(kKnownAngle)) continue;
+    if (-by_angle[few].first > std::cos(known)) continue;
     const size_t nearest = size_t(Spread(k, 2) * kNearest * float(frames.size()));
     const size_t source = by_angle[nearest].second;
     views.push_back({source, Around(frames[source], to)});
