@@ -43,13 +43,13 @@ void ForOutside(const std::vector<MeshPixel>& mesh,
                 const Camera& camera,
                 const Visit& visit) {
   std::array<Image, kHeadParts> distances;
-  for (size_t part = 0; part < kHeadParts; ++part) {
+  tbb::parallel_for(size_t(0), kHeadParts, [&](size_t part) {
     Image8 mask(camera.width, camera.height, 1);
     for (size_t i = 0; i < mesh.size(); ++i)
       if (mesh[i].face >= 0 && parts[size_t(faces[size_t(mesh[i].face)][0])] == HeadPart(part))
         mask.data[i] = 255;
     distances[part] = SignedDistance(mask, 128);
-  }
+  });
   for (size_t i = 0; i < mesh.size(); ++i) {
     if (mesh[i].face >= 0) continue;
     size_t nearest = 0;

@@ -54,18 +54,18 @@ std::vector<float> SquaredDistance(const std::vector<uint8_t>& in,
                                    size_t width,
                                    size_t height) {
   std::vector<float> squared(width * height, kFar);
-  // Down and up each column, then along rows.
-  for (size_t x = 0; x < width; ++x) {
-    float d = kFar;
-    const auto visit = [&](size_t y) {
-      d = in[y * width + x] == value ? 0 : d + 1;
+  // Down and up all columns, then along rows.
+  std::vector<float> steps(width, kFar);  // from the last such pixel of each column
+  const auto visit = [&](size_t y) {
+    for (size_t x = 0; x < width; ++x) {
+      steps[x] = in[y * width + x] == value ? 0 : steps[x] + 1;
       float& s = squared[y * width + x];
-      s = std::fmin(s, d * d);
-    };
-    for (size_t y = 0; y < height; ++y) visit(y);
-    d = kFar;
-    for (size_t y = height; y-- > 0;) visit(y);
-  }
+      s = std::min(s, steps[x] * steps[x]);
+    }
+  };
+  for (size_t y = 0; y < height; ++y) visit(y);
+  std::fill(steps.begin(), steps.end(), kFar);
+  for (size_t y = height; y-- > 0;) visit(y);
   Envelope envelope(width);
   std::vector<float> row(width), lowest(width);
   for (size_t y = 0; y < height; ++y) {
