@@ -202,6 +202,10 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
   if (!o.quiet && subject.virtual_view_count() > 0)
     std::printf("%zu virtual views of the head from where no camera was\n",
                 subject.virtual_view_count());
+  if (!o.quiet && !subject.IsMasked())
+    std::printf(
+        "the frames have no masks: the background becomes part of the avatar, and how it "
+        "looks from where no camera was stays open\n");
   if (!o.quiet)
     std::printf("%s%s",
                 UnitLine("FLAME model " + flame.name, flame.unit).c_str(),

@@ -158,6 +158,8 @@ class AvatarSubject : public Subject {
   // In the memory of the current stream.
   const Surface& surface() const { return surface_; }
   size_t virtual_view_count() const { return virtual_sources_.size(); }
+  // Whether the frames say where the person is.
+  bool IsMasked() const;
   bool has_bust() const { return subject_.bust.has_value(); }
   // Fraction of the Gaussians that are on another triangle than they (or their ancestors) began on.
   double WalkedShare() const;

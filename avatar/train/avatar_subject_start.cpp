@@ -139,17 +139,27 @@ Bust AvatarSubject::MeanBustOfTrack() const {
   return MeanBust(flame_, video_.shape, video_.static_offset, track);
 }
 
+// An alpha that is opaque in all frames is that of a file format, not a mask.
+bool AvatarSubject::IsMasked() const {
+  const auto shows_background = [](const TrainFrame& frame) {
+    for (size_t i = 3; i < frame.target.data.size(); i += 4)
+      if (frame.target.data[i] < 128) return true;
+    return false;
+  };
+  return std::all_of(frames_.begin(),
+                     frames_.end(),
+                     [](const TrainFrame& frame) { return frame.target.channels == 4; }) &&
+         std::any_of(frames_.begin(), frames_.end(), shows_background);
+}
+
 void AvatarSubject::StartBustTrack() {
   std::vector<int> timesteps;
   for (const TrackedFrame& frame : video_.train) timesteps.push_back(frame.timestep);
   const std::vector<size_t> instants = InstantsOf(timesteps);
   std::vector<BustPose> poses(*std::max_element(instants.begin(), instants.end()) + 1,
                               kMeanBustPose);
-  const bool masked = std::all_of(frames_.begin(), frames_.end(), [](const TrainFrame& frame) {
-    return frame.target.channels == 4;
-  });
   // With several cameras, images of different ones cannot be compared.
-  if (masked && poses.size() == frames_.size()) {
+  if (IsMasked() && poses.size() == frames_.size()) {
     std::vector<std::vector<float>> vertices;
     for (size_t i = 0; i < frames_.size(); ++i) vertices.push_back(track_.VerticesOf(i));
     const std::vector<BustPose> of_frames = RegisterBusts(*track_.poser, frames_, vertices);
@@ -175,10 +185,7 @@ void AvatarSubject::AddVirtualViews() {
   const size_t real = frames_.size();
   const float share = settings_.virtual_views;
   const size_t count = std::max(size_t(share / (1 - share) * float(real)), kFewestViews);
-  const bool masked = std::all_of(frames_.begin(), frames_.end(), [](const TrainFrame& frame) {
-    return frame.target.channels == 4;
-  });
-  if (!IsOurs() || !masked || share == 0) return;
+  if (!IsOurs() || !IsMasked() || share == 0) return;
   const auto mesh_in = [&](size_t i) {
     if (!bust_track_.empty()) track_.frames[i].params.bust = bust_track_.PoseOf(i);
     return MeshInFrame{&frames_[i], track_.VerticesOf(i)};

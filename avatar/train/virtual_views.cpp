@@ -105,10 +105,13 @@ std::vector<VirtualView> ChooseVirtualViews(const std::vector<HeadInFrame>& fram
     std::vector<std::pair<float, size_t>> by_angle;  // minus the cosine, frame
     for (size_t i = 0; i < frames.size(); ++i)
       by_angle.push_back({-math::Dot(seen_from[i], to.unit()), i});
-    std::sort(by_angle.begin(), by_angle.end());
-    if (-by_angle[few].first > std::cos(known)) continue;
-    const size_t nearest = size_t(Spread(k, 2) * kNearest * float(frames.size()));
-    const size_t source = by_angle[nearest].second;
+    const auto nearest = [&](size_t place) {
+      const auto at = by_angle.begin() + std::ptrdiff_t(place);
+      std::nth_element(by_angle.begin(), at, by_angle.end());
+      return *at;
+    };
+    if (-nearest(few).first > std::cos(known)) continue;
+    const size_t source = nearest(size_t(Spread(k, 2) * kNearest * float(frames.size()))).second;
     views.push_back({source, Around(frames[source], to)});
   }
   return views;

@@ -213,6 +213,23 @@ double PsnrFrom(const AvatarModel& avatar, float degrees) {
   return Psnr(image.color, Target(truth.target));
 }
 
+// Without masks nobody knows where the head ends: an alpha that is opaque everywhere is none.
+TEST(VirtualViews, AreNoneWithoutMasks) {
+  for (const bool opaque : {false, true}) {
+    TrackedVideo video = MakeSmallVideo(6, 2);
+    for (TrackedFrame& frame : video.train) {
+      Image8 image = *frame.image;
+      for (size_t i = 3; opaque && i < image.data.size(); i += 4) image.data[i] = 255;
+      frame.image = std::make_shared<const Image8>(std::move(image));
+    }
+    AvatarSettings settings = SmallAvatar(100);
+    settings.virtual_views = 0.2f;
+    const AvatarSubject subject(Model(), video, settings);
+    EXPECT_EQ(subject.IsMasked(), !opaque);
+    EXPECT_EQ(subject.virtual_view_count() > 0, !opaque);
+  }
+}
+
 // Trained on views from the front: from aside far better with virtual views.
 TEST(VirtualViews, KeepTheHeadTogetherFromAside) {
   TrackedVideo video;
