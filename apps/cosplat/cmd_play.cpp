@@ -143,8 +143,8 @@ void AddPlay(CLI::App& app) {
       "--drive",
       o->drive,
       "what moves an avatar: a tracked video, .npz, landmarks file or .csv of Live Link Face, "
-      "udp://HOST:PORT, vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE, livelink://HOST or "
-      "stdin:");
+      "webcam:, udp://HOST:PORT, vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE, "
+      "livelink://HOST or stdin:");
   command->add_option("--fps", o->fps, "frame rate of a recorded drive (default: its own)")
       ->needs(drive)
       ->check(CLI::Range(0.001, 10000.0));

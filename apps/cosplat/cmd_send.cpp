@@ -3,18 +3,15 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/packet_output.h"
 #include "apps/cosplat/run/progress_bar.h"
-#include "avatar/live/face_scores.h"
 #include "avatar/live/json_frame.h"
 #include "avatar/live/recording.h"
 #include "avatar/live/score_recording.h"
-#include "avatar/live/udp_socket.h"
-#include "avatar/live/vmc_frame.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
 #include "splat/base/rng.h"
@@ -39,38 +36,6 @@ struct Sequence {
   double frames_per_second = 0;
   std::vector<Frame> frames;
   BlendshapeMap map;  // of FLAME parameters as scores
-};
-
-// Writes lines to standard output or datagrams to an address.
-class PacketOutput {
- public:
-  // map: by which VMC carries FLAME parameters.
-  PacketOutput(const std::string& to, const BlendshapeMap& map) : map_(map) {
-    if (to.empty()) return;
-    const DriveAddress address = ParseDriveAddress(to);
-    is_vmc_ = address.scheme == "vmc";
-    if ((address.scheme != "udp" && !is_vmc_) || address.port == 0)
-      throw Error("--to", "found '" + to + "', expected udp://HOST:PORT or vmc://HOST:PORT");
-    socket_.emplace(UdpSocket::ConnectTo(address));
-  }
-  std::string PacketOf(const JsonFrame& frame) const {
-    if (!is_vmc_) return WriteJsonFrame(frame);
-    const FlameParams& face = frame.params;
-    return WriteVmcFrame(
-        frame.blendshapes ? *frame.blendshapes : ScoresOf(map_, face), face.pose[0], face.pose[1]);
-  }
-  // Returns false if the packet was lost before it was sent.
-  bool Write(const std::string& packet) {
-    if (socket_) return socket_->Send(packet);
-    if (std::fputs((packet + "\n").c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-      throw Error("standard output", "cannot be written");
-    return true;
-  }
-
- private:
-  const BlendshapeMap& map_;
-  std::optional<UdpSocket> socket_;
-  bool is_vmc_ = false;
 };
 
 // A packet that receivers must reject, for one of several reasons.
@@ -108,7 +73,7 @@ void Send(const SendOptions& o, Sequence& sequence, PacketOutput& output, Counts
       packet.time = double(round) * length + double(timestep) / sequence.frames_per_second;
       packet.sequence = number++;
       std::this_thread::sleep_until(start + Seconds(*packet.time));
-      const std::string line = output.PacketOf(packet);
+      const std::string line = output.PacketOf(packet, sequence.map);
       bar.Update(int(number), "frames");
       const float chance = 100 * rng.Uniform();
       if (chance < o.drop_percent) {
@@ -149,7 +114,7 @@ void Run(const SendOptions& o) {
   if (o.drop_percent + o.bad_percent > 100)
     throw Error("--drop and --bad", "add up to more than 100 percent");
   Sequence sequence = LoadSequence(o);
-  PacketOutput output(o.to, sequence.map);
+  PacketOutput output(o.to);
   Counts counts;
   Send(o, sequence, output, counts);
   if (o.quiet || o.to.empty()) return;

@@ -6,6 +6,7 @@
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"
+#include "apps/cosplat/run/webcam_input.h"
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
@@ -153,7 +154,7 @@ Content LoadContent(const std::string& model, const std::string& flame) {
 }
 
 bool IsLiveDrive(const std::string& drive) {
-  return drive == "stdin:" || drive.find("://") != std::string::npos;
+  return drive == "stdin:" || IsWebcamDrive(drive) || drive.find("://") != std::string::npos;
 }
 
 void DriveSession(
@@ -168,7 +169,8 @@ void DriveSession(
   if (IsLiveDrive(drive)) {
     FlameParams rest = avatar.rest;
     rest.expression.assign(size_t(avatar.flame.expression_count), 0);
-    std::unique_ptr<LiveSource> source = OpenLiveSource(drive, options);
+    std::unique_ptr<LiveSource> source =
+        IsWebcamDrive(drive) ? OpenWebcam(drive, options) : OpenLiveSource(drive, options);
     if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
     session.SetLive(std::make_unique<viewer::LiveFace>(
         std::move(source), std::move(rest), avatar.model.trained_range));

@@ -12,12 +12,10 @@
 // Each item of --jobs is a page that asks for a frame, and posts what it found with the next request.
 // Pages of one job share its frames, which should not follow each other then. The pages have
 // different origins, so that Chromium gives each a process, and they run on several cores.
-import { spawn } from "node:child_process";
 import fs from "node:fs";
-import http from "node:http";
-import os from "node:os";
 import path from "node:path";
 import { parseArgs } from "node:util";
+import { open, stop } from "./browser.mjs";
 
 const names = ["chromium", "modules", "frames", "jobs", "width", "height"];
 const { values: options } = parseArgs({
@@ -25,23 +23,10 @@ const { values: options } = parseArgs({
 });
 const times = JSON.parse(fs.readFileSync(path.join(options.frames, "times.json")));
 const count = times.length;
-const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
 const pages = options.jobs.split(",").map((job) => ({ job, frame: null }));
 const next = Object.fromEntries(pages.map(({ job }) => [job, 0]));
 const found = { ...next };
 const faces = new Array(count);
-const profile = fs.mkdtempSync(path.join(os.tmpdir(), "cosplat-chromium-"));
-
-const types = {
-  ".html": "text/html",
-  ".js": "text/javascript",
-  ".wasm": "application/wasm",
-};
-
-function fail(message) {
-  console.error(message);
-  stop(1);
-}
 
 // A frame for `page`, and what it found in the one before.
 function answer(page, result, response) {
@@ -68,67 +53,14 @@ function answer(page, result, response) {
   }
 }
 
-// Files of the page, and of the packages under /packages/.
-function serve(url, response) {
-  const packages = "/packages/";
-  const root = url.startsWith(packages) ? path.join(options.modules, "@mediapipe") : here;
-  const name = url.startsWith(packages) ? url.slice(packages.length) : url.slice(1);
-  const file = path.join(root, name);
-  if (!file.startsWith(root) || !fs.existsSync(file)) {
-    response.writeHead(404).end();
-    return;
-  }
-  response.setHeader("content-type", types[path.extname(file)] ?? "application/octet-stream");
-  response.end(fs.readFileSync(file));
-}
-
-const server = http.createServer(async (request, response) => {
-  const url = new URL(request.url, "http://localhost").pathname;
-  const body = [];
-  for await (const part of request) body.push(part);
-  const page = pages[Number(/^\/page-([0-9]+)$/.exec(url)?.[1])];
-  if (url === "/failed") fail(Buffer.concat(body).toString());
-  else if (request.method === "POST" && page) answer(page, Buffer.concat(body), response);
-  else serve(url, response);
-});
-
-let browser = null;
-function stop(status) {
-  if (browser) {
-    browser.removeAllListeners("exit");
-    try {
-      process.kill(-browser.pid, "SIGKILL");
-    } catch {}  // it has ended by itself
-  }
-  fs.rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
-  process.exit(status);
-}
-for (const signal of ["SIGINT", "SIGTERM", "SIGHUP"]) process.on(signal, () => stop(1));
-
-server.listen(0, "127.0.0.1", () => {
-  const { port } = server.address();
-  const { jobs, width, height } = options;
-  const query = new URLSearchParams({ jobs, width, height });
-  // SwiftShader draws on the CPU: the packages need WebGL to scale and to crop.
-  const flags = [
-    "--headless=new",
-    "--no-first-run",
-    `--user-data-dir=${profile}`,
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-dev-shm-usage",
-  ];
-  if (process.getuid?.() === 0) flags.push("--no-sandbox");  // it refuses root's
-  const log = fs.openSync(path.join(profile, "log"), "w");
-  browser = spawn(
-    options.chromium,
-    [...flags, `http://127.0.0.1:${port}/page/index.html?${query}`],
-    { stdio: ["ignore", log, log], detached: true },
-  );
-  browser.on("error", (error) => fail(`${options.chromium}: ${error.message}`));
-  browser.on("exit", (code, signal) => {
-    const lines = fs.readFileSync(path.join(profile, "log"), "utf8").trim().split("\n");
-    fail(`${options.chromium} ended early (${signal ?? code}): ${lines.at(-1)}`);
-  });
+const { chromium, modules, jobs, width, height } = options;
+open({
+  chromium,
+  modules,
+  page: `index.html?${new URLSearchParams({ jobs, width, height })}`,
+  answer: (url, body, response) => {
+    const page = pages[Number(/^\/page-([0-9]+)$/.exec(url)?.[1])];
+    if (page) answer(page, body, response);
+    else response.writeHead(404).end();
+  },
 });

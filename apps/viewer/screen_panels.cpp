@@ -127,12 +127,14 @@ const char* StateText(FaceState state) {
   return "";
 }
 
-void DrawLivePanel(const Session& session) {
+void DrawLivePanel(Session& session) {
   if (!session.live()) return;
   if (!ImGui::CollapsingHeader("Live input", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const LiveFace& live = *session.live();
   ImGui::TextWrapped("%s", live.Description().c_str());
   ImGui::Text("The face is %s%s", StateText(live.guard().state()), live.Ended() ? "; ended" : "");
+  ImGui::Text("%.0f frames per second", live.frames_per_second());
+  if (WideButton("I look straight ahead", 1)) session.Do(Action::kCalibrate);
   const LiveCounts sent = live.Counts();
   const GuardCounts& shown = live.guard().counts();
   DrawCount("packets", sent.packets);

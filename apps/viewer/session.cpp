@@ -90,6 +90,9 @@ void Session::Do(Action action) {
     case Action::kRandomFace:
       TakeSliders();
       return face.SetRandom(random_);
+    case Action::kCalibrate:
+      if (live_) live_->Calibrate();
+      return;
     case Action::kViewSplats:
     case Action::kViewEllipsoids:
     case Action::kViewTriangles:

@@ -28,6 +28,7 @@ enum class Action {
   kResetView,
   kNeutralFace,
   kRandomFace,
+  kCalibrate,
   kViewSplats,
   kViewEllipsoids,
   kViewTriangles,

@@ -81,7 +81,7 @@ TEST(Landmarks, AreWrittenWithMattesAndScores) {
   stage.Node("[" + Stage::Face() + ",[]," + Stage::Face() + "]");
   const CommandResult result = stage.Run();
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_NE(result.out.find("Installing MediaPipe"), std::string::npos) << result.out;
+  EXPECT_NE(result.err.find("Installing MediaPipe"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("faces in 2 of 3 frames"), std::string::npos) << result.out;
   const LandmarkVideo video = ReadLandmarks(stage.out);
   ASSERT_EQ(video.frames.size(), 3u);

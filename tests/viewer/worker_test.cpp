@@ -151,5 +151,43 @@ TEST(LiveFace, FollowsTheRuleForBadFrames) {
   EXPECT_EQ(face.input_ns(), 9000 * kMillisecond);
 }
 
+// A head that is turned, and further back, than at rest: by 0.1 per 40 ms.
+class Turning : public LiveSource {
+ public:
+  bool Poll(int64_t now_ns, LiveFrame& out) override {
+    const float turned = 0.1f * float(now_ns / (40 * kMillisecond));
+    out.params.expression = {};
+    out.params.pose[0] = {0, turned, 0};
+    out.params.pose[1] = {turned, 0, 0};
+    out.params.translation = {0, 0, -turned};
+    out.time_ns = now_ns;
+    return true;
+  }
+  bool Ended() const override { return false; }
+  LiveCounts Counts() const override { return {}; }
+  std::string Description() const override { return "turning"; }
+};
+
+TEST(LiveFace, IsCalibratedToTheHeadAsItIs) {
+  FlameParams rest;
+  rest.translation = {1, 2, 3};
+  rest.pose[0] = {0, 0.3f, 0};
+  LiveFace face(std::make_unique<Turning>(), rest, {});
+  face.Calibrate();  // nothing has come yet
+  face.Advance(40 * kMillisecond);
+  EXPECT_NEAR(face.Face().pose[0][1], 0.1f, 1e-4f);
+  face.Calibrate();
+  face.Advance(80 * kMillisecond);
+  const FlameParams turned = face.Face();
+  EXPECT_NEAR(turned.pose[0][1], 0.4f, 1e-4f);
+  EXPECT_NEAR(turned.pose[1][0], 0.1f, 1e-4f);
+  EXPECT_NEAR(turned.translation[0], 1, 1e-4f);
+  EXPECT_NEAR(turned.translation[2], 2.9f, 1e-4f);
+  face.Calibrate();  // beside what came, not what was shown
+  face.Advance(120 * kMillisecond);
+  EXPECT_NEAR(face.Face().pose[0][1], 0.4f, 1e-4f);
+  EXPECT_NEAR(face.frames_per_second(), 25, 0.1);
+}
+
 }  // namespace
 }  // namespace cosplat::test

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cosplat/run/mediapipe.h"
 #include "flame/io/landmarks.h"
 #include "splat/base/image.h"
 
@@ -13,9 +14,7 @@ namespace cosplat {
 
 class FaceDetector {
  public:
-  // For images of one size, px. Throws Error that says what to install if node, npm or Chromium is
-  // missing. The first use installs MediaPipe's packages by npm into the user's cache folder, and
-  // says so, unless quiet.
+  // For images of one size, px. Throws Error as FindMediapipe does.
   FaceDetector(int width, int height, bool quiet);
   ~FaceDetector();
   FaceDetector(const FaceDetector&) = delete;
@@ -41,7 +40,7 @@ class FaceDetector {
   std::string File(const std::string& name) const { return folder_ + "/" + name; }
 
   int width_, height_;
-  std::string node_, chromium_, modules_;
+  Mediapipe mediapipe_;
   std::string folder_;  // of the images; removed in the end
 };
 

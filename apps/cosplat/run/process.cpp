@@ -59,34 +59,15 @@ std::string Plain(const std::string& line) {
   return plain;
 }
 
-// Closes both ends when it goes out of scope; the program that a child becomes has neither.
-struct Pipe {
-  int read_end = -1, write_end = -1;
-  explicit Pipe(const std::string& program) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0)
-      throw Error(program, std::string("cannot be started: ") + std::strerror(errno));
-    read_end = ends[0];
-    write_end = ends[1];
-  }
-  ~Pipe() {
-    CloseWriteEnd();
-    close(read_end);
-  }
-  void CloseWriteEnd() {
-    if (write_end >= 0) close(write_end);
-    write_end = -1;
-  }
-};
-
 // In the child, where only async-signal-safe functions may be called: other threads held locks.
 // Returns if the program could not be started, with the reason in errno.
-void BecomeProgram(pid_t parent, int output, char* const* argv, char* const* environment) {
+void BecomeProgram(
+    pid_t parent, int output, int errors, char* const* argv, char* const* environment) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0) return;
-  if (dup2(output, STDOUT_FILENO) < 0 || dup2(output, STDERR_FILENO) < 0) return;
+  if (dup2(output, STDOUT_FILENO) < 0 || dup2(errors, STDERR_FILENO) < 0) return;
   execve(argv[0], argv, environment);
 }
 
@@ -94,92 +75,126 @@ int StatusOf(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
 }
 
-class Child {
+// The lines of a child's output as they come.
+class Lines {
  public:
-  Child(const std::vector<std::string>& argv, const std::vector<std::string>& environment)
-      : output_(argv[0]) {
-    const std::vector<std::string> variables = Environment(environment);
-    const std::vector<char*> arguments = Pointers(argv), settings = Pointers(variables);
-    Pipe failure(argv[0]);
-    const pid_t parent = getpid();
-    pid_ = fork();
-    if (pid_ == 0) {
-      BecomeProgram(parent, output_.write_end, arguments.data(), settings.data());
-      const int reason = errno;
-      _exit(write(failure.write_end, &reason, sizeof reason) < 0 ? 126 : 127);
-    }
-    int reason = pid_ < 0 ? errno : 0;
-    failure.CloseWriteEnd();
-    output_.CloseWriteEnd();
-    const bool failed = pid_ < 0 || read(failure.read_end, &reason, sizeof reason) > 0;
-    if (!failed) return;
-    Wait();
-    throw Error(argv[0], std::string("cannot be started: ") + std::strerror(reason));
-  }
+  Lines(int descriptor, const std::function<void(const std::string& line)>& use)
+      : descriptor_(descriptor), use_(use) {}
 
-  ~Child() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGTERM);
-    Wait();
-  }
-
-  // The lines, until the child has ended: what it started itself may keep the pipe open for longer.
-  int PassOn(const std::function<void(const std::string& line)>& on_line) {
-    bool open = true;
-    while (true) {
-      const bool ended = HasEnded();
-      if (open) open = ReadAvailable(ended ? 0 : kPollMilliseconds, on_line);
-      if (!ended && !open) Wait();
-      if (ended || !open) break;
+  // Waits for output, and reads until there is none for now. Returns whether more may come.
+  bool ReadAvailable(int milliseconds) {
+    pollfd output{descriptor_, POLLIN, 0};
+    while (poll(&output, 1, milliseconds) > 0) {
+      char bytes[4096];
+      const ssize_t count = read(descriptor_, bytes, sizeof bytes);
+      if (count <= 0) return count < 0 && errno == EINTR;
+      for (ssize_t i = 0; i < count; ++i) Add(bytes[i]);
     }
-    if (!line_.empty()) on_line(Plain(line_));
-    return status_;
+    return true;
+  }
+  // What is left, without an end.
+  void Finish() {
+    if (!line_.empty()) use_(Plain(line_));
   }
 
  private:
-  bool HasEnded() {
-    int status = 0;
-    if (waitpid(pid_, &status, WNOHANG) == 0) return false;
-    pid_ = -1;
-    status_ = StatusOf(status);
-    return true;
-  }
-
-  void Wait() {
-    int status = 0;
-    while (pid_ > 0 && waitpid(pid_, &status, 0) < 0 && errno == EINTR) continue;
-    pid_ = -1;
-    status_ = StatusOf(status);
-  }
-
-  // Waits for output, and reads until there is none for now. Returns whether more may come.
-  bool ReadAvailable(int milliseconds, const std::function<void(const std::string&)>& on_line) {
-    pollfd output{output_.read_end, POLLIN, 0};
-    while (poll(&output, 1, milliseconds) > 0) {
-      char bytes[4096];
-      const ssize_t count = read(output_.read_end, bytes, sizeof bytes);
-      if (count <= 0) return count < 0 && errno == EINTR;
-      for (ssize_t i = 0; i < count; ++i) Add(bytes[i], on_line);
-    }
-    return true;
-  }
-
-  void Add(char c, const std::function<void(const std::string&)>& on_line) {
+  void Add(char c) {
     const bool end = c == '\n' || c == '\r';
     if (!end) line_ += c;
     if (line_.empty() || (!end && line_.size() < kMaxLine)) return;
     const std::string line = Plain(line_);
     line_.clear();
-    on_line(line);
+    use_(line);
   }
 
-  Pipe output_;
-  pid_t pid_ = -1;
-  int status_ = 0;
+  int descriptor_;
+  const std::function<void(const std::string& line)>& use_;
   std::string line_;  // read so far
 };
 
 }  // namespace
+
+struct ChildProcess::Running {
+  // Closes both ends when it goes out of scope; the program that a child becomes has neither.
+  struct Pipe {
+    int read_end = -1, write_end = -1;
+    explicit Pipe(const std::string& program) {
+      int ends[2];
+      if (pipe2(ends, O_CLOEXEC) != 0)
+        throw Error(program, std::string("cannot be started: ") + std::strerror(errno));
+      read_end = ends[0];
+      write_end = ends[1];
+    }
+    ~Pipe() {
+      CloseWriteEnd();
+      close(read_end);
+    }
+    void CloseWriteEnd() {
+      if (write_end >= 0) close(write_end);
+      write_end = -1;
+    }
+  };
+
+  explicit Running(const std::string& program) : output(program) {}
+  Pipe output;
+  pid_t pid = -1;
+  int status = 0;
+};
+
+ChildProcess::ChildProcess(const std::vector<std::string>& argv,
+                           const std::vector<std::string>& environment,
+                           Errors errors)
+    : running_(std::make_unique<Running>(argv[0])) {
+  using Pipe = Running::Pipe;
+  Pipe& output = running_->output;
+  const std::vector<std::string> variables = Environment(environment);
+  const std::vector<char*> arguments = Pointers(argv), settings = Pointers(variables);
+  Pipe failure(argv[0]);
+  const pid_t parent = getpid();
+  const pid_t pid = running_->pid = fork();
+  if (pid == 0) {
+    BecomeProgram(parent,
+                  output.write_end,
+                  errors == Errors::kWithOutput ? output.write_end : STDERR_FILENO,
+                  arguments.data(),
+                  settings.data());
+    const int reason = errno;
+    _exit(write(failure.write_end, &reason, sizeof reason) < 0 ? 126 : 127);
+  }
+  int reason = pid < 0 ? errno : 0;
+  failure.CloseWriteEnd();
+  output.CloseWriteEnd();
+  const bool failed = pid < 0 || read(failure.read_end, &reason, sizeof reason) > 0;
+  if (!failed) return;
+  Wait();
+  throw Error(argv[0], std::string("cannot be started: ") + std::strerror(reason));
+}
+
+ChildProcess::~ChildProcess() {
+  if (running_->pid <= 0) return;
+  kill(running_->pid, SIGTERM);
+  Wait();
+}
+
+int ChildProcess::output() const { return running_->output.read_end; }
+int ChildProcess::status() const { return running_->status; }
+
+bool ChildProcess::HasEnded() {
+  int status = 0;
+  if (running_->pid > 0 && waitpid(running_->pid, &status, WNOHANG) == 0) return false;
+  if (running_->pid > 0) running_->status = StatusOf(status);
+  running_->pid = -1;
+  return true;
+}
+
+int ChildProcess::Wait() {
+  int status = 0;
+  pid_t& pid = running_->pid;
+  if (pid <= 0) return running_->status;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+  pid = -1;
+  return running_->status = StatusOf(status);
+}
 
 std::string FindProgram(const std::string& name) {
   if (name.find('/') != std::string::npos) return IsExecutable(name) ? name : "";
@@ -195,8 +210,15 @@ std::string FindProgram(const std::string& name) {
 int RunProcess(const std::vector<std::string>& argv,
                const std::vector<std::string>& environment,
                const std::function<void(const std::string& line)>& on_line) {
-  Child child(argv, environment);
-  return child.PassOn(on_line);
+  ChildProcess child(argv, environment, ChildProcess::Errors::kWithOutput);
+  Lines lines(child.output(), on_line);
+  // Until the child has ended: what it started itself may keep the pipe open for longer.
+  for (bool open = true, ended = false; open && !ended;) {
+    ended = child.HasEnded();
+    open = lines.ReadAvailable(ended ? 0 : kPollMilliseconds);
+  }
+  lines.Finish();
+  return child.Wait();
 }
 
 std::string ExitText(int status) {

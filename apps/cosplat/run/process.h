@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,14 +12,37 @@ namespace cosplat {
 // if there is no such executable file.
 std::string FindProgram(const std::string& name);
 
-// Runs argv[0], a path, with these arguments until it ends. `environment` has NAME=VALUE, set
-// besides what this process has. The child reads nothing; `on_line` gets each line that it writes
+// A program that runs beside this one. It reads nothing, and does not outlive this process: it gets
+// Ctrl-C as well, and SIGTERM if this process, or the thread that started it, ends.
+class ChildProcess {
+ public:
+  // Where the child's standard error goes: into the pipe of its output, or where this process's
+  // does.
+  enum class Errors { kWithOutput, kAsOurs };
+  // Starts argv[0], a path, with these arguments. `environment` has NAME=VALUE, set besides what
+  // this process has. Throws Error if it cannot be started.
+  ChildProcess(const std::vector<std::string>& argv,
+               const std::vector<std::string>& environment,
+               Errors errors);
+  // Ends the child by SIGTERM, and waits for it.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  int output() const;  // the descriptor that its standard output is read from
+  bool HasEnded();     // then `status` says how
+  int Wait();          // until it has ended; its status
+  int status() const;  // the exit status, or 128 + the signal that killed it
+
+ private:
+  struct Running;
+  std::unique_ptr<Running> running_;
+};
+
+// Runs argv[0], a path, with these arguments until it ends. `on_line` gets each line that it writes
 // to standard output or standard error, without its end ('\n' or '\r') and a terminal's colours.
-//
-// Returns the exit status, or 128 + the signal that killed it. The child does not outlive this
-// process: it gets Ctrl-C as well, and SIGTERM if this process dies or `on_line` throws (which is
-// passed on after the child has ended). Throws Error if the program cannot be started. Call it from
-// the main thread: the end of the thread that calls counts as this process's.
+// Returns ChildProcess::status. What `on_line` throws is passed on after the child has ended.
+// Throws Error if the program cannot be started.
 int RunProcess(const std::vector<std::string>& argv,
                const std::vector<std::string>& environment,
                const std::function<void(const std::string& line)>& on_line);

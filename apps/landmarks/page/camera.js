@@ -1,0 +1,63 @@
+// Posts the face in each frame of a camera: the newest one that there is when the last was looked at.
+const settings = new URLSearchParams(location.search);
+const wanted = Number(settings.get("camera")), size = { width: 640, height: 480 };
+
+const post = (url, body) => fetch(url, { method: "POST", body });
+const report = (error) => post("../failed", error?.message ?? String(error));
+self.addEventListener("unhandledrejection", (event) => report(event.reason));
+self.addEventListener("error", (event) => report(event.message));
+
+const pixels = (x) => Math.round(100 * x) / 100;
+
+async function openCamera() {
+  const cameras = (await navigator.mediaDevices.enumerateDevices())
+    .filter((device) => device.kind === "videoinput");
+  if (wanted >= cameras.length)
+    throw new Error(`there are ${cameras.length} cameras; camera ${wanted} was asked for`);
+  const { deviceId, label } = cameras[wanted];
+  const stream = await navigator.mediaDevices.getUserMedia({
+    video: {
+      deviceId: { exact: deviceId },
+      width: { ideal: size.width },
+      height: { ideal: size.height },
+      frameRate: { ideal: 30 },
+    },
+  }).catch((error) => {
+    throw new Error(`camera ${wanted} (${label}): ${error.message}`);
+  });
+  return { track: stream.getVideoTracks()[0], label };
+}
+
+(async () => {
+  const { track, label } = await openCamera();
+  const mesh = new FaceMesh({
+    locateFile: (file) => new URL(`../packages/face_mesh/${file}`, location.href).href,
+  });
+  mesh.setOptions({
+    maxNumFaces: 1, refineLandmarks: true, useCpuInference: true, selfieMode: false,
+  });
+  let faces = [];
+  mesh.onResults((results) => { faces = results.multiFaceLandmarks ?? []; });
+  await mesh.initialize();
+  const frames = new MediaStreamTrackProcessor({ track, maxBufferSize: 1 }).readable.getReader();
+  const canvas = new OffscreenCanvas(1, 1);
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  for (;;) {
+    const { value: frame, done } = await frames.read();
+    if (done) throw new Error(`camera ${wanted} (${label}) has gone`);
+    const time = performance.timeOrigin + performance.now();
+    const width = frame.displayWidth, height = frame.displayHeight;
+    if (canvas.width !== width || canvas.height !== height)
+      Object.assign(canvas, { width, height });
+    context.drawImage(frame, 0, 0);
+    const captured = frame.timestamp / 1000;
+    frame.close();
+    faces = [];
+    await mesh.send({ image: context.getImageData(0, 0, width, height) });
+    const points = (faces[0] ?? []).map(
+      (p) => [pixels(p.x * width), pixels(p.y * height), pixels(p.z * width)]);
+    const milliseconds = performance.timeOrigin + performance.now() - time;
+    post("../face", JSON.stringify(
+      { camera: label, width, height, time: captured, milliseconds, points }));
+  }
+})();

@@ -1,0 +1,169 @@
+// `cosplat webcam`, with a program that stands in for node, and with Chromium, which sees a film of
+// the made head as its camera.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "splat/base/files.h"
+#include "tests/integration/command.h"
+
+namespace cosplat {
+namespace {
+
+using test::CommandResult;
+using test::Cosplat;
+using test::TemporaryFolder;
+
+std::vector<Json> LinesOf(const std::string& text) {
+  std::vector<Json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(Json::parse(line));
+  return lines;
+}
+
+// Programs for PATH.
+struct Programs {
+  TemporaryFolder folder;
+  Programs() {
+    MakeDirectories(folder / "bin");
+    Write("npm", "mkdir -p node_modules");
+    Write("chromium", "exit 0");
+  }
+  void Write(const std::string& name, const std::string& body) const {
+    const std::string path = folder / ("bin/" + name);
+    std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  }
+  CommandResult Run(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"webcam"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Cosplat(arguments,
+                   "PATH='" + (folder / "bin") + ":/usr/bin:/bin' XDG_CACHE_HOME='" +
+                       (folder / "cache") + "'");
+  }
+};
+
+TEST(Webcam, WritesLinesOfScoresAndTheHead) {
+  const Programs programs;
+  Json points = Json::array();
+  for (int i = 0; i < 478; ++i) points.push_back({100 + i % 30, 100 + i % 17, i % 7});
+  std::ofstream lines(programs.folder / "lines");
+  for (int i = 0; i < 20; ++i)
+    lines << Json{{"camera", "Stand-in"},
+                  {"width", 640},
+                  {"height", 480},
+                  {"time", 1000 + 33 * i},
+                  {"milliseconds", 20},
+                  {"points", i == 3 ? Json::array() : points}}
+          << "\n";
+  lines.close();
+  programs.Write("node",
+                 "cat '" + (programs.folder / "lines") + "'; echo 'it has gone' >&2; exit 1");
+  const CommandResult result = programs.Run();
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("Stand-in, 640x480"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("it has gone"), std::string::npos) << result.err;
+  const std::vector<Json> frames = LinesOf(result.out);
+  ASSERT_EQ(frames.size(), 4u);  // after fifteen with a face
+  EXPECT_EQ(frames[0]["seq"], 0);
+  EXPECT_NEAR(frames[0]["time"].get<double>(), 1.528, 1e-6);
+  EXPECT_EQ(frames[3]["blendshapes"].count("jawOpen"), 1u);
+}
+
+TEST(Webcam, NamesWhatIsWrong) {
+  const Programs programs;
+  programs.Write("node", "exit 3");
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& words) {
+    const CommandResult result = programs.Run(arguments);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_TRUE(result.out.empty());
+  };
+  refused({}, "exited with status 3");
+  refused({"--camera", "front"}, "--camera: found 'front', expected a number");
+  refused({"--camera", "no.y4m"}, "no.y4m: cannot be opened");
+  refused({"--to", "udp://127.0.0.1:0"}, "--to");
+  programs.Write("node", "echo '{\"camera\": 1}'");
+  refused({}, "camera");
+}
+
+// 4:2:0, as Chromium reads films.
+void WriteFilm(const std::string& path, const std::vector<Image8>& images) {
+  const int width = images[0].width, height = images[0].height;
+  std::ofstream film(path, std::ios::binary);
+  film << "YUV4MPEG2 W" << width << " H" << height << " F30:1 Ip A1:1 C420mpeg2\n";
+  for (const Image8& image : images) {
+    std::string luma, chroma[2];
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const double r = image.at(x, y, 0), g = image.at(x, y, 1), b = image.at(x, y, 2);
+        const double grey = 0.299 * r + 0.587 * g + 0.114 * b;
+        luma += char(std::lround(16 + grey * 219 / 255));
+        if (x % 2 == 0 && y % 2 == 0)
+          for (int k = 0; k < 2; ++k)
+            chroma[k] += char(std::lround(
+                128 + 224.0 / 255 * (k == 0 ? (b - grey) / 1.772 : (r - grey) / 1.402)));
+      }
+    film << "FRAME\n" << luma << chroma[0] << chroma[1];
+  }
+}
+
+// Of the same length.
+double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double sums[5] = {};
+  for (size_t i = 0; i < a.size(); ++i) {
+    sums[0] += a[i], sums[1] += b[i];
+    sums[2] += a[i] * a[i], sums[3] += b[i] * b[i], sums[4] += a[i] * b[i];
+  }
+  const double n = double(a.size());
+  return (n * sums[4] - sums[0] * sums[1]) /
+         std::sqrt((n * sums[2] - sums[0] * sums[0]) * (n * sums[3] - sums[1] * sums[1]));
+}
+
+// The film begins anywhere, and is repeated, at a frame less each time.
+TEST(Webcam, FollowsAFilmOfTheMadeHead) {
+  if (std::system("(command -v node && command -v npm && command -v chromium) >/dev/null") != 0)
+    GTEST_SKIP() << "node, npm or Chromium is not installed";
+  const TemporaryFolder folder;
+  constexpr int kFrames = 60;
+  ASSERT_EQ(Cosplat({"make-head",
+                     "-o",
+                     folder / "head",
+                     "--frontal",
+                     "--frames",
+                     std::to_string(kFrames),
+                     "--test-frames",
+                     "1",
+                     "--size",
+                     "320",
+                     "--quiet"})
+                .code,
+            0);
+  std::vector<Image8> images;
+  for (int i = 1; i <= kFrames; ++i)
+    images.push_back(RgbOf(ReadImage(folder / ("head/image/" + std::to_string(i) + ".png"))));
+  WriteFilm(folder / "film.y4m", images);
+  const CommandResult result = Cosplat({"webcam", "--camera", folder / "film.y4m"}, "timeout 25");
+  if (result.err.find("npm") != std::string::npos) GTEST_SKIP() << result.err;
+  const std::vector<Json> frames = LinesOf(result.out);
+  ASSERT_GT(frames.size(), size_t(kFrames)) << result.err;
+  const Json truth = ReadJson(folder / "head/flame_params.json")["frames"];
+  double best = -1;
+  for (int shift = 0; shift < kFrames; ++shift) {
+    std::vector<double> seen, real;
+    for (int f = 0; f < kFrames; ++f) {
+      const double t = frames[f]["time"].get<double>() - frames[0]["time"].get<double>();
+      const size_t at = size_t(std::lround(30 * t) + shift) % kFrames;
+      seen.push_back(frames[f]["blendshapes"]["jawOpen"]);
+      real.push_back(truth[at]["pose"][6]);
+    }
+    best = std::max(best, Correlation(seen, real));
+  }
+  EXPECT_GT(best, 0.9) << "the jaw";
+}
+
+}  // namespace
+}  // namespace cosplat
