@@ -43,6 +43,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/kernels/
   splat/base/compression.h
   splat/media/libav.h
+  splat/media/video_stream.h
   splat/onnx/onnx_file.h
   splat/onnx/onnx_p
   splat/media/webp.h

@@ -1,5 +1,4 @@
 // cosplat play: shows an avatar or a scene in a window or, with --headless, renders it to files.
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -23,9 +22,7 @@ namespace {
 using viewer::Content;
 using viewer::Session;
 using viewer::Stage;
-using viewer::StartView;
 
-constexpr int kMaxSide = 8192;
 constexpr double kTurn = 6.283185307179586;
 
 struct PlayOptions {
@@ -38,22 +35,6 @@ struct PlayOptions {
   bool verbose = false;
 };
 
-struct Size {
-  int width = 0, height = 0;
-};
-
-// Parses "WxH"; if empty, returns the size of the filmed images.
-Size SizeOf(const PlayOptions& o, const StartView& start) {
-  if (o.size.empty()) return {start.camera.width, start.camera.height};
-  Size size;
-  char rest = 0;
-  const int read = std::sscanf(o.size.c_str(), "%dx%d%c", &size.width, &size.height, &rest);
-  if (read != 2 || size.width < 1 || size.height < 1 || size.width > kMaxSide ||
-      size.height > kMaxSide)
-    throw Error("--size", "is '" + o.size + "', expected WIDTHxHEIGHT such as 640x480");
-  return size;
-}
-
 void SetLook(const PlayOptions& o, Session& session) {
   const viewer::View view = viewer::ViewFromString(o.view, "--view");
   if (viewer::NeedsMesh(view) && !session.is_avatar())
@@ -65,7 +46,7 @@ void SetLook(const PlayOptions& o, Session& session) {
 }
 
 // Renders the sequence's frames or, without a sequence, views of a full turn.
-void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Size size) {
+void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, PictureSize size) {
   if (IsLiveDrive(o.drive))
     throw Error("--headless", "plays recordings; '" + o.drive + "' needs the window");
   FrameSink sink(o.out);
@@ -111,7 +92,9 @@ void Play(const PlayOptions& o) {
   Session session(content);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps, o.verbose);
   SetLook(o, session);
-  const Size size = SizeOf(o, content.start);
+  const PictureSize size =
+      o.size.empty() ? PictureSize{content.start.camera.width, content.start.camera.height}
+                     : ParsePictureSize(o.size);
   Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
   if (o.headless) return PlayIntoFiles(o, session, stage, size);
   const std::string folder = o.out.empty() ? "." : o.out;

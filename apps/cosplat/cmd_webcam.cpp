@@ -26,7 +26,7 @@ struct WebcamOptions {
   bool quiet = false;
 };
 
-// What is said of the camera, once it has one, and every ten seconds.
+// What is said of the camera: its name, and how it does, after ten seconds and ever more seldom.
 class Report {
  public:
   explicit Report(bool quiet) : quiet_(quiet) {}
@@ -47,7 +47,8 @@ class Report {
     // The camera's clock is this one, in Chromium on Linux.
     age_ += std::chrono::duration<double>(now.time_since_epoch()).count() - frame.seconds;
     const double seconds = std::chrono::duration<double>(now - since_).count();
-    if (seconds < kEvery) return;
+    if (seconds < next_) return;
+    next_ *= 2;
     if (!quiet_)
       std::fprintf(stderr,
                    "%.1f frames/s, %.0f%% with a face, sent %.0f ms after the camera had them, of "
@@ -62,7 +63,7 @@ class Report {
   }
 
  private:
-  static constexpr double kEvery = 10;  // seconds
+  double next_ = 10;  // seconds
   bool quiet_, begun_ = false;
   std::chrono::steady_clock::time_point since_;
   int frames_ = 0, sent_ = 0;

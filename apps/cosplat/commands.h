@@ -30,6 +30,7 @@ void AddReport(CLI::App& app);
 void AddScene(CLI::App& app);
 void AddSend(CLI::App& app);
 void AddServe(CLI::App& app);
+void AddStream(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);

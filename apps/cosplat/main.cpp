@@ -23,6 +23,7 @@ void AddCommands(CLI::App& app) {
   AddInfo(app);
   AddSend(app);
   AddWebcam(app);
+  AddStream(app);
   AddServe(app);
 }
 

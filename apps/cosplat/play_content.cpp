@@ -1,5 +1,7 @@
 #include "apps/cosplat/play_content.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "apps/cosplat/run/notes.h"
@@ -181,6 +183,17 @@ void DriveSession(
     session.SetSequence(
         fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
   }
+}
+
+PictureSize ParsePictureSize(const std::string& text) {
+  constexpr int kMaxSide = 8192;
+  PictureSize size;
+  char rest = 0;
+  const int read = std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest);
+  if (read != 2 || std::min(size.width, size.height) < 1 ||
+      std::max(size.width, size.height) > kMaxSide)
+    throw Error("--size", "is '" + text + "', expected WIDTHxHEIGHT such as 640x480");
+  return size;
 }
 
 }  // namespace cosplat

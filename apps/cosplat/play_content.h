@@ -13,7 +13,7 @@ namespace cosplat {
 // Throws Error.
 viewer::Content LoadContent(const std::string& model, const std::string& flame);
 
-// True for live sources: "udp://...", "vts://..." and so on, and "stdin:".
+// True for live sources: "udp://...", "vts://..." and so on, "webcam:" and "stdin:".
 bool IsLiveDrive(const std::string& drive);
 
 // Makes a drive (avatar/live/source.h) move the content; a recording can be scrubbed. fps: frame
@@ -24,5 +24,12 @@ void DriveSession(viewer::Session& session,
                   const std::string& drive,
                   double fps,
                   bool verbose);
+
+struct PictureSize {
+  int width = 0, height = 0;  // px
+};
+
+// "WIDTHxHEIGHT" of --size. Throws Error.
+PictureSize ParsePictureSize(const std::string& text);
 
 }  // namespace cosplat

@@ -23,7 +23,7 @@ process.stdout.on("error", () => fail("nobody reads"));
 open({
   chromium: options.chromium,
   modules: options.modules,
-  page: `camera.html?camera=${film ? 0 : options.camera}`,
+  page: `camera.html?${new URLSearchParams(film ? { camera: 0, film } : { camera: options.camera })}`,
   flags,
   permissions: ["videoCapture"],
   answer: (url, body, response) => {

@@ -12,8 +12,11 @@ const pixels = (x) => Math.round(100 * x) / 100;
 async function openCamera() {
   const cameras = (await navigator.mediaDevices.enumerateDevices())
     .filter((device) => device.kind === "videoinput");
-  if (wanted >= cameras.length)
-    throw new Error(`there are ${cameras.length} cameras; camera ${wanted} was asked for`);
+  if (wanted >= cameras.length) {
+    throw new Error(settings.has("film")
+      ? `${settings.get("film")} is no film that Chromium reads`
+      : `there are ${cameras.length} cameras; camera ${wanted} was asked for`);
+  }
   const { deviceId, label } = cameras[wanted];
   const stream = await navigator.mediaDevices.getUserMedia({
     video: {
