@@ -169,7 +169,7 @@ class AvatarSubject : public Subject {
   // Training frames, then virtual views.
   size_t frame_count() const override { return frames_.size(); }
   const TrainFrame& frame(size_t i) const override { return frames_[i]; }
-  bool GuidesDensity(size_t i) const override { return i < track_.frames.size(); }
+  bool IsGuess(size_t i) const override { return i >= track_.frames.size(); }
   float extent() const override { return subject_.unit; }
   void WorkIn(Stream& stream) override;
   WorldGaussians ToWorld(const Gaussians& gaussians, size_t i) override;

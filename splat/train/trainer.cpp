@@ -85,7 +85,7 @@ size_t Trainer::NextFrame() {
   if (left.empty()) {
     left = frames_;
     if (state_.iteration < settings_.schedule.densify_until)
-      std::erase_if(left, [&](uint32_t f) { return !subject_.GuidesDensity(f); });
+      std::erase_if(left, [&](uint32_t f) { return subject_.IsGuess(f); });
     for (size_t i = left.size(); i > 1; --i) std::swap(left[i - 1], left[state_.rng.Below(i)]);
   }
   const size_t next = left.back();

@@ -203,6 +203,40 @@ TEST(Trainer, EveryFrameOncePerPass) {
   EXPECT_FALSE(passes[0] == passes[1] && passes[1] == passes[2]);
 }
 
+TEST(Trainer, GuessesComeLateAndSayLessAboutShapes) {
+  class Guesses : public SceneSubject {
+   public:
+    Guesses(std::vector<TrainFrame> frames, size_t from)
+        : SceneSubject(std::move(frames), 1), from_(from) {}
+    bool IsGuess(size_t i) const override { return i >= from_; }
+    WorldGaussians ToWorld(const Gaussians& g, size_t i) override {
+      order.push_back(i);
+      return SceneSubject::ToWorld(g, i);
+    }
+    std::vector<size_t> order;
+
+   private:
+    size_t from_;
+  };
+  const auto frames = TargetImages(TrueScene(0, 3), Ring(4, 2.2f, 16));
+  TrainSettings settings = ShortRun(100, 0);
+  settings.schedule.densify_until = 9;
+  Guesses mixed(frames, 3);
+  Train(settings, mixed, TrueScene(0, 3), 17);
+  EXPECT_EQ(std::count(mixed.order.begin(), mixed.order.begin() + 9, 3u), 0);
+  EXPECT_EQ(std::count(mixed.order.begin() + 9, mixed.order.end(), 3u), 2);
+  // A tenth of a first gradient is in the moments.
+  settings.schedule.densify_until = 0;
+  Guesses all(frames, 0), none(frames, 4);
+  const AdamState of_guess = Train(settings, all, FirstGaussians(20, 0), 1).adam;
+  const AdamState of_frame = Train(settings, none, FirstGaussians(20, 0), 1).adam;
+  for (int a = 0; a < kAttributeCount; ++a) {
+    const float share = a == kScaleLog || a == kOpacityLogit ? 0.3f : 1.0f;
+    for (size_t i = 0; i < of_frame.m.values[a].size(); ++i)
+      ASSERT_NEAR(of_guess.m.values[a][i], share * of_frame.m.values[a][i], 1e-9) << a;
+  }
+}
+
 TEST(Trainer, TheDegreeIsRaisedAndHigherBandsWait) {
   SceneSubject subject(TargetImages(TrueScene(2), Ring(3, 2.2f, 24)), 1);
   TrainSettings settings = ShortRun(3000, 2);

@@ -66,7 +66,7 @@ void ProvideTrainKernels() {
     ForEachThread(n, stream, UpdateOne{all});
   };
   Provide<FindBehind>();
-  Provide<AccumulateStep, AddContributions>();
+  Provide<AccumulateStep, AddContributions, Weaken>();
   Provide<SumBlocks<NeedleLengths>,
           SumBlocks<View<const NeedleSum>>,
           AddUpNeedles,

@@ -4,12 +4,17 @@
 #include <utility>
 
 #include "splat/base/error.h"
+#include "splat/device/for_each.h"
+#include "splat/train/step/kernels/step.h"
 #include "splat/train/subject/reduced_frames.h"
 
 namespace cosplat {
 namespace {
 
 constexpr double kTargetShare = 0.25;  // of the initially free memory
+// A guess knows colours and places better than extents, which frames from other sides know
+// (docs/tried.md).
+constexpr float kShapeShareOfGuess = 0.3f;
 
 size_t TargetBytes(const Stream& stream, double share) {
   return stream.on_host() ? 0 : size_t(kTargetShare * share * double(stream.FreeMemory()));
@@ -144,6 +149,7 @@ void StepEngine::Submit(SubmittedStep& step, bool waits) {
   Draw(step, waits);
   Backward(step);
   Gaussians& gradients = drawing_.gradients;
+  if (subject_.IsGuess(step.plan.frame)) WeakenShapes(gradients);
   const View<const float> updated = Regularize(step, drawing_.tape->radii(), gradients);
   Update(step.plan, settings_.adam_on == AdamOn::kAll ? View<const float>() : updated, gradients);
   if (settings_.exposure) UpdateExposure(step.plan, loss_.d_exposure());
@@ -220,6 +226,13 @@ void StepEngine::LearnMask(SubmittedStep& step) {
                       drawing_.gradients,
                       stream_);
   step.of_mask.Ask(mask_.value(), stream_);
+}
+
+void StepEngine::WeakenShapes(Gaussians& gradients) {
+  for (const Attribute a : {kScaleLog, kOpacityLogit}) {
+    Buffer<float>& values = gradients.values[a];
+    ForEach(values.size(), stream_, Weaken{kShapeShareOfGuess, values.view()});
+  }
 }
 
 View<const float> StepEngine::Regularize(SubmittedStep& step,

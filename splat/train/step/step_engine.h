@@ -152,6 +152,8 @@ class StepEngine : public FrameImages {
   // The part of both that a view of several has, too.
   void FinishDrawing(SubmittedStep& step);
   void LearnMask(SubmittedStep& step);
+  // Where the frame is a guess: its gradients of sizes and opacities.
+  void WeakenShapes(Gaussians& gradients);
   // Which Gaussians Adam updates: visible ones, and those that the regulariser acts on.
   View<const float> Regularize(SubmittedStep& step,
                                View<const float> visible,

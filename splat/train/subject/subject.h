@@ -45,11 +45,11 @@ class Subject : public Placement {
   // Valid until the next call.
   virtual const TrainFrame& frame(size_t i) const = 0;
   virtual const Camera& camera(size_t i) const { return frame(i).camera; }
-  // Whether frame i says where Gaussians are needed; else it is trained on in passes after density
-  // control alone. True of some frame.
-  virtual bool GuidesDensity(size_t i) const {
+  // Whether frame i is a guess, not what a camera saw: it is trained on in passes after density
+  // control alone, and has less to say about sizes and opacities. False of some frame.
+  virtual bool IsGuess(size_t i) const {
     (void)i;
-    return true;
+    return false;
   }
   // That `frame(i)` will be called soon.
   virtual void Expect(size_t i) { (void)i; }

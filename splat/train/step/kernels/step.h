@@ -1,4 +1,4 @@
-// Smaller kernels of a training step: the scale regulariser, sums of contributions.
+// Smaller kernels of a training step: the scale regulariser, sums of contributions, weights.
 #pragma once
 
 #include "splat/device/buffer.h"
@@ -11,6 +11,12 @@ struct AddContributions {
   View<const Contribution> more;
   View<Contribution> sums;
   COSPLAT_HD void operator()(size_t i) const { sums[i] += more[i]; }
+};
+
+struct Weaken {
+  float factor;
+  View<float> numbers;
+  COSPLAT_HD void operator()(size_t i) const { numbers[i] *= factor; }
 };
 
 // Which Gaussians ScaleRegularizer (splat/train/step/train_settings.h) acts on: large needle-like
