@@ -96,6 +96,10 @@ void Run(const StreamOptions& o) {
   Image8 image;
   while (signals.received() == 0 && (o.frames == 0 || number < o.frames)) {
     session.Advance(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+    if (session.live() && session.live()->Ended()) {
+      if (o.drive != "stdin:") throw Error(o.drive, "has ended");
+      break;
+    }
     stage.Draw(session.ShotFor(width, height), image);
     output->Write(back ? Over(image, *back) : RgbOf(image), number);
     ++written;

@@ -44,26 +44,32 @@ class Report {
     ++frames_;
     sent_ += sent;
     milliseconds_ += frame.milliseconds;
-    // The camera's clock is this one, in Chromium on Linux.
+    // Chromium on Linux has the camera's frames by this clock.
     age_ += std::chrono::duration<double>(now.time_since_epoch()).count() - frame.seconds;
     const double seconds = std::chrono::duration<double>(now - since_).count();
     if (seconds < next_) return;
     next_ *= 2;
-    if (!quiet_)
-      std::fprintf(stderr,
-                   "%.1f frames/s, %.0f%% with a face, sent %.0f ms after the camera had them, of "
-                   "which %.0f are MediaPipe's\n",
-                   frames_ / seconds,
-                   100.0 * sent_ / frames_,
-                   1000 * age_ / frames_,
-                   milliseconds_ / frames_);
+    if (!quiet_) Say(seconds);
     since_ = now;
     frames_ = sent_ = 0;
     milliseconds_ = age_ = 0;
   }
 
  private:
-  double next_ = 10;  // seconds
+  void Say(double seconds) const {
+    std::fprintf(stderr,
+                 "%.1f frames/s, %.0f%% with a face; finding it takes %.0f ms",
+                 frames_ / seconds,
+                 100.0 * sent_ / frames_,
+                 milliseconds_ / frames_);
+    const double age = age_ / frames_;
+    if (age > 0 && age < kOldest)
+      std::fprintf(stderr, ", and it is sent %.0f ms after the camera had it", 1000 * age);
+    std::fprintf(stderr, "\n");
+  }
+
+  static constexpr double kOldest = 10;  // seconds; what is older is by another clock
+  double next_ = 10;                     // seconds
   bool quiet_, begun_ = false;
   std::chrono::steady_clock::time_point since_;
   int frames_ = 0, sent_ = 0;

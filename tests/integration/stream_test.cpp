@@ -84,6 +84,11 @@ TEST(Stream, NamesWhatIsWrong) {
   ExpectRefused(Stream("file:/dev/null", {"--background", "#12345"}),
                 "--background: found '#12345'");
   ExpectRefused(Stream("file:/dev/null", {"--background", folder / "b.png"}), "b.png");
+  const CommandResult camera = Stream("file:/dev/null", {"--drive", "webcam:no.y4m"});
+  ExpectRefused(camera, "webcam:no.y4m: has ended");
+  ExpectRefused(camera, "no.y4m: cannot be opened");
+  const CommandResult at_end = Stream("file:/dev/null", {"--drive", "stdin:"});  // which is empty
+  EXPECT_EQ(at_end.code, 0) << at_end.err;
 }
 
 }  // namespace
