@@ -8,7 +8,7 @@
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"
-#include "apps/cosplat/run/webcam_input.h"
+#include "apps/cosplat/run/webcam_source.h"
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"

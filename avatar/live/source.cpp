@@ -101,9 +101,7 @@ std::string ToString(const LiveCounts& counts) {
 
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
-  if (drive == "stdin:")
-    return OpenJsonSource(
-        OpenLineInput(STDIN_FILENO, "standard input"), ChooseBlendshapeMap("", options), options);
+  if (drive == "stdin:") return OpenLineSource(STDIN_FILENO, "standard input", options);
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
   const Scheme& scheme = SchemeOf(address);
@@ -114,6 +112,13 @@ std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
     return OpenPhoneSource(std::move(input), scheme.parse, std::move(map), options, query.signs);
   const auto open = address.scheme == "udp" ? OpenJsonSource : OpenVmcSource;
   return open(std::move(input), std::move(map), options);
+}
+
+std::unique_ptr<LiveSource> OpenLineSource(int descriptor,
+                                           const std::string& description,
+                                           const LiveSourceOptions& options) {
+  return OpenJsonSource(
+      OpenLineInput(descriptor, description), ChooseBlendshapeMap("", options), options);
 }
 
 }  // namespace cosplat

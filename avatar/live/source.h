@@ -86,4 +86,10 @@ struct LiveSourceOptions {
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options = {});
 
+// Lines of JSON, as those of "stdin:", from a descriptor, which must stay open as long and is not
+// closed.
+std::unique_ptr<LiveSource> OpenLineSource(int descriptor,
+                                           const std::string& description,
+                                           const LiveSourceOptions& options);
+
 }  // namespace cosplat

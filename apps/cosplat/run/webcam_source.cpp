@@ -1,11 +1,10 @@
-#include "apps/cosplat/run/webcam_input.h"
+#include "apps/cosplat/run/webcam_source.h"
 
 #include <filesystem>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 #include "apps/cosplat/run/process.h"
-#include "avatar/live/packet_input.h"
 
 namespace cosplat {
 namespace {
@@ -13,16 +12,15 @@ namespace {
 constexpr std::string_view kScheme = "webcam:";
 
 // The lines of the command's output.
-class WebcamInput : public PacketInput {
+class WebcamSource : public LiveSource {
  public:
-  explicit WebcamInput(const std::string& drive)
+  WebcamSource(const std::string& drive, const LiveSourceOptions& options)
       : child_(CommandOf(drive), {}, ChildProcess::Errors::kAsOurs),
-        lines_(OpenLineInput(child_.output(), drive)) {}
+        lines_(OpenLineSource(child_.output(), drive, options)) {}
 
-  void Receive(NewestPackets& packets, LiveCounts& counts) override {
-    lines_->Receive(packets, counts);
-  }
+  bool Poll(int64_t now_ns, LiveFrame& out) override { return lines_->Poll(now_ns, out); }
   bool Ended() const override { return lines_->Ended(); }
+  LiveCounts Counts() const override { return lines_->Counts(); }
   std::string Description() const override { return lines_->Description(); }
 
  private:
@@ -35,7 +33,7 @@ class WebcamInput : public PacketInput {
   }
 
   ChildProcess child_;
-  std::unique_ptr<PacketInput> lines_;
+  std::unique_ptr<LiveSource> lines_;
 };
 
 }  // namespace
@@ -43,8 +41,7 @@ class WebcamInput : public PacketInput {
 bool IsWebcamDrive(const std::string& drive) { return drive.starts_with(kScheme); }
 
 std::unique_ptr<LiveSource> OpenWebcam(const std::string& drive, const LiveSourceOptions& options) {
-  return OpenJsonSource(
-      std::make_unique<WebcamInput>(drive), ChooseBlendshapeMap("", options), options);
+  return std::make_unique<WebcamSource>(drive, options);
 }
 
 }  // namespace cosplat
