@@ -34,6 +34,7 @@ std::string WithSpaces(size_t number) {
 
 void DrawViewPanel(Session& session) {
   if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  if (session.IsBeyondFilm()) ImGui::TextUnformatted("Not filmed from here: a guess");
   constexpr const char* kLabels[] = {"Splats", "Ellipsoids", "Triangles by count", "Wire mesh"};
   for (int i = 0; i < kViewCount; ++i) {
     const bool there_is = session.is_avatar() || !NeedsMesh(View(i));

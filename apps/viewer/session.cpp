@@ -1,6 +1,9 @@
 #include "apps/viewer/session.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "avatar/math/turn.h"
 
 namespace cosplat::viewer {
 namespace {
@@ -27,7 +30,9 @@ Session::Session(const Content& content)
       title_(content.title),
       is_avatar_(content.avatar.has_value()),
       gaussian_count_(content.gaussian_count()),
-      max_per_face_(MaxPerFace(content)) {}
+      max_per_face_(MaxPerFace(content)),
+      filmed_(content.avatar ? content.avatar->model.filmed : std::nullopt),
+      center_(math::ToVec3(content.start.center)) {}
 
 void Session::SetSequence(const std::string& name,
                           std::vector<FlameParams> faces,
@@ -126,6 +131,21 @@ Shot Session::ShotFor(int width, int height) const {
   shot.background = background;
   shot.transparent = transparent;
   return shot;
+}
+
+bool Session::IsBeyondFilm() const {
+  if (!filmed_) return false;
+  constexpr float kTolerance = 0.21f;  // radians
+  const FlameParams shown = Face();
+  const auto turn = [&](size_t joint) { return math::QuatOfAxisAngle(shown.pose[joint]); };
+  const math::Mat3<float> world_from_head = math::RotationOf(math::Multiply(turn(0), turn(1)));
+  const math::Vec3<float> d = math::Normalize(
+      math::TransposeTimes(world_from_head, math::ToVec3(camera.At(1, 1).Center()) - center_));
+  const auto is_beyond = [](float angle, const std::array<float, 2>& range) {
+    return angle < range[0] - kTolerance || angle > range[1] + kTolerance;
+  };
+  return is_beyond(std::atan2(d.x, d.z), filmed_->yaw) ||
+         is_beyond(std::asin(std::clamp(d.y, -1.0f, 1.0f)), filmed_->pitch);
 }
 
 int64_t Session::input_ns() const { return driver == Driver::kLive ? live_->input_ns() : now_ns_; }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,9 @@ class Session {
   // Time of the input that ShotFor shows: the frame's own time for live input, otherwise that of
   // Advance.
   int64_t input_ns() const;
+  // Whether the camera sees an avatar's head from beyond where its training frames did, by more
+  // than twelve degrees: what it shows there is a guess. False where the file does not say.
+  bool IsBeyondFilm() const;
 
   bool is_avatar() const { return is_avatar_; }
   bool has_sequence() const { return !sequence_.empty(); }
@@ -94,6 +98,8 @@ class Session {
   bool is_avatar_;
   size_t gaussian_count_;
   int max_per_face_ = 0;
+  std::optional<FilmedFrom> filmed_;
+  math::Vec3<float> center_;  // of the head
   View view_ = View::kSplats;
   std::vector<FlameParams> sequence_;
   std::unique_ptr<LiveFace> live_;

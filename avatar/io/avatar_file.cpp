@@ -54,6 +54,10 @@ void CheckOptionalParts(const std::string& path, const AvatarModel& model) {
       if (std::abs(l) > math::kMaxLight)
         throw Error(path, "light", "holds " + std::to_string(l) + ", expected -5 to 5");
   }
+  if (const auto& filmed = model.filmed) {
+    CheckArray(path, "filmed yaw", filmed->yaw, 2);
+    CheckArray(path, "filmed pitch", filmed->pitch, 2);
+  }
   if (const auto& range = model.trained_range) {
     CheckArray(path, "trained least", range->expression_least, range->expression_least.size());
     CheckArray(path, "trained most", range->expression_most, range->expression_least.size());
@@ -111,6 +115,22 @@ void CheckFlame(const std::string& where, const AvatarModel& model, const FlameM
                 "the model is " + Shown(flame.name, flame.sha256) + ", the avatar was trained on " +
                     Shown(model.flame_name, model.flame_sha256));
 }
+
+namespace {
+
+std::string TextOf(const FilmedFrom& filmed) {
+  const auto degrees = [](float radians) { return radians * 57.29578f; };
+  std::string text = Format("filmed from {:.0f} to {:.0f} degrees to its left, {:.0f} to {:.0f} up",
+                            degrees(filmed.yaw[0]),
+                            degrees(filmed.yaw[1]),
+                            degrees(filmed.pitch[0]),
+                            degrees(filmed.pitch[1]));
+  if (filmed.guessed)
+    text += Format("; {:.0f} % of its surface is in no frame, and guessed", 100 * *filmed.guessed);
+  return text + "\n";
+}
+
+}  // namespace
 
 std::string ToString(const BlendshapeFitFigures& fit, size_t scores) {
   return Format(
@@ -301,6 +321,7 @@ std::string ToString(const GlbSummary& summary) {
                             : ", ") +
             (a.has_mesh ? Format("in the file with {} morph targets\n", a.expression_count)
                         : "not in the file: made from the FLAME model\n");
+    if (a.filmed) text += TextOf(*a.filmed);
     if (a.blendshapes > 0) text += ToString(a.blendshape_fit, a.blendshapes);
   }
   text += "extensions:";

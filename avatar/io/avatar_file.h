@@ -74,7 +74,8 @@ struct GlbSummary {
     bool has_bust = false;
     bool bust_follows = false;
     bool has_light = false;
-    int corrections = 0;                      // bases per Gaussian
+    int corrections = 0;  // bases per Gaussian
+    std::optional<FilmedFrom> filmed;
     bool released = false;                    // follows the mesh by ReleasedRule
     bool rigid = false;                       // by GaussianAvatars' rule
     size_t vertex_count = 0, face_count = 0;  // of the canonical mesh

@@ -16,6 +16,7 @@ namespace cosplat {
 namespace {
 
 constexpr int kMaxCount = std::numeric_limits<int32_t>::max();
+constexpr float kMaxFilmed = 3.15f;                // radians
 constexpr double kMinUnit = 1e-9, kMaxUnit = 1e9;  // metres: allows any head in any unit
 
 void CheckCount(const JsonField& field, size_t found, size_t expected) {
@@ -142,6 +143,19 @@ void ReadTrainedRange(const JsonField& field, AvatarModel& model) {
   FillNumbers(field["angle"], range.angle);
 }
 
+void ReadFilmed(const JsonField& field, AvatarModel& model) {
+  FilmedFrom& filmed = model.filmed.emplace();
+  FillNumbers(field["yaw"], filmed.yaw);
+  FillNumbers(field["pitch"], filmed.pitch);
+  for (const auto& [name, range] : {std::pair("yaw", filmed.yaw), std::pair("pitch", filmed.pitch)})
+    if (!(range[0] <= range[1] && -kMaxFilmed <= range[0] && range[1] <= kMaxFilmed))
+      field[name].Fail("is no range of angles");
+  if (!field.Has("guessed")) return;
+  filmed.guessed = float(field["guessed"].Number());
+  if (!(*filmed.guessed >= 0 && *filmed.guessed <= 1))
+    field["guessed"].Fail("is no share from 0 to 1");
+}
+
 void ReadBlendshapes(const GlbDocument& document, const JsonField& field, AvatarModel& model) {
   BlendshapeMap& map = model.blendshapes.emplace();
   const JsonField names = field["names"], fit = field["fit"];
@@ -184,6 +198,7 @@ void ReadHeader(const JsonField& binding, AvatarModel& model) {
   model.has_eyelids = geometry("eyelids", kEyelidGeometry, kEyelidGeometry) != 0;
   FillNumbers(binding["background"], model.background);
   if (binding.Has("trainedRange")) ReadTrainedRange(binding["trainedRange"], model);
+  if (binding.Has("filmed")) ReadFilmed(binding["filmed"], model);
   if (!binding.Has("bust")) return;
   model.bust.emplace();
   FillNumbers(binding["bust"]["rotation"], model.bust->rotation);
@@ -320,6 +335,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.bust_follows = model.bust && model.bust->follow;
   summary.has_light = model.light.has_value();
   summary.corrections = model.gaussians.corrections;
+  summary.filmed = model.filmed;
   if (model.blendshapes) {
     summary.blendshapes = model.blendshapes->names.size();
     summary.blendshape_fit = model.blendshapes->fit;

@@ -184,6 +184,10 @@ Json AddBinding(GlbDocument& document,
     binding["trainedRange"] = {{"expressionLeast", Numbers(model.trained_range->expression_least)},
                                {"expressionMost", Numbers(model.trained_range->expression_most)},
                                {"angle", Numbers(model.trained_range->angle)}};
+  if (const auto& filmed = model.filmed) {
+    binding["filmed"] = {{"yaw", Numbers(filmed->yaw)}, {"pitch", Numbers(filmed->pitch)}};
+    if (filmed->guessed) binding["filmed"]["guessed"] = *filmed->guessed;
+  }
   if (model.blendshapes) binding["blendshapes"] = BlendshapesOf(document, *model.blendshapes);
   binding["canonicalMesh"] = {{"vertexCount", model.mesh.vertices.size() / 3},
                               {"faceCount", model.mesh.faces.size()}};

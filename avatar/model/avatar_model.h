@@ -83,6 +83,16 @@ struct TrainedRange {
   std::array<float, kFlameJoints> angle{};               // radians, the largest per joint
 };
 
+// From where the training frames show the head, in its own axes: yaw, to its left, and pitch,
+// upwards.
+struct FilmedFrom {
+  // Radians, least and most; one frame in fifty may be beyond either.
+  std::array<float, 2> yaw{}, pitch{};
+  // Share of the mesh's surface, without the bust, that no frame shows; unknown where nothing was
+  // guessed (avatar/train/virtual_views.h).
+  std::optional<float> guessed;
+};
+
 // How a frame's parameters choose the weights of the Gaussians' corrections
 // (avatar/model/corrections.h). Inputs z: the expression coefficients, then the axis-angles of
 // neck, jaw, left and right eye. weight_k = matrix_k (z - mean), softly limited to [least_k,
@@ -123,6 +133,7 @@ struct AvatarModel {
   std::vector<float> static_offset;          // [V, 3] metres, of all of FLAME's vertices, or empty
   std::array<float, 3> background{1, 1, 1};  // sRGB, used in its evaluation
   std::optional<TrainedRange> trained_range;
+  std::optional<FilmedFrom> filmed;
   // From blendshape scores to this head's parameters, if its video had scores.
   std::optional<BlendshapeMap> blendshapes;
   CorrectionMap correction_map;  // for gaussians.corrections bases

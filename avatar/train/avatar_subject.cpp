@@ -119,6 +119,7 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   model.shape = video_.shape;
   model.static_offset = video_.static_offset;
   model.trained_range = RangeOf(RefinedTrack());
+  model.filmed = filmed_;
   model.correction_map = correction_map_;
   light_.Settle(model);
   return model;

@@ -226,6 +226,7 @@ class AvatarSubject : public Subject {
   AvatarSettings settings_;
   SubjectMesh subject_;
   std::vector<TrainFrame> frames_;  // the training frames, then virtual views
+  FilmedFrom filmed_;
   std::vector<size_t> virtual_sources_;
   PosedTrack track_;
   std::vector<float> face_rates_;  // [F] factors on the learning rates of du and dv on each face

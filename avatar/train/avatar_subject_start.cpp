@@ -185,7 +185,6 @@ void AvatarSubject::AddVirtualViews() {
   const size_t real = frames_.size();
   const float share = settings_.virtual_views;
   const size_t count = std::max(size_t(share / (1 - share) * float(real)), kFewestViews);
-  if (!IsOurs() || !IsMasked() || share == 0) return;
   const auto mesh_in = [&](size_t i) {
     if (!bust_track_.empty()) track_.frames[i].params.bust = bust_track_.PoseOf(i);
     return MeshInFrame{&frames_[i], track_.VerticesOf(i)};
@@ -200,12 +199,15 @@ void AvatarSubject::AddVirtualViews() {
                          math::RotationOf(math::QuatOfAxisAngle(video_.train[i].params.pose[1])),
                      frames_[i].camera});
   }
+  filmed_ = FilmedFromOf(heads);
+  if (!IsOurs() || !IsMasked() || share == 0) return;
   const std::vector<VirtualView> views = ChooseVirtualViews(heads, count);
   if (views.empty()) return;
   std::vector<MeshInFrame> learned, sources;
   for (size_t i = 0; i < real; i += 1 + (real - 1) / kPaintFrames) learned.push_back(mesh_in(i));
   for (const VirtualView& view : views) sources.push_back(mesh_in(view.source));
   const PaintedMesh painted(flame_, subject_.mesh, learned, kEnlarged * subject_.unit);
+  filmed_.guessed = painted.GuessedShare();
   std::vector<TrainFrame> seen(views.size());
   tbb::parallel_for(size_t(0), views.size(), [&](size_t k) {
     seen[k] = ToVirtualView(views[k], sources[k], painted);

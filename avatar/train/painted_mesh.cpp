@@ -104,6 +104,21 @@ void PaintedMesh::LearnColors(const std::vector<MeshInFrame>& frames) {
   for (size_t v = 0; v < count; ++v)
     if (sums[v] > 0) colors_[v] = colors_[v] * (1 / sums[v]);
   GuessColors(best);
+  MeasureGuesses(best);
+}
+
+void PaintedMesh::MeasureGuesses(const std::vector<float>& best) {
+  double all = 0, guessed = 0;
+  for (const std::array<int32_t, 3>& f : faces_) {
+    const size_t a = size_t(f[0]), b = size_t(f[1]), c = size_t(f[2]);
+    if (regions_.IsBust(a) || regions_.IsBust(b) || regions_.IsBust(c)) continue;
+    const std::vector<Vec3<float>>& p = regions_.rest;
+    const Vec3<float> across = math::Cross(p[b] - p[a], p[c] - p[a]);
+    const double area = std::sqrt(math::Dot(across, across));
+    all += area;
+    for (const size_t v : {a, b, c}) guessed += best[v] < kKnown ? area / 3 : 0;
+  }
+  guessed_share_ = all > 0 ? float(guessed / all) : 0;
 }
 
 // Hair from hair, cloth of the bust from the bust, and all else from what is near, on either side.

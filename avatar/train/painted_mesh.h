@@ -27,6 +27,8 @@ class PaintedMesh {
               float scale);
 
   const Faces& faces() const { return faces_; }
+  // Share of the surface without the bust that no frame shows.
+  float GuessedShare() const { return guessed_share_; }
   float scale() const { return scale_; }
   // The frame with the mesh's vertices moved to where hair ends.
   MeshInFrame WithHair(const MeshInFrame& seen) const;
@@ -50,10 +52,11 @@ class PaintedMesh {
   void LearnColors(const std::vector<MeshInFrame>& frames);
   // best: [V] the largest weight with which a frame shows the vertex.
   void GuessColors(const std::vector<float>& best);
+  void MeasureGuesses(const std::vector<float>& best);
   void LearnReach(const std::vector<MeshInFrame>& frames);
 
   Faces faces_;
-  float scale_;
+  float scale_, guessed_share_ = 0;
   HeadRegions regions_;
   std::vector<float> hair_;                // [V] metres along the normal
   std::vector<math::Vec3<float>> colors_;  // [V]

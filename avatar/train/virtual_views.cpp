@@ -20,6 +20,7 @@ constexpr float kDegree = std::numbers::pi_v<float> / 180;
 // farther apart the frames' directions are (their median angle from the mean), the better they show
 // the head's shape, and the farther it can be trusted beyond them.
 constexpr float kKnownShare = 0.02f, kKnownAngle = 12 * kDegree, kKnownPerSpread = 2.5f;
+constexpr float kBeyondFilmed = 0.02f;  // share of the frames beyond either end of FilmedFrom
 // Sources are chosen from the nearest ones.
 constexpr float kNearest = 0.25f;
 constexpr float kSide = 90 * kDegree, kBehindShare = 0.25f, kPitch = 20 * kDegree;
@@ -93,6 +94,20 @@ Camera Around(const HeadInFrame& frame, const HeadDirection& to) {
 uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
 
 }  // namespace
+
+FilmedFrom FilmedFromOf(const std::vector<HeadInFrame>& frames) {
+  std::vector<float> yaw, pitch;
+  for (const HeadInFrame& frame : frames) {
+    const HeadDirection d = DirectionOf(frame);
+    yaw.push_back(d.yaw), pitch.push_back(d.pitch);
+  }
+  const auto range = [](std::vector<float>& angles) -> std::array<float, 2> {
+    std::sort(angles.begin(), angles.end());
+    const size_t beyond = size_t(kBeyondFilmed * float(angles.size()));
+    return {angles[beyond], angles[angles.size() - 1 - beyond]};
+  };
+  return {range(yaw), range(pitch), {}};
+}
 
 std::vector<VirtualView> ChooseVirtualViews(const std::vector<HeadInFrame>& frames, size_t count) {
   std::vector<Vec3<float>> seen_from;

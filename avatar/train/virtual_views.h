@@ -30,6 +30,9 @@ struct HeadInFrame {
   Camera camera;
 };
 
+// Their yaws and pitches. frames: at least one.
+FilmedFrom FilmedFromOf(const std::vector<HeadInFrame>& frames);
+
 // Of `count` directions all around, mostly within 90 degrees of the face, those from which hardly
 // any frame sees the head: fewer views, the more it turns before the camera. Their sources are
 // frames that see it from near there. frames: at least one.

@@ -49,6 +49,27 @@ TEST_F(TrainedRangeFile, ComesBack) {
   EXPECT_EQ(read.trained_range->angle, model.trained_range->angle);
 }
 
+TEST_F(TrainedRangeFile, SaysFromWhereTheHeadWasFilmed) {
+  AvatarModel model = Avatar();
+  EXPECT_FALSE(Written(model).filmed);
+  model.filmed = FilmedFrom{{-0.25f, 0.5f}, {0, 0.125f}, {}};
+  EXPECT_FALSE(Written(model).filmed->guessed);
+  EXPECT_NE(ToString(SummarizeGlb(path_)).find("from -14 to 29 degrees to its left, 0 to 7 up\n"),
+            std::string::npos);
+  model.filmed->guessed = 0.375f;
+  const AvatarModel read = Written(model);
+  ASSERT_TRUE(read.filmed);
+  EXPECT_EQ(read.filmed->yaw, model.filmed->yaw);
+  EXPECT_EQ(read.filmed->pitch, model.filmed->pitch);
+  EXPECT_EQ(read.filmed->guessed, model.filmed->guessed);
+  EXPECT_NE(ToString(SummarizeGlb(path_)).find("; 38 % of its surface"), std::string::npos);
+  Change("\"guessed\":0.375", "\"guessed\":1.375");
+  test::ExpectError([&] { ReadAvatarGlb(path_); }, {path_, "filmed.guessed", "share"});
+  Written(model);
+  Change("\"yaw\":[-0.25,", "\"yaw\":[ 0.75,");
+  test::ExpectError([&] { ReadAvatarGlb(path_); }, {path_, "filmed.yaw", "range"});
+}
+
 TEST_F(TrainedRangeFile, FilesWithoutItHaveNone) {
   AvatarModel model = Avatar();
   model.trained_range.reset();

@@ -62,6 +62,21 @@ std::pair<float, float> AnglesOf(const Camera& camera) {
   return {std::atan2(d.x, d.z) / kDegree, std::atan2(d.y, std::hypot(d.x, d.z)) / kDegree};
 }
 
+TEST(FilmedFrom, IsWhereAllFramesButFewAre) {
+  std::vector<HeadInFrame> frames{HeadSeenFrom(80)};
+  for (int i = 0; i < 99; ++i) frames.push_back(HeadSeenFrom(-20 + 0.3f * float(i)));
+  const FilmedFrom filmed = FilmedFromOf(frames);
+  EXPECT_NEAR(filmed.yaw[0] / kDegree, -19.4f, 0.2f);
+  EXPECT_NEAR(filmed.yaw[1] / kDegree, 9.1f, 0.2f);
+  EXPECT_NEAR(filmed.pitch[0], filmed.pitch[1], 1e-3f);
+  // From all around less is guessed.
+  const float from_front = Filmed({0}).Paint().GuessedShare();
+  const float around = Filmed({0, 90, 180, 270}).Paint().GuessedShare();
+  EXPECT_GT(from_front, 0.4f);
+  EXPECT_LT(from_front, 0.9f);
+  EXPECT_LT(around, 0.6f * from_front);
+}
+
 TEST(HeadRegions, AreThoseOfAHead) {
   const CanonicalMesh mesh = MakeCanonicalMesh(Model(), {}, {}, {});
   const HeadRegions regions = FindHeadRegions(Model(), mesh);

@@ -6,6 +6,7 @@
 #include "apps/viewer/detail.h"
 #include "apps/viewer/key_bindings.h"
 #include "apps/viewer/time_history.h"
+#include "avatar/math/turn.h"
 #include "tests/support/expect_error.h"
 #include "tests/viewer/viewer_fixture.h"
 
@@ -48,6 +49,28 @@ TEST(Timeline, AdvancesLoopsAndStops) {
   timeline.Toggle();  // from the beginning again
   EXPECT_EQ(timeline.frame(), 0);
   EXPECT_TRUE(timeline.playing());
+}
+
+// The camera is before the head at first.
+TEST(Session, SaysWhereNobodyFilmed) {
+  viewer::Content content = PaintedHead();
+  EXPECT_FALSE(Session(content).IsBeyondFilm());
+  content.avatar->model.filmed = FilmedFrom{{-0.1f, 0.2f}, {-0.1f, 0.1f}, {}};
+  Session session(content);
+  EXPECT_FALSE(session.IsBeyondFilm());
+  session.camera.Orbit(0.35f, 0);  // to the head's left
+  EXPECT_FALSE(session.IsBeyondFilm());
+  session.camera.Orbit(-0.7f, 0);
+  EXPECT_TRUE(session.IsBeyondFilm());
+  // The head turns there.
+  FlameParams turned = session.Face();
+  turned.pose[0] =
+      math::AxisAngleOf(math::Multiply(math::QuatOfAxisAngle(std::array<float, 3>{0, -0.3f, 0}),
+                                       math::QuatOfAxisAngle(turned.pose[0])));
+  session.SetSequence("turned", {turned}, 25);
+  EXPECT_FALSE(session.IsBeyondFilm());
+  session.camera.Orbit(0, 0.6f);
+  EXPECT_TRUE(session.IsBeyondFilm());
 }
 
 TEST(Timeline, ScrubsWithinItsFrames) {

@@ -47,8 +47,8 @@ void AvatarOptions::DeclareTraining(CLI::App& command) {
                      landmarks,
                      "the video's landmarks with scores: lets face trackers drive the avatar");
   DeclareQuality(command,
-                 "draft: 2,000 steps, 0.3 x the time, -2.8 dB on a made head; standard: 6,000, the "
-                 "default; best: 15,000, 3 x, +0.8 dB");
+                 "draft: 2,000 steps, 0.3 x the time, -3.2 dB on a made head; standard: 6,000, the "
+                 "default; best: 15,000, 3 x, +0.7 dB");
   TrainOptions::DeclareTraining(command);
   BeginGroup(command, "Head");
   AddChoice(command, "--bust", avatar.bust, kBusts, "a sheet for shoulders; auto: by the masks");
