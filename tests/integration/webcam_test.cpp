@@ -148,16 +148,21 @@ TEST(Webcam, FollowsAFilmOfTheMadeHead) {
   WriteFilm(folder / "film.y4m", images);
   const CommandResult result = Cosplat({"webcam", "--camera", folder / "film.y4m"}, "timeout 25");
   if (result.err.find("npm") != std::string::npos) GTEST_SKIP() << result.err;
-  const std::vector<Json> frames = LinesOf(result.out);
-  ASSERT_GT(frames.size(), size_t(kFrames)) << result.err;
+  // Of its first round, however many of its frames were looked at.
+  std::vector<Json> frames;
+  const auto passed = [&](const Json& frame) {
+    return frame["time"].get<double>() - frames[0]["time"].get<double>();
+  };
+  for (const Json& frame : LinesOf(result.out))
+    if (frames.empty() || 30 * passed(frame) < kFrames) frames.push_back(frame);
+  ASSERT_GT(frames.size(), 12u) << result.err;
   const Json truth = ReadJson(folder / "head/flame_params.json")["frames"];
   double best = -1;
   for (int shift = 0; shift < kFrames; ++shift) {
     std::vector<double> seen, real;
-    for (int f = 0; f < kFrames; ++f) {
-      const double t = frames[f]["time"].get<double>() - frames[0]["time"].get<double>();
-      const size_t at = size_t(std::lround(30 * t) + shift) % kFrames;
-      seen.push_back(frames[f]["blendshapes"]["jawOpen"]);
+    for (const Json& frame : frames) {
+      const size_t at = size_t(std::lround(30 * passed(frame)) + shift) % kFrames;
+      seen.push_back(frame["blendshapes"]["jawOpen"]);
       real.push_back(truth[at]["pose"][6]);
     }
     best = std::max(best, Correlation(seen, real));
