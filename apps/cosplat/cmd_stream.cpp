@@ -75,6 +75,24 @@ std::optional<Image8> SetBackground(const StreamOptions& o,
   return {};
 }
 
+// Moves an avatar down until its shoulders end at the picture's lower edge, or a little below.
+void StandOnEdge(Session& session, Stage& stage, int width, int height) {
+  viewer::Shot shot = session.ShotFor(width, height);
+  shot.transparent = true;
+  Image8 image;
+  stage.Draw(shot, image);
+  int bottom = height;
+  const auto is_empty = [&](int y) {
+    for (int x = 0; x < width; ++x)
+      if (image.at(x, y, 3) > 127) return false;
+    return true;
+  };
+  while (bottom > 0 && is_empty(bottom - 1)) --bottom;
+  constexpr float kBelow = 0.02f;  // of the height
+  if (bottom > 0 && bottom < height)
+    session.camera.Pan(0, float(height - bottom) / float(height) + kBelow);
+}
+
 void Run(const StreamOptions& o) {
   using Clock = std::chrono::steady_clock;
   const Device device = UsableDevice(o.device);
@@ -86,6 +104,7 @@ void Run(const StreamOptions& o) {
   const auto output = OpenLiveVideo(o.to, width, height, o.fps);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, 0, false);
   Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
+  if (session.is_avatar()) StandOnEdge(session, stage, width, height);
   if (!o.quiet)
     std::printf("%s: %dx%d at %g frames/s; Ctrl-C ends it\n", o.to.c_str(), width, height, o.fps);
   std::fflush(stdout);

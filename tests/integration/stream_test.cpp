@@ -49,6 +49,8 @@ TEST(Stream, FillsAPipeInACamerasPlace) {
   EXPECT_NEAR(at(kWidth * kHeight, kWidth / 2, 0, 0), 90, 2);
   EXPECT_NEAR(at(kWidth * kHeight * 5 / 4, kWidth / 2, 0, 0), 240, 2);
   EXPECT_GT(std::abs(at(0, kWidth, 32, 24) - 81), 10);
+  // It stands on the picture's lower edge.
+  EXPECT_GT(std::abs(at(kWidth * kHeight * 5 / 4, kWidth / 2, 16, kHeight / 2 - 1) - 240), 20);
 }
 
 TEST(Stream, IsReadByFfmpegsReader) {
