@@ -63,14 +63,14 @@ std::optional<Image8> SetBackground(const StreamOptions& o,
                                     int width,
                                     int height) {
   if (o.background.empty()) return {};
-  unsigned rgb = 0;
-  char rest = 0;
   if (o.background[0] != '#') {
     session.transparent = true;
     return Backdrop(o.background, width, height);
   }
-  if (o.background.size() != 7 || std::sscanf(o.background.c_str(), "#%6x%c", &rgb, &rest) != 1)
+  if (o.background.size() != 7 ||
+      o.background.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
     throw Error("--background", "found '" + o.background + "', expected #rrggbb or an image");
+  const unsigned long rgb = std::stoul(o.background.substr(1), nullptr, 16);
   for (size_t c = 0; c < 3; ++c) session.background[c] = float((rgb >> (16 - 8 * c)) & 255) / 255;
   return {};
 }

@@ -85,6 +85,7 @@ TEST(Stream, NamesWhatIsWrong) {
   ExpectRefused(Stream("tcp://127.0.0.1:1", {}), "tcp://127.0.0.1:1: video cannot be written");
   ExpectRefused(Stream("file:/dev/null", {"--background", "#12345"}),
                 "--background: found '#12345'");
+  ExpectRefused(Stream("file:/dev/null", {"--background", "#-12345"}), "found '#-12345'");
   ExpectRefused(Stream("file:/dev/null", {"--background", folder / "b.png"}), "b.png");
   const CommandResult camera = Stream("file:/dev/null", {"--drive", "webcam:no.y4m"});
   ExpectRefused(camera, "webcam:no.y4m: has ended");

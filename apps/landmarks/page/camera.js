@@ -33,15 +33,7 @@ async function openCamera() {
 
 (async () => {
   const { track, label } = await openCamera();
-  const mesh = new FaceMesh({
-    locateFile: (file) => new URL(`../packages/face_mesh/${file}`, location.href).href,
-  });
-  mesh.setOptions({
-    maxNumFaces: 1, refineLandmarks: true, useCpuInference: true, selfieMode: false,
-  });
-  let faces = [];
-  mesh.onResults((results) => { faces = results.multiFaceLandmarks ?? []; });
-  await mesh.initialize();
+  const mesh = await openFaceMesh(1);
   const frames = new MediaStreamTrackProcessor({ track, maxBufferSize: 1 }).readable.getReader();
   const canvas = new OffscreenCanvas(1, 1);
   const context = canvas.getContext("2d", { willReadFrequently: true });
@@ -55,8 +47,7 @@ async function openCamera() {
     context.drawImage(frame, 0, 0);
     const captured = frame.timestamp / 1000;
     frame.close();
-    faces = [];
-    await mesh.send({ image: context.getImageData(0, 0, width, height) });
+    const faces = await mesh.look(context.getImageData(0, 0, width, height));
     const points = (faces[0] ?? []).map(
       (p) => [pixels(p.x * width), pixels(p.y * height), pixels(p.z * width)]);
     const milliseconds = performance.timeOrigin + performance.now() - time;
