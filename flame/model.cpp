@@ -56,6 +56,24 @@ void CheckParents(const FlameModel& model) {
   }
 }
 
+void CheckLandmarks(const FlameModel& model) {
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    const EmbeddedLandmark& point = model.landmarks[i];
+    const auto bad = [&](const std::string& what) {
+      return Error(model.name, "landmarks[" + std::to_string(i) + "]", what);
+    };
+    double sum = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      if (point.vertices[k] < 0 || point.vertices[k] >= model.vertex_count)
+        throw bad("is on vertex " + std::to_string(point.vertices[k]));
+      sum += point.barycentric[k];
+    }
+    if (!(std::abs(sum - 1) < 1e-3)) throw bad("barycentric coordinates do not sum to 1");
+    if (!(point.looseness > 0 && point.looseness < 1e6))
+      throw bad("looseness is " + std::to_string(point.looseness));
+  }
+}
+
 }  // namespace
 
 void Validate(const FlameModel& model) {
@@ -73,6 +91,7 @@ void Validate(const FlameModel& model) {
   CheckFinite(model, "skinning_weights", model.skinning_weights, v * kFlameJoints);
   CheckFaces(model);
   CheckParents(model);
+  CheckLandmarks(model);
   CheckRowsSumToOne(model, "skinning_weights", model.skinning_weights, kFlameJoints);
   CheckRowsSumToOne(model, "joint_regressor", model.joint_regressor, v);
 }

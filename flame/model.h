@@ -27,6 +27,17 @@ struct MouthParts {
   int count() const { return upper_teeth + lower_teeth + bowl + vhap_teeth; }
 };
 
+// A landmark of a detector as a point of the mesh.
+struct EmbeddedLandmark {
+  int landmark = 0;                   // index into the detector's points
+  std::array<int, 3> vertices;        // of a triangle
+  std::array<double, 3> barycentric;  // sum to 1
+  // Standard deviation of its error, in units of that of a point seen exactly where it is; in
+  // FlameModel::landmarks, in units of that of the detector's firm points.
+  double looseness = 1;
+};
+using LandmarkEmbedding = std::vector<EmbeddedLandmark>;
+
 struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
   std::string sha256;            // of the file's bytes; empty for the procedural head
@@ -46,6 +57,9 @@ struct FlameModel {
   std::vector<float> joint_regressor;         // [5, V], rows sum to 1
   std::vector<float> skinning_weights;        // [V, 5], rows sum to 1
   std::array<int, kFlameJoints> parents{-1, 0, 1, 1, 1};
+  // Where detectors see MediaPipe's landmarks on this mesh. Empty in FLAME's own files, whose mesh
+  // is known (FlameLandmarks, flame/fit/landmark_embedding.h).
+  LandmarkEmbedding landmarks;
   MouthParts mouth;  // all zero: the model as its file has it
   // The last two expression coefficients close the left and the right eyelid (flame/eyelids.h).
   bool has_eyelids = false;
@@ -76,7 +90,9 @@ void Validate(const FlameModel& model);
 //
 //   v_template [V, 3], f or faces [F, 3], shapedirs* [V, 3, S + E] (shape first), posedirs*
 //   [V, 3, 36], J_regressor [5, V] (dense or scipy csc), weights [V, 5], kintree_table [2, 5] or
-//   parents [5]; optional numbers n_shape, n_expr, redistributable.
+//   parents [5]; optional numbers n_shape, n_expr, redistributable; optional arrays of a model that
+//   is not FLAME's mesh, with MediaPipe's landmarks on it: landmark_indices [L], landmark_vertices
+//   [L, 3], landmark_barycentric [L, 3], landmark_looseness [L].
 //
 // A template of 426 or 43 units, or of 0.0004, is one in millimetres, centimetres or kilometres
 // (kFlameTemplateSize, within a factor of 3) and is converted to metres; other sizes are left.

@@ -7,6 +7,7 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/options/command_line.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/run_checkpoint.h"
 #include "apps/cosplat/run/track_run.h"
 #include "apps/cosplat/run/train_run.h"
@@ -72,21 +73,22 @@ std::string LandmarksOf(const AvatarCommand& o, FrameSource& frames) {
 void MakeAvatar(AvatarCommand o, const std::string& config) {
   // What is broken is found first.
   auto frames = std::make_unique<FrameSource>(o.track.source);
-  LoadFlameModel(o.flame);
+  if (!o.flame.empty()) LoadFlameModel(o.flame);
   o.marks.source = o.track.source;
   o.marks.out = o.out + "/landmarks.json";
   o.marks.quiet = o.quiet;
-  o.track.flame = o.flame;
   o.track.out = o.source = o.out + "/track";
   o.track.quiet = o.quiet;
   o.model = o.out + "/avatar";
   const RunStart start = ChooseStart(o, config);
   o.resume = start != RunStart::kNew;  // the question is not asked again
+  if (o.resume) CheckTrackIsOf(o.flame, o.track.out);
+  o.flame = o.track.flame = HeadModelFor(o.flame, o.out);
   o.landmarks = o.track.landmarks = LandmarksOf(o, *frames);
   if (o.resume && fs::exists(o.source + "/flame_params.json")) {
     Say(o, "2/4 The track is there from an earlier run");
   } else {
-    Say(o, "2/4 Fitting FLAME to them");
+    Say(o, "2/4 Fitting a head to them");
     RunTracking(o.track, *frames);
   }
   frames.reset();  // with what it keeps
@@ -127,6 +129,8 @@ void AddAvatar(CLI::App& app) {
   DeclareLandmarks(o->marks, *command);
   DeclareTracking(o->track, *command);
   o->DeclareTraining(*command);
+  command->get_option("--flame")->required(false)->description(
+      "FLAME model file (.pkl or .npz), which fits people best; none: our own head");
   for (const char* of_images : {"--size", "--frames", "--matte"})
     command->get_option(of_images)->excludes(command->get_option("--landmarks"));
   command->callback([o, command, &app] {

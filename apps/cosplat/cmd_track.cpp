@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/track_run.h"
@@ -139,10 +140,12 @@ void RunRefinement(const TrackRunOptions& o) {
   PrintSkipped(video.skipped);
 }
 
-void Track(const TrackRunOptions& o) {
+void Track(TrackRunOptions o) {
   if (!o.landmarks.empty()) {
     FrameSource frames(o.source);
     PrintNotes(frames.notes());
+    ReadLandmarks(o.landmarks);  // what is broken is found before anything is written
+    o.flame = HeadModelFor(o.flame, o.out);
     return RunTracking(o, frames);
   }
   if (TrackLayoutOf(o.source).empty())
@@ -151,6 +154,7 @@ void Track(const TrackRunOptions& o) {
                     "' is not a tracked video that could be refined: see `cosplat landmarks`");
   if (o.focal > 0 || !o.overlay.empty() || !o.embedding.empty() || o.silhouette)
     throw Error("--focal, --overlay, --landmark-embedding and --silhouette", "need --landmarks");
+  if (o.flame.empty()) throw Error("--flame", "is missing: the model that the track is of");
   RunRefinement(o);
 }
 
@@ -167,7 +171,8 @@ void AddTrack(CLI::App& app) {
                    o->source,
                    "a video file, or a folder of images; or a tracked video, to be refined")
       ->required();
-  command->add_option("--flame", o->flame, "FLAME model, .pkl or .npz")->required();
+  command->add_option(
+      "--flame", o->flame, "FLAME model, .pkl or .npz; none, with --landmarks: our own head");
   command->add_option("-o,--out", o->out, "folder to write, in IMavatar's layout")->required();
   DeclareTracking(*o, *command);
   command->add_option(

@@ -44,6 +44,7 @@ ProceduralHead MakeProceduralHeadParts() {
   m.joint_regressor = procedural::JointRegressor(head.mesh);
   m.shape_directions = procedural::ShapeDirections(head.mesh);
   m.expression_directions = procedural::ExpressionDirections(head.mesh);
+  m.landmarks = procedural::FacePoints(head.mesh);
   m.pose_directions = procedural::PoseDirections(head.mesh, m.skinning_weights);
   const auto normals = procedural::VertexNormals(head.mesh.positions, head.mesh.faces);
   for (size_t v = 0; v < normals.size(); ++v)

@@ -25,6 +25,9 @@ std::vector<float> ShapeDirections(const HeadMesh& mesh);
 std::vector<float> ExpressionDirections(const HeadMesh& mesh);
 std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>& weights);
 
+// Where MediaPipe's face mesh has its points on this head.
+LandmarkEmbedding FacePoints(const HeadMesh& mesh);
+
 // Displacement of vertex v by the full expression (index into cosplat::Expression).
 Vec ExpressionShift(const HeadMesh& mesh, int expression, int v);
 

@@ -265,7 +265,18 @@ void CheckTopology(const FlameModel& model) {
                     "(--landmark-embedding)");
 }
 
-LandmarkEmbedding MediapipeLandmarks(bool with_irises) {
+LandmarkEmbedding OwnLandmarks(const FlameModel& model, bool with_irises) {
+  LandmarkEmbedding embedding;
+  for (EmbeddedLandmark point : model.landmarks) {
+    point.looseness *= kDetectorLooseness;
+    if (with_irises || point.landmark < kPupils[0].landmark) embedding.push_back(point);
+  }
+  return embedding;
+}
+
+LandmarkEmbedding MediapipeLandmarks(const FlameModel& model, bool with_irises) {
+  if (!model.landmarks.empty()) return OwnLandmarks(model, with_irises);
+  CheckTopology(model);
   LandmarkEmbedding embedding;
   for (const auto& [landmark, v, b] : kMediapipePoints)
     embedding.push_back({landmark, {v[0], v[1], v[2]}, {b[0], b[1], b[2]}, kDetectorLooseness});
@@ -296,8 +307,7 @@ std::array<double, 3> BarycentricIn(const Npz& npz, size_t i) {
 }  // namespace
 
 LandmarkEmbedding FlameLandmarks(const FlameModel& model, LandmarkSet set) {
-  CheckTopology(model);
-  const LandmarkEmbedding all = MediapipeLandmarks(set == LandmarkSet::kMediapipe478);
+  const LandmarkEmbedding all = MediapipeLandmarks(model, set == LandmarkSet::kMediapipe478);
   if (set != LandmarkSet::kIbug68) return all;
   LandmarkEmbedding ibug;
   for (size_t i = 0; i < std::size(kMediapipeOfIbug); ++i)

@@ -13,17 +13,8 @@
 
 namespace cosplat {
 
-struct EmbeddedLandmark {
-  int landmark = 0;                   // index into DetectedFace::points
-  std::array<int, 3> vertices;        // of a triangle
-  std::array<double, 3> barycentric;  // sum to 1
-  // Standard deviation of its error, in units of that of a point seen exactly where it is.
-  double looseness = 1;
-};
-
-using LandmarkEmbedding = std::vector<EmbeddedLandmark>;
-
-// For a model with FLAME's topology: 105 points of MediaPipe's mesh as placed by FLAME 2023 Open
+// The model's own landmarks if it has some (FlameModel::landmarks), as of a detector. Otherwise,
+// for a model with FLAME's topology: 105 points of MediaPipe's mesh as placed by FLAME 2023 Open
 // (CC-BY-4.0, Max Planck Institute for Intelligent Systems), of which iBUG's are a part, and the
 // pupils where the set has irises. Throws Error if the model has another topology.
 LandmarkEmbedding FlameLandmarks(const FlameModel& model, LandmarkSet set);

@@ -15,6 +15,7 @@ namespace cosplat {
 namespace {
 
 constexpr size_t kShapeDirectionsInFlame = 300;
+constexpr int kMediapipePoints = 478;
 
 std::string ShapeText(const std::vector<size_t>& shape) {
   std::string text;
@@ -185,6 +186,42 @@ void ReadParents(const ModelArrays& arrays, FlameModel& model) {
   }
 }
 
+void ReadLandmarks(const ModelArrays& arrays, FlameModel& model) {
+  if (!arrays.Has("landmark_indices")) return;
+  const NpyArray& indices = arrays.Get("landmark_indices", {0});
+  const size_t count = indices.size();
+  const NpyArray& vertices = arrays.Get("landmark_vertices", {count, 3});
+  const NpyArray& barycentric = arrays.Get("landmark_barycentric", {count, 3});
+  const NpyArray& looseness = arrays.Get("landmark_looseness", {count});
+  for (size_t i = 0; i < count; ++i) {
+    EmbeddedLandmark point;
+    point.landmark = arrays.IntegerAt("landmark_indices", indices, i, 0, kMediapipePoints - 1);
+    for (size_t k = 0; k < 3; ++k) {
+      point.vertices[k] =
+          arrays.IntegerAt("landmark_vertices", vertices, 3 * i + k, 0, model.vertex_count - 1);
+      point.barycentric[k] = barycentric.values[3 * i + k];
+    }
+    point.looseness = looseness.values[i];
+    model.landmarks.push_back(point);
+  }
+}
+
+void AddLandmarks(const FlameModel& model, Npz& npz) {
+  if (model.landmarks.empty()) return;
+  std::vector<int32_t> indices, vertices;
+  std::vector<float> barycentric, looseness;
+  for (const EmbeddedLandmark& point : model.landmarks) {
+    indices.push_back(point.landmark);
+    vertices.insert(vertices.end(), point.vertices.begin(), point.vertices.end());
+    barycentric.insert(barycentric.end(), point.barycentric.begin(), point.barycentric.end());
+    looseness.push_back(float(point.looseness));
+  }
+  npz.Add("landmark_indices", {indices.size()}, indices);
+  npz.Add("landmark_vertices", {indices.size(), 3}, vertices);
+  npz.Add("landmark_barycentric", {indices.size(), 3}, barycentric);
+  npz.Add("landmark_looseness", {indices.size()}, looseness);
+}
+
 // Sum over the template's triangles.
 double TotalArea(const FlameModel& model) {
   double total = 0;
@@ -235,6 +272,7 @@ FlameModel LoadFlameModel(const std::string& path) {
   model.joint_regressor = ToFloats(arrays.Get("J_regressor", {kFlameJoints, v}).values);
   model.skinning_weights = ToFloats(arrays.Get("weights", {v, kFlameJoints}).values);
   ReadParents(arrays, model);
+  ReadLandmarks(arrays, model);
   model.redistributable =
       arrays.Has("redistributable") && arrays.Integer("redistributable", 0, 1) == 1;
   ConvertToMetres(model);
@@ -277,6 +315,7 @@ void WriteFlameModelNpz(const std::string& path, const FlameModel& model) {
   npz.Add("J_regressor", {kFlameJoints, v}, model.joint_regressor);
   npz.Add("weights", {v, kFlameJoints}, model.skinning_weights);
   npz.Add("kintree_table", {2, kFlameJoints}, tree);
+  AddLandmarks(model, npz);
   npz.Add("redistributable", {}, std::vector<int32_t>{model.redistributable ? 1 : 0});
   npz.Write(path);
 }

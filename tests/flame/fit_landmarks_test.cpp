@@ -325,9 +325,35 @@ TEST(ChooseFaces, StaysWithTheLargestFaceOfTheStart) {
 }
 
 TEST(LandmarkEmbedding, NeedsFlamesTopology) {
-  const FlameModel made = MakeProceduralHead();
+  FlameModel made = MakeProceduralHead();
+  made.landmarks.clear();
   ExpectError([&] { FlameLandmarks(made, LandmarkSet::kMediapipe478); },
               {made.name, "faces", "--landmark-embedding"});
+}
+
+TEST(LandmarkEmbedding, LiesOnTheMadeHeadsFace) {
+  const FlameModel made = MakeProceduralHead();
+  const LandmarkEmbedding all = FlameLandmarks(made, LandmarkSet::kMediapipe478);
+  EXPECT_EQ(all.size(), FlameLandmarks(made, LandmarkSet::kMediapipe468).size() + 2);
+  EXPECT_GE(FlameLandmarks(made, LandmarkSet::kIbug68).size(), 44u);
+  std::map<int, std::array<double, 3>> places;
+  for (const EmbeddedLandmark& landmark : all)
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t i = 0; i < 3; ++i)
+        places[landmark.landmark][i] +=
+            landmark.barycentric[k] * made.template_vertices[3 * size_t(landmark.vertices[k]) + i];
+  ASSERT_EQ(places.size(), all.size()) << "a landmark is there twice";
+  // Canthi, corners of the mouth, wings of the nose, irises, lids, rims of the lips.
+  const std::pair<int, int> pairs[] = {
+      {33, 263}, {133, 362}, {61, 291}, {129, 358}, {468, 473}, {159, 386}, {82, 312}, {87, 317}};
+  for (const auto& [right, left] : pairs) {
+    ASSERT_TRUE(places.count(right) && places.count(left)) << right;
+    EXPECT_LT(places[right][0], -0.005) << right;
+    EXPECT_NEAR(places[right][0], -places[left][0], 1e-3) << right;
+    for (size_t i = 1; i < 3; ++i) EXPECT_NEAR(places[right][i], places[left][i], 1e-3) << right;
+  }
+  EXPECT_NEAR(places[13][1], places[14][1], 1e-3) << "the lips meet at rest";
+  for (const auto& [landmark, at] : places) EXPECT_LE(at[2], places[4][2] + 1e-3) << landmark;
 }
 
 // On FLAME itself, where its file is: both sides of the face are where they should be.

@@ -102,6 +102,34 @@ TEST_F(ModelFile, NpzRoundTrip) {
   }
 }
 
+TEST_F(ModelFile, KeepsLandmarks) {
+  FlameModel model = model_;
+  model.landmarks = {{33, {0, 1, 2}, {0.5, 0.25, 0.25}, 1}, {468, {3, 3, 3}, {1, 0, 0}, 1.5}};
+  const std::string path = folder_ / "model.npz";
+  WriteFlameModelNpz(path, model);
+  const FlameModel loaded = LoadFlameModel(path);
+  ASSERT_EQ(loaded.landmarks.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(loaded.landmarks[i].landmark, model.landmarks[i].landmark);
+    EXPECT_EQ(loaded.landmarks[i].vertices, model.landmarks[i].vertices);
+    EXPECT_EQ(loaded.landmarks[i].barycentric, model.landmarks[i].barycentric);
+    EXPECT_EQ(loaded.landmarks[i].looseness, model.landmarks[i].looseness);
+  }
+  const auto refused =
+      [&](const char* array, std::vector<size_t> shape, std::vector<float> values) {
+        WriteFlameModelNpz(path, model);
+        Npz npz = Npz::Read(path);
+        npz.Add(array, std::move(shape), values);
+        npz.Write(path);
+        ExpectRefused(path, {"landmark"});
+      };
+  refused("landmark_indices", {2}, {33, 478});
+  refused("landmark_vertices", {2, 3}, {0, 1, 2, 3, 3, 7});
+  refused("landmark_barycentric", {2, 3}, {0.5f, 0.25f, 0.5f, 1, 0, 0});
+  refused("landmark_looseness", {2}, {1, 0});
+  refused("landmark_looseness", {1}, {1});
+}
+
 TEST_F(ModelFile, ModelWithoutDirections) {
   const FlameModel bare = RandomModel(7, 0, 0);
   WriteFlameModelNpz(folder_ / "model.npz", bare);

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "flame/io/landmarks.h"
+#include "splat/base/files.h"
 #include "tests/integration/command.h"
 
 namespace cosplat {
@@ -234,7 +235,7 @@ TEST(Track, RefinesATrackThatThereIs) {
   EXPECT_FALSE(std::filesystem::exists(filmed.folder / "no"));
 }
 
-// The whole way in one command, from landmarks that are there.
+// The whole way in one command, from landmarks that are there, without a model of anybody's.
 TEST(Avatar, FromAVideoToReportAndPlayback) {
   const Filmed filmed;
   const std::string out = filmed.folder / "me";
@@ -242,8 +243,6 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
                                         filmed.images,
                                         "-o",
                                         out,
-                                        "--flame",
-                                        filmed.head + "/model.npz",
                                         "--landmarks",
                                         filmed.marks,
                                         "--landmark-embedding",
@@ -263,6 +262,23 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
     EXPECT_TRUE(std::filesystem::exists(out + "/" + made)) << made;
   EXPECT_EQ(VideoReader(out + "/playback.mp4").frame_count(), 24);
   EXPECT_NE(result.out.find("no blendshape map"), std::string::npos) << result.out;
+  EXPECT_EQ(ReadFile(out + "/head.npz"), ReadFile(filmed.head + "/model.npz"));
+  // The avatar has its head inside.
+  const std::string alone = filmed.folder / "alone.glb";
+  std::filesystem::rename(out + "/avatar/avatar.glb", alone);
+  const CommandResult info = Cosplat({"info", alone});
+  EXPECT_NE(info.out.find("in the file"), std::string::npos) << info.out << info.err;
+  // Its track means nothing to another head.
+  const CommandResult other = Cosplat({"avatar",
+                                       filmed.images,
+                                       "-o",
+                                       out,
+                                       "--landmarks",
+                                       filmed.marks,
+                                       "--flame",
+                                       filmed.head + "/model.npz",
+                                       "--resume"});
+  EXPECT_EQ(other.code, 2);
 }
 
 TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {

@@ -1,0 +1,39 @@
+#include "apps/cosplat/run/head_model.h"
+
+#include <filesystem>
+
+#include "assets/head/procedural_head.h"
+#include "splat/base/error.h"
+#include "splat/base/files.h"
+#include "splat/base/json.h"
+
+namespace cosplat {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOwnHead = "head.npz";
+
+}  // namespace
+
+std::string HeadModelFor(const std::string& given, const std::string& folder) {
+  if (!given.empty()) return given;
+  const std::string path = folder + "/" + kOwnHead;
+  if (fs::exists(path)) return path;
+  MakeDirectories(folder);
+  WriteFlameModelNpz(path, MakeProceduralHead());
+  return path;
+}
+
+void CheckTrackIsOf(const std::string& given, const std::string& folder) {
+  const std::string file = folder + "/track.json";
+  if (!fs::exists(file)) return;
+  const std::string of = JsonField(file, ReadJson(file))["flame"].String();
+  if ((fs::path(of).filename() == kOwnHead) != given.empty())
+    throw Error(folder,
+                "is a track of " + of + ", not of " +
+                    (given.empty() ? "the program's own head" : given) +
+                    ": give the same --flame, or another folder");
+}
+
+}  // namespace cosplat
