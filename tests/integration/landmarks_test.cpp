@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "splat/base/files.h"
+#include "splat/base/json.h"
 #include "tests/integration/command.h"
 
 namespace cosplat {
@@ -224,6 +225,18 @@ TEST(Landmarks, AreFoundByChromium) {
       EXPECT_LT(frame.faces[0].points[1][size_t(k)], 175);
     }
   }
+  // The points are where the head's model has them.
+  const CommandResult track = Cosplat({"track",
+                                       folder / "head/image",
+                                       "--landmarks",
+                                       marks,
+                                       "-o",
+                                       folder / "track",
+                                       "--avatar-rounds",
+                                       "0",
+                                       "--quiet"});
+  ASSERT_EQ(track.code, 0) << track.err;
+  EXPECT_LT(ReadJson(folder / "track/track.json")["error_px"].get<double>(), 2.5);
   // The same head far away, in a corner of large frames.
   const std::string large = folder / "large";
   MakeDirectories(large);

@@ -14,6 +14,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kOwnHead = "head.npz";
 
+bool IsOwn(const std::string& model) {
+  return model.empty() || fs::path(model).filename() == kOwnHead;
+}
+
 }  // namespace
 
 std::string HeadModelFor(const std::string& given, const std::string& folder) {
@@ -29,7 +33,7 @@ void CheckTrackIsOf(const std::string& given, const std::string& folder) {
   const std::string file = folder + "/track.json";
   if (!fs::exists(file)) return;
   const std::string of = JsonField(file, ReadJson(file))["flame"].String();
-  if ((fs::path(of).filename() == kOwnHead) != given.empty())
+  if (IsOwn(of) != IsOwn(given))
     throw Error(folder,
                 "is a track of " + of + ", not of " +
                     (given.empty() ? "the program's own head" : given) +
