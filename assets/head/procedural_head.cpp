@@ -55,6 +55,12 @@ ProceduralHead MakeProceduralHeadParts() {
 
 FlameModel MakeProceduralHead() { return MakeProceduralHeadParts().model; }
 
+FlameModel MakeHeadForPeople() {
+  ProceduralHead head = MakeProceduralHeadParts();
+  procedural::AddRegionalDirections(head.mesh, head.model);
+  return std::move(head.model);
+}
+
 Image8 RenderProceduralHead(const ProceduralHead& head,
                             const std::vector<float>& vertices,
                             const FlameParams& params,

@@ -51,6 +51,9 @@ struct ProceduralHead {
 
 ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
+// The same head to be fitted to people: after the named directions of shape and expression come
+// those of the face's regions (57 and 45), which its own video does not need.
+FlameModel MakeHeadForPeople();
 
 // Renders one frame as RGBA with straight alpha. `vertices`: [V, 3] from FlamePoser for `params`.
 Image8 RenderProceduralHead(const ProceduralHead& head,

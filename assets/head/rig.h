@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "assets/head/mesh.h"
@@ -24,6 +25,13 @@ constexpr int kShapeCount = 12;
 std::vector<float> ShapeDirections(const HeadMesh& mesh);
 std::vector<float> ExpressionDirections(const HeadMesh& mesh);
 std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>& weights);
+
+// A field of displacements at p, but lids and eyeball move rigidly together, so that they continue
+// to fit each other.
+Vec RigidAtEyes(const std::function<Vec(const Vec&)>& field, const Vec& p, Part part);
+
+// Appends shape and expression directions of the face's regions to `model`, which is of `mesh`.
+void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model);
 
 // Where MediaPipe's face mesh has its points on this head.
 LandmarkEmbedding FacePoints(const HeadMesh& mesh);

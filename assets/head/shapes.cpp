@@ -44,14 +44,6 @@ Vec ShapeField(int shape, const Vec& p) {
   }
 }
 
-// Lids and eyeball move rigidly together, so that they continue to fit each other.
-Vec RigidAtEyes(int shape, const Vec& p, Part part) {
-  const bool eyeball = part == Part::kLeftEye || part == Part::kRightEye;
-  const float rigid = eyeball || part == Part::kSocket ? 1.0f : NearEye(p);
-  if (rigid == 0) return ShapeField(shape, p);
-  return Mix(ShapeField(shape, p), ShapeField(shape, EyeCenter(p.x > 0)), rigid);
-}
-
 // Neck and jaw: skin bulges where it is compressed and thins where it is stretched.
 Vec CrossingCorrective(int row, int column, const Vec& p, const Vec& normal, float crossing) {
   static constexpr float kAmount = 0.0016f;
@@ -75,11 +67,19 @@ Vec LidCorrective(const VertexLabel& l, const Vec& p, bool left, int row, int co
 
 }  // namespace
 
+Vec RigidAtEyes(const std::function<Vec(const Vec&)>& field, const Vec& p, Part part) {
+  const bool eyeball = part == Part::kLeftEye || part == Part::kRightEye;
+  const float rigid = eyeball || part == Part::kSocket ? 1.0f : NearEye(p);
+  if (rigid == 0) return field(p);
+  return Mix(field(p), field(EyeCenter(p.x > 0)), rigid);
+}
+
 std::vector<float> ShapeDirections(const HeadMesh& mesh) {
   std::vector<float> directions;
   for (int s = 0; s < kShapeCount; ++s)
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
-      const Vec d = RigidAtEyes(s, mesh.positions[v], mesh.labels[v].part);
+      const auto field = [&](const Vec& p) { return ShapeField(s, p); };
+      const Vec d = RigidAtEyes(field, mesh.positions[v], mesh.labels[v].part);
       directions.insert(directions.end(), {d.x, d.y, d.z});
     }
   return directions;

@@ -266,5 +266,36 @@ TEST(ProceduralHead, ShapesMoveLidsAndEyeballsTogether) {
   }
 }
 
+// What is added for fitting people moves a few millimetres, keeps eyeballs round, and leaves the
+// head and its own directions as they are.
+TEST(HeadForPeople, IsTheSameHeadWithMoreDirections) {
+  const FlameModel made = MakeProceduralHead(), head = MakeHeadForPeople();
+  Validate(head);
+  EXPECT_EQ(head.template_vertices, made.template_vertices);
+  EXPECT_EQ(head.shape_count, made.shape_count + 57);
+  EXPECT_EQ(head.expression_count, made.expression_count + 45);
+  EXPECT_TRUE(std::equal(
+      made.shape_directions.begin(), made.shape_directions.end(), head.shape_directions.begin()));
+  const size_t size = 3 * size_t(head.vertex_count);
+  for (const std::vector<float>* directions :
+       {&head.shape_directions, &head.expression_directions}) {
+    const size_t first = directions == &head.shape_directions ? made.shape_directions.size()
+                                                              : made.expression_directions.size();
+    for (size_t k = first; k < directions->size(); k += size) {
+      float largest = 0;
+      for (size_t i = k; i < k + size; ++i) largest = std::max(largest, std::abs((*directions)[i]));
+      EXPECT_GT(largest, 0.0012f) << (k - first) / size;
+      EXPECT_LT(largest, 0.0026f) << (k - first) / size;
+      std::map<int, float> of_eye;  // one shift for each eyeball's vertices
+      for (size_t v = 0; v < size_t(head.vertex_count); ++v)
+        for (int eye = 3; eye < 5; ++eye)
+          if (head.skinning_weights[kFlameJoints * v + size_t(eye)] == 1) {
+            const float y = (*directions)[k + 3 * v + 1];
+            EXPECT_NEAR(of_eye.emplace(eye, y).first->second, y, 1e-7);
+          }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cosplat::test

@@ -25,7 +25,7 @@ std::string HeadModelFor(const std::string& given, const std::string& folder) {
   const std::string path = folder + "/" + kOwnHead;
   if (fs::exists(path)) return path;
   MakeDirectories(folder);
-  WriteFlameModelNpz(path, MakeProceduralHead());
+  WriteFlameModelNpz(path, MakeHeadForPeople());
   return path;
 }
 

@@ -1,0 +1,117 @@
+// Directions for fitting the head to people: each region of the face outwards, up and forward.
+//
+// The head's named directions are those of its own video. People differ, and move, in more ways:
+// smooth bells of a few centimetres for the shape, of a lip's size for the expression.
+
+#include <algorithm>
+
+#include "assets/head/procedural_head.h"
+#include "assets/head/rig.h"
+#include "assets/head/sculpt.h"
+
+namespace cosplat::procedural {
+namespace {
+
+constexpr float kAmount = 0.0025f;  // metres at the middle of a region, coefficient 1
+
+struct Region {
+  Vec at;       // of the left side; x = 0 in the median plane
+  float width;  // metres, of the bell
+};
+constexpr Region kShapeRegions[] = {{{0, 0.130f, -0.030f}, 0.030f},        // crown
+                                    {{0, 0.090f, 0.050f}, 0.030f},         // forehead
+                                    {{0.045f, 0.075f, 0.030f}, 0.030f},    // its sides
+                                    {{0.070f, 0.030f, -0.030f}, 0.030f},   // temple and ear
+                                    {{0, 0.030f, -0.120f}, 0.030f},        // back of the head
+                                    {{0.030f, 0.050f, 0.050f}, 0.030f},    // brow
+                                    {{0.032f, 0.030f, 0.050f}, 0.030f},    // eye
+                                    {{0.055f, 0.020f, 0.020f}, 0.030f},    // cheek bone
+                                    {{0.040f, 0, 0.045f}, 0.030f},         // cheek
+                                    {{0, 0.030f, 0.060f}, 0.030f},         // bridge of the nose
+                                    {{0, -0.005f, 0.075f}, 0.018f},        // its tip
+                                    {{0.015f, -0.012f, 0.065f}, 0.018f},   // its wings
+                                    {{0, -0.025f, 0.065f}, 0.018f},        // philtrum
+                                    {{0.025f, -0.042f, 0.055f}, 0.030f},   // corner of the mouth
+                                    {{0, -0.055f, 0.060f}, 0.030f},        // below the lips
+                                    {{0, -0.075f, 0.050f}, 0.030f},        // chin
+                                    {{0.045f, -0.045f, 0.020f}, 0.030f},   // jaw
+                                    {{0.060f, -0.020f, -0.010f}, 0.030f},  // its angle
+                                    {{0, -0.110f, 0}, 0.030f}};            // throat
+
+// Which side of the lips' line moves.
+enum class Lip { kBoth, kUpper, kLower };
+struct MovingRegion {
+  Region region;
+  Lip lip;
+};
+// The left sides and, after each, the right one.
+constexpr MovingRegion kMovingRegions[] = {
+    {{{0, -0.036f, 0.065f}, 0.012f}, Lip::kUpper},
+    {{{0.013f, -0.037f, 0.063f}, 0.010f}, Lip::kUpper},
+    {{{0, -0.047f, 0.063f}, 0.012f}, Lip::kLower},
+    {{{0.013f, -0.046f, 0.060f}, 0.010f}, Lip::kLower},
+    {{{0, -0.065f, 0.060f}, 0.016f}, Lip::kLower},      // chin
+    {{{0.026f, -0.041f, 0.053f}, 0.013f}, Lip::kBoth},  // corner of the mouth
+    {{{0.040f, -0.015f, 0.045f}, 0.018f}, Lip::kBoth},  // cheek
+    {{{0.014f, 0.055f, 0.055f}, 0.014f}, Lip::kBoth},   // inner brow
+    {{{0.040f, 0.055f, 0.045f}, 0.016f}, Lip::kBoth}};  // outer brow
+
+Vec Along(int axis, float amount) {
+  Vec d{};
+  d[axis] = amount;
+  return d;
+}
+
+Vec ShapeShift(const Region& region, int axis, const Vec& p) {
+  const float amount = kAmount * Ball({std::abs(p.x), p.y, p.z}, region.at, region.width);
+  // Outwards on both sides, with no jump between them.
+  return Along(axis, axis == 0 ? amount * std::tanh(p.x / 0.01f) : amount);
+}
+
+// Share of the jaw in what moves with the head.
+float JawShareOf(const float* weights) {
+  return weights[2] / std::max(weights[1] + weights[2], 1e-6f);
+}
+
+float ShareOfLip(Lip lip, const float* weights) {
+  if (lip == Lip::kBoth) return 1;
+  const float jaw = JawShareOf(weights);
+  return lip == Lip::kLower ? jaw : 1 - jaw;
+}
+
+void AddShape(const HeadMesh& mesh, const Region& region, FlameModel& model) {
+  for (int axis = 0; axis < 3; ++axis, ++model.shape_count)
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      const auto shift = [&](const Vec& p) { return ShapeShift(region, axis, p); };
+      const Vec d = RigidAtEyes(shift, mesh.positions[v], mesh.labels[v].part);
+      model.shape_directions.insert(model.shape_directions.end(), {d.x, d.y, d.z});
+    }
+}
+
+void AddExpression(const HeadMesh& mesh,
+                   const MovingRegion& moving,
+                   float side,
+                   FlameModel& model) {
+  const auto& [region, lip] = moving;
+  const Vec at{side * region.at.x, region.at.y, region.at.z};
+  for (int axis = 0; axis < 3; ++axis, ++model.expression_count)
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Part part = mesh.labels[v].part;
+      const bool eye = part == Part::kLeftEye || part == Part::kRightEye;
+      const float share = ShareOfLip(lip, &model.skinning_weights[kFlameJoints * v]);
+      const Vec d =
+          Along(axis, eye ? 0 : kAmount * share * Ball(mesh.positions[v], at, region.width));
+      model.expression_directions.insert(model.expression_directions.end(), {d.x, d.y, d.z});
+    }
+}
+
+}  // namespace
+
+void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model) {
+  for (const Region& region : kShapeRegions) AddShape(mesh, region, model);
+  for (const MovingRegion& moving : kMovingRegions)
+    for (const float side : {1.0f, -1.0f})
+      if (side > 0 || moving.region.at.x > 0) AddExpression(mesh, moving, side, model);
+}
+
+}  // namespace cosplat::procedural
