@@ -18,7 +18,7 @@ struct Region {
   Vec at;       // of the left side; x = 0 in the median plane
   float width;  // metres, of the bell
 };
-constexpr Region kShapeRegions[] = {{{0, 0.130f, -0.030f}, 0.030f},        // crown
+constexpr Region kShapeRegions[] = {{{0, 0.145f, -0.030f}, 0.030f},        // crown
                                     {{0, 0.090f, 0.050f}, 0.030f},         // forehead
                                     {{0.045f, 0.075f, 0.030f}, 0.030f},    // its sides
                                     {{0.070f, 0.030f, -0.030f}, 0.030f},   // temple and ear
