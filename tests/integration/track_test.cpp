@@ -281,6 +281,15 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
                                        filmed.head + "/model.npz",
                                        "--resume"});
   EXPECT_EQ(other.code, 2);
+  const auto refused = [&](const std::string& track, const std::string& model) {
+    const CommandResult result =
+        Cosplat({"train-avatar", "-s", track, "--flame", model, "-m", filmed.folder / "no"});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.err.find("track of"), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(filmed.folder / "no"));
+  };
+  refused(out + "/track", filmed.head + "/model.npz");
+  refused(filmed.head, out + "/head.npz");
 }
 
 TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {

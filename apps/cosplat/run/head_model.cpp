@@ -31,7 +31,11 @@ std::string HeadModelFor(const std::string& given, const std::string& folder) {
 
 void CheckTrackIsOf(const std::string& given, const std::string& folder) {
   const std::string file = folder + "/track.json";
-  if (!fs::exists(file)) return;
+  if (!fs::exists(file)) {
+    // `cosplat track` makes all tracks of our own head, and says so there.
+    if (!given.empty() && IsOwn(given)) throw Error(folder, "is no track of " + given);
+    return;
+  }
   const std::string of = JsonField(file, ReadJson(file))["flame"].String();
   if (IsOwn(of) != IsOwn(given))
     throw Error(folder,
