@@ -36,7 +36,9 @@ void CheckTrackIsOf(const std::string& given, const std::string& folder) {
     if (!given.empty() && IsOwn(given)) throw Error(folder, "is no track of " + given);
     return;
   }
-  const std::string of = JsonField(file, ReadJson(file))["flame"].String();
+  const Json track = ReadJson(file);
+  if (!track.contains("flame")) return;  // another program's
+  const std::string of = JsonField(file, track)["flame"].String();
   if (IsOwn(of) != IsOwn(given))
     throw Error(folder,
                 "is a track of " + of + ", not of " +
