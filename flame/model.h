@@ -16,6 +16,7 @@ namespace cosplat {
 // sqrt(0.181554 m^2) on the openly licensed release.
 constexpr double kFlameTemplateSize = 0.426091;
 
+constexpr int kFlameVertices = 5023;
 constexpr int kFlameJoints = 5;  // root, neck, jaw, left eye, right eye
 constexpr int kFlamePoseFeatures = 9 * (kFlameJoints - 1);
 

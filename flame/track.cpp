@@ -260,6 +260,27 @@ std::string TrackLayoutOf(const std::string& path) {
   return fs::is_regular_file(path + "/smirk.npz") ? "smirk" : "";
 }
 
+// Foreign trackers do not say what they fit: it is FLAME, and they find more of its shape than a
+// model with another mesh has.
+void CheckIsOf(const FlameModel& flame, const TrackedVideo& video) {
+  if (video.model_vertices != 0 && video.model_vertices != flame.own_vertex_count())
+    throw Error(video.source,
+                Format("is of a model of {} vertices, '{}' has {}",
+                       video.model_vertices,
+                       flame.name,
+                       flame.own_vertex_count()));
+  const auto last =
+      std::find_if(video.shape.rbegin(), video.shape.rend(), [](float x) { return x != 0; });
+  const long used = video.shape.rend() - last;
+  if (flame.own_vertex_count() != kFlameVertices && used > flame.shape_count)
+    throw Error(
+        video.source,
+        Format("has {} coefficients of shape, '{}' has {} directions: it is of another model",
+               used,
+               flame.name,
+               flame.shape_count));
+}
+
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   const int resolution = request.options.resolution;
   if (resolution < 1) throw Error("resolution", std::to_string(resolution) + " is not positive");
@@ -288,6 +309,7 @@ TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {
   if (video.train.empty() && !is_file) throw Error(path, "contains no frames to train on");
   ConvertToMetres(request.options.flame, video);
   if (request.options.flame) {
+    CheckIsOf(*request.options.flame, video);
     EyelidsToExpression(*request.options.flame, video);
     MoveHead(*request.options.flame, video);
   }

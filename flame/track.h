@@ -39,6 +39,7 @@ struct TrackedVideo {
   std::shared_ptr<VideoReader> video;  // of video_path, if there is one
   double frames_per_second = 0;        // time steps per second; 0 if unknown
   double unit = 1;                     // metres per unit of the track as stored
+  int model_vertices = 0;              // of the model that it is of, without a mouth; 0: unknown
   std::vector<float> shape;            // the subject's
   // [V, 3] metres, or empty; VHAP's export may have 120 rows more, for teeth (flame/mouth.h)
   std::vector<float> static_offset;
@@ -56,7 +57,8 @@ struct TrackOptions {
   int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
   int resolution = 1;    // -r: cameras and images are divided by this
   // The model that the video was tracked with. Layouts that move the camera about a fixed head need
-  // it to move the head instead; without it, their head_is_fixed remains.
+  // it to move the head instead; without it, their head_is_fixed remains. Throws Error if the track is
+  // of a model with another mesh, whose coefficients mean something else.
   const FlameModel* flame = nullptr;
 };
 

@@ -10,7 +10,7 @@
 namespace cosplat {
 namespace {
 
-constexpr int kFlameVertices = 5023, kFlameFaces = 9976;
+constexpr int kFlameFaces = 9976;
 
 // FLAME's vertices on the outer rim of the upper and of the lower lip.
 using LipRing = std::array<int32_t, kVhapRow>;

@@ -82,7 +82,6 @@ void MakeAvatar(AvatarCommand o, const std::string& config) {
   o.model = o.out + "/avatar";
   const RunStart start = ChooseStart(o, config);
   o.resume = start != RunStart::kNew;  // the question is not asked again
-  if (o.resume) CheckTrackIsOf(o.flame, o.track.out);
   o.flame = o.track.flame = HeadModelFor(o.flame, o.out);
   o.landmarks = o.track.landmarks = LandmarksOf(o, *frames);
   if (o.resume && fs::exists(o.source + "/flame_params.json")) {

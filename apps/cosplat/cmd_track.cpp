@@ -84,12 +84,14 @@ std::array<float, 4> WriteFrame(const TrackRunOptions& o, const std::string& nam
 }
 
 void WriteRefined(const TrackRunOptions& o,
+                  const FlameModel& model,
                   const std::vector<double>& spread,
                   const std::vector<double>& held_out_psnr,
                   TrackedVideo& video) {
   MakeDirectories(o.out + "/image");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
+  track.vertices = model.own_vertex_count();
   track.shape = video.shape;
   track.static_offset = video.static_offset;
   track.test_frames = TestFramesAtEnd(video);
@@ -126,7 +128,7 @@ void RunRefinement(const TrackRunOptions& o) {
       RefineTrack(model, video, image, ShowProgress("refine", "fits", o.quiet));
   EyelidsFromExpression(model, video);
   const std::vector<double> psnr = RefineByAvatars(o.flame, video, image, o.avatar_rounds, o.quiet);
-  WriteRefined(o, spread, psnr, video);
+  WriteRefined(o, model, spread, psnr, video);
   if (o.quiet) return;
   std::printf(
       "%zu frames refined in %zu rounds: points differ in brightness from frame to frame by %.2f "

@@ -7,7 +7,6 @@
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
-#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
@@ -161,7 +160,6 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 "other programs read");
   o.ResolveBackground(Background::kRandom);
   FlameModel flame = LoadFlameModel(o.flame);
-  CheckTrackIsOf(o.flame, o.source);
   if (o.mouth) flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);
   PrintFindings(o.source, CheckTrack(flame, loaded), o.strict);

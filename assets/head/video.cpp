@@ -45,6 +45,7 @@ void WriteProceduralVideo(const std::string& folder,
   const auto script = procedural::MakeScript(
       {options.frames, options.test_frames, options.size, options.seed, options.frontal});
   ImavatarTrack track;
+  track.vertices = head.model.own_vertex_count();
   track.shape.assign(size_t(head.model.shape_count), 0);
   track.test_frames = options.test_frames;
   track.frames.resize(script.size());

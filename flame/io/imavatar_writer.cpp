@@ -72,6 +72,7 @@ void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track) {
   Json json{{"intrinsics", {-lens.fx / width, lens.fy / height, lens.cx / width, lens.cy / height}},
             {"shape_params", track.shape},
             {"frames", Json::array()}};
+  if (track.vertices > 0) json["vertices"] = track.vertices;
   if (!track.static_offset.empty()) json["static_offset"] = track.static_offset;
   if (track.test_frames >= 0) json["test_frames"] = track.test_frames;
   for (size_t f = 0; f < track.frames.size(); ++f) {

@@ -187,7 +187,7 @@ void ReadParents(const ModelArrays& arrays, FlameModel& model) {
 }
 
 void ReadLandmarks(const ModelArrays& arrays, FlameModel& model) {
-  if (!arrays.Has("landmark_indices")) return;
+  if (!arrays.Has("landmark_vertices")) return;
   const NpyArray& indices = arrays.Get("landmark_indices", {0});
   const size_t count = indices.size();
   const NpyArray& vertices = arrays.Get("landmark_vertices", {count, 3});

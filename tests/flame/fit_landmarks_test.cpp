@@ -324,6 +324,18 @@ TEST(ChooseFaces, StaysWithTheLargestFaceOfTheStart) {
   ExpectError([&] { ChooseFaces(video); }, {"marks.json", "has no face"});
 }
 
+// Where the landmarks are on the template.
+std::map<int, std::array<double, 3>> PlacesOf(const FlameModel& model,
+                                              const LandmarkEmbedding& embedding) {
+  std::map<int, std::array<double, 3>> places;
+  for (const EmbeddedLandmark& landmark : embedding)
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t i = 0; i < 3; ++i)
+        places[landmark.landmark][i] +=
+            landmark.barycentric[k] * model.template_vertices[3 * size_t(landmark.vertices[k]) + i];
+  return places;
+}
+
 TEST(LandmarkEmbedding, NeedsFlamesTopology) {
   FlameModel made = MakeProceduralHead();
   made.landmarks.clear();
@@ -336,12 +348,7 @@ TEST(LandmarkEmbedding, LiesOnTheMadeHeadsFace) {
   const LandmarkEmbedding all = FlameLandmarks(made, LandmarkSet::kMediapipe478);
   EXPECT_EQ(all.size(), FlameLandmarks(made, LandmarkSet::kMediapipe468).size() + 2);
   EXPECT_GE(FlameLandmarks(made, LandmarkSet::kIbug68).size(), 44u);
-  std::map<int, std::array<double, 3>> places;
-  for (const EmbeddedLandmark& landmark : all)
-    for (size_t k = 0; k < 3; ++k)
-      for (size_t i = 0; i < 3; ++i)
-        places[landmark.landmark][i] +=
-            landmark.barycentric[k] * made.template_vertices[3 * size_t(landmark.vertices[k]) + i];
+  auto places = PlacesOf(made, all);
   ASSERT_EQ(places.size(), all.size()) << "a landmark is there twice";
   // Canthi, corners of the mouth, wings of the nose, irises, lids, rims of the lips.
   const std::pair<int, int> pairs[] = {
@@ -364,12 +371,7 @@ TEST(LandmarkEmbedding, LiesOnFlamesFace) {
   const LandmarkEmbedding all = FlameLandmarks(flame, LandmarkSet::kMediapipe478);
   EXPECT_EQ(all.size(), FlameLandmarks(flame, LandmarkSet::kMediapipe468).size() + 2);
   EXPECT_EQ(FlameLandmarks(flame, LandmarkSet::kIbug68).size(), 49u);
-  std::map<int, std::array<double, 3>> places;
-  for (const EmbeddedLandmark& landmark : all)
-    for (size_t k = 0; k < 3; ++k)
-      for (size_t i = 0; i < 3; ++i)
-        places[landmark.landmark][i] +=
-            landmark.barycentric[k] * flame.template_vertices[3 * size_t(landmark.vertices[k]) + i];
+  auto places = PlacesOf(flame, all);
   EXPECT_EQ(places.size(), all.size());  // none twice
   // Outer corners of the eyes, corners of the mouth, pupils: right and left; nose in between.
   for (const auto& [right, left] : {std::pair(33, 263), std::pair(61, 291), std::pair(468, 473)}) {

@@ -5,7 +5,9 @@
 
 #include "splat/base/files.h"
 #include "splat/base/json.h"
+#include "tests/flame/random_model.h"
 #include "tests/flame/tracked_head.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace cosplat {
@@ -76,6 +78,26 @@ TEST(ImavatarWriter, FramesTheMask) {
   mask.at(2, 1, 0) = 255;
   mask.at(3, 2, 0) = 255;
   EXPECT_EQ(ImavatarBox(mask), (std::array<float, 4>{-0.5f, -0.5f, 0, 0.5f}));
+}
+
+// Coefficients mean nothing to a model with another mesh.
+TEST(ImavatarWriter, SaysWhichMeshTheTrackIsOf) {
+  const test::TemporaryFolder folder;
+  ImavatarTrack track = TrackOfHead();
+  track.vertices = 40;
+  WriteImavatarTrack(folder.path(), track);
+  const FlameModel same = test::RandomModel(40, 100, 100), other = test::RandomModel(41, 100, 100);
+  EXPECT_EQ(LoadDrivingSequence(folder.path()).model_vertices, 40);
+  EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &same));
+  test::ExpectError([&] { LoadDrivingSequence(folder.path(), &other); },
+                    {folder.path(), "40 vertices", "41"});
+  // Where it is not said, a track of more shape than the model has is of another one: FLAME's.
+  track.vertices = 0;
+  WriteImavatarTrack(folder.path(), track);
+  const FlameModel small = test::RandomModel(40, int(track.shape.size()) - 1, 100);
+  EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &other));
+  test::ExpectError([&] { LoadDrivingSequence(folder.path(), &small); },
+                    {folder.path(), "coefficients of shape"});
 }
 
 }  // namespace

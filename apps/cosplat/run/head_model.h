@@ -10,8 +10,4 @@ namespace cosplat {
 // left it there.
 std::string HeadModelFor(const std::string& given, const std::string& folder);
 
-// Throws Error naming `folder` if the track in it is of the head that comes with the program and
-// `given` is another model, or the other way round: its parameters mean nothing to another model.
-void CheckTrackIsOf(const std::string& given, const std::string& folder);
-
 }  // namespace cosplat

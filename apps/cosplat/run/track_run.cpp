@@ -254,6 +254,7 @@ void RunTracking(const TrackRunOptions& o, FrameSource& frames) {
   if (run.mattes) MakeDirectories(o.out + "/mask");
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
   ImavatarTrack track;
+  track.vertices = run.model.own_vertex_count();
   track.shape = run.fit.shape;
   track.static_offset = run.fit.static_offset;
   track.test_frames = TestFrames(run);
