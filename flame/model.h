@@ -58,8 +58,9 @@ struct FlameModel {
   std::vector<float> joint_regressor;         // [5, V], rows sum to 1
   std::vector<float> skinning_weights;        // [V, 5], rows sum to 1
   std::array<int, kFlameJoints> parents{-1, 0, 1, 1, 1};
-  // Where detectors see MediaPipe's landmarks on this mesh. Empty in FLAME's own files, whose mesh
-  // is known (FlameLandmarks, flame/fit/landmark_embedding.h).
+  // Where detectors see MediaPipe's landmarks on this mesh, of a model that people are fitted with
+  // in place of FLAME. Empty in FLAME's own files, whose mesh is known (FlameLandmarks,
+  // flame/fit/landmark_embedding.h).
   LandmarkEmbedding landmarks;
   MouthParts mouth;  // all zero: the model as its file has it
   // The last two expression coefficients close the left and the right eyelid (flame/eyelids.h).

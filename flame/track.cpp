@@ -260,25 +260,18 @@ std::string TrackLayoutOf(const std::string& path) {
   return fs::is_regular_file(path + "/smirk.npz") ? "smirk" : "";
 }
 
-// Foreign trackers do not say what they fit: it is FLAME, and they find more of its shape than a
-// model with another mesh has.
+// Other programs do not say what they fit: it is FLAME.
 void CheckIsOf(const FlameModel& flame, const TrackedVideo& video) {
+  if (video.model_vertices == 0 && !flame.landmarks.empty())
+    throw Error(video.source,
+                "does not say of which model it is, so it is FLAME's, and means nothing to '" +
+                    flame.name + "'");
   if (video.model_vertices != 0 && video.model_vertices != flame.own_vertex_count())
     throw Error(video.source,
                 Format("is of a model of {} vertices, '{}' has {}",
                        video.model_vertices,
                        flame.name,
                        flame.own_vertex_count()));
-  const auto last =
-      std::find_if(video.shape.rbegin(), video.shape.rend(), [](float x) { return x != 0; });
-  const long used = video.shape.rend() - last;
-  if (flame.own_vertex_count() != kFlameVertices && used > flame.shape_count)
-    throw Error(
-        video.source,
-        Format("has {} coefficients of shape, '{}' has {} directions: it is of another model",
-               used,
-               flame.name,
-               flame.shape_count));
 }
 
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {

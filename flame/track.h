@@ -57,8 +57,9 @@ struct TrackOptions {
   int test_frames = -1;  // last N frames are the test set; -1: the layout's own split, or 20 %
   int resolution = 1;    // -r: cameras and images are divided by this
   // The model that the video was tracked with. Layouts that move the camera about a fixed head need
-  // it to move the head instead; without it, their head_is_fixed remains. Throws Error if the track is
-  // of a model with another mesh, whose coefficients mean something else.
+  // it to move the head instead; without it, their head_is_fixed remains. Throws Error if the track
+  // is of a model with another mesh, whose coefficients mean something else; where it does not say,
+  // it is FLAME's, not that of a model with landmarks of its own.
   const FlameModel* flame = nullptr;
 };
 

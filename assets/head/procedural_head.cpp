@@ -44,7 +44,6 @@ ProceduralHead MakeProceduralHeadParts() {
   m.joint_regressor = procedural::JointRegressor(head.mesh);
   m.shape_directions = procedural::ShapeDirections(head.mesh);
   m.expression_directions = procedural::ExpressionDirections(head.mesh);
-  m.landmarks = procedural::FacePoints(head.mesh);
   m.pose_directions = procedural::PoseDirections(head.mesh, m.skinning_weights);
   const auto normals = procedural::VertexNormals(head.mesh.positions, head.mesh.faces);
   for (size_t v = 0; v < normals.size(); ++v)
@@ -57,6 +56,7 @@ FlameModel MakeProceduralHead() { return MakeProceduralHeadParts().model; }
 
 FlameModel MakeHeadForPeople() {
   ProceduralHead head = MakeProceduralHeadParts();
+  head.model.landmarks = procedural::FacePoints(head.mesh);
   procedural::AddRegionalDirections(head.mesh, head.model);
   return std::move(head.model);
 }

@@ -52,7 +52,7 @@ struct ProceduralHead {
 ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
 // The same head to be fitted to people: after the named directions of shape and expression come
-// those of the face's regions (57 and 45), which its own video does not need.
+// those of the face's regions (57 and 45), which its own video does not need, and it has landmarks.
 FlameModel MakeHeadForPeople();
 
 // Renders one frame as RGBA with straight alpha. `vertices`: [V, 3] from FlamePoser for `params`.

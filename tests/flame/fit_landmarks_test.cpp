@@ -337,14 +337,13 @@ std::map<int, std::array<double, 3>> PlacesOf(const FlameModel& model,
 }
 
 TEST(LandmarkEmbedding, NeedsFlamesTopology) {
-  FlameModel made = MakeProceduralHead();
-  made.landmarks.clear();
+  const FlameModel made = MakeProceduralHead();
   ExpectError([&] { FlameLandmarks(made, LandmarkSet::kMediapipe478); },
               {made.name, "faces", "--landmark-embedding"});
 }
 
 TEST(LandmarkEmbedding, LiesOnTheMadeHeadsFace) {
-  const FlameModel made = MakeProceduralHead();
+  const FlameModel made = MakeHeadForPeople();
   const LandmarkEmbedding all = FlameLandmarks(made, LandmarkSet::kMediapipe478);
   EXPECT_EQ(all.size(), FlameLandmarks(made, LandmarkSet::kMediapipe468).size() + 2);
   EXPECT_GE(FlameLandmarks(made, LandmarkSet::kIbug68).size(), 44u);
