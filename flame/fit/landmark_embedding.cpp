@@ -10,7 +10,6 @@
 namespace cosplat {
 namespace {
 
-
 // Detectors have their own idea of where a point of the face is, which changes as the head turns.
 // That is several times their noise, and expression and shape must not take it up: chosen by the
 // avatars that train on the result (docs/tried.md).
