@@ -6,6 +6,7 @@
 #include "splat/base/files.h"
 
 namespace cosplat {
+
 std::string HeadModelFor(const std::string& given, const std::string& folder) {
   if (!given.empty()) return given;
   const std::string path = folder + "/head.npz";
