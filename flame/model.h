@@ -43,6 +43,8 @@ struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
   std::string sha256;            // of the file's bytes; empty for the procedural head
   bool redistributable = false;  // whether its data may be embedded in an avatar file
+  // The bytes of the .npz, where it is redistributable: avatars carry them (avatar/io/avatar_file.h).
+  std::vector<char> file;
 
   double unit = 1;  // metres per unit of the file
 
@@ -107,8 +109,11 @@ void Validate(const FlameModel& model);
 // that of the file. redistributable is false unless the .npz says otherwise: no FLAME file is
 // assumed to be free. Throws Error naming file, array and shape or value.
 FlameModel LoadFlameModel(const std::string& path);
+// The same of a file's bytes; `path` names it, and is for errors.
+FlameModel ParseFlameModel(const std::string& path, std::vector<char> bytes);
 
-// Writes an .npz that LoadFlameModel reads back unchanged (except for name and sha256).
+// Writes an .npz that LoadFlameModel reads back unchanged (except for name, sha256 and
+// file).
 void WriteFlameModelNpz(const std::string& path, const FlameModel& model);
 
 }  // namespace cosplat

@@ -5,6 +5,7 @@
 
 #include "apps/charts/svg_drawing.h"
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/html_page.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/overlay.h"
@@ -84,10 +85,8 @@ std::vector<Finding> Check(const CheckOptions& o) {
     findings = CheckScene(scene);
     if (!o.page.empty()) pictures = PicturesOf(scene);
   } else {
-    if (o.flame.empty())
-      throw Error("--flame", "is missing: " + o.data + " is a tracked video, and needs its model");
     split.eval = false;  // frames in one list
-    const FlameModel flame = LoadFlameModel(o.flame);
+    const FlameModel flame = LoadFlameModel(HeadModelOfTrack(o.flame, o.data));
     const TrackedVideo video = LoadSplitVideo(o.data, split, flame);
     findings = CheckTrack(flame, video);
     if (!o.page.empty()) pictures = PicturesOf(flame, video);
@@ -109,7 +108,7 @@ void AddCheck(CLI::App& app) {
   const auto o = std::make_shared<CheckOptions>();
   command->add_option("data", o->data, "the data set's folder")->required();
   command->add_option("-o,--out", o->page, "write a page with pictures of it (.html)");
-  command->add_option("--flame", o->flame, "FLAME model file, of tracked videos");
+  command->add_option("--flame", o->flame, "FLAME model file, of tracked videos; none: head.npz beside them");
   command->add_option("-i,--images", o->images, "scenes: folder of the images, as of train-scene");
   command
       ->add_option("-r,--resolution",

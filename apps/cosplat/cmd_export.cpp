@@ -150,7 +150,7 @@ void WriteHtml(const ExportOptions& o) {
   std::printf("%s: a page with its player, %.2f MB%s\n",
               o.html.c_str(),
               double(std::filesystem::file_size(o.html)) / 1e6,
-              model.avatar.empty() || model.flame_redistributable
+              model.flame.empty()
                   ? ""
                   : "; it asks for the FLAME model, which may not be passed on");
 }

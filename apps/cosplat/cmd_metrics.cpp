@@ -33,9 +33,9 @@ struct PosableAvatar {
 PosableAvatar LoadAvatar(const MetricsOptions& o, const JsonField& run, const std::string& option) {
   if (run["kind"].String() != "avatar")
     throw Error(o.model, option, "is for avatars; this is a scene");
-  AvatarModel avatar = ReadAvatarGlb(o.model + "/avatar.glb");
-  FlameModel flame =
-      FlameOf(avatar, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
+  const std::string path = o.model + "/avatar.glb";
+  AvatarModel avatar = ReadAvatarGlb(path);
+  FlameModel flame = LoadFlameOfRun(avatar, path, &run, o.flame);
   AttachMesh(avatar, flame);
   return {std::move(avatar), std::move(flame)};
 }

@@ -268,9 +268,9 @@ void RenderFrames(const RenderOptions& o,
 void RenderAvatar(const RenderOptions& o, const JsonField& run) {
   if (!o.splats.empty()) throw Error(o.model, "--splats", "is for scenes; this is an avatar");
   const Device device = UsableDevice(o.device);
-  AvatarModel model = ReadAvatarGlb(o.model + "/avatar.glb");
-  const FlameModel flame =
-      FlameOf(model, LoadFlameModel(o.flame.empty() ? run["flame"].String() : o.flame));
+  const std::string path = o.model + "/avatar.glb";
+  AvatarModel model = ReadAvatarGlb(path);
+  const FlameModel flame = LoadFlameOfRun(model, path, &run, o.flame);
   AttachMesh(model, flame);
   if (o.still_bust) HoldBustStill(model);
   AvatarTestImages renderer(std::move(model), flame, {o.preview, AvatarRendererOn(device)});

@@ -34,7 +34,7 @@ Json Description(const WebModel& model) {
     json["splats"] = url("splats", model.splats);
   } else {
     json["avatar"] = url("avatar", model.avatar);
-    json["flame"] = url("flame", model.flame);
+    if (!model.flame.empty()) json["flame"] = url("flame", model.flame);
   }
   return json;
 }

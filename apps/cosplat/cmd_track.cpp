@@ -156,7 +156,7 @@ void Track(TrackRunOptions o) {
                     "' is not a tracked video that could be refined: see `cosplat landmarks`");
   if (o.focal > 0 || !o.overlay.empty() || !o.embedding.empty() || o.silhouette)
     throw Error("--focal, --overlay, --landmark-embedding and --silhouette", "need --landmarks");
-  if (o.flame.empty()) throw Error("--flame", "is missing: the model that the track is of");
+  o.flame = HeadModelOfTrack(o.flame, o.source);
   RunRefinement(o);
 }
 
@@ -174,7 +174,7 @@ void AddTrack(CLI::App& app) {
                    "a video file, or a folder of images; or a tracked video, to be refined")
       ->required();
   command->add_option(
-      "--flame", o->flame, "FLAME model, .pkl or .npz; none, with --landmarks: our own head");
+      "--flame", o->flame, "FLAME model, .pkl or .npz; none: our own head");
   command->add_option("-o,--out", o->out, "folder to write, in IMavatar's layout")->required();
   DeclareTracking(*o, *command);
   command->add_option(

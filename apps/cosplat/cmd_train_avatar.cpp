@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
@@ -159,6 +160,7 @@ void TrainAvatar(AvatarOptions o, const std::string& config) {
                 "exceeds standard glTF's degree 3: pass --truncate-degree to omit band 4 from what "
                 "other programs read");
   o.ResolveBackground(Background::kRandom);
+  o.flame = HeadModelOfTrack(o.flame, o.source);
   FlameModel flame = LoadFlameModel(o.flame);
   if (o.mouth) flame = WithMouth(std::move(flame));
   TrackedVideo loaded = LoadSplitVideo(o.source, SplitOf(o), flame);

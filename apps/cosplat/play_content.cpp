@@ -61,13 +61,7 @@ Content ContentOf(Content::Avatar loaded, const JsonField* run) {
 Content LoadAvatar(const std::string& glb, const JsonField* run, const std::string& flame) {
   Content::Avatar avatar;
   avatar.model = ReadAvatarGlb(glb);
-  if (flame.empty() && !run)
-    throw Error(glb,
-                "--flame",
-                "is needed: the FLAME model '" + avatar.model.flame_name + "', sha256 " +
-                    avatar.model.flame_sha256);
-  avatar.flame =
-      FlameOf(avatar.model, LoadFlameModel(flame.empty() ? (*run)["flame"].String() : flame));
+  avatar.flame = LoadFlameOfRun(avatar.model, glb, run, flame);
   AttachMesh(avatar.model, avatar.flame);
   return ContentOf(std::move(avatar), run);
 }

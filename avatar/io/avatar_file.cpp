@@ -261,6 +261,20 @@ AvatarModel ReadAvatarGlb(const std::string& path) {
   return ReadBinding(document, binding);
 }
 
+FlameModel LoadFlameOf(const AvatarModel& model,
+                       const std::string& avatar_path,
+                       const std::string& flame,
+                       const std::string& option) {
+  if (!flame.empty()) return FlameOf(model, LoadFlameModel(flame));
+  if (model.flame_file.empty())
+    throw Error(avatar_path,
+                option,
+                "is needed: the FLAME model " + Shown(model.flame_name, model.flame_sha256));
+  FlameModel own = ParseFlameModel(avatar_path + "/flame.npz", model.flame_file);
+  own.name = model.flame_name;
+  return FlameOf(model, std::move(own));
+}
+
 void AttachMesh(AvatarModel& model, const FlameModel& flame, bool ignore_hash) {
   if (!ignore_hash) CheckFlame("avatar", model, flame);
   CheckUnit(model, flame);
@@ -308,7 +322,10 @@ std::string ToString(const GlbSummary& summary) {
     if (a.has_light) text += "lit by a light that stands still in the world\n";
     if (a.corrections > 0)
       text += std::to_string(a.corrections) + " corrections per Gaussian follow the expression\n";
-    text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) + ", " +
+    text += "FLAME model " + Shown(a.flame_name, a.flame_sha256) +
+            (a.flame_bytes > 0 ? Format(", in the file ({:.1f} MB; it may be passed on), ",
+                                        double(a.flame_bytes) / 1e6)
+                               : ", ") +
             std::to_string(a.shape_count) + " shape coefficients, " +
             (a.has_static_offset ? "a" : "no") + " static offset" +
             (a.has_mouth ? ", teeth and a mouth added" : "") +

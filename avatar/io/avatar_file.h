@@ -18,7 +18,8 @@
 // (FlameModel::redistributable) or the caller requests it, the file contains neither the vertices
 // nor the faces of the canonical mesh, only FLAME's name and hash, the subject's shape coefficients
 // and the static offset, which is the user's own tracking result. AttachMesh then makes the mesh
-// from the model file.
+// from the model file. A model that allows it is in the file as it is, so that the avatar needs no
+// other.
 #pragma once
 
 #include <optional>
@@ -51,6 +52,14 @@ void WriteAvatarGlb(const std::string& path,
 // value for anything that is missing, out of range, not finite or of an unknown version.
 AvatarModel ReadAvatarGlb(const std::string& path);
 
+// The model that the avatar was trained with, with what was added to it (FlameOf): from the file
+// `flame`, or if that is empty from the avatar's own file, avatar_path. Throws Error if neither is
+// there, naming the `option` by which the caller's user gives `flame`, and as LoadFlameModel.
+FlameModel LoadFlameOf(const AvatarModel& model,
+                       const std::string& avatar_path,
+                       const std::string& flame,
+                       const std::string& option);
+
 // Makes the canonical mesh of an avatar that has none: the subject's shape with the static offset,
 // at zero expression and pose or as `canonical_frame` poses it. Throws Error when `flame` has
 // another hash than the model that the avatar was trained with (unless `ignore_hash`), or does not
@@ -68,6 +77,7 @@ struct GlbSummary {
     Basis basis = Basis::kDcsh;
     ColorFrame color_frame = ColorFrame::kSurface;
     std::string flame_name, flame_sha256;
+    size_t flame_bytes = 0;  // of that model in the file; 0: it is not
     bool has_mouth = false, has_eyelids = false, has_vhap_teeth = false;  // added to it
     size_t shape_count = 0;
     bool has_static_offset = false;

@@ -304,6 +304,8 @@ AvatarModel ReadBinding(const GlbDocument& document, const Json& json) {
     ReadCorrections(document, binding["corrections"], model);
   if (binding["version"].Integer() >= 4 && binding.Has("light")) ReadLight(binding["light"], model);
   if (binding.Has("blendshapes")) ReadBlendshapes(document, binding["blendshapes"], model);
+  if (const JsonField flame = binding["flame"]; flame.Has("file"))
+    model.flame_file = ReadBytes(document, flame["file"].Integer(), flame["file"].path());
   if (binding.Has("shape")) model.shape = Floats(document, binding["shape"], 1, 0);
   if (binding.Has("staticOffset")) {
     const JsonField field = binding["staticOffset"];
@@ -326,6 +328,7 @@ GlbSummary::Avatar SummarizeBinding(const GlbDocument& document, const Json& jso
   summary.color_frame = model.color_frame;
   summary.flame_name = model.flame_name;
   summary.flame_sha256 = model.flame_sha256;
+  summary.flame_bytes = model.flame_file.size();
   summary.has_mouth = model.has_mouth;
   summary.has_eyelids = model.has_eyelids;
   summary.has_vhap_teeth = model.has_vhap_teeth;

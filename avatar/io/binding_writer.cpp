@@ -167,6 +167,8 @@ Json AddBinding(GlbDocument& document,
                            : splats.attributes.at(SplatCoefficientName(0));
   if (model.gaussians.degree > 0) binding["colorRest"] = AddColor(document, model, splats);
   binding["flame"] = {{"name", Utf8(model.flame_name)}, {"sha256", model.flame_sha256}};
+  if (!model.flame_file.empty())
+    binding["flame"]["file"] = AddBytes(document, model.flame_file, GlbUse::kData);
   if (model.has_mouth) binding["flame"]["mouth"] = kMouthGeometry;
   if (model.has_vhap_teeth) binding["flame"]["mouth"] = kVhapTeethGeometry;
   if (model.has_eyelids) binding["flame"]["eyelids"] = kEyelidGeometry;

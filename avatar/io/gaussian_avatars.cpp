@@ -98,6 +98,7 @@ AvatarModel ReadGaussianAvatar(const std::string& path,
   model.color_frame = ColorFrame::kWorld;
   model.flame_name = flame.name;
   model.flame_sha256 = flame.sha256;
+  model.flame_file = flame.file;
   SetSubject(LoadDrivingSequence(SubjectOf(path, data)), own, model);
   AttachMesh(model, own);
   return model;

@@ -123,9 +123,11 @@ struct AvatarModel {
   std::optional<Light> light;  // if set, by which base colours are multiplied
   std::optional<Bust> bust;    // if set, `mesh` ends with its sheet
 
-  // The FLAME model it was trained with. Its data is not embedded unless the licence allows it.
+  // The FLAME model it was trained with, and where its licence allows it the model's file itself
+  // (FlameModel::file).
   std::string flame_name;
   std::string flame_sha256;
+  std::vector<char> flame_file;
   // What was added to that model for the training (flame/mouth.h, flame/eyelids.h,
   // flame/vhap_teeth.h).
   bool has_mouth = false, has_eyelids = false, has_vhap_teeth = false;

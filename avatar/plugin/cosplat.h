@@ -87,9 +87,9 @@ enum { COSPLAT_BUST_FOLLOWS = 0, COSPLAT_BUST_STILL = 1 };
 typedef struct cosplat_open_options {
   uint32_t struct_size; /* sizeof(cosplat_open_options) */
   uint32_t device;      /* COSPLAT_DEVICE_... */
-  /* The FLAME model (.pkl or .npz) that the avatar was trained with, which is needed because avatar
-   * files do not contain its joints. Without it cosplat_open returns COSPLAT_ERROR_FLAME, and the
-   * error text names the model. */
+  /* The FLAME model (.pkl or .npz) that the avatar was trained with. NULL: the one in the avatar's
+   * file, which has it if the model's licence allows that; FLAME's does not. Then cosplat_open
+   * returns COSPLAT_ERROR_FLAME, and the error text names the model. */
   const char* flame_path;
   uint32_t bust; /* COSPLAT_BUST_... */
 } cosplat_open_options;

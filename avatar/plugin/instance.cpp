@@ -19,14 +19,9 @@ namespace {
 // Larger than any image needs: a larger stride means that it was not initialised.
 constexpr int64_t kMaxStride = int64_t(1) << 32;
 
-FlameModel ReadFlame(const char* path, const AvatarModel& avatar) {
-  if (!path || !*path)
-    throw CodedError(COSPLAT_ERROR_FLAME,
-                     "flame_path",
-                     "is needed: the model '" + avatar.flame_name + "'" +
-                         (avatar.flame_sha256.empty() ? "" : ", sha256 " + avatar.flame_sha256));
+FlameModel ReadFlame(const char* avatar_path, const char* flame_path, const AvatarModel& avatar) {
   try {
-    return FlameOf(avatar, LoadFlameModel(path));
+    return LoadFlameOf(avatar, avatar_path, flame_path ? flame_path : "", "flame_path");
   } catch (const Error& error) {
     throw CodedError(COSPLAT_ERROR_FLAME, error.what());
   }
@@ -110,7 +105,7 @@ Instance::Instance(const char* avatar_path, const cosplat_open_options& options)
     : player_([&] {
         AvatarRendererMaker make_renderer = RendererFor(options.device);
         AvatarModel avatar = ReadAvatarGlb(avatar_path);
-        flame_ = ReadFlame(options.flame_path, avatar);
+        flame_ = ReadFlame(avatar_path, options.flame_path, avatar);
         return MakePlayer(std::move(avatar), flame_, std::move(make_renderer), options.bust);
       }()),
       rest_(RestRoot(player_.avatar(), flame_)),

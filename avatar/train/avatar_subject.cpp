@@ -114,6 +114,7 @@ AvatarModel AvatarSubject::Model(const Gaussians& gaussians) const {
   model.color_frame = settings_.color_frame;
   model.flame_name = flame_.name;
   model.flame_sha256 = flame_.sha256;
+  model.flame_file = flame_.file;
   model.has_mouth = flame_.mouth.count() > 0;
   model.has_eyelids = flame_.has_eyelids;
   model.shape = video_.shape;

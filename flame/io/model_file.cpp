@@ -26,13 +26,13 @@ std::string ShapeText(const std::vector<size_t>& shape) {
 // The arrays of a model file by name, for both file formats.
 class ModelArrays {
  public:
-  explicit ModelArrays(const std::string& path) : path_(path) {
+  ModelArrays(const std::string& path, const std::vector<char>& bytes) : path_(path) {
     const std::string extension = LowerCase(std::filesystem::path(path).extension().string());
-    CheckContent(extension);
+    CheckContent(extension, bytes);
     if (extension == ".npz") {
-      arrays_ = Npz::Read(path).arrays();
+      arrays_ = Npz::Parse(path, bytes).arrays();
     } else if (extension == ".pkl") {
-      ReadPickle();
+      ReadPickle(bytes);
     } else {
       throw Error(path, "is not a FLAME model: expected .pkl or .npz");
     }
@@ -86,8 +86,7 @@ class ModelArrays {
 
  private:
   // What people have in place of a model.
-  void CheckContent(const std::string& extension) const {
-    const std::vector<char> bytes = ReadFile(path_);
+  void CheckContent(const std::string& extension, const std::vector<char>& bytes) const {
     const std::string_view begin(bytes.data(), std::min<size_t>(bytes.size(), 64));
     const std::string other = OtherContent(begin);
     if (!other.empty()) throw Error(path_, other);
@@ -105,8 +104,8 @@ class ModelArrays {
             "it again as a binary file");
     }
   }
-  void ReadPickle() {
-    const Pickle pickle(path_, ReadFile(path_));
+  void ReadPickle(const std::vector<char>& bytes) {
+    const Pickle pickle(path_, bytes);
     if (pickle.root().kind != PickleValue::Kind::kDict)
       throw Error(path_, "is not a FLAME model: its pickle does not contain a dictionary");
     for (const char* name :
@@ -255,8 +254,10 @@ void ConvertToMetres(FlameModel& model) {
 
 }  // namespace
 
-FlameModel LoadFlameModel(const std::string& path) {
-  const ModelArrays arrays(path);
+FlameModel LoadFlameModel(const std::string& path) { return ParseFlameModel(path, ReadFile(path)); }
+
+FlameModel ParseFlameModel(const std::string& path, std::vector<char> bytes) {
+  const ModelArrays arrays(path, bytes);
   FlameModel model;
   model.name = path;  // for Validate's errors
   const NpyArray& vertices = arrays.Get("v_template", {0, 3});
@@ -278,7 +279,8 @@ FlameModel LoadFlameModel(const std::string& path) {
   ConvertToMetres(model);
   Validate(model);
   model.name = std::filesystem::path(path).filename().string();
-  model.sha256 = Sha256OfFile(path);
+  model.sha256 = Sha256(bytes.data(), bytes.size());
+  if (model.redistributable) model.file = std::move(bytes);
   return model;
 }
 

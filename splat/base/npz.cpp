@@ -39,8 +39,13 @@ NpyArray MakeArray(const std::string& path,
 
 }  // namespace
 
-Npz Npz::Read(const std::string& path) {
-  const ZipReader archive(path, ".npz");
+Npz Npz::Read(const std::string& path) { return Read(path, ZipReader(path, ".npz")); }
+
+Npz Npz::Parse(const std::string& path, std::vector<char> bytes) {
+  return Read(path, ZipReader(path, ".npz", std::move(bytes)));
+}
+
+Npz Npz::Read(const std::string& path, const ZipReader& archive) {
   Npz npz;
   npz.path_ = path;
   for (size_t i = 0; i < archive.size(); ++i) {

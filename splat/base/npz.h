@@ -11,6 +11,8 @@
 
 namespace cosplat {
 
+class ZipReader;
+
 // An array, converted to double on reading so that callers need not handle the stored type.
 struct NpyArray {
   std::vector<size_t> shape;  // empty: a scalar
@@ -26,6 +28,8 @@ class Npz {
   explicit Npz(std::string path) : path_(std::move(path)) {}
   // Reads every numeric array (text arrays are skipped). Error names file and member.
   static Npz Read(const std::string& path);
+  // The same of a file's bytes; `path` is for errors.
+  static Npz Parse(const std::string& path, std::vector<char> bytes);
   // Writes compressed members, ordered by name: int32 if they were added or read as such, otherwise
   // float32. Atomic.
   void Write(const std::string& path) const;
@@ -43,6 +47,8 @@ class Npz {
   const std::string& path() const { return path_; }
 
  private:
+  static Npz Read(const std::string& path, const ZipReader& archive);
+
   std::string path_;
   std::map<std::string, NpyArray> arrays_;
 };

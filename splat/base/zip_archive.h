@@ -30,6 +30,8 @@ class ZipReader {
   // Throws Error(path, "cannot be read as `kind`: ..."), or that there is more than
   // kMaxArchiveBytes in it.
   ZipReader(const std::string& path, const std::string& kind);
+  // The same of an archive's bytes; `path` is for errors.
+  ZipReader(const std::string& path, const std::string& kind, std::vector<char> bytes);
 
   size_t size() const;  // members
   // Empty if the name cannot be read.
@@ -43,7 +45,10 @@ class ZipReader {
   struct Discard {
     void operator()(zip* archive) const;
   };
+  void CheckTotal() const;
+
   std::string path_;
+  std::vector<char> bytes_;  // that `archive_` reads, if not those of the file
   std::unique_ptr<zip, Discard> archive_;
 };
 

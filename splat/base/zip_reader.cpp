@@ -29,12 +29,29 @@ ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(p
     throw Error(
         path, other.empty() ? "cannot be read as " + kind + ": " + ReasonOfZipError(code) : other);
   }
+  CheckTotal();
+}
+
+ZipReader::ZipReader(const std::string& path, const std::string& kind, std::vector<char> bytes)
+    : path_(path), bytes_(std::move(bytes)) {
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* source = zip_source_buffer_create(bytes_.data(), bytes_.size(), 0, &error);
+  if (source) archive_.reset(zip_open_from_source(source, ZIP_RDONLY, &error));
+  const std::string problem = archive_ ? "" : zip_error_strerror(&error);
+  if (!archive_ && source) zip_source_free(source);
+  zip_error_fini(&error);
+  if (!archive_) throw Error(path, "cannot be read as " + kind + ": " + problem);
+  CheckTotal();
+}
+
+void ZipReader::CheckTotal() const {
   uint64_t total = 0;
   zip_stat_t stat;
   for (size_t i = 0; i < size(); ++i) {
     const bool known =
         zip_stat_index(archive_.get(), i, 0, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE);
-    if (known && stat.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path, stat.name);
+    if (known && stat.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path_, stat.name);
     if (known) total += stat.size;
   }
 }

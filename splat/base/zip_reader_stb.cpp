@@ -242,16 +242,24 @@ std::vector<char> GunzipReader::ReadUpTo(size_t size) {
 
 void ZipReader::Discard::operator()(zip* archive) const { delete archive; }
 
-ZipReader::ZipReader(const std::string& path, const std::string& kind) : path_(path) {
-  archive_.reset(new zip{ReadFile(path), {}});
+ZipReader::ZipReader(const std::string& path, const std::string& kind)
+    : ZipReader(path, kind, ReadFile(path)) {}
+
+ZipReader::ZipReader(const std::string& path, const std::string& kind, std::vector<char> bytes)
+    : path_(path) {
+  archive_.reset(new zip{std::move(bytes), {}});
   try {
     archive_->entries = ReadDirectory(archive_->bytes);
   } catch (const std::string& problem) {
     throw Error(path, "cannot be read as " + kind + ": " + problem);
   }
+  CheckTotal();
+}
+
+void ZipReader::CheckTotal() const {
   uint64_t total = 0;
   for (const Entry& entry : archive_->entries) {
-    if (entry.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path, entry.name);
+    if (entry.size > kMaxArchiveBytes - total) throw TooMuchUnpacked(path_, entry.name);
     total += entry.size;
   }
 }

@@ -75,6 +75,10 @@ int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use) 
   return AddValues(document, values, {kGlbUint32, 1, 0, 0, 0, use});
 }
 
+int AddBytes(GlbDocument& document, View<const char> values, GlbUse use) {
+  return AddValues(document, values, {kGlbUint8, 1, 0, 0, 0, use});
+}
+
 std::vector<float> ReadFloats(const GlbDocument& document,
                               int accessor,
                               int width,
@@ -97,6 +101,10 @@ std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
                                    int accessor,
                                    const std::string& field) {
   return Copy<uint32_t>(document, Find(document, accessor, kGlbUint32, 1, field));
+}
+
+std::vector<char> ReadBytes(const GlbDocument& document, int accessor, const std::string& field) {
+  return Copy<char>(document, Find(document, accessor, kGlbUint8, 1, field));
 }
 
 }  // namespace cosplat

@@ -20,7 +20,7 @@
 namespace cosplat {
 
 // Numeric values of the glTF specification.
-enum GlbComponent { kGlbInt16 = 5122, kGlbUint32 = 5125, kGlbFloat = 5126 };
+enum GlbComponent { kGlbUint8 = 5121, kGlbInt16 = 5122, kGlbUint32 = 5125, kGlbFloat = 5126 };
 enum GlbMode { kGlbPoints = 0, kGlbTriangles = 4 };
 
 // What an accessor is for. Positions get bounds; indices and attributes get a buffer view target.
@@ -73,6 +73,7 @@ struct GlbDocument {
 int AddFloats(GlbDocument& document, View<const float> values, int width, GlbUse use);
 int AddShorts(GlbDocument& document, View<const int16_t> values, GlbUse use);
 int AddUnsigned(GlbDocument& document, View<const uint32_t> values, GlbUse use);
+int AddBytes(GlbDocument& document, View<const char> values, GlbUse use);
 
 // [count, width] of an accessor; `field` names the reference to it in errors. Throws Error if there
 // is no such accessor, its component type or width differs, or (floats) a value is not finite.
@@ -86,6 +87,7 @@ std::vector<int16_t> ReadShorts(const GlbDocument& document,
 std::vector<uint32_t> ReadUnsigned(const GlbDocument& document,
                                    int accessor,
                                    const std::string& field);
+std::vector<char> ReadBytes(const GlbDocument& document, int accessor, const std::string& field);
 
 // Atomic. Throws Error if the file would exceed GLB's 4 GiB.
 void WriteGlb(const GlbDocument& document);

@@ -99,6 +99,9 @@ TEST_F(ModelFile, NpzRoundTrip) {
     ExpectSameModel(loaded, model);
     EXPECT_EQ(loaded.name, "model.npz");
     EXPECT_EQ(loaded.sha256, Sha256OfFile(folder_ / "model.npz"));
+    const std::vector<char> bytes = ReadFile(folder_ / "model.npz");
+    EXPECT_EQ(loaded.file, redistributable ? bytes : std::vector<char>());
+    ExpectSameModel(ParseFlameModel("elsewhere/model.npz", bytes), model);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "tests/integration/command.h"
 
@@ -84,11 +85,20 @@ TEST(Play, AFileAloneIsSeenFromTheFront) {
   const Workshop& w = Workshop::Get();
   const TemporaryFolder out;
   std::filesystem::copy(w.avatar + "/avatar.glb", out / "me.glb");
-  ExpectLine(PlayInto(out / "a", out / "me.glb", {}), {"me.glb", "--flame", "model.npz", "sha256"});
-  const CommandResult played =
-      PlayInto(out / "b", out / "me.glb", {"--flame", w.model, "--size", "64x64"});
+  const CommandResult played = PlayInto(out / "a", out / "me.glb", {"--size", "64x64"});
   ASSERT_EQ(played.code, 0) << played.err;
-  EXPECT_GT(MeanDifference(ReadImage(out / "b/00000.png"), Image8(64, 64, 3, 255)), 10);
+  EXPECT_GT(MeanDifference(ReadImage(out / "a/00000.png"), Image8(64, 64, 3, 255)), 10);
+  const CommandResult info = Cosplat({"info", out / "me.glb"});
+  EXPECT_NE(info.out.find("it may be passed on"), std::string::npos) << info.out << info.err;
+
+  // Without its model in the file: readers ignore a field that they do not know.
+  std::string bytes = test::Slurp(out / "me.glb");
+  bytes.replace(bytes.find("\"file\":") + 1, 4, "none");
+  std::ofstream(out / "bare.glb", std::ios::binary) << bytes;
+  ExpectLine(PlayInto(out / "b", out / "bare.glb", {}),
+             {"bare.glb", "--flame", "model.npz", "sha256"});
+  ASSERT_EQ(PlayInto(out / "c", out / "bare.glb", {"--flame", w.model, "--size", "64x64"}).code, 0);
+  EXPECT_EQ(ReadImage(out / "c/00000.png").data, ReadImage(out / "a/00000.png").data);
 }
 
 TEST(Play, AScenesTurnAsAVideo) {

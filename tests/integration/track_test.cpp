@@ -267,6 +267,11 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
   EXPECT_EQ(own.template_vertices, LoadFlameModel(filmed.head + "/model.npz").template_vertices);
   // Its track says which head it is of.
   EXPECT_EQ(LoadDrivingSequence(out + "/track").model_vertices, own.vertex_count);
+  // The later commands find it, too.
+  EXPECT_EQ(Cosplat({"check", out + "/track"}).code, 0);
+  const CommandResult again = Cosplat({"train-avatar", "-s", out + "/track", "-m", out + "/again",
+                                       "--iterations", "5", "--gaussians", "500", "--quiet"});
+  EXPECT_EQ(again.code, 0) << again.err;
 }
 
 TEST(Avatar, NamesAVideoThatCannotBeReadBeforeAnythingElse) {

@@ -124,6 +124,27 @@ TEST(PluginOpen, RefusesWithoutItsFlameModel) {
   EXPECT_EQ(Open(Path(), &options), COSPLAT_ERROR_FLAME);
 }
 
+TEST(PluginOpen, TakesTheModelFromTheAvatarsFile) {
+  const PluginFiles& files = PluginFiles::Get();
+  AvatarModel avatar = files.avatar;
+  avatar.flame_file = files.flame.file;
+  const std::string path = files.Write("whole.glb", avatar);
+  cosplat_open_options options = OpenOptions();
+  EXPECT_EQ(Open(path.c_str(), &options), COSPLAT_OK) << "the same model by its path";
+  options.flame_path = nullptr;
+  EXPECT_EQ(Open(path.c_str(), &options), COSPLAT_OK) << cosplat_last_error(nullptr);
+  // What is no model, or not this avatar's.
+  avatar.flame_file.resize(1000);
+  EXPECT_EQ(Open(files.Write("cut.glb", avatar).c_str(), &options), COSPLAT_ERROR_FLAME);
+  EXPECT_TRUE(Contains(cosplat_last_error(nullptr), "cut.glb/flame.npz"));
+  FlameModel other = files.flame;
+  other.template_vertices[0] += 1e-3f;
+  WriteFlameModelNpz(files.folder / "another.npz", other);
+  avatar.flame_file = LoadFlameModel(files.folder / "another.npz").file;
+  EXPECT_EQ(Open(files.Write("mixed.glb", avatar).c_str(), &options), COSPLAT_ERROR_FLAME);
+  EXPECT_TRUE(Contains(cosplat_last_error(nullptr), files.flame.sha256));
+}
+
 TEST(PluginOpen, RefusesWrongArguments) {
   cosplat_open_options options = OpenOptions();
   EXPECT_EQ(Open(nullptr, &options), COSPLAT_ERROR_ARGUMENT);

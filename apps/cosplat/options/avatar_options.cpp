@@ -42,7 +42,8 @@ void AvatarOptions::Declare(CLI::App& command) {
 
 void AvatarOptions::DeclareTraining(CLI::App& command) {
   BeginGroup(command, "Data");
-  command.add_option("--flame", flame, "FLAME model file (.pkl or .npz)")->required();
+  command.add_option(
+      "--flame", flame, "FLAME model file (.pkl or .npz); none: head.npz beside the track");
   command.add_option("--landmarks",
                      landmarks,
                      "the video's landmarks with scores: lets face trackers drive the avatar");

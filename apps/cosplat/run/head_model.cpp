@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "assets/head/procedural_head.h"
+#include "splat/base/error.h"
 #include "splat/base/files.h"
 
 namespace cosplat {
@@ -14,6 +15,16 @@ std::string HeadModelFor(const std::string& given, const std::string& folder) {
   MakeDirectories(folder);
   WriteFlameModelNpz(path, MakeHeadForPeople());
   return path;
+}
+
+std::string HeadModelOfTrack(const std::string& given, const std::string& track) {
+  if (!given.empty()) return given;
+  const std::filesystem::path folder = std::filesystem::absolute(track + "/").parent_path();
+  for (const auto& place : {folder, folder.parent_path()})
+    if (std::filesystem::exists(place / "head.npz")) return (place / "head.npz").string();
+  throw Error("--flame",
+              "is missing: the model that the track '" + track +
+                  "' is of (a track on our own head has head.npz beside it)");
 }
 
 }  // namespace cosplat

@@ -8,5 +8,8 @@ namespace cosplat {
 // `given`, or where it is empty <folder>/head.npz: our own head (assets/head), which may be passed
 // on. It is written unless an earlier run has left it there.
 std::string HeadModelFor(const std::string& given, const std::string& folder);
+// `given`, or where it is empty the head.npz that HeadModelFor left in the track's folder or beside
+// it. Throws Error if there is none.
+std::string HeadModelOfTrack(const std::string& given, const std::string& track);
 
 }  // namespace cosplat

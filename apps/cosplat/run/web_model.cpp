@@ -55,10 +55,10 @@ WebModel FindWebModel(const std::string& model, const std::string& flame) {
   found.avatar = folder ? model + "/avatar.glb" : model;
   if (fs::path(found.avatar).extension() != ".glb")
     throw Error(model, "is GaussianAvatars' point cloud: `cosplat export --run` makes a run of it");
-  found.flame =
-      flame.empty() ? FlameOfRun(fs::absolute(found.avatar).parent_path().string()) : flame;
   found.flame_name = content.avatar->flame.name;
-  found.flame_redistributable = content.avatar->flame.redistributable;
+  if (content.avatar->model.flame_file.empty())
+    found.flame =
+        flame.empty() ? FlameOfRun(fs::absolute(found.avatar).parent_path().string()) : flame;
   return found;
 }
 
@@ -89,8 +89,7 @@ void WriteWebPage(const std::string& path, const WebModel& model) {
     content["splats"] = FileText(model.splats);
   } else {
     content["avatar"] = FileText(model.avatar);
-    content["flameName"] = model.flame_name;
-    if (model.flame_redistributable) content["flame"] = FileText(model.flame);
+    if (!model.flame.empty()) content["flameName"] = model.flame_name;
   }
   // "<" could end the script that holds it.
   std::string text = content.dump();

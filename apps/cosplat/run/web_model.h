@@ -9,10 +9,10 @@ namespace cosplat {
 
 struct WebModel {
   std::string title;
-  std::string avatar, flame;           // paths of an avatar's .glb and of its FLAME model, or
-  std::string splats;                  // of a scene's .ply, .splat, .glb, .spz or .sog
-  std::string flame_name;              // the avatar's name of its FLAME model
-  bool flame_redistributable = false;  // whether it may be passed on with the page
+  // Paths of an avatar's .glb and of its FLAME model, if that is not in the .glb itself, or
+  std::string avatar, flame;
+  std::string splats;      // of a scene's .ply, .splat, .glb, .spz or .sog
+  std::string flame_name;  // the avatar's name of its FLAME model
 };
 
 // model: a run's folder, a .glb, a splat file; flame: the FLAME model, or empty for
@@ -27,7 +27,7 @@ std::string WebFolder(const std::string& file);
 // `cosplat export --html`: the model with its player in one file.
 //
 // Puts the model into the page that `npm run offline` made (apps/web/dist/offline.html) and writes
-// it atomically. The FLAME model goes into it only if it may be passed on; otherwise the page asks
+// it atomically. A FLAME model that is not in the avatar's file may not be passed on: the page asks
 // for it. Throws Error if the page was not built or a file cannot be read or written.
 void WriteWebPage(const std::string& path, const WebModel& model);
 

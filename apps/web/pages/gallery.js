@@ -3,16 +3,20 @@ import { driveControls, faceControls, fileChooser, lookControls, make, show } fr
 
 export function gallery(model, { title, stage, panel, status }) {
   const open = (chosen) => gallery(chosen, { title, stage, panel, status });
-  if (!model || (model.avatar && !model.flame)) {
+  if (!model || (model.flameName && !model.flame)) {
     title.textContent = model?.title ?? "CoSplat";
     status.textContent = model
-      ? `This avatar needs its FLAME model${model.flameName ? `, ${model.flameName}` : ""}: choose the file.`
-      : "Choose an avatar (.glb) with its FLAME model, or splats (.ply, .spz, .sog, .splat).";
+      ? `This avatar needs its FLAME model, ${model.flameName}: choose the file.`
+      : "Choose an avatar (.glb), or splats (.ply, .spz, .sog, .splat).";
     return panel.replaceChildren(model ? flameChooser(model, open) : fileChooser(open), status);
   }
   title.textContent = model.title;
   document.title = `${model.title} · CoSplat`;
   const element = show(model, stage, status);
+  element.addEventListener("error", ({ message }) => {
+    const [, flameName] = (!model.flame && /flame_path: is needed: .*'(.*)'/.exec(message)) || [];
+    if (flameName) open({ ...model, flameName });
+  });
   const parts = [status];
   if (model.avatar) {
     const face = faceControls(element);

@@ -7,7 +7,7 @@ export async function findEngine() {
   if (url) usePlayCanvas(await import(new URL(url, document.baseURI)));
 }
 
-// The model: by the page's query (?avatar=URL&flame=URL or ?splats=URL), or else of `cosplat serve`.
+// The model: by the page's query (?avatar=URL[&flame=URL] or ?splats=URL), or else of `cosplat serve`.
 // Null: none, so that the user has to choose files.
 export async function findModel() {
   const query = new URLSearchParams(location.search);
@@ -67,10 +67,10 @@ export function fileChooser(use) {
     const [file] = model.files;
     if (!file) return;
     if (!file.name.endsWith(".glb")) use({ title: file.name, splats: file });
-    else if (flame.files[0]) use({ title: file.name, avatar: file, flame: flame.files[0] });
+    else use({ title: file.name, avatar: file, flame: flame.files[0] });
   };
   model.onchange = flame.onchange = open;
-  return make("fieldset", {}, make("legend", { textContent: "Files" }), labelled("avatar, splats", model), labelled("FLAME model", flame));
+  return make("fieldset", {}, make("legend", { textContent: "Files" }), labelled("avatar, splats", model), labelled("FLAME model, if not in it", flame));
 }
 
 const SHOWN_EXPRESSIONS = 8;

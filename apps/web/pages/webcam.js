@@ -19,7 +19,7 @@ function use(model) {
 }
 await findEngine();
 const model = await findModel();
-if (model?.avatar && model.flame) use(model);
+if (model?.avatar) use(model);
 else byId("panel").prepend(fileChooser((chosen) => chosen.avatar && use(chosen)));
 
 function say(text, problem = false) {

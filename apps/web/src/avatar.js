@@ -14,7 +14,7 @@ const STATUS = [
 const nanoseconds = (ms) => BigInt(Math.round(ms * 1e6));
 
 // avatar: a .glb of `cosplat train-avatar`; flame: the FLAME model that it was trained with (.pkl or
-// .npz). Each a URL, a Blob, an ArrayBuffer or a Uint8Array. options: bust ("follows", "still"), and
+// .npz), or nothing if that is in the .glb. Each a URL, a Blob, an ArrayBuffer or a Uint8Array. options: bust ("follows", "still"), and
 // those of loadModule. Throws CosplatError.
 export async function openAvatar(avatar, flame, options = {}) {
   const [file, model] = await Promise.all([

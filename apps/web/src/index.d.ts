@@ -196,7 +196,7 @@ export class Avatar {
   splats(blurVariance: number, out?: ViewSplats): ViewSplats;
   close(): void;
 }
-export function openAvatar(avatar: Source, flame: Source | null, options?: AvatarOptions): Promise<Avatar>;
+export function openAvatar(avatar: Source, flame?: Source | null, options?: AvatarOptions): Promise<Avatar>;
 
 /** A static scene on the thread that calls it. */
 export class Scene {
@@ -232,7 +232,7 @@ declare class Remote extends EventTarget {
 
 /** An avatar in a worker. Events: "error" (detail: {message, status}) and "stats" (detail: Stats). */
 export class RemoteAvatar extends Remote {
-  static open(avatar: Source, flame: Source | null, options?: AvatarOptions & RemoteOptions): Promise<RemoteAvatar>;
+  static open(avatar: Source, flame?: Source | null, options?: AvatarOptions & RemoteOptions): Promise<RemoteAvatar>;
   readonly properties: AvatarInfo & Threads;
   info(): Promise<AvatarInfo>;
   setParameters(parameters?: Parameters): void;
@@ -283,7 +283,7 @@ export class AvatarElement extends HTMLElement {
   readonly remote: RemoteAvatar | null;
   readonly drawing: "cpu" | "gpu";
   /** In place of the attributes src and flame. */
-  load(src: Source, flame: Source): void;
+  load(src: Source, flame?: Source | null): void;
   look(orbit: Required<Orbit>): void;
   setParameters(parameters?: Parameters): void;
   resetParameters(): void;

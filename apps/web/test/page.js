@@ -83,7 +83,7 @@ async function errors() {
   const failing = {
     missing_avatar: ["cosplat-avatar", { src: "/data/none.glb", flame }],
     missing_flame: ["cosplat-avatar", { src: avatar, flame: "/data/none.npz" }],
-    no_flame: ["cosplat-avatar", { src: avatar }],
+    no_flame: ["cosplat-avatar", { src: "/data/bare.glb" }],
     wrong_flame: ["cosplat-avatar", { src: avatar, flame: "/data/frames.json" }],
     cut_avatar: ["cosplat-avatar", { src: "/data/cut.glb", flame }],
     cut_flame: ["cosplat-avatar", { src: avatar, flame: "/data/cut.npz" }],
