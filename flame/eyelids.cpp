@@ -148,6 +148,10 @@ FlameModel WithEyelids(FlameModel model) {
   model.expression_directions.insert(
       model.expression_directions.end(), directions.begin(), directions.end());
   model.expression_count += 2;
+  if (!model.expression_names.empty()) {
+    model.expression_names.resize(size_t(model.expression_count));
+    model.expression_scores.resize(size_t(model.expression_count));
+  }
   model.has_eyelids = true;
   return model;
 }

@@ -1,7 +1,9 @@
 #include "flame/model.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "flame/blendshape_names.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -74,6 +76,27 @@ void CheckLandmarks(const FlameModel& model) {
   }
 }
 
+void CheckNames(const FlameModel& model) {
+  const std::vector<std::string>& names = model.expression_names;
+  if (names.empty()) return;
+  CheckFinite(model, "expression_scores", model.expression_scores, size_t(model.expression_count));
+  if (names.size() != size_t(model.expression_count))
+    throw Error(model.name,
+                "expression_names",
+                Format("has {} names for {} directions", names.size(), model.expression_count));
+  for (size_t e = 0; e < names.size(); ++e) {
+    if (names[e].empty()) continue;
+    if (FindArkitBlendshape(names[e]) < 0 || std::count(names.begin(), names.end(), names[e]) > 1)
+      throw Error(model.name,
+                  Format("expression_names[{}]", e),
+                  "is '" + names[e] + "', expected each of ARKit's names once");
+    if (!(model.expression_scores[e] > 0 && model.expression_scores[e] < 100))
+      throw Error(model.name,
+                  Format("expression_scores[{}]", e),
+                  Format("is {}, expected 0 to 100", model.expression_scores[e]));
+  }
+}
+
 }  // namespace
 
 void Validate(const FlameModel& model) {
@@ -92,6 +115,7 @@ void Validate(const FlameModel& model) {
   CheckFaces(model);
   CheckParents(model);
   CheckLandmarks(model);
+  CheckNames(model);
   CheckRowsSumToOne(model, "skinning_weights", model.skinning_weights, kFlameJoints);
   CheckRowsSumToOne(model, "joint_regressor", model.joint_regressor, v);
 }

@@ -43,7 +43,8 @@ struct FlameModel {
   std::string name;              // file name without folders, or "procedural"
   std::string sha256;            // of the file's bytes; empty for the procedural head
   bool redistributable = false;  // whether its data may be embedded in an avatar file
-  // The bytes of the .npz, where it is redistributable: avatars carry them (avatar/io/avatar_file.h).
+  // The bytes of the .npz, where it is redistributable: avatars carry them
+  // (avatar/io/avatar_file.h).
   std::vector<char> file;
 
   double unit = 1;  // metres per unit of the file
@@ -56,16 +57,22 @@ struct FlameModel {
   std::vector<std::array<int32_t, 3>> faces;  // [F] vertex indices, counter-clockwise outside
   std::vector<float> shape_directions;        // [S, V, 3] metres per unit coefficient
   std::vector<float> expression_directions;   // [E, V, 3]
-  std::vector<float> pose_directions;         // [36, V, 3], of vec(R_1..4 - I), row-major
-  std::vector<float> joint_regressor;         // [5, V], rows sum to 1
-  std::vector<float> skinning_weights;        // [V, 5], rows sum to 1
+  // What each does, where it has a meaning of its own: one of ARKit's names
+  // (flame/blendshape_names.h), "" if it has none; and the coefficient that is a score of 1. [E]
+  // each, or empty: none has.
+  std::vector<std::string> expression_names;
+  std::vector<float> expression_scores;
+  std::vector<float> pose_directions;   // [36, V, 3], of vec(R_1..4 - I), row-major
+  std::vector<float> joint_regressor;   // [5, V], rows sum to 1
+  std::vector<float> skinning_weights;  // [V, 5], rows sum to 1
   std::array<int, kFlameJoints> parents{-1, 0, 1, 1, 1};
   // Where detectors see MediaPipe's landmarks on this mesh, of a model that people are fitted with
   // in place of FLAME. Empty in FLAME's own files, whose mesh is known (FlameLandmarks,
   // flame/fit/landmark_embedding.h).
   LandmarkEmbedding landmarks;
   MouthParts mouth;  // all zero: the model as its file has it
-  // The last two expression coefficients close the left and the right eyelid (flame/eyelids.h).
+  // The last two expression coefficients close the left and the right eyelid: they are named
+  // eyeBlinkLeft and eyeBlinkRight, or were added (flame/eyelids.h).
   bool has_eyelids = false;
 
   // Vertices of the file, without an added mouth.
@@ -96,7 +103,9 @@ void Validate(const FlameModel& model);
 //   [V, 3, 36], J_regressor [5, V] (dense or scipy csc), weights [V, 5], kintree_table [2, 5] or
 //   parents [5]; optional numbers n_shape, n_expr, redistributable; optional arrays of a model that
 //   is not FLAME's mesh, with MediaPipe's landmarks on it: landmark_indices [L], landmark_vertices
-//   [L, 3], landmark_barycentric [L, 3], landmark_looseness [L].
+//   [L, 3], landmark_barycentric [L, 3], landmark_looseness [L]; and with directions that are
+//   ARKit's blendshapes: expression_blendshapes [E], the place in kArkitNames or -1, and
+//   expression_scores [E], the coefficient that is a score of 1.
 //
 // A template of 426 or 43 units, or of 0.0004, is one in millimetres, centimetres or kilometres
 // (kFlameTemplateSize, within a factor of 3) and is converted to metres; other sizes are left.

@@ -108,7 +108,8 @@ void AddCheck(CLI::App& app) {
   const auto o = std::make_shared<CheckOptions>();
   command->add_option("data", o->data, "the data set's folder")->required();
   command->add_option("-o,--out", o->page, "write a page with pictures of it (.html)");
-  command->add_option("--flame", o->flame, "FLAME model file, of tracked videos; none: head.npz beside them");
+  command->add_option(
+      "--flame", o->flame, "FLAME model file, of tracked videos; none: head.npz beside them");
   command->add_option("-i,--images", o->images, "scenes: folder of the images, as of train-scene");
   command
       ->add_option("-r,--resolution",

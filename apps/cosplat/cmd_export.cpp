@@ -147,12 +147,11 @@ void WriteHtml(const ExportOptions& o) {
       FindWebModel(o.source.splats.empty() ? o.source.model : o.source.splats, o.source.flame);
   WriteWebPage(o.html, model);
   if (o.quiet) return;
-  std::printf("%s: a page with its player, %.2f MB%s\n",
-              o.html.c_str(),
-              double(std::filesystem::file_size(o.html)) / 1e6,
-              model.flame.empty()
-                  ? ""
-                  : "; it asks for the FLAME model, which may not be passed on");
+  std::printf(
+      "%s: a page with its player, %.2f MB%s\n",
+      o.html.c_str(),
+      double(std::filesystem::file_size(o.html)) / 1e6,
+      model.flame.empty() ? "" : "; it asks for the FLAME model, which may not be passed on");
 }
 
 void Export(ExportOptions& o) {

@@ -3,18 +3,22 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/head_sheets.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "assets/head/video.h"
+#include "splat/base/error.h"
 
 namespace cosplat {
 namespace {
 
 struct MakeHeadChoices : MakeHeadOptions {
-  std::string out;
+  std::string out, sheets;
   bool quiet = false;
 };
 
 void MakeHead(const MakeHeadChoices& o) {
+  if (!o.sheets.empty()) return WriteHeadSheets(o.sheets);
+  if (o.out.empty()) throw Error("--out", "is missing: the folder to write");
   {
     ProgressBar bar("make-head", o.frames, o.quiet);
     WriteProceduralVideo(o.out, o, [&](int done, int) { bar.Update(done, "frames"); });
@@ -35,7 +39,10 @@ void AddMakeHead(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("make-head", "render the procedural head: a tracked video to train on");
   const auto o = std::make_shared<MakeHeadChoices>();
-  command->add_option("-o,--out", o->out, "folder to write")->required();
+  auto* out = command->add_option("-o,--out", o->out, "folder to write");
+  auto* sheets = command->add_option(
+      "--sheets", o->sheets, "folder for pictures of the expressions and shapes of our own head");
+  out->excludes(sheets);
   command->add_option("--frames", o->frames, "length of the video");
   command->add_option("--test-frames", o->test_frames, "the last ones, with unseen expressions");
   command->add_option("--size", o->size, "width and height in pixels");

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"

@@ -16,6 +16,7 @@
 #include "apps/cosplat/options/train_options.h"
 #include "apps/cosplat/run/camera_path.h"
 #include "apps/cosplat/run/frame_sink.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"

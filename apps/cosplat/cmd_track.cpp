@@ -173,8 +173,7 @@ void AddTrack(CLI::App& app) {
                    o->source,
                    "a video file, or a folder of images; or a tracked video, to be refined")
       ->required();
-  command->add_option(
-      "--flame", o->flame, "FLAME model, .pkl or .npz; none: our own head");
+  command->add_option("--flame", o->flame, "FLAME model, .pkl or .npz; none: our own head");
   command->add_option("-o,--out", o->out, "folder to write, in IMavatar's layout")->required();
   DeclareTracking(*o, *command);
   command->add_option(

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "apps/cosplat/commands.h"
-#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/options/avatar_options.h"
 #include "apps/cosplat/options/command_line.h"
 #include "apps/cosplat/run/avatar_blendshapes.h"
+#include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/progress_bar.h"
 #include "apps/cosplat/run/run_data.h"

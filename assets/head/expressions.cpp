@@ -146,6 +146,10 @@ Vec ChinRaise(const Site& s) {
 
 }  // namespace
 
+Vec LidShift(const HeadMesh& mesh, int v, bool left, float upper, float lower) {
+  return Lids(SiteOf(mesh, v), left, false, upper, lower);
+}
+
 Vec ExpressionShift(const HeadMesh& mesh, int expression, int v) {
   const Site s = SiteOf(mesh, v);
   if (s.l.part == Part::kLeftEye || s.l.part == Part::kRightEye) return {};

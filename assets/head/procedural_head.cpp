@@ -54,11 +54,17 @@ ProceduralHead MakeProceduralHeadParts() {
 
 FlameModel MakeProceduralHead() { return MakeProceduralHeadParts().model; }
 
-FlameModel MakeHeadForPeople() {
+FlameModel MakeHeadForPeople() { return MakeHeadForPeopleParts().model; }
+
+ProceduralHead MakeHeadForPeopleParts() {
   ProceduralHead head = MakeProceduralHeadParts();
+  procedural::OpenMouth(head);
   head.model.landmarks = procedural::FacePoints(head.mesh);
+  procedural::ShiftToMeanOfPeople(head.mesh, head.model);
+  procedural::SetArkitExpressions(head.mesh, head.model);
   procedural::AddRegionalDirections(head.mesh, head.model);
-  return std::move(head.model);
+  head.model.has_eyelids = true;
+  return head;
 }
 
 Image8 RenderProceduralHead(const ProceduralHead& head,
@@ -70,11 +76,13 @@ Image8 RenderProceduralHead(const ProceduralHead& head,
     pose.vertices.push_back(math::ToVec3(&vertices[i]));
   pose.posed_from_rest = flame_math::Rodrigues(math::ToVec3(params.pose[0])) *
                          flame_math::Rodrigues(math::ToVec3(params.pose[1]));
-  auto coefficient = [&](Expression e) {
-    return size_t(e) < params.expression.size() ? params.expression[size_t(e)] : 0.0f;
+  const bool lids_last = head.model.has_eyelids;
+  auto coefficient = [&](Expression e, int from_end) {
+    const size_t at = size_t(lids_last ? head.model.expression_count - from_end : int(e));
+    return at < params.expression.size() ? params.expression[at] : 0.0f;
   };
-  pose.blink_left = coefficient(Expression::kBlinkLeft);
-  pose.blink_right = coefficient(Expression::kBlinkRight);
+  pose.blink_left = coefficient(Expression::kBlinkLeft, 2);
+  pose.blink_right = coefficient(Expression::kBlinkRight, 1);
   const procedural::HeadShader shader(head, pose, math::ToVec3(camera.Center()));
   return procedural::Rasterize(vertices, head.model.faces, camera, shader);
 }

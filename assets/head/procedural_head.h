@@ -51,8 +51,11 @@ struct ProceduralHead {
 
 ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
-// The same head to be fitted to people: after the named directions of shape and expression come
-// those of the face's regions (57 and 45), which its own video does not need, and it has landmarks.
+// The same head to be fitted to people: with their mean face in place of its own (`mesh` stays at
+// rest as sculpted, which paint and shading go by) and a hole behind the lips; its expressions are
+// 45 directions of the face's regions and 44 of ARKit's blendshapes by name; 57 directions of
+// regions follow its shapes; and it has landmarks.
+ProceduralHead MakeHeadForPeopleParts();
 FlameModel MakeHeadForPeople();
 
 // Renders one frame as RGBA with straight alpha. `vertices`: [V, 3] from FlamePoser for `params`.

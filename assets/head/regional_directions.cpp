@@ -91,17 +91,18 @@ void AddShape(const HeadMesh& mesh, const Region& region, FlameModel& model) {
 void AddExpression(const HeadMesh& mesh,
                    const MovingRegion& moving,
                    float side,
-                   FlameModel& model) {
+                   const FlameModel& model,
+                   std::vector<float>& directions) {
   const auto& [region, lip] = moving;
   const Vec at{side * region.at.x, region.at.y, region.at.z};
-  for (int axis = 0; axis < 3; ++axis, ++model.expression_count)
+  for (int axis = 0; axis < 3; ++axis)
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       const Part part = mesh.labels[v].part;
       const bool eye = part == Part::kLeftEye || part == Part::kRightEye;
       const float share = ShareOfLip(lip, &model.skinning_weights[kFlameJoints * v]);
       const Vec d =
           Along(axis, eye ? 0 : kAmount * share * Ball(mesh.positions[v], at, region.width));
-      model.expression_directions.insert(model.expression_directions.end(), {d.x, d.y, d.z});
+      directions.insert(directions.end(), {d.x, d.y, d.z});
     }
 }
 
@@ -109,9 +110,16 @@ void AddExpression(const HeadMesh& mesh,
 
 void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model) {
   for (const Region& region : kShapeRegions) AddShape(mesh, region, model);
+  std::vector<float> directions;
   for (const MovingRegion& moving : kMovingRegions)
     for (const float side : {1.0f, -1.0f})
-      if (side > 0 || moving.region.at.x > 0) AddExpression(mesh, moving, side, model);
+      if (side > 0 || moving.region.at.x > 0) AddExpression(mesh, moving, side, model, directions);
+  const size_t count = directions.size() / (3 * mesh.positions.size());
+  model.expression_count += int(count);
+  model.expression_directions.insert(
+      model.expression_directions.begin(), directions.begin(), directions.end());
+  model.expression_names.insert(model.expression_names.begin(), count, "");
+  model.expression_scores.insert(model.expression_scores.begin(), count, 0);
 }
 
 }  // namespace cosplat::procedural

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/head/mesh.h"
+#include "assets/head/procedural_head.h"
 #include "flame/model.h"
 
 namespace cosplat::procedural {
@@ -30,7 +31,18 @@ std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>
 // to fit each other.
 Vec RigidAtEyes(const std::function<Vec(const Vec&)>& field, const Vec& p, Part part);
 
-// Appends shape and expression directions of the face's regions to `model`, which is of `mesh`.
+// Takes teeth, gums and throat out of the mesh and the model.
+void OpenMouth(ProceduralHead& head);
+
+// Moves the template of `model`, which is of `mesh`, to the mean of people's faces.
+void ShiftToMeanOfPeople(const HeadMesh& mesh, FlameModel& model);
+
+// ARKit's blendshapes in place of the expression directions that `model` has, which is of `mesh`;
+// the lids' are the last two.
+void SetArkitExpressions(const HeadMesh& mesh, FlameModel& model);
+
+// Appends shape directions of the face's regions, and inserts expression directions before the
+// named ones.
 void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model);
 
 // Where MediaPipe's face mesh has its points on this head.
@@ -38,6 +50,9 @@ LandmarkEmbedding FacePoints(const HeadMesh& mesh);
 
 // Displacement of vertex v by the full expression (index into cosplat::Expression).
 Vec ExpressionShift(const HeadMesh& mesh, int expression, int v);
+
+// Displacement of vertex v by lids that turn by so many degrees upwards.
+Vec LidShift(const HeadMesh& mesh, int v, bool left, float upper, float lower);
 
 // How rigidly a point of the head moves with an eye: 1 on lids and eyeball, 0 well away from them.
 float NearEye(const Vec& p);

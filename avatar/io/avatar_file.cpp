@@ -169,8 +169,9 @@ void CheckTopology(const std::string& where, const AvatarModel& model, const Fla
                     std::to_string(faces) + " or different face indices");
 }
 
-// Adds the canonical mesh as triangles, with a morph target per expression direction: at zero pose,
-// and only there, FLAME's vertices are linear in the expression.
+// Adds the canonical mesh as triangles, with a morph target per expression direction, or per one
+// that has a name if some have, of a score of 1: at zero pose, and only there, FLAME's vertices are
+// linear in the expression.
 GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameModel* flame) {
   GlbPrimitive primitive;
   primitive.attributes["POSITION"] = AddFloats(document, model.mesh.vertices, 3, GlbUse::kPosition);
@@ -180,12 +181,17 @@ GlbMesh AddMesh(GlbDocument& document, const AvatarModel& model, const FlameMode
   GlbMesh mesh{"canonical mesh", {}, {}};
   const int expressions = flame && !model.canonical_frame ? flame->expression_count : 0;
   for (int e = 0; e < expressions; ++e) {
+    const std::vector<std::string>& names = flame->expression_names;
+    if (!names.empty() && names[size_t(e)].empty()) continue;
+    const float score = names.empty() ? 1 : flame->expression_scores[size_t(e)];
     const size_t size = 3 * size_t(flame->vertex_count);
     std::vector<float> direction(model.mesh.vertices.size());  // a bust does not move
-    std::copy_n(&flame->expression_directions[e * size], size, direction.begin());
+    for (size_t i = 0; i < size; ++i)
+      direction[i] = score * flame->expression_directions[size_t(e) * size + i];
     primitive.targets.push_back(
         {{"POSITION", AddFloats(document, direction, 3, GlbUse::kPosition)}});
-    mesh.extras["targetNames"].push_back("expression_" + std::to_string(e));
+    mesh.extras["targetNames"].push_back(names.empty() ? "expression_" + std::to_string(e)
+                                                       : names[size_t(e)]);
   }
   mesh.primitives.push_back(std::move(primitive));
   return mesh;

@@ -72,6 +72,8 @@ ChosenMap ChooseBlendshapeMap(const std::string& matrix, const LiveSourceOptions
   if (!matrix.empty())
     return {ReadBlendshapeMatrix(matrix), std::filesystem::path(matrix).filename().string()};
   if (options.blendshapes) return {*options.blendshapes, "the avatar's own blendshape map"};
+  if (options.flame && !options.flame->expression_names.empty())
+    return {GeneralBlendshapeMap(options.flame), "the head's own directions, by ARKit's names"};
   const bool lids = options.flame && options.flame->has_eyelids;
   return {GeneralBlendshapeMap(options.flame),
           Format("the general blendshape map: jaw{} and gaze only", lids ? ", eyelids" : "")};

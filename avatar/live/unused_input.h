@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "avatar/model/blendshape_names.h"
+#include "flame/blendshape_names.h"
 
 namespace cosplat {
 

@@ -148,12 +148,16 @@ BlendshapeMap GeneralBlendshapeMap(const FlameModel* flame) {
   const size_t expressions = flame ? size_t(flame->expression_count) : 0;
   BlendshapeMap map;
   map.offset.assign(expressions + kMappedTurns, 0.0f);
-  const auto add = [&](const char* name, size_t output, float value) {
-    map.names.push_back(name);
-    map.min.push_back(0);
-    map.max.push_back(1);
-    map.matrix.resize(map.names.size() * map.offset.size());
-    map.matrix[map.matrix.size() - map.offset.size() + output] = value;
+  const auto add = [&](const std::string& name, size_t output, float value) {
+    const size_t row =
+        size_t(std::find(map.names.begin(), map.names.end(), name) - map.names.begin());
+    if (row == map.names.size()) {
+      map.names.push_back(name);
+      map.min.push_back(0);
+      map.max.push_back(1);
+      map.matrix.resize(map.names.size() * map.offset.size());
+    }
+    map.matrix[row * map.offset.size() + output] = value;
   };
   for (const GeneralTurn& turn : kGeneralTurns)
     add(turn.name, expressions + turn.turn, turn.radians);
@@ -161,6 +165,9 @@ BlendshapeMap GeneralBlendshapeMap(const FlameModel* flame) {
     add("eyeBlinkLeft", expressions - 2, 1);
     add("eyeBlinkRight", expressions - 1, 1);
   }
+  for (size_t e = 0; flame && e < flame->expression_names.size(); ++e)
+    if (const std::string& name = flame->expression_names[e]; !name.empty())
+      add(name, e, flame->expression_scores[e]);
   return map;
 }
 

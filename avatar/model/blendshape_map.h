@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "avatar/model/blendshape_names.h"
+#include "flame/blendshape_names.h"
 #include "flame/model.h"
 
 namespace cosplat {
@@ -65,8 +65,9 @@ void ApplyBlendshapes(const BlendshapeMap& map,
                       FlameParams& params);
 
 // What holds for any head by the meaning of ARKit's names: jawOpen turns the jaw, eyeLook the eyes,
-// eyeBlink closes the lids if `flame` has them (flame/eyelids.h). All others do nothing, since
-// FLAME's expression coefficients have no meaning of their own. flame: null if unknown.
+// eyeBlink closes the lids if `flame` has them (flame/eyelids.h), and a name moves the direction
+// that has it (FlameModel::expression_names: our own head's). All others do nothing, since FLAME's
+// expression coefficients have no meaning of their own. flame: null if unknown.
 BlendshapeMap GeneralBlendshapeMap(const FlameModel* flame);
 
 }  // namespace cosplat

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "flame/blendshape_names.h"
 #include "flame/io/pickle.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
@@ -221,6 +222,30 @@ void AddLandmarks(const FlameModel& model, Npz& npz) {
   npz.Add("landmark_looseness", {indices.size()}, looseness);
 }
 
+constexpr const char *kBlendshapes = "expression_blendshapes", *kScores = "expression_scores";
+
+void ReadExpressionNames(const ModelArrays& arrays, FlameModel& model) {
+  if (!arrays.Has(kBlendshapes)) return;
+  const size_t count = size_t(model.expression_count);
+  const NpyArray& indices = arrays.Get(kBlendshapes, {count});
+  for (size_t e = 0; e < count; ++e) {
+    const int at = arrays.IntegerAt(kBlendshapes, indices, e, -1, int(kArkitBlendshapes) - 1);
+    model.expression_names.emplace_back(at < 0 ? "" : kArkitNames[size_t(at)]);
+  }
+  model.expression_scores = ToFloats(arrays.Get(kScores, {count}).values);
+  model.has_eyelids = count >= 2 && model.expression_names[count - 2] == "eyeBlinkLeft" &&
+                      model.expression_names[count - 1] == "eyeBlinkRight";
+}
+
+void AddExpressionNames(const FlameModel& model, Npz& npz) {
+  if (model.expression_names.empty()) return;
+  std::vector<int32_t> indices;
+  for (const std::string& name : model.expression_names)
+    indices.push_back(FindArkitBlendshape(name));
+  npz.Add(kBlendshapes, {indices.size()}, indices);
+  npz.Add(kScores, {indices.size()}, model.expression_scores);
+}
+
 // Sum over the template's triangles.
 double TotalArea(const FlameModel& model) {
   double total = 0;
@@ -274,6 +299,7 @@ FlameModel ParseFlameModel(const std::string& path, std::vector<char> bytes) {
   model.skinning_weights = ToFloats(arrays.Get("weights", {v, kFlameJoints}).values);
   ReadParents(arrays, model);
   ReadLandmarks(arrays, model);
+  ReadExpressionNames(arrays, model);
   model.redistributable =
       arrays.Has("redistributable") && arrays.Integer("redistributable", 0, 1) == 1;
   ConvertToMetres(model);
@@ -318,6 +344,7 @@ void WriteFlameModelNpz(const std::string& path, const FlameModel& model) {
   npz.Add("weights", {v, kFlameJoints}, model.skinning_weights);
   npz.Add("kintree_table", {2, kFlameJoints}, tree);
   AddLandmarks(model, npz);
+  AddExpressionNames(model, npz);
   npz.Add("redistributable", {}, std::vector<int32_t>{model.redistributable ? 1 : 0});
   npz.Write(path);
 }

@@ -300,6 +300,7 @@ TEST_F(BadInput, OptionsAreWrong) {
          {"'y' belongs to no option of train-scene"});
   Expect({"train-avatar", "-s", "$/head"}, {"required"});
   Expect({"make-head", "-o", "$/new", "--frames", "0"}, {"frames", "0"});
+  Expect({"make-head"}, {"--out", "is missing"});
   Expect({"make-head", "-o", "$/new", "--frames", "3", "--test-frames", "3"}, {"3"});
   Expect({"make-head", "-o", "$/new", "--size", "7"}, {"size", "7"});
   Expect({"render", "-m", Made().avatar, "--orbit"}, {"--out"});

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "assets/head/procedural_head.h"
+#include "avatar/io/avatar_file.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
 
@@ -25,6 +26,14 @@ std::string HeadModelOfTrack(const std::string& given, const std::string& track)
   throw Error("--flame",
               "is missing: the model that the track '" + track +
                   "' is of (a track on our own head has head.npz beside it)");
+}
+
+FlameModel LoadFlameOfRun(const AvatarModel& avatar,
+                          const std::string& path,
+                          const JsonField* run,
+                          const std::string& given) {
+  const bool as_trained = given.empty() && avatar.flame_file.empty() && run;
+  return LoadFlameOf(avatar, path, as_trained ? (*run)["flame"].String() : given, "--flame");
 }
 
 }  // namespace cosplat

@@ -8,7 +8,6 @@
 
 #include "apps/cosplat/run/notes.h"
 #include "apps/cosplat/run/run_folder.h"
-#include "avatar/io/avatar_file.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -153,14 +152,6 @@ void WriteTrackCameras(const std::string& folder, const TrackedVideo& video) {
   for (const auto* frames : {&video.test, &video.train})
     for (const TrackedFrame& frame : *frames) cameras.push_back({frame.name, frame.camera});
   WriteCamerasJson(folder + "/cameras.json", cameras);
-}
-
-FlameModel LoadFlameOfRun(const AvatarModel& avatar,
-                          const std::string& path,
-                          const JsonField* run,
-                          const std::string& given) {
-  const bool as_trained = given.empty() && avatar.flame_file.empty() && run;
-  return LoadFlameOf(avatar, path, as_trained ? (*run)["flame"].String() : given, "--flame");
 }
 
 FlameParams ReferenceRoot(const JsonField& run) {

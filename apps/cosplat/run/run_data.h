@@ -5,7 +5,6 @@
 #include <string>
 
 #include "apps/cosplat/options/train_options.h"
-#include "avatar/model/avatar_model.h"
 #include "flame/track.h"
 #include "splat/base/json.h"
 #include "splat/io/dataset.h"
@@ -52,12 +51,6 @@ std::array<float, 3> BackgroundOf(const JsonField& run);
 Json ReferenceView(const TrackedVideo& video);
 // cameras.json: the test frames', then the training frames'.
 void WriteTrackCameras(const std::string& folder, const TrackedVideo& video);
-// The model of an avatar that lies in a run's folder, or (run: null) elsewhere: `given` by --flame,
-// in the avatar's file, or where it was in training. Throws Error as LoadFlameOf.
-FlameModel LoadFlameOfRun(const AvatarModel& avatar,
-                          const std::string& path,
-                          const JsonField* run,
-                          const std::string& given);
 // Mean root pose and translation of an avatar's head; all other parameters are zero.
 FlameParams ReferenceRoot(const JsonField& run);
 

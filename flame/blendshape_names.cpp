@@ -1,4 +1,4 @@
-#include "avatar/model/blendshape_names.h"
+#include "flame/blendshape_names.h"
 
 #include <algorithm>
 
