@@ -53,7 +53,7 @@ ProceduralHead MakeProceduralHeadParts();
 FlameModel MakeProceduralHead();
 // The same head to be fitted to people: with their mean face in place of its own (`mesh` stays at
 // rest as sculpted, which paint and shading go by) and a hole behind the lips; its expressions are
-// 45 directions of the face's regions and 44 of ARKit's blendshapes by name; 57 directions of
+// 45 directions of the face's regions and 44 of ARKit's blendshapes by name; 85 directions of
 // regions follow its shapes; and it has landmarks.
 ProceduralHead MakeHeadForPeopleParts();
 FlameModel MakeHeadForPeople();

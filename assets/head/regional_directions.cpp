@@ -4,6 +4,7 @@
 // smooth bells of a few centimetres for the shape, of a lip's size for the expression.
 
 #include <algorithm>
+#include <array>
 
 #include "assets/head/procedural_head.h"
 #include "assets/head/rig.h"
@@ -38,6 +39,30 @@ constexpr Region kShapeRegions[] = {{{0, 0.145f, -0.030f}, 0.030f},        // cr
                                     {{0.060f, -0.020f, -0.010f}, 0.030f},  // its angle
                                     {{0, -0.110f, 0}, 0.030f}};            // throat
 
+// Some axes of a region only; `turned`: the two sides differ, as no symmetric direction can have
+// it.
+struct PartOfRegion {
+  Region region;
+  std::array<bool, 3> axes;
+  bool turned = false;
+};
+constexpr PartOfRegion kShapeParts[] = {
+    {{{0.018f, -0.020f, 0.058f}, 0.013f}, {true, true, true}},         // foot of the nose's wing
+    {{{0.010f, -0.036f, 0.063f}, 0.013f}, {false, true, true}},        // upper lip
+    {{{0.010f, -0.048f, 0.061f}, 0.013f}, {false, true, true}},        // lower lip
+    {{{0.022f, -0.070f, 0.045f}, 0.020f}, {true, true, true}},         // side of the chin
+    {{{0.045f, -0.028f, 0.030f}, 0.020f}, {true, false, true}},        // hollow of the cheek
+    {{{0.030f, -0.024f, 0.052f}, 0.016f}, {true, false, true}},        // fold beside the mouth
+    {{{0.015f, 0.052f, 0.060f}, 0.015f}, {false, true, true}},         // inner brow
+    {{{0, -0.005f, 0.075f}, 0.025f}, {true, false, false}, true},      // tip of the nose
+    {{{0, -0.075f, 0.050f}, 0.035f}, {true, false, false}, true},      // chin
+    {{{0.045f, -0.045f, 0.020f}, 0.035f}, {true, true, false}, true},  // jaw
+    {{{0.025f, -0.042f, 0.055f}, 0.025f}, {false, true, true}, true},  // corner of the mouth
+    {{{0.030f, 0.050f, 0.050f}, 0.025f}, {false, true, true}, true},   // brow
+    {{{0.032f, 0.030f, 0.050f}, 0.025f}, {false, true, false}, true},  // eye
+    {{{0.045f, 0.005f, 0.040f}, 0.030f}, {false, false, true}, true},  // cheek
+    {{{0.060f, 0.030f, 0.010f}, 0.040f}, {true, false, true}, true}};  // temple
+
 // Which side of the lips' line moves.
 enum class Lip { kBoth, kUpper, kLower };
 struct MovingRegion {
@@ -62,10 +87,10 @@ Vec Along(int axis, float amount) {
   return d;
 }
 
-Vec ShapeShift(const Region& region, int axis, const Vec& p) {
+Vec ShapeShift(const Region& region, int axis, bool turned, const Vec& p) {
   const float amount = kAmount * Ball({std::abs(p.x), p.y, p.z}, region.at, region.width);
-  // Outwards on both sides, with no jump between them.
-  return Along(axis, axis == 0 ? amount * std::tanh(p.x / 0.01f) : amount);
+  // Outwards, or turned, with no jump between the sides.
+  return Along(axis, (axis == 0) != turned ? amount * std::tanh(p.x / 0.01f) : amount);
 }
 
 // Share of the jaw in what moves with the head.
@@ -79,13 +104,18 @@ float ShareOfLip(Lip lip, const float* weights) {
   return lip == Lip::kLower ? jaw : 1 - jaw;
 }
 
-void AddShape(const HeadMesh& mesh, const Region& region, FlameModel& model) {
-  for (int axis = 0; axis < 3; ++axis, ++model.shape_count)
+void AddShape(const HeadMesh& mesh, const PartOfRegion& part, FlameModel& model) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!part.axes[size_t(axis)]) continue;
+    ++model.shape_count;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
-      const auto shift = [&](const Vec& p) { return ShapeShift(region, axis, p); };
+      const auto shift = [&](const Vec& p) {
+        return ShapeShift(part.region, axis, part.turned, p);
+      };
       const Vec d = RigidAtEyes(shift, mesh.positions[v], mesh.labels[v].part);
       model.shape_directions.insert(model.shape_directions.end(), {d.x, d.y, d.z});
     }
+  }
 }
 
 void AddExpression(const HeadMesh& mesh,
@@ -109,7 +139,8 @@ void AddExpression(const HeadMesh& mesh,
 }  // namespace
 
 void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model) {
-  for (const Region& region : kShapeRegions) AddShape(mesh, region, model);
+  for (const Region& region : kShapeRegions) AddShape(mesh, {region, {true, true, true}}, model);
+  for (const PartOfRegion& part : kShapeParts) AddShape(mesh, part, model);
   std::vector<float> directions;
   for (const MovingRegion& moving : kMovingRegions)
     for (const float side : {1.0f, -1.0f})
