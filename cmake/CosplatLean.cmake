@@ -39,7 +39,7 @@ add_subdirectory(splat/render)
 add_subdirectory(splat/train)
 cosplat_library(eval splat/eval/metrics.cpp)
 target_link_libraries(cosplat_eval PUBLIC cosplat::train)
-cosplat_library(flame flame/added_mesh.cpp flame/eyelids.cpp flame/halfedges_plain.cpp flame/model.cpp flame/mouth.cpp
+cosplat_library(flame flame/added_mesh.cpp flame/blendshape_names.cpp flame/eyelids.cpp flame/halfedges_plain.cpp flame/model.cpp flame/mouth.cpp
   flame/pose.cpp flame/posing.cpp flame/topology.cpp flame/vhap_teeth.cpp tests/gpu/lean_track.cpp)
 target_link_libraries(cosplat_flame PUBLIC cosplat::base PRIVATE Eigen3::Eigen TBB::tbb)
 add_library(cosplat::flame_track ALIAS cosplat_flame)

@@ -78,6 +78,7 @@ set_source_files_properties(splat/io/glb_tinygltf.cpp PROPERTIES
   COMPILE_DEFINITIONS TINYGLTF_IMPLEMENTATION)
 cosplat_library(flame
   flame/added_mesh.cpp
+  flame/blendshape_names.cpp
   flame/eyelids.cpp
   flame/halfedges_plain.cpp
   flame/io/model_file.cpp
