@@ -49,7 +49,7 @@ void MeasureHeadFit(const HeadFitCommand& o) {
   for (const bool with_shape : {false, true}) {
     std::vector<FaceFit> fits(faces.size());
     tbb::parallel_for(size_t(0), faces.size(), [&](size_t i) {
-      fits[i] = FitToFace(ours, people, faces[i], {with_shape});
+      fits[i] = FitToFace(ours, people, faces[i], with_shape);
     });
     const std::string how = with_shape ? ", with our shapes" : ", by turn, shift and size";
     Print(("the mean face" + how).c_str(), {fits[0]});

@@ -87,12 +87,6 @@ bool IsEye(const VertexLabel& label) {
   return label.part == Part::kLeftEye || label.part == Part::kRightEye;
 }
 
-// 1 on skin and lips, fading to 0 at the gums.
-float OnLips(const VertexLabel& label) {
-  if (label.mouth_ring < kVestibule) return 1;
-  return label.mouth_ring == kVestibule ? 0.6f : 0;
-}
-
 float ShareOf(Lip lip, const Vec& p, const VertexLabel& label) {
   if (lip == Lip::kAny) return 1;
   const float side =
@@ -105,17 +99,16 @@ Vec ShiftBy(const Move& move, float side, const Vec& p, const VertexLabel& label
   if (IsEye(label)) return {};
   const float at = side == 0 ? std::abs(p.x) : side * p.x;
   const Vec q = (1000.0f * Vec{at, p.y, p.z} - move.at) / move.width;
-  const float amount = 0.001f * BellOfSquare(Dot(q, q), 1) * OnLips(label) * (1 - NearEye(p)) *
-                       ShareOf(move.lip, p, label);
+  const float amount =
+      0.001f * BellOfSquare(Dot(q, q), 1) * (1 - NearEye(p)) * ShareOf(move.lip, p, label);
   const float outwards = side == 0 ? std::tanh(p.x / 0.01f) : side;
   return amount * Vec{outwards * move.by.x, move.by.y, move.by.z};
 }
 
 // What takes a point of the lower lip, where the open jaw carries it, back: before skinning, so
 // that with jaw's share w and rotation R about the joint w R (d + p) + (1 - w) (d + p) = p.
-Vec CloseMouth(const Vec& p, const VertexLabel& label, const Vec& joint, float jaw_share) {
-  const float reach =
-      OnLips(label) * SmoothStep(-0.080f, -0.052f, p.y) * SmoothStep(0.005f, 0.035f, p.z);
+Vec CloseMouth(const Vec& p, const Vec& joint, float jaw_share) {
+  const float reach = SmoothStep(-0.080f, -0.052f, p.y) * SmoothStep(0.005f, 0.035f, p.z);
   const Vec r = p - joint;
   const float c = jaw_share * (std::cos(kJawOpenRadians) - 1),
               s = jaw_share * std::sin(kJawOpenRadians);
@@ -194,7 +187,7 @@ void SetArkitExpressions(const HeadMesh& mesh, FlameModel& model) {
   const Vec jaw = JawOf(model);
   Add(
       "mouthClose",
-      [&](size_t v) { return CloseMouth(PlaceOf(model, v), mesh.labels[v], jaw, jaw_share(v)); },
+      [&](size_t v) { return CloseMouth(PlaceOf(model, v), jaw, jaw_share(v)); },
       model);
   for (const Own& own : kOwn)
     Add(

@@ -19,34 +19,32 @@ struct Region {
   Vec at;       // of the left side; x = 0 in the median plane
   float width;  // metres, of the bell
 };
-constexpr Region kShapeRegions[] = {{{0, 0.145f, -0.030f}, 0.030f},        // crown
-                                    {{0, 0.090f, 0.050f}, 0.030f},         // forehead
-                                    {{0.045f, 0.075f, 0.030f}, 0.030f},    // its sides
-                                    {{0.070f, 0.030f, -0.030f}, 0.030f},   // temple and ear
-                                    {{0, 0.030f, -0.120f}, 0.030f},        // back of the head
-                                    {{0.030f, 0.050f, 0.050f}, 0.030f},    // brow
-                                    {{0.032f, 0.030f, 0.050f}, 0.030f},    // eye
-                                    {{0.055f, 0.020f, 0.020f}, 0.030f},    // cheek bone
-                                    {{0.040f, 0, 0.045f}, 0.030f},         // cheek
-                                    {{0, 0.030f, 0.060f}, 0.030f},         // bridge of the nose
-                                    {{0, -0.005f, 0.075f}, 0.018f},        // its tip
-                                    {{0.015f, -0.012f, 0.065f}, 0.018f},   // its wings
-                                    {{0, -0.025f, 0.065f}, 0.018f},        // philtrum
-                                    {{0.025f, -0.042f, 0.055f}, 0.030f},   // corner of the mouth
-                                    {{0, -0.055f, 0.060f}, 0.030f},        // below the lips
-                                    {{0, -0.075f, 0.050f}, 0.030f},        // chin
-                                    {{0.045f, -0.045f, 0.020f}, 0.030f},   // jaw
-                                    {{0.060f, -0.020f, -0.010f}, 0.030f},  // its angle
-                                    {{0, -0.110f, 0}, 0.030f}};            // throat
-
-// Some axes of a region only; `turned`: the two sides differ, as no symmetric direction can have
-// it.
-struct PartOfRegion {
+// `turned`: the two sides differ, as no symmetric direction can have it.
+struct ShapeRegion {
   Region region;
-  std::array<bool, 3> axes;
+  std::array<bool, 3> axes{true, true, true};
   bool turned = false;
 };
-constexpr PartOfRegion kShapeParts[] = {
+constexpr ShapeRegion kShapeRegions[] = {
+    {{{0, 0.145f, -0.030f}, 0.030f}},                                  // crown
+    {{{0, 0.090f, 0.050f}, 0.030f}},                                   // forehead
+    {{{0.045f, 0.075f, 0.030f}, 0.030f}},                              // its sides
+    {{{0.070f, 0.030f, -0.030f}, 0.030f}},                             // temple and ear
+    {{{0, 0.030f, -0.120f}, 0.030f}},                                  // back of the head
+    {{{0.030f, 0.050f, 0.050f}, 0.030f}},                              // brow
+    {{{0.032f, 0.030f, 0.050f}, 0.030f}},                              // eye
+    {{{0.055f, 0.020f, 0.020f}, 0.030f}},                              // cheek bone
+    {{{0.040f, 0, 0.045f}, 0.030f}},                                   // cheek
+    {{{0, 0.030f, 0.060f}, 0.030f}},                                   // bridge of the nose
+    {{{0, -0.005f, 0.075f}, 0.018f}},                                  // its tip
+    {{{0.015f, -0.012f, 0.065f}, 0.018f}},                             // its wings
+    {{{0, -0.025f, 0.065f}, 0.018f}},                                  // philtrum
+    {{{0.025f, -0.042f, 0.055f}, 0.030f}},                             // corner of the mouth
+    {{{0, -0.055f, 0.060f}, 0.030f}},                                  // below the lips
+    {{{0, -0.075f, 0.050f}, 0.030f}},                                  // chin
+    {{{0.045f, -0.045f, 0.020f}, 0.030f}},                             // jaw
+    {{{0.060f, -0.020f, -0.010f}, 0.030f}},                            // its angle
+    {{{0, -0.110f, 0}, 0.030f}},                                       // throat
     {{{0.018f, -0.020f, 0.058f}, 0.013f}, {true, true, true}},         // foot of the nose's wing
     {{{0.010f, -0.036f, 0.063f}, 0.013f}, {false, true, true}},        // upper lip
     {{{0.010f, -0.048f, 0.061f}, 0.013f}, {false, true, true}},        // lower lip
@@ -104,13 +102,13 @@ float ShareOfLip(Lip lip, const float* weights) {
   return lip == Lip::kLower ? jaw : 1 - jaw;
 }
 
-void AddShape(const HeadMesh& mesh, const PartOfRegion& part, FlameModel& model) {
+void AddShape(const HeadMesh& mesh, const ShapeRegion& shape, FlameModel& model) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!part.axes[size_t(axis)]) continue;
+    if (!shape.axes[size_t(axis)]) continue;
     ++model.shape_count;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       const auto shift = [&](const Vec& p) {
-        return ShapeShift(part.region, axis, part.turned, p);
+        return ShapeShift(shape.region, axis, shape.turned, p);
       };
       const Vec d = RigidAtEyes(shift, mesh.positions[v], mesh.labels[v].part);
       model.shape_directions.insert(model.shape_directions.end(), {d.x, d.y, d.z});
@@ -139,8 +137,7 @@ void AddExpression(const HeadMesh& mesh,
 }  // namespace
 
 void AddRegionalDirections(const HeadMesh& mesh, FlameModel& model) {
-  for (const Region& region : kShapeRegions) AddShape(mesh, {region, {true, true, true}}, model);
-  for (const PartOfRegion& part : kShapeParts) AddShape(mesh, part, model);
+  for (const ShapeRegion& shape : kShapeRegions) AddShape(mesh, shape, model);
   std::vector<float> directions;
   for (const MovingRegion& moving : kMovingRegions)
     for (const float side : {1.0f, -1.0f})

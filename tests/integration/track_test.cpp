@@ -298,9 +298,10 @@ TEST(Avatar, FromAVideoToReportAndPlayback) {
   EXPECT_TRUE(own.redistributable);
   EXPECT_EQ(own.expression_names.back(), "eyeBlinkRight");
   // Its track says which head it is of.
-  EXPECT_EQ(LoadDrivingSequence(out + "/track").model_vertices, own.vertex_count);
+  EXPECT_EQ(LoadDrivingSequence(out + "/track/.").model_vertices, own.vertex_count);
   // The later commands find it, too.
-  EXPECT_NE(Cosplat({"check", out + "/track"}).code, 2);
+  const int code = Cosplat({"check", out + "/track"}).code;
+  EXPECT_TRUE(code == 0 || code == 3) << code;  // 3: it says what is odd
   const CommandResult again = Cosplat({"train-avatar",
                                        "-s",
                                        out + "/track",

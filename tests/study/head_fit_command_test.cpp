@@ -28,9 +28,11 @@ TEST(HeadFitCommand, OurHeadComesNearPeople) {
   EXPECT_LT(MillimetresOf(result.out, "2 people, with our shapes"), 0.8 * placed);
 }
 
-TEST(HeadFitCommand, NamesAModelWithoutTheLandmarksThatItNeeds) {
+TEST(HeadFitCommand, NamesAFileThatIsMissing) {
   const TemporaryFolder folder;
-  ASSERT_EQ(Cosplat({"head-fit", folder / "none.npz"}).code, 2);
+  const CommandResult result = Cosplat({"head-fit", folder / "none.npz"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("none.npz"), std::string::npos) << result.err;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ std::string HeadModelFor(const std::string& given, const std::string& folder) {
 
 std::string HeadModelOfTrack(const std::string& given, const std::string& track) {
   if (!given.empty()) return given;
-  const std::filesystem::path folder = std::filesystem::absolute(track + "/").parent_path();
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(track);
   for (const auto& place : {folder, folder.parent_path()})
     if (std::filesystem::exists(place / "head.npz")) return (place / "head.npz").string();
   throw Error("--flame",

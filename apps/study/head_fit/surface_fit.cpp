@@ -19,7 +19,8 @@ constexpr int kNoseBottom = 2, kNoseBridge = 168;
 constexpr int kRounds = 8;
 constexpr double kMinCosine = 0.2;       // between normals of points that belong together
 constexpr double kLandmarkWeight = 0.5;  // of a landmark's coordinate, beside a distance
-constexpr Eigen::Index kMotion = 7;      // turn, shift, size
+constexpr double kRidge = 1e-3;      // metres of distance that weigh as much as a coefficient of 1
+constexpr Eigen::Index kMotion = 7;  // turn, shift, size
 
 Points ToPoints(const std::vector<float>& values) {
   return Eigen::Map<const Eigen::Matrix3Xf>(values.data(), 3, Eigen::Index(values.size() / 3))
@@ -99,11 +100,10 @@ Points Moved(const Points& points, const Points& from, const Points& to) {
 
 class Fitter {
  public:
-  Fitter(const FlameModel& ours, const FlameModel& people, const FaceFitOptions& options)
+  Fitter(const FlameModel& ours, const FlameModel& people, bool with_shape)
       : ours_(ours),
         people_(people),
-        count_(options.with_shape ? ours.shape_count : 0),
-        ridge_(1e-3 * options.ridge),
+        count_(with_shape ? ours.shape_count : 0),
         mean_(ToPoints(ours.template_vertices)) {
     const Eigen::Index size = 3 * ours.vertex_count;
     directions_ = Eigen::Map<const Eigen::MatrixXf>(ours.shape_directions.data(), size, count_)
@@ -199,8 +199,8 @@ class Fitter {
     const Vector3d middle = pairs.points.rowwise().mean();
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(count_ + kMotion, count_ + kMotion);
     Eigen::VectorXd b = Eigen::VectorXd::Zero(count_ + kMotion);
-    a.diagonal().head(count_).setConstant(ridge_ * ridge_);
-    b.head(count_) = -ridge_ * ridge_ * c;
+    a.diagonal().head(count_).setConstant(kRidge * kRidge);
+    b.head(count_) = -kRidge * kRidge * c;
     const auto add =
         [&](const Sample& sample, const Vector3d& at, const Vector3d& n, double r, double weight) {
           Eigen::VectorXd row(count_ + kMotion);
@@ -237,7 +237,6 @@ class Fitter {
 
   const FlameModel &ours_, &people_;
   const Eigen::Index count_;
-  const double ridge_;
   const Points mean_;
   Eigen::MatrixXd directions_;  // [3 V, count]
   std::vector<Sample> samples_, our_marks_, their_marks_;
@@ -248,8 +247,8 @@ class Fitter {
 FaceFit FitToFace(const FlameModel& ours,
                   const FlameModel& people,
                   const std::vector<float>& face,
-                  const FaceFitOptions& options) {
-  return Fitter(ours, people, options).Fit(face);
+                  bool with_shape) {
+  return Fitter(ours, people, with_shape).Fit(face);
 }
 
 }  // namespace cosplat

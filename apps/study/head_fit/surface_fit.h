@@ -14,11 +14,6 @@ struct FaceFit {
   std::vector<double> coefficients;  // of shape
 };
 
-struct FaceFitOptions {
-  bool with_shape = true;  // false: turn, shift and size alone
-  double ridge = 1;        // millimetres per coefficient that weigh as much as one of distance
-};
-
 // Fits `ours` to `face` ([V, 3] metres, of `people`'s faces): turn, shift and size of the face and,
 // with_shape, our coefficients, by the distance from its surface to ours along our normals, from
 // the landmarks that both models have. Distances are those of the region that NoW's benchmark
@@ -26,6 +21,6 @@ struct FaceFitOptions {
 FaceFit FitToFace(const FlameModel& ours,
                   const FlameModel& people,
                   const std::vector<float>& face,
-                  const FaceFitOptions& options);
+                  bool with_shape);
 
 }  // namespace cosplat

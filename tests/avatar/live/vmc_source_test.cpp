@@ -248,6 +248,22 @@ TEST(VmcSource, OnAnyAvatarJawLidsAndGazeMove) {
   EXPECT_EQ(ProblemOf(GeneralBlendshapeMap(nullptr)), "");
 }
 
+TEST(VmcSource, ADirectionWithAnArkitNameMovesByIt) {
+  FlameModel flame;
+  flame.expression_count = 4;
+  flame.has_eyelids = true;
+  flame.expression_names = {"", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight"};
+  flame.expression_scores = {0, 4, 1, 1};
+  LiveSourceOptions options;
+  options.flame = &flame;
+  const auto source = OpenLiveSource("vmc://:0", options);
+  EXPECT_NE(source->Description().find("the head's own directions"), std::string::npos);
+  const FlameParams face =
+      FrameAfter(*source, {{"mouthSmileLeft", 0.5f}, {"eyeBlinkRight", 1}, {"jawOpen", 1}}).params;
+  EXPECT_EQ(face.expression, (std::vector<float>{0, 2, 0, 1}));
+  EXPECT_FLOAT_EQ(face.pose[2][0], 0.5f);
+}
+
 TEST(Arkit, NamesAreFoundInEitherCase) {
   for (size_t i = 0; i < kArkitNames.size(); ++i)
     EXPECT_EQ(FindArkitBlendshape(kArkitNames[i]), int(i));
