@@ -16,6 +16,7 @@ RELEASE is a Debian release: 12, 13, sid, or another that debootstrap knows by i
                     call reuses the system, and builds from the beginning
   --compiler C++    another compiler than g++, e.g. clang++ (its package is installed)
   --quick           builds `cosplat` and the quick tests only, and runs these in place of all
+  --web             builds the browser's player too, and runs its tests in that system's Chromium
   --deb             builds cosplat.deb too, and installs it in another bare system
   --no-demo         leaves the demo out
   --mirror ADDRESS  where packages come from (default: where this machine's apt has them from)
@@ -35,6 +36,7 @@ release=
 folder=$root/out/machines
 compiler=
 quick=0
+web=0
 deb=0
 with_demo=1
 mirror=
@@ -43,6 +45,7 @@ while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) show_help; exit 0 ;;
     --quick) quick=1; shift ;;
+    --web) web=1; shift ;;
     --deb) deb=1; shift ;;
     --no-demo) with_demo=0; shift ;;
     --folder | --compiler | --mirror | --ccache)
@@ -147,6 +150,7 @@ outcome() {
 make_system "$system"
 extra=(git)
 [[ -z $ccache ]] || extra+=(ccache)
+[[ $web -eq 0 ]] || extra+=(python3 python3-numpy)
 [[ -z $compiler ]] || extra+=("${compiler%++}")
 step "Bringing the system up to date" \
   "export DEBIAN_FRONTEND=noninteractive; apt-get update && apt-get -y upgrade &&
@@ -182,6 +186,15 @@ if [[ $with_demo -eq 1 ]]; then
   step "The demo" "cosplat/run demo"
   psnr=$(sed -n 's/.*PSNR \([0-9.]*\) dB.*/\1/p' "$log" | tail -n 1)
   row "demo" "$(outcome "$seconds s, ${psnr:-no} dB")"
+  [[ $status -eq 0 ]] || failed=1
+fi
+
+if [[ $web -eq 1 ]]; then
+  step "The browser's player" "cosplat/run web && cd cosplat && cmake --preset cpu &&
+    cmake --build build/cpu --parallel $(nproc) --target cosplat cosplat_plugin &&
+    ctest --test-dir build/cpu --output-on-failure --tests-regex '^web[.]'"
+  tests=$(sed -n 's/^\([0-9]*% tests passed, [0-9]* tests failed out of [0-9]*\).*/\1/p' "$log" | tail -n 1)
+  row "browser" "$(outcome "${tests:-none ran}, in $seconds s")"
   [[ $status -eq 0 ]] || failed=1
 fi
 
