@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "avatar/surface/silhouette.h"
+#include "flame/mouth.h"
 #include "splat/base/error.h"
 #include "splat/media/image_io.h"
 
@@ -109,7 +110,7 @@ class LotFitter {
       : avatar_(avatar),
         flame_(flame),
         fitter_(avatar, flame),
-        poser_(flame, video.shape, video.static_offset, {}) {}
+        poser_(flame, video.shape, StaticOffsetFor(flame, video.static_offset), {}) {}
 
   void Fit(const FitSettings& settings, TrackedFrame& frame) {
     // Lots are shared among threads, and not their small images, too.

@@ -78,7 +78,7 @@ log=$folder/$release${compiler:+-$compiler}.log
 : >"$log"
 
 # in_system SYSTEM COMMAND: as root there, with a clean environment, in mounts of its own that end with
-# the command. Name resolution and proxies are this machine's.
+# the command. Name resolution, proxies and certificates are this machine's.
 in_system() {
   local variable kept=()
   for variable in http_proxy https_proxy; do
@@ -88,6 +88,10 @@ in_system() {
   [[ -z $ccache ]] || kept+=("CCACHE_DIR=/var/cache/ccache" CCACHE_BASEDIR=/root
     CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros)
   cp /etc/resolv.conf "$1/etc/resolv.conf"
+  if [[ -e /etc/ssl/certs/ca-certificates.crt ]]; then
+    cp /etc/ssl/certs/ca-certificates.crt "$1/etc/machine-certificates.crt"
+    kept+=("NODE_EXTRA_CA_CERTS=/etc/machine-certificates.crt")
+  fi
   # shellcheck disable=SC2016
   unshare --mount --pid --fork bash -c '
     set -e
