@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -10,6 +12,11 @@ namespace cosplat {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as stored");
+
+// Elements of an array, at most: bytes, and ten times as many, fit into a size_t, which a browser's
+// has 32 bits for.
+constexpr size_t kMaxCount =
+    size_t(std::min(uint64_t(1) << 48, uint64_t(std::numeric_limits<size_t>::max()) / 16));
 
 double HalfToDouble(uint16_t half) {
   const int exponent = half >> 10 & 31;
@@ -92,7 +99,7 @@ class Header {
       if (text_[i] < '0' || text_[i] > '9') continue;
       size_t extent = 0;
       for (; i < text_.size() && text_[i] >= '0' && text_[i] <= '9'; ++i) {
-        if (extent > (size_t(1) << 48)) Fail("has an invalid or too large shape");
+        if (extent > kMaxCount) Fail("has an invalid or too large shape");
         extent = extent * 10 + (text_[i] - '0');
       }
       shape.push_back(extent);
@@ -124,8 +131,7 @@ size_t CheckedCount(const Header& header,
                     size_t bytes) {
   size_t count = 1;
   for (size_t extent : shape) {
-    if (extent != 0 && count > (size_t(1) << 48) / extent)
-      header.Fail("has an invalid or too large shape");
+    if (extent != 0 && count > kMaxCount / extent) header.Fail("has an invalid or too large shape");
     count *= extent;
   }
   if (bytes < count * element_bytes)
