@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "flame/mouth.h"
 #include "tests/avatar/track_errors.h"
 #include "tests/avatar/training_fixture.h"
+#include "tests/flame/hollow_head.h"
 #include "tests/support/expect_error.h"
 
 namespace cosplat::test {
@@ -85,6 +87,17 @@ TEST(RefineByAvatar, ARoundThatGainsNothingIsUndone) {
   ASSERT_EQ(psnr.size(), 2u);
   EXPECT_LT(psnr[1], psnr[0]);
   EXPECT_TRUE(Same(ParamsOf(video), given));
+}
+
+// Its offset is of the model as its file has it, without the mouth that avatars add.
+TEST(RefineByAvatar, ATrackWithHair) {
+  const FlameModel flame = WithMouth(HollowHead());
+  ASSERT_GT(flame.vertex_count, flame.own_vertex_count());
+  TrackedVideo video = MakeSmallVideo(20, 2);
+  video.static_offset.assign(3 * size_t(flame.own_vertex_count()), 1e-4f);
+  AvatarRefinement settings = Settings(1);
+  settings.avatar.iterations = 8;
+  EXPECT_EQ(RefineByAvatar(flame, video, ImageOf, settings).size(), 2u);
 }
 
 TEST(RefineByAvatar, FramesThatItCannotCompare) {
