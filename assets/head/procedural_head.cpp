@@ -58,6 +58,7 @@ FlameModel MakeHeadForPeople() { return MakeHeadForPeopleParts().model; }
 
 ProceduralHead MakeHeadForPeopleParts() {
   ProceduralHead head = MakeProceduralHeadParts();
+  procedural::SetNeckOfPeople(head);
   procedural::OpenMouth(head);
   head.model.landmarks = procedural::FacePoints(head.mesh);
   procedural::ShiftToMeanOfPeople(head.mesh, head.model);

@@ -9,12 +9,13 @@ namespace cosplat::procedural {
 namespace {
 
 constexpr Vec kRootJoint{0, -0.150f, -0.055f};
-constexpr Vec kNeckJoint{0, -0.092f, -0.050f};
 constexpr Vec kJawJoint{0, -0.004f, -0.022f};
 constexpr int kSmoothing = 6;
 
 // Share of a point's motion that follows the head rather than the shoulders.
-float NeckShare(const Vec& p) { return SmoothStep(-0.150f, -0.078f, p.y + 0.25f * (p.z + 0.05f)); }
+float NeckShare(const NeckRig& neck, const Vec& p) {
+  return SmoothStep(neck.from, neck.to, p.y + neck.slope * (p.z + 0.05f));
+}
 
 // Share of the jaw in the motion of the head's skin away from the lips, by the angle at the jaw
 // joint.
@@ -64,8 +65,8 @@ std::vector<float> SmoothedJawShares(const HeadMesh& mesh) {
 }
 
 // Vertices whose mean, after a correction to match the joint exactly, regresses it.
-bool Supports(int joint, const Vec& p, Part part) {
-  const Vec d = p - JointPositions()[joint];
+bool Supports(int joint, const Vec& at, const Vec& p, Part part) {
+  const Vec d = p - at;
   switch (joint) {
     case 0:
       return part == Part::kSkin && p.y < -0.128f;
@@ -100,11 +101,11 @@ std::array<double, 3> Solve(const double (&m)[3][3], const double (&b)[3]) {
 
 }  // namespace
 
-std::array<Vec, kFlameJoints> JointPositions() {
-  return {kRootJoint, kNeckJoint, kJawJoint, EyeCenter(true), EyeCenter(false)};
+std::array<Vec, kFlameJoints> JointPositions(const NeckRig& neck) {
+  return {kRootJoint, neck.joint, kJawJoint, EyeCenter(true), EyeCenter(false)};
 }
 
-std::vector<float> SkinningWeights(const HeadMesh& mesh) {
+std::vector<float> SkinningWeights(const HeadMesh& mesh, const NeckRig& rig) {
   const auto jaw = SmoothedJawShares(mesh);
   std::vector<float> weights(mesh.positions.size() * kFlameJoints, 0.0f);
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -114,7 +115,7 @@ std::vector<float> SkinningWeights(const HeadMesh& mesh) {
       w[part == Part::kLeftEye ? 3 : 4] = 1;
       continue;
     }
-    const float neck = NeckShare(mesh.positions[v]);
+    const float neck = NeckShare(rig, mesh.positions[v]);
     w[2] = neck * jaw[v];
     w[1] = neck - w[2];
     w[0] = 1 - neck;
@@ -122,18 +123,18 @@ std::vector<float> SkinningWeights(const HeadMesh& mesh) {
   return weights;
 }
 
-std::vector<float> JointRegressor(const HeadMesh& mesh) {
+std::vector<float> JointRegressor(const HeadMesh& mesh, const NeckRig& neck) {
   const size_t n = mesh.positions.size();
   std::vector<float> regressor(n * kFlameJoints, 0.0f);
   for (int j = 0; j < kFlameJoints; ++j) {
+    const Vec target = JointPositions(neck)[size_t(j)];
     std::vector<size_t> support;
     double mean[3] = {0, 0, 0};
     for (size_t v = 0; v < n; ++v) {
-      if (!Supports(j, mesh.positions[v], mesh.labels[v].part)) continue;
+      if (!Supports(j, target, mesh.positions[v], mesh.labels[v].part)) continue;
       support.push_back(v);
       for (int i = 0; i < 3; ++i) mean[i] += mesh.positions[v][i];
     }
-    const Vec target = JointPositions()[j];
     double off[3], covariance[3][3] = {};
     for (int i = 0; i < 3; ++i) {
       mean[i] /= double(support.size());
@@ -152,6 +153,13 @@ std::vector<float> JointRegressor(const HeadMesh& mesh) {
     }
   }
   return regressor;
+}
+
+void SetNeckOfPeople(ProceduralHead& head) {
+  FlameModel& model = head.model;
+  model.skinning_weights = SkinningWeights(head.mesh, kNeckOfPeople);
+  model.joint_regressor = JointRegressor(head.mesh, kNeckOfPeople);
+  model.pose_directions = PoseDirections(head.mesh, model.skinning_weights);
 }
 
 float NearEye(const Vec& p) {

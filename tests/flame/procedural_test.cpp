@@ -269,6 +269,30 @@ TEST(ProceduralHead, ShapesMoveLidsAndEyeballsTogether) {
 
 // What is added for fitting people moves a few millimetres, keeps eyeballs round, and leaves the
 // head and its own directions as they are.
+// What a collar covers stays at rest.
+TEST(HeadForPeople, TurnsBetweenItsEars) {
+  const FlameModel head = MakeHeadForPeople();
+  const FlamePoser<float> poser(head, {});
+  std::vector<float> rest, tilted;
+  poser.Forward({}, rest);
+  float joint = 0;  // height of the neck's, metres
+  for (size_t v = 0; v < size_t(head.vertex_count); ++v)
+    joint += head.joint_regressor[size_t(head.vertex_count) + v] * rest[3 * v + 1];
+  EXPECT_NEAR(joint, -0.009f, 0.012f);
+  FlamePoser<float>::Parameters parameters;
+  constexpr float kTilt = 0.2f;  // radians
+  parameters.pose[1] = {0, 0, kTilt};
+  poser.Forward(parameters, tilted);
+  for (size_t v = 0; v < size_t(head.vertex_count); ++v) {
+    const float* const a = &rest[3 * v];
+    const float* const b = &tilted[3 * v];
+    if (a[1] < -0.145f) EXPECT_NEAR(a[0], b[0], 0.002f) << v;
+    // Chin and crown are one rigid body.
+    if (a[1] > 0.05f || (a[1] > -0.09f && a[2] > 0.04f))
+      EXPECT_NEAR(std::hypot(b[0], b[1] - joint), std::hypot(a[0], a[1] - joint), 0.001f) << v;
+  }
+}
+
 TEST(HeadForPeople, HasMoreDirectionsAndNoTeeth) {
   const FlameModel made = MakeProceduralHead(), head = MakeHeadForPeople();
   Validate(head);
