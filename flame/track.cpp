@@ -272,6 +272,10 @@ void CheckIsOf(const FlameModel& flame, const TrackedVideo& video) {
                        video.model_vertices,
                        flame.name,
                        flame.own_vertex_count()));
+  if (!video.model_sha256.empty() && !flame.sha256.empty() && video.model_sha256 != flame.sha256)
+    throw Error(video.source,
+                "is of a model with sha256 " + video.model_sha256 + ", that of '" + flame.name +
+                    "' is " + flame.sha256);
 }
 
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {

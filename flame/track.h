@@ -40,6 +40,7 @@ struct TrackedVideo {
   double frames_per_second = 0;        // time steps per second; 0 if unknown
   double unit = 1;                     // metres per unit of the track as stored
   int model_vertices = 0;              // of the model that it is of, without a mouth; 0: unknown
+  std::string model_sha256;            // FlameModel::sha256 of a model that is not FLAME, or empty
   std::vector<float> shape;            // the subject's
   // [V, 3] metres, or empty; VHAP's export may have 120 rows more, for teeth (flame/mouth.h)
   std::vector<float> static_offset;
@@ -58,7 +59,7 @@ struct TrackOptions {
   int resolution = 1;    // -r: cameras and images are divided by this
   // The model that the video was tracked with. Layouts that move the camera about a fixed head need
   // it to move the head instead; without it, their head_is_fixed remains. Throws Error if the track
-  // is of a model with another mesh, whose coefficients mean something else; where it does not say,
+  // is of another model, whose coefficients mean something else; where it does not say,
   // it is FLAME's, not that of a model with landmarks of its own.
   const FlameModel* flame = nullptr;
 };

@@ -106,6 +106,7 @@ void LoadImavatarTrack(const std::string& path, const TrackRequest& request, Tra
   video.shape = file["shape_params"].Numbers();
   // An addition to the layout: our own tracker's (flame/io/imavatar_writer.h).
   if (file.Has("vertices")) video.model_vertices = file["vertices"].Integer(1, 1 << 24);
+  if (file.Has("model_sha256")) video.model_sha256 = file["model_sha256"].String();
   if (file.Has("static_offset")) video.static_offset = file["static_offset"].Numbers();
   const TrackFiles files = FindTrackFiles(path, {"images", "image"}, true, request.images, video);
   const ImageInfo size = ImageSize(files, frames);

@@ -73,6 +73,7 @@ void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track) {
             {"shape_params", track.shape},
             {"frames", Json::array()}};
   if (track.vertices > 0) json["vertices"] = track.vertices;
+  if (!track.model_sha256.empty()) json["model_sha256"] = track.model_sha256;
   if (!track.static_offset.empty()) json["static_offset"] = track.static_offset;
   if (track.test_frames >= 0) json["test_frames"] = track.test_frames;
   for (size_t f = 0; f < track.frames.size(); ++f) {

@@ -14,7 +14,8 @@ namespace cosplat {
 std::array<float, 4> ImavatarBox(const Image8& mask);
 
 struct ImavatarTrack {
-  int vertices = 0;  // of the model, FlameModel::own_vertex_count; 0: not said
+  int vertices = 0;          // of the model, FlameModel::own_vertex_count; 0: not said
+  std::string model_sha256;  // its FlameModel::sha256 if it is not FLAME; empty: not said
   std::vector<float> shape;
   std::vector<float> static_offset;         // [V, 3] metres, or empty
   int test_frames = -1;                     // the last ones are held out; -1: the reader decides
@@ -24,8 +25,8 @@ struct ImavatarTrack {
 
 // Writes <folder>/flame_params.json atomically. A frame's eyelids, if any frame has some, are
 // written as "eyelids", the subject's static offset as "static_offset", the model's vertices as
-// "vertices"; the layout's other readers ignore them. Frames' expressions must have one
-// length. Throws Error if the file cannot be written.
+// "vertices", its hash as "model_sha256"; the layout's other readers ignore them. Frames'
+// expressions must have one length. Throws Error if the file cannot be written.
 void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track);
 
 }  // namespace cosplat

@@ -91,6 +91,16 @@ TEST(ImavatarWriter, SaysWhichMeshTheTrackIsOf) {
   EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &same));
   test::ExpectError([&] { LoadDrivingSequence(folder.path(), &other); },
                     {folder.path(), "40 vertices", "41"});
+  // Of equal meshes, those of two versions of our own head.
+  track.model_sha256 = "abc";
+  WriteImavatarTrack(folder.path(), track);
+  FlameModel version = same;
+  version.sha256 = "abc";
+  EXPECT_NO_THROW(LoadDrivingSequence(folder.path(), &version));
+  version.sha256 = "def";
+  test::ExpectError([&] { LoadDrivingSequence(folder.path(), &version); },
+                    {folder.path(), "sha256 abc", "def"});
+  track.model_sha256.clear();
   // Where it is not said, it is FLAME's: not that of a model with landmarks of its own.
   track.vertices = 0;
   WriteImavatarTrack(folder.path(), track);
