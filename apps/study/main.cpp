@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
     cosplat::RegisterStudyRules();
     cosplat::DeclareStudy(app);
     cosplat::AddBench(app);
+    cosplat::AddFacePoints(app);
     cosplat::AddHeadFit(app);
     cosplat::AddMattes(app);
     cosplat::AddTrainAvatar(app);
