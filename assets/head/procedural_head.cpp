@@ -26,9 +26,7 @@ float Occlusion(const procedural::Vec& p,
   }
 }
 
-}  // namespace
-
-ProceduralHead MakeProceduralHeadParts() {
+ProceduralHead MakeHead(const procedural::NeckRig& neck) {
   ProceduralHead head;
   head.mesh = procedural::MakeHeadMesh();
   FlameModel& m = head.model;
@@ -40,8 +38,8 @@ ProceduralHead MakeProceduralHeadParts() {
   for (const auto& p : head.mesh.positions)
     m.template_vertices.insert(m.template_vertices.end(), {p.x, p.y, p.z});
   m.faces = head.mesh.faces;
-  m.skinning_weights = procedural::SkinningWeights(head.mesh);
-  m.joint_regressor = procedural::JointRegressor(head.mesh);
+  m.skinning_weights = procedural::SkinningWeights(head.mesh, neck);
+  m.joint_regressor = procedural::JointRegressor(head.mesh, neck);
   m.shape_directions = procedural::ShapeDirections(head.mesh);
   m.expression_directions = procedural::ExpressionDirections(head.mesh);
   m.pose_directions = procedural::PoseDirections(head.mesh, m.skinning_weights);
@@ -52,13 +50,16 @@ ProceduralHead MakeProceduralHeadParts() {
   return head;
 }
 
+}  // namespace
+
+ProceduralHead MakeProceduralHeadParts() { return MakeHead(procedural::kFilmedNeck); }
+
 FlameModel MakeProceduralHead() { return MakeProceduralHeadParts().model; }
 
 FlameModel MakeHeadForPeople() { return MakeHeadForPeopleParts().model; }
 
 ProceduralHead MakeHeadForPeopleParts() {
-  ProceduralHead head = MakeProceduralHeadParts();
-  procedural::SetNeckOfPeople(head);
+  ProceduralHead head = MakeHead(procedural::kNeckOfPeople);
   procedural::OpenMouth(head);
   head.model.landmarks = procedural::FacePoints(head.mesh);
   procedural::ShiftToMeanOfPeople(head.mesh, head.model);

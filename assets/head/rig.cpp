@@ -155,13 +155,6 @@ std::vector<float> JointRegressor(const HeadMesh& mesh, const NeckRig& neck) {
   return regressor;
 }
 
-void SetNeckOfPeople(ProceduralHead& head) {
-  FlameModel& model = head.model;
-  model.skinning_weights = SkinningWeights(head.mesh, kNeckOfPeople);
-  model.joint_regressor = JointRegressor(head.mesh, kNeckOfPeople);
-  model.pose_directions = PoseDirections(head.mesh, model.skinning_weights);
-}
-
 float NearEye(const Vec& p) {
   const float left = Length(p - EyeCenter(true)), right = Length(p - EyeCenter(false));
   return 1 - SmoothStep(0.0185f, 0.030f, std::min(left, right));

@@ -19,21 +19,20 @@ struct NeckRig {
 };
 // The filmed head turns about the foot of its neck.
 inline constexpr NeckRig kFilmedNeck{{0, -0.092f, -0.050f}, -0.150f, -0.078f, 0.25f};
-// People turn theirs between the ears, on the atlas, as FLAME's does, and what a collar covers
-// stays at rest. About the foot of the neck a head that tilts by a degree would move sideways by
-// two millimetres, which a track cannot do without moving the shoulders, and so it tilts too
-// little.
+// People turn theirs between the ears, on the atlas, as FLAME's does. What a collar covers stays at
+// rest: skin that moved there would hold the head back, since images show that it does not, and the
+// track would tilt too little (docs/tried.md).
 inline constexpr NeckRig kNeckOfPeople{{0, -0.009f, -0.054f}, -0.120f, -0.045f, 0.375f};
 
 // Root, neck, jaw, left eye, right eye at rest.
-std::array<Vec, kFlameJoints> JointPositions(const NeckRig& neck = kFilmedNeck);
+std::array<Vec, kFlameJoints> JointPositions(const NeckRig& neck);
 
 // [V, 5], rows sum to 1.
-std::vector<float> SkinningWeights(const HeadMesh& mesh, const NeckRig& neck = kFilmedNeck);
+std::vector<float> SkinningWeights(const HeadMesh& mesh, const NeckRig& neck);
 
 // [5, V], rows sum to 1: regresses JointPositions() at rest and follows the vertices around each
 // joint.
-std::vector<float> JointRegressor(const HeadMesh& mesh, const NeckRig& neck = kFilmedNeck);
+std::vector<float> JointRegressor(const HeadMesh& mesh, const NeckRig& neck);
 
 // [count, V, 3]
 constexpr int kShapeCount = 12;
@@ -44,9 +43,6 @@ std::vector<float> PoseDirections(const HeadMesh& mesh, const std::vector<float>
 // A field of displacements at p, but lids and eyeball move rigidly together, so that they continue
 // to fit each other.
 Vec RigidAtEyes(const std::function<Vec(const Vec&)>& field, const Vec& p, Part part);
-
-// Gives `head` the neck of people.
-void SetNeckOfPeople(ProceduralHead& head);
 
 // Takes teeth, gums and throat out of the mesh and the model.
 void OpenMouth(ProceduralHead& head);
