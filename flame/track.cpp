@@ -274,8 +274,8 @@ void CheckIsOf(const FlameModel& flame, const TrackedVideo& video) {
                        flame.own_vertex_count()));
   if (!video.model_sha256.empty() && !flame.sha256.empty() && video.model_sha256 != flame.sha256)
     throw Error(video.source,
-                "is of a model with sha256 " + video.model_sha256 + ", that of '" + flame.name +
-                    "' is " + flame.sha256);
+                "is of another model (sha256 " + video.model_sha256 + ") than '" + flame.name +
+                    "' (" + flame.sha256 + "); give that which it was tracked with");
 }
 
 TrackedVideo LoadTrack(const std::string& path, const TrackRequest& request) {

@@ -90,9 +90,7 @@ void WriteRefined(const TrackRunOptions& o,
                   TrackedVideo& video) {
   MakeDirectories(o.out + "/image");
   fs::remove(o.out + "/flame_params.json");  // so that a half is not taken for the whole
-  ImavatarTrack track;
-  track.vertices = model.own_vertex_count();
-  if (!model.landmarks.empty()) track.model_sha256 = model.sha256;
+  ImavatarTrack track = ImavatarTrackOf(model);
   track.shape = video.shape;
   track.static_offset = video.static_offset;
   track.test_frames = TestFramesAtEnd(video);

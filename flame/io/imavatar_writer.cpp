@@ -65,6 +65,13 @@ std::array<float, 4> ImavatarBox(const Image8& mask) {
   return {norm(x0, mask.width), norm(y0, mask.height), norm(x1, mask.width), norm(y1, mask.height)};
 }
 
+ImavatarTrack ImavatarTrackOf(const FlameModel& model) {
+  ImavatarTrack track;
+  track.vertices = model.own_vertex_count();
+  if (!model.landmarks.empty()) track.model_sha256 = model.sha256;
+  return track;
+}
+
 void WriteImavatarTrack(const std::string& folder, const ImavatarTrack& track) {
   const Camera& lens = track.frames.at(0).camera;
   const float width = float(lens.width), height = float(lens.height);

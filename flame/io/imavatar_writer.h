@@ -23,6 +23,9 @@ struct ImavatarTrack {
   std::vector<std::array<float, 4>> boxes;  // [frames] ImavatarBox
 };
 
+// A track that says which model it is of.
+ImavatarTrack ImavatarTrackOf(const FlameModel& model);
+
 // Writes <folder>/flame_params.json atomically. A frame's eyelids, if any frame has some, are
 // written as "eyelids", the subject's static offset as "static_offset", the model's vertices as
 // "vertices", its hash as "model_sha256"; the layout's other readers ignore them. Frames'

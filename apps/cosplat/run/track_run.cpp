@@ -253,9 +253,7 @@ void RunTracking(const TrackRunOptions& o, FrameSource& frames) {
   MakeDirectories(o.out + "/image");
   if (run.mattes) MakeDirectories(o.out + "/mask");
   RemoveFile(o.out + "/flame_params.json");  // so that a half is not taken for the whole
-  ImavatarTrack track;
-  track.vertices = run.model.own_vertex_count();
-  if (!run.model.landmarks.empty()) track.model_sha256 = run.model.sha256;
+  ImavatarTrack track = ImavatarTrackOf(run.model);
   track.shape = run.fit.shape;
   track.static_offset = run.fit.static_offset;
   track.test_frames = TestFrames(run);
