@@ -1,10 +1,10 @@
 // cosplat-study face-points: where a detector sees its points on people, as points of a head model.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "apps/study/commands.h"
 #include "apps/study/face_points/cast_points.h"
-#include "assets/head/procedural_head.h"
 #include "splat/base/error.h"
 #include "splat/base/text.h"
 
@@ -20,7 +20,9 @@ void CastFacePoints(const FacePointsCommand& o) {
   if (o.tracks.size() != o.landmarks.size())
     throw Error("--landmarks",
                 Format("{} files for {} tracks", o.landmarks.size(), o.tracks.size()));
-  FlameModel model = o.model.empty() ? MakeHeadForPeople() : LoadFlameModel(o.model);
+  if (std::filesystem::exists(o.out) && std::filesystem::equivalent(o.out, o.model))
+    throw Error("-o", "'" + o.out + "' is the model itself, which the tracks are of");
+  FlameModel model = LoadFlameModel(o.model);
   if (model.landmarks.empty()) throw Error(model.name, "landmark_indices", "array is missing");
   std::vector<CastPlaces> people;
   for (size_t i = 0; i < o.tracks.size(); ++i) {
@@ -48,13 +50,15 @@ void CastFacePoints(const FacePointsCommand& o) {
 
 void AddFacePoints(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "face-points", "where a detector sees its points on people, on the template of our own head");
+      "face-points",
+      "where a detector sees its points on people, as places on a head model's template");
   const auto o = std::make_shared<FacePointsCommand>();
+  command->add_option("model", o->model, "the tracks' head model, as the head.npz beside them")
+      ->required();
   command->add_option("--track", o->tracks, "a person's track by the model; may be repeated")
       ->required();
   command->add_option("--landmarks", o->landmarks, "the landmarks of each, in the same order")
       ->required();
-  command->add_option("--model", o->model, "head model in place of our own")->default_str("");
   command->add_option("-o,--out", o->out, ".npz: the model with these points, to track by again");
   command->callback([o] { CastFacePoints(*o); });
 }
