@@ -197,7 +197,7 @@ if [[ $web -eq 1 ]]; then
   step "The browser's player" "cosplat/run web && cd cosplat && cmake --preset cpu &&
     cmake --build build/cpu --parallel $(nproc) --target cosplat cosplat_plugin &&
     ctest --test-dir build/cpu --output-on-failure --tests-regex '^web[.]'"
-  tests=$(sed -n 's/^\([0-9]*% tests passed, [0-9]* tests failed out of [0-9]*\).*/\1/p' "$log" | tail -n 1)
+  tests=$(sed -n '/^== The browser/,$ s/^\([0-9]*% tests passed, [0-9]* tests failed out of [0-9]*\).*/\1/p' "$log" | tail -n 1)
   row "browser" "$(outcome "${tests:-none ran}, in $seconds s")"
   [[ $status -eq 0 ]] || failed=1
 fi
