@@ -24,6 +24,7 @@ set(COSPLAT_PRIVATE_HEADERS
   avatar/plugin/instance_face.h
   avatar/plugin/live_parameters.h
   avatar/plugin/struct_size.h
+  avatar/voice/voice_net_bytes.h
   avatar/surface/cuda/
   avatar/surface/gather_rows.h
   flame/added_mesh.h
@@ -43,6 +44,7 @@ set(COSPLAT_PRIVATE_HEADERS
   flame/kernels/
   splat/base/compression.h
   splat/media/libav.h
+  splat/media/sound_track.h
   splat/media/video_stream.h
   splat/onnx/onnx_file.h
   splat/onnx/onnx_p

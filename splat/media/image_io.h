@@ -1,14 +1,16 @@
 // Image and video files. Within the libraries, only image_io.cpp includes OpenCV for pixel data,
-// and only video_reader.cpp and video_writer.cpp FFmpeg's libraries.
+// and only those that include libav.h FFmpeg's libraries.
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "splat/base/camera.h"
 #include "splat/base/image.h"
+#include "splat/media/sound.h"
 
 namespace cosplat {
 
@@ -132,7 +134,12 @@ class VideoReader {
 // name once Finish() succeeds.
 class VideoWriter {
  public:
-  VideoWriter(const std::string& path, int width, int height, double frames_per_second);
+  // sound: beside the frames, as long as they last.
+  VideoWriter(const std::string& path,
+              int width,
+              int height,
+              double frames_per_second,
+              std::optional<Sound> sound = {});
   ~VideoWriter();
   void Write(const Image8& rgb);
   void Finish();

@@ -95,7 +95,8 @@ VideoStream::VideoStream(const std::string& name,
                          int width,
                          int height,
                          double frames_per_second,
-                         For purpose)
+                         For purpose,
+                         std::optional<Sound> sound)
     : name_(name), yuv_(name, width, height) {
   Quiet();
   AVFormatContext* opened = nullptr;
@@ -112,6 +113,7 @@ VideoStream::VideoStream(const std::string& name,
   stream_->time_base = codec_->time_base;
   stream_->avg_frame_rate = codec_->framerate;
   Check(avcodec_parameters_from_context(stream_->codecpar, codec_.get()));
+  if (sound) sound_.emplace(name, *opened, std::move(*sound));
   Check(avio_open(&opened->pb, url.c_str(), AVIO_FLAG_WRITE));
   if (purpose == For::kLive) opened->flags |= AVFMT_FLAG_FLUSH_PACKETS;
   Check(avformat_write_header(opened, nullptr));
@@ -134,10 +136,12 @@ void VideoStream::Write(const Image8& rgb, int64_t number) {
   AVFrame* frame = yuv_.Of(rgb);
   frame->pts = number;
   Encode(frame);
+  if (sound_) sound_->WriteUntil(double(number + 1) * av_q2d(codec_->time_base));
 }
 
 void VideoStream::Finish() {
   Encode(nullptr);
+  if (sound_) sound_->Finish();
   Check(av_write_trailer(output_.get()));
   Check(avio_closep(&output_->pb));
 }

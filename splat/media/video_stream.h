@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "splat/base/image.h"
 #include "splat/media/libav.h"
+#include "splat/media/sound_track.h"
 
 namespace cosplat::libav {
 
@@ -39,14 +41,16 @@ class VideoStream {
     kFile,  // at a quality at which frames are hard to tell from what was written
     kLive   // without delay, at what a connection can carry
   };
-  // name: for errors. container: FFmpeg's name. Throws Error if it cannot be opened.
+  // name: for errors. container: FFmpeg's name. sound: beside the images, from the first. Throws
+  // Error if it cannot be opened.
   VideoStream(const std::string& name,
               const std::string& container,
               const std::string& url,
               int width,
               int height,
               double frames_per_second,
-              For purpose);
+              For purpose,
+              std::optional<Sound> sound = {});
   // number: of the frame, from 0, increasing; frames may be left out.
   void Write(const Image8& rgb, int64_t number);
   void Finish();
@@ -62,6 +66,7 @@ class VideoStream {
   Codec codec_;
   Packet packet_{av_packet_alloc()};
   Yuv420 yuv_;
+  std::optional<SoundTrack> sound_;
   AVStream* stream_ = nullptr;
 };
 

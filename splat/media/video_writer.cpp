@@ -21,7 +21,11 @@ struct VideoWriter::Impl {
   }
 };
 
-VideoWriter::VideoWriter(const std::string& path, int width, int height, double frames_per_second)
+VideoWriter::VideoWriter(const std::string& path,
+                         int width,
+                         int height,
+                         double frames_per_second,
+                         std::optional<Sound> sound)
     : impl_(std::make_unique<Impl>()) {
   const std::filesystem::path target(path);
   if (target.extension() != ".mp4") throw Error(path, "unknown video extension, expected .mp4");
@@ -37,7 +41,8 @@ VideoWriter::VideoWriter(const std::string& path, int width, int height, double 
                         width,
                         height,
                         frames_per_second,
-                        libav::VideoStream::For::kFile);
+                        libav::VideoStream::For::kFile,
+                        std::move(sound));
 }
 
 VideoWriter::~VideoWriter() = default;

@@ -1,0 +1,122 @@
+#include "splat/media/sound.h"
+
+extern "C" {
+#include <libavutil/channel_layout.h>
+#include <libavutil/opt.h>
+#include <libswresample/swresample.h>
+}
+
+#include "splat/base/error.h"
+#include "splat/media/libav.h"
+
+namespace cosplat {
+namespace {
+
+using Resampler = std::unique_ptr<SwrContext, libav::FreeByAddress<swr_free>>;
+
+class SoundFile {
+ public:
+  SoundFile(const std::string& path, int rate, int channels) : path_(path) {
+    libav::Quiet();
+    AVFormatContext* opened = nullptr;
+    int code = avformat_open_input(&opened, libav::FileUrl(path).c_str(), nullptr, nullptr);
+    input_.reset(opened);
+    if (code >= 0) code = avformat_find_stream_info(opened, nullptr);
+    if (code < 0) throw Error(path, "cannot be opened as a sound: " + libav::ErrorText(code));
+    const AVCodec* decoder = nullptr;
+    track_ = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &decoder, 0);
+    if (track_ == AVERROR_STREAM_NOT_FOUND) throw Error(path, "has no audio track");
+    codec_.reset(track_ >= 0 ? avcodec_alloc_context3(decoder) : nullptr);
+    if (!codec_)
+      throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
+    code = avcodec_parameters_to_context(codec_.get(), opened->streams[track_]->codecpar);
+    if (code >= 0) code = avcodec_open2(codec_.get(), decoder, nullptr);
+    if (code < 0) throw Error(path, "cannot be decoded: " + libav::ErrorText(code));
+    sound_.rate = rate;
+    sound_.channels = channels;
+  }
+
+  Sound Read() {
+    while (av_read_frame(input_.get(), packet_.get()) >= 0) {
+      if (packet_->stream_index == track_) Decode(packet_.get());
+      av_packet_unref(packet_.get());
+    }
+    Decode(nullptr);
+    Convert(nullptr);
+    if (sound_.samples.empty()) throw Error(path_, "has no sound that can be decoded");
+    return std::move(sound_);
+  }
+
+ private:
+  void Decode(const AVPacket* packet) {
+    if (avcodec_send_packet(codec_.get(), packet) < 0) return;
+    while (avcodec_receive_frame(codec_.get(), frame_.get()) >= 0) Convert(frame_.get());
+  }
+
+  // Null: what the resampler still holds.
+  void Convert(const AVFrame* frame) {
+    if (frame != nullptr && (!resampler_ || Differs(*frame))) {
+      Convert(nullptr);
+      OpenResampler(*frame);
+    }
+    if (!resampler_) return;
+    const int count = frame != nullptr ? frame->nb_samples : 0;
+    const int most = swr_get_out_samples(resampler_.get(), count);
+    const size_t channels = size_t(sound_.channels), before = sound_.samples.size();
+    sound_.samples.resize(before + size_t(most) * channels);
+    auto* out = reinterpret_cast<uint8_t*>(sound_.samples.data() + before);
+    auto** in = frame != nullptr ? const_cast<const uint8_t**>(frame->extended_data) : nullptr;
+    const int written = swr_convert(resampler_.get(), &out, most, in, count);
+    sound_.samples.resize(before + size_t(std::max(written, 0)) * channels);
+  }
+
+  bool Differs(const AVFrame& frame) const {
+    return frame.sample_rate != rate_ || frame.format != format_ ||
+           frame.ch_layout.nb_channels != channels_;
+  }
+
+  void OpenResampler(const AVFrame& frame) {
+    rate_ = frame.sample_rate;
+    format_ = frame.format;
+    channels_ = frame.ch_layout.nb_channels;
+    AVChannelLayout to, from;
+    av_channel_layout_default(&to, sound_.channels);
+    // Files of several unnamed channels, as some recorders write them.
+    if (frame.ch_layout.order == AV_CHANNEL_ORDER_UNSPEC)
+      av_channel_layout_default(&from, channels_);
+    else
+      from = frame.ch_layout;
+    SwrContext* opened = nullptr;
+    int code = swr_alloc_set_opts2(&opened,
+                                   &to,
+                                   AV_SAMPLE_FMT_FLT,
+                                   sound_.rate,
+                                   &from,
+                                   AVSampleFormat(format_),
+                                   rate_,
+                                   0,
+                                   nullptr);
+    resampler_.reset(opened);
+    // The mean of channels that carry one voice is as loud as each, not louder than 1.
+    if (code >= 0) code = av_opt_set_double(opened, "rematrix_maxval", 1, 0);
+    if (code >= 0) code = swr_init(opened);
+    if (code < 0) throw Error(path_, "cannot be resampled: " + libav::ErrorText(code));
+  }
+
+  std::string path_;
+  libav::Input input_;
+  libav::Codec codec_;
+  libav::Frame frame_{av_frame_alloc()};
+  libav::Packet packet_{av_packet_alloc()};
+  Resampler resampler_;
+  int track_ = -1, rate_ = 0, format_ = 0, channels_ = 0;
+  Sound sound_;
+};
+
+}  // namespace
+
+Sound ReadSound(const std::string& path, int rate, int channels) {
+  return SoundFile(path, rate, channels).Read();
+}
+
+}  // namespace cosplat
