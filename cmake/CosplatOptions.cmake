@@ -73,3 +73,25 @@ function(cosplat_simd_sources)
     COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|(HWY_AVX3-1))"
     SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
+
+# cosplat_embed(SYMBOL HEADER FILE): puts a source with FILE's bytes as cosplat::SYMBOL, and their count as
+# cosplat::SYMBOLSize, both declared in HEADER, into the build folder, and its path into SYMBOL_source.
+function(cosplat_embed symbol header file)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${symbol}.cpp)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} bytes HEX)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
+  string(REGEX REPLACE "((0x..,)(0x..,)(0x..,)(0x..,)(0x..,)(0x..,)(0x..,)(0x..,))" "\\1\n" bytes "${bytes}")
+  file(CONFIGURE OUTPUT ${source} CONTENT
+"#include \"${header}\"
+
+namespace cosplat {
+
+const unsigned char ${symbol}[] = {
+${bytes}};
+const size_t ${symbol}Size = sizeof ${symbol};
+
+}
+")
+  set(${symbol}_source ${source} PARENT_SCOPE)
+endfunction()

@@ -152,6 +152,8 @@ const std::vector<FolderRule>& FolderRules() {
         "splat/media/",
         "splat/train/"}},
       {"avatar/live/", {"splat/base/", "avatar/math/", "avatar/model/", "flame/", "avatar/live/"}},
+      {"avatar/voice/",
+       {"splat/base/", "avatar/math/", "avatar/model/", "avatar/live/", "avatar/voice/"}},
       {"avatar/plugin/",
        {"splat/base/",
         "splat/math/",

@@ -8,6 +8,7 @@
 #include "avatar/live/score_recording.h"
 #include "avatar/live/unused_input.h"
 #include "splat/base/error.h"
+#include "splat/base/files.h"
 #include "splat/base/text.h"
 
 namespace cosplat {
@@ -16,6 +17,10 @@ namespace {
 // Rates of timecodes. The app's own is 60; those of devices that it follows are lower.
 constexpr int kRates[] = {24, 25, 30, 48, 50, 60};
 constexpr double kDaySeconds = 24 * 3600;
+constexpr int kWrittenRate = 60;
+
+// The table's names of a head's angles; the first two grow the other way than ours.
+constexpr const char* kAngleNames[] = {"HeadPitch", "HeadYaw", "HeadRoll"};
 
 std::vector<std::string_view> CellsOf(std::string_view line) {
   std::vector<std::string_view> cells;
@@ -68,7 +73,7 @@ class Table {
     for (const std::string_view cell : CellsOf(header)) names_.emplace_back(cell);
     time_ = Column("Timecode");
     count_ = Column("BlendShapeCount");
-    angles_ = {Column("HeadPitch"), Column("HeadYaw"), Column("HeadRoll")};
+    for (size_t axis = 0; axis < 3; ++axis) angles_[axis] = Column(kAngleNames[axis]);
   }
 
   // Returns false at the end of the file.
@@ -147,6 +152,12 @@ int RateOf(const std::vector<Row>& rows) {
   return kRates[std::size(kRates) - 1];
 }
 
+std::string ColumnName(std::string_view arkit) {
+  std::string name(arkit);
+  name[0] = char(name[0] - 'a' + 'A');
+  return name;
+}
+
 }  // namespace
 
 ScoreRecording LoadLiveLinkRecording(const std::string& path) {
@@ -184,6 +195,34 @@ ScoreRecording LoadLiveLinkRecording(const std::string& path) {
   for (ScoredFrame& frame : recording.frames) frame.timestep /= step;
   recording.frames_per_second = double(rate) / double(step);
   return recording;
+}
+
+void WriteLiveLinkRecording(const ScoreRecording& recording, const std::string& path) {
+  const double rate = recording.frames_per_second;
+  if (!(rate > 0 && rate <= kWrittenRate))
+    throw Error(path, Format("{} frames per second", rate), "do not fit into timecodes of 60");
+  std::string table = "Timecode,BlendShapeCount";
+  for (const std::string_view name : kArkitNames) table.append(",").append(ColumnName(name));
+  for (const char* name : kAngleNames) table.append(",").append(name);
+  for (const ScoredFrame& frame : recording.frames) {
+    // Thousandths of a frame of the app's own rate, which no reader takes for another.
+    const int64_t time = std::llround(double(frame.timestep) * 1000 * kWrittenRate / rate);
+    const int64_t seconds = time / (1000 * kWrittenRate), left = time % (1000 * kWrittenRate);
+    table += Format("\n{:02d}:{:02d}:{:02d}:{:02d}.{:03d},{}",
+                    seconds / 3600,
+                    seconds / 60 % 60,
+                    seconds % 60,
+                    left / 1000,
+                    left % 1000,
+                    kArkitBlendshapes + std::size(kAngleNames));
+    for (const std::string_view name : kArkitNames) {
+      const auto score = frame.scores.find(std::string(name));
+      table += Format(",{:.6f}", score == frame.scores.end() ? 0.0f : score->second);
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      table += Format(",{:.6f}", axis < 2 ? -frame.head[axis] : frame.head[axis]);
+  }
+  WriteFileAtomically(path, table + "\n");
 }
 
 }  // namespace cosplat

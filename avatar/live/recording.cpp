@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "avatar/live/packet_input.h"
-#include "avatar/live/score_recording.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/track.h"
 #include "splat/base/error.h"
@@ -92,12 +91,15 @@ class RecordedSource : public LiveSource {
   LiveCounts counts_;
 };
 
-Recording RecordingOfScores(const std::string& path, const LiveSourceOptions& options) {
-  const ScoreRecording scores = LoadScores(path);
+}  // namespace
+
+Recording RecordingOf(const ScoreRecording& scores,
+                      const std::string& name,
+                      const LiveSourceOptions& options) {
   const BlendshapeMap map = ChooseBlendshapeMap("", options).map;
   Recording recording;
-  recording.path = path;
-  recording.frames_per_second = FrameRate(path, scores.frames_per_second, options);
+  recording.path = name;
+  recording.frames_per_second = FrameRate(name, scores.frames_per_second, options);
   for (const ScoredFrame& frame : scores.frames) {
     recording.frames.push_back({frame.timestep, {}});
     FlameParams& params = recording.frames.back().params;
@@ -108,10 +110,17 @@ Recording RecordingOfScores(const std::string& path, const LiveSourceOptions& op
   return recording;
 }
 
-}  // namespace
+std::vector<FlameParams> FacesOf(const Recording& recording) {
+  std::vector<FlameParams> faces;
+  for (const RecordedFrame& frame : recording.frames) {
+    while (int64_t(faces.size()) < frame.timestep) faces.push_back(faces.back());
+    faces.push_back(frame.params);
+  }
+  return faces;
+}
 
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options) {
-  if (IsScoreRecording(path)) return RecordingOfScores(path, options);
+  if (IsScoreRecording(path)) return RecordingOf(LoadScores(path), path, options);
   const TrackedVideo video = LoadDrivingSequence(path, options.flame);
   if (video.head_is_fixed)
     throw Error(path, "the FLAME model is needed: in this track the camera moves, not the head");

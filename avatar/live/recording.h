@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "avatar/live/score_recording.h"
 #include "avatar/live/source.h"
 
 namespace cosplat {
@@ -31,6 +32,14 @@ struct Recording {
 // Throws Error as LoadDrivingSequence or LoadScores does, when the frame rate is not 0.001 to
 // 10000, and when the track needs options.flame and there is none.
 Recording LoadRecording(const std::string& path, const LiveSourceOptions& options);
+
+// The same of scores that were loaded or made. name: of what they are from.
+Recording RecordingOf(const ScoreRecording& scores,
+                      const std::string& name,
+                      const LiveSourceOptions& options);
+
+// A face for each time step: gaps repeat the face before.
+std::vector<FlameParams> FacesOf(const Recording& recording);
 
 std::unique_ptr<LiveSource> OpenRecording(const std::string& path,
                                           const LiveSourceOptions& options);

@@ -36,5 +36,9 @@ ScoreRecording LoadScores(const std::string& path);
 // Live Link Face's table: a row per frame, with a timecode, 52 scores and the head's angles. Rows
 // without scores are left out: the app saw no face. Throws Error naming line, column and value.
 ScoreRecording LoadLiveLinkRecording(const std::string& path);
+// The same table, beginning at 00:00:00, with timecodes of 60 frames. Scores that it does not have
+// are left out. Throws Error if the recording has more frames per second, or the file cannot be
+// written.
+void WriteLiveLinkRecording(const ScoreRecording& recording, const std::string& path);
 
 }  // namespace cosplat

@@ -104,6 +104,11 @@ std::string ToString(const LiveCounts& counts) {
 std::unique_ptr<LiveSource> OpenLiveSource(const std::string& drive,
                                            const LiveSourceOptions& options) {
   if (drive == "stdin:") return OpenLineSource(STDIN_FILENO, "standard input", options);
+  for (const char* own : {"webcam:", "audio:"})
+    if (drive.starts_with(own))
+      throw Error(drive,
+                  "is a drive of the cosplat command alone: `cosplat webcam` and `cosplat voice` "
+                  "send --to udp://HOST:PORT, which is one here");
   if (drive.find("://") == std::string::npos) return OpenRecording(drive, options);
   const DriveAddress address = ParseDriveAddress(drive);
   const Scheme& scheme = SchemeOf(address);

@@ -96,5 +96,31 @@ TEST(LiveLinkRecording, ErrorsNameLineColumnAndValue) {
   ExpectError([&] { LoadScores(folder / "none.csv"); }, {"none.csv", "cannot be read"});
 }
 
+TEST(LiveLinkRecording, WhatIsWrittenIsRead) {
+  const TemporaryFolder folder;
+  ScoreRecording recording;
+  recording.frames_per_second = 50;
+  for (int64_t i = 0; i < 7000; ++i)
+    if (i % 100 != 7)
+      recording.frames.push_back(
+          {i, {{"jawOpen", float(i % 50) / 50}, {"mouthLeft", 0.25f}}, {0.1f, -0.2f, 0.3f}});
+  WriteLiveLinkRecording(recording, folder / "a.csv");
+  const ScoreRecording read = LoadScores(folder / "a.csv");
+  EXPECT_EQ(read.frames_per_second, 60);
+  ASSERT_EQ(read.frames.size(), recording.frames.size());
+  for (size_t i = 0; i < read.frames.size(); ++i) {
+    const ScoredFrame& frame = read.frames[i];
+    EXPECT_NEAR(double(frame.timestep) / 60, double(recording.frames[i].timestep) / 50, 0.51 / 60);
+    EXPECT_NEAR(frame.scores.at("jawOpen"), recording.frames[i].scores.at("jawOpen"), 1e-5);
+    EXPECT_NEAR(frame.scores.at("mouthLeft"), 0.25, 1e-6);
+    EXPECT_EQ(frame.scores.at("mouthRight"), 0);
+    for (size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(frame.head[axis], recording.frames[i].head[axis], 1e-5);
+  }
+  recording.frames_per_second = 120;
+  ExpectError([&] { WriteLiveLinkRecording(recording, folder / "b.csv"); },
+              {"b.csv", "120", "timecodes of 60"});
+}
+
 }  // namespace
 }  // namespace cosplat
