@@ -8,6 +8,7 @@
 #include "apps/cosplat/play_content.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/viewer/viewer_state.h"
 #include "apps/viewer/window.h"
 #include "avatar/model/bust.h"
 #include "avatar/play/avatar_renderer.h"
@@ -49,7 +50,8 @@ void SetLook(const PlayOptions& o, Session& session) {
 void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, PictureSize size) {
   if (IsLiveDrive(o.drive))
     throw Error("--headless", "plays recordings; '" + o.drive + "' needs the window");
-  FrameSink sink(o.out);
+  FrameSink sink(o.out,
+                 session.has_sequence() ? session.timeline.frames_per_second() : kFramesPerSecond);
   if (o.transparent && sink.is_video())
     throw Error(o.out, "--transparent", "videos have no alpha: give a folder");
   const int frames = o.frames > 0 ? o.frames : std::max(1, session.timeline.frames());
@@ -90,6 +92,7 @@ void Play(const PlayOptions& o) {
   if (o.still_bust && content.avatar) HoldBustStill(content.avatar->model);
   FindLevels(o, device, content);
   Session session(content);
+  if (content.avatar) session.open_drive = DriverOf(*content.avatar, o.fps, o.verbose);
   if (!o.drive.empty()) DriveSession(session, content, o.drive, o.fps, o.verbose);
   SetLook(o, session);
   const PictureSize size =
@@ -98,7 +101,9 @@ void Play(const PlayOptions& o) {
   Stage stage(std::move(content), {AvatarRendererOn(device), SceneRendererOn(device)});
   if (o.headless) return PlayIntoFiles(o, session, stage, size);
   const std::string folder = o.out.empty() ? "." : o.out;
-  viewer::ViewerWindow(session, stage, {o.scale, folder, DeviceTextureOn(device)}).Run();
+  const viewer::WindowSettings settings{
+      o.scale, folder, DeviceTextureOn(device), viewer::ViewerStatePath()};
+  viewer::ViewerWindow(session, stage, settings).Run();
 }
 
 void AddLook(CLI::App& command, PlayOptions& o) {
@@ -126,7 +131,8 @@ void AddPlay(CLI::App& app) {
       "--drive",
       o->drive,
       "what moves an avatar: a tracked video, .npz, landmarks file or .csv of Live Link Face, "
-      "webcam:, udp://HOST:PORT, vmc://HOST:PORT, vts://PHONE, ifacialmocap://PHONE, "
+      "webcam:, audio: (the microphone), audio:FILE, udp://HOST:PORT, vmc://HOST:PORT, "
+      "vts://PHONE, ifacialmocap://PHONE, "
       "livelink://HOST or stdin:");
   command->add_option("--fps", o->fps, "frame rate of a recorded drive (default: its own)")
       ->needs(drive)

@@ -22,8 +22,8 @@
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/test_images.h"
+#include "apps/cosplat/run/voice_drive.h"
 #include "avatar/io/avatar_file.h"
-#include "avatar/live/recording.h"
 #include "avatar/live/soft_range.h"
 #include "avatar/model/avatar_mesh.h"
 #include "avatar/model/bust.h"
@@ -36,6 +36,7 @@
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
 #include "splat/io/dataset.h"
+#include "splat/media/sound.h"
 #include "splat/render/device.h"
 
 namespace cosplat {
@@ -43,6 +44,7 @@ namespace {
 
 constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
+constexpr int kVideoSoundRate = 48000;  // samples per second
 
 // Random faces: the most that they turn, radians about each axis.
 constexpr std::array<float, 3> kRandomNeck{0.1f, 0.3f, 0.05f};
@@ -78,8 +80,14 @@ std::string SuffixOf(const RenderOptions& o) {
 // rendered.
 class Output {
  public:
-  Output(const RenderOptions& o, size_t total)
-      : sink_(o.out), bar_("render", int(total), o.quiet), quiet_(o.quiet), path_(o.out) {}
+  Output(const RenderOptions& o,
+         size_t total,
+         double frames_per_second = kFramesPerSecond,
+         std::optional<Sound> sound = {})
+      : sink_(o.out, frames_per_second, std::move(sound)),
+        bar_("render", int(total), o.quiet),
+        quiet_(o.quiet),
+        path_(o.out) {}
   void Write(const RenderedImage& image) {
     writing_.wait();  // for the previous frame; rethrows its error
     image_ = image;
@@ -102,8 +110,7 @@ class Output {
   tbb::task_group writing_;  // last: its destructor waits for the task, which uses the others
 };
 
-void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, const RenderOptions& o) {
-  Output output(o, frames.size());
+void PlayInto(const std::vector<PlaybackFrame>& frames, Player& player, Output&& output) {
   Playback playback(player);
   for (const PlaybackFrame& frame : frames)
     if (const RenderedImage* image = playback.Next(frame)) output.Write(*image);
@@ -180,24 +187,30 @@ void RenderAvatarOrbit(const RenderOptions& o,
   std::vector<PlaybackFrame> frames;
   for (const Camera& c : SwingAround(camera, center, up, kAvatarSwingDegrees, kOrbitFrames))
     frames.push_back({rest, c, BackgroundOf(run)});
-  PlayInto(frames, player, o);
+  PlayInto(frames, player, Output(o, frames.size()));
 }
 
-// What the sequence says, before it is limited.
-std::vector<FlameParams> DrivenFaces(const RenderOptions& o,
-                                     const FlameParams& rest,
-                                     const FlameModel& flame,
-                                     const AvatarModel& avatar) {
+struct DrivenFaces {
+  std::vector<FlameParams> faces;  // a face for each time step, before they are limited
+  double frames_per_second = kFramesPerSecond;
+  std::optional<Sound> sound;  // of "audio:FILE"
+};
+
+DrivenFaces LoadDrivenFaces(const RenderOptions& o,
+                            const FlameParams& rest,
+                            const FlameModel& flame,
+                            const AvatarModel& avatar) {
   LiveSourceOptions options;
   options.rest = rest;
   options.flame = &flame;
   if (avatar.blendshapes) options.blendshapes = &*avatar.blendshapes;
-  std::vector<FlameParams> faces;
-  Recording recording = LoadRecording(o.drive, options);
+  const Recording recording = LoadDrive(o.drive, options);
   if (!o.quiet) std::printf("%s", UnitLine("track " + o.drive, recording.unit).c_str());
   if (!recording.note.empty()) PrintNotes({o.drive + ": " + recording.note});
-  for (RecordedFrame& frame : recording.frames) faces.push_back(std::move(frame.params));
-  return faces;
+  DrivenFaces driven{FacesOf(recording), recording.frames_per_second, {}};
+  if (const std::string file = SoundFileOf(o.drive); !file.empty())
+    driven.sound = ReadSound(file, kVideoSoundRate, 2);
+  return driven;
 }
 
 // Expressions as they are spread over the heads that FLAME was built from, the same ones every
@@ -221,8 +234,11 @@ void RenderFaces(const RenderOptions& o,
                  const FlameModel& flame,
                  Player& player) {
   const FlameParams rest = ReferenceRoot(run);
-  std::vector<FlameParams> faces = o.random > 0 ? RandomFaces(o.random, rest, flame)
-                                                : DrivenFaces(o, rest, flame, player.avatar());
+  DrivenFaces driven;
+  if (o.random > 0)
+    driven.faces = RandomFaces(o.random, rest, flame);
+  else
+    driven = LoadDrivenFaces(o, rest, flame, player.avatar());
   const Camera camera = CameraFromJson(run["reference"]["camera"]);
   // As hosts do: another head's motion may go where this one was never seen. Files that do not say
   // what training showed are those of other programs, whose heads are played as they are.
@@ -231,12 +247,13 @@ void RenderFaces(const RenderOptions& o,
   const SoftRange range(coefficients, trained);
   std::vector<PlaybackFrame> frames;
   size_t softened = 0;
-  for (FlameParams& face : faces) {
+  for (FlameParams& face : driven.faces) {
     face.expression.resize(coefficients, 0.0f);
     if (trained) softened += range.Bring(face);
     frames.push_back({std::move(face), camera, BackgroundOf(run)});
   }
-  PlayInto(frames, player, o);
+  PlayInto(
+      frames, player, Output(o, frames.size(), driven.frames_per_second, std::move(driven.sound)));
   if (softened > 0 && !o.quiet)
     std::printf(
         "%zu of %zu frames went beyond the expressions and turns seen in training, and were "
@@ -256,7 +273,7 @@ void RenderFrames(const RenderOptions& o,
     std::vector<PlaybackFrame> sequence;
     for (const TrackedFrame& frame : frames)
       sequence.push_back({frame.params, frame.camera, BackgroundOf(run)});
-    return PlayInto(sequence, renderer.player(), o);
+    return PlayInto(sequence, renderer.player(), Output(o, sequence.size()));
   }
   TestImageWriter writer(
       o.model, held_out ? "test" : "train", SavedIteration(o.model, run), BackgroundOf(run));
@@ -333,7 +350,8 @@ void AddRender(CLI::App& app) {
           ->add_option("--drive",
                        o->drive,
                        "play an avatar with the motion of this tracked video, .npz, landmarks "
-                       "file with blendshape scores or .csv of Live Link Face")
+                       "file with blendshape scores, .csv of Live Link Face, or of audio:FILE, "
+                       "a voice")
           ->excludes(orbit);
   command
       ->add_option("--random",

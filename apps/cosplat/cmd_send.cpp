@@ -9,8 +9,8 @@
 #include "apps/cosplat/commands.h"
 #include "apps/cosplat/run/packet_output.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/voice_drive.h"
 #include "avatar/live/json_frame.h"
-#include "avatar/live/recording.h"
 #include "avatar/live/score_recording.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
@@ -95,7 +95,7 @@ Sequence LoadSequence(const SendOptions& o) {
     flame = LoadFlameModel(o.flame);
     options.flame = &flame;
   }
-  const Recording recording = LoadRecording(o.sequence, options);
+  const Recording recording = LoadDrive(o.sequence, options);
   Sequence sequence;
   sequence.frames_per_second = recording.frames_per_second;
   sequence.map = GeneralBlendshapeMap(options.flame);
@@ -103,8 +103,9 @@ Sequence LoadSequence(const SendOptions& o) {
     sequence.frames.push_back({frame.timestep, {}});
     sequence.frames.back().packet.params = frame.params;
   }
-  if (!IsScoreRecording(o.sequence)) return sequence;
-  const ScoreRecording scores = LoadScores(o.sequence);
+  const std::string sound = SoundFileOf(o.sequence);
+  if (sound.empty() && !IsScoreRecording(o.sequence)) return sequence;
+  const ScoreRecording scores = sound.empty() ? LoadScores(o.sequence) : LoadVoice(sound);
   for (size_t i = 0; i < scores.frames.size(); ++i)
     sequence.frames[i].packet.blendshapes = scores.frames[i].scores;
   return sequence;
@@ -134,9 +135,10 @@ void AddSend(CLI::App& app) {
       app.add_subcommand("send", "play a recorded sequence to a live avatar, as a tracker does");
   const auto o = std::make_shared<SendOptions>();
   command
-      ->add_option("sequence",
-                   o->sequence,
-                   "tracked video, .npz, landmarks file with scores or .csv of Live Link Face")
+      ->add_option(
+          "sequence",
+          o->sequence,
+          "tracked video, .npz, landmarks file with scores, .csv of Live Link Face, or audio:FILE")
       ->required();
   command->add_option(
       "--to",

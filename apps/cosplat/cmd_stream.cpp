@@ -116,7 +116,7 @@ void Run(const StreamOptions& o) {
   while (signals.received() == 0 && (o.frames == 0 || number < o.frames)) {
     session.Advance(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
     if (session.live() && session.live()->Ended()) {
-      if (o.drive != "stdin:") throw Error(o.drive, "has ended");
+      if (o.drive != "stdin:" && o.drive != "audio:-") throw Error(o.drive, "has ended");
       break;
     }
     stage.Draw(session.ShotFor(width, height), image);

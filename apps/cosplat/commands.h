@@ -34,6 +34,7 @@ void AddStream(CLI::App& app);
 void AddTrack(CLI::App& app);
 void AddTrainAvatar(CLI::App& app);
 void AddTrainScene(CLI::App& app);
+void AddVoice(CLI::App& app);
 void AddWebcam(CLI::App& app);
 
 // What these commands do, for commands that include them.

@@ -22,6 +22,7 @@ void AddCommands(CLI::App& app) {
   AddReport(app);
   AddInfo(app);
   AddSend(app);
+  AddVoice(app);
   AddWebcam(app);
   AddStream(app);
   AddServe(app);

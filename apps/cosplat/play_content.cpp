@@ -6,14 +6,14 @@
 
 #include "apps/cosplat/run/head_model.h"
 #include "apps/cosplat/run/notes.h"
+#include "apps/cosplat/run/program_source.h"
 #include "apps/cosplat/run/run_data.h"
 #include "apps/cosplat/run/run_folder.h"
 #include "apps/cosplat/run/verbose_source.h"
-#include "apps/cosplat/run/webcam_source.h"
+#include "apps/cosplat/run/voice_drive.h"
 #include "apps/viewer/orbit_camera.h"
 #include "avatar/io/avatar_file.h"
 #include "avatar/io/gaussian_avatars.h"
-#include "avatar/live/recording.h"
 #include "avatar/model/avatar_mesh.h"
 #include "flame/model.h"
 #include "splat/base/error.h"
@@ -128,16 +128,6 @@ Content LoadFile(const std::string& path, const std::string& flame) {
   return LoadAvatar(path, &run, flame);
 }
 
-// One face per time step; gaps in the recording repeat the previous face.
-std::vector<FlameParams> FacesOf(const Recording& recording) {
-  std::vector<FlameParams> faces;
-  for (const RecordedFrame& frame : recording.frames) {
-    while (int64_t(faces.size()) < frame.timestep) faces.push_back(faces.back());
-    faces.push_back(frame.params);
-  }
-  return faces;
-}
-
 }  // namespace
 
 Content LoadContent(const std::string& model, const std::string& flame) {
@@ -151,33 +141,58 @@ Content LoadContent(const std::string& model, const std::string& flame) {
 }
 
 bool IsLiveDrive(const std::string& drive) {
-  return drive == "stdin:" || IsWebcamDrive(drive) || drive.find("://") != std::string::npos;
+  return drive == "stdin:" || IsProgramDrive(drive) || drive.find("://") != std::string::npos;
+}
+
+namespace {
+
+// What a drive needs of an avatar.
+struct DrivenHead {
+  FlameParams rest;
+  FlameModel flame;
+  std::optional<BlendshapeMap> blendshapes;
+  std::optional<TrainedRange> trained;
+};
+
+void DriveHead(
+    Session& session, const DrivenHead& head, const std::string& drive, double fps, bool verbose) {
+  LiveSourceOptions options;
+  options.rest = head.rest;
+  options.flame = &head.flame;
+  if (head.blendshapes) options.blendshapes = &*head.blendshapes;
+  options.frames_per_second = fps;
+  if (IsLiveDrive(drive)) {
+    FlameParams rest = head.rest;
+    rest.expression.assign(size_t(head.flame.expression_count), 0);
+    std::unique_ptr<LiveSource> source = OpenLive(drive, options);
+    if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
+    session.SetLive(
+        std::make_unique<viewer::LiveFace>(std::move(source), std::move(rest), head.trained));
+  } else {
+    if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
+    const Recording recording = LoadDrive(drive, options);
+    if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
+    session.SetSequence(
+        fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
+  }
+  session.drive = drive;
+}
+
+}  // namespace
+
+std::function<void(Session& session, const std::string& drive)> DriverOf(
+    const Content::Avatar& avatar, double fps, bool verbose) {
+  const auto head = std::make_shared<DrivenHead>(
+      DrivenHead{avatar.rest, avatar.flame, avatar.model.blendshapes, avatar.model.trained_range});
+  return [=](Session& session, const std::string& drive) {
+    DriveHead(session, *head, drive, fps, verbose);
+  };
 }
 
 void DriveSession(
     Session& session, const Content& content, const std::string& drive, double fps, bool verbose) {
   if (!content.avatar) throw Error(content.title, "--drive", "is for avatars; this is a scene");
-  const Content::Avatar& avatar = *content.avatar;
-  LiveSourceOptions options;
-  options.rest = avatar.rest;
-  options.flame = &avatar.flame;
-  if (avatar.model.blendshapes) options.blendshapes = &*avatar.model.blendshapes;
-  options.frames_per_second = fps;
-  if (IsLiveDrive(drive)) {
-    FlameParams rest = avatar.rest;
-    rest.expression.assign(size_t(avatar.flame.expression_count), 0);
-    std::unique_ptr<LiveSource> source =
-        IsWebcamDrive(drive) ? OpenWebcam(drive, options) : OpenLiveSource(drive, options);
-    if (verbose) source = std::make_unique<VerboseSource>(std::move(source));
-    session.SetLive(std::make_unique<viewer::LiveFace>(
-        std::move(source), std::move(rest), avatar.model.trained_range));
-  } else {
-    if (verbose) throw Error("--verbose", "is for live drives; '" + drive + "' is a recording");
-    const Recording recording = LoadRecording(drive, options);
-    if (!recording.note.empty()) PrintNotes({drive + ": " + recording.note});
-    session.SetSequence(
-        fs::path(drive).filename().string(), FacesOf(recording), recording.frames_per_second);
-  }
+  DriverOf(*content.avatar, fps, verbose)(session, drive);
 }
 
 PictureSize ParsePictureSize(const std::string& text) {

@@ -1,6 +1,7 @@
 // Loads what `cosplat play` is given into the viewer's types.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ void DriveSession(viewer::Session& session,
                   const std::string& drive,
                   double fps,
                   bool verbose);
+// The same of an avatar whenever it is asked for, after `content` has gone elsewhere.
+std::function<void(viewer::Session& session, const std::string& drive)> DriverOf(
+    const viewer::Content::Avatar& avatar, double fps, bool verbose);
 
 struct PictureSize {
   int width = 0, height = 0;  // px

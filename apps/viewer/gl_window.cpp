@@ -25,7 +25,7 @@ constexpr float kMaxOfScreen = 0.92f;
                   "; --headless -o OUT draws to files without a window");
 }
 
-GLFWwindow* Open(const std::string& title, float& scale) {
+GLFWwindow* Open(const std::string& title, float& scale, int wanted_width, int wanted_height) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -37,8 +37,10 @@ GLFWwindow* Open(const std::string& title, float& scale) {
     if (scale <= 0) scale = across;
     int x = 0, y = 0, max_width = 0, max_height = 0;
     glfwGetMonitorWorkarea(monitor, &x, &y, &max_width, &max_height);
-    width = std::min(int(kWidth * scale), int(kMaxOfScreen * float(max_width)));
-    height = std::min(int(kHeight * scale), int(kMaxOfScreen * float(max_height)));
+    width = std::min(wanted_width > 0 ? wanted_width : int(kWidth * scale),
+                     int(kMaxOfScreen * float(max_width)));
+    height = std::min(wanted_height > 0 ? wanted_height : int(kHeight * scale),
+                      int(kMaxOfScreen * float(max_height)));
   }
   if (scale <= 0) scale = 1;
   return glfwCreateWindow(
@@ -55,9 +57,9 @@ float UnitsPerPixel(GLFWwindow* window) {
 
 }  // namespace
 
-GlWindow::GlWindow(const std::string& title, float scale) : scale_(scale) {
+GlWindow::GlWindow(const std::string& title, float scale, int width, int height) : scale_(scale) {
   if (!glfwInit()) ThrowNoWindow("display");
-  window_ = Open(title, scale_);
+  window_ = Open(title, scale_, width, height);
   if (!window_) {
     try {
       ThrowNoWindow("OpenGL 3.3 window");

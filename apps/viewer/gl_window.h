@@ -16,8 +16,9 @@ namespace cosplat::viewer {
 
 class GlWindow {
  public:
-  // scale: 0: the screen's. Throws Error if there is no display or no OpenGL 3.3.
-  GlWindow(const std::string& title, float scale);
+  // scale: 0: the screen's. width, height: of the window; 0: the usual. Throws Error if there is no
+  // display or no OpenGL 3.3.
+  GlWindow(const std::string& title, float scale, int width = 0, int height = 0);
   ~GlWindow();
   GlWindow(const GlWindow&) = delete;
   GlWindow& operator=(const GlWindow&) = delete;

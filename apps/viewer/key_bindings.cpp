@@ -16,6 +16,7 @@ const std::vector<KeyBinding>& KeyBindings() {
       {GLFW_KEY_N, "N", "neutral face", Action::kNeutralFace, false},
       {GLFW_KEY_F, "F", "random face", Action::kRandomFace, false},
       {GLFW_KEY_C, "C", "live: you look straight ahead", Action::kCalibrate, false},
+      {GLFW_KEY_D, "D", "start, stop the drive in the panel", Action::kToggleDrive, false},
       {GLFW_KEY_1, "1", "splats", Action::kViewSplats, false},
       {GLFW_KEY_2, "2", "ellipsoids", Action::kViewEllipsoids, false},
       {GLFW_KEY_3, "3", "triangles by count", Action::kViewTriangles, false},

@@ -108,6 +108,40 @@ void DrawFacePanel(Session& session, ScreenResult& result) {
   }
 }
 
+// What people have, and what is written for it; the numbers to be completed are the user's.
+constexpr struct {
+  const char* name;
+  const char* drive;
+} kDrives[] = {{"This machine's camera", "webcam:"},
+               {"This machine's microphone", "audio:"},
+               {"VMC: VSeeFace, Warudo, Waidayo", "vmc://0.0.0.0:39539"},
+               {"VTube Studio or MeowFace on a phone", "vts://192.168."},
+               {"iFacialMocap on a phone", "ifacialmocap://192.168."},
+               {"Live Link Face on a phone", "livelink://0.0.0.0"},
+               {"Another program, by JSON", "udp://127.0.0.1:9500"}};
+
+void DrawDrivePanel(Session& session, ScreenResult& result) {
+  if (!session.open_drive) return;
+  if (!ImGui::CollapsingHeader("Drive", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##kinds", "What moves the face?")) {
+    for (const auto& [name, drive] : kDrives)
+      if (ImGui::Selectable(name)) session.drive = drive;
+    ImGui::EndCombo();
+  }
+  char text[512] = {};
+  session.drive.copy(text, sizeof text - 1);
+  ImGui::SetNextItemWidth(kHalf * ImGui::GetWindowWidth());
+  const bool entered =
+      ImGui::InputText("##drive", text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue);
+  session.drive = text;
+  ImGui::SameLine();
+  ImGui::BeginDisabled(session.drive.empty() && session.live() == nullptr);
+  const bool pressed = ImGui::Button(session.live() ? "Stop (D)" : "Start (D)");
+  if (pressed || (entered && !session.live())) result.actions.push_back(Action::kToggleDrive);
+  ImGui::EndDisabled();
+}
+
 void DrawCount(const char* name, uint64_t count) {
   ImGui::TextUnformatted(name);
   ImGui::SameLine(0.7f * ImGui::GetWindowWidth());
@@ -206,6 +240,7 @@ void DrawPanels(Session& session,
   DrawCapturePanel(state, result);
   DrawViewPanel(session);
   DrawTimesPanel(state);
+  DrawDrivePanel(session, result);
   DrawLivePanel(session);
   DrawFacePanel(session, result);
   ImGui::End();

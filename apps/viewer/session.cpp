@@ -45,8 +45,9 @@ void Session::SetSequence(const std::string& name,
 }
 
 void Session::SetLive(std::unique_ptr<LiveFace> live) {
+  if (!live) TakeSliders();
   live_ = std::move(live);
-  driver = Driver::kLive;
+  if (live_) driver = Driver::kLive;
 }
 
 void Session::Advance(int64_t now_ns) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,7 +38,8 @@ enum class Action {
   kToggleTransparent,
   kTogglePanels,
   kToggleHelp,
-  kScreenshot,  // this and the following are handled by the window
+  kToggleDrive,  // this and the following are handled by the window
+  kScreenshot,
   kToggleRecording,
   kQuit
 };
@@ -51,7 +53,7 @@ class Session {
   void SetSequence(const std::string& name,
                    std::vector<FlameParams> faces,
                    double frames_per_second);
-  // The live face drives from now on.
+  // The live face drives from now on. Null: there is none any more, and the sliders do.
   void SetLive(std::unique_ptr<LiveFace> live);
 
   // Advances to the time `now_ns` of any monotonic clock.
@@ -90,6 +92,10 @@ class Session {
   bool transparent = false;
   bool panels_open = true;
   bool help_open = false;
+  std::string drive;  // as it stands in the panel
+  // Opens a drive of avatar/live/source.h and the like, and lets it drive; throws Error. Null: none
+  // can be chosen.
+  std::function<void(Session&, const std::string& drive)> open_drive;
 
  private:
   void DoToSequence(Action action);

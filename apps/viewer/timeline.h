@@ -21,6 +21,7 @@ class Timeline {
   void Step(int frames);
 
   int frames() const { return frames_; }
+  double frames_per_second() const { return frames_per_second_; }
   int frame() const { return int(position_); }
   double seconds() const { return frames_ > 0 ? position_ / frames_per_second_ : 0; }
   bool playing() const { return playing_; }

@@ -13,6 +13,7 @@
 #include "apps/viewer/image_texture.h"
 #include "apps/viewer/render_worker.h"
 #include "apps/viewer/screen.h"
+#include "apps/viewer/viewer_state.h"
 
 namespace cosplat::viewer {
 namespace {
@@ -35,13 +36,31 @@ struct ViewerWindow::Impl {
   Impl(Session& session, Stage& stage, const WindowSettings& settings)
       : session(session),
         folder(settings.folder),
-        gl("CoSplat - " + session.title(), settings.scale),
+        state_file(settings.state_file),
+        kept(KeptState()),
+        gl("CoSplat - " + session.title(), settings.scale, kept.width, kept.height),
         texture(settings.make_device_texture),
         stage(stage),
         may_stay(bool(settings.make_device_texture)),
         worker(stage, &GlWindow::Wake) {
     state.scale = gl.scale();
+    if (!kept_problem.empty()) Notice(kept_problem, true);
+    if (state_file.empty()) return;
+    session.panels_open = kept.panels_open;
+    if (session.drive.empty()) session.drive = kept.drive;
   }
+
+  // A damaged file is said, and written anew at the end.
+  ViewerState KeptState() {
+    try {
+      return ReadViewerState(state_file);
+    } catch (const std::exception& problem) {
+      kept_problem = problem.what();
+      return {};
+    }
+  }
+  void KeepState() const;
+  void ToggleDrive();
 
   void TakeImage();
   void ShowImage();
@@ -62,7 +81,8 @@ struct ViewerWindow::Impl {
   double TurnSeconds() const;
 
   Session& session;
-  std::string folder;
+  std::string folder, state_file, kept_problem;
+  ViewerState kept;
   GlWindow gl;
   ImageTexture texture;
   const Stage& stage;  // for what does not change; the worker draws on it
@@ -86,6 +106,24 @@ void ViewerWindow::Impl::Notice(const std::string& text, bool problem) {
   state.notice = text;
   state.notice_is_problem = problem;
   notice_end = glfwGetTime() + kNoticeSeconds;
+}
+
+void ViewerWindow::Impl::KeepState() const {
+  if (state_file.empty()) return;
+  ViewerState now{0, 0, session.panels_open, session.drive};
+  glfwGetWindowSize(gl.handle(), &now.width, &now.height);
+  WriteViewerState(now, state_file);
+}
+
+void ViewerWindow::Impl::ToggleDrive() {
+  try {
+    if (session.live())
+      session.SetLive(nullptr);
+    else if (session.open_drive && !session.drive.empty())
+      session.open_drive(session, session.drive);
+  } catch (const std::exception& problem) {
+    Notice(problem.what(), true);
+  }
 }
 
 double ViewerWindow::Impl::TurnSeconds() const {
@@ -211,6 +249,8 @@ bool ViewerWindow::Step() {
   if (glfwGetTime() > impl.notice_end) impl.state.notice.clear();
   impl.state.pressed = impl.gl.TakePressed();
   const ScreenResult result = DrawScreen(impl.session, impl.state);
+  for (const Action action : result.actions)
+    if (action == Action::kToggleDrive) impl.ToggleDrive();
   impl.Ask(result);
   impl.Capture(result);
   impl.last = result;
@@ -228,6 +268,7 @@ void ViewerWindow::Run() {
   }
   if (impl_->recorder) impl_->StopRecording();
   impl_->FinishSaving(true);
+  impl_->KeepState();
 }
 
 GLFWwindow* ViewerWindow::handle() const { return impl_->gl.handle(); }

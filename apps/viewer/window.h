@@ -20,6 +20,7 @@ struct WindowSettings {
   // Shows device images without a copy through host memory. If empty, or where sharing fails,
   // images are copied through host memory.
   DeviceTextureMaker make_device_texture{};
+  std::string state_file{};  // of viewer_state.h; empty: nothing is kept
 };
 
 class ViewerWindow {

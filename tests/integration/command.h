@@ -28,14 +28,16 @@ inline std::string Slurp(const std::string& path) {
   return bytes.str();
 }
 
-// `before`: shell commands in front of it, such as limits. program: its path.
+// `before`: shell commands in front of it, such as limits. program: its path. input: a file that it
+// reads on standard input.
 inline CommandResult Cosplat(const std::vector<std::string>& arguments,
                              const std::string& before = "",
-                             const std::string& program = COSPLAT_COMMAND) {
+                             const std::string& program = COSPLAT_COMMAND,
+                             const std::string& input = "/dev/null") {
   const TemporaryFolder logs;
   std::string line = before + " '" + program + "'";
   for (const std::string& argument : arguments) line += " '" + argument + "'";
-  line += " >'" + (logs / "out") + "' 2>'" + (logs / "err") + "' </dev/null";
+  line += " >'" + (logs / "out") + "' 2>'" + (logs / "err") + "' <'" + input + "'";
   const int status = std::system(line.c_str());
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return {code, Slurp(logs / "out"), Slurp(logs / "err")};

@@ -4,6 +4,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <fstream>
+
+#include "splat/base/error.h"
 #include "splat/media/image_io.h"
 #include "tests/support/expect_error.h"
 #include "tests/viewer/window_fixture.h"
@@ -106,6 +109,53 @@ TEST_F(Window, ShowsALiveFace) {
   EXPECT_EQ(session.driver, Driver::kSliders);
   Settle();
   EXPECT_LE(DifferenceFromStage(), 1);
+}
+
+TEST_F(Window, TheDriveInThePanelStartsAndStops) {
+  FlameParams rest;
+  rest.expression.assign(size_t(PaintedHead().avatar->flame.expression_count), 0);
+  session.open_drive = [&](viewer::Session& opened, const std::string& drive) {
+    if (drive != "udp://:0") throw Error(drive, "cannot be had");
+    opened.SetLive(std::make_unique<viewer::LiveFace>(
+        OpenLiveSource(drive), rest, std::optional<TrainedRange>()));
+  };
+  session.drive = "vts://192.168.";
+  Open();
+  Press(GLFW_KEY_D);
+  EXPECT_EQ(window->notice(), "vts://192.168.: cannot be had");
+  EXPECT_EQ(session.live(), nullptr);
+  session.drive = "udp://:0";
+  Press(GLFW_KEY_D);
+  ASSERT_NE(session.live(), nullptr);
+  EXPECT_EQ(session.driver, Driver::kLive);
+  Press(GLFW_KEY_D);
+  EXPECT_EQ(session.live(), nullptr);
+  EXPECT_EQ(session.driver, Driver::kSliders);
+}
+
+TEST_F(Window, KeepsItsSizeAndDriveForTheNextRun) {
+  settings.state_file = folder / "state/cosplat/viewer.json";
+  session.drive = "vmc://0.0.0.0:39539";
+  Open();
+  glfwSetWindowSize(window->handle(), 700, 500);
+  Settle();
+  session.panels_open = false;
+  glfwSetWindowShouldClose(window->handle(), 1);
+  window->Run();
+  window.reset();
+  session.drive.clear();
+  Open();
+  int width = 0, height = 0;
+  glfwGetWindowSize(window->handle(), &width, &height);
+  EXPECT_EQ(width, 700);
+  EXPECT_EQ(height, 500);
+  EXPECT_FALSE(session.panels_open);
+  EXPECT_EQ(session.drive, "vmc://0.0.0.0:39539");
+  EXPECT_EQ(window->notice(), "");
+  window.reset();
+  std::ofstream(settings.state_file) << R"({"width": -3})";
+  Open();
+  EXPECT_NE(window->notice().find("viewer.json: width"), std::string::npos) << window->notice();
 }
 
 TEST_F(Window, LettersAndPanelsScale) {

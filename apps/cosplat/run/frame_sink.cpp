@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -23,7 +24,11 @@ bool IsVideo(const std::string& path) {
 
 }  // namespace
 
-FrameSink::FrameSink(std::string path) : path_(std::move(path)), is_video_(IsVideo(path_)) {
+FrameSink::FrameSink(std::string path, double frames_per_second, std::optional<Sound> sound)
+    : path_(std::move(path)),
+      is_video_(IsVideo(path_)),
+      frames_per_second_(frames_per_second),
+      sound_(std::move(sound)) {
   if (!is_video_) MakeDirectories(path_);
 }
 
@@ -32,7 +37,9 @@ void FrameSink::Write(const Image8& image) {
     const int width = image.width & ~1, height = image.height & ~1;
     if (width == 0 || height == 0)
       throw Error(path_, "frame", "is too small for a video: one pixel");
-    if (!video_) video_ = std::make_unique<VideoWriter>(path_, width, height, kFramesPerSecond);
+    if (!video_)
+      video_ = std::make_unique<VideoWriter>(
+          path_, width, height, frames_per_second_, std::exchange(sound_, {}));
     Image8 even(width, height, 3);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)

@@ -61,12 +61,18 @@ std::string Plain(const std::string& line) {
 
 // In the child, where only async-signal-safe functions may be called: other threads held locks.
 // Returns if the program could not be started, with the reason in errno.
-void BecomeProgram(
-    pid_t parent, int output, int errors, char* const* argv, char* const* environment) {
+void BecomeProgram(pid_t parent,
+                   bool reads_nothing,
+                   int output,
+                   int errors,
+                   char* const* argv,
+                   char* const* environment) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
-  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
-  if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0) return;
+  if (reads_nothing) {
+    const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0) return;
+  }
   if (dup2(output, STDOUT_FILENO) < 0 || dup2(errors, STDERR_FILENO) < 0) return;
   execve(argv[0], argv, environment);
 }
@@ -143,7 +149,8 @@ struct ChildProcess::Running {
 
 ChildProcess::ChildProcess(const std::vector<std::string>& argv,
                            const std::vector<std::string>& environment,
-                           Errors errors)
+                           Errors errors,
+                           Input input)
     : running_(std::make_unique<Running>(argv[0])) {
   using Pipe = Running::Pipe;
   Pipe& output = running_->output;
@@ -154,6 +161,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& argv,
   const pid_t pid = running_->pid = fork();
   if (pid == 0) {
     BecomeProgram(parent,
+                  input == Input::kNothing,
                   output.write_end,
                   errors == Errors::kWithOutput ? output.write_end : STDERR_FILENO,
                   arguments.data(),

@@ -12,18 +12,21 @@ namespace cosplat {
 // if there is no such executable file.
 std::string FindProgram(const std::string& name);
 
-// A program that runs beside this one. It reads nothing, and does not outlive this process: it gets
+// A program that runs beside this one. It does not outlive this process: it gets
 // Ctrl-C as well, and SIGTERM if this process, or the thread that started it, ends.
 class ChildProcess {
  public:
   // Where the child's standard error goes: into the pipe of its output, or where this process's
   // does.
   enum class Errors { kWithOutput, kAsOurs };
+  // What it reads: nothing, or this process's standard input.
+  enum class Input { kNothing, kOurs };
   // Starts argv[0], a path, with these arguments. `environment` has NAME=VALUE, set besides what
   // this process has. Throws Error if it cannot be started.
   ChildProcess(const std::vector<std::string>& argv,
                const std::vector<std::string>& environment,
-               Errors errors);
+               Errors errors,
+               Input input = Input::kNothing);
   // Ends the child by SIGTERM, and waits for it.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
