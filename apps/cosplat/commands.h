@@ -22,6 +22,7 @@ void AddCheck(CLI::App& app);
 void AddExport(CLI::App& app);
 void AddInfo(CLI::App& app);
 void AddLandmarks(CLI::App& app);
+void AddLatency(CLI::App& app);
 void AddMakeHead(CLI::App& app);
 void AddMetrics(CLI::App& app);
 void AddPlay(CLI::App& app);

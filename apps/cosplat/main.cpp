@@ -7,6 +7,7 @@ namespace {
 
 void AddCommands(CLI::App& app) {
   app.require_subcommand(1);
+  AddLatency(app);
   AddMakeHead(app);
   AddAvatar(app);
   AddLandmarks(app);

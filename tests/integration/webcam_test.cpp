@@ -170,5 +170,54 @@ TEST(Webcam, FollowsAFilmOfTheMadeHead) {
   EXPECT_GT(best, 0.9) << "the jaw";
 }
 
+TEST(Latency, IsThatOfAFilmInTheCamerasPlace) {
+  if (std::system("(command -v node && command -v npm && command -v chromium) >/dev/null") != 0)
+    GTEST_SKIP() << "node, npm or Chromium is not installed";
+  const TemporaryFolder folder;
+  const std::string head = folder / "head", out = folder / "out";
+  ASSERT_EQ(Cosplat({"make-head",
+                     "-o",
+                     head,
+                     "--frames",
+                     "6",
+                     "--test-frames",
+                     "2",
+                     "--size",
+                     "48",
+                     "--quiet"})
+                .code,
+            0);
+  ASSERT_EQ(Cosplat({"train-avatar",
+                     "-s",
+                     head,
+                     "--flame",
+                     head + "/model.npz",
+                     "-m",
+                     out,
+                     "--iterations",
+                     "4",
+                     "--gaussians",
+                     "500"})
+                .code,
+            0);
+  const CommandResult result = Cosplat({"latency", out, "--seconds", "6", "--size", "64x64"});
+  if (result.err.find("npm") != std::string::npos) GTEST_SKIP() << result.err;
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("camera to picture"), std::string::npos) << result.out;
+  std::istringstream jaw(result.out.substr(std::min(result.out.find("\njaw "), result.out.size())));
+  std::string name;
+  double lag = 0, r = 0;
+  jaw >> name >> lag >> r;
+  EXPECT_GT(r, 0.8) << result.out;
+}
+
+TEST(Latency, IsOfAvatars) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.ply") << "ply\n";
+  const CommandResult result = Cosplat({"latency", folder / "a.ply"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("a.ply"), std::string::npos) << result.err;
+}
+
 }  // namespace
 }  // namespace cosplat

@@ -48,6 +48,7 @@ CameraFrame ParseCameraFrame(const std::string& line) {
   frame.height = field["height"].Integer(1, 1 << 15);
   frame.seconds = field["time"].Number() / 1000;
   frame.milliseconds = field["milliseconds"].Number();
+  if (field.Has("bar")) frame.bar = field["bar"].Integer(0, 1 << 12);
   const JsonField points = field["points"];
   if (points.size() != 0 && points.size() != kPoints) points.Fail("has not 478 points");
   for (size_t i = 0; i < points.size(); ++i)

@@ -20,6 +20,7 @@ struct CameraFrame {
   int width = 0, height = 0;  // px
   double seconds = 0;         // when it was captured, by the camera's clock
   double milliseconds = 0;    // that finding the face took
+  int bar = -1;               // the number in the bar of a LatencyFilm; -1: there is none
   // MediaPipe's 478 points, px: x right, y down, z away from the camera, in the scale of x. Empty:
   // there is no face.
   std::vector<std::array<double, 3>> points;

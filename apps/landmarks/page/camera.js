@@ -1,6 +1,7 @@
 // Posts the face in each frame of a camera: the newest one that there is when the last was looked at.
 const settings = new URLSearchParams(location.search);
 const wanted = Number(settings.get("camera")), size = { width: 640, height: 480 };
+const cells = Number(settings.get("bar") ?? 0);
 
 const post = (url, body) => fetch(url, { method: "POST", body });
 const report = (error) => post("../failed", error?.message ?? String(error));
@@ -31,6 +32,16 @@ async function openCamera() {
   return { track: stream.getVideoTracks()[0], label };
 }
 
+// Of the middles of the cells, eight pixels above the lower edge.
+function barOf({ data, width, height }) {
+  let number = 0;
+  for (let cell = 0; cell < cells; ++cell) {
+    const x = Math.floor((cell + 0.5) * width / cells);
+    if (data[4 * ((height - 8) * width + x) + 1] > 127) number += 2 ** cell;
+  }
+  return number;
+}
+
 (async () => {
   const { track, label } = await openCamera();
   const mesh = await openFaceMesh(1);
@@ -47,11 +58,13 @@ async function openCamera() {
     context.drawImage(frame, 0, 0);
     const captured = frame.timestamp / 1000;
     frame.close();
-    const faces = await mesh.look(context.getImageData(0, 0, width, height));
+    const image = context.getImageData(0, 0, width, height);
+    const bar = cells > 0 ? { bar: barOf(image) } : {};
+    const faces = await mesh.look(image);
     const points = (faces[0] ?? []).map(
       (p) => [pixels(p.x * width), pixels(p.y * height), pixels(p.z * width)]);
     const milliseconds = performance.timeOrigin + performance.now() - time;
     post("../face", JSON.stringify(
-      { camera: label, width, height, time: captured, milliseconds, points }));
+      { camera: label, width, height, time: captured, milliseconds, ...bar, points }));
   }
 })();
