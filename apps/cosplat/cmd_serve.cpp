@@ -1,12 +1,17 @@
 // cosplat serve: a model's page, on this machine only.
 #include <httplib.h>
 
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "apps/cosplat/commands.h"
+#include "apps/cosplat/play_content.h"
 #include "apps/cosplat/run/process.h"
+#include "apps/cosplat/run/program_source.h"
+#include "apps/cosplat/run/relay.h"
 #include "apps/cosplat/run/web_model.h"
 #include "splat/base/error.h"
 #include "splat/base/files.h"
@@ -19,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ServeOptions {
-  std::string model, flame, page = "gallery";
+  std::string model, flame, relay, page = "gallery";
   int port = 8080;
   bool stay = false;
 };
@@ -51,6 +56,35 @@ void ServeFile(httplib::Server& server, const std::string& url, const std::strin
   });
 }
 
+constexpr const char* kRelayUrl = "/drive";
+
+// Of avatars; null without --relay.
+std::unique_ptr<Relay> OpenRelay(const ServeOptions& o) {
+  if (o.relay.empty()) return nullptr;
+  if (!IsLiveDrive(o.relay))
+    throw Error("--relay", "is for live drives; '" + o.relay + "' is a recording");
+  const viewer::Content content = LoadContent(o.model, o.flame);
+  if (!content.avatar) throw Error(o.model, "--relay", "is for avatars; this is a scene");
+  const viewer::Content::Avatar& avatar = *content.avatar;
+  LiveSourceOptions options;
+  options.flame = &avatar.flame;
+  if (avatar.model.blendshapes) options.blendshapes = &*avatar.model.blendshapes;
+  return std::make_unique<Relay>(OpenLive(o.relay, options), size_t(avatar.flame.expression_count));
+}
+
+// Server-sent events; a comment where no frame comes, so that a reader that has gone is noticed.
+void ServeRelay(httplib::Server& server, Relay& relay) {
+  constexpr std::chrono::milliseconds kPatience{1000};
+  server.Get(kRelayUrl, [&relay](const httplib::Request&, httplib::Response& out) {
+    out.set_chunked_content_provider(
+        "text/event-stream", [&relay, seen = uint64_t(0)](size_t, httplib::DataSink& sink) mutable {
+          const std::string line = relay.Next(seen, kPatience);
+          const std::string event = line.empty() ? ":\n\n" : "data: " + line + "\n\n";
+          return sink.write(event.data(), event.size());
+        });
+  });
+}
+
 void OpenInBrowser(const std::string& url) {
   const std::string program = FindProgram("xdg-open");
   if (!program.empty()) RunProcess({program, url}, {}, [](const std::string&) {});
@@ -71,7 +105,12 @@ void Serve(const ServeOptions& o) {
                                         std::pair("js", "text/javascript"),
                                         std::pair("wasm", "application/wasm")})
     server.set_file_extension_and_mimetype_mapping(extension, type);
-  const Json description = Description(model);
+  Json description = Description(model);
+  const std::unique_ptr<Relay> relay = OpenRelay(o);
+  if (relay) {
+    ServeRelay(server, *relay);
+    description["drive"] = std::string("events:") + kRelayUrl;
+  }
   server.Get("/model.json", [&](const httplib::Request&, httplib::Response& out) {
     out.set_content(description.dump(), "application/json");
   });
@@ -104,6 +143,8 @@ void AddServe(CLI::App& app) {
   command->add_option("--flame", o->flame, "FLAME model file; the one trained with if not given");
   command->add_option("--page", o->page, "the page to open")
       ->check(CLI::IsMember({"gallery", "obs", "webcam"}));
+  command->add_option(
+      "--relay", o->relay, "a live drive, as of play, for pages, which have no UDP: vts://PHONE");
   command->add_option("--port", o->port, "0: a free one")->check(CLI::Range(0, 65535));
   command->add_flag("--no-open", o->stay, "only print the address");
   command->callback([o] { Serve(*o); });

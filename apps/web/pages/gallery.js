@@ -20,7 +20,7 @@ export function gallery(model, { title, stage, panel, status }) {
   const parts = [status];
   if (model.avatar) {
     const face = faceControls(element);
-    element.addEventListener("load", face.start, { once: true });
+    if (!model.drive) element.addEventListener("load", face.start, { once: true });
     parts.push(face.controls, driveControls(element, face.stop));
   }
   panel.replaceChildren(...parts, lookControls(element));

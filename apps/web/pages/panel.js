@@ -35,6 +35,7 @@ export const labelled = (text, control) => make("label", {}, text, control);
 export function show(model, stage, status, attributes = {}) {
   const element = document.createElement(model.splats ? "cosplat-splats" : "cosplat-avatar");
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  if (model.drive && !attributes.drive) element.setAttribute("drive", model.drive);
   const renderer = new URLSearchParams(location.search).get("renderer");
   if (renderer) element.setAttribute("renderer", renderer);
   const speed = make("p", { className: "speed" });
@@ -133,7 +134,7 @@ export function faceControls(element) {
 
 // The drive: a socket's address or a recording.
 export function driveControls(element, stopFace) {
-  const address = make("input", { type: "text", placeholder: "ws://localhost:9501" });
+  const address = make("input", { type: "text", placeholder: "ws://localhost:9501", value: element.getAttribute("drive") ?? "" });
   const recording = make("input", { type: "file", accept: ".npz" });
   address.onchange = () => {
     stopFace();

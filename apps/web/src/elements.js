@@ -284,16 +284,17 @@ export class AvatarElement extends SplatElement {
     this.look({ ...this.orbit, zoom: Math.max(0.1, Math.min(20, this.orbit.zoom * 1.1 ** steps)) });
   }
 
-  // "ws://..." or "wss://...": frames as its messages; "message": as {cosplat: FRAME} posted to the
+  // "ws://..." or "wss://...": frames as its messages; "events:URL": as server-sent events; "message": as {cosplat: FRAME} posted to the
   // window; "frames": by send(); else the address of a recording. What a frame is: docs/live-input.md.
   async openDrive(drive) {
     this.closeDrive();
     try {
-      const kind = drive === "message" || drive === "frames" || /^wss?:/.test(drive ?? "") ? "frames" : drive;
+      const kind = drive === "message" || drive === "frames" || /^(wss?|events):/.test(drive ?? "") ? "frames" : drive;
       if (kind || this.driven) await this.remote.setDrive(kind || null);
       this.driven = Boolean(kind);
       if (drive === "message") window.addEventListener("message", this.onMessage);
       if (/^wss?:/.test(drive ?? "")) this.connect(drive, 0);
+      if (/^events:/.test(drive ?? "")) this.listen(drive.slice("events:".length));
     } catch (error) {
       this.report(error);
     }
@@ -312,6 +313,18 @@ export class AvatarElement extends SplatElement {
       this.dispatchEvent(new CustomEvent("drive", { detail: "lost" }));
       const wait = RETRY_MS[Math.min(attempt, RETRY_MS.length - 1)];
       setTimeout(() => socket === this.socket && this.connect(address, attempt + 1), wait);
+    };
+  }
+  // Browsers try again by themselves.
+  listen(address) {
+    const events = new EventSource(new URL(address, document.baseURI));
+    this.socket = events;
+    events.onopen = () => this.dispatchEvent(new CustomEvent("drive", { detail: "connected" }));
+    events.onmessage = ({ data }) => this.send(data);
+    events.onerror = () => {
+      if (events !== this.socket) return;
+      this.report({ message: `${address}: the connection was lost, trying again` });
+      this.dispatchEvent(new CustomEvent("drive", { detail: "lost" }));
     };
   }
   closeDrive() {

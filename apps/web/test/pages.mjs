@@ -7,6 +7,7 @@
 // nothing wrong; --pictures keeps screenshots.
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
+import dgram from "node:dgram";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
@@ -103,8 +104,8 @@ assert.match(refused.stderr, /scene\.sog: is SOG or version 4 of SPZ, whose deco
 assert.ok(!fs.existsSync(inWork("none.html")));
 
 // Of `cosplat serve`.
-function served(model) {
-  const child = spawn(values.cosplat, ["serve", model, "--no-open", "--port", "0"]);
+function served(model, ...more) {
+  const child = spawn(values.cosplat, ["serve", model, "--no-open", "--port", "0", ...more]);
   children.push(child);
   return new Promise((resolve, reject) => {
     child.stdout.once("data", (text) => resolve(new URL(String(text).split("\n")[0]).origin));
@@ -113,6 +114,13 @@ function served(model) {
 }
 const avatars = await served(inWork("avatar"));
 const scenes = await served(inWork("scene.sog"));
+// A phone's part: frames to a port that was free a moment ago.
+const sender = dgram.createSocket("udp4");
+const tracker = await new Promise((resolve) => sender.bind(0, "127.0.0.1", () => resolve(sender.address().port + 1)));
+const relayed = await served(inWork("avatar"), "--relay", `udp://127.0.0.1:${tracker}`);
+let sent = 0;
+setInterval(() => sender.send(
+  JSON.stringify({ seq: sent, time: sent / 50, jaw: [0.1 - 0.1 * Math.cos(sent++ / 8), 0, 0] }), tracker, "127.0.0.1"), 20);
 // In place of MediaPipe, whose model is not in a package: a jaw that opens and a head that turns.
 const elsewhere = await serve({ folders: { "/": here, "/playcanvas/": path.join(here, "../node_modules/playcanvas/build") } });
 const mediapipe = `http://127.0.0.1:${elsewhere.address().port}/mediapipe-stub`;
@@ -124,6 +132,7 @@ const pages = [
   { name: "gallery-splats", url: `${scenes}/pages/index.html`, isolated: true },
   { name: "gallery-gpu", url: `${avatars}/pages/index.html?playcanvas=${playcanvas}&renderer=gpu`, isolated: true, gpu: true },
   { name: "obs", url: `${avatars}/pages/obs.html?camera=20+5+0.9`, isolated: true },
+  { name: "relay", url: `${relayed}/pages/obs.html`, isolated: true, relay: true },
   { name: "webcam", url: `${avatars}/pages/webcam.html?package=${mediapipe}`, isolated: true, webcam: true },
   { name: "offline", url: pathToFileURL(inWork("avatar.html")).href, isolated: false },
   { name: "offline-splats", url: pathToFileURL(inWork("scene.html")).href, isolated: false },
@@ -131,7 +140,7 @@ const pages = [
 
 const devTools = new DevTools();
 const shown = "document.querySelector('cosplat-avatar, cosplat-splats')";
-for (const { name, url, isolated, webcam, gpu = false } of pages)
+for (const { name, url, isolated, webcam, relay, gpu = false } of pages)
   for (const [width, height] of [[1280, 800], [390, 844]]) {
     const page = await devTools.page(url, width, height);
     const text = (id) => page.value(`document.getElementById("${id}")?.textContent ?? ""`);
@@ -145,6 +154,11 @@ for (const { name, url, isolated, webcam, gpu = false } of pages)
       await until("faces are seen", async () => /^[1-9]\d* faces/.test(await text("tracking")));
       const health = await page.value(`${shown}.health()`);
       assert.ok(health.accepted > 0 && health.driveMalformed === 0, JSON.stringify(health));
+    }
+    if (relay) {
+      await until("frames come", async () => (await page.value(`${shown}.health()`)).accepted > 20);
+      const { driveMalformed } = await page.value(`${shown}.health()`);
+      assert.equal(driveMalformed, 0);
     }
     if (gpu) await until("the GPU draws", () => page.value(`${shown}.drawing === "gpu"`));
     await sleep(1500);
