@@ -8,6 +8,7 @@
 #include "apps/cosplat/play_content.h"
 #include "apps/cosplat/run/frame_sink.h"
 #include "apps/cosplat/run/progress_bar.h"
+#include "apps/cosplat/run/voice_drive.h"
 #include "apps/viewer/viewer_state.h"
 #include "apps/viewer/window.h"
 #include "avatar/model/bust.h"
@@ -51,7 +52,8 @@ void PlayIntoFiles(const PlayOptions& o, Session& session, Stage& stage, Picture
   if (IsLiveDrive(o.drive))
     throw Error("--headless", "plays recordings; '" + o.drive + "' needs the window");
   FrameSink sink(o.out,
-                 session.has_sequence() ? session.timeline.frames_per_second() : kFramesPerSecond);
+                 session.has_sequence() ? session.timeline.frames_per_second() : kFramesPerSecond,
+                 o.fps > 0 ? std::nullopt : VideoSoundOf(o.drive));
   if (o.transparent && sink.is_video())
     throw Error(o.out, "--transparent", "videos have no alpha: give a folder");
   const int frames = o.frames > 0 ? o.frames : std::max(1, session.timeline.frames());

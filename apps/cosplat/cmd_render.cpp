@@ -36,7 +36,6 @@
 #include "splat/base/rng.h"
 #include "splat/gaussians.h"
 #include "splat/io/dataset.h"
-#include "splat/media/sound.h"
 #include "splat/render/device.h"
 
 namespace cosplat {
@@ -44,7 +43,6 @@ namespace {
 
 constexpr int kOrbitFrames = 120;
 constexpr float kAvatarSwingDegrees = 40;
-constexpr int kVideoSoundRate = 48000;  // samples per second
 
 // Random faces: the most that they turn, radians about each axis.
 constexpr std::array<float, 3> kRandomNeck{0.1f, 0.3f, 0.05f};
@@ -207,10 +205,7 @@ DrivenFaces LoadDrivenFaces(const RenderOptions& o,
   const Recording recording = LoadDrive(o.drive, options);
   if (!o.quiet) std::printf("%s", UnitLine("track " + o.drive, recording.unit).c_str());
   if (!recording.note.empty()) PrintNotes({o.drive + ": " + recording.note});
-  DrivenFaces driven{FacesOf(recording), recording.frames_per_second, {}};
-  if (const std::string file = SoundFileOf(o.drive); !file.empty())
-    driven.sound = ReadSound(file, kVideoSoundRate, 2);
-  return driven;
+  return {FacesOf(recording), recording.frames_per_second, VideoSoundOf(o.drive)};
 }
 
 // Expressions as they are spread over the heads that FLAME was built from, the same ones every

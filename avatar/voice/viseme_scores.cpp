@@ -49,7 +49,7 @@ constexpr float kShapes[size_t(kVisemes)][kPartCount] = {
 // clang-format on
 
 // Weights of kPP at which lips begin to shut, and at which they are shut.
-constexpr float kClosing = 0.15f, kClosed = 0.45f;
+constexpr float kClosing = 0.10f, kClosed = 0.35f;
 
 }  // namespace
 

@@ -181,6 +181,10 @@ TEST(Voice, RendersATalkingVideo) {
   EXPECT_EQ(reader.frame_count(), 80);
   EXPECT_NEAR(reader.frames_per_second(), 50, 1e-3);
   EXPECT_NEAR(double(ReadSound(video, 16000, 1).samples.size()) / 16000, 1.6, 0.1);
+  const std::string played = folder / "played.mp4";
+  ASSERT_EQ(Cosplat({"play", out, "--drive", "audio:" + sound, "--headless", "-o", played}).code,
+            0);
+  EXPECT_NEAR(double(ReadSound(played, 16000, 1).samples.size()) / 16000, 1.6, 0.1);
   // At its table's own rate: no slow motion of it.
   ASSERT_EQ(Cosplat({"voice", sound, "-o", folder / "say.csv"}).code, 0);
   ASSERT_EQ(

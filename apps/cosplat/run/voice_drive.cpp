@@ -1,7 +1,8 @@
 #include "apps/cosplat/run/voice_drive.h"
 
+#include <string_view>
+
 #include "avatar/voice/voice_face.h"
-#include "splat/media/sound.h"
 
 namespace cosplat {
 
@@ -13,6 +14,13 @@ std::string SoundFileOf(const std::string& drive) {
 
 ScoreRecording LoadVoice(const std::string& path, uint64_t seed) {
   return RecordingOfVoice(path, ReadSound(path, kSoundRate, 1).samples, seed);
+}
+
+std::optional<Sound> VideoSoundOf(const std::string& drive) {
+  constexpr int kRate = 48000, kChannels = 2;
+  const std::string file = SoundFileOf(drive);
+  if (file.empty()) return {};
+  return ReadSound(file, kRate, kChannels);
 }
 
 Recording LoadDrive(const std::string& drive, const LiveSourceOptions& options) {
