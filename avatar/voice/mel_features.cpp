@@ -22,12 +22,12 @@ constexpr float kLeast = -8, kMost = 6, kScale = 3;
 double Mel(double hertz) { return 1127 * std::log1p(hertz / 700); }
 
 // [kMelBands, kBins]: triangles of equal width in mel, of height 1.
-Eigen::MatrixXd MelFilters() {
+Eigen::MatrixXd MelFilters(double warp) {
   std::array<double, kMelBands + 2> edges;
   for (size_t i = 0; i < edges.size(); ++i) {
     const double mel =
         Mel(kLowest) + (Mel(kHighest) - Mel(kLowest)) * double(i) / double(kMelBands + 1);
-    edges[i] = 700 * std::expm1(mel / 1127);
+    edges[i] = warp * 700 * std::expm1(mel / 1127);
   }
   Eigen::MatrixXd filters{Eigen::Index(kMelBands), Eigen::Index(kBins)};
   for (size_t band = 0; band < kMelBands; ++band)
@@ -47,14 +47,14 @@ float MeanOf(const MelBands& bands) {
 }  // namespace
 
 struct MelFeatures::Spectrum {
-  Eigen::MatrixXd filters = MelFilters();
+  Eigen::MatrixXd filters;
   std::array<double, kSpeechWindow> hann;
   Eigen::FFT<double> fft;
   std::vector<double> samples = std::vector<double>(kTransform);
   std::vector<std::complex<double>> bins;
   Eigen::VectorXd power{Eigen::Index(kBins)};
 
-  Spectrum() {
+  explicit Spectrum(double warp) : filters(MelFilters(warp)) {
     fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
     for (size_t i = 0; i < hann.size(); ++i)
       hann[i] = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (double(i) + 0.5) / kSpeechWindow);
@@ -72,12 +72,13 @@ struct MelFeatures::Spectrum {
   }
 };
 
-MelFeatures::MelFeatures(const MelBands& mean)
-    : spectrum_(std::make_unique<Spectrum>()),
+MelFeatures::MelFeatures(const MelBands& mean, double warp)
+    : spectrum_(std::make_unique<Spectrum>(warp)),
       mean_(mean),
       frames_in_mean_(kFirstFrames),
       peak_(kFirstPeak) {}
 MelFeatures::~MelFeatures() = default;
+MelFeatures::MelFeatures(MelFeatures&& other) noexcept = default;
 
 SpeechFrame MelFeatures::Normalised(const MelBands& log_power) {
   const float level = MeanOf(log_power);

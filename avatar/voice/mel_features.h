@@ -26,9 +26,11 @@ struct SpeechFrame {
 
 class MelFeatures {
  public:
-  // mean: log powers of speech, before any has been heard.
-  explicit MelFeatures(const MelBands& mean);
+  // mean: log powers of speech, before any has been heard. warp: of the bands' frequencies; above 1
+  // a shorter throat sounds like the usual one (Lee & Rose 1996).
+  explicit MelFeatures(const MelBands& mean, double warp = 1);
   ~MelFeatures();
+  MelFeatures(MelFeatures&& other) noexcept;
   // samples: from -1 to 1, in any portions; NaN and what is beyond count as silence and as -1 or 1.
   // Appends the frames that they complete.
   void Push(std::span<const float> samples, std::vector<SpeechFrame>& frames);

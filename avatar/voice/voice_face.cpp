@@ -16,17 +16,47 @@ constexpr float kStressCutoff = 0.7f;  // Hz
 constexpr float kStressNats = 1.5f;    // that count as the most
 constexpr float kQuiet = -4;           // nats: below it is no voice
 constexpr float kEffort = 0.2f;        // by which the jaw opens more, or less
-constexpr float kBrows = 0.25f;        // of browInnerUp
+// Throats: how much higher than usual their resonances are, and how many frames the running means
+// of the networks' doubts last. Another one is believed once it is surer by kSurer nats.
+constexpr double kWarps[] = {1, 1.08, 1.16};
+constexpr int kDoubtFrames = 500;
+constexpr float kSpeech = -2, kSurer = 0.02f;  // nats: of loudness; of doubt
+constexpr float kBrows = 0.25f;                // of browInnerUp
 
 }  // namespace
 
-VoiceFace::VoiceFace(uint64_t seed)
-    : features_(MeanOfSpeech(OwnVisemeNet())), net_(OwnVisemeNet()), idle_(seed) {}
+VoiceFace::VoiceFace(uint64_t seed) : surest_(0), idle_(seed) {
+  const VisemeNetWeights& weights = OwnVisemeNet();
+  for (const double warp : kWarps)
+    ears_.push_back({MelFeatures(MeanOfSpeech(weights), warp), VisemeNet(weights), {}, 0});
+}
+
+// The weights of those of the ears that is surest of late: which throat speaks is not known, and
+// the network says most clearly what it hears where resonances are where it learned them.
+const VisemeWeights& VoiceFace::Listen(size_t frame) {
+  const bool is_speech = ears_[0].heard[frame].loudness > kSpeech;
+  if (is_speech) speech_heard_ = std::min(speech_heard_ + 1, kDoubtFrames);
+  const size_t before = surest_;
+  for (size_t i = 0; i < ears_.size(); ++i) {
+    Ear& ear = ears_[i];
+    const VisemeWeights weights = ear.net.Next(ear.heard[frame].mel);
+    if (i == before) weights_ = weights;
+    if (!is_speech) continue;
+    float entropy = 0;
+    for (const float w : weights) entropy -= w * std::log(w + 1e-9f);
+    ear.doubt += (entropy - ear.doubt) / float(speech_heard_);
+    if (ear.doubt < ears_[surest_].doubt - kSurer) surest_ = i;
+  }
+  return weights_;
+}
 
 void VoiceFace::Push(std::span<const float> samples, std::vector<ScoredFrame>& frames) {
-  heard_.clear();
-  features_.Push(samples, heard_);
-  for (const SpeechFrame& speech : heard_) Add(speech, frames);
+  for (Ear& ear : ears_) {
+    ear.heard.clear();
+    ear.features.Push(samples, ear.heard);
+  }
+  for (size_t i = 0; i < ears_[0].heard.size(); ++i)
+    Add(Listen(i), ears_[0].heard[i].loudness, frames);
 }
 
 void VoiceFace::Finish(std::vector<ScoredFrame>& frames) {
@@ -35,9 +65,10 @@ void VoiceFace::Finish(std::vector<ScoredFrame>& frames) {
   Push(silence, frames);
 }
 
-void VoiceFace::Add(const SpeechFrame& speech, std::vector<ScoredFrame>& frames) {
-  const VisemeWeights weights = net_.Next(speech.mel);
-  loudness_.push_back(speech.loudness);
+void VoiceFace::Add(const VisemeWeights& weights,
+                    float loudness_ahead,
+                    std::vector<ScoredFrame>& frames) {
+  loudness_.push_back(loudness_ahead);
   if (loudness_.size() <= size_t(VisemeNet::kLookAhead)) return;
   const float loudness = loudness_.front();
   loudness_.pop_front();

@@ -33,12 +33,22 @@ class VoiceFace {
   void Finish(std::vector<ScoredFrame>& frames);
 
  private:
-  void Add(const SpeechFrame& speech, std::vector<ScoredFrame>& frames);
+  // The network by features of one throat's length, and how sure it is of what it hears.
+  struct Ear {
+    MelFeatures features;
+    VisemeNet net;
+    std::vector<SpeechFrame> heard;  // of the last Push
+    float doubt = 0;                 // entropy of the weights, nats: a running mean over speech
+  };
 
-  MelFeatures features_;
-  VisemeNet net_;
+  const VisemeWeights& Listen(size_t frame);
+  void Add(const VisemeWeights& weights, float loudness_ahead, std::vector<ScoredFrame>& frames);
+
+  std::vector<Ear> ears_;
+  size_t surest_;            // of ears_
+  int speech_heard_ = 0;     // frames of speech in the running means
+  VisemeWeights weights_{};  // of the surest one
   IdleMotion idle_;
-  std::vector<SpeechFrame> heard_;
   std::deque<float> loudness_;  // nats, of the frames that the network is behind
   float stress_ = 0;
   int64_t speech_frames_ = 0;
