@@ -96,6 +96,10 @@ ScoreRecording RecordingOfVoice(const std::string& name,
   face.Finish(recording.frames);
   if (samples.size() < kSpeechWindow || recording.frames.empty())
     throw Error(name, "has no sound that lasts a fiftieth of a second");
+  // A muted track, such as videos have whose sound was removed.
+  constexpr float kSilent = 3e-4f;  // -70 dB
+  if (std::all_of(samples.begin(), samples.end(), [](float x) { return !(std::abs(x) > kSilent); }))
+    throw Error(name, "is silent: nobody is heard in it");
   return recording;
 }
 

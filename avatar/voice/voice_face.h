@@ -54,7 +54,7 @@ class VoiceFace {
   int64_t speech_frames_ = 0;
 };
 
-// Throws Error(name, ...) if there is no whole frame of sound.
+// Throws Error(name, ...) if there is no whole frame of sound, or nothing but silence.
 ScoreRecording RecordingOfVoice(const std::string& name,
                                 std::span<const float> samples,
                                 uint64_t seed);

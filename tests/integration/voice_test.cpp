@@ -142,6 +142,8 @@ TEST(Voice, WhatCannotBeHeardIsOneLineAndNothingIsWritten) {
   ExpectRefused(Cosplat({"voice", sound, "-o", table, "--to", "udp://:9500"}), "excludes --to");
   ExpectRefused(Cosplat({"voice", WavOf(folder, std::vector<float>(50)), "-o", table}),
                 "has no sound that lasts");
+  ExpectRefused(Cosplat({"voice", WavOf(folder, std::vector<float>(16000)), "-o", table}),
+                "is silent: nobody is heard in it");
   EXPECT_FALSE(fs::exists(table));
 }
 
