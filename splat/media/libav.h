@@ -1,5 +1,4 @@
-// FFmpeg's libraries for video_reader.cpp and video_writer.cpp: owners of its objects, errors as
-// text.
+// FFmpeg's libraries for video and sound: owners of its objects, errors as text.
 #pragma once
 
 extern "C" {
@@ -12,6 +11,8 @@ extern "C" {
 
 #include <memory>
 #include <string>
+
+#include "splat/base/error.h"
 
 namespace cosplat::libav {
 
@@ -38,6 +39,37 @@ inline std::string ErrorText(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(code, text, sizeof text);
   return text;
+}
+
+// Opens a file and looks into its tracks. what: it is to be, for the Error that is thrown.
+inline Input OpenInput(const std::string& path, const char* what) {
+  AVFormatContext* opened = nullptr;
+  int code = avformat_open_input(&opened, FileUrl(path).c_str(), nullptr, nullptr);
+  Input input(opened);
+  if (code >= 0) code = avformat_find_stream_info(opened, nullptr);
+  if (code < 0)
+    throw Error(path, std::string("cannot be opened as a ") + what + ": " + ErrorText(code));
+  return input;
+}
+
+// Encodes a frame into a track of the output; null: what the encoder still holds. Returns FFmpeg's
+// code.
+inline int EncodeInto(AVFormatContext& output,
+                      AVStream& track,
+                      AVCodecContext& codec,
+                      const AVFrame* frame,
+                      AVPacket& packet) {
+  int code = avcodec_send_frame(&codec, frame);
+  while (code >= 0) {
+    code = avcodec_receive_packet(&codec, &packet);
+    if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return 0;
+    if (code < 0) return code;
+    av_packet_rescale_ts(&packet, codec.time_base, track.time_base);
+    packet.stream_index = track.index;
+    code = av_interleaved_write_frame(&output, &packet);
+    if (code >= 0) code = output.pb->error;
+  }
+  return code;
 }
 
 // Failures are reported as Error; nothing is written to stderr.

@@ -18,18 +18,14 @@ class SoundFile {
  public:
   SoundFile(const std::string& path, int rate, int channels) : path_(path) {
     libav::Quiet();
-    AVFormatContext* opened = nullptr;
-    int code = avformat_open_input(&opened, libav::FileUrl(path).c_str(), nullptr, nullptr);
-    input_.reset(opened);
-    if (code >= 0) code = avformat_find_stream_info(opened, nullptr);
-    if (code < 0) throw Error(path, "cannot be opened as a sound: " + libav::ErrorText(code));
+    input_ = libav::OpenInput(path, "sound");
     const AVCodec* decoder = nullptr;
-    track_ = av_find_best_stream(opened, AVMEDIA_TYPE_AUDIO, -1, -1, &decoder, 0);
+    track_ = av_find_best_stream(input_.get(), AVMEDIA_TYPE_AUDIO, -1, -1, &decoder, 0);
     if (track_ == AVERROR_STREAM_NOT_FOUND) throw Error(path, "has no audio track");
     codec_.reset(track_ >= 0 ? avcodec_alloc_context3(decoder) : nullptr);
     if (!codec_)
       throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
-    code = avcodec_parameters_to_context(codec_.get(), opened->streams[track_]->codecpar);
+    int code = avcodec_parameters_to_context(codec_.get(), input_->streams[track_]->codecpar);
     if (code >= 0) code = avcodec_open2(codec_.get(), decoder, nullptr);
     if (code < 0) throw Error(path, "cannot be decoded: " + libav::ErrorText(code));
     sound_.rate = rate;

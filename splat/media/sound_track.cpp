@@ -40,15 +40,7 @@ SoundTrack::SoundTrack(const std::string& name, AVFormatContext& output, Sound s
 }
 
 void SoundTrack::Encode(const AVFrame* samples) {
-  Check(avcodec_send_frame(codec_.get(), samples));
-  for (;;) {
-    const int code = avcodec_receive_packet(codec_.get(), packet_.get());
-    if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
-    Check(code);
-    av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
-    packet_->stream_index = stream_->index;
-    Check(av_interleaved_write_frame(&output_, packet_.get()));
-  }
+  Check(EncodeInto(output_, *stream_, *codec_, samples, *packet_));
 }
 
 void SoundTrack::WriteUntil(double seconds) {

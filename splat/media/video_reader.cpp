@@ -121,17 +121,13 @@ struct VideoReader::Impl {
 void VideoReader::Impl::Open() {
   next = 0;
   drained = false;
-  AVFormatContext* opened = nullptr;
-  int code = avformat_open_input(&opened, av::FileUrl(path).c_str(), nullptr, nullptr);
-  input.reset(opened);
-  if (code >= 0) code = avformat_find_stream_info(opened, nullptr);
-  if (code < 0) throw Error(path, "cannot be opened as a video: " + av::ErrorText(code));
+  input = av::OpenInput(path, "video");
   const AVCodec* decoder = nullptr;
-  stream = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
+  stream = av_find_best_stream(input.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
   if (stream == AVERROR_DECODER_NOT_FOUND)
     throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
   if (stream < 0) throw Error(path, "cannot be opened as a video: it has no video track");
-  const AVStream& track = *opened->streams[stream];
+  const AVStream& track = *input->streams[stream];
   // FFmpeg's own decoders of WebM drop its alpha, which libvpx's keep.
   const AVDictionaryEntry* mode = av_dict_get(track.metadata, "alpha_mode", nullptr, 0);
   if (mode != nullptr && std::strcmp(mode->value, "1") == 0) {
@@ -141,7 +137,7 @@ void VideoReader::Impl::Open() {
   }
   codec.reset(decoder != nullptr ? avcodec_alloc_context3(decoder) : nullptr);
   if (!codec) throw Error(path, "is encoded in a way that FFmpeg's libraries here cannot decode");
-  code = avcodec_parameters_to_context(codec.get(), track.codecpar);
+  int code = avcodec_parameters_to_context(codec.get(), track.codecpar);
   codec->pkt_timebase = track.time_base;
   codec->thread_count = 0;  // as many as there are cores
   if (code >= 0) code = avcodec_open2(codec.get(), decoder, nullptr);

@@ -120,16 +120,7 @@ VideoStream::VideoStream(const std::string& name,
 }
 
 void VideoStream::Encode(const AVFrame* image) {
-  Check(avcodec_send_frame(codec_.get(), image));
-  for (;;) {
-    const int code = avcodec_receive_packet(codec_.get(), packet_.get());
-    if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
-    Check(code);
-    av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
-    packet_->stream_index = stream_->index;
-    Check(av_interleaved_write_frame(output_.get(), packet_.get()));
-    Check(output_->pb->error);
-  }
+  Check(EncodeInto(*output_, *stream_, *codec_, image, *packet_));
 }
 
 void VideoStream::Write(const Image8& rgb, int64_t number) {
